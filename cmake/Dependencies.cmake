@@ -1,0 +1,11 @@
+# Every library comes from Debian 12; tools/install_packages.sh lists the packages. Nothing is downloaded.
+list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
+find_package(GDAL 3.6 REQUIRED)
+find_package(OpenEXR 3.1 REQUIRED)
+find_package(GeographicLib 2.1 REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(Threads REQUIRED)
+find_package(nlohmann_json REQUIRED)

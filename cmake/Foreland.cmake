@@ -1,0 +1,38 @@
+# What every target of the project shares: language, warnings, sanitizers, ccache. Properties sit on targets.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+find_program(FORELAND_CCACHE ccache)
+if(FORELAND_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${FORELAND_CCACHE})
+endif()
+
+add_library(foreland_options INTERFACE)
+target_include_directories(foreland_options INTERFACE ${CMAKE_SOURCE_DIR})
+# Both ends must compute the same bits: no contraction to fused operations, no fast-math.
+target_compile_options(foreland_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
+  -ffp-contract=off $<$<BOOL:${FORELAND_WARNINGS_AS_ERRORS}>:-Werror>)
+if(FORELAND_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(foreland_options INTERFACE -march=${FORELAND_ARCH})
+endif()
+if(FORELAND_SANITIZE)
+  target_compile_options(foreland_options INTERFACE -fsanitize=${FORELAND_SANITIZE} -fno-sanitize-recover=all
+    -fno-omit-frame-pointer)
+  target_link_options(foreland_options INTERFACE -fsanitize=${FORELAND_SANITIZE})
+endif()
+
+# foreland_library(NAME SOURCES... [PUBLIC libs] [PRIVATE libs])
+function(foreland_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC foreland_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# foreland_program(NAME SOURCES... LIBS...): an executable in bin/.
+function(foreland_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE foreland_options ${ARG_LIBS})
+endfunction()

@@ -1,0 +1,78 @@
+// Where a lattice position and a height are in metres: the scene frame, the same bits on both ends. The scene frame is right-handed
+// with x east (or along the raster's row), y north, z up at its origin.
+//
+//   planar      projected input: metres of its map, axes_m per lattice step, scene origin at `anchor`
+//   geographic  latitude and longitude on an ellipsoid become a local east-north-up frame at the origin, curvature kept:
+//               ECEF in closed form, then a translation and a rotation. Agrees with GeographicLib to 1 mm (test).
+//
+// Immutable value; any thread; portable to WebAssembly.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "base/result.h"
+
+namespace foreland::proto {
+
+enum class FrameKind : uint8_t { kPlanar = 0, kGeographic = 1 };
+
+// A place as the raster's owner names it: x eastward, y northward (possibly between samples), height above the zero surface.
+struct LatticePlace {
+  double x = 0;
+  double y = 0;
+  double height_m = 0;
+};
+
+struct Geodetic {
+  double latitude_rad = 0;
+  double longitude_rad = 0;
+  double height_m = 0;
+};
+
+struct Frame {
+  FrameKind kind = FrameKind::kPlanar;
+  double height_step_m = 0.1;  // one step of a quantised height
+
+  // Planar. `map_origin` is the scene origin in the map's own metres, for people and files; geometry does not use it.
+  glm::dvec2 anchor{0, 0};          // lattice position of the scene origin
+  glm::dvec2 axis_x_m{1, 0};        // metres per lattice step along x
+  glm::dvec2 axis_y_m{0, 1};        // metres per lattice step along y; axis_x cross axis_y is positive
+  glm::dvec2 map_origin_m{0, 0};
+
+  // Geographic: position of lattice (0, 0), step per sample, ellipsoid, and origin of the local frame.
+  double latitude0_rad = 0, longitude0_rad = 0;
+  double latitude_step_rad = 0, longitude_step_rad = 0;
+  double semi_major_m = 6378137.0, flattening = 1 / 298.257223563;
+  Geodetic origin;
+
+  // Finite, non-degenerate, right-handed; latitude within the poles for any lattice position up to (max_x, max_y).
+  Status validate(double max_x, double max_y) const;
+  bool operator==(const Frame&) const;
+};
+
+// A Frame with what its formulas share computed once. Cheap to copy.
+class FrameTransform {
+ public:
+  explicit FrameTransform(const Frame& frame);
+
+  const Frame& frame() const { return frame_; }
+  glm::dvec3 toScene(const LatticePlace& place) const;
+  glm::dvec3 toScene(const Geodetic& place) const;  // geographic frames only
+  // Inverse of toScene to 1e-6 m for points within 10^5 m of the ellipsoid.
+  LatticePlace toLattice(const glm::dvec3& scene_m) const;
+  Geodetic toGeodetic(const glm::dvec3& scene_m) const;  // geographic frames only
+  // Unit vector away from the zero surface at a point.
+  glm::dvec3 upAt(const glm::dvec3& scene_m) const;
+
+ private:
+  glm::dvec3 ecef(double latitude_rad, double longitude_rad, double height_m) const;
+
+  Frame frame_;
+  double e2_ = 0;
+  double sin_lat0_ = 0, cos_lat0_ = 1;  // of the origin
+  glm::dvec3 origin_ecef_{0};           // with the origin's meridian turned to longitude 0
+};
+
+}  // namespace foreland::proto

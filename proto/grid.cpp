@@ -1,0 +1,70 @@
+#include "proto/grid.h"
+
+#include <string>
+
+namespace foreland::proto {
+
+namespace {
+
+// Cells of 2^(t+1) samples along one axis of `roots` roots, with the one past the end that owns the far border's sides.
+uint64_t cellsAlong(uint32_t roots, uint32_t level, bool sides) {
+  return (static_cast<uint64_t>(roots) << (level / 2)) + (sides ? 1 : 0);
+}
+
+}  // namespace
+
+Result<GridTopology> GridTopology::create(const GridShape& shape) {
+  const auto refuse = [](const std::string& what) {
+    return Error{ErrorCode::kMalformed, "grid shape: " + what};
+  };
+  if (shape.root_log2 < 1 || shape.root_log2 > kMaxRootLog2)
+    return refuse("root squares of 2^" + std::to_string(shape.root_log2) + " samples; 2^1 to 2^15 are supported");
+  if (shape.roots_x < 1 || shape.roots_y < 1 || shape.roots_x > kMaxSamples >> shape.root_log2 ||
+      shape.roots_y > kMaxSamples >> shape.root_log2)
+    return refuse(std::to_string(shape.roots_x) + " x " + std::to_string(shape.roots_y) + " roots are none or too many");
+  GridTopology grid;
+  grid.shape_ = shape;
+  if (shape.samples_x < 2 || shape.samples_y < 2 || shape.samples_x > grid.maxX() + 1 || shape.samples_y > grid.maxY() + 1)
+    return refuse(std::to_string(shape.samples_x) + " x " + std::to_string(shape.samples_y) + " samples do not fit its roots");
+
+  uint64_t offset = 0;
+  for (int level = 1; level <= grid.maxLevel(); ++level) {
+    const bool sides = level & 1;
+    const uint64_t tiles_x = (cellsAlong(shape.roots_x, level, sides) + kTile - 1) / kTile;
+    const uint64_t tiles_y = (cellsAlong(shape.roots_y, level, sides) + kTile - 1) / kTile;
+    grid.tiles_x_[level] = static_cast<uint32_t>(tiles_x);
+    grid.level_offset_[level] = static_cast<Slot>(offset);
+    offset += tiles_x * tiles_y * kTile * kTile * (sides ? 2 : 1);
+    if (offset >= kNoSlot) return refuse("more than 2^32 nodes");
+  }
+  grid.level_offset_[grid.maxLevel() + 1] = static_cast<Slot>(offset);
+  return grid;
+}
+
+GridShape GridTopology::shapeFor(uint32_t samples_x, uint32_t samples_y) {
+  CHECK_GE(samples_x, 2u);
+  CHECK_GE(samples_y, 2u);
+  const uint32_t longest = std::max(samples_x, samples_y) - 1;
+  uint32_t k = 1;
+  while (k < kMaxRootLog2 && (8u << k) < longest) ++k;
+  const auto roots = [k](uint32_t samples) { return (samples - 2) / (1u << k) + 1; };
+  return {roots(samples_x), roots(samples_y), k, samples_x, samples_y};
+}
+
+NodeId GridTopology::node(Slot slot) const {
+  if (slot >= slotCount()) return {};
+  const auto begin = level_offset_.begin() + 1;
+  const int level = static_cast<int>(std::upper_bound(begin, begin + maxLevel(), slot) - begin);
+  const bool sides = level & 1;
+  Slot cell = slot - level_offset_[level];
+  const bool along_y = sides && (cell & 1);
+  if (sides) cell >>= 1;
+  const uint32_t tile = cell >> (2 * kTileLog2);
+  const uint32_t cx = (tile % tiles_x_[level]) << kTileLog2 | (cell & (kTile - 1));
+  const uint32_t cy = (tile / tiles_x_[level]) << kTileLog2 | (cell >> kTileLog2 & (kTile - 1));
+  const uint32_t t = shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2), s = 1u << t;
+  const NodeId n = NodeId::at((cx << (t + 1)) + (along_y ? 0 : s), (cy << (t + 1)) + (sides && !along_y ? 0 : s));
+  return contains(n) ? n : NodeId{};
+}
+
+}  // namespace foreland::proto

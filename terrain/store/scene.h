@@ -1,0 +1,85 @@
+// A scene file opened for reading: the refinement hierarchy of one terrain, memory-mapped, immutable. All threads share it.
+// Layout of every byte: docs/SCENE_FORMAT.md. Opening checks magic, version, sizes, header checksum and that the file is whole; block
+// checksums are checked by verifyScene (verify.h), so opening costs the same for any size.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "proto/frame.h"
+#include "proto/grid.h"
+
+namespace foreland::terrain {
+
+// Non-negative metres in 16 bits: the upper half of a float, rounded up, so a decoded bound never understates (relative
+// error at most 2^-7). Order-preserving.
+struct CompactBound {
+  uint16_t bits = 0;
+  float metres() const { return std::bit_cast<float>(static_cast<uint32_t>(bits) << 16); }
+  static CompactBound roundUp(double metres);
+  auto operator<=>(const CompactBound&) const = default;
+};
+
+// What the server knows of one node, at its slot.
+struct NodeRecord {
+  int32_t height = 0;     // in steps of Frame::height_step_m above the zero surface
+  CompactBound error;     // saturated: largest distance (m) between the true surface and the surface without this node or
+                          // any of its descendants' nodes, over this node's support; 0 beyond the data
+  CompactBound radius;    // saturated: sphere about the node's own position that holds its support and its children's spheres
+};
+static_assert(sizeof(NodeRecord) == 8);
+
+// Where the scene came from; for people, not for geometry.
+struct SceneOrigin {
+  std::string title;                 // file names of the inputs
+  std::string crs_wkt;               // empty if none
+  std::vector<std::string> notes;    // how voids were filled, what was assumed
+  uint64_t voids_filled = 0;
+};
+
+struct HeightRange {
+  int32_t lowest = 0;
+  int32_t highest = 0;
+};
+
+class Scene {
+ public:
+  static Result<std::shared_ptr<const Scene>> open(const std::filesystem::path& path);
+  virtual ~Scene() = default;
+
+  const proto::GridTopology& grid() const { return grid_; }
+  const proto::Frame& frame() const { return frame_; }
+  // Names this very content; two builds of the same input share it. Clients resume by it.
+  uint64_t id() const { return id_; }
+  HeightRange heightRange() const { return heights_; }  // over the data
+  const SceneOrigin& origin() const { return origin_; }
+
+  // Indexed by slot; slots that are padding hold zeros.
+  std::span<const NodeRecord> nodes() const { return nodes_; }
+  const NodeRecord& node(proto::NodeId n) const { return nodes_[grid_.slot(n)]; }
+  // Base vertices, row by row from the south: (roots_x + 1) * (roots_y + 1) corners; roots_x * roots_y centres.
+  std::span<const int32_t> cornerHeights() const { return corners_; }
+  std::span<const int32_t> centreHeights() const { return centres_; }
+
+  // Height of any lattice point, node or base vertex, in steps.
+  int32_t height(proto::NodeId v) const;
+
+ protected:
+  Scene(proto::GridTopology grid, proto::Frame frame) : grid_(std::move(grid)), frame_(std::move(frame)) {}
+
+  proto::GridTopology grid_;
+  proto::Frame frame_;
+  uint64_t id_ = 0;
+  HeightRange heights_;
+  SceneOrigin origin_;
+  std::span<const NodeRecord> nodes_;
+  std::span<const int32_t> corners_, centres_;
+};
+
+}  // namespace foreland::terrain
