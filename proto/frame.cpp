@@ -58,21 +58,21 @@ FrameTransform::FrameTransform(const Frame& frame) : frame_(frame) {
   const SinCos lat = sinCos(frame_.origin.latitude_rad);
   sin_lat0_ = lat.sin;
   cos_lat0_ = lat.cos;
-  origin_ecef_ = ecef(frame_.origin.latitude_rad, frame_.origin.longitude_rad, frame_.origin.height_m);
+  origin_ecef_ = ecef(row(frame_.origin.latitude_rad), column(frame_.origin.longitude_rad), frame_.origin.height_m);
 }
 
-// Longitudes count from the origin's meridian, so the rotation to east-north-up is one turn about the y axis.
-glm::dvec3 FrameTransform::ecef(double latitude_rad, double longitude_rad, double height_m) const {
+FrameTransform::Row FrameTransform::row(double latitude_rad) const {
   const SinCos lat = sinCos(latitude_rad);
+  return {lat.sin, lat.cos, frame_.semi_major_m / std::sqrt(1 - e2_ * lat.sin * lat.sin)};
+}
+
+FrameTransform::Column FrameTransform::column(double longitude_rad) const {
   const SinCos lon = sinCos(longitude_rad - frame_.origin.longitude_rad);
-  const double normal = frame_.semi_major_m / std::sqrt(1 - e2_ * lat.sin * lat.sin);
-  const double ring = (normal + height_m) * lat.cos;
-  return {ring * lon.cos, ring * lon.sin, (normal * (1 - e2_) + height_m) * lat.sin};
+  return {lon.sin, lon.cos};
 }
 
 glm::dvec3 FrameTransform::toScene(const Geodetic& place) const {
-  const glm::dvec3 d = ecef(place.latitude_rad, place.longitude_rad, place.height_m) - origin_ecef_;
-  return {d.y, cos_lat0_ * d.z - sin_lat0_ * d.x, sin_lat0_ * d.z + cos_lat0_ * d.x};
+  return fromTables(row(place.latitude_rad), column(place.longitude_rad), place.height_m);
 }
 
 glm::dvec3 FrameTransform::toScene(const LatticePlace& place) const {

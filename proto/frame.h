@@ -63,11 +63,29 @@ class FrameTransform {
   // Inverse of toScene to 1e-6 m for points within 10^5 m of the ellipsoid.
   LatticePlace toLattice(const glm::dvec3& scene_m) const;
   Geodetic toGeodetic(const glm::dvec3& scene_m) const;  // geographic frames only
+  // The parts of toScene that depend on latitude or on longitude alone; FrameGrid tabulates them.
+  struct Row {
+    double sin, cos, normal;  // of the latitude; radius of curvature in the prime vertical, metres
+  };
+  struct Column {
+    double sin, cos;  // of the longitude, counted from the origin's meridian
+  };
+  Row row(double latitude_rad) const;
+  Column column(double longitude_rad) const;
+  glm::dvec3 fromTables(const Row& row, const Column& column, double height_m) const {
+    const glm::dvec3 d = ecef(row, column, height_m) - origin_ecef_;
+    return {d.y, cos_lat0_ * d.z - sin_lat0_ * d.x, sin_lat0_ * d.z + cos_lat0_ * d.x};
+  }
+
   // Unit vector away from the zero surface at a point.
   glm::dvec3 upAt(const glm::dvec3& scene_m) const;
 
  private:
-  glm::dvec3 ecef(double latitude_rad, double longitude_rad, double height_m) const;
+  // Longitudes count from the origin's meridian, so the rotation to east-north-up is one turn about the y axis.
+  glm::dvec3 ecef(const Row& lat, const Column& lon, double height_m) const {
+    const double ring = (lat.normal + height_m) * lat.cos;
+    return {ring * lon.cos, ring * lon.sin, (lat.normal * (1 - e2_) + height_m) * lat.sin};
+  }
 
   Frame frame_;
   double e2_ = 0;

@@ -17,11 +17,11 @@
 
 namespace foreland::terrain {
 
-// Non-negative metres in 16 bits: the upper half of a float, rounded up, so a decoded bound never understates (relative
-// error at most 2^-7). Order-preserving.
+// Non-negative metres in 16 bits: eight bits of a float's exponent and eight of its mantissa, rounded up, so a decoded bound never
+// understates (relative error at most 2^-8). Order-preserving.
 struct CompactBound {
   uint16_t bits = 0;
-  float metres() const { return std::bit_cast<float>(static_cast<uint32_t>(bits) << 16); }
+  float metres() const { return std::bit_cast<float>(static_cast<uint32_t>(bits) << 15); }
   static CompactBound roundUp(double metres);
   auto operator<=>(const CompactBound&) const = default;
 };
