@@ -1,0 +1,399 @@
+#include "proto/message.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "message_generated.h"
+
+namespace foreland::proto {
+
+namespace {
+
+enum class Tag : uint8_t { kControl = 1, kPose = 2, kKeyframe = 3 };
+
+constexpr size_t kMaxNameBytes = 64;
+constexpr size_t kMaxTextBytes = 64 << 10;
+
+Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "message: " + what}; }
+
+// ---- names
+
+constexpr const char* kStrategyNames[] = {"delay", "current", "predict"};
+constexpr const char* kPredictorNames[] = {"hold", "velocity", "acceleration", "path"};
+
+template <class E, size_t N>
+std::optional<E> named(const char* const (&names)[N], std::string_view wanted) {
+  for (size_t i = 0; i < N; ++i)
+    if (wanted == names[i]) return static_cast<E>(i);
+  return std::nullopt;
+}
+
+// ---- compact values
+
+void putEye(const glm::dvec3& eye, ByteWriter& w) {
+  for (int i = 0; i < 3; ++i) w.putZigzag(std::llround(eye[i] * 1000));
+}
+
+glm::dvec3 getEye(ByteReader& r) {
+  glm::dvec3 eye;
+  for (int i = 0; i < 3; ++i) eye[i] = static_cast<double>(r.getZigzag()) / 1000;
+  return eye;
+}
+
+// The largest component is left out; its sign is made positive. Steps of 2^-15 / sqrt(2): 5e-5 rad at most.
+void putOrientation(const glm::dquat& q, ByteWriter& w) {
+  const std::array<double, 4> c{q.w, q.x, q.y, q.z};
+  size_t largest = 0;
+  for (size_t i = 1; i < 4; ++i)
+    if (std::fabs(c[i]) > std::fabs(c[largest])) largest = i;
+  w.put(static_cast<uint8_t>(largest));
+  for (size_t i = 0; i < 4; ++i)
+    if (i != largest) w.put(static_cast<int16_t>(std::lround(std::copysign(1.0, c[largest]) * c[i] * M_SQRT2 * 32767)));
+}
+
+glm::dquat getOrientation(ByteReader& r) {
+  const size_t largest = r.get<uint8_t>() & 3;
+  std::array<double, 4> c{};
+  double rest = 1;
+  for (size_t i = 0; i < 4; ++i) {
+    if (i == largest) continue;
+    c[i] = r.get<int16_t>() / (M_SQRT2 * 32767);
+    rest -= c[i] * c[i];
+  }
+  c[largest] = std::sqrt(std::max(rest, 0.0));
+  const double norm = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]);
+  return {c[0] / norm, c[1] / norm, c[2] / norm, c[3] / norm};
+}
+
+void putPose(const Pose& pose, ByteWriter& w) {
+  putEye(pose.eye, w);
+  putOrientation(pose.orientation, w);
+}
+
+Pose getPose(ByteReader& r) {
+  Pose pose;
+  pose.eye = getEye(r);
+  pose.orientation = getOrientation(r);
+  return pose;
+}
+
+// ---- FlatBuffers values
+
+using Builder = flatbuffers::FlatBufferBuilder;
+
+fb::Vec2 toFb(const glm::dvec2& v) { return {v.x, v.y}; }
+fb::Lens toFb(const Lens& l) { return {l.vertical_fov_rad, l.width_px, l.height_px}; }
+fb::Geodetic toFb(const Geodetic& g) { return {g.latitude_rad, g.longitude_rad, g.height_m}; }
+fb::CameraPose toFb(const Pose& p) {
+  const glm::dquat& q = p.orientation;
+  return {fb::Vec3(p.eye.x, p.eye.y, p.eye.z), fb::Quat(q.w, q.x, q.y, q.z)};
+}
+
+glm::dvec2 fromFb(const fb::Vec2& v) { return {v.x(), v.y()}; }
+Lens fromFb(const fb::Lens& l) { return {l.vertical_fov_rad(), l.width_px(), l.height_px()}; }
+Pose fromFb(const fb::CameraPose& p) {
+  const fb::Vec3& eye = p.eye();
+  const auto& q = p.orientation();
+  return {{eye.x(), eye.y(), eye.z()}, glm::dquat(q.w(), q.x(), q.y(), q.z())};
+}
+
+flatbuffers::Offset<flatbuffers::Vector<const fb::CameraPose*>> putPoses(Builder& b, const std::vector<Pose>& poses) {
+  return b.CreateVectorOfStructs<fb::CameraPose>(poses.size(), [&](size_t i, fb::CameraPose* out) { *out = toFb(poses[i]); });
+}
+
+flatbuffers::Offset<fb::Frame> putFrame(Builder& b, const Frame& f) {
+  const fb::Vec2 anchor = toFb(f.anchor), axis_x = toFb(f.axis_x_m), axis_y = toFb(f.axis_y_m), map = toFb(f.map_origin_m);
+  const fb::Geodetic origin = toFb(f.origin);
+  return fb::CreateFrame(b, static_cast<uint8_t>(f.kind), f.height_step_m, &anchor, &axis_x, &axis_y, &map, f.latitude0_rad,
+                         f.longitude0_rad, f.latitude_step_rad, f.longitude_step_rad, f.semi_major_m, f.flattening, &origin);
+}
+
+Bytes finish(Builder& b, fb::Body type, flatbuffers::Offset<void> body) {
+  b.Finish(fb::CreateControl(b, type, body));
+  Bytes out;
+  out.reserve(b.GetSize() + 1);
+  out.push_back(static_cast<uint8_t>(Tag::kControl));
+  out.insert(out.end(), b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize());
+  return out;
+}
+
+// The verified control message, or nullptr. The bytes are copied so that they are aligned.
+const fb::Control* verified(ByteSpan bytes, std::vector<uint64_t>& aligned) {
+  if (bytes.size() < 2) return nullptr;
+  const ByteSpan body = bytes.subspan(1);
+  aligned.resize((body.size() + 7) / 8);
+  std::memcpy(aligned.data(), body.data(), body.size());
+  flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(aligned.data()), body.size(), 16, 1000);
+  return fb::VerifyControlBuffer(verifier) ? fb::GetControl(aligned.data()) : nullptr;
+}
+
+std::string text(const flatbuffers::String* s, size_t limit) { return s ? s->str().substr(0, limit) : std::string(); }
+
+Result<std::vector<Pose>> posesOf(const flatbuffers::Vector<const fb::CameraPose*>* in) {
+  if (!in || in->size() < 2 || in->size() > Path::kMaxPoses) return malformed("a path has 2 to 100000 poses");
+  std::vector<Pose> poses;
+  poses.reserve(in->size());
+  for (const fb::CameraPose* p : *in) {
+    poses.push_back(fromFb(*p));
+    if (!isUsable(poses.back())) return malformed("a pose is not finite, too far away or not a rotation");
+  }
+  return poses;
+}
+
+// ---- control bodies
+
+Result<ClientMessage> read(const fb::ViewRequest& m) {
+  if (m.protocol() != kProtocolVersion)
+    return malformed("the client speaks protocol " + std::to_string(m.protocol()) + ", this server " +
+                     std::to_string(kProtocolVersion) + "; use matching versions");
+  if (!m.lens()) return malformed("a view request lacks its lens");
+  ViewRequest out;
+  out.lens = fromFb(*m.lens());
+  if (!isUsable(out.lens)) return malformed("field of view must be 1 to 170 degrees, the viewport 1 to 16384 pixels a side");
+  out.tau_px = m.tau_px();
+  if (!(out.tau_px >= 0.01 && out.tau_px <= 1000)) return malformed("the tolerance must be 0.01 to 1000 pixels");
+  if (m.strategy() > 2 || m.predictor() > 3) return malformed("unknown strategy or predictor");
+  out.strategy = static_cast<Strategy>(m.strategy());
+  out.predictor = static_cast<Predictor>(m.predictor());
+  out.keyframe_interval = {m.keyframe_interval_us()};
+  if (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000))
+    return malformed("the keyframe interval must be 20 to 10000 ms");
+  return ClientMessage(out);
+}
+
+Result<ClientMessage> read(const fb::PathUpload& m) {
+  auto poses = posesOf(m.poses());
+  if (!poses) return poses.error();
+  Path path{Time{m.start_us()}, Duration{m.step_us()}, std::move(poses).value()};
+  if (std::abs(m.start_us()) > (int64_t{1} << 60)) return malformed("a path starts at an absurd time");
+  if (Status s = path.validate(); !s.ok()) return s.error();
+  return ClientMessage(std::move(path));
+}
+
+Result<ClientMessage> read(const fb::TourRequest& m) {
+  if (!(m.seconds() >= 1 && m.seconds() <= 3600)) return malformed("a tour lasts 1 to 3600 seconds");
+  return ClientMessage(TourRequest{m.id(), text(m.name(), kMaxNameBytes), m.seconds()});
+}
+
+Result<ClientMessage> read(const fb::GroundRequest& m) {
+  GroundRequest out{m.id(), {}};
+  if (m.places()) {
+    if (m.places()->size() > kMaxGroundPlaces) return malformed("more than 65536 places in one ground request");
+    for (const fb::Vec2* p : *m.places()) out.places.push_back(fromFb(*p));
+  }
+  return ClientMessage(std::move(out));
+}
+
+Result<Frame> frameOf(const fb::Frame* m, const GridShape& shape) {
+  if (!m || !m->anchor() || !m->axis_x_m() || !m->axis_y_m() || !m->map_origin_m() || !m->origin())
+    return malformed("the welcome lacks its frame");
+  Frame f;
+  f.kind = static_cast<FrameKind>(m->kind());
+  f.height_step_m = m->height_step_m();
+  f.anchor = fromFb(*m->anchor());
+  f.axis_x_m = fromFb(*m->axis_x_m());
+  f.axis_y_m = fromFb(*m->axis_y_m());
+  f.map_origin_m = fromFb(*m->map_origin_m());
+  f.latitude0_rad = m->latitude0_rad();
+  f.longitude0_rad = m->longitude0_rad();
+  f.latitude_step_rad = m->latitude_step_rad();
+  f.longitude_step_rad = m->longitude_step_rad();
+  f.semi_major_m = m->semi_major_m();
+  f.flattening = m->flattening();
+  f.origin = {m->origin()->latitude_rad(), m->origin()->longitude_rad(), m->origin()->height_m()};
+  const double max_x = std::ldexp(shape.roots_x, static_cast<int>(shape.root_log2));
+  const double max_y = std::ldexp(shape.roots_y, static_cast<int>(shape.root_log2));
+  if (Status s = f.validate(max_x, max_y); !s.ok()) return s.error();
+  return f;
+}
+
+bool readHeights(const flatbuffers::Vector<int32_t>* in, uint64_t expected, std::vector<int32_t>& out) {
+  if (!in || in->size() != expected) return false;
+  out.assign(in->begin(), in->end());
+  return std::all_of(out.begin(), out.end(), [](int32_t h) { return std::abs(int64_t{h}) <= (1 << 29); });
+}
+
+Result<ServerMessage> read(const fb::Welcome& m) {
+  if (m.protocol() != kProtocolVersion) return malformed("the server speaks another protocol version; reload or update");
+  if (!m.shape()) return malformed("the welcome lacks its shape");
+  Welcome out;
+  out.scene_id = m.scene_id();
+  out.title = text(m.title(), kMaxTextBytes);
+  out.crs = text(m.crs(), kMaxTextBytes);
+  const fb::Shape& s = *m.shape();
+  out.shape = {s.roots_x(), s.roots_y(), s.root_log2(), s.samples_x(), s.samples_y()};
+  if (auto grid = GridTopology::create(out.shape); !grid) return grid.error();
+  auto frame = frameOf(m.frame(), out.shape);
+  if (!frame) return frame.error();
+  out.frame = *frame;
+  const uint64_t rx = out.shape.roots_x, ry = out.shape.roots_y;
+  if (!readHeights(m.corner_heights(), (rx + 1) * (ry + 1), out.corner_heights) ||
+      !readHeights(m.centre_heights(), rx * ry, out.centre_heights))
+    return malformed("the base heights do not fit the shape");
+  out.lowest = m.lowest();
+  out.highest = m.highest();
+  out.tau_px = m.tau_px();
+  out.keyframe_interval = {m.keyframe_interval_us()};
+  if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0) return malformed("the welcome's tolerance or interval is not positive");
+  return ServerMessage(std::move(out));
+}
+
+Result<ServerMessage> read(const fb::TourReply& m) {
+  auto poses = posesOf(m.poses());
+  if (!poses) return poses.error();
+  return ServerMessage(TourReply{m.id(), {m.step_us()}, std::move(poses).value()});
+}
+
+Result<ServerMessage> read(const fb::GroundReply& m) {
+  GroundReply out{m.id(), {}};
+  if (m.heights_m()) out.heights_m.assign(m.heights_m()->begin(), m.heights_m()->end());
+  return ServerMessage(std::move(out));
+}
+
+}  // namespace
+
+const char* name(Strategy strategy) { return kStrategyNames[static_cast<size_t>(strategy)]; }
+const char* name(Predictor predictor) { return kPredictorNames[static_cast<size_t>(predictor)]; }
+std::optional<Strategy> strategyNamed(std::string_view wanted) { return named<Strategy>(kStrategyNames, wanted); }
+std::optional<Predictor> predictorNamed(std::string_view wanted) { return named<Predictor>(kPredictorNames, wanted); }
+
+Bytes encode(const ViewRequest& m) {
+  Builder b;
+  const fb::Lens lens = toFb(m.lens);
+  const auto body = fb::CreateViewRequest(b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy),
+                                          static_cast<uint8_t>(m.predictor), static_cast<uint32_t>(m.keyframe_interval.us));
+  return finish(b, fb::Body_ViewRequest, body.Union());
+}
+
+Bytes encode(const Path& m) {
+  Builder b;
+  const auto poses = putPoses(b, m.poses);
+  return finish(b, fb::Body_PathUpload, fb::CreatePathUpload(b, m.start.us, static_cast<uint32_t>(m.step.us), poses).Union());
+}
+
+Bytes encode(const TourRequest& m) {
+  Builder b;
+  const auto tour = b.CreateString(m.name);
+  return finish(b, fb::Body_TourRequest, fb::CreateTourRequest(b, m.id, tour, m.seconds).Union());
+}
+
+Bytes encode(const GroundRequest& m) {
+  Builder b;
+  const auto places =
+      b.CreateVectorOfStructs<fb::Vec2>(m.places.size(), [&](size_t i, fb::Vec2* out) { *out = toFb(m.places[i]); });
+  return finish(b, fb::Body_GroundRequest, fb::CreateGroundRequest(b, m.id, places).Union());
+}
+
+Bytes encode(const Welcome& m) {
+  Builder b;
+  const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
+  const auto frame = putFrame(b, m.frame);
+  const auto shape = fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x, m.shape.samples_y);
+  const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
+  const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest, corners,
+                                      centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us));
+  return finish(b, fb::Body_Welcome, body.Union());
+}
+
+Bytes encode(const TourReply& m) {
+  Builder b;
+  const auto poses = putPoses(b, m.poses);
+  return finish(b, fb::Body_TourReply, fb::CreateTourReply(b, m.id, static_cast<uint32_t>(m.step.us), poses).Union());
+}
+
+Bytes encode(const GroundReply& m) {
+  Builder b;
+  const auto heights = b.CreateVector(m.heights_m);
+  return finish(b, fb::Body_GroundReply, fb::CreateGroundReply(b, m.id, heights).Union());
+}
+
+Bytes encode(const Refusal& m) {
+  Builder b;
+  const auto message = b.CreateString(m.message);
+  return finish(b, fb::Body_Refusal, fb::CreateRefusal(b, message).Union());
+}
+
+Bytes encode(const PoseUpdate& m) {
+  Bytes out;
+  ByteWriter w(out);
+  w.put(Tag::kPose);
+  w.putZigzag(m.pose.time.us);
+  putPose(m.pose.pose, w);
+  w.putVarint(m.received_keyframe);
+  w.putZigzag((m.received_at - m.pose.time).us);
+  return out;
+}
+
+void encodeHeader(const KeyframeHeader& h, Bytes& out) {
+  ByteWriter w(out);
+  w.put(Tag::kKeyframe);
+  w.putVarint(h.index);
+  w.putVarint(h.base_index);
+  w.putZigzag(h.time.us);
+  putPose(h.pose, w);
+  w.put(h.tau_px);
+  w.put(h.fingerprint);
+}
+
+Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
+  if (bytes.empty()) return malformed("empty");
+  if (bytes.size() > kMaxClientMessageBytes) return malformed("larger than 16 MiB");
+  if (bytes[0] == static_cast<uint8_t>(Tag::kPose)) {
+    ByteReader r(bytes.subspan(1));
+    PoseUpdate m;
+    m.pose.time = {r.getZigzag()};
+    m.pose.pose = getPose(r);
+    const uint64_t received = r.getVarint();
+    const int64_t since = r.getZigzag();
+    constexpr int64_t kHorizon = int64_t{1} << 60;
+    if (!r.atEnd() || received > 0xffffffffu || std::llabs(m.pose.time.us) > kHorizon || since > kHorizon || since < -kHorizon)
+      return malformed("a pose update is cut short, too long or absurd");
+    m.received_keyframe = static_cast<uint32_t>(received);
+    m.received_at = m.pose.time + Duration{since};
+    if (!isUsable(m.pose.pose)) return malformed("a pose is more than 10^8 m away or not a rotation");
+    return ClientMessage(m);
+  }
+  std::vector<uint64_t> aligned;
+  const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;
+  if (!control) return malformed("not a message of this protocol");
+  switch (control->body_type()) {
+    case fb::Body_ViewRequest: return read(*control->body_as_ViewRequest());
+    case fb::Body_PathUpload: return read(*control->body_as_PathUpload());
+    case fb::Body_TourRequest: return read(*control->body_as_TourRequest());
+    case fb::Body_GroundRequest: return read(*control->body_as_GroundRequest());
+    default: return malformed("not one that a client sends");
+  }
+}
+
+Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
+  if (bytes.empty()) return malformed("empty");
+  if (bytes.size() > kMaxServerMessageBytes) return malformed("larger than 64 MiB");
+  if (bytes[0] == static_cast<uint8_t>(Tag::kKeyframe)) {
+    ByteReader r(bytes.subspan(1));
+    KeyframeHeader h;
+    const uint64_t index = r.getVarint(), base = r.getVarint();
+    h.index = static_cast<uint32_t>(index);
+    h.base_index = static_cast<uint32_t>(base);
+    h.time = {r.getZigzag()};
+    h.pose = getPose(r);
+    h.tau_px = r.get<float>();
+    h.fingerprint = r.get<uint32_t>();
+    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !(h.tau_px > 0) ||
+        std::llabs(h.time.us) > (int64_t{1} << 60))
+      return malformed("a keyframe's header is cut short or absurd");
+    return ServerMessage(KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())});
+  }
+  std::vector<uint64_t> aligned;
+  const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;
+  if (!control) return malformed("not a message of this protocol");
+  switch (control->body_type()) {
+    case fb::Body_Welcome: return read(*control->body_as_Welcome());
+    case fb::Body_TourReply: return read(*control->body_as_TourReply());
+    case fb::Body_GroundReply: return read(*control->body_as_GroundReply());
+    case fb::Body_Refusal: return ServerMessage(Refusal{text(control->body_as_Refusal()->message(), kMaxTextBytes)});
+    default: return malformed("not one that a server sends");
+  }
+}
+
+}  // namespace foreland::proto

@@ -1,0 +1,124 @@
+// The messages of a session as plain values, and their bytes. The first byte of a message tells its kind: control messages
+// are FlatBuffers (message.fbs), poses and keyframes are compact. Decoders accept any bytes and end in a valid value or an
+// Error; every count is bounded before it is used.
+// Pure functions; any thread; portable to WebAssembly.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "proto/frame.h"
+#include "proto/grid.h"
+#include "proto/path.h"
+#include "proto/pose.h"
+
+namespace foreland::proto {
+
+inline constexpr uint32_t kProtocolVersion = 1;
+inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
+inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
+inline constexpr size_t kMaxGroundPlaces = 65'536;
+
+// P section 4; DESIGN section 4.
+enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
+enum class Predictor : uint8_t { kHold = 0, kConstantVelocity = 1, kConstantAcceleration = 2, kKnownPath = 3 };
+
+// "delay", "current", "predict"; "hold", "velocity", "acceleration", "path". Nothing for other names.
+const char* name(Strategy strategy);
+const char* name(Predictor predictor);
+std::optional<Strategy> strategyNamed(std::string_view name);
+std::optional<Predictor> predictorNamed(std::string_view name);
+
+struct ViewRequest {
+  Lens lens;
+  double tau_px = 1;
+  Strategy strategy = Strategy::kPredict;
+  Predictor predictor = Predictor::kConstantVelocity;
+  Duration keyframe_interval = Duration::milliseconds(200);
+};
+
+struct TourRequest {
+  uint32_t id = 0;
+  std::string name;     // survey, canyon, spin, orbit
+  double seconds = 60;
+};
+
+struct GroundRequest {
+  uint32_t id = 0;
+  std::vector<glm::dvec2> places;  // lattice positions
+};
+
+struct Welcome {
+  uint64_t scene_id = 0;
+  std::string title;
+  std::string crs;
+  Frame frame;
+  GridShape shape;
+  int32_t lowest = 0, highest = 0;              // heights over the data, steps
+  std::vector<int32_t> corner_heights;          // (roots_x + 1) * (roots_y + 1), row by row from the south, steps
+  std::vector<int32_t> centre_heights;          // roots_x * roots_y
+  double tau_px = 1;                            // in force
+  Duration keyframe_interval;                   // in force
+};
+
+struct TourReply {
+  uint32_t id = 0;
+  Duration step;
+  std::vector<Pose> poses;
+};
+
+struct GroundReply {
+  uint32_t id = 0;
+  std::vector<float> heights_m;  // NaN beyond the data
+};
+
+struct Refusal {
+  std::string message;  // then the server closes
+};
+
+// Client to server, many a second: where the viewer is, and which keyframe it last received.
+struct PoseUpdate {
+  TimedPose pose;                  // the client's clock; eye to the millimetre, orientation to 1e-4 rad
+  uint32_t received_keyframe = 0;  // 0: none yet
+  Time received_at;                // the client's clock
+};
+
+// Server to client: a keyframe's header; the cut delta's bytes follow it in the message.
+struct KeyframeHeader {
+  uint32_t index = 0;      // counts from 1
+  uint32_t base_index = 0; // keyframe whose section the delta starts from; 0 is the empty section
+  Time time;               // t_i, the client's clock
+  Pose pose;               // computed for this pose
+  float tau_px = 1;        // tolerance in force
+  uint32_t fingerprint = 0;  // of the section that results
+};
+
+using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, PoseUpdate>;
+
+struct KeyframeMessage {
+  KeyframeHeader header;
+  ByteSpan delta;  // into the message's bytes
+};
+using ServerMessage = std::variant<Welcome, TourReply, GroundReply, Refusal, KeyframeMessage>;
+
+Bytes encode(const ViewRequest& message);
+Bytes encode(const Path& message);
+Bytes encode(const TourRequest& message);
+Bytes encode(const GroundRequest& message);
+Bytes encode(const PoseUpdate& message);
+Bytes encode(const Welcome& message);
+Bytes encode(const TourReply& message);
+Bytes encode(const GroundReply& message);
+Bytes encode(const Refusal& message);
+// Appends the header; the caller appends the delta.
+void encodeHeader(const KeyframeHeader& header, Bytes& out);
+
+// Values are checked for what their types promise: usable lenses and poses, valid frames, shapes and paths.
+Result<ClientMessage> decodeClientMessage(ByteSpan bytes);
+Result<ServerMessage> decodeServerMessage(ByteSpan bytes);
+
+}  // namespace foreland::proto
