@@ -1,0 +1,92 @@
+// The program `foreland`: as git has them, `foreland NAME ARGS...` runs the executable foreland-NAME that lies beside
+// it, so that only those which read foreign files are linked with the libraries that do. Exit code 2 and the list of
+// subcommands for a name that is not there; otherwise whatever the subcommand returns.
+// One thread.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+namespace {
+
+constexpr int kUsageError = 2;
+
+struct Subcommand {
+  std::string_view name;
+  std::string_view summary;
+};
+
+constexpr std::array kSubcommands{
+    Subcommand{"build", "make a scene file from elevation data"},
+    Subcommand{"synth", "make a synthetic mountain landscape"},
+    Subcommand{"info", "print what a scene file holds"},
+    Subcommand{"verify", "check a scene file's checksums and invariants"},
+    Subcommand{"serve", "serve a scene to viewers, and the page that shows it"},
+    Subcommand{"fly", "fly through a served scene without a screen, and report"},
+    Subcommand{"bench", "run a measurement"},
+};
+
+void printHelp(std::FILE* out) {
+  std::fputs("usage: foreland SUBCOMMAND [ARGS...]\n\n", out);
+  for (const Subcommand& subcommand : kSubcommands)
+    std::fprintf(out, "  %-8s %s\n", subcommand.name.data(), subcommand.summary.data());
+  std::fputs("\n`foreland help SUBCOMMAND` tells more; `foreland --version` prints the version.\n", out);
+}
+
+int refuse(std::string_view what, const std::string& name) {
+  std::fprintf(stderr, "foreland: %s '%s'\n\n", what.data(), name.c_str());
+  printHelp(stderr);
+  return kUsageError;
+}
+
+bool isName(std::string_view word) {
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
+  return !word.empty() && word.front() != '-' && std::all_of(word.begin(), word.end(), allowed);
+}
+
+// Returns only if the executable cannot be run.
+int runSubcommand(const std::string& name, const std::vector<std::string>& arguments) {
+  if (!isName(name)) return refuse("there is no subcommand", name);
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) {
+    std::fprintf(stderr, "foreland: cannot tell where it lies (%s); is /proc mounted?\n", error.message().c_str());
+    return kUsageError;
+  }
+  std::string program = self.parent_path() / ("foreland-" + name);
+  std::vector<std::string> words{program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  if (errno == ENOENT) return refuse("there is no subcommand", name);
+  std::fprintf(stderr, "foreland: cannot run %s: %s\n", program.c_str(), std::strerror(errno));
+  return kUsageError;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  const bool asks_help = words.empty() || words[0] == "help" || words[0] == "--help" || words[0] == "-h";
+  if (asks_help && words.size() >= 2 && words[0] == "help") return runSubcommand(words[1], {"--help"});
+  if (asks_help) {
+    printHelp(stdout);
+    return 0;
+  }
+  if (words[0] == "--version") {
+    std::puts("foreland " FORELAND_VERSION);
+    return 0;
+  }
+  if (words[0].starts_with('-')) return refuse("there is no option", words[0]);
+  return runSubcommand(words[0], {words.begin() + 1, words.end()});
+}

@@ -1,0 +1,102 @@
+// What `foreland NAME ARGS...` promises: it runs the executable beside it, hands over every word and returns its exit
+// code. Each test lays out a folder with a copy of `foreland` and small shell scripts for subcommands.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace foreland::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  // stdout and stderr
+};
+
+Outcome run(const std::string& command) {
+  Outcome outcome;
+  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (!pipe) return outcome;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) outcome.output.push_back(static_cast<char>(c));
+  const int status = pclose(pipe);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+class Dispatcher : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = fs::temp_directory_path() / "foreland_dispatcher_XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    fs::copy_file(fs::path(FORELAND_BIN_DIR) / "foreland", folder_ / "foreland");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string program() const { return folder_ / "foreland"; }
+  void addSubcommand(const std::string& name, const std::string& body) const {
+    const fs::path path = folder_ / ("foreland-" + name);
+    std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
+    fs::permissions(path, fs::perms::owner_all);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Dispatcher, HandsOverEveryWord) {
+  addSubcommand("build", R"(for word in "$@"; do echo "[$word]"; done)");
+  const Outcome outcome = run(program() + " build 'two words' --flag '' '*' -o x.fls");
+  EXPECT_EQ(outcome.output, "[two words]\n[--flag]\n[]\n[*]\n[-o]\n[x.fls]\n");
+  EXPECT_EQ(outcome.exit_code, 0);
+}
+
+TEST_F(Dispatcher, ReturnsTheExitCodeOfTheSubcommand) {
+  addSubcommand("verify", "exit 37");
+  EXPECT_EQ(run(program() + " verify scene.fls").exit_code, 37);
+}
+
+TEST_F(Dispatcher, FindsSubcommandsBesideItThroughALink) {
+  addSubcommand("info", "echo found");
+  fs::create_directory(folder_ / "elsewhere");
+  fs::create_symlink(folder_ / "foreland", folder_ / "elsewhere" / "foreland");
+  EXPECT_EQ(run("cd / && " + (folder_ / "elsewhere" / "foreland").string() + " info").output, "found\n");
+}
+
+TEST_F(Dispatcher, HelpOfASubcommandIsTheSubcommandsOwn) {
+  addSubcommand("fly", R"(echo "fly: $*")");
+  EXPECT_EQ(run(program() + " help fly").output, "fly: --help\n");
+}
+
+TEST_F(Dispatcher, HelpListsTheSubcommands) {
+  for (const char* words : {"", " help", " --help", " -h"}) {
+    const Outcome outcome = run(program() + words);
+    EXPECT_EQ(outcome.exit_code, 0) << words;
+    for (const char* name : {"build", "synth", "info", "verify", "serve", "fly", "bench"})
+      EXPECT_NE(outcome.output.find(std::string("\n  ") + name + " "), std::string::npos) << words << ": " << name;
+  }
+}
+
+TEST_F(Dispatcher, PrintsItsVersion) { EXPECT_TRUE(run(program() + " --version").output.starts_with("foreland ")); }
+
+TEST_F(Dispatcher, RefusesWhatIsNotThereWithTheList) {
+  for (const char* words : {"biuld", "--flag", "''", "../foreland-build", "build/../build", "help biuld"}) {
+    const Outcome outcome = run(program() + " " + words);
+    EXPECT_EQ(outcome.exit_code, 2) << words;
+    EXPECT_NE(outcome.output.find("usage: foreland SUBCOMMAND"), std::string::npos) << words;
+  }
+}
+
+TEST_F(Dispatcher, NamesAnExecutableThatCannotBeRun) {
+  std::ofstream(folder_ / "foreland-serve") << "not executable";
+  const Outcome outcome = run(program() + " serve");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.output.find("foreland-serve"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace foreland::test

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Proves that documents tell the truth about what exists.
+
+    tools/check_docs.py               prints each lie as FILE:LINE: ..., exits 1 if there is one
+    tools/check_docs.py --self-test   proves that each kind of lie is found
+
+  * a path in backticks or in a link of a Markdown file exists (globs match something; build outputs are not looked for);
+  * a docs/*.md or other Markdown file of ours that a source comment names exists;
+  * every subcommand in apps/ has a section in README.md;
+  * every file with a lock is named in docs/THREADS.md.
+"""
+
+import fnmatch
+import os
+import re
+import sys
+import tempfile
+
+import source_files
+
+# Written by the build or by the user, so not in the repository.
+OUTPUTS = ("build/", "../", "client/web/dist", "client/web/node_modules", "/")
+SOURCE = (".h", ".cpp", ".cmake", "CMakeLists.txt", ".py", ".sh", ".fbs", ".js", ".mjs", ".ts", ".html", ".css")
+TICKED = re.compile(r"`([^`\s]+)`")
+LINK = re.compile(r"\]\(([^)\s#]+)[^)]*\)")
+NAMED_DOC = re.compile(r"(?<![\w./-])((?:[\w-]+/)*[A-Za-z][\w-]*\.md)\b")
+LOCK = re.compile(r"\bstd::(mutex|shared_mutex|recursive_mutex|condition_variable(_any)?)\b")
+
+
+def looks_like_path(token, tops):
+    """Backticks hold much that is no path: only what begins in a folder of ours, or is a file of the top level, counts."""
+    token = token.removeprefix("./").split(":")[0]
+    if "(" in token or "<" in token or "$" in token or token.startswith(OUTPUTS):
+        return None
+    if "/" in token:
+        return token if token.split("/")[0] in tops else None
+    return token if token in tops or token.endswith(".md") else None
+
+
+class Tree:
+    def __init__(self, root):
+        self.root = root
+        self.files = source_files.ours(root)
+        self.folders = {os.path.dirname(f) for f in self.files}
+        self.folders |= {"/".join(f.split("/")[:n]) for f in self.folders for n in range(1, f.count("/") + 1)}
+        self.tops = {f.split("/")[0] for f in self.files}
+
+    def holds(self, path):
+        path = os.path.normpath(path)
+        if any(c in path for c in "*?["):
+            return any(fnmatch.fnmatch(f, path) for f in self.files)
+        return path in self.folders or path in self.files
+
+    def lines(self, path):
+        with open(os.path.join(self.root, path), encoding="utf-8") as file:
+            yield from enumerate(file.read().split("\n"), 1)
+
+
+def lies_of_document(tree, path):
+    for number, line in tree.lines(path):
+        for token in TICKED.findall(line):
+            named = looks_like_path(token, tree.tops)
+            if named and not tree.holds(named) and not tree.holds(os.path.join(os.path.dirname(path), named)):
+                yield f"{path}:{number}: names `{token}`, which does not exist"
+        for target in LINK.findall(line):
+            if "://" not in target and not tree.holds(os.path.join(os.path.dirname(path), target)):
+                yield f"{path}:{number}: links to {target}, which does not exist"
+
+
+def lies_of_source(tree, path, threads):
+    in_tests = path.startswith(("tests/", "bench/", "tools/"))
+    locks = False
+    for number, line in tree.lines(path):
+        if not path.startswith("tools/"):
+            for named in NAMED_DOC.findall(line):
+                if not tree.holds(named) and not tree.holds(os.path.join(os.path.dirname(path), named)):
+                    yield f"{path}:{number}: names {named}, which does not exist"
+        if LOCK.search(line.split("//")[0]) and not in_tests and not locks:
+            locks = True
+            if path not in threads and os.path.splitext(path)[0] + ".h" not in threads:
+                yield f"{path}:{number}: has a lock; give it a line in docs/THREADS.md"
+
+
+def lies_of_subcommands(tree):
+    if not tree.holds("apps/CMakeLists.txt") or not tree.holds("README.md"):
+        return
+    readme = "\n".join(line for _, line in tree.lines("README.md"))
+    for number, line in tree.lines("apps/CMakeLists.txt"):
+        for name in re.findall(r"\bforeland_program\(\s*foreland-([\w-]+)", line):
+            if not re.search(rf"^#+ .*foreland {name}\b", readme, re.MULTILINE):
+                yield f"apps/CMakeLists.txt:{number}: README.md has no section for `foreland {name}`"
+
+
+def lies(root):
+    tree = Tree(root)
+    threads = ""
+    if tree.holds("docs/THREADS.md"):
+        threads = "\n".join(line for _, line in tree.lines("docs/THREADS.md"))
+    for path in tree.files:
+        if path.endswith(".md"):
+            yield from lies_of_document(tree, path)
+        elif path.endswith(SOURCE):
+            yield from lies_of_source(tree, path, threads)
+    yield from lies_of_subcommands(tree)
+
+
+PLANTED = {
+    "README.md": "`proto/node.h` `proto/gone.h` `build/x` `proto/*.h` `proto/*.txt` [a](docs/A.md) [b](docs/B.md) `word`\n"
+                 "## `foreland fly`: fly\n",
+    "docs/A.md": "`C.md` `../outside` `A.md` `proto/`\n",
+    "docs/THREADS.md": "`server/a.h`: one\n",
+    "proto/node.h": "// see docs/A.md and docs/GONE.md\n",
+    "server/a.h": "std::mutex m;\n",
+    "server/a.cpp": "std::mutex m;\n",
+    "server/b.cpp": "// std::mutex\nstd::shared_mutex m;\n",
+    "apps/CMakeLists.txt": "foreland_program(foreland-fly SOURCES fly.cpp)\nforeland_program(foreland-new SOURCES new.cpp)\n",
+}
+EXPECTED = ["names `proto/gone.h`", "names `proto/*.txt`", "links to docs/B.md", "names `C.md`", "names docs/GONE.md",
+            "server/b.cpp:2: has a lock", "no section for `foreland new`"]
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as root:
+        for path, content in PLANTED.items():
+            os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+            with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+                file.write(content)
+        found = list(lies(root))
+    failures = [f"not found: {e}" for e in EXPECTED if not any(e in line for line in found)]
+    return failures + [f"wrongly found: {line}" for line in found if not any(e in line for e in EXPECTED)]
+
+
+def main():
+    if sys.argv[1:] not in ([], ["--self-test"]):
+        print(__doc__, file=sys.stderr)
+        return 2
+    found = self_test() if sys.argv[1:] else list(lies(source_files.ROOT))
+    for line in found:
+        print(line)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""Proves that includes go one way, that third-party types stay in the folder that wraps them, and that only edges read a clock.
+
+    tools/check_layers.py               checks the repository; prints each violation as FILE:LINE: ..., exits 1 if there is one
+    tools/check_layers.py --self-test   plants violations in a scratch tree and proves that each one is found
+
+The tables below are the architecture; change them together with ARCHITECTURE.md.
+"""
+
+import os
+import re
+import sys
+import tempfile
+
+import source_files
+
+# A room is a folder; a file belongs to the deepest room that holds it. Each room sees itself and what is listed.
+SEES = {
+    "base": [],
+    "proto": ["base"],
+    "terrain": ["base", "proto"],  # elevation_source.h and its like: what the rooms below share
+    "terrain/geo": ["base", "proto", "terrain"],
+    "terrain/store": ["base", "proto", "terrain"],
+    "terrain/bounds": ["base", "proto", "terrain", "terrain/store"],
+    "terrain/dem": ["base", "proto", "terrain", "terrain/geo"],
+    "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem"],
+}
+
+# The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
+SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo"]
+SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/sched", "server/session", "server/net", "server"]
+for at, room in enumerate(SERVER_ROOMS):
+    SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
+
+SEES["client"] = ["base", "proto"]
+SEES["client/wasm"] = ["base", "proto", "client"]
+SEES["client/fly/net"] = ["base", "proto", "client"]
+SEES["client/fly"] = ["base", "proto", "client", "client/fly/net"]
+
+LIBRARIES = sorted(SEES)
+SEES["tests/support"] = LIBRARIES  # generators, the oracle, the crack checker: for tests and for measurements
+SEES["bench"] = [*LIBRARIES, "tests/support"]
+SEES["apps"] = [*LIBRARIES, "bench", "tests/support"]
+SEES["tests"] = [*LIBRARIES, "bench", "tests/support"]
+
+# Who may include a third-party header. Tests may use any of them: they compare us with them.
+TESTS = ["tests", "tests/support"]
+EDGES = ["apps", "bench", *TESTS]
+THIRD_PARTY = [
+    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem", *TESTS]),
+    (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem", *TESTS]),
+    (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
+    (r"embree\d?/", "Embree", ["server/occlusion", *TESTS]),
+    (r"boost/", "Boost", ["server/net", "client/fly/net", *EDGES]),
+    (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
+    (r"CLI/", "CLI11", EDGES),
+    (r"benchmark/", "Google Benchmark", ["bench"]),
+    (r"(gtest|gmock|rapidcheck)[/.]", "a test framework", TESTS),
+    (r"(spdlog|fmt|nlohmann|zstd|xxhash|tbb|oneapi)[/.]", "a library that WebAssembly lacks",
+     [r for r in SEES if r not in ("base", "proto", "client", "client/wasm")]),
+    (r"(thread|mutex|shared_mutex|condition_variable|future|fstream|filesystem|iostream|stop_token)$",
+     "threads, files or streams in a room that is also compiled to WebAssembly",
+     [r for r in SEES if r not in ("base", "proto", "client", "client/wasm")]),
+]
+
+CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<(chrono|ctime)>")
+CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", *EDGES]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def room_of(path):
+    """The deepest room that holds `path`, or None."""
+    parts = path.split("/")[:-1]
+    while parts:
+        if "/".join(parts) in SEES:
+            return "/".join(parts)
+        parts.pop()
+    return None
+
+
+def top(room):
+    return room.split("/")[0]
+
+
+def judge_include(path, room, quoted, target):
+    """What is wrong with this include, or None."""
+    target_room = room_of(target)
+    if target_room is None:
+        if quoted and "/" not in target and target.startswith(tuple("abcdefghijklmnopqrstuvwxyz")) and \
+                os.path.exists(os.path.join(source_files.ROOT, os.path.dirname(path), target)):
+            return f'include "{os.path.dirname(path)}/{target}" by its path from the root'
+        for pattern, name, rooms in THIRD_PARTY:
+            if re.match(pattern, target) and room not in rooms:
+                return f"{room} must not use {name} (<{target}>); allowed in: {', '.join(rooms)}"
+        return None
+    if ".." in target.split("/"):
+        return f'include "{target}" by its path from the root'
+    if target_room == room or target_room in SEES[room]:
+        return None
+    return f"{room} must not include {target_room} ({target}); it sees: {', '.join(SEES[room]) or 'only itself'}"
+
+
+def violations(root):
+    for path in source_files.ours(root, source_files.CPP):
+        room = room_of(path)
+        if room is None:
+            yield f"{path}:1: lies in no room that tools/check_layers.py knows"
+            continue
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            for number, line in enumerate(file, 1):
+                include = INCLUDE.match(line)
+                wrong = judge_include(path, room, include[1] == '"', include[2]) if include else None
+                if wrong:
+                    yield f"{path}:{number}: {wrong}"
+                code = line.split("//")[0]
+                if CLOCK.search(code) and room not in CLOCK_ROOMS:
+                    yield f"{path}:{number}: {room} must not read a clock; time is a parameter"
+
+
+PLANTED = [  # file, content, what must be said of it ("" for: nothing)
+    ("base/a.h", "#pragma once\n", ""),
+    ("proto/a.h", '#include "base/a.h"\n#include <glm/vec3.hpp>\n', ""),
+    ("base/b.h", '#include "proto/a.h"\n', "base must not include proto"),
+    ("client/a.cpp", '#include "server/net/a.h"\n', "client must not include server/net"),
+    ("client/b.cpp", '#include "terrain/a.h"\n', "client must not include terrain"),
+    ("client/c.cpp", "#include <spdlog/spdlog.h>\n", "a library that WebAssembly lacks"),
+    ("proto/b.h", "#include <mutex>\n", "also compiled to WebAssembly"),
+    ("server/view/a.h", '#include "server/section/a.h"\n', "server/view must not include server/section"),
+    ("server/session/a.h", '#include "server/sched/a.h"\n#include "terrain/store/a.h"\n', ""),
+    ("server/session/b.h", '#include "terrain/dem/a.h"\n', "server/session must not include terrain/dem"),
+    ("server/section/b.cpp", "auto t = std::chrono::steady_clock::now();\n", "must not read a clock"),
+    ("server/section/c.cpp", "// no steady_clock here\n", ""),
+    ("server/net/b.cpp", "#include <boost/beast.hpp>\n#include <chrono>\n", ""),
+    ("server/sched/b.cpp", "#include <boost/asio.hpp>\n", "must not use Boost"),
+    ("terrain/store/b.cpp", "#include <gdal_priv.h>\n", "must not use GDAL"),
+    ("terrain/build/b.cpp", "  #  include <ImfInputFile.h>\n", "must not use OpenEXR"),
+    ("terrain/dem/b.cpp", "#include <gdal.h>\n#include <cpl_conv.h>\n#include <OpenEXR/ImfInputFile.h>\n", ""),
+    ("terrain/dem/c.cpp", "#include <GeographicLib/Geocentric.hpp>\n", "must not use GeographicLib"),
+    ("terrain/build/c.cpp", '#include "apps/a.h"\n', "must not include apps"),
+    ("proto/c.h", '#include "tests/support/a.h"\n', "must not include tests"),
+    ("tests/terrain/b.cpp", '#include "bench/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
+    ("bench/b.cpp", '#include "tests/support/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
+    ("bench/c.cpp", '#include "tests/world/a.h"\n', "must not include tests"),
+    ("proto/d.h", '#include "proto/../base/a.h"\n', "by its path from the root"),
+    ("elsewhere/a.h", "#pragma once\n", "lies in no room"),
+]
+
+
+def self_test():
+    failures = []
+    with tempfile.TemporaryDirectory() as root:
+        for path, content, _ in PLANTED:
+            os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+            with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+                file.write(content)
+        found = list(violations(root))
+    for path, _, expected in PLANTED:
+        about = [line for line in found if line.startswith(path + ":")]
+        if bool(about) != bool(expected) or (expected and expected not in about[0]):
+            failures.append(f"{path}: expected '{expected}', got {about}")
+    for room, seen in SEES.items():
+        for other in seen:
+            if room in SEES[other]:
+                failures.append(f"{room} and {other} see each other")
+    return failures
+
+
+def main():
+    if sys.argv[1:] not in ([], ["--self-test"]):
+        print(__doc__, file=sys.stderr)
+        return 2
+    found = self_test() if sys.argv[1:] else list(violations(source_files.ROOT))
+    for line in found:
+        print(line)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# The one list of Debian packages, in groups; installs those of the named groups that are missing. Says nothing and needs no
+# network when none is. Groups: build (the programs), page (WebAssembly module and web page), test (what ./check adds).
+set -euo pipefail
+
+readonly build_packages=(
+  ca-certificates git cmake ninja-build g++ ccache python3
+  libgdal-dev gdal-bin proj-data
+  libopenexr-dev
+  libgeographiclib-dev
+  libglm-dev
+  libembree-dev libtbb-dev
+  libboost1.74-dev libssl-dev
+  libflatbuffers-dev flatbuffers-compiler
+  libzstd-dev libxxhash-dev
+  libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev
+  libbenchmark-dev
+)
+readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
+readonly test_packages=(curl clang-format clang-tidy libgtest-dev librapidcheck-dev chromium fonts-dejavu-core)
+
+usage() {
+  echo "usage: tools/install_packages.sh GROUP...   (groups: build page test)" >&2
+  exit 2
+}
+
+isInstalled() {
+  [[ "$(dpkg-query -W -f='${db:Status-Abbrev}' "$1" 2>/dev/null)" == ii* ]]
+}
+
+# Node may be here from elsewhere than Debian; 18 is what Debian 12 has and what the page needs at least.
+hasNode() {
+  command -v node >/dev/null && command -v npm >/dev/null &&
+    [[ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ]]
+}
+
+asRoot() {
+  if [[ $EUID -eq 0 ]]; then "$@"
+  elif command -v sudo >/dev/null; then sudo "$@"
+  else
+    echo "install_packages: missing: ${missing[*]}" >&2
+    echo "install_packages: needs root to install them; run as root, or install sudo" >&2
+    exit 2
+  fi
+}
+
+[[ $# -gt 0 ]] || usage
+wanted=()
+for group in "$@"; do
+  case "$group" in
+    build) wanted+=("${build_packages[@]}") ;;
+    page) wanted+=("${page_packages[@]}"); hasNode || wanted+=(nodejs npm) ;;
+    test) wanted+=("${test_packages[@]}") ;;
+    *) usage ;;
+  esac
+done
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "install_packages: this is no Debian system; install the equivalents of: ${wanted[*]}" >&2
+  exit 2
+fi
+
+missing=()
+for package in "${wanted[@]}"; do
+  isInstalled "$package" || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+echo "installing ${#missing[@]} packages: ${missing[*]}"
+asRoot env DEBIAN_FRONTEND=noninteractive apt-get update -qq </dev/null
+asRoot env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" </dev/null >/dev/null
