@@ -1,0 +1,64 @@
+// The worker threads: they take released jobs from a DeadlineQueue, earliest deadline first. The queue's mutex is held to add and
+// to take, never while a job runs. A timed wait on the same queue is the timer of the whole server.
+// Any thread may submit and cancel, jobs included.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "server/sched/clock.h"
+#include "server/sched/deadline_queue.h"
+#include "server/sched/histogram.h"
+
+namespace foreland::server {
+
+class Pool {
+ public:
+  using Ticket = DeadlineQueue::Ticket;
+
+  // Starts `threads` workers (at least one), named worker-0, worker-1, ... . `clock` decides what is released and what is late.
+  // Waits for a release last real time, so `clock` should run with it; a clock that jumps is noticed at the next submit().
+  Pool(size_t threads, Clock clock);
+  ~Pool() { stop(); }
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
+
+  // After stop() the job is dropped.
+  Ticket submit(Due due, Job job);
+
+  // True if the job will not run; false if it runs, ran or was dropped.
+  bool cancel(const Ticket& ticket);
+
+  // Lets running jobs end, joins the workers, drops the jobs left. May be called again; not from a job.
+  void stop();
+
+  size_t threadCount() const { return worker_count_; }
+  // Jobs released and not yet started.
+  size_t queueDepth() const { return ready_count_.load(std::memory_order_relaxed); }
+  // By how much jobs ended after their deadline; those in time count as zero.
+  const Histogram& lateness() const { return lateness_; }
+
+ private:
+  void run(size_t worker, std::stop_token stop);
+  std::optional<DeadlineQueue::Entry> next(std::stop_token stop);
+  void waitForWork(std::unique_lock<std::mutex>& lock, std::stop_token stop);
+
+  const Clock clock_;
+  const size_t worker_count_;
+  Histogram lateness_;
+  std::atomic<size_t> ready_count_{0};
+
+  std::mutex mutex_;  // protects queue_, changes_ and stopped_
+  DeadlineQueue queue_;
+  uint64_t changes_ = 0;  // of the queue, so that no waiting worker misses one
+  bool stopped_ = false;
+  std::condition_variable_any changed_;
+
+  std::vector<std::jthread> workers_;  // last, so that they see whole fields
+};
+
+}  // namespace foreland::server
