@@ -7,7 +7,8 @@ case "${1:-}" in
   "") files | xargs -0 -r -n 20 -P "$(nproc)" clang-format -i ;;
   --check)
     # Only the names: clang-format would print every place.
-    unformatted="$(files | xargs -0 -r -n 20 -P "$(nproc)" clang-format --dry-run 2>&1 | sed -n 's/^\([^: ]*\):[0-9]*:.*/\1/p' | sort -u)"
+    unformatted="$(files | xargs -0 -r -n 20 -P "$(nproc)" sh -c \
+      'for f; do clang-format --dry-run -Werror "$f" 2>/dev/null || echo "$f"; done' sh | sort)"
     [[ -z "$unformatted" ]] && exit 0
     printf '%s\n' "$unformatted" "not formatted; run tools/format.sh"
     exit 1
