@@ -1,0 +1,189 @@
+#include "client/mesh_builder.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace foreland::client {
+
+namespace {
+
+uint32_t packNormal(const glm::dvec3& n) {
+  const double length = std::sqrt(glm::dot(n, n));
+  const auto byte = [&](double v) { return static_cast<uint32_t>(static_cast<uint8_t>(std::lround(v / length * 127))); };
+  return length > 0 ? byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16 : 127u << 16;
+}
+
+}  // namespace
+
+MeshBuilder::MeshBuilder(const Replica& replica, KeyframeMesh& mesh)
+    : replica_(replica),
+      grid_(replica.grid()),
+      nodes_(replica.nodes()),
+      mesh_(mesh),
+      limit_(static_cast<float>(grid_.shape().samples_x - 1), static_cast<float>(grid_.shape().samples_y - 1)) {}
+
+void MeshBuilder::run() {
+  placeBase();
+  for (uint32_t y = 0; y < grid_.shape().roots_y; ++y)
+    for (uint32_t x = 0; x < grid_.shape().roots_x; ++x) visitRoot(x, y);
+  finishNormals();
+  writePositions();
+}
+
+// Vertices: corners, centres, then the nodes in the order of the union.
+void MeshBuilder::placeBase() {
+  const proto::GridShape& shape = grid_.shape();
+  const uint32_t corners = (shape.roots_x + 1) * (shape.roots_y + 1), size = grid_.rootSize();
+  first_node_ = corners + shape.roots_x * shape.roots_y;
+  const size_t count = first_node_ + nodes_.slots.size();
+  for (int s = 0; s < 2; ++s) {
+    position_[s].resize(count);
+    normal_[s].assign(count, glm::dvec3(0));
+  }
+  endpoints_.assign(count, {kUnset, kUnset});
+  mesh_.places.resize(count);
+  mesh_.indices.reserve(6 * count);
+  const double step = replica_.frameGrid().transform().frame().height_step_m;
+  const auto place = [&](uint32_t vertex, uint32_t x, uint32_t y) {
+    const proto::NodeId v = proto::NodeId::at(x, y);
+    const int32_t height = *replica_.knownHeight(v);
+    mesh_.places[vertex] = {static_cast<float>(x), static_cast<float>(y)};
+    position_[0][vertex] = position_[1][vertex] = glm::dvec4(replica_.frameGrid().position(v, height), height * step);
+  };
+  for (uint32_t y = 0; y <= shape.roots_y; ++y)
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) place(y * (shape.roots_x + 1) + x, x * size, y * size);
+  for (uint32_t y = 0; y < shape.roots_y; ++y)
+    for (uint32_t x = 0; x < shape.roots_x; ++x)
+      place(corners + y * shape.roots_x + x, x * size + size / 2, y * size + size / 2);
+}
+
+void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
+  const proto::GridShape& shape = grid_.shape();
+  const uint32_t row = shape.roots_x + 1, sw = root_y * row + root_x, se = sw + 1, nw = sw + row, ne = nw + 1;
+  const uint32_t centre = row * (shape.roots_y + 1) + root_y * shape.roots_x + root_x;
+  const int32_t half = static_cast<int32_t>(grid_.rootSize() / 2), levels = grid_.maxLevel();
+  const int32_t x = static_cast<int32_t>(root_x) * 2 * half + half, y = static_cast<int32_t>(root_y) * 2 * half + half;
+  const uint8_t both = NodeUnion::kInFrom | NodeUnion::kInTo;
+  visit({{x, y - half}, {half, 0}, sw, se, centre, levels, both});
+  visit({{x + half, y}, {0, half}, se, ne, centre, levels, both});
+  visit({{x, y + half}, {-half, 0}, ne, nw, centre, levels, both});
+  visit({{x - half, y}, {0, -half}, nw, sw, centre, levels, both});
+}
+
+void MeshBuilder::visit(const Triangle& t) {
+  uint32_t node = SlotTable::kAbsent;
+  if (t.levels > 0)
+    node = nodes_.index.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
+  const uint8_t split = node == SlotTable::kAbsent ? 0 : nodes_.in[node];
+  for (uint8_t section : {NodeUnion::kInFrom, NodeUnion::kInTo})
+    if ((t.live & section) && !(split & section)) addNormal(section, t);
+  if (node == SlotTable::kAbsent) return emit(t.a, t.b, t.apex);
+  const uint32_t v = splitVertex(t, node);
+  const uint8_t live = t.live & split;
+  const Lattice rot{-t.d.y, t.d.x};
+  const Lattice in{(rot.x - t.d.x) / 2, (rot.y - t.d.y) / 2}, on{(rot.x + t.d.x) / 2, (rot.y + t.d.y) / 2};
+  visit({{t.m.x + in.x, t.m.y + in.y}, {-on.x, -on.y}, t.apex, t.a, v, t.levels - 1, live});
+  visit({{t.m.x + on.x, t.m.y + on.y}, in, t.b, t.apex, v, t.levels - 1, live});
+}
+
+// The vertex of a node, placed when the first of its triangles gets there.
+uint32_t MeshBuilder::splitVertex(const Triangle& t, uint32_t node) {
+  const uint32_t v = first_node_ + node;
+  if (endpoints_[v][0] != kUnset) return v;
+  endpoints_[v] = {t.a, t.b};
+  mesh_.places[v] = {static_cast<float>(t.m.x), static_cast<float>(t.m.y)};
+  const proto::NodeId id = proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y));
+  const int32_t height = nodes_.heights[node];
+  const double height_m = height * replica_.frameGrid().transform().frame().height_step_m;
+  const glm::dvec4 own(replica_.frameGrid().position(id, height), height_m);
+  for (int s = 0; s < 2; ++s)
+    position_[s][v] = nodes_.in[node] & (s == 0 ? NodeUnion::kInFrom : NodeUnion::kInTo)
+                          ? own
+                          : 0.5 * (position_[s][t.a] + position_[s][t.b]);
+  return v;
+}
+
+void MeshBuilder::addNormal(uint8_t section, const Triangle& t) {
+  const int s = section == NodeUnion::kInFrom ? 0 : 1;
+  const glm::dvec3 a(position_[s][t.a]);
+  const glm::dvec3 n = glm::cross(glm::dvec3(position_[s][t.b]) - a, glm::dvec3(position_[s][t.apex]) - a);
+  for (uint32_t v : {t.a, t.b, t.apex}) normal_[s][v] += n;
+}
+
+void MeshBuilder::emit(uint32_t a, uint32_t b, uint32_t c) {
+  if (beyond(a, 0) || beyond(b, 0) || beyond(c, 0) || beyond(a, 1) || beyond(b, 1) || beyond(c, 1)) return clip({a, b, c});
+  mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
+}
+
+// Sutherland and Hodgman against the two far borders of the data. Vertices on a border are made once per edge, so neighbours
+// still share them.
+void MeshBuilder::clip(std::array<uint32_t, 3> corners) {
+  std::vector<uint32_t> polygon(corners.begin(), corners.end()), next;
+  for (int axis = 0; axis < 2; ++axis) {
+    next.clear();
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      const uint32_t p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+      const bool p_out = beyond(p, axis), q_out = beyond(q, axis);
+      if (!p_out) next.push_back(p);
+      if (p_out != q_out) {
+        const uint32_t inside = p_out ? q : p;
+        if (mesh_.places[inside][axis] == limit_[axis]) continue;  // the edge leaves the data at its own end
+        next.push_back(cut(inside, p_out ? p : q, axis));
+      }
+    }
+    polygon.swap(next);
+  }
+  // Only what has an area: a triangle that touches the border from outside leaves a point or an edge.
+  for (size_t i = 2; i < polygon.size(); ++i) {
+    const glm::vec2 a = mesh_.places[polygon[0]], b = mesh_.places[polygon[i - 1]], c = mesh_.places[polygon[i]];
+    const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    if (area > 0) mesh_.indices.insert(mesh_.indices.end(), {polygon[0], polygon[i - 1], polygon[i]});
+  }
+}
+
+uint32_t MeshBuilder::cut(uint32_t inside, uint32_t outside, int axis) {
+  const auto [it, is_new] = cuts_.try_emplace({inside, outside, static_cast<uint32_t>(axis)}, mesh_.places.size());
+  if (!is_new) return it->second;
+  const glm::vec2 p = mesh_.places[inside], q = mesh_.places[outside];
+  const double u = (static_cast<double>(limit_[axis]) - p[axis]) / (static_cast<double>(q[axis]) - p[axis]);
+  glm::vec2 place = p + static_cast<float>(u) * (q - p);
+  place[axis] = limit_[axis];
+  mesh_.places.push_back(place);
+  for (int s = 0; s < 2; ++s) {
+    position_[s].push_back(position_[s][inside] + u * (position_[s][outside] - position_[s][inside]));
+    normal_[s].push_back(glm::dvec3(0));
+  }
+  endpoints_.push_back({inside, outside});
+  return it->second;
+}
+
+// Vertices outside a section lie in the inside of an edge there and take the mean of its ends; ends come first.
+void MeshBuilder::finishNormals() {
+  mesh_.from_normals.resize(mesh_.places.size());
+  mesh_.to_normals.resize(mesh_.places.size());
+  for (int s = 0; s < 2; ++s) {
+    auto& packed = s == 0 ? mesh_.from_normals : mesh_.to_normals;
+    for (size_t v = 0; v < normal_[s].size(); ++v) {
+      glm::dvec3& n = normal_[s][v];
+      if (n == glm::dvec3(0) && endpoints_[v][0] != kUnset) n = normal_[s][endpoints_[v][0]] + normal_[s][endpoints_[v][1]];
+      const double length = std::sqrt(glm::dot(n, n));
+      if (length > 0) n /= length;
+      packed[v] = packNormal(n);
+    }
+  }
+}
+
+void MeshBuilder::writePositions() {
+  mesh_.origin = glm::round(mesh_.to.pose.eye);
+  for (int s = 0; s < 2; ++s) {
+    auto& out = s == 0 ? mesh_.from_positions : mesh_.to_positions;
+    out.reserve(position_[s].size());
+    for (const glm::dvec4& p : position_[s]) out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
+  }
+  for (uint8_t in : nodes_.in) {
+    mesh_.from_nodes += (in & NodeUnion::kInFrom) ? 1 : 0;
+    mesh_.to_nodes += (in & NodeUnion::kInTo) ? 1 : 0;
+  }
+}
+
+}  // namespace foreland::client

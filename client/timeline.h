@@ -1,0 +1,52 @@
+// Which mesh is shown when (DESIGN section 4). Each keyframe mesh spans the scene times [from.time, to.time]; it is shown
+// during an interval of the client's clock that begins where the previous one ends, so what is drawn never jumps:
+//   predict          from from.time to to.time: geometry and clock agree, nothing is delayed
+//   delay, current   the same, later by T + lambda: T is the keyframe interval of the paper's formula for t_d, and lambda is what the
+//                    link and the server add to it (0 in the paper, where the server is the client)
+// A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend.
+// One owner; times are the client's clock.
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "base/time.h"
+#include "client/keyframe_mesh.h"
+
+namespace foreland::client {
+
+class Timeline {
+ public:
+  static constexpr Duration kShortestBlend = Duration::milliseconds(50);
+  static constexpr size_t kMaxMeshes = 8;
+
+  // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown; negative is early.
+  Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
+
+  struct Shown {
+    const KeyframeMesh* mesh = nullptr;
+    double weight = 0;
+    Time scene_time;
+    uint32_t version = 0;
+  };
+  // What to show at `now`; drops meshes that are over. `now` does not decrease.
+  Shown at(Time now);
+
+  // t - t_d for keyframes to come: T + lambda, or 0 with `predict`.
+  Duration delay() const { return delay_; }
+
+ private:
+  struct Entry {
+    std::shared_ptr<const KeyframeMesh> mesh;
+    Time begin, end;  // the client's clock
+    uint32_t version;
+  };
+  void updateDelay(const KeyframeMesh& mesh, Time arrival, proto::Strategy strategy);
+
+  std::deque<Entry> entries_;
+  std::deque<Duration> latencies_;  // arrival - to.time of recent keyframes
+  Duration delay_;
+  uint32_t next_version_ = 1;
+};
+
+}  // namespace foreland::client

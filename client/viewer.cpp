@@ -1,0 +1,114 @@
+#include "client/viewer.h"
+
+#include <algorithm>
+
+namespace foreland::client {
+
+namespace {
+
+constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
+
+// The own pose at an earlier time, between the two poses around it.
+proto::Pose poseAt(const std::vector<proto::TimedPose>& poses, Time t) {
+  const auto after = std::lower_bound(poses.begin(), poses.end(), t, [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
+  if (after == poses.begin()) return poses.front().pose;
+  if (after == poses.end()) return poses.back().pose;
+  const proto::TimedPose &a = after[-1], &b = *after;
+  return proto::interpolate(a.pose, b.pose, static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
+}
+
+}  // namespace
+
+Viewer::Viewer(const proto::ViewRequest& request, Duration pose_interval) : request_(request), pose_interval_(pose_interval) {
+  send(proto::encode(request_));
+}
+
+void Viewer::send(Bytes message) {
+  statistics_.bytes_up += message.size();
+  outgoing_.push_back(std::move(message));
+}
+
+bool Viewer::takeOutgoing(Bytes& message) {
+  if (outgoing_.empty()) return false;
+  message = std::move(outgoing_.front());
+  outgoing_.pop_front();
+  return true;
+}
+
+Status Viewer::receive(ByteSpan bytes, Time now) {
+  statistics_.bytes_down += bytes.size();
+  auto message = proto::decodeServerMessage(bytes);
+  if (!message) return message.error();
+  if (auto* keyframe = std::get_if<proto::KeyframeMessage>(&*message)) return onKeyframe(*keyframe, now);
+  if (auto* welcome = std::get_if<proto::Welcome>(&*message)) return onWelcome(std::move(*welcome));
+  if (auto* tour = std::get_if<proto::TourReply>(&*message)) tour_ = std::move(*tour);
+  if (auto* ground = std::get_if<proto::GroundReply>(&*message)) ground_ = std::move(*ground);
+  if (auto* refusal = std::get_if<proto::Refusal>(&*message))
+    return Error{ErrorCode::kUnsupported, "the server refuses: " + refusal->message};
+  return {};
+}
+
+Status Viewer::onWelcome(proto::Welcome welcome) {
+  if (welcome_) return Error{ErrorCode::kMalformed, "a second welcome in one session"};
+  replica_.emplace(welcome);
+  welcome_ = std::move(welcome);
+  return {};
+}
+
+Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
+  if (!replica_) return Error{ErrorCode::kMalformed, "a keyframe before the welcome"};
+  if (Status s = replica_->apply(message.header, message.delta); !s.ok()) return s;
+  received_keyframe_ = message.header.index;
+  received_at_ = now;
+  const Duration lateness = timeline_.add(std::make_shared<KeyframeMesh>(replica_->buildMesh()), now, request_.strategy);
+  ViewerStatistics& s = statistics_;
+  s.worst_lateness = s.keyframes == 0 ? lateness : std::max(s.worst_lateness, lateness);
+  s.last_lateness = lateness;
+  s.late_keyframes += lateness > Duration{} ? 1 : 0;
+  s.nodes_added += replica_->lastDelta().added.size();
+  s.nodes_removed += replica_->lastDelta().removed.size();
+  ++s.keyframes;
+  return {};
+}
+
+void Viewer::sendPose(Time now, const proto::Pose& pose) {
+  send(proto::encode(proto::PoseUpdate{{now, pose}, received_keyframe_, received_at_}));
+  last_pose_sent_ = now;
+}
+
+FrameView Viewer::frame(Time now, const proto::Pose& pose) {
+  if (poses_.empty() || now > poses_.back().time) poses_.push_back({now, pose});
+  if (poses_.front().time < now - kPoseMemory - kPoseMemory)
+    poses_.erase(poses_.begin(), std::lower_bound(poses_.begin(), poses_.end(), now - kPoseMemory,
+                                                  [](const proto::TimedPose& p, Time t) { return p.time < t; }));
+  if (welcome_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
+
+  const Timeline::Shown shown = timeline_.at(now);
+  FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
+  if (request_.strategy == proto::Strategy::kDelay && shown.mesh) view.pose = poseAt(poses_, shown.scene_time);
+  return view;
+}
+
+void Viewer::setRequest(const proto::ViewRequest& request) {
+  request_ = request;
+  send(proto::encode(request_));
+}
+
+void Viewer::announcePath(const proto::Path& path) { send(proto::encode(path)); }
+
+void Viewer::requestTour(const std::string& name, double seconds) {
+  send(proto::encode(proto::TourRequest{next_request_id_++, name, seconds}));
+}
+
+void Viewer::requestGround(std::vector<glm::dvec2> lattice_places) {
+  send(proto::encode(proto::GroundRequest{next_request_id_++, std::move(lattice_places)}));
+}
+
+std::optional<proto::TourReply> Viewer::takeTour() { return std::exchange(tour_, std::nullopt); }
+std::optional<proto::GroundReply> Viewer::takeGround() { return std::exchange(ground_, std::nullopt); }
+
+std::optional<double> Viewer::groundHeight(double x, double y) const {
+  return replica_ ? replica_->heightAt(x, y) : std::nullopt;
+}
+
+}  // namespace foreland::client

@@ -1,0 +1,89 @@
+// The client's whole side of a session: bytes and times in, bytes and meshes out. No socket, no clock, no thread inside; the
+// headless player (client/fly), the page (client/wasm) and the virtual world of the tests are thin hosts of it.
+// One owner. Times are the client's clock: microseconds since an epoch that the host chooses, the same one for its whole life.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "client/keyframe_mesh.h"
+#include "client/replica.h"
+#include "client/timeline.h"
+#include "proto/frame_grid.h"
+#include "proto/message.h"
+
+namespace foreland::client {
+
+struct ViewerStatistics {
+  uint64_t bytes_down = 0, bytes_up = 0;
+  uint32_t keyframes = 0;            // received and applied
+  uint32_t late_keyframes = 0;       // arrived after the time they were to be shown from
+  Duration last_lateness;            // of the newest keyframe; negative is early
+  Duration worst_lateness;
+  uint64_t nodes_added = 0, nodes_removed = 0;
+};
+
+// What to draw in one frame.
+struct FrameView {
+  const KeyframeMesh* mesh = nullptr;  // nullptr until the first keyframe is here; valid until the next call of frame()
+  float weight = 0;                    // 0 shows mesh->from, 1 shows mesh->to
+  proto::Pose pose;                    // the camera: M(t), or M(t_d) with strategy `delay`
+  Time scene_time;                     // the time whose geometry is shown: t with `predict`, t_d otherwise
+  uint32_t mesh_version = 0;           // changes when `mesh` does: upload buffers again
+};
+
+class Viewer {
+ public:
+  Viewer(const proto::ViewRequest& request, Duration pose_interval = Duration::milliseconds(50));
+
+  // Takes one message from the server. An Error ends the session: show it and disconnect; the state stays as it was.
+  Status receive(ByteSpan message, Time now);
+  // Next message for the server, oldest first; false when there is none.
+  bool takeOutgoing(Bytes& message);
+
+  // The camera is at `pose` now. Queues pose updates as they are due. Call once per shown frame with non-decreasing times.
+  FrameView frame(Time now, const proto::Pose& pose);
+
+  // Changes strategy, predictor, tolerance, lens in flight.
+  void setRequest(const proto::ViewRequest& request);
+  const proto::ViewRequest& request() const { return request_; }
+  // Announces a planned path (predictor kKnownPath) on the client's clock.
+  void announcePath(const proto::Path& path);
+  void requestTour(const std::string& name, double seconds);
+  void requestGround(std::vector<glm::dvec2> lattice_places);
+  // Replies, once each.
+  std::optional<proto::TourReply> takeTour();
+  std::optional<proto::GroundReply> takeGround();
+
+  const std::optional<proto::Welcome>& welcome() const { return welcome_; }
+  // Valid after the welcome.
+  const proto::FrameGrid& frameGrid() const { return replica_->frameGrid(); }
+  // Ground height (m above the zero surface) of the newest section at a lattice place; nothing before the first keyframe.
+  std::optional<double> groundHeight(double x, double y) const;
+  const ViewerStatistics& statistics() const { return statistics_; }
+
+ private:
+  Status onWelcome(proto::Welcome welcome);
+  Status onKeyframe(const proto::KeyframeMessage& message, Time now);
+  void send(Bytes message);
+  void sendPose(Time now, const proto::Pose& pose);
+
+  proto::ViewRequest request_;
+  Duration pose_interval_;
+  std::optional<proto::Welcome> welcome_;
+  std::optional<Replica> replica_;
+  Timeline timeline_;
+  std::deque<Bytes> outgoing_;
+  std::vector<proto::TimedPose> poses_;  // recent own poses, for M(t_d)
+  std::optional<Time> last_pose_sent_;
+  uint32_t received_keyframe_ = 0;
+  Time received_at_;
+  std::optional<proto::TourReply> tour_;
+  std::optional<proto::GroundReply> ground_;
+  uint32_t next_request_id_ = 1;
+  ViewerStatistics statistics_;
+};
+
+}  // namespace foreland::client
