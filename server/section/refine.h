@@ -1,0 +1,26 @@
+// Refinement from scratch: the section of a view, by one walk down the triangle hierarchy. A node is in the section if it and all
+// its ancestors pass the test of metric.h; since the test grows towards the parents, that is simply every node that passes.
+// This is the reference that incremental adaptation must equal, node for node.
+// Pure function of its arguments and scratch; any thread; no allocation once the scratch has grown. Cost: about 2 tests per triangle.
+#pragma once
+
+#include <vector>
+
+#include "proto/section.h"
+#include "server/section/hierarchy.h"
+#include "server/section/metric.h"
+
+namespace foreland::server {
+
+// A worker's own; reused from call to call.
+struct RefineScratch {
+  std::vector<proto::Slot> slots, sorted;
+};
+
+// Fills `section` (ascending slots).
+void refine(const Hierarchy& hierarchy, const View& view, RefineScratch& scratch, proto::Section& section);
+
+// Triangles of a section's mesh before clipping: 4 per root, one more per border node, two more per other node.
+size_t triangleCount(const proto::GridTopology& grid, const proto::Section& section);
+
+}  // namespace foreland::server

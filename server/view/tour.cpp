@@ -1,0 +1,210 @@
+#include "server/view/tour.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "server/view/ground.h"
+
+namespace foreland::server {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr Duration kStep = Duration::milliseconds(100);
+
+double radians(double degrees) { return degrees * kPi / 180; }
+
+// The scene as a planner sees it: a rectangle of ground around the origin of the scene frame, metres.
+class Ground {
+ public:
+  explicit Ground(const Hierarchy& hierarchy) : scene_(hierarchy.scene()), transform_(hierarchy.frame().transform()) {
+    const proto::GridShape& shape = hierarchy.grid().shape();
+    last_x_ = shape.samples_x - 1;
+    last_y_ = shape.samples_y - 1;
+    const glm::dvec3 middle = transform_.toScene(proto::LatticePlace{last_x_ / 2, last_y_ / 2, 0});
+    const glm::dvec3 east = transform_.toScene(proto::LatticePlace{last_x_, last_y_ / 2, 0});
+    const glm::dvec3 north = transform_.toScene(proto::LatticePlace{last_x_ / 2, last_y_, 0});
+    middle_ = middle;
+    axis_x_ = glm::dvec2(east - middle);
+    axis_y_ = glm::dvec2(north - middle);
+  }
+
+  glm::dvec2 middle() const { return middle_; }
+  double halfWidth() const { return glm::length(axis_x_); }
+  double halfDepth() const { return glm::length(axis_y_); }
+  // Unit vectors along the raster, and metres by which everything shrinks on small scenes.
+  glm::dvec2 alongX() const { return glm::normalize(axis_x_); }
+  glm::dvec2 alongY() const { return glm::normalize(axis_y_); }
+  double scale() const { return std::min(1.0, 2 * std::min(halfWidth(), halfDepth()) / 6000); }
+
+  // Lattice place below a point of the tangent plane, kept inside the data.
+  proto::LatticePlace below(glm::dvec2 p) const {
+    // Two rounds: a point of the plane lies above the curved ground, and its depth there shifts the place.
+    proto::LatticePlace place = transform_.toLattice({p, 0});
+    for (int i = 0; i < 2 && transform_.frame().kind == proto::FrameKind::kGeographic; ++i) {
+      place.height_m = 0;
+      place = transform_.toLattice({p, transform_.toScene(place).z});
+    }
+    place.x = std::clamp(place.x, 0.0, last_x_);
+    place.y = std::clamp(place.y, 0.0, last_y_);
+    place.height_m = groundHeight(scene_, place.x, place.y).value_or(0);
+    return place;
+  }
+  double height(glm::dvec2 p) const { return below(p).height_m; }
+  bool contains(glm::dvec2 p, double margin) const {
+    const glm::dvec2 d = p - middle_;
+    return std::fabs(glm::dot(d, alongX())) < halfWidth() - margin && std::fabs(glm::dot(d, alongY())) < halfDepth() - margin;
+  }
+  glm::dvec3 above(glm::dvec2 p, double height_m) const {
+    proto::LatticePlace place = below(p);
+    place.height_m = height_m;
+    return transform_.toScene(place);
+  }
+
+ private:
+  const terrain::Scene& scene_;
+  const proto::FrameTransform& transform_;
+  double last_x_, last_y_;
+  glm::dvec2 middle_, axis_x_, axis_y_;
+};
+
+proto::Pose look(const glm::dvec3& eye, glm::dvec2 heading, double pitch_rad) {
+  const glm::dvec3 forward(glm::normalize(heading) * std::cos(pitch_rad), std::sin(pitch_rad));
+  return {eye, proto::lookAlong(forward, {0, 0, 1})};
+}
+
+// Heights over a track: the ground, the highest within `reach` samples, smoothed twice over as many, plus the clearance.
+std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dvec2>& track, size_t reach, double clearance_m) {
+  const size_t n = track.size();
+  std::vector<double> level(n), other(n);
+  for (size_t i = 0; i < n; ++i) level[i] = ground.height(track[i]);
+  const auto windowed = [&](auto&& combine) {
+    for (size_t i = 0; i < n; ++i) other[i] = combine(i > reach ? i - reach : 0, std::min(i + reach, n - 1));
+    level.swap(other);
+  };
+  const std::vector<double> lowest_allowed = level;
+  windowed([&](size_t a, size_t b) { return *std::max_element(&level[a], &level[b] + 1); });
+  const auto mean = [&](size_t a, size_t b) {
+    double sum = 0;
+    for (size_t i = a; i <= b; ++i) sum += level[i];
+    return sum / static_cast<double>(b - a + 1);
+  };
+  windowed(mean);
+  windowed(mean);
+  for (size_t i = 0; i < n; ++i) level[i] = std::max(level[i], lowest_allowed[i]) + clearance_m;
+  return level;
+}
+
+proto::Path alongTrack(const Ground& ground, const std::vector<glm::dvec2>& track, const std::vector<double>& levels, double pitch_rad) {
+  proto::Path path{Time{}, kStep, {}};
+  for (size_t i = 0; i < track.size(); ++i) {
+    // Headings over a second of flight, so that the camera does not twitch.
+    const size_t a = i > 5 ? i - 5 : 0, b = std::min(i + 5, track.size() - 1);
+    path.poses.push_back(look(ground.above(track[i], levels[i]), track[b] - track[a], pitch_rad));
+  }
+  return path;
+}
+
+// A racetrack along the longer side: straight legs joined by half circles.
+proto::Path survey(const Ground& ground, size_t steps) {
+  const double speed = 150 * ground.scale(), step_m = speed * kStep.toSeconds();
+  const bool wide = ground.halfWidth() > ground.halfDepth();
+  const glm::dvec2 along = wide ? ground.alongX() : ground.alongY(), across = wide ? -ground.alongY() : ground.alongX();
+  const double half = 0.86 * std::max(ground.halfWidth(), ground.halfDepth());
+  const double radius = std::min(1200 * ground.scale(), 0.4 * std::min(ground.halfWidth(), ground.halfDepth()));
+  const double leg = 2 * (half - radius), bend = kPi * radius;
+  std::vector<glm::dvec2> track;
+  for (size_t i = 0; i < steps; ++i) {
+    const double s = std::fmod(static_cast<double>(i) * step_m, 2 * (leg + bend));
+    const bool back = s >= leg + bend;
+    const double t = back ? s - leg - bend : s, turn = std::max(0.0, t - leg) / radius;
+    glm::dvec2 q(std::min(t, leg) - leg / 2 + radius * std::sin(turn), -radius * std::cos(turn));  // right half of the racetrack
+    if (back) q = -q;
+    track.push_back(ground.middle() + along * q.x + across * q.y);
+  }
+  return alongTrack(ground, track, flightLevels(ground, track, 15, 300 * ground.scale()), radians(-12));
+}
+
+// Turns, at no more than 12 degrees a second, to where the ground ahead is lowest, and away from the border.
+proto::Path canyon(const Ground& ground, size_t steps) {
+  const double scale = ground.scale(), step_m = 80 * scale * kStep.toSeconds(), rate = radians(12) * kStep.toSeconds();
+  const auto cost = [&](glm::dvec2 from, double heading) {
+    double sum = 0;
+    for (double reach : {200.0, 400.0, 700.0, 1100.0, 1600.0}) {
+      const glm::dvec2 p = from + reach * scale * glm::dvec2(std::cos(heading), std::sin(heading));
+      sum += ground.height(p) + (ground.contains(p, 300 * scale) ? 0 : 3000 * scale);
+    }
+    return sum;
+  };
+  glm::dvec2 at = ground.middle();
+  double heading = 0, best = 1e300;
+  for (double h = 0; h < 2 * kPi; h += radians(10))
+    if (const double c = cost(at, h); c < best) best = c, heading = h;
+  std::vector<glm::dvec2> track;
+  double wanted = heading;
+  for (size_t i = 0; i < steps; ++i) {
+    if (i % 5 == 0) {  // twice a second
+      best = 1e300;
+      for (int k = -8; k <= 8; ++k) {
+        const double h = heading + radians(7.5 * k), c = cost(at, h) + 4 * scale * k * k;
+        if (c < best) best = c, wanted = h;
+      }
+    }
+    heading += std::clamp(wanted - heading, -rate, rate);
+    at += step_m * glm::dvec2(std::cos(heading), std::sin(heading));
+    track.push_back(at);
+  }
+  return alongTrack(ground, track, flightLevels(ground, track, 6, 60 * scale), radians(-4));
+}
+
+proto::Path spin(const Ground& ground, size_t steps) {
+  proto::Path path{Time{}, kStep, {}};
+  const glm::dvec3 eye = ground.above(ground.middle(), ground.height(ground.middle()) + 150 * ground.scale());
+  for (size_t i = 0; i < steps; ++i) {
+    const double heading = radians(90) * static_cast<double>(i) * kStep.toSeconds();
+    path.poses.push_back(look(eye, {std::cos(heading), std::sin(heading)}, radians(-5)));
+  }
+  return path;
+}
+
+proto::Path orbit(const Ground& ground, size_t steps) {
+  glm::dvec2 summit = ground.middle();
+  double top = -1e300;
+  for (int i = -20; i <= 20; ++i)
+    for (int j = -20; j <= 20; ++j) {
+      const glm::dvec2 p = ground.middle() + ground.alongX() * (ground.halfWidth() * i / 40.0) + ground.alongY() * (ground.halfDepth() * j / 40.0);
+      if (const double h = ground.height(p); h > top) top = h, summit = p;
+    }
+  const double radius = 2500 * ground.scale();
+  double highest = top;
+  for (int i = 0; i < 72; ++i)
+    highest = std::max(highest, ground.height(summit + radius * glm::dvec2(std::cos(radians(5 * i)), std::sin(radians(5 * i)))));
+  const glm::dvec3 target = ground.above(summit, top);
+  proto::Path path{Time{}, kStep, {}};
+  for (size_t i = 0; i < steps; ++i) {
+    const double angle = radians(6) * static_cast<double>(i) * kStep.toSeconds();  // once a minute
+    const glm::dvec3 eye = ground.above(summit + radius * glm::dvec2(std::cos(angle), std::sin(angle)), highest + 500 * ground.scale());
+    path.poses.push_back({eye, proto::lookAlong(target - eye, {0, 0, 1})});
+  }
+  return path;
+}
+
+}  // namespace
+
+Result<proto::Path> planTour(const Hierarchy& hierarchy, const std::string& name, double seconds) {
+  struct Tour {
+    const char* name;
+    proto::Path (*plan)(const Ground&, size_t);
+  };
+  static constexpr std::array<Tour, 4> kTours{{{"survey", survey}, {"canyon", canyon}, {"spin", spin}, {"orbit", orbit}}};
+  const Ground ground(hierarchy);
+  const size_t steps = static_cast<size_t>(std::clamp(seconds, 1.0, 3600.0) / kStep.toSeconds()) + 2;
+  for (const Tour& tour : kTours)
+    if (name == tour.name) return tour.plan(ground, steps);
+  return Error{ErrorCode::kNotFound, "there is no tour '" + name + "'; choose survey, canyon, spin or orbit"};
+}
+
+}  // namespace foreland::server
