@@ -1,0 +1,37 @@
+// Fills the node table: height, exact saturated error and saturated sphere of every node (DESIGN section 3).
+//
+//   error(n)   at least the error of leaving n out (error.h), and at least the error of each child. 0 where the support
+//              holds no data
+//   radius(n)  about n's own scene position; at least |position(n) - position(c)| + radius(c) + 1e-5 m for each child c, so a viewer's
+//              distance test is monotone in floating point too; at least the distance to each sample of the support, hence
+//              to every point of the true and of any coarser surface there
+//
+// Level by level from the finest, in bands of tiles over `threads` threads; the result does not depend on their number.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "proto/frame_grid.h"
+#include "proto/grid.h"
+#include "terrain/bounds/heights.h"
+#include "terrain/store/scene.h"
+
+namespace foreland::terrain {
+
+struct BoundsJob {
+  const proto::GridTopology& grid;
+  const proto::Frame& frame;
+  Heights heights;
+  std::span<NodeRecord> nodes;  // slotCount() records, all zero
+  unsigned threads = 0;         // 0: one per processor
+  // On the calling thread, with the fraction done; false stops the work.
+  std::function<bool(double)> onProgress = [](double) { return true; };
+  // Any thread; a range that will not be touched for a while, so that its pages may leave memory.
+  std::function<void(std::span<const NodeRecord>)> onIdle = [](std::span<const NodeRecord>) {};
+};
+
+// False if onProgress stopped it.
+[[nodiscard]] bool computeBounds(const BoundsJob& job);
+
+}  // namespace foreland::terrain

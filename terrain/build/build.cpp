@@ -1,0 +1,155 @@
+#include "terrain/build/build.h"
+
+#include <cmath>
+#include <memory>
+#include <new>
+
+#include "terrain/bounds/bounds.h"
+#include "terrain/build/fill.h"
+#include "terrain/store/scene_writer.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr int32_t kMaxSteps = 1 << 30;
+constexpr uint64_t kWindowSamples = 1u << 22;
+
+Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
+
+// One sample's four bytes, first its height in metres, then in steps: a raster of 16385 x 16385 is kept once.
+class Raster {
+ public:
+  explicit Raster(size_t count) : count_(count), bytes_(new(std::nothrow) std::byte[count * sizeof(float)]) {
+    if (bytes_) metres_ = new (bytes_.get()) float[count];
+  }
+  bool allocated() const { return bytes_ != nullptr; }
+  std::span<float> metres() { return {metres_, count_}; }
+
+  // Ends the metres. Fails on heights that do not fit.
+  Status quantise(double step_m, HeightRange& range) {
+    range = {kMaxSteps, -kMaxSteps};
+    for (size_t i = 0; i < count_; ++i) {
+      const double steps = std::nearbyint(metres_[i] / step_m);
+      if (!(std::fabs(steps) < kMaxSteps))
+        return Error{ErrorCode::kLimit, "a height of " + std::to_string(metres_[i]) + " m does not fit steps of " +
+                                            std::to_string(step_m) + " m; use a larger --vertical-step or name the void value with --nodata"};
+      const auto value = static_cast<int32_t>(steps);
+      new (bytes_.get() + i * sizeof(float)) int32_t(value);
+      range = {std::min(range.lowest, value), std::max(range.highest, value)};
+    }
+    return {};
+  }
+  std::span<const int32_t> steps() const { return {std::launder(reinterpret_cast<const int32_t*>(bytes_.get())), count_}; }
+
+ private:
+  size_t count_;
+  std::unique_ptr<std::byte[]> bytes_;
+  float* metres_ = nullptr;
+};
+
+Status readAll(ElevationSource& source, Raster& raster, const Progress& progress) {
+  const ElevationInfo& info = source.info();
+  const auto window = static_cast<uint32_t>(std::max<uint64_t>(1, kWindowSamples / info.width));
+  progress.report("reading", 0);
+  for (uint32_t row = 0; row < info.height; row += window) {
+    if (!progress.keepGoing()) return stopped();
+    const uint32_t count = std::min(window, info.height - row);
+    const auto out = raster.metres().subspan(static_cast<size_t>(row) * info.width, static_cast<size_t>(count) * info.width);
+    if (Status status = source.readRows(row, count, out); !status.ok()) return status;
+    progress.report("reading", static_cast<double>(row + count) / info.height);
+  }
+  for (float& metres : raster.metres())
+    if (!std::isfinite(metres)) metres = kVoid;
+  return {};
+}
+
+// Corners and centres of the roots.
+void fillBase(const proto::GridShape& shape, const Heights& heights, SceneWriter& writer) {
+  const uint32_t size = 1u << shape.root_log2, half = size / 2;
+  auto corner = writer.corners().begin();
+  for (uint32_t y = 0; y <= shape.roots_y; ++y)
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) *corner++ = heights.clamped(x * size, y * size);
+  auto centre = writer.centres().begin();
+  for (uint32_t y = 0; y < shape.roots_y; ++y)
+    for (uint32_t x = 0; x < shape.roots_x; ++x) *centre++ = heights.clamped(x * size + half, y * size + half);
+}
+
+uint64_t nodeCount(const proto::GridTopology& grid) {
+  const proto::GridShape& s = grid.shape();
+  return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - (s.roots_x + 1ull) * (s.roots_y + 1ull) -
+         static_cast<uint64_t>(s.roots_x) * s.roots_y;
+}
+
+Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
+  if (info.width < 2 || info.height < 2 || info.width > proto::GridTopology::kMaxSamples || info.height > proto::GridTopology::kMaxSamples)
+    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+                                              " samples; a scene needs at least 2 and at most 2^20 a side"};
+  return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
+}
+
+Status checkOptions(const BuildOptions& options) {
+  if (!(options.height_step_m > 0) || !std::isfinite(options.height_step_m))
+    return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
+  return {};
+}
+
+}  // namespace
+
+Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options, const Progress& progress) {
+  if (Status status = checkOptions(options); !status.ok()) return status.error();
+  const ElevationInfo& info = source.info();
+  const auto grid = gridFor(info);
+  if (!grid.ok()) return grid.error();
+  const uint64_t samples = static_cast<uint64_t>(info.width) * info.height;
+  Raster raster(samples);
+  if (!raster.allocated())
+    return Error{ErrorCode::kLimit, info.title + ": " + std::to_string(samples * sizeof(float) >> 20) + " MiB of heights do not fit this machine's memory"};
+  if (Status status = readAll(source, raster, progress); !status.ok()) return status.error();
+
+  progress.report("filling voids", 0);
+  SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
+  if (Status status = fill(raster.metres(), info, origin); !status.ok()) return status.error();
+  progress.report("filling voids", 1);
+
+  HeightRange range;
+  if (Status status = raster.quantise(options.height_step_m, range); !status.ok())
+    return Error{status.error().code, info.title + ": " + status.error().message};
+  const Heights heights{raster.steps(), info.width, info.height};
+  proto::Frame frame = info.frame;
+  frame.height_step_m = options.height_step_m;
+  auto writer = SceneWriter::create(options.output, {grid->shape(), frame, range, origin});
+  if (!writer.ok()) return writer.error();
+  fillBase(grid->shape(), heights, *writer);
+
+  const BoundsJob job{.grid = *grid,
+                      .frame = frame,
+                      .heights = heights,
+                      .nodes = writer->nodes(),
+                      .threads = options.threads,
+                      .onProgress =
+                          [&](double fraction) {
+                            progress.report("bounding", fraction);
+                            return progress.keepGoing();
+                          },
+                      .onIdle = [&](std::span<const NodeRecord> nodes) { writer->release(nodes); }};
+  progress.report("bounding", 0);
+  if (!computeBounds(job)) return stopped();
+  progress.report("writing", 0);
+  const auto id = writer->finish();
+  if (!id.ok()) return id.error();
+  progress.report("writing", 1);
+  return BuildReport{.width = info.width,
+                     .height = info.height,
+                     .samples = samples,
+                     .voids_filled = origin.voids_filled,
+                     .notes = origin.notes,
+                     .levels = grid->maxLevel(),
+                     .nodes = nodeCount(*grid),
+                     .file_bytes = writer->fileBytes(),
+                     .scene_id = *id,
+                     .lowest_m = range.lowest * options.height_step_m,
+                     .highest_m = range.highest * options.height_step_m};
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,46 @@
+// Elevation data in, one scene file out: read in windows, fill voids, quantise, bound, write. The file appears whole or not at
+// all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source and the filling of voids need.
+// One caller; uses threads of its own while it runs.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "terrain/elevation_source.h"
+#include "terrain/store/scene.h"
+
+namespace foreland::terrain {
+
+struct BuildOptions {
+  std::filesystem::path output;
+  double height_step_m = 0.1;  // heights are kept in whole steps: each is moved by at most half of one
+  unsigned threads = 0;        // 0: one per processor
+};
+
+// Called on the caller's thread. `report` gets the stage's name and the fraction of it that is done, at least at 0 and 1 of each;
+// once `keepGoing` says false the build stops, leaves nothing behind and returns an error.
+struct Progress {
+  std::function<void(std::string_view stage, double fraction)> report = [](std::string_view, double) {};
+  std::function<bool()> keepGoing = [] { return true; };
+};
+
+struct BuildReport {
+  uint32_t width = 0, height = 0;
+  uint64_t samples = 0;
+  uint64_t voids_filled = 0;
+  std::vector<std::string> notes;  // the source's, and how voids were filled
+  int levels = 0;
+  uint64_t nodes = 0;  // refinement vertices; padding not counted
+  uint64_t file_bytes = 0;
+  uint64_t scene_id = 0;
+  double lowest_m = 0, highest_m = 0;
+};
+
+[[nodiscard]] Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options, const Progress& progress = {});
+
+}  // namespace foreland::terrain

@@ -1,0 +1,126 @@
+#include "terrain/store/format.h"
+
+#include <algorithm>
+
+#include "terrain/store/checksum.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr uint64_t toPage(uint64_t bytes) { return (bytes + kPageBytes - 1) / kPageBytes * kPageBytes; }
+
+void putString(ByteWriter& out, const std::string& text) {
+  out.put(static_cast<uint32_t>(text.size()));
+  out.putBytes({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+std::string getString(ByteReader& in) {
+  const ByteSpan bytes = in.getBytes(in.get<uint32_t>());
+  return {bytes.begin(), bytes.end()};
+}
+
+uint64_t pageHash(FileHeader header) {
+  std::array<uint8_t, kPageBytes> page{};
+  std::memcpy(page.data(), &header, sizeof(header));
+  return xxh64(page);
+}
+
+}  // namespace
+
+FileLayout FileLayout::of(const proto::GridTopology& grid, uint64_t text_bytes) {
+  FileLayout layout;
+  uint64_t at = kPageBytes;
+  const auto place = [&](SectionKind kind, uint64_t bytes) {
+    layout.sections[kind] = {at, bytes};
+    at = toPage(at + bytes);
+  };
+  const proto::GridShape& shape = grid.shape();
+  place(kText, text_bytes);
+  place(kCorners, sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull));
+  place(kCentres, sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y);
+  place(kNodes, sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount()));
+  SectionPlace& checksums = layout.sections[kChecksums];
+  checksums.offset = at;
+  checksums.bytes = sizeof(uint64_t) * blockCount(checksums);
+  layout.file_bytes = at + checksums.bytes;
+  return layout;
+}
+
+void putFrame(const proto::Frame& f, FileHeader& h) {
+  h.frame_kind = static_cast<uint32_t>(f.kind);
+  h.height_step_m = f.height_step_m;
+  const auto putPair = [](double (&to)[2], const glm::dvec2& from) { to[0] = from.x, to[1] = from.y; };
+  putPair(h.anchor, f.anchor);
+  putPair(h.axis_x_m, f.axis_x_m);
+  putPair(h.axis_y_m, f.axis_y_m);
+  putPair(h.map_origin_m, f.map_origin_m);
+  h.latitude0_rad = f.latitude0_rad;
+  h.longitude0_rad = f.longitude0_rad;
+  h.latitude_step_rad = f.latitude_step_rad;
+  h.longitude_step_rad = f.longitude_step_rad;
+  h.semi_major_m = f.semi_major_m;
+  h.flattening = f.flattening;
+  h.origin_latitude_rad = f.origin.latitude_rad;
+  h.origin_longitude_rad = f.origin.longitude_rad;
+  h.origin_height_m = f.origin.height_m;
+}
+
+proto::Frame getFrame(const FileHeader& h) {
+  const auto pair = [](const double (&from)[2]) { return glm::dvec2(from[0], from[1]); };
+  proto::Frame f;
+  f.kind = static_cast<proto::FrameKind>(std::min(h.frame_kind, 255u));  // an unknown kind is refused by Frame::validate
+  f.height_step_m = h.height_step_m;
+  f.anchor = pair(h.anchor);
+  f.axis_x_m = pair(h.axis_x_m);
+  f.axis_y_m = pair(h.axis_y_m);
+  f.map_origin_m = pair(h.map_origin_m);
+  f.latitude0_rad = h.latitude0_rad;
+  f.longitude0_rad = h.longitude0_rad;
+  f.latitude_step_rad = h.latitude_step_rad;
+  f.longitude_step_rad = h.longitude_step_rad;
+  f.semi_major_m = h.semi_major_m;
+  f.flattening = h.flattening;
+  f.origin = {h.origin_latitude_rad, h.origin_longitude_rad, h.origin_height_m};
+  return f;
+}
+
+Bytes encodeText(const SceneOrigin& origin) {
+  Bytes bytes;
+  ByteWriter out(bytes);
+  putString(out, origin.title);
+  putString(out, origin.crs_wkt);
+  out.put(static_cast<uint32_t>(origin.notes.size()));
+  for (const std::string& note : origin.notes) putString(out, note);
+  return bytes;
+}
+
+Status decodeText(ByteSpan bytes, SceneOrigin& origin) {
+  ByteReader in(bytes);
+  origin.title = getString(in);
+  origin.crs_wkt = getString(in);
+  const uint32_t count = in.get<uint32_t>();
+  for (uint32_t i = 0; i < count && in.ok(); ++i) origin.notes.push_back(getString(in));
+  if (!in.atEnd()) return Error{ErrorCode::kMalformed, "its text is damaged"};
+  return {};
+}
+
+ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index) {
+  const uint64_t begin = kPageBytes + index * kBlockBytes;
+  return file.subspan(begin, std::min(kBlockBytes, checksums.offset - begin));
+}
+
+uint64_t headerChecksum(const FileHeader& header) {
+  FileHeader copy = header;
+  copy.header_checksum = 0;
+  return pageHash(copy);
+}
+
+uint64_t contentId(const FileHeader& header, ByteSpan checksum_table) {
+  FileHeader copy = header;
+  copy.header_checksum = 0;
+  copy.scene_id = 0;
+  return xxh64(checksum_table, pageHash(copy));
+}
+
+}  // namespace foreland::terrain

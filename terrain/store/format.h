@@ -1,0 +1,78 @@
+// The scene file's bytes: one page of header, then page-aligned sections whose sizes follow from the grid's shape. Described
+// for readers of other languages in docs/SCENE_FORMAT.md; change both, and kFormatVersion, together. Pure; any thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "proto/frame.h"
+#include "proto/grid.h"
+#include "terrain/store/scene.h"
+
+namespace foreland::terrain {
+
+inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
+inline constexpr uint32_t kFormatVersion = 1;
+inline constexpr uint32_t kByteOrderMark = 0x01020304;
+inline constexpr uint64_t kPageBytes = 4096;       // alignment of every section
+inline constexpr uint64_t kBlockBytes = 1u << 20;  // checksummed at a time
+inline constexpr uint64_t kMaxTextBytes = 1u << 24;
+
+enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kChecksums, kSectionCount };
+
+struct SectionPlace {
+  uint64_t offset = 0;  // from the start of the file, a multiple of kPageBytes
+  uint64_t bytes = 0;
+  bool operator==(const SectionPlace&) const = default;
+};
+
+// The first page of the file, as it lies there; the rest of the page is zero.
+struct FileHeader {
+  std::array<char, 8> magic = kSceneMagic;
+  uint32_t version = kFormatVersion;
+  uint32_t byte_order = kByteOrderMark;
+  uint64_t file_bytes = 0;
+  uint64_t scene_id = 0;         // XXH64 of this page with scene_id and header_checksum zero, then of the checksum table
+  uint64_t header_checksum = 0;  // XXH64 of this page with header_checksum zero
+  uint32_t roots_x = 0, roots_y = 0, root_log2 = 0, samples_x = 0, samples_y = 0;
+  uint32_t frame_kind = 0;
+  double height_step_m = 0;
+  double anchor[2]{}, axis_x_m[2]{}, axis_y_m[2]{}, map_origin_m[2]{};
+  double latitude0_rad = 0, longitude0_rad = 0, latitude_step_rad = 0, longitude_step_rad = 0;
+  double semi_major_m = 0, flattening = 0;
+  double origin_latitude_rad = 0, origin_longitude_rad = 0, origin_height_m = 0;
+  int32_t lowest = 0, highest = 0;
+  uint64_t voids_filled = 0;
+  uint64_t slot_count = 0;
+  SectionPlace sections[kSectionCount];
+};
+static_assert(sizeof(FileHeader) == 312 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_step_m) == 64);
+static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
+
+// Where everything goes for a grid of this shape with `text_bytes` of text.
+struct FileLayout {
+  std::array<SectionPlace, kSectionCount> sections;
+  uint64_t file_bytes = 0;
+  static FileLayout of(const proto::GridTopology& grid, uint64_t text_bytes);
+};
+
+void putFrame(const proto::Frame& frame, FileHeader& header);
+proto::Frame getFrame(const FileHeader& header);
+
+Bytes encodeText(const SceneOrigin& origin);
+Status decodeText(ByteSpan bytes, SceneOrigin& origin);
+
+// Blocks cover everything between the header page and the checksum table; the last may be short.
+inline uint64_t blockCount(const SectionPlace& checksums) {
+  return (checksums.offset - kPageBytes + kBlockBytes - 1) / kBlockBytes;
+}
+ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index);
+
+uint64_t headerChecksum(const FileHeader& header);
+uint64_t contentId(const FileHeader& header, ByteSpan checksum_table);
+
+}  // namespace foreland::terrain

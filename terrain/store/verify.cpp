@@ -1,0 +1,160 @@
+#include "terrain/store/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <mutex>
+#include <utility>
+
+#include "proto/frame_grid.h"
+#include "terrain/parallel.h"
+#include "terrain/store/checksum.h"
+#include "terrain/store/mapped_scene.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+using proto::NodeId;
+
+constexpr size_t kFaultsShown = 8;
+constexpr proto::Slot kChunk = 1u << 16;
+
+// Faults from all threads, the first of them in the file's order.
+class Faults {
+ public:
+  void add(uint64_t order, std::string what) {
+    const std::lock_guard lock(mutex_);
+    ++count_;
+    if (first_.size() == kFaultsShown && first_.back().first <= order) return;
+    first_.insert(std::upper_bound(first_.begin(), first_.end(), std::pair(order, what)), {order, what});
+    if (first_.size() > kFaultsShown) first_.pop_back();
+  }
+  uint64_t count() const { return count_; }
+  std::vector<std::string> first() const {
+    std::vector<std::string> sentences;
+    for (const auto& fault : first_) sentences.push_back(fault.second);
+    return sentences;
+  }
+
+ private:
+  std::mutex mutex_;
+  uint64_t count_ = 0;
+  std::vector<std::pair<uint64_t, std::string>> first_;
+};
+
+constexpr auto kAlways = [](uint64_t) { return true; };
+
+void checkBlocks(const MappedScene& scene, unsigned threads, Faults& faults) {
+  const SectionPlace& place = scene.header().sections[kChecksums];
+  const auto expected = scene.blockChecksums();
+  parallelFor(expected.size(), threads, [&](uint64_t i) {
+    if (xxh64(blockAt(scene.file(), place, i)) != expected[i])
+      faults.add(i, "block " + std::to_string(i) + " (at byte " + std::to_string(kPageBytes + i * kBlockBytes) + ") is damaged");
+  }, kAlways);
+}
+
+std::string name(NodeId n) { return "node (" + std::to_string(n.x()) + ", " + std::to_string(n.y()) + ")"; }
+
+class NodeCheck {
+ public:
+  NodeCheck(const Scene& scene, Faults& faults)
+      : scene_(scene), grid_(scene.grid()), positions_(scene.frame(), grid_.maxX(), grid_.maxY()), faults_(faults) {}
+
+  // Whether the slot holds a node; otherwise it is padding.
+  bool check(proto::Slot slot) const {
+    const NodeRecord& record = scene_.nodes()[slot];
+    const NodeId n = grid_.node(slot);
+    const auto fault = [&](const std::string& what) { faults_.add(slot, what); };
+    if (n == NodeId{}) {
+      if (record.height != 0 || record.error.bits != 0 || record.radius.bits != 0)
+        fault("slot " + std::to_string(slot) + " is padding but not zero");
+      return false;
+    }
+    if (!inRange(record.height)) fault(name(n) + " lies outside the scene's range of heights");
+    if (!std::isfinite(record.error.metres()) || !std::isfinite(record.radius.metres())) fault(name(n) + " has a bound that is no number");
+    const glm::dvec3 centre = positions_.position(n, record.height);
+    for (NodeId child : grid_.children(n)) {
+      const NodeRecord& below = scene_.node(child);
+      if (below.error > record.error) fault(name(n) + " has a smaller error than its child " + name(child));
+      if (glm::distance(centre, positions_.position(child, below.height)) + below.radius.metres() > record.radius.metres())
+        fault(name(n) + " has a sphere that does not hold that of its child " + name(child));
+    }
+    for (NodeId corner : grid_.endpoints(n)) checkCorner(n, centre, corner);
+    for (NodeId corner : grid_.apexes(n)) checkCorner(n, centre, corner);
+    if (holdsItself(n) && record.error.metres() < displacement(n)) fault(name(n) + " has an error below its own displacement");
+    return true;
+  }
+
+ private:
+  bool inRange(int32_t height) const { return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest; }
+  void checkCorner(NodeId n, const glm::dvec3& centre, NodeId corner) const {
+    if (glm::distance(centre, positions_.position(corner, scene_.height(corner))) > scene_.node(n).radius.metres())
+      faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners");
+  }
+  bool holdsItself(NodeId n) const { return n.x() < grid_.shape().samples_x && n.y() < grid_.shape().samples_y; }
+  // Distance from the middle of its edge; planar frames measure it along the vertical, where it is exact.
+  double displacement(NodeId n) const {
+    const auto ends = grid_.endpoints(n);
+    const int32_t a = scene_.height(ends[0]), b = scene_.height(ends[1]), own = scene_.node(n).height;
+    if (scene_.frame().kind == proto::FrameKind::kPlanar)
+      return std::fabs(own - 0.5 * (static_cast<double>(a) + b)) * scene_.frame().height_step_m;
+    const glm::dvec3 middle = 0.5 * (positions_.position(ends[0], a) + positions_.position(ends[1], b));
+    return glm::distance(positions_.position(n, own), middle);
+  }
+
+  const Scene& scene_;
+  const proto::GridTopology& grid_;
+  proto::FrameGrid positions_;
+  Faults& faults_;
+};
+
+uint64_t checkNodes(const Scene& scene, unsigned threads, Faults& faults) {
+  const NodeCheck check(scene, faults);
+  const proto::Slot slots = scene.grid().slotCount();
+  std::atomic<uint64_t> nodes{0};
+  parallelFor((static_cast<uint64_t>(slots) + kChunk - 1) / kChunk, threads, [&](uint64_t chunk) {
+    uint64_t found = 0;
+    const uint64_t begin = chunk * kChunk, end = std::min<uint64_t>(begin + kChunk, slots);
+    for (uint64_t slot = begin; slot < end; ++slot) found += check.check(static_cast<proto::Slot>(slot));
+    nodes += found;
+  }, kAlways);
+  return nodes;
+}
+
+uint64_t checkBase(const Scene& scene, Faults& faults) {
+  for (const auto& heights : {scene.cornerHeights(), scene.centreHeights()})
+    for (int32_t height : heights)
+      if (height < scene.heightRange().lowest || height > scene.heightRange().highest)
+        faults.add(0, "a base vertex lies outside the scene's range of heights");
+  return scene.cornerHeights().size() + scene.centreHeights().size();
+}
+
+}  // namespace
+
+Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned threads) {
+  const auto scene = MappedScene::open(path);
+  if (!scene.ok()) return scene.error();
+  Faults blocks, values;
+  VerifyReport report;
+  checkBlocks(**scene, threads, blocks);
+  report.blocks = (*scene)->blockChecksums().size();
+  report.base_vertices = checkBase(**scene, values);
+  report.nodes = checkNodes(**scene, threads, values);
+  report.padding = (*scene)->grid().slotCount() - report.nodes;
+  report.faults = blocks.count() + values.count();
+  report.first_faults = blocks.first();
+  for (const std::string& fault : values.first()) report.first_faults.push_back(fault);
+  return report;
+}
+
+Status verifyChecksums(const std::filesystem::path& path, unsigned threads) {
+  const auto scene = MappedScene::open(path);
+  if (!scene.ok()) return scene.error();
+  Faults faults;
+  checkBlocks(**scene, threads, faults);
+  if (faults.count() == 0) return {};
+  return Error{ErrorCode::kMalformed, path.string() + ": " + faults.first().front() + "; build or copy the scene again"};
+}
+
+}  // namespace foreland::terrain

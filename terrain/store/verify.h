@@ -1,0 +1,30 @@
+// Checks a scene file: every block's checksum, and the invariants that a viewer's distance tests rely on. Reads the whole file once.
+// Uses threads of its own while it runs.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace foreland::terrain {
+
+struct VerifyReport {
+  uint64_t blocks = 0;        // checksums compared
+  uint64_t nodes = 0;         // nodes whose invariants were checked
+  uint64_t padding = 0;       // unused slots, all of which must be zero
+  uint64_t base_vertices = 0;
+  uint64_t faults = 0;
+  std::vector<std::string> first_faults;  // a sentence each, the same ones for any number of threads
+  bool sound() const { return faults == 0; }
+};
+
+// Error: it could not be opened as a scene. Otherwise the report says what was checked and what was found.
+[[nodiscard]] Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned threads = 0);
+
+// The checksums alone, at the speed of the disk: what a server does before it shows a scene to anyone.
+[[nodiscard]] Status verifyChecksums(const std::filesystem::path& path, unsigned threads = 0);
+
+}  // namespace foreland::terrain

@@ -1,0 +1,131 @@
+// Small scenes from formulas, through the real builder and the real file: what a test sees is what a server sees.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/rng.h"
+#include "terrain/build/build.h"
+#include "terrain/store/scene.h"
+
+namespace foreland::test {
+
+// Height in metres at a lattice position; NaN is a void.
+using HeightFunction = std::function<double(uint32_t x, uint32_t y)>;
+
+// A folder of its own that goes away with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "foreland-test-XXXXXX").string();
+    CHECK_TRUE(::mkdtemp(pattern.data()) != nullptr);
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// Spacing 10 m, planar with the origin in the middle of the south-west quarter, or three arc seconds in the Alps.
+inline proto::Frame makeFrame(proto::FrameKind kind, uint32_t width, uint32_t height) {
+  proto::Frame frame;
+  frame.kind = kind;
+  frame.anchor = {std::floor(width / 2.0), std::floor(height / 2.0)};
+  frame.axis_x_m = {10, 0};
+  frame.axis_y_m = {0, 10};
+  if (kind == proto::FrameKind::kPlanar) return frame;
+  constexpr double kDegree = 0.017453292519943295;
+  frame.latitude0_rad = 46 * kDegree;
+  frame.longitude0_rad = 8 * kDegree;
+  frame.latitude_step_rad = frame.longitude_step_rad = kDegree / 1200;
+  frame.origin = {frame.latitude0_rad + 0.5 * height * frame.latitude_step_rad,
+                  frame.longitude0_rad + 0.5 * width * frame.longitude_step_rad, 0};
+  return frame;
+}
+
+class FormulaSource : public terrain::ElevationSource {
+ public:
+  FormulaSource(uint32_t width, uint32_t height, HeightFunction formula, proto::FrameKind kind = proto::FrameKind::kPlanar)
+      : formula_(std::move(formula)) {
+    info_.width = width;
+    info_.height = height;
+    info_.frame = makeFrame(kind, width, height);
+    info_.title = "formula";
+  }
+  const terrain::ElevationInfo& info() const override { return info_; }
+  terrain::ElevationInfo& info() { return info_; }
+  Status readRows(uint32_t first, uint32_t count, std::span<float> out) override {
+    size_t i = 0;
+    for (uint32_t y = first; y < first + count; ++y)
+      for (uint32_t x = 0; x < info_.width; ++x) out[i++] = static_cast<float>(formula_(x, y));
+    return {};
+  }
+
+ private:
+  terrain::ElevationInfo info_;
+  HeightFunction formula_;
+};
+
+// Hills over several octaves with some noise, between about 0 and 1200 m; the same for the same seed.
+inline HeightFunction hills(uint64_t seed) {
+  Rng rng(seed);
+  struct Wave {
+    double kx, ky, phase, metres;
+  };
+  std::vector<Wave> waves;
+  for (int octave = 0; octave < 6; ++octave) {
+    const double frequency = 0.02 * std::exp2(octave), angle = rng.uniform(0, 6.2831853);
+    waves.push_back({frequency * std::cos(angle), frequency * std::sin(angle), rng.uniform(0, 6.2831853), 300 / std::exp2(octave)});
+  }
+  return [waves, seed](uint32_t x, uint32_t y) {
+    double metres = 600;
+    for (const Wave& w : waves) metres += w.metres * std::sin(w.kx * x + w.ky * y + w.phase);
+    return metres + Rng(seed ^ (static_cast<uint64_t>(y) << 32 | x)).uniform(-3, 3);
+  };
+}
+
+// Every sample on its own: the roughest terrain there is.
+inline HeightFunction noise(uint64_t seed, double metres) {
+  return [seed, metres](uint32_t x, uint32_t y) { return Rng(seed ^ (static_cast<uint64_t>(y) << 32 | x)).uniform(0, metres); };
+}
+
+// Builds, opens, and removes the file's name; the scene lives as long as it is held. Aborts the test on failure.
+inline std::shared_ptr<const terrain::Scene> makeScene(terrain::ElevationSource& source, double height_step_m = 0.1,
+                                                       unsigned threads = 1) {
+  const TemporaryFolder folder;
+  const auto report = terrain::buildScene(source, {folder / "scene.fls", height_step_m, threads});
+  if (!report.ok()) std::fprintf(stderr, "makeScene: %s\n", report.error().message.c_str());
+  CHECK_TRUE(report.ok());
+  const auto scene = terrain::Scene::open(folder / "scene.fls");
+  CHECK_TRUE(scene.ok());
+  return *scene;
+}
+
+inline std::shared_ptr<const terrain::Scene> makeScene(uint32_t width, uint32_t height, const HeightFunction& formula,
+                                                       proto::FrameKind kind = proto::FrameKind::kPlanar) {
+  FormulaSource source(width, height, formula, kind);
+  return makeScene(source);
+}
+
+inline std::shared_ptr<const terrain::Scene> makeScene(uint32_t width, uint32_t height, uint64_t seed,
+                                                       proto::FrameKind kind = proto::FrameKind::kPlanar) {
+  return makeScene(width, height, hills(seed), kind);
+}
+
+}  // namespace foreland::test

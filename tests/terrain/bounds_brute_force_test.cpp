@@ -1,0 +1,152 @@
+// Errors and spheres straight from their definitions, point by point and without the builder's arithmetic, against the scene file.
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <map>
+#include <set>
+
+#include "proto/frame.h"
+#include "tests/support/scene.h"
+
+namespace foreland::terrain {
+namespace {
+
+using proto::FrameKind;
+using proto::NodeId;
+
+constexpr double kCompactRounding = 1.0 / 256;  // CompactBound's promise
+
+struct Case {
+  uint32_t width, height;
+  FrameKind kind;
+  uint64_t seed;
+  bool rough;
+};
+
+class BruteForce {
+ public:
+  BruteForce(const Scene& scene) : scene_(scene), grid_(scene.grid()), transform_(scene.frame()) {}
+
+  // Lattice points of the closed triangle (a, b, c), data or not.
+  static bool inside(NodeId a, NodeId b, NodeId c, NodeId q, double (&weight)[3]) {
+    const auto cross = [](NodeId o, NodeId u, NodeId v) {
+      const auto x = [&](NodeId w) { return int64_t{w.x()} - o.x(); };
+      const auto y = [&](NodeId w) { return int64_t{w.y()} - o.y(); };
+      return static_cast<double>(x(u) * y(v) - y(u) * x(v));
+    };
+    const double area = cross(a, b, c);
+    weight[0] = cross(q, b, c) / area, weight[1] = cross(q, c, a) / area, weight[2] = cross(q, a, b) / area;
+    return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
+  }
+
+  glm::dvec3 position(NodeId v) const {
+    return transform_.toScene(proto::LatticePlace{static_cast<double>(v.x()), static_cast<double>(v.y()),
+                                                  scene_.height(v) * scene_.frame().height_step_m});
+  }
+
+  template <class Visit>
+  void forEachSupportPoint(NodeId n, const Visit& visit) const {
+    const auto [a, b] = grid_.endpoints(n);
+    for (NodeId c : grid_.apexes(n))
+      for (uint32_t y = 0; y <= grid_.maxY(); ++y)
+        for (uint32_t x = 0; x <= grid_.maxX(); ++x) {
+          double w[3];
+          const NodeId q = NodeId::at(x, y);
+          if (inside(a, b, c, q, w)) visit(q, w[0] * position(a) + w[1] * position(b) + w[2] * position(c));
+        }
+  }
+
+  double error(NodeId n) const {
+    double worst = 0;
+    forEachSupportPoint(n, [&](NodeId q, const glm::dvec3& coarse) {
+      if (q.x() < grid_.shape().samples_x && q.y() < grid_.shape().samples_y)
+        worst = std::max(worst, glm::distance(position(q), coarse));
+    });
+    return worst;
+  }
+
+  // Over the node and all its descendants.
+  double saturatedError(NodeId n) {
+    if (const auto known = saturated_.find(n); known != saturated_.end()) return known->second;
+    double worst = error(n);
+    for (NodeId child : grid_.children(n)) worst = std::max(worst, saturatedError(child));
+    return saturated_[n] = worst;
+  }
+
+  template <class Visit>
+  void forEachNode(const Visit& visit) const {
+    for (uint32_t y = 0; y <= grid_.maxY(); ++y)
+      for (uint32_t x = 0; x <= grid_.maxX(); ++x)
+        if (!grid_.isBase(NodeId::at(x, y))) visit(NodeId::at(x, y));
+  }
+
+ private:
+  const Scene& scene_;
+  const proto::GridTopology& grid_;
+  proto::FrameTransform transform_;
+  std::map<NodeId, double> saturated_;
+};
+
+class Bounds : public testing::TestWithParam<Case> {
+ protected:
+  std::shared_ptr<const Scene> scene = test::makeScene(
+      GetParam().width, GetParam().height, GetParam().rough ? test::noise(GetParam().seed, 5000) : test::hills(GetParam().seed),
+      GetParam().kind);
+  BruteForce brute{*scene};
+};
+
+TEST_P(Bounds, ErrorsAreExactAndSaturated) {
+  brute.forEachNode([&](NodeId n) {
+    const double expected = brute.saturatedError(n), stored = scene->node(n).error.metres();
+    const double rounding_m = GetParam().kind == FrameKind::kGeographic ? 2e-8 : 0;
+    EXPECT_GE(stored, expected - rounding_m) << n.x() << ", " << n.y();
+    EXPECT_LE(stored, (expected + 2e-7) * (1 + kCompactRounding)) << n.x() << ", " << n.y();
+    EXPECT_EQ(expected <= rounding_m, scene->node(n).error.bits == 0);
+  });
+}
+
+TEST_P(Bounds, SpheresHoldTheirSupportTrueAndCoarse) {
+  brute.forEachNode([&](NodeId n) {
+    const glm::dvec3 centre = brute.position(n);
+    brute.forEachSupportPoint(n, [&](NodeId q, const glm::dvec3& coarse) {
+      // Beyond the data the scene's heights are the clamped ones.
+      EXPECT_LE(glm::distance(centre, brute.position(q)), scene->node(n).radius.metres());
+      EXPECT_LE(glm::distance(centre, coarse), scene->node(n).radius.metres());
+    });
+  });
+}
+
+TEST_P(Bounds, SpheresNestWithSlackAndAreNoLargerThanThat) {
+  brute.forEachNode([&](NodeId n) {
+    double needed = 0;
+    for (NodeId child : scene->grid().children(n))
+      needed = std::max(needed, glm::distance(brute.position(n), brute.position(child)) + scene->node(child).radius.metres());
+    if (scene->grid().children(n).count == 0)
+      brute.forEachSupportPoint(n, [&](NodeId q, const glm::dvec3&) {
+        needed = std::max(needed, glm::distance(brute.position(n), brute.position(q)));
+      });
+    const double stored = scene->node(n).radius.metres();
+    EXPECT_GE(stored, needed + 5e-6);
+    EXPECT_LE(stored, (needed + 2e-5) * (1 + kCompactRounding));
+  });
+}
+
+TEST_P(Bounds, HeightsAreTheNearestStepsAndGoOnBeyondTheData) {
+  const auto formula = GetParam().rough ? test::noise(GetParam().seed, 5000) : test::hills(GetParam().seed);
+  for (uint32_t y = 0; y <= scene->grid().maxY(); ++y)
+    for (uint32_t x = 0; x <= scene->grid().maxX(); ++x) {
+      const float metres = static_cast<float>(formula(std::min(x, GetParam().width - 1), std::min(y, GetParam().height - 1)));
+      EXPECT_NEAR(scene->height(NodeId::at(x, y)) * 0.1, metres, 0.0500001);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Terrains, Bounds,
+                         testing::Values(Case{2, 2, FrameKind::kPlanar, 1, true}, Case{3, 3, FrameKind::kPlanar, 2, true},
+                                         Case{5, 9, FrameKind::kPlanar, 3, true}, Case{17, 17, FrameKind::kPlanar, 4, false},
+                                         Case{18, 11, FrameKind::kPlanar, 5, true}, Case{33, 29, FrameKind::kPlanar, 6, false},
+                                         Case{40, 7, FrameKind::kPlanar, 7, true}, Case{2, 2, FrameKind::kGeographic, 8, true},
+                                         Case{9, 9, FrameKind::kGeographic, 9, false}, Case{17, 20, FrameKind::kGeographic, 10, true},
+                                         Case{31, 18, FrameKind::kGeographic, 11, false}));
+
+}  // namespace
+}  // namespace foreland::terrain
