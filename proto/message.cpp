@@ -152,13 +152,14 @@ Result<ClientMessage> read(const fb::ViewRequest& m) {
   out.lens = fromFb(*m.lens());
   if (!isUsable(out.lens)) return malformed("field of view must be 1 to 170 degrees, the viewport 1 to 16384 pixels a side");
   out.tau_px = m.tau_px();
-  if (!(out.tau_px >= 0.01 && out.tau_px <= 1000)) return malformed("the tolerance must be 0.01 to 1000 pixels");
+  if (out.tau_px != 0 && !(out.tau_px >= 0.01 && out.tau_px <= 1000))
+    return malformed("the tolerance must be 0.01 to 1000 pixels, or 0 for the server's own");
   if (m.strategy() > 2 || m.predictor() > 3) return malformed("unknown strategy or predictor");
   out.strategy = static_cast<Strategy>(m.strategy());
   out.predictor = static_cast<Predictor>(m.predictor());
   out.keyframe_interval = {m.keyframe_interval_us()};
-  if (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000))
-    return malformed("the keyframe interval must be 20 to 10000 ms");
+  if (out.keyframe_interval != Duration{} && (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
+    return malformed("the keyframe interval must be 20 to 10000 ms, or 0 for the server's own");
   return ClientMessage(out);
 }
 
@@ -334,6 +335,14 @@ void encodeHeader(const KeyframeHeader& h, Bytes& out) {
   putPose(h.pose, w);
   w.put(h.tau_px);
   w.put(h.fingerprint);
+}
+
+Pose asSent(const Pose& pose) {
+  Bytes bytes;
+  ByteWriter w(bytes);
+  putPose(pose, w);
+  ByteReader r(bytes);
+  return getPose(r);
 }
 
 Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {

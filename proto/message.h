@@ -35,10 +35,10 @@ std::optional<Predictor> predictorNamed(std::string_view name);
 
 struct ViewRequest {
   Lens lens;
-  double tau_px = 1;
+  double tau_px = 0;  // 0: the server's own
   Strategy strategy = Strategy::kPredict;
   Predictor predictor = Predictor::kConstantVelocity;
-  Duration keyframe_interval = Duration::milliseconds(200);
+  Duration keyframe_interval;  // 0: the server's own
 };
 
 struct TourRequest {
@@ -116,6 +116,9 @@ Bytes encode(const GroundReply& message);
 Bytes encode(const Refusal& message);
 // Appends the header; the caller appends the delta.
 void encodeHeader(const KeyframeHeader& header, Bytes& out);
+
+// The pose that the other end decodes; what is promised for a keyframe is promised for this one.
+Pose asSent(const Pose& pose);
 
 // Values are checked for what their types promise: usable lenses and poses, valid frames, shapes and paths.
 Result<ClientMessage> decodeClientMessage(ByteSpan bytes);

@@ -54,8 +54,8 @@ class CurvedPlaces {
 template <class Places>
 class Walk {
  public:
-  Walk(const Hierarchy& hierarchy, const Metric& metric, std::vector<Slot>& out)
-      : grid_(hierarchy.grid()), nodes_(hierarchy.nodes().data()), metric_(metric), places_(hierarchy, metric), out_(out) {}
+  Walk(const Hierarchy& hierarchy, const Metric& metric, size_t max_nodes, std::vector<Slot>& out)
+      : grid_(hierarchy.grid()), nodes_(hierarchy.nodes().data()), metric_(metric), places_(hierarchy, metric), max_nodes_(max_nodes), out_(out) {}
 
   void run() {
     const int32_t size = static_cast<int32_t>(grid_.rootSize()), half = size / 2;
@@ -85,7 +85,7 @@ class Walk {
     }
     if (!metric_.exceedsTolerance(place, radius, error)) return;
     if (isFirstApex(m, d)) out_.push_back(slot);
-    if (--levels == 0) return;
+    if (--levels == 0 || out_.size() > max_nodes_) return;
     const Lattice rot{-d.y, d.x};
     const Lattice in{(rot.x - d.x) / 2, (rot.y - d.y) / 2}, on{(rot.x + d.x) / 2, (rot.y + d.y) / 2};
     visit({m.x + in.x, m.y + in.y}, {-on.x, -on.y}, levels, inside);
@@ -103,6 +103,7 @@ class Walk {
   const terrain::NodeRecord* nodes_;
   const Metric& metric_;
   Places places_;
+  size_t max_nodes_;
   std::vector<Slot>& out_;
 };
 
@@ -122,13 +123,15 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
 
 }  // namespace
 
-void refine(const Hierarchy& hierarchy, const View& view, RefineScratch& scratch, proto::Section& section) {
+bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch, proto::Section& section) {
   const Metric metric(view, hierarchy.hasVerticalErrors());
   scratch.slots.clear();
-  if (hierarchy.hasVerticalErrors()) Walk<PlanarPlaces>(hierarchy, metric, scratch.slots).run();
-  else Walk<CurvedPlaces>(hierarchy, metric, scratch.slots).run();
+  if (hierarchy.hasVerticalErrors()) Walk<PlanarPlaces>(hierarchy, metric, max_nodes, scratch.slots).run();
+  else Walk<CurvedPlaces>(hierarchy, metric, max_nodes, scratch.slots).run();
+  if (scratch.slots.size() > max_nodes) return false;
   sortSlots(scratch.slots, scratch.sorted);
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());
+  return true;
 }
 
 size_t triangleCount(const proto::GridTopology& grid, const proto::Section& section) {

@@ -17,8 +17,9 @@ struct RefineScratch {
   std::vector<proto::Slot> slots, sorted;
 };
 
-// Fills `section` (ascending slots).
-void refine(const Hierarchy& hierarchy, const View& view, RefineScratch& scratch, proto::Section& section);
+// Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.
+[[nodiscard]] bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch,
+                          proto::Section& section);
 
 // Triangles of a section's mesh before clipping: 4 per root, one more per border node, two more per other node.
 size_t triangleCount(const proto::GridTopology& grid, const proto::Section& section);

@@ -20,8 +20,8 @@ double radians(double degrees) { return degrees * kPi / 180; }
 // The scene as a planner sees it: a rectangle of ground around the origin of the scene frame, metres.
 class Ground {
  public:
-  explicit Ground(const Hierarchy& hierarchy) : scene_(hierarchy.scene()), transform_(hierarchy.frame().transform()) {
-    const proto::GridShape& shape = hierarchy.grid().shape();
+  explicit Ground(const terrain::Scene& scene) : scene_(scene), transform_(scene.frame()) {
+    const proto::GridShape& shape = scene.grid().shape();
     last_x_ = shape.samples_x - 1;
     last_y_ = shape.samples_y - 1;
     const glm::dvec3 middle = transform_.toScene(proto::LatticePlace{last_x_ / 2, last_y_ / 2, 0});
@@ -66,7 +66,7 @@ class Ground {
 
  private:
   const terrain::Scene& scene_;
-  const proto::FrameTransform& transform_;
+  proto::FrameTransform transform_;
   double last_x_, last_y_;
   glm::dvec2 middle_, axis_x_, axis_y_;
 };
@@ -194,13 +194,13 @@ proto::Path orbit(const Ground& ground, size_t steps) {
 
 }  // namespace
 
-Result<proto::Path> planTour(const Hierarchy& hierarchy, const std::string& name, double seconds) {
+Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds) {
   struct Tour {
     const char* name;
     proto::Path (*plan)(const Ground&, size_t);
   };
   static constexpr std::array<Tour, 4> kTours{{{"survey", survey}, {"canyon", canyon}, {"spin", spin}, {"orbit", orbit}}};
-  const Ground ground(hierarchy);
+  const Ground ground(scene);
   const size_t steps = static_cast<size_t>(std::clamp(seconds, 1.0, 3600.0) / kStep.toSeconds()) + 2;
   for (const Tour& tour : kTours)
     if (name == tour.name) return tour.plan(ground, steps);

@@ -10,11 +10,11 @@
 
 #include "base/result.h"
 #include "proto/path.h"
-#include "server/section/hierarchy.h"
+#include "terrain/store/scene.h"
 
 namespace foreland::server {
 
 // A path of `seconds` that starts at time 0, with steps of 100 ms. An Error names the tours there are.
-Result<proto::Path> planTour(const Hierarchy& hierarchy, const std::string& name, double seconds);
+Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds);
 
 }  // namespace foreland::server

@@ -1,0 +1,20 @@
+#include "server/session/clock_map.h"
+
+#include <algorithm>
+
+namespace foreland::server {
+
+void ClockMap::poseArrived(Time stamp_client, Time now) {
+  up_.push_back((now - stamp_client).us);
+  if (up_.size() > kMemory) up_.pop_front();
+  least_up_ = *std::min_element(up_.begin(), up_.end());
+  if (down_.empty()) most_down_ = kFirstGuess_us - least_up_;
+}
+
+void ClockMap::keyframeArrived(Time arrival_client, Time sent) {
+  down_.push_back((arrival_client.us - sent.us));
+  if (down_.size() > kMemory) down_.pop_front();
+  most_down_ = *std::max_element(down_.begin(), down_.end());
+}
+
+}  // namespace foreland::server

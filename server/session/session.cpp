@@ -1,0 +1,188 @@
+#include "server/session/session.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "proto/delta_codec.h"
+#include "server/view/ground.h"
+#include "server/view/tour.h"
+
+namespace foreland::server {
+
+Session::Session(std::shared_ptr<const World> world, const SessionOptions& options)
+    : world_(std::move(world)), options_(options) {}
+
+Status Session::receive(ByteSpan bytes, Time now) {
+  now_ = std::max(now_, now);
+  auto message = proto::decodeClientMessage(bytes);
+  if (!message) return message.error();
+  if (!request_ && !std::holds_alternative<proto::ViewRequest>(*message))
+    return Error{ErrorCode::kMalformed, "the first message must be a view request"};
+  const Status status = std::visit([&](const auto& m) { return take(m, now); }, *message);
+  aim();
+  return status;
+}
+
+void Session::onDrained(Time now) {
+  now_ = std::max(now_, now);
+  unsent_ = false;
+  aim();
+}
+
+Status Session::take(const proto::ViewRequest& request, Time) {
+  const bool first = !request_;
+  request_ = request;
+  if (request_->tau_px == 0) request_->tau_px = options_.tau_px;
+  if (request_->keyframe_interval == Duration{}) request_->keyframe_interval = options_.keyframe_interval;
+  if (first) replies_.push_back(proto::encode(welcome()));
+  target_.reset();
+  return {};
+}
+
+Status Session::take(const proto::Path& path, Time) {
+  path_ = path;
+  return {};
+}
+
+Status Session::take(const proto::TourRequest& request, Time) {
+  auto path = planTour(world_->hierarchy.scene(), request.name, request.seconds);
+  if (!path) return path.error();
+  replies_.push_back(proto::encode(proto::TourReply{request.id, path->step, std::move(path->poses)}));
+  return {};
+}
+
+Status Session::take(const proto::GroundRequest& request, Time) {
+  proto::GroundReply reply{request.id, {}};
+  reply.heights_m.reserve(request.places.size());
+  for (const glm::dvec2& p : request.places)
+    reply.heights_m.push_back(static_cast<float>(
+        groundHeight(world_->hierarchy.scene(), p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
+  replies_.push_back(proto::encode(reply));
+  return {};
+}
+
+Status Session::take(const proto::PoseUpdate& update, Time now) {
+  if (update.received_keyframe > keyframe_.index)
+    return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
+  history_.add(update.pose);
+  clocks_.poseArrived(update.pose.time, now);
+  if (update.received_keyframe > acknowledged_) {
+    acknowledged_ = update.received_keyframe;
+    while (!in_flight_.empty() && in_flight_.front().index <= acknowledged_) {
+      if (in_flight_.front().index == acknowledged_) clocks_.keyframeArrived(update.received_at, in_flight_.front().at);
+      in_flight_.pop_front();
+    }
+  }
+  return {};
+}
+
+proto::Welcome Session::welcome() const {
+  const terrain::Scene& scene = world_->hierarchy.scene();
+  proto::Welcome w;
+  w.scene_id = scene.id();
+  w.title = scene.origin().title;
+  w.crs = scene.origin().crs_wkt;
+  w.frame = scene.frame();
+  w.shape = scene.grid().shape();
+  w.lowest = scene.heightRange().lowest;
+  w.highest = scene.heightRange().highest;
+  w.corner_heights.assign(scene.cornerHeights().begin(), scene.cornerHeights().end());
+  w.centre_heights.assign(scene.centreHeights().begin(), scene.centreHeights().end());
+  w.tau_px = request_->tau_px;
+  w.keyframe_interval = request_->keyframe_interval;
+  return w;
+}
+
+Time Session::gridAtOrAfter(Time t) const {
+  const int64_t T = request_->keyframe_interval.us;
+  const int64_t steps = t.us >= 0 ? (t.us + T - 1) / T : -(-t.us / T);
+  return {steps * T};
+}
+
+void Session::aim() {
+  if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict) return;
+  const Duration T = request_->keyframe_interval;
+  // Needed by the client when the grid point before it is reached.
+  const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
+  if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
+  const Time next = keyframe_.index == 0 ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe_.time + Duration{1});
+  const Duration behind = now_ + compute_time_ - deadline(next);
+  target_ = behind > Duration{} ? gridAtOrAfter(next + behind) : next;
+}
+
+std::optional<Session::Plan> Session::plan() const {
+  if (!request_ || history_.empty() || unsent_ || in_flight_.size() >= options_.max_unacknowledged) return std::nullopt;
+  const Duration T = request_->keyframe_interval;
+  const bool first = keyframe_.index == 0;
+  const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe_.time + Duration{1});
+  const auto skippedTo = [&](Time t) { return first || t < next ? 0 : static_cast<uint64_t>((t - next).us / T.us); };
+
+  if (request_->strategy == proto::Strategy::kPredict) {
+    if (!target_) return std::nullopt;
+    const Time deadline = clocks_.sendBy(*target_ - T) - options_.safety;
+    return Plan{*target_, {deadline - compute_time_, deadline}, skippedTo(*target_)};
+  }
+  // The pose of the grid point must be known; of several, the newest one counts.
+  const Time newest = history_.newest().time;
+  if (first) return Plan{newest, {now_, now_}, 0};
+  if (newest < next) return std::nullopt;
+  const Time latest{next.us + (newest - next).us / T.us * T.us};
+  return Plan{latest, {now_, now_ + Duration{T.us / 2}}, skippedTo(latest)};
+}
+
+std::optional<Session::Due> Session::due() const {
+  if (!replies_.empty()) return Due{now_, now_};
+  if (const auto p = plan()) return p->due;
+  return std::nullopt;
+}
+
+void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
+  now_ = std::max(now_, now);
+  for (Bytes& reply : replies_) out.push_back(std::move(reply));
+  replies_.clear();
+  const auto next = plan();
+  if (next && next->due.release <= now_) computeKeyframe(*next, now_, scratch, out);
+}
+
+void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
+  const Hierarchy& hierarchy = world_->hierarchy;
+  const proto::Pose pose = request_->strategy == proto::Strategy::kPredict
+                               ? history_.predict(request_->predictor, path_, plan.time_client)
+                               : history_.at(plan.time_client);
+  View view{proto::asSent(pose), request_->lens, request_->tau_px};
+  while (!refine(hierarchy, view, options_.max_section_nodes, scratch.refine, scratch.section)) view.tau_px *= 2;
+  proto::diff(section_, scratch.section, scratch.delta);
+
+  proto::KeyframeHeader header;
+  header.index = keyframe_.index + 1;
+  header.base_index = keyframe_.index;
+  header.time = plan.time_client;
+  header.pose = pose;
+  header.tau_px = static_cast<float>(view.tau_px);
+  header.fingerprint = keyframe_.fingerprint + proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
+  Bytes message;
+  proto::encodeHeader(header, message);
+  const terrain::Scene& scene = hierarchy.scene();
+  proto::encodeDelta(hierarchy.grid(), scratch.delta, [&](proto::NodeId v) { return scene.height(v); }, message);
+  out.push_back(std::move(message));
+
+  section_.slots.swap(scratch.section.slots);
+  keyframe_ = header;
+  keyframe_.pose = view.pose;
+  unsent_ = true;
+  target_.reset();
+  aim();
+  in_flight_.push_back({header.index, now});
+  statistics_.keyframes += 1;
+  statistics_.skipped_keyframes += plan.skipped;
+  statistics_.nodes_added += scratch.delta.added.size();
+  statistics_.nodes_removed += scratch.delta.removed.size();
+  statistics_.section_nodes = section_.slots.size();
+}
+
+// Rises at once, falls slowly: a plan should hold for the slower of the recent keyframes.
+void Session::noteComputeTime(Duration spent) {
+  compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
+}
+
+}  // namespace foreland::server
