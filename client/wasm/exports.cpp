@@ -1,0 +1,266 @@
+// The client core as a WebAssembly module: a Viewer, a planned tour, and records for the page to read. A thin host: every decision
+// is in client/ or in the page. Times are milliseconds of the page's own clock; every text is UTF-8.
+// One page, one thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/viewer.h"
+#include "client/wasm/records.h"
+
+#define FORELAND_EXPORT(name) extern "C" __attribute__((export_name(#name)))
+
+namespace foreland::client {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+
+struct Host {
+  explicit Host(const proto::ViewRequest& request) : viewer(request) {}
+
+  Viewer viewer;
+  Bytes outgoing;
+  std::string error;
+  proto::Path tour;
+  std::vector<double> landmarks;
+
+  PoseRecord pose_record{};
+  FrameRecord frame_record{};
+  WelcomeRecord welcome_record{};
+  PlaceRecord place_record{};
+  StatisticsRecord statistics_record{};
+  TextRecord text_record{};
+};
+
+Bytes& incoming() {
+  static Bytes buffer;
+  return buffer;
+}
+
+Time timeOf(double ms) { return {static_cast<int64_t>(std::llround(ms * 1000))}; }
+double millisecondsOf(Time time) { return static_cast<double>(time.us) / 1000; }
+
+template <class T>
+Address addressOf(const T* data) {
+  return static_cast<Address>(reinterpret_cast<uintptr_t>(data));
+}
+
+PoseRecord recordOf(const proto::Pose& pose) {
+  const auto& q = pose.orientation;
+  return {.eye = {pose.eye.x, pose.eye.y, pose.eye.z}, .orientation = {q.x, q.y, q.z, q.w}};
+}
+
+proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
+                             uint32_t predictor, double keyframe_ms) {
+  return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
+          .tau_px = tau_px,
+          .strategy = static_cast<proto::Strategy>(strategy),
+          .predictor = static_cast<proto::Predictor>(predictor),
+          .keyframe_interval = {timeOf(keyframe_ms).us}};
+}
+
+void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
+  out.origin[0] = mesh.origin.x;
+  out.origin[1] = mesh.origin.y;
+  out.origin[2] = mesh.origin.z;
+  out.from_time_ms = millisecondsOf(mesh.from.time);
+  out.to_time_ms = millisecondsOf(mesh.to.time);
+  out.to_pose = recordOf(mesh.to.pose);
+  out.vertex_count = static_cast<uint32_t>(mesh.to_positions.size());
+  out.index_count = static_cast<uint32_t>(mesh.indices.size());
+  out.from_positions = addressOf(mesh.from_positions.data());
+  out.to_positions = addressOf(mesh.to_positions.data());
+  out.from_normals = addressOf(mesh.from_normals.data());
+  out.to_normals = addressOf(mesh.to_normals.data());
+  out.indices = addressOf(mesh.indices.data());
+  out.from_nodes = mesh.from_nodes;
+  out.to_nodes = mesh.to_nodes;
+  out.from_index = mesh.from.index;
+  out.to_index = mesh.to.index;
+  out.tau_px = mesh.to.tau_px;
+}
+
+// Corners and centres of the roots that lie inside the data: all of the relief that is known before the first keyframe.
+void collectLandmarks(const proto::Welcome& welcome, const proto::FrameTransform& transform, std::vector<double>& out) {
+  const auto& shape = welcome.shape;
+  const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_step_m;
+  const auto add = [&](double x, double y, int32_t height) {
+    if (x > shape.samples_x - 1.0 || y > shape.samples_y - 1.0) return;
+    const glm::dvec3 p = transform.toScene(proto::LatticePlace{x, y, height * step});
+    out.insert(out.end(), {p.x, p.y, p.z});
+  };
+  for (uint32_t j = 0; j <= shape.roots_y; ++j)
+    for (uint32_t i = 0; i <= shape.roots_x; ++i)
+      add(i * size, j * size, welcome.corner_heights[j * (shape.roots_x + 1) + i]);
+  for (uint32_t j = 0; j < shape.roots_y; ++j)
+    for (uint32_t i = 0; i < shape.roots_x; ++i)
+      add((i + 0.5) * size, (j + 0.5) * size, welcome.centre_heights[j * shape.roots_x + i]);
+}
+
+// Box around the data, from a net of lattice places at both extreme heights.
+void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transform, WelcomeRecord& out) {
+  constexpr int kPlaces = 8;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.low[axis] = std::numeric_limits<double>::infinity();
+    out.high[axis] = -out.low[axis];
+  }
+  for (int k = 0; k <= kPlaces; ++k)
+    for (int l = 0; l <= kPlaces; ++l)
+      for (double height : {out.lowest_m, out.highest_m}) {
+        const glm::dvec3 p = transform.toScene(proto::LatticePlace{(welcome.shape.samples_x - 1.0) * k / kPlaces,
+                                                                   (welcome.shape.samples_y - 1.0) * l / kPlaces, height});
+        for (int axis = 0; axis < 3; ++axis) {
+          out.low[axis] = std::min(out.low[axis], p[axis]);
+          out.high[axis] = std::max(out.high[axis], p[axis]);
+        }
+      }
+}
+
+}  // namespace
+
+// Room for `size` bytes that the page writes before it calls a function that reads them.
+FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
+  incoming().resize(size);
+  return incoming().data();
+}
+
+FORELAND_EXPORT(foreland_create)
+Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy, uint32_t predictor,
+             double keyframe_ms) {
+  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
+}
+
+FORELAND_EXPORT(foreland_destroy) void destroy(Host* host) { delete host; }
+
+// The message's bytes are in the buffer. 1: taken; 0: refused, and foreland_error tells why.
+FORELAND_EXPORT(foreland_receive) uint32_t receive(Host* host, double now_ms) {
+  const Status status = host->viewer.receive(incoming(), timeOf(now_ms));
+  if (!status.ok()) host->error = status.error().message;
+  return status.ok() ? 1 : 0;
+}
+
+// The next message for the server; null when there is none.
+FORELAND_EXPORT(foreland_take_outgoing) const TextRecord* takeOutgoing(Host* host) {
+  if (!host->viewer.takeOutgoing(host->outgoing)) return nullptr;
+  host->text_record = {addressOf(host->outgoing.data()), static_cast<uint32_t>(host->outgoing.size())};
+  return &host->text_record;
+}
+
+FORELAND_EXPORT(foreland_error) const TextRecord* error(Host* host) {
+  host->text_record = {addressOf(host->error.data()), static_cast<uint32_t>(host->error.size())};
+  return &host->text_record;
+}
+
+FORELAND_EXPORT(foreland_frame)
+const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z, double qx, double qy, double qz, double qw) {
+  const proto::Pose pose{.eye = {x, y, z}, .orientation = glm::dquat(qw, qx, qy, qz)};
+  const FrameView view = host->viewer.frame(timeOf(now_ms), pose);
+  FrameRecord& out = host->frame_record;
+  out = {};
+  out.pose = recordOf(view.pose);
+  out.scene_time_ms = millisecondsOf(view.scene_time);
+  out.weight = view.weight;
+  if (view.mesh == nullptr) return &out;
+  out.mesh_version = view.mesh_version;
+  fillMesh(*view.mesh, out);
+  return &out;
+}
+
+FORELAND_EXPORT(foreland_set_request)
+void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
+                uint32_t predictor, double keyframe_ms) {
+  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
+}
+
+// The tour's name is in the buffer.
+FORELAND_EXPORT(foreland_request_tour) void requestTour(Host* host, double seconds) {
+  host->viewer.requestTour(std::string(incoming().begin(), incoming().end()), seconds);
+}
+
+// Number of poses of a tour that has arrived since the last call; 0 when none has.
+FORELAND_EXPORT(foreland_take_tour) uint32_t takeTour(Host* host) {
+  std::optional<proto::TourReply> reply = host->viewer.takeTour();
+  if (!reply) return 0;
+  host->tour = {.start = {}, .step = reply->step, .poses = std::move(reply->poses)};
+  return static_cast<uint32_t>(host->tour.poses.size());
+}
+
+// Begins the tour at a time and announces it to the server.
+FORELAND_EXPORT(foreland_start_tour) void startTour(Host* host, double start_ms) {
+  host->tour.start = timeOf(start_ms);
+  if (host->tour.validate().ok()) host->viewer.announcePath(host->tour);
+}
+
+// The tour's pose at a time; null when it is over.
+FORELAND_EXPORT(foreland_tour_pose) const PoseRecord* tourPose(Host* host, double now_ms) {
+  if (host->tour.poses.empty() || timeOf(now_ms) > host->tour.end()) return nullptr;
+  host->pose_record = recordOf(host->tour.at(timeOf(now_ms)));
+  return &host->pose_record;
+}
+
+// What the server said of the scene; null before it has.
+FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
+  if (!host->viewer.welcome()) return nullptr;
+  const proto::Welcome& from = *host->viewer.welcome();
+  const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
+  WelcomeRecord& out = host->welcome_record;
+  out.lowest_m = from.lowest * from.frame.height_step_m;
+  out.highest_m = from.highest * from.frame.height_step_m;
+  out.tau_px = from.tau_px;
+  out.keyframe_ms = from.keyframe_interval.toMilliseconds();
+  out.title = addressOf(from.title.data());
+  out.title_size = static_cast<uint32_t>(from.title.size());
+  out.crs = addressOf(from.crs.data());
+  out.crs_size = static_cast<uint32_t>(from.crs.size());
+  out.is_geographic = from.frame.kind == proto::FrameKind::kGeographic ? 1 : 0;
+  out.samples_x = from.shape.samples_x;
+  out.samples_y = from.shape.samples_y;
+  fillBox(from, transform, out);
+  host->landmarks.clear();
+  collectLandmarks(from, transform, host->landmarks);
+  out.landmark_count = static_cast<uint32_t>(host->landmarks.size() / 3);
+  out.landmarks = addressOf(host->landmarks.data());
+  return &out;
+}
+
+// Where a point of the scene is: height, ground below, up, and its coordinates. Null before the welcome.
+FORELAND_EXPORT(foreland_place) const PlaceRecord* place(Host* host, double x, double y, double z) {
+  if (!host->viewer.welcome()) return nullptr;
+  const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
+  const glm::dvec3 point(x, y, z), up = transform.upAt(point);
+  const proto::LatticePlace lattice = transform.toLattice(point);
+  const std::optional<double> ground = host->viewer.groundHeight(lattice.x, lattice.y);
+  PlaceRecord& out = host->place_record;
+  out.height_m = lattice.height_m;
+  out.ground_m = ground.value_or(std::numeric_limits<double>::quiet_NaN());
+  out.up[0] = up.x;
+  out.up[1] = up.y;
+  out.up[2] = up.z;
+  if (transform.frame().kind == proto::FrameKind::kGeographic) {
+    const proto::Geodetic geodetic = transform.toGeodetic(point);
+    out.across[0] = geodetic.latitude_rad * kDegreesPerRadian;
+    out.across[1] = geodetic.longitude_rad * kDegreesPerRadian;
+  } else {
+    out.across[0] = transform.frame().map_origin_m.y + y;
+    out.across[1] = transform.frame().map_origin_m.x + x;
+  }
+  return &out;
+}
+
+FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* host) {
+  const ViewerStatistics& from = host->viewer.statistics();
+  host->statistics_record = {.bytes_down = static_cast<double>(from.bytes_down),
+                             .bytes_up = static_cast<double>(from.bytes_up),
+                             .last_lateness_ms = from.last_lateness.toMilliseconds(),
+                             .worst_lateness_ms = from.worst_lateness.toMilliseconds(),
+                             .nodes_added = static_cast<double>(from.nodes_added),
+                             .nodes_removed = static_cast<double>(from.nodes_removed),
+                             .keyframes = from.keyframes,
+                             .late_keyframes = from.late_keyframes};
+  return &host->statistics_record;
+}
+
+}  // namespace foreland::client

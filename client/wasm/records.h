@@ -1,0 +1,93 @@
+// What the page reads from the module's memory: plain records at fixed offsets, little-endian. client/web/src/core.ts reads the
+// same offsets; a change here is a change there, in one commit. Pointers are offsets into the module's memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace foreland::client {
+
+using Address = uint32_t;
+
+struct PoseRecord {
+  double eye[3];          // scene frame, metres
+  double orientation[4];  // x, y, z, w
+};
+static_assert(sizeof(PoseRecord) == 56);
+
+// What to draw: everything of FrameView and KeyframeMesh. The arrays are valid until the next call into the module.
+struct FrameRecord {
+  PoseRecord pose;
+  double origin[3];        // scene frame, metres; positions are relative to it
+  double scene_time_ms;    // the client's clock
+  double from_time_ms;
+  double to_time_ms;
+  PoseRecord to_pose;      // the pose that the newer section was computed for
+  float weight;
+  uint32_t mesh_version;   // 0: no mesh yet
+  uint32_t vertex_count;
+  uint32_t index_count;
+  Address from_positions;  // float x, y, z, height
+  Address to_positions;
+  Address from_normals;    // int8 x, y, z, 0
+  Address to_normals;
+  Address indices;         // uint32
+  uint32_t from_nodes;
+  uint32_t to_nodes;
+  uint32_t from_index;     // keyframes
+  uint32_t to_index;
+  float tau_px;            // in force at the newer keyframe
+};
+static_assert(offsetof(FrameRecord, origin) == 56 && offsetof(FrameRecord, to_pose) == 104 &&
+              offsetof(FrameRecord, weight) == 160 && sizeof(FrameRecord) == 216);
+
+struct WelcomeRecord {
+  double low[3];   // box around the data, scene frame, metres
+  double high[3];
+  double lowest_m;  // heights above the zero surface
+  double highest_m;
+  double tau_px;
+  double keyframe_ms;
+  Address title;  // UTF-8
+  uint32_t title_size;
+  Address crs;
+  uint32_t crs_size;
+  uint32_t is_geographic;
+  uint32_t samples_x;
+  uint32_t samples_y;
+  uint32_t landmark_count;  // base vertices inside the data
+  Address landmarks;        // double x, y, z, in the scene frame
+  uint32_t unused;
+};
+static_assert(offsetof(WelcomeRecord, title) == 80 && sizeof(WelcomeRecord) == 120);
+
+// Where an eye is, in the owner's terms.
+struct PlaceRecord {
+  double height_m;   // above the zero surface
+  double ground_m;   // height of the ground below, above the zero surface; NaN: not known, or beyond the data
+  double up[3];      // away from the zero surface
+  double across[2];  // geographic: latitude and longitude, degrees; planar: northing and easting of the map, metres
+};
+static_assert(sizeof(PlaceRecord) == 56);
+
+struct StatisticsRecord {
+  double bytes_down;
+  double bytes_up;
+  double last_lateness_ms;  // negative is early
+  double worst_lateness_ms;
+  double nodes_added;
+  double nodes_removed;
+  uint32_t keyframes;
+  uint32_t late_keyframes;
+};
+static_assert(sizeof(StatisticsRecord) == 56);
+
+struct TextRecord {
+  Address text;  // UTF-8
+  uint32_t size;
+};
+
+static_assert(std::is_trivially_copyable_v<FrameRecord> && std::is_trivially_copyable_v<WelcomeRecord>);
+
+}  // namespace foreland::client

@@ -1,0 +1,287 @@
+// The page's parts and what flows between them, frame by frame: camera -> client core -> graphics card -> readout. It owns the one
+// mutable state of the page: the session, the settings and the camera.
+import * as THREE from 'three';
+import { lookOf } from './camera';
+import { Connection } from './connection';
+import { Controls } from './controls';
+import { Core, Viewer, type Frame, type Mesh, type Place, type Pose, type Request, type Welcome } from './core';
+import { FrozenView } from './frozen_view';
+import { showNotice } from './notice';
+import { Panel } from './panel';
+import { PredictionCheck } from './prediction_check';
+import { Readout } from './readout';
+import { kLens, type Address, type Settings, type Tour } from './settings';
+import { Sky } from './sky';
+import { startView } from './start_view';
+import { TerrainMesh } from './terrain_mesh';
+import { Tours } from './tours';
+
+const kResizeQuiet_ms = 200; // a new lens is asked for when resizing has paused
+const kHintShown_ms = 9000;
+
+function byId(id: string): HTMLElement {
+  return document.getElementById(id)!;
+}
+
+export class App {
+  private readonly canvas = byId('scene') as HTMLCanvasElement;
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly scene = new THREE.Scene();
+  private readonly camera = new THREE.PerspectiveCamera();
+  private readonly up = new THREE.Vector3(0, 0, 1); // at the eye
+  private readonly sky = new Sky(this.up);
+  private readonly frozen_view = new FrozenView();
+  private readonly terrain: TerrainMesh;
+  private readonly controls = new Controls(this.canvas);
+  private readonly readout = new Readout(byId('readout'));
+  private readonly prediction = new PredictionCheck();
+  private readonly tours: Tours;
+  private readonly connection: Connection;
+  private readonly settings: Settings;
+  private viewer: Viewer;
+  private welcome: Welcome | null = null;
+  private mesh: Pick<Mesh, 'triangles' | 'vertices' | 'to_nodes' | 'tau_px' | 'to_time_ms' | 'version'> | null = null;
+  private asked = '';
+  private lens_timer = 0;
+  private last_ms = 0;
+  private frames = 0;
+
+  constructor(private readonly core: Core, private readonly address: Address) {
+    this.settings = address.settings;
+    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.autoClear = false;
+    this.terrain = new TerrainMesh(this.renderer, this.up);
+    this.scene.add(this.sky.object, this.terrain.object, this.frozen_view.object);
+    this.resize();
+    this.viewer = new Viewer(core, this.request());
+    this.tours = new Tours(byId('tours'), (tour) => this.chooseTour(tour));
+    this.connection = new Connection(address.server, {
+      onOpen: () => this.beginSession(),
+      onMessage: (message) => this.receive(message),
+      onWaiting: (seconds, was_open) => this.showWaiting(seconds, was_open),
+    });
+    this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
+    new Panel(byId('panel'), this.settings, () => this.applySettings());
+    window.addEventListener('resize', () => this.resize());
+    this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to go on.'));
+  }
+
+  start(): void {
+    showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
+    this.connection.open();
+    this.renderer.setAnimationLoop((now_ms) => this.draw(now_ms));
+    byId('hint').textContent = window.matchMedia('(pointer: coarse)').matches
+      ? 'One finger looks, two fingers fly'
+      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed';
+    window.setTimeout(() => byId('hint').classList.add('gone'), kHintShown_ms);
+  }
+
+  // What tests and curious people may read in the console.
+  status(): Record<string, unknown> {
+    return {
+      connected: this.connection.isOpen(),
+      frames: this.frames,
+      mesh_version: this.terrain.version,
+      triangles: this.terrain.triangles,
+      nodes: this.mesh?.to_nodes ?? 0,
+      tau_px: this.mesh?.tau_px ?? 0,
+      touring: this.tours.isFlying,
+      frozen: this.frozen_view.pose !== null,
+      eye: this.controls.eye.toArray(),
+      title: this.welcome?.title ?? null,
+      ...this.viewer.statistics(),
+    };
+  }
+
+  // ---- session
+
+  private beginSession(): void {
+    this.viewer.destroy();
+    this.viewer = new Viewer(this.core, this.request());
+    this.asked = JSON.stringify(this.request());
+    this.terrain.forget();
+    this.readout.forget();
+    this.prediction.forget();
+    const tour = this.tours.current ?? (this.welcome ? null : this.address.tour);
+    if (tour) this.tours.request(tour, this.viewer);
+    this.sendOutgoing();
+  }
+
+  private receive(message: Uint8Array): void {
+    const refusal = this.viewer.receive(message, performance.now());
+    if (refusal !== null) {
+      this.connection.close();
+      this.stop('The session ended.', refusal);
+      return;
+    }
+    if (this.welcome && byId('notice').hidden) return;
+    const welcome = this.viewer.welcome();
+    if (!welcome) return;
+    showNotice(byId('notice'), null);
+    this.enterScene(welcome);
+  }
+
+  private enterScene(welcome: Welcome): void {
+    const is_first = this.welcome === null;
+    this.welcome = welcome;
+    this.terrain.setScene(welcome);
+    this.terrain.show(this.settings);
+    byId('scene-title').textContent = welcome.title;
+    document.title = `${welcome.title} \u00b7 Foreland`;
+    if (!is_first) return;
+    this.controls.setBox(welcome.low, welcome.high);
+    const { eye, look } = startView(welcome);
+    this.controls.eye.fromArray(this.address.view?.slice(0, 3) ?? eye);
+    const [heading, pitch] = (this.address.view?.slice(3) ?? []).map((degrees) => (degrees * Math.PI) / 180);
+    this.controls.look = heading === undefined ? look : { heading, pitch: pitch! };
+  }
+
+  private sendOutgoing(): void {
+    for (let message = this.viewer.takeOutgoing(); message; message = this.viewer.takeOutgoing()) this.connection.send(message);
+  }
+
+  private showWaiting(seconds: number, was_open: boolean): void {
+    const title = was_open || this.welcome ? 'Connection lost' : 'No answer from the server';
+    const text = `Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
+    showNotice(byId('notice'), { kind: 'wait', title, text });
+  }
+
+  private stop(title: string, text: string): void {
+    const action = { label: 'Try again', run: () => window.location.reload() };
+    showNotice(byId('notice'), { kind: 'error', title, text, action });
+  }
+
+  // ---- what the user chooses
+
+  private request(): Request {
+    const { strategy, predictor, tau_px, keyframe_ms } = this.settings;
+    const automatic = this.tours?.current ? 'path' : 'velocity';
+    return {
+      fov_rad: kLens.fov_rad,
+      width_px: this.canvas.width,
+      height_px: this.canvas.height,
+      strategy,
+      predictor: predictor === 'auto' ? automatic : predictor,
+      tau_px,
+      keyframe_ms,
+    };
+  }
+
+  private applySettings(): void {
+    this.terrain.show(this.settings);
+    if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
+    if (!this.settings.frozen) this.frozen_view.thaw();
+    this.ask();
+  }
+
+  // Sends the request if it differs from the last one.
+  private ask(): void {
+    const request = this.request();
+    if (JSON.stringify(request) === this.asked) return;
+    this.asked = JSON.stringify(request);
+    this.viewer.setRequest(request);
+  }
+
+  private chooseTour(tour: Tour | null): void {
+    if (tour) this.tours.request(tour, this.viewer);
+    else this.tours.stop();
+    this.ask();
+  }
+
+  private freeze(): void {
+    if (!this.welcome) return;
+    const { low, high } = this.welcome;
+    const length_m = 0.3 * Math.hypot(high[0] - low[0], high[1] - low[1]);
+    this.frozen_view.freeze(this.controls.pose(this.up), kLens.fov_rad, this.camera.aspect, length_m);
+  }
+
+  private resize(): void {
+    const [width, height] = [window.innerWidth, window.innerHeight];
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, this.address.sharpness));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.fov = (kLens.fov_rad * 180) / Math.PI;
+    window.clearTimeout(this.lens_timer);
+    this.lens_timer = window.setTimeout(() => this.ask(), kResizeQuiet_ms);
+  }
+
+  // ---- a frame
+
+  private draw(now_ms: number): void {
+    const seconds = Math.min((now_ms - this.last_ms) / 1000, 0.25);
+    this.last_ms = now_ms;
+    const place = this.welcome ? this.moveCamera(now_ms, seconds) : null;
+    const own = this.controls.pose(this.up);
+    const frame = this.viewer.frame(now_ms, this.frozen_view.pose ?? own);
+    this.takeMesh(frame, now_ms, own);
+    this.sendOutgoing();
+    const shown = this.frozen_view.pose ? own : frame.pose;
+    if (this.welcome) this.render(shown, frame, place);
+    this.measure(now_ms, frame, place);
+  }
+
+  private moveCamera(now_ms: number, seconds: number): Place | null {
+    const placeOf = (eye: readonly number[]) => this.viewer.place(eye);
+    const touring = this.tours.pose(this.viewer, now_ms);
+    if (touring && !this.frozen_view.pose) {
+      this.controls.eye.fromArray(touring.eye);
+      this.controls.look = lookOf(touring.orientation, this.up);
+    } else {
+      this.controls.step(seconds, this.up, placeOf);
+    }
+    const place = placeOf(this.controls.eye.toArray());
+    if (place) this.up.fromArray(place.up);
+    return place;
+  }
+
+  private takeMesh(frame: Frame, now_ms: number, own: Pose): void {
+    this.prediction.frame(now_ms, own.eye);
+    if (!this.terrain.needsUpload(frame.mesh_version)) return;
+    const mesh = this.viewer.mesh();
+    this.terrain.upload(mesh);
+    this.prediction.expect(mesh.to_time_ms, mesh.to_pose.eye);
+    const { triangles, vertices, to_nodes, tau_px, to_time_ms, version } = mesh; // the arrays do not outlive this frame
+    this.mesh = { triangles, vertices, to_nodes, tau_px, to_time_ms, version };
+  }
+
+  private render(pose: Pose, frame: Frame, place: Place | null): void {
+    this.camera.quaternion.fromArray(pose.orientation);
+    this.camera.position.set(0, 0, 0);
+    this.setDepthRange(place);
+    this.camera.updateMatrixWorld();
+    this.sky.update(this.camera);
+    this.terrain.place(frame.weight, pose.eye, place?.height_m ?? pose.eye[2]);
+    this.frozen_view.place(pose.eye);
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+    ++this.frames;
+  }
+
+  // Near enough not to cut into the ground, far enough to keep depths apart to the edge of the scene.
+  private setDepthRange(place: Place | null): void {
+    const { low, high } = this.welcome!;
+    const across_m = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    const eye = this.controls.eye;
+    const outside_m = Math.hypot(eye.x - 0.5 * (low[0] + high[0]), eye.y - 0.5 * (low[1] + high[1]), eye.z - low[2]);
+    const clearance_m = place && place.ground_m !== null ? place.height_m - place.ground_m : 0.002 * across_m;
+    this.camera.near = Math.max(0.06 * clearance_m, 1e-5 * across_m);
+    this.camera.far = across_m + outside_m;
+    this.camera.updateProjectionMatrix();
+  }
+
+  private measure(now_ms: number, frame: Frame, place: Place | null): void {
+    this.readout.update({
+      now_ms,
+      statistics: this.viewer.statistics(),
+      mesh: this.mesh,
+      strategy: this.settings.strategy,
+      shown_late_ms: now_ms - frame.scene_time_ms,
+      is_late: this.mesh !== null && this.settings.strategy === 'predict' && now_ms > this.mesh.to_time_ms + 20,
+      prediction_error_m: this.settings.strategy === 'predict' ? this.prediction.error_m : null,
+      welcome: this.welcome,
+      place,
+      heading_rad: this.controls.look.heading,
+      speed_mps: this.controls.speed_mps,
+    });
+  }
+}

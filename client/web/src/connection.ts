@@ -1,0 +1,64 @@
+// The WebSocket to the server: one binary message is one protocol message. When it is lost, it tries again after a growing wait.
+// A session that the server refused is not tried again by itself.
+
+export interface ConnectionEvents {
+  onOpen(): void;
+  onMessage(message: Uint8Array): void;
+  onWaiting(seconds: number, was_open: boolean): void; // until the next attempt
+}
+
+const kFirstWait_ms = 500;
+const kLongestWait_ms = 8000;
+const kMostUnsent_bytes = 1 << 20; // poses are dropped beyond it: newer ones are on their way
+
+export class Connection {
+  private socket: WebSocket | null = null;
+  private wait_ms = kFirstWait_ms;
+  private timer = 0;
+
+  constructor(readonly url: string, private readonly events: ConnectionEvents) {}
+
+  open(): void {
+    window.clearTimeout(this.timer);
+    this.close();
+    const socket = new WebSocket(this.url);
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    let was_open = false;
+    socket.onopen = () => {
+      was_open = true;
+      this.events.onOpen();
+    };
+    socket.onmessage = (event) => {
+      if (socket !== this.socket || !(event.data instanceof ArrayBuffer)) return;
+      this.wait_ms = kFirstWait_ms;
+      this.events.onMessage(new Uint8Array(event.data));
+    };
+    socket.onclose = () => {
+      if (socket === this.socket) this.waitAndReopen(was_open);
+    };
+  }
+
+  // Ends the connection for good; open() begins anew.
+  close(): void {
+    window.clearTimeout(this.timer);
+    const socket = this.socket;
+    this.socket = null;
+    socket?.close();
+  }
+
+  isOpen(): boolean {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  send(message: Uint8Array<ArrayBuffer>): void {
+    if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < kMostUnsent_bytes) this.socket.send(message);
+  }
+
+  private waitAndReopen(was_open: boolean): void {
+    this.socket = null;
+    this.events.onWaiting(this.wait_ms / 1000, was_open);
+    this.timer = window.setTimeout(() => this.open(), this.wait_ms);
+    this.wait_ms = Math.min(2 * this.wait_ms, kLongestWait_ms);
+  }
+}

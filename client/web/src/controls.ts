@@ -1,0 +1,148 @@
+// Flying by hand. Mouse: drag looks, wheel sets the speed. Keys: W A S D or arrows move, E and Q rise and sink, Shift is faster.
+// Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. The eye stays above the ground.
+import * as THREE from 'three';
+import { basisAt, forwardOf, orientationOf, type Look } from './camera';
+import type { Place, Pose } from './core';
+
+const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
+  KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],
+  KeyD: [0, 1], ArrowRight: [0, 1], KeyA: [0, -1], ArrowLeft: [0, -1],
+  KeyE: [2, 1], Space: [2, 1], KeyQ: [2, -1], KeyC: [2, -1],
+};
+const kRadiansPerScreen = 1.6; // of dragging over the canvas' height
+const kSteepest_rad = 1.54;
+const kSmoothing_s = 0.22; // of velocity
+
+export class Controls {
+  eye = new THREE.Vector3();
+  look: Look = { heading: 0, pitch: 0 };
+  speed_mps = 150;
+  clearance_m = 3;
+  onTakeOver: () => void = () => {}; // the user steers
+
+  private readonly velocity = new THREE.Vector3(); // right, ahead, up
+  private readonly held = new Set<string>();
+  private readonly fingers = new Map<number, [number, number]>();
+  private carry = new THREE.Vector3(); // metres to move, from two fingers: right, ahead, along the view
+  private ground_distance_m = 100;
+  private low = new THREE.Vector3(-1e7, -1e7, -1e7);
+  private high = new THREE.Vector3(1e7, 1e7, 1e7);
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    canvas.addEventListener('pointerdown', (e) => this.press(e));
+    canvas.addEventListener('pointermove', (e) => this.drag(e));
+    for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) {
+      canvas.addEventListener(name, (e) => this.fingers.delete(e.pointerId));
+    }
+    canvas.addEventListener('wheel', (e) => this.turnWheel(e), { passive: false });
+    canvas.addEventListener('contextmenu', (e) => e.preventDefault());
+    window.addEventListener('keydown', (e) => this.key(e));
+    window.addEventListener('keyup', (e) => this.held.delete(e.code));
+    window.addEventListener('blur', () => this.held.clear());
+  }
+
+  // The eye stays in the box grown by its own width on each side.
+  setBox(low: readonly number[], high: readonly number[]): void {
+    const grow = Math.max(high[0]! - low[0]!, high[1]! - low[1]!);
+    this.low.fromArray(low as number[]).subScalar(grow);
+    this.high.fromArray(high as number[]).addScalar(grow);
+    this.speed_mps = Math.min(Math.max(grow / 180, 0.02), 400);
+    this.clearance_m = Math.min(3, grow / 2000);
+  }
+
+  pose(up: THREE.Vector3): Pose {
+    return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up) };
+  }
+
+  // Moves on by `seconds`; `placeOf` tells where an eye is.
+  step(seconds: number, up: THREE.Vector3, placeOf: (eye: number[]) => Place | null): void {
+    const wanted = new THREE.Vector3();
+    for (const code of this.held) {
+      const key = kKeys[code];
+      if (key) wanted.setComponent(key[0], wanted.getComponent(key[0]) + key[1]);
+    }
+    const faster = this.held.has('ShiftLeft') || this.held.has('ShiftRight') ? 4 : 1;
+    wanted.clampLength(0, 1).multiplyScalar(this.speed_mps * faster);
+    this.velocity.lerp(wanted, 1 - Math.exp(-seconds / kSmoothing_s));
+    if (wanted.lengthSq() === 0 && this.velocity.length() < 1e-4 * this.speed_mps) this.velocity.set(0, 0, 0);
+    this.move(this.velocity.x * seconds, this.velocity.y * seconds, this.velocity.z * seconds, up);
+    this.carryOn(up);
+    this.keepAboveGround(up, placeOf);
+  }
+
+  private move(right_m: number, ahead_m: number, up_m: number, up: THREE.Vector3): void {
+    const [east, north] = basisAt(up);
+    const { heading } = this.look;
+    this.eye
+      .addScaledVector(east, Math.cos(heading) * right_m)
+      .addScaledVector(north, -Math.sin(heading) * right_m)
+      .addScaledVector(forwardOf(this.look, up), ahead_m)
+      .addScaledVector(up, up_m)
+      .clamp(this.low, this.high);
+  }
+
+  private carryOn(up: THREE.Vector3): void {
+    if (this.carry.lengthSq() === 0) return;
+    const pitch = this.look.pitch;
+    this.look.pitch = 0; // two fingers move over the ground, level
+    this.move(this.carry.x, this.carry.y, 0, up);
+    this.look.pitch = pitch;
+    this.move(0, this.carry.z, 0, up);
+    this.carry.set(0, 0, 0);
+  }
+
+  private keepAboveGround(up: THREE.Vector3, placeOf: (eye: number[]) => Place | null): void {
+    const place = placeOf(this.eye.toArray());
+    if (!place || place.ground_m === null) return;
+    const missing_m = place.ground_m + this.clearance_m - place.height_m;
+    if (missing_m > 0) this.eye.addScaledVector(up, missing_m);
+    this.ground_distance_m = Math.max(place.height_m - place.ground_m, this.clearance_m);
+  }
+
+  private press(event: PointerEvent): void {
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(event.pointerId);
+    this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    this.onTakeOver();
+  }
+
+  private drag(event: PointerEvent): void {
+    const before = this.fingers.get(event.pointerId);
+    if (!before) return;
+    const now: [number, number] = [event.clientX, event.clientY];
+    const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    if (this.fingers.size === 2) this.dragTwo(event.pointerId, before, now);
+    if (this.fingers.size === 1) this.turn(dx, dy);
+    this.fingers.set(event.pointerId, now);
+  }
+
+  private turn(dx: number, dy: number): void {
+    const scale = kRadiansPerScreen / this.canvas.clientHeight;
+    this.look.heading -= dx * scale;
+    this.look.pitch = Math.min(Math.max(this.look.pitch + dy * scale, -kSteepest_rad), kSteepest_rad);
+  }
+
+  private dragTwo(id: number, before: [number, number], now: [number, number]): void {
+    const other = [...this.fingers.entries()].find(([key]) => key !== id)?.[1];
+    if (!other) return;
+    const metres = (1.6 * this.ground_distance_m) / this.canvas.clientHeight;
+    const apart = (p: [number, number]) => Math.hypot(p[0] - other[0], p[1] - other[1]);
+    this.carry.x -= 0.5 * (now[0] - before[0]) * metres;
+    this.carry.y += 0.5 * (now[1] - before[1]) * metres;
+    this.carry.z += 2 * (apart(now) - apart(before)) * metres;
+  }
+
+  private turnWheel(event: WheelEvent): void {
+    event.preventDefault();
+    this.speed_mps = Math.min(Math.max(this.speed_mps * 1.0012 ** -event.deltaY, 0.01), 20000);
+  }
+
+  private key(event: KeyboardEvent): void {
+    const typing = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName);
+    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!kKeys[event.code] && !event.code.startsWith('Shift')) return;
+    event.preventDefault();
+    this.held.add(event.code);
+    if (kKeys[event.code]) this.onTakeOver();
+  }
+}

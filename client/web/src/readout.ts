@@ -1,0 +1,134 @@
+// The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
+import type { Mesh, Place, Statistics, Welcome } from './core';
+
+const kWindow_ms = 2000; // over which rates are taken
+const kRefresh_ms = 250;
+const kHistory = 60;
+
+export interface Measured {
+  now_ms: number;
+  statistics: Statistics;
+  mesh: Pick<Mesh, 'triangles' | 'to_nodes' | 'tau_px'> | null;
+  strategy: string;
+  shown_late_ms: number; // the age of what is shown: t - t_d
+  is_late: boolean; // the newer keyframe's time has passed and its successor is not here
+  prediction_error_m: number | null; // of the newest keyframe, once its time has come
+  welcome: Welcome | null;
+  place: Place | null;
+  heading_rad: number;
+  speed_mps: number;
+}
+
+export class Readout {
+  private readonly fields = new Map<string, HTMLElement>();
+  private readonly bars: HTMLCanvasElement;
+  private readonly where = document.createElement('p');
+  private readonly history: number[] = [];
+  private readonly samples: { at_ms: number; bytes: number; keyframes: number }[] = [];
+  private frame_ms = 0;
+  private last_frame_ms = 0;
+  private last_refresh_ms = 0;
+
+  constructor(root: HTMLElement) {
+    const list = document.createElement('dl');
+    for (const name of ['Frame', 'Triangles', 'Stream', 'Keyframes', 'Lateness', 'Error']) {
+      const value = document.createElement('dd');
+      list.append(Object.assign(document.createElement('dt'), { textContent: name }), value);
+      this.fields.set(name, value);
+    }
+    this.bars = Object.assign(document.createElement('canvas'), { width: 2 * 180, height: 2 * 26 });
+    this.bars.setAttribute('aria-label', 'Kilobytes a second over the last fifteen seconds');
+    this.where.className = 'where';
+    root.append(list, this.bars, this.where);
+  }
+
+  update(m: Measured): void {
+    const frame_ms = Math.min(m.now_ms - this.last_frame_ms, 1000);
+    this.frame_ms += (frame_ms - this.frame_ms) * 0.08;
+    this.last_frame_ms = m.now_ms;
+    if (m.now_ms - this.last_refresh_ms < kRefresh_ms) return;
+    this.last_refresh_ms = m.now_ms;
+    this.samples.push({ at_ms: m.now_ms, bytes: m.statistics.bytes_down, keyframes: m.statistics.keyframes });
+    while (this.samples.length > 2 && this.samples[0]!.at_ms < m.now_ms - kWindow_ms) this.samples.shift();
+    this.showNumbers(m);
+    this.showPlace(m);
+    this.drawBars();
+  }
+
+  // Another session counts from zero.
+  forget(): void {
+    this.samples.length = 0;
+  }
+
+  private showNumbers(m: Measured): void {
+    const { statistics: s } = m;
+    const rate = this.rates();
+    this.set('Frame', `${this.frame_ms.toFixed(1)} ms`, `${(1000 / Math.max(this.frame_ms, 0.1)).toFixed(0)} per s`);
+    this.set('Triangles', (m.mesh?.triangles ?? 0).toLocaleString('en'), `${(m.mesh?.to_nodes ?? 0).toLocaleString('en')} nodes`);
+    this.set('Stream', `${bytesText(rate.bytes)}/s`, `${bytesText(s.bytes_down)} in all`);
+    this.set('Keyframes', `${rate.keyframes.toFixed(1)} per s`, `${s.late_keyframes} of ${s.keyframes} late`);
+    const lateness = s.keyframes === 0 ? '\u2013' : latenessText(s.last_lateness_ms);
+    const shown = m.strategy === 'predict' ? '' : `shown ${Math.max(m.shown_late_ms, 0).toFixed(0)} ms ago`;
+    this.set('Lateness', lateness, m.is_late ? 'waiting for a keyframe' : shown);
+    const bound = m.mesh ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : '\u2013';
+    this.set('Error', bound, m.prediction_error_m === null ? '' : `predicted ${metresText(m.prediction_error_m)} off`);
+    this.history.push(rate.bytes);
+    if (this.history.length > kHistory) this.history.shift();
+  }
+
+  private rates(): { bytes: number; keyframes: number } {
+    const [first, last] = [this.samples[0]!, this.samples[this.samples.length - 1]!];
+    const seconds = Math.max(last.at_ms - first.at_ms, kRefresh_ms) / 1000;
+    return { bytes: (last.bytes - first.bytes) / seconds, keyframes: (last.keyframes - first.keyframes) / seconds };
+  }
+
+  private showPlace(m: Measured): void {
+    if (!m.place || !m.welcome) return;
+    const [across, along] = m.place.across;
+    const at = m.welcome.is_geographic
+      ? `${degreesText(across, 'N', 'S')}  ${degreesText(along, 'E', 'W')}`
+      : `${along.toFixed(0)} E  ${across.toFixed(0)} N`;
+    const above = m.place.ground_m === null ? '' : ` \u00b7 ${metresText(m.place.height_m - m.place.ground_m)} above ground`;
+    const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
+    const lines = [at, `${metresText(m.place.height_m)} high${above}`];
+    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${metresText(m.speed_mps)}/s`);
+    this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
+  }
+
+  private drawBars(): void {
+    const context = this.bars.getContext('2d')!;
+    const { width, height } = this.bars;
+    const top = Math.max(...this.history, 1);
+    context.clearRect(0, 0, width, height);
+    context.fillStyle = 'rgba(126, 178, 230, 0.75)';
+    this.history.forEach((bytes, i) => {
+      const tall = Math.max(2, (bytes / top) * height);
+      context.fillRect((i * width) / kHistory, height - tall, width / kHistory - 2, tall);
+    });
+  }
+
+  private set(name: string, value: string, note: string): void {
+    const field = this.fields.get(name)!;
+    const small = Object.assign(document.createElement('small'), { textContent: note });
+    field.replaceChildren(value, small);
+  }
+}
+
+function bytesText(bytes: number): string {
+  if (bytes < 1000) return `${bytes.toFixed(0)} B`;
+  if (bytes < 1e6) return `${(bytes / 1e3).toFixed(1)} kB`;
+  return `${(bytes / 1e6).toFixed(2)} MB`;
+}
+
+function metresText(metres: number): string {
+  if (Math.abs(metres) >= 10000) return `${(metres / 1000).toFixed(1)} km`;
+  return `${metres.toFixed(Math.abs(metres) < 10 ? 1 : 0)} m`;
+}
+
+function latenessText(ms: number): string {
+  return ms <= 0 ? `${(-ms).toFixed(0)} ms early` : `${ms.toFixed(0)} ms late`;
+}
+
+function degreesText(degrees: number, positive: string, negative: string): string {
+  return `${Math.abs(degrees).toFixed(5)}\u00b0 ${degrees < 0 ? negative : positive}`;
+}

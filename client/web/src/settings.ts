@@ -1,0 +1,58 @@
+// What the user can set, and its beginnings from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
+import { kPredictors, kStrategies, type Predictor, type Strategy } from './core';
+
+export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
+export type Tour = (typeof kTours)[number];
+
+export interface Settings {
+  strategy: Strategy;
+  predictor: Predictor | 'auto'; // auto: the known path on a tour, constant velocity otherwise
+  tau_px: number;
+  keyframe_ms: number;
+  wireframe: boolean;
+  contours: boolean;
+  fog: boolean;
+  frozen: boolean; // the section stays that of the pose where it was frozen
+}
+
+export interface Address {
+  settings: Settings;
+  tour: Tour | null;
+  server: string; // ws://...
+  view: number[] | null; // x, y, z in metres, heading, pitch in degrees
+  sharpness: number; // most device pixels per page pixel
+}
+
+const kFov_rad = (55 * Math.PI) / 180;
+export const kLens = { fov_rad: kFov_rad };
+
+export function readAddress(location: Location): Address {
+  const query = new URLSearchParams(location.search);
+  const oneOf = <T extends string>(name: string, values: readonly T[], otherwise: T): T => {
+    const value = query.get(name);
+    return values.includes(value as T) ? (value as T) : otherwise;
+  };
+  const number = (name: string, low: number, high: number, otherwise: number): number => {
+    const value = Number.parseFloat(query.get(name) ?? '');
+    return Number.isFinite(value) ? Math.min(Math.max(value, low), high) : otherwise;
+  };
+  const flag = (name: string, otherwise: boolean): boolean => (query.has(name) ? query.get(name) !== '0' : otherwise);
+  const tour = query.get('tour') as Tour | null;
+  const view = query.get('view')?.split(',').map(Number);
+  return {
+    settings: {
+      strategy: oneOf('strategy', kStrategies, 'predict'),
+      predictor: oneOf('predictor', ['auto', ...kPredictors], 'auto'),
+      tau_px: number('tau', 0.25, 16, 1),
+      keyframe_ms: number('keyframe', 50, 2000, 200),
+      wireframe: flag('wireframe', false),
+      contours: flag('contours', false),
+      fog: flag('fog', true),
+      frozen: false,
+    },
+    tour: tour !== null && kTours.includes(tour) ? tour : null,
+    server: query.get('server') ?? `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/fly`,
+    view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
+    sharpness: number('sharpness', 0.25, 3, 2),
+  };
+}

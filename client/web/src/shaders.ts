@@ -1,0 +1,201 @@
+// The page's shaders. Distances are metres relative to the eye, along the scene's axes, so floats keep their precision far
+// from the scene's origin. Colours are linear until the last line.
+
+const kHead = /* glsl */ `
+precision highp float;
+precision highp int;
+`;
+
+// Sky, haze and the way to the screen, shared so that distant ground fades into the very sky behind it.
+const kAtmosphere = /* glsl */ `
+uniform vec3 u_sun;  // towards the sun
+uniform vec3 u_up;   // away from the zero surface, at the eye
+
+vec3 hazeColour(vec3 direction) {
+  float towards_sun = max(dot(direction, u_sun), 0.0);
+  return mix(vec3(0.50, 0.62, 0.76), vec3(0.98, 0.86, 0.68), 0.55 * pow(towards_sun, 5.0));
+}
+
+vec3 skyColour(vec3 direction) {
+  float height = dot(direction, u_up);
+  vec3 haze = hazeColour(direction);
+  vec3 colour = mix(haze, vec3(0.055, 0.155, 0.40), 1.0 - exp(-4.2 * max(height, 0.0)));
+  colour = mix(colour, haze * 0.80, smoothstep(0.0, -0.35, height));
+  float towards_sun = max(dot(direction, u_sun), 0.0);
+  colour += vec3(1.0, 0.80, 0.55) * (0.10 * pow(towards_sun, 24.0) + 0.35 * pow(towards_sun, 350.0));
+  return colour + vec3(9.0, 8.0, 6.0) * smoothstep(0.99985, 0.99993, towards_sun);
+}
+
+// Filmic curve (Narkowicz's fit of ACES), then sRGB.
+vec3 toScreen(vec3 colour) {
+  vec3 x = colour * 0.92;
+  x = clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+  return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), x));
+}
+`;
+
+// A frame between two keyframes: mix of two positions with one weight (DESIGN section 2).
+const kInterpolation = /* glsl */ `
+in vec4 from_position;  // metres from the mesh's origin; w: height above the zero surface
+in vec4 to_position;
+in vec3 from_normal;
+in vec3 to_normal;
+uniform float u_weight;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform vec3 u_origin;  // of the mesh, from the eye
+`;
+
+export const kTerrainVertex = kHead + kInterpolation + /* glsl */ `
+out vec3 v_from_eye;
+out vec3 v_normal;
+out vec3 v_place;  // x, y from the mesh's origin; height
+void main() {
+  vec4 p = mix(from_position, to_position, u_weight);
+  v_from_eye = p.xyz + u_origin;
+  v_normal = mix(from_normal, to_normal, u_weight);
+  v_place = vec3(p.xy, p.w);
+  gl_Position = projectionMatrix * (modelViewMatrix * vec4(p.xyz, 1.0));
+}
+`;
+
+export const kTerrainFragment = kHead + kAtmosphere + /* glsl */ `
+in vec3 v_from_eye;
+in vec3 v_normal;
+in vec3 v_place;
+out vec4 o_colour;
+
+uniform vec3 u_palette[6];    // from the lowest ground to the highest
+uniform vec3 u_rock;
+uniform vec3 u_snow;
+uniform vec2 u_heights;       // lowest, highest
+uniform vec2 u_origin_tile;   // the mesh's origin, modulo a whole number of noise periods
+uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
+uniform float u_contour_m;    // 0: none
+uniform float u_haze;         // optical depth per metre at the lowest ground; 0: none
+uniform float u_haze_height;  // over which it falls to 1 / e
+uniform float u_eye_height;
+
+float hash(ivec2 p) {
+  uint h = uint(p.x) * 0x9E3779B1u ^ uint(p.y) * 0x85EBCA77u;
+  h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
+  h = (h ^ (h >> 12)) * 0x297A2D39u;
+  return float((h ^ (h >> 15)) & 0xFFFFu) / 65535.0;
+}
+
+float noise(vec2 p) {
+  ivec2 cell = ivec2(floor(p)) & 1023;  // periodic, so that the origin's tile may be taken modulo the period
+  ivec2 next = (cell + 1) & 1023;
+  vec2 f = fract(p);
+  f = f * f * (3.0 - 2.0 * f);
+  float south = mix(hash(cell), hash(ivec2(next.x, cell.y)), f.x);
+  float north = mix(hash(ivec2(cell.x, next.y)), hash(next), f.x);
+  return mix(south, north, f.y) - 0.5;
+}
+
+// Mottling in [-0.5, 0.5]; octaves finer than about two pixels fade out.
+float mottling(vec2 place, float pixel_m) {
+  float sum = 0.0, amplitude = 0.5, wave_m = u_noise_m;
+  for (int octave = 0; octave < 4; ++octave) {
+    float visible = clamp(wave_m / (2.0 * pixel_m) - 1.0, 0.0, 1.0);
+    if (visible == 0.0) break;
+    sum += visible * amplitude * noise(place / wave_m);
+    amplitude *= 0.6;
+    wave_m *= 0.25;
+  }
+  return sum;
+}
+
+vec3 hypsometric(float t) {
+  float at = clamp(t, 0.0, 1.0) * 5.0;
+  int i = min(int(at), 4);
+  return mix(u_palette[i], u_palette[i + 1], smoothstep(0.0, 1.0, at - float(i)));
+}
+
+float contour(float height) {
+  float lines = height / u_contour_m;
+  float width = fwidth(lines);
+  float near_line = 0.5 - abs(fract(lines - 0.5) - 0.5);
+  float strength = 1.0 - smoothstep(0.6 * width, 1.4 * width, near_line);
+  float major = abs(mod(floor(lines + 0.5), 5.0)) < 0.5 ? 1.0 : 0.55;
+  return strength * major * (1.0 - smoothstep(0.12, 0.4, width));
+}
+
+vec3 groundColour(vec3 normal, float pixel_m) {
+  float span = max(u_heights.y - u_heights.x, 1e-3);
+  float mottle = mottling(v_place.xy + u_origin_tile, pixel_m);
+  float t = (v_place.z - u_heights.x) / span;
+  float steepness = 1.0 - dot(normal, u_up);
+  vec3 colour = hypsometric(t + 0.10 * mottle) * (1.0 + 0.35 * mottle);
+  float strata = 0.10 * sin(v_place.z / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
+  vec3 rock = u_rock * (1.0 + 0.5 * mottle + strata);
+  colour = mix(colour, rock, smoothstep(0.20, 0.42, steepness + 0.12 * mottle));
+  float snow = smoothstep(0.70, 0.82, t + 0.16 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.14 * mottle));
+  return mix(colour, u_snow, snow);
+}
+
+vec3 lit(vec3 albedo, vec3 normal) {
+  float sunlight = max(dot(normal, u_sun), 0.0);
+  float openness = 0.5 + 0.5 * dot(normal, u_up);
+  vec3 skylight = mix(vec3(0.13, 0.11, 0.09), vec3(0.30, 0.40, 0.56), openness);
+  return albedo * (vec3(2.35, 2.12, 1.76) * sunlight + skylight);
+}
+
+// Optical depth through haze that thins exponentially with height (exact along the ray).
+float hazeAlong(float distance_m) {
+  float rise = dot(v_from_eye, u_up) / u_haze_height;
+  float mean = abs(rise) < 1e-3 ? 1.0 : (1.0 - exp(-rise)) / rise;
+  float at_eye = exp(-clamp((u_eye_height - u_heights.x) / u_haze_height, -2.0, 20.0));
+  return u_haze * distance_m * at_eye * mean;
+}
+
+void main() {
+  float distance_m = length(v_from_eye);
+  vec3 direction = v_from_eye / distance_m;
+  vec3 normal = normalize(v_normal);
+  float pixel_m = max(length(fwidth(v_place.xy)) * 0.7, 1e-4);
+  vec3 colour = lit(groundColour(normal, pixel_m), normal);
+  if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_place.z));
+  if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
+  o_colour = vec4(toScreen(colour), 1.0);
+}
+`;
+
+export const kWireVertex = kHead + kInterpolation + /* glsl */ `
+uniform vec3 u_up;
+out float v_distance;
+void main() {
+  vec4 p = mix(from_position, to_position, u_weight);
+  vec4 view = modelViewMatrix * vec4(p.xyz, 1.0);
+  v_distance = length(p.xyz + u_origin);
+  gl_Position = projectionMatrix * vec4(view.xyz * 0.9995, 1.0);  // a hair nearer than the surface
+}
+`;
+
+export const kWireFragment = kHead + /* glsl */ `
+in float v_distance;
+uniform float u_far;
+out vec4 o_colour;
+void main() {
+  o_colour = vec4(0.04, 0.07, 0.10, 0.50 * exp(-2.5 * v_distance / u_far));
+}
+`;
+
+export const kSkyVertex = kHead + /* glsl */ `
+in vec3 position;
+uniform mat4 u_directions;  // from the far plane's corners to directions in the scene
+out vec3 v_direction;
+void main() {
+  vec4 far = u_directions * vec4(position.xy, 1.0, 1.0);
+  v_direction = far.xyz / far.w;
+  gl_Position = vec4(position.xy, 1.0, 1.0);
+}
+`;
+
+export const kSkyFragment = kHead + kAtmosphere + /* glsl */ `
+in vec3 v_direction;
+out vec4 o_colour;
+void main() {
+  o_colour = vec4(toScreen(skyColour(normalize(v_direction))), 1.0);
+}
+`;

@@ -1,0 +1,183 @@
+// The keyframe mesh on the graphics card. Buffers are filled when the mesh changes, straight from the client core's memory;
+// between keyframes only one number changes, the weight.
+import * as THREE from 'three';
+import type { Mesh, Welcome } from './core';
+import { kTerrainFragment, kTerrainVertex, kWireFragment, kWireVertex } from './shaders';
+import { kSun } from './sky';
+
+const kPalette = ['#4d6b41', '#73864f', '#a39a67', '#a5855f', '#8f7d70', '#b5b2ae'];
+const kRock = '#6f665e';
+const kSnow = '#f1f5fa';
+
+interface Channel {
+  buffer: WebGLBuffer;
+  attribute: THREE.GLBufferAttribute;
+}
+
+export class TerrainMesh {
+  readonly object = new THREE.Group();
+  private readonly surface_geometry = new THREE.BufferGeometry();
+  private readonly wire_geometry = new THREE.BufferGeometry();
+  private readonly wire: THREE.LineSegments;
+  private readonly channels: Record<'from_position' | 'to_position' | 'from_normal' | 'to_normal' | 'index' | 'wire_index', Channel>;
+  private readonly uniforms: Record<string, THREE.IUniform>;
+  private origin = new THREE.Vector3();
+  private noise_period_m = 1;
+  private wire_version = 0;
+  version = 0; // of the mesh on the card; 0: none
+  triangles = 0;
+
+  constructor(private readonly renderer: THREE.WebGLRenderer, up: THREE.Vector3) {
+    const gl = renderer.getContext() as WebGL2RenderingContext;
+    const channel = (type: number, items: number, bytes: 1 | 2 | 4): Channel => {
+      const buffer = gl.createBuffer()!;
+      return { buffer, attribute: new THREE.GLBufferAttribute(buffer, type, items, bytes, 0) };
+    };
+    this.channels = {
+      from_position: channel(gl.FLOAT, 4, 4),
+      to_position: channel(gl.FLOAT, 4, 4),
+      from_normal: channel(gl.BYTE, 4, 1),
+      to_normal: channel(gl.BYTE, 4, 1),
+      index: channel(gl.UNSIGNED_INT, 1, 4),
+      wire_index: channel(gl.UNSIGNED_INT, 1, 4),
+    };
+    this.uniforms = terrainUniforms(up);
+    this.wire = new THREE.LineSegments(this.wire_geometry, shader(kWireVertex, kWireFragment, this.uniforms));
+    this.wire.material = shader(kWireVertex, kWireFragment, this.uniforms);
+    (this.wire.material as THREE.Material).transparent = true;
+    (this.wire.material as THREE.Material).depthWrite = false;
+    const surface = new THREE.Mesh(this.surface_geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
+    this.bindGeometry(this.surface_geometry, this.channels.index);
+    this.bindGeometry(this.wire_geometry, this.channels.wire_index);
+    for (const part of [surface, this.wire]) part.frustumCulled = false; // the server culls
+    this.object.add(surface, this.wire);
+    this.object.visible = false;
+  }
+
+  // Colours and haze follow the scene's size and relief.
+  setScene(welcome: Welcome): void {
+    const across_m = Math.hypot(welcome.high[0] - welcome.low[0], welcome.high[1] - welcome.low[1]);
+    const relief_m = Math.max(welcome.highest_m - welcome.lowest_m, 1e-3 * across_m, 1e-3);
+    const spacing_m = across_m / Math.hypot(...welcome.samples);
+    this.uniforms.u_heights!.value.set(welcome.lowest_m, welcome.lowest_m + relief_m);
+    this.uniforms.u_noise_m!.value = 24 * spacing_m;
+    this.noise_period_m = 24 * spacing_m * 1024;
+    this.uniforms.u_haze_height!.value = 0.9 * relief_m;
+    this.uniforms.u_far!.value = 0.35 * across_m;
+    this.haze = 2.6 / across_m;
+    this.contour_m = niceStep(relief_m / 30);
+  }
+  private haze = 0;
+  private contour_m = 100;
+
+  show(options: { wireframe: boolean; contours: boolean; fog: boolean }): void {
+    this.wire.visible = options.wireframe;
+    this.uniforms.u_contour_m!.value = options.contours ? this.contour_m : 0;
+    this.uniforms.u_haze!.value = options.fog ? this.haze : 0;
+  }
+
+  // Call when the mesh's version differs from `version`.
+  upload(mesh: Mesh): void {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
+    const c = this.channels;
+    fill(gl, gl.ARRAY_BUFFER, c.from_position, mesh.from_positions, mesh.vertices);
+    fill(gl, gl.ARRAY_BUFFER, c.to_position, mesh.to_positions, mesh.vertices);
+    fill(gl, gl.ARRAY_BUFFER, c.from_normal, mesh.from_normals, mesh.vertices);
+    fill(gl, gl.ARRAY_BUFFER, c.to_normal, mesh.to_normals, mesh.vertices);
+    fill(gl, gl.ELEMENT_ARRAY_BUFFER, c.index, mesh.indices, mesh.indices.length);
+    this.origin.fromArray(mesh.origin);
+    this.version = mesh.version;
+    this.triangles = mesh.triangles;
+    this.object.visible = mesh.triangles > 0;
+    if (this.wire.visible) this.uploadWire(mesh);
+  }
+
+  needsUpload(version: number): boolean {
+    return version !== 0 && (version !== this.version || (this.wire.visible && this.wire_version !== version));
+  }
+
+  // The weight and the eye of the frame to be drawn.
+  place(weight: number, eye: readonly number[], eye_height_m: number): void {
+    const u = this.uniforms;
+    u.u_weight!.value = weight;
+    u.u_eye_height!.value = eye_height_m;
+    const from_eye = u.u_origin!.value as THREE.Vector3;
+    from_eye.set(this.origin.x - eye[0]!, this.origin.y - eye[1]!, this.origin.z - eye[2]!);
+    this.object.position.copy(from_eye);
+    const wrap = (v: number) => v - this.noise_period_m * Math.floor(v / this.noise_period_m);
+    u.u_origin_tile!.value.set(wrap(this.origin.x), wrap(this.origin.y));
+  }
+
+  // A new session counts its meshes anew; the old mesh stays on the screen until the first new one.
+  forget(): void {
+    this.version = 0;
+    this.wire_version = 0;
+  }
+
+  private uploadWire(mesh: Mesh): void {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const lines = edgesOf(mesh.indices);
+    fill(gl, gl.ELEMENT_ARRAY_BUFFER, this.channels.wire_index, lines, lines.length);
+    this.wire_version = mesh.version;
+  }
+
+  private bindGeometry(geometry: THREE.BufferGeometry, index: Channel): void {
+    for (const name of ['from_position', 'to_position', 'from_normal', 'to_normal'] as const) {
+      geometry.setAttribute(name, this.channels[name].attribute as unknown as THREE.BufferAttribute);
+    }
+    geometry.setIndex(index.attribute as unknown as THREE.BufferAttribute);
+  }
+}
+
+function fill(gl: WebGL2RenderingContext, target: number, channel: Channel, data: ArrayBufferView, count: number): void {
+  gl.bindBuffer(target, channel.buffer);
+  gl.bufferData(target, data, gl.DYNAMIC_DRAW);
+  channel.attribute.setCount(count);
+}
+
+// Each inner edge is in two triangles, in opposite directions: it is drawn by the one in which it rises.
+function edgesOf(indices: Uint32Array): Uint32Array {
+  const lines = new Uint32Array(2 * indices.length);
+  let count = 0;
+  for (let i = 0; i < indices.length; i += 3) {
+    for (let k = 0; k < 3; ++k) {
+      const a = indices[i + k]!;
+      const b = indices[i + ((k + 1) % 3)]!;
+      if (a > b) continue;
+      lines[count++] = a;
+      lines[count++] = b;
+    }
+  }
+  return lines.subarray(0, count);
+}
+
+function terrainUniforms(up: THREE.Vector3): Record<string, THREE.IUniform> {
+  return {
+    u_weight: { value: 0 },
+    u_origin: { value: new THREE.Vector3() },
+    u_origin_tile: { value: new THREE.Vector2() },
+    u_sun: { value: kSun },
+    u_up: { value: up },
+    u_palette: { value: kPalette.map((c) => new THREE.Color(c)) },
+    u_rock: { value: new THREE.Color(kRock) },
+    u_snow: { value: new THREE.Color(kSnow) },
+    u_heights: { value: new THREE.Vector2(0, 1) },
+    u_noise_m: { value: 1 },
+    u_contour_m: { value: 0 },
+    u_haze: { value: 0 },
+    u_haze_height: { value: 1 },
+    u_eye_height: { value: 0 },
+    u_far: { value: 1 },
+  };
+}
+
+function shader(vertexShader: string, fragmentShader: string, uniforms: Record<string, THREE.IUniform>): THREE.RawShaderMaterial {
+  return new THREE.RawShaderMaterial({ glslVersion: THREE.GLSL3, vertexShader, fragmentShader, uniforms });
+}
+
+// 1, 2 or 5 times a power of ten, at least `value`.
+function niceStep(value: number): number {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return power * ([1, 2, 5, 10].find((n) => n * power >= value) ?? 10);
+}

@@ -1,0 +1,62 @@
+// The tours: the server plans one, the page flies it. The buttons start and stop them.
+import type { Pose, Viewer } from './core';
+import { kTours, type Tour } from './settings';
+
+const kTour_s = 180;
+const kLead_ms = 700; // between the plan's arrival and the start, so that the first keyframe there is on its way
+const kTitles: Record<Tour, string> = { survey: 'Survey', canyon: 'Canyon', spin: 'Spin', orbit: 'Orbit' };
+
+export class Tours {
+  private readonly buttons = new Map<Tour, HTMLButtonElement>();
+  private wanted: Tour | null = null; // asked for
+  private is_flying = false;
+
+  constructor(bar: HTMLElement, private readonly onChoice: (tour: Tour | null) => void) {
+    for (const tour of kTours) {
+      const button = document.createElement('button');
+      button.type = 'button';
+      button.textContent = kTitles[tour];
+      button.dataset.tour = tour;
+      button.setAttribute('aria-pressed', 'false');
+      button.onclick = () => this.onChoice(this.wanted === tour ? null : tour);
+      bar.append(button);
+      this.buttons.set(tour, button);
+    }
+  }
+
+  get current(): Tour | null {
+    return this.wanted;
+  }
+  get isFlying(): boolean {
+    return this.is_flying;
+  }
+
+  request(tour: Tour, viewer: Viewer): void {
+    this.wanted = tour;
+    this.is_flying = false;
+    viewer.requestTour(tour, kTour_s);
+    this.showChoice();
+  }
+
+  stop(): void {
+    this.wanted = null;
+    this.is_flying = false;
+    this.showChoice();
+  }
+
+  // The camera on the tour; null when none is flown. A tour that is over stops.
+  pose(viewer: Viewer, now_ms: number): Pose | null {
+    if (viewer.takeTour() && this.wanted !== null) {
+      viewer.startTour(now_ms + kLead_ms);
+      this.is_flying = true;
+    }
+    if (!this.is_flying) return null;
+    const pose = viewer.tourPose(now_ms);
+    if (!pose) this.onChoice(null);
+    return pose;
+  }
+
+  private showChoice(): void {
+    for (const [tour, button] of this.buttons) button.setAttribute('aria-pressed', String(tour === this.wanted));
+  }
+}
