@@ -1,0 +1,159 @@
+#include "terrain/dem/open.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "terrain/dem/exr_raster.h"
+#include "terrain/dem/gdal_raster.h"
+#include "terrain/dem/mosaic.h"
+#include "terrain/dem/placement.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr uint32_t kWindowRows = 64;
+
+// Rows are fetched from the files in windows, top to bottom within each: archives and text formats are slow to read backwards.
+class RasterSource final : public ElevationSource {
+ public:
+  RasterSource(Mosaic mosaic, const Placement& placement, ElevationInfo info)
+      : mosaic_(std::move(mosaic)), placement_(placement), info_(std::move(info)) {}
+
+  const ElevationInfo& info() const override { return info_; }
+
+  Status readRows(uint32_t first, uint32_t count, std::span<float> out) override {
+    CHECK_LE(uint64_t{first} + count, info_.height);
+    CHECK_EQ(out.size(), size_t{count} * info_.width);
+    for (uint32_t i = 0; i < count; ++i) {
+      const uint32_t row = placement_.is_row_reversed ? info_.height - 1 - (first + i) : first + i;
+      if (Status s = load(row); !s.ok()) return s;
+      const float* from = window_.data() + size_t{row - window_first_} * info_.width;
+      float* to = out.data() + size_t{i} * info_.width;
+      if (placement_.is_column_reversed) std::reverse_copy(from, from + info_.width, to);
+      else std::copy(from, from + info_.width, to);
+    }
+    return {};
+  }
+
+ private:
+  // Makes the window hold file row `row`.
+  Status load(uint32_t row) {
+    if (row >= window_first_ && row < window_first_ + window_count_) return {};
+    window_first_ = row / kWindowRows * kWindowRows;
+    window_count_ = 0;
+    const uint32_t count = std::min(kWindowRows, info_.height - window_first_);
+    window_.assign(size_t{count} * info_.width, kVoid);
+    for (Tile& tile : mosaic_.tiles)
+      if (Status s = copyTile(tile, count); !s.ok()) return s;
+    window_count_ = count;
+    return {};
+  }
+
+  // The part of a tile that lies in the window; only where no earlier tile has data.
+  Status copyTile(Tile& tile, uint32_t window_count) {
+    const uint32_t begin = std::max(window_first_, tile.row);
+    const uint32_t end = std::min(window_first_ + window_count, tile.row + tile.raster->height());
+    if (begin >= end) return {};
+    const uint32_t width = tile.raster->width();
+    tile_rows_.resize(size_t{end - begin} * width);
+    if (Status s = tile.raster->readRows(begin - tile.row, end - begin, tile_rows_); !s.ok()) return s;
+    for (uint32_t row = begin; row < end; ++row) {
+      const float* from = tile_rows_.data() + size_t{row - begin} * width;
+      float* to = window_.data() + size_t{row - window_first_} * info_.width + tile.column;
+      for (uint32_t x = 0; x < width; ++x)
+        if (std::isnan(to[x])) to[x] = from[x];
+    }
+    return {};
+  }
+
+  Mosaic mosaic_;
+  Placement placement_;
+  ElevationInfo info_;
+  std::vector<float> window_, tile_rows_;
+  uint32_t window_first_ = 0, window_count_ = 0;
+};
+
+Status checkFile(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto status = std::filesystem::status(path, failed);
+  const std::string name = path.string();
+  if (!std::filesystem::exists(status)) return Error{ErrorCode::kNotFound, name + ": no such file; check the path"};
+  if (std::filesystem::is_directory(status))
+    return Error{ErrorCode::kInvalidArgument, name + ": a directory; name the elevation files in it"};
+  if (!std::filesystem::is_regular_file(status)) return Error{ErrorCode::kUnsupported, name + ": not a regular file"};
+  const auto size = std::filesystem::file_size(path, failed);
+  if (!failed && size == 0) return Error{ErrorCode::kMalformed, name + ": an empty file (0 bytes); get it anew"};
+  std::FILE* readable = std::fopen(path.c_str(), "rb");
+  if (readable == nullptr) return Error{ErrorCode::kIo, name + ": cannot be read: " + std::generic_category().message(errno)};
+  std::fclose(readable);
+  return {};
+}
+
+Result<std::vector<std::unique_ptr<Raster>>> openFile(const std::filesystem::path& path, const OpenOptions& options) {
+  if (Status s = checkFile(path); !s.ok()) return s.error();
+  if (!isExrFile(path)) return openGdalRasters(path, options);
+  Result<std::unique_ptr<Raster>> exr = openExrRaster(path, options);
+  if (!exr.ok()) return exr.error();
+  std::vector<std::unique_ptr<Raster>> one;
+  one.push_back(std::move(exr).value());
+  return one;
+}
+
+Extent extentOf(const Raster& raster) {
+  return {raster.name(), raster.width(), raster.height(), raster.survey().lowest, raster.survey().highest};
+}
+
+// Every raster of every input, each with its map settled; what the files and their settling had to say goes to `notes`.
+Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& inputs, const OpenOptions& options,
+                                    std::vector<std::string>& notes) {
+  std::vector<Tile> tiles;
+  for (const std::filesystem::path& input : inputs) {
+    Result<std::vector<std::unique_ptr<Raster>>> rasters = openFile(input, options);
+    if (!rasters.ok()) return rasters.error();
+    for (std::unique_ptr<Raster>& raster : *rasters) {
+      std::vector<std::string> said = raster->notes();
+      Result<Georeference> map = settleMap(raster->georeference(), extentOf(*raster), options, said);
+      if (!map.ok()) return map.error();
+      const std::string file = std::filesystem::path(raster->name()).filename().string();
+      for (const std::string& note : said) notes.push_back(file + ": " + note);
+      tiles.push_back({.raster = std::move(raster), .map = std::move(map).value()});
+    }
+  }
+  return tiles;
+}
+
+std::string titleOf(const Mosaic& mosaic) {
+  std::string title;
+  for (const Tile& tile : mosaic.tiles) {
+    if (title.size() > 200) return title + ", ...";
+    title += (title.empty() ? "" : ", ") + std::filesystem::path(tile.raster->name()).filename().string();
+  }
+  return title;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::filesystem::path>& inputs, const OpenOptions& options) {
+  if (inputs.empty()) return Error{ErrorCode::kInvalidArgument, "no elevation file was named"};
+  ElevationInfo info;
+  Result<std::vector<Tile>> tiles = openTiles(inputs, options, info.notes);
+  if (!tiles.ok()) return tiles.error();
+  Result<Mosaic> mosaic = layMosaic(std::move(tiles).value());
+  if (!mosaic.ok()) return mosaic.error();
+  const Result<Placement> placement = placeRaster(mosaic->map, {titleOf(*mosaic), mosaic->width, mosaic->height, 0, 0}, options);
+  if (!placement.ok()) return placement.error();
+  info.width = mosaic->width;
+  info.height = mosaic->height;
+  info.frame = placement->frame;
+  info.title = titleOf(*mosaic);
+  info.crs_wkt = mosaic->map.crs_wkt;
+  info.notes.insert(info.notes.end(), mosaic->notes.begin(), mosaic->notes.end());
+  info.notes.insert(info.notes.end(), placement->notes.begin(), placement->notes.end());
+  return std::unique_ptr<ElevationSource>(std::make_unique<RasterSource>(std::move(mosaic).value(), *placement, std::move(info)));
+}
+
+}  // namespace foreland::terrain
