@@ -1,0 +1,149 @@
+// `foreland serve SCENE`: serves one scene to viewers over WebSocket, and the page that shows it over HTTP, until SIGTERM or
+// SIGINT. Exit code 0 after a clean stop, 2 for a scene, flag or port that will not do.
+// The main thread waits for the signal; the server has threads of its own (docs/THREADS.md).
+#include <fmt/format.h>
+#include <pthread.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "base/result.h"
+#include "server/net/listen_address.h"
+#include "server/net/server.h"
+#include "server/net/steady_clock.h"
+#include "server/session/session.h"
+#include "terrain/store/scene.h"
+
+namespace {
+
+using namespace foreland;
+namespace fs = std::filesystem;
+
+constexpr int kUsageError = 2;
+
+struct Flags {
+  fs::path scene;
+  std::string listen = "127.0.0.1:8080";
+  size_t threads = std::max(1u, std::thread::hardware_concurrency());
+  double tau_px = 1;
+  int64_t keyframe_ms = 200;
+  std::string web;  // empty: where builds and installations put it
+  std::string log_level = "info";
+};
+
+// Nothing if the program should go on; else its exit code.
+std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
+  CLI::App app("Serve a scene to viewers, and the page that shows it.", "foreland serve");
+  app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->required();
+  app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")->capture_default_str();
+  app.add_option("--threads", flags.threads, "threads that compute")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--keyframe-ms", flags.keyframe_ms, "time between keyframes, for viewers that name none")
+      ->check(CLI::Range(10, 10'000))
+      ->capture_default_str();
+  app.add_option("--web", flags.web, "directory of the page; by default the one that was built or installed with this program");
+  app.add_option("--log-level", flags.log_level, "what to log on standard error")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageError;
+  }
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland serve: %s\n", error.message.c_str());
+  return kUsageError;
+}
+
+// build/release/bin/foreland-serve beside client/web/dist in the checkout, or bin/ beside share/ in an installation.
+fs::path findPage(const std::string& flag) {
+  if (!flag.empty()) return flag;
+  std::error_code error;
+  const fs::path bin = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* relative : {"../../../client/web/dist", "../share/foreland/web"})
+    if (const fs::path candidate = (bin / relative).lexically_normal(); fs::exists(candidate / "index.html", error))
+      return candidate;
+  return {};
+}
+
+void startLog(const std::string& level) {
+  auto logger = spdlog::stderr_color_mt("foreland");
+  logger->set_pattern("%H:%M:%S %^%l%$ %v");
+  logger->set_level(spdlog::level::from_str(level));
+  spdlog::set_default_logger(std::move(logger));
+}
+
+void log(server::Severity severity, const std::string& line) {
+  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info, spdlog::level::warn};
+  spdlog::log(kLevels[static_cast<size_t>(severity)], line);
+}
+
+// Before any thread starts, so that all inherit it and only awaitStop sees them.
+sigset_t blockStopSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+void awaitStop(const sigset_t& signals) {
+  int signal = 0;
+  sigwait(&signals, &signal);
+}
+
+server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress& listen) {
+  server::ServeOptions options;
+  options.listen = listen;
+  options.threads = flags.threads;
+  options.session.tau_px = flags.tau_px;
+  options.session.keyframe_interval = Duration::milliseconds(flags.keyframe_ms);
+  options.web = findPage(flags.web);
+  options.log = log;
+  return options;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Flags flags;
+  if (const auto exit_code = parseFlags(argc, argv, flags)) return *exit_code;
+  const sigset_t stop_signals = blockStopSignals();
+  startLog(flags.log_level);
+
+  auto listen = server::parseListenAddress(flags.listen);
+  if (!listen) return fail(listen.error());
+  auto scene = terrain::Scene::open(flags.scene);
+  if (!scene) return fail(scene.error());
+  const std::string title = (*scene)->origin().title;
+  const auto world = std::make_shared<const server::World>(*scene);
+
+  const server::ServeOptions options = makeOptions(flags, *listen);
+  if (options.web.empty()) spdlog::warn("the page is not built, so only `foreland fly` can connect; ./demo builds it");
+  auto running = server::Server::listen(world, options, server::steadyNow);
+  if (!running) return fail(running.error());
+
+  listen->port = (*running)->port();
+  std::printf("serving %s at http://%s/\n", title.c_str(), toString(*listen).c_str());
+  std::fflush(stdout);
+  awaitStop(stop_signals);
+  (*running)->stop();
+  return 0;
+}

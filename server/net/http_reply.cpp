@@ -1,0 +1,72 @@
+#include "server/net/http_reply.h"
+
+#include <optional>
+#include <utility>
+
+namespace foreland::server {
+namespace {
+
+constexpr std::string_view kViewerPath = "/fly";
+
+std::optional<int> hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return std::nullopt;
+}
+
+// The path of a target, percent-encoding undone; nothing if it is malformed or hides a zero byte.
+std::optional<std::string> pathOf(std::string_view target) {
+  target = target.substr(0, target.find_first_of("?#"));
+  std::string path;
+  for (size_t i = 0; i < target.size(); ++i) {
+    char c = target[i];
+    if (c == '%') {
+      if (i + 2 >= target.size()) return std::nullopt;
+      const auto high = hexDigit(target[i + 1]), low = hexDigit(target[i + 2]);
+      if (!high || !low) return std::nullopt;
+      c = static_cast<char>(*high * 16 + *low);
+      i += 2;
+    }
+    if (c == '\0') return std::nullopt;
+    path.push_back(c);
+  }
+  return path;
+}
+
+HttpReply fileReply(const StaticFile& file, std::string_view if_none_match) {
+  const bool known = if_none_match == file.etag;
+  return {.status = known ? 304u : 200u,
+          .content_type = file.content_type,
+          .cache_control = file.cache_control,
+          .etag = file.etag,
+          .body = known ? std::make_shared<const std::string>() : file.body};
+}
+
+}  // namespace
+
+HttpReply textReply(unsigned status, std::string text) {
+  return {.status = status, .body = std::make_shared<const std::string>(std::move(text) + "\n")};
+}
+
+HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
+  if (request.method != "GET" && request.method != "HEAD")
+    return textReply(405, "Only GET and HEAD are understood here; viewers connect by WebSocket.");
+  const auto path = pathOf(request.target);
+  if (!path) return textReply(400, "The address is malformed.");
+  if (*path == "/healthz") return textReply(200, "ok");
+  if (*path == "/metrics") {
+    HttpReply reply = textReply(200, site.metrics());
+    reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
+    return reply;
+  }
+  if (*path == kViewerPath)
+    return textReply(426, "This address speaks WebSocket. Open / in a browser, or use: foreland fly ws://HOST:PORT");
+  if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request.if_none_match);
+  if (*path == "/" && site.files.empty())
+    return textReply(404, "The server runs, but it was started without the page (--web). "
+                          "Viewers can connect by WebSocket: foreland fly ws://HOST:PORT");
+  return textReply(404, "There is no such file here. The page is at /.");
+}
+
+}  // namespace foreland::server

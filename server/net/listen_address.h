@@ -1,0 +1,23 @@
+// Where to listen, as people write it. Pure; any thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+
+namespace foreland::server {
+
+struct ListenAddress {
+  std::string host = "127.0.0.1";  // an IPv4 or IPv6 address without brackets
+  uint16_t port = 8080;            // 0: any free one
+};
+
+// "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or a port alone (then on 127.0.0.1). No other names are looked up.
+Result<ListenAddress> parseListenAddress(std::string_view text);
+
+// "127.0.0.1:8080" or "[::1]:8080".
+std::string toString(const ListenAddress& address);
+
+}  // namespace foreland::server

@@ -1,0 +1,203 @@
+#include "server/net/server.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <chrono>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/net/context.h"
+#include "server/net/http_connection.h"
+#include "server/net/viewer_connection.h"
+#include "server/sched/pool.h"
+
+namespace foreland::server {
+namespace net = boost::asio;
+using net::ip::tcp;
+using ErrorOf = boost::system::error_code;
+namespace {
+
+std::chrono::microseconds chrono(Duration d) { return std::chrono::microseconds(d.us); }
+
+Error cannotListen(const ListenAddress& address, const ErrorOf& why) {
+  const std::string name = toString(address);
+  if (why == net::error::address_in_use)
+    return {ErrorCode::kIo, fmt::format("cannot listen on {}: another program uses the port {}; stop it, or give another "
+                                        "port with --listen {} (port 0 picks a free one)",
+                                        name, address.port, toString({address.host, 0}))};
+  if (why == net::error::access_denied)
+    return {ErrorCode::kIo, fmt::format("cannot listen on {}: the port {} is reserved to the system; give one above 1023 "
+                                        "with --listen",
+                                        name, address.port)};
+  return {ErrorCode::kIo, fmt::format("cannot listen on {}: {}; give an address of this machine with --listen", name,
+                                      why.message())};
+}
+
+}  // namespace
+
+// Fields are in the order of their lives: each uses those above it.
+class Server::Impl {
+ public:
+  Impl(std::shared_ptr<const World> world, ServeOptions options, StaticFiles files, Clock clock)
+      : options_(std::move(options)),
+        clock_(std::move(clock)),
+        pool_(options_.threads, clock_),
+        host_(std::move(world), options_.session, options_.limits, pool_, clock_, metrics_),
+        site_{.files = std::move(files), .metrics = [this] { return metricsText(); }},
+        context_{options_, clock_, site_, io_, host_, metrics_} {}
+
+  ~Impl() { stop(); }
+
+  Status listen() {
+    ErrorOf error;
+    const auto address = net::ip::make_address(options_.listen.host, error);
+    if (error) return cannotListen(options_.listen, error);
+    const tcp::endpoint endpoint(address, options_.listen.port);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+    if (!error) port_ = acceptor_.local_endpoint(error).port();
+    if (error) return cannotListen(options_.listen, error);
+    return {};
+  }
+
+  void start() {
+    accept();
+    watch();
+    io_thread_ = std::jthread([this] { runIo(); });
+  }
+
+  uint16_t port() const { return port_; }
+
+  // The written order: port, viewers, I/O thread, workers.
+  void stop() {
+    if (io_thread_.joinable()) {
+      net::post(io_, [this] { takeLeave(); });
+      io_thread_.join();
+    }
+    pool_.stop();
+  }
+
+ private:
+  void runIo() {
+    pthread_setname_np(pthread_self(), "io");
+    while (!io_.stopped()) {
+      try {
+        io_.run();
+      } catch (const std::exception& e) {  // of one connection, out of memory say; the others go on
+        context_.log(Severity::kWarning, std::string("a connection failed: ") + e.what());
+      }
+    }
+  }
+
+  void accept() {
+    acceptor_.async_accept([this](ErrorOf error, tcp::socket socket) {
+      if (!acceptor_.is_open()) return;
+      if (error) return retryAccept(error);
+      admit(std::move(socket));
+      accept();
+    });
+  }
+
+  // Out of descriptors, usually: let some close.
+  void retryAccept(const ErrorOf& error) {
+    context_.log(Severity::kWarning, "cannot accept a connection: " + error.message());
+    accept_timer_.expires_after(std::chrono::milliseconds(100));
+    accept_timer_.async_wait([this](ErrorOf cancelled) {
+      if (!cancelled && acceptor_.is_open()) accept();
+    });
+  }
+
+  void admit(tcp::socket socket) {
+    if (metrics_.connections >= static_cast<int64_t>(options_.max_connections)) {
+      context_.log(Severity::kWarning, fmt::format("closed a connection: there are {} already", options_.max_connections));
+      return;
+    }
+    ErrorOf ignored;  // a socket that died meanwhile shows it at the first read
+    socket.set_option(tcp::no_delay(true), ignored);
+    socket.set_option(net::socket_base::send_buffer_size(static_cast<int>(options_.send_buffer_bytes)), ignored);
+    serveHttp(std::move(socket), context_);
+  }
+
+  void watch() {
+    watch_timer_.expires_after(chrono(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1))));
+    watch_timer_.async_wait([this](ErrorOf cancelled) {
+      if (cancelled) return;
+      const Time now = clock_();
+      for (const auto& viewer : everyViewer()) viewer->check(now);
+      watch();
+    });
+  }
+
+  void takeLeave() {
+    ErrorOf ignored;
+    acceptor_.close(ignored);
+    watch_timer_.cancel();
+    for (const auto& viewer : everyViewer())
+      viewer->leave(boost::beast::websocket::close_code::going_away, "the server stops");
+    stop_by_ = std::chrono::steady_clock::now() + chrono(options_.stop_grace);
+    awaitLeave();
+  }
+
+  // Looks often, since it happens once: no connection needs to tell when it is the last.
+  void awaitLeave() {
+    if (context_.viewers.empty() || std::chrono::steady_clock::now() >= stop_by_) return io_.stop();
+    watch_timer_.expires_after(std::chrono::milliseconds(5));
+    watch_timer_.async_wait([this](ErrorOf) { awaitLeave(); });
+  }
+
+  // A copy: viewers leave the set while they are called.
+  std::vector<std::shared_ptr<ViewerConnection>> everyViewer() const {
+    return {context_.viewers.begin(), context_.viewers.end()};
+  }
+
+  std::string metricsText() const {
+    return renderPrometheus(metrics_, {.threads = pool_.threadCount(),
+                                       .queue_depth = pool_.queueDepth(),
+                                       .lateness = &pool_.lateness()});
+  }
+
+  const ServeOptions options_;
+  const Clock clock_;
+  Metrics metrics_;
+  Pool pool_;
+  SessionHost host_;
+  HttpSite site_;
+  net::io_context io_{1};  // with the sockets in its handlers; the destructor of those uses what is above
+  ServerContext context_;
+  tcp::acceptor acceptor_{io_};
+  net::steady_timer accept_timer_{io_};
+  net::steady_timer watch_timer_{io_};
+  std::chrono::steady_clock::time_point stop_by_;
+  uint16_t port_ = 0;
+  std::jthread io_thread_;
+};
+
+Result<std::unique_ptr<Server>> Server::listen(std::shared_ptr<const World> world, ServeOptions options, Clock clock) {
+  StaticFiles files;
+  if (!options.web.empty()) {
+    auto loaded = StaticFiles::load(options.web);
+    if (!loaded) return loaded.error();
+    files = std::move(*loaded);
+  }
+  auto impl = std::make_unique<Impl>(std::move(world), std::move(options), std::move(files), std::move(clock));
+  if (Status status = impl->listen(); !status.ok()) return status.error();
+  impl->start();
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::~Server() = default;
+uint16_t Server::port() const { return impl_->port(); }
+void Server::stop() { impl_->stop(); }
+
+}  // namespace foreland::server

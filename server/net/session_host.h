@@ -1,0 +1,106 @@
+// Runs sessions on the pool. Each is an actor: the I/O thread puts events into its inbox, and whichever worker holds its lease (at
+// most one at a time) feeds them to the Session, steps it when it is due and hands what it wrote to the outlet.
+//
+// What is bounded: the inbox (HostLimits); the outbox, since a Session computes no keyframe while an earlier one is unsent, and
+// the outlet's owner limits unread replies. No lock is held while a Session works.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "server/net/metrics.h"
+#include "server/sched/pool.h"
+#include "server/session/session.h"
+
+namespace foreland::server {
+
+struct HostLimits {
+  size_t inbox_messages = 1024;      // at 20 poses a second, most of a minute
+  size_t inbox_bytes = 32u << 20;    // two of the largest messages
+};
+
+// Where a session's messages go. Called by workers, in order, never two at a time; must not block. Nothing is called after refuse.
+struct Outlet {
+  std::function<void(std::vector<Bytes>)> send;    // a batch, never empty
+  std::function<void(std::string message)> refuse;  // tell the viewer why, then close
+};
+
+class SessionActor;
+
+class SessionHost {
+ public:
+  SessionHost(std::shared_ptr<const World> world, SessionOptions options, HostLimits limits, Pool& pool, Clock clock,
+              Metrics& metrics);
+  ~SessionHost();
+
+  std::shared_ptr<SessionActor> open(Outlet outlet);
+
+ private:
+  friend class SessionActor;
+
+  const std::shared_ptr<const World> world_;
+  const SessionOptions options_;
+  const HostLimits limits_;
+  Pool& pool_;
+  const Clock clock_;
+  Metrics& metrics_;
+  std::vector<SessionScratch> scratch_;  // one per worker, used by it alone
+};
+
+// One viewer's session and its inbox. The public functions belong to the I/O thread. The host outlives it.
+class SessionActor : public std::enable_shared_from_this<SessionActor> {
+ public:
+  SessionActor(SessionHost& host, Outlet outlet);
+  ~SessionActor();
+
+  // A whole message from the viewer. An Error means that the inbox overflows: refuse the viewer.
+  Status deliver(Bytes message);
+
+  // The transport has handed over `batches` of the outlet's batches in all.
+  void sent(uint64_t batches);
+
+  // The viewer is gone: the session runs no more (a step in progress still ends).
+  void close();
+
+ private:
+  enum class Lease : uint8_t { kIdle, kQueued, kRunning };
+  struct Event {
+    Time time;
+    std::optional<Bytes> message;  // nothing: `sent_batches` has risen
+    uint64_t sent_batches = 0;
+  };
+
+  void enqueue(Event event);                       // with mutex_ held
+  void schedule(Due due);                          // with mutex_ held
+  void run(size_t worker);
+  bool takeLease(std::deque<Event>& events);
+  void returnLease();
+  Status handle(const Event& event);
+  void stepIfDue(SessionScratch& scratch);
+  void countStep(const SessionStatistics& before, Time deadline, Time begin, Time end);
+  void refuse(const std::string& message);
+
+  SessionHost& host_;
+
+  std::mutex mutex_;  // protects what follows; held for a few instructions, and while submitting to the pool
+  std::deque<Event> inbox_;
+  size_t inbox_bytes_ = 0;
+  Lease lease_ = Lease::kIdle;
+  Pool::Ticket ticket_;  // while queued
+  bool closed_ = false;
+
+  // Owned by the lease.
+  Session session_;
+  Outlet outlet_;
+  uint64_t batches_posted_ = 0;
+};
+
+}  // namespace foreland::server

@@ -1,0 +1,198 @@
+#include "server/net/viewer_connection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <utility>
+
+#include "proto/message.h"
+
+namespace foreland::server {
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+namespace {
+
+// Large messages leave in pieces, so that a slow link that moves can be told from one that stands still.
+constexpr size_t kPieceBytes = 64u << 10;
+// A read buffer that grew for a path is given back.
+constexpr size_t kKeptBufferBytes = 64u << 10;
+constexpr Duration kCloseGrace = Duration::seconds(2);
+constexpr size_t kMaxReasonBytes = 120;  // of a close frame
+
+std::string peerOf(const beast::tcp_stream& stream) {
+  beast::error_code error;
+  const auto endpoint = stream.socket().remote_endpoint(error);
+  return error ? "an unknown address" : fmt::format("{}:{}", endpoint.address().to_string(), endpoint.port());
+}
+
+}  // namespace
+
+void acceptViewer(beast::tcp_stream stream, ConnectionCount count, UpgradeRequest request, ServerContext& context) {
+  std::make_shared<ViewerConnection>(std::move(stream), std::move(count), context)->accept(std::move(request));
+}
+
+ViewerConnection::ViewerConnection(beast::tcp_stream stream, ConnectionCount count, ServerContext& context)
+    : context_(context), count_(std::move(count)), stream_(std::move(stream)) {}
+
+void ViewerConnection::accept(UpgradeRequest request) {
+  beast::get_lowest_layer(stream_).expires_never();  // check() watches the time from here on
+  peer_ = peerOf(beast::get_lowest_layer(stream_));
+  stream_.set_option(websocket::stream_base::timeout{
+      .handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
+      .idle_timeout = websocket::stream_base::none(),
+      .keep_alive_pings = false});
+  stream_.set_option(websocket::stream_base::decorator(
+      [](websocket::response_type& response) { response.set(beast::http::field::server, "foreland"); }));
+  stream_.read_message_max(proto::kMaxClientMessageBytes);
+  stream_.auto_fragment(false);
+  stream_.binary(true);
+  auto shared = std::make_shared<UpgradeRequest>(std::move(request));
+  stream_.async_accept(*shared, [self = shared_from_this(), shared](beast::error_code error) {
+    if (!error) self->open();
+  });
+}
+
+void ViewerConnection::open() {
+  heard_at_ = progress_at_ = context_.clock();
+  context_.viewers.insert(shared_from_this());
+  actor_ = context_.host.open(makeOutlet());
+  context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
+  read();
+}
+
+Outlet ViewerConnection::makeOutlet() {
+  const std::weak_ptr<ViewerConnection> weak = weak_from_this();
+  auto& io = context_.io;
+  const auto post = [weak, &io](auto action) {
+    boost::asio::post(io, [weak, action = std::move(action)]() mutable {
+      if (const auto self = weak.lock()) action(*self);
+    });
+  };
+  return {.send = [post](std::vector<Bytes> batch) {
+            post([batch = std::move(batch)](ViewerConnection& self) mutable { self.send(std::move(batch)); });
+          },
+          .refuse = [post](std::string message) {
+            post([message = std::move(message)](ViewerConnection& self) { self.refuse(message); });
+          }};
+}
+
+void ViewerConnection::read() {
+  stream_.async_read_some(read_buffer_, 0,
+                          [self = shared_from_this()](beast::error_code error, size_t) { self->onRead(error); });
+}
+
+void ViewerConnection::onRead(beast::error_code error) {
+  if (error) return finish(error == websocket::error::closed ? "left" : "was lost: " + error.message());
+  heard_at_ = context_.clock();
+  if (stream_.is_message_done()) deliver();
+  read();  // while closing, too: it finds the viewer's close frame
+}
+
+void ViewerConnection::deliver() {
+  const auto* data = static_cast<const uint8_t*>(read_buffer_.data().data());
+  Bytes message(data, data + read_buffer_.size());
+  read_buffer_.clear();
+  if (read_buffer_.capacity() > kKeptBufferBytes) read_buffer_.shrink_to_fit();
+  if (state_ != State::kOpen) return;
+  context_.metrics.bytes_up += message.size();
+  ++context_.metrics.messages_up;
+  if (stream_.got_text()) return refuse("messages are binary here; this one was text");
+  if (const Status status = actor_->deliver(std::move(message)); !status.ok()) refuse(status.error().message);
+}
+
+void ViewerConnection::send(std::vector<Bytes> batch) {
+  if (state_ != State::kOpen) return;
+  for (Bytes& message : batch) outbox_.push_back({.message = std::move(message)});
+  outbox_.back().ends_batch = true;
+  if (outbox_.size() > context_.options.max_unread_messages)
+    return refuse("you ask for more than you read; the connection cannot carry it");
+  write();
+}
+
+void ViewerConnection::write() {
+  if (is_writing_ || outbox_.empty()) return;
+  const Bytes& message = outbox_.front().message;
+  const size_t left = message.size() - written_of_first_, piece = std::min(left, kPieceBytes);
+  is_writing_ = true;
+  progress_at_ = context_.clock();
+  stream_.async_write_some(piece == left, boost::asio::buffer(message.data() + written_of_first_, piece),
+                           [self = shared_from_this(), piece](beast::error_code error, size_t) {
+                             self->onWritten(error, piece);
+                           });
+}
+
+void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
+  is_writing_ = false;
+  if (error || state_ == State::kGone) return cut();  // the read that is always under way ends with it
+  progress_at_ = context_.clock();
+  context_.metrics.bytes_down += bytes;
+  written_of_first_ += bytes;
+  if (written_of_first_ == outbox_.front().message.size()) {
+    if (outbox_.front().ends_batch) ++batches_sent_;
+    outbox_.pop_front();
+    written_of_first_ = 0;
+  }
+  if (state_ == State::kClosing || (state_ == State::kFlushing && outbox_.empty())) return sendCloseFrame();
+  if (outbox_.empty() && state_ == State::kOpen) actor_->sent(batches_sent_);
+  write();
+}
+
+void ViewerConnection::refuse(const std::string& message) {
+  if (state_ != State::kOpen) return;
+  ++context_.metrics.refusals;
+  context_.log(Severity::kInfo, "viewer " + peer_ + " is refused: " + message);
+  if (!outbox_.empty()) outbox_.resize(written_of_first_ > 0 || is_writing_ ? 1 : 0);
+  outbox_.push_back({.message = proto::encode(proto::Refusal{.message = message})});
+  startClosing(State::kFlushing, {websocket::close_code::policy_error, message.substr(0, kMaxReasonBytes)});
+  write();
+}
+
+void ViewerConnection::leave(websocket::close_code code, const std::string& reason) {
+  if (state_ != State::kOpen) return;
+  startClosing(State::kClosing, {code, reason.substr(0, kMaxReasonBytes)});
+  if (!is_writing_) sendCloseFrame();
+}
+
+void ViewerConnection::startClosing(State state, websocket::close_reason reason) {
+  state_ = state;
+  close_reason_ = std::move(reason);
+  close_by_ = context_.clock() + kCloseGrace;
+  actor_->close();
+}
+
+// Not while a piece is being written. Its answer, or its failure, ends the read.
+void ViewerConnection::sendCloseFrame() {
+  state_ = State::kClosing;
+  stream_.async_close(close_reason_, [self = shared_from_this()](beast::error_code) {});
+}
+
+void ViewerConnection::check(Time now) {
+  const Duration patience = context_.options.idle_timeout;
+  if (state_ == State::kFlushing || state_ == State::kClosing) {
+    if (now > close_by_) cut();
+    return;
+  }
+  if (is_writing_ && now - progress_at_ > patience) {
+    context_.log(Severity::kInfo, fmt::format("viewer {} read nothing for {:.0f} s", peer_, patience.toSeconds()));
+    ++context_.metrics.refusals;
+    return cut();
+  }
+  if (now - heard_at_ > patience) leave(websocket::close_code::policy_error, "no pose for too long; connect again");
+}
+
+void ViewerConnection::cut() { beast::get_lowest_layer(stream_).close(); }
+
+void ViewerConnection::finish(const std::string& why) {
+  if (state_ == State::kGone) return;
+  state_ = State::kGone;
+  context_.log(Severity::kInfo, "viewer " + peer_ + " " + why);
+  actor_->close();
+  actor_.reset();
+  cut();  // the outbox stays: a write may still point into it
+  context_.viewers.erase(shared_from_this());
+}
+
+}  // namespace foreland::server

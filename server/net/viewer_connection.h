@@ -1,0 +1,81 @@
+// One viewer's WebSocket: whole messages in, whole messages out in order. Private to server/net; on the I/O thread but for the
+// outlet, which posts to it.
+#pragma once
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/time.h"
+#include "server/net/context.h"
+
+namespace foreland::server {
+
+using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_body>;
+
+class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
+ public:
+  ViewerConnection(boost::beast::tcp_stream stream, ConnectionCount count, ServerContext& context);
+
+  void accept(UpgradeRequest request);
+
+  // Sends a Refusal with `message` after what is half sent, then closes.
+  void refuse(const std::string& message);
+
+  // Closes with a close frame that carries `reason`, without sending what waits.
+  void leave(boost::beast::websocket::close_code code, const std::string& reason);
+
+  // Called now and then: closes a viewer that sends nothing, reads nothing, or does not take leave in time.
+  void check(Time now);
+
+ private:
+  struct Outgoing {
+    Bytes message;
+    bool ends_batch = false;
+  };
+  enum class State : uint8_t { kOpen, kFlushing, kClosing, kGone };
+
+  void open();
+  Outlet makeOutlet();
+  void read();
+  void onRead(boost::beast::error_code error);
+  void deliver();
+  void send(std::vector<Bytes> batch);
+  void write();
+  void onWritten(boost::beast::error_code error, size_t bytes);
+  void startClosing(State state, boost::beast::websocket::close_reason reason);
+  void sendCloseFrame();
+  void cut();
+  void finish(const std::string& why);
+
+  ServerContext& context_;
+  ConnectionCount count_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;  // false: no permessage-deflate
+  std::string peer_;
+  std::shared_ptr<SessionActor> actor_;  // while open
+  State state_ = State::kOpen;
+  boost::beast::websocket::close_reason close_reason_;
+  Time close_by_;  // while flushing or closing
+
+  boost::beast::flat_buffer read_buffer_;
+  Time heard_at_;  // last bytes from the viewer
+
+  std::deque<Outgoing> outbox_;
+  size_t written_of_first_ = 0;
+  bool is_writing_ = false;
+  Time progress_at_;  // last piece that the system took
+  uint64_t batches_sent_ = 0;
+};
+
+// Takes over a socket whose HTTP request asks for WebSocket.
+void acceptViewer(boost::beast::tcp_stream stream, ConnectionCount count, UpgradeRequest request, ServerContext& context);
+
+}  // namespace foreland::server
