@@ -5,7 +5,7 @@
 #include <new>
 
 #include "terrain/bounds/bounds.h"
-#include "terrain/build/fill.h"
+#include "terrain/dem/voids.h"
 #include "terrain/store/scene_writer.h"
 
 namespace foreland::terrain {
@@ -59,8 +59,15 @@ Status readAll(ElevationSource& source, Raster& raster, const Progress& progress
     if (Status status = source.readRows(row, count, out); !status.ok()) return status;
     progress.report("reading", static_cast<double>(row + count) / info.height);
   }
-  for (float& metres : raster.metres())
-    if (!std::isfinite(metres)) metres = kVoid;
+  return {};
+}
+
+Status fill(Raster& raster, const ElevationInfo& info, SceneOrigin& origin) {
+  const VoidReport voids = fillVoids(raster.metres(), info.width, info.height);
+  if (voids.all_void)
+    return Error{ErrorCode::kMalformed, info.title + ": holds no data, only voids; check the file and --nodata"};
+  origin.voids_filled = voids.samples;
+  if (!voids.note.empty()) origin.notes.push_back(voids.note);
   return {};
 }
 
@@ -109,7 +116,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
 
   progress.report("filling voids", 0);
   SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
-  if (Status status = fill(raster.metres(), info, origin); !status.ok()) return status.error();
+  if (Status status = fill(raster, info, origin); !status.ok()) return status.error();
   progress.report("filling voids", 1);
 
   HeightRange range;
@@ -135,6 +142,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                       .onIdle = [&](std::span<const NodeRecord> nodes) { writer->release(nodes); }};
   progress.report("bounding", 0);
   if (!computeBounds(job)) return stopped();
+  if (!progress.keepGoing()) return stopped();
   progress.report("writing", 0);
   const auto id = writer->finish();
   if (!id.ok()) return id.error();

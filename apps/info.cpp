@@ -1,0 +1,130 @@
+// foreland-info: what a scene file holds, for people or (--json) for programs. Exit codes: 0 done, 2 not a readable scene.
+#include <CLI/CLI.hpp>
+#include <cinttypes>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "terrain/store/scene.h"
+
+namespace {
+
+using namespace foreland;
+using nlohmann::ordered_json;
+
+constexpr double kDegrees = 57.29577951308232;
+
+std::string hexadecimal(uint64_t id) {
+  char text[17];
+  std::snprintf(text, sizeof(text), "%016" PRIx64, id);
+  return text;
+}
+
+uint64_t nodeCount(const proto::GridTopology& grid) {
+  const proto::GridShape& s = grid.shape();
+  const uint64_t base = (s.roots_x + 1ull) * (s.roots_y + 1ull) + static_cast<uint64_t>(s.roots_x) * s.roots_y;
+  return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - base;
+}
+
+ordered_json pair(const glm::dvec2& v) { return {v.x, v.y}; }
+
+// Everything that is needed to go from a position in the scene frame to the map, and back.
+ordered_json describeFrame(const terrain::Scene& scene) {
+  const proto::Frame& f = scene.frame();
+  ordered_json frame;
+  if (f.kind == proto::FrameKind::kPlanar) {
+    frame["kind"] = "planar";
+    frame["axes"] = {"map x", "map y", "up"};
+    frame["origin"] = {{"map_m", pair(f.map_origin_m)}, {"lattice", pair(f.anchor)}};
+    frame["axis_x_m"] = pair(f.axis_x_m);
+    frame["axis_y_m"] = pair(f.axis_y_m);
+  } else {
+    frame["kind"] = "geographic";
+    frame["axes"] = {"east", "north", "up"};
+    frame["origin"] = {{"latitude_deg", f.origin.latitude_rad * kDegrees},
+                       {"longitude_deg", f.origin.longitude_rad * kDegrees},
+                       {"height_m", f.origin.height_m}};
+    frame["south_west"] = {{"latitude_deg", f.latitude0_rad * kDegrees}, {"longitude_deg", f.longitude0_rad * kDegrees}};
+    frame["step"] = {{"latitude_deg", f.latitude_step_rad * kDegrees}, {"longitude_deg", f.longitude_step_rad * kDegrees}};
+    frame["ellipsoid"] = {{"semi_major_m", f.semi_major_m}, {"flattening", f.flattening}};
+  }
+  frame["crs"] = scene.origin().crs_wkt;
+  frame["height_step_m"] = f.height_step_m;
+  return frame;
+}
+
+ordered_json describe(const std::string& path, const terrain::Scene& scene) {
+  const proto::GridShape& shape = scene.grid().shape();
+  const double step_m = scene.frame().height_step_m;
+  ordered_json about;
+  about["file"] = path;
+  about["title"] = scene.origin().title;
+  about["id"] = hexadecimal(scene.id());
+  about["samples"] = {shape.samples_x, shape.samples_y};
+  about["roots"] = {shape.roots_x, shape.roots_y};
+  about["root_samples"] = scene.grid().rootSize() + 1;
+  about["levels"] = scene.grid().maxLevel();
+  about["nodes"] = nodeCount(scene.grid());
+  about["lowest_m"] = scene.heightRange().lowest * step_m;
+  about["highest_m"] = scene.heightRange().highest * step_m;
+  about["frame"] = describeFrame(scene);
+  about["voids_filled"] = scene.origin().voids_filled;
+  about["notes"] = scene.origin().notes;
+  return about;
+}
+
+void printFrame(const proto::Frame& f, const std::string& crs_wkt) {
+  if (f.kind == proto::FrameKind::kPlanar) {
+    std::printf("frame      planar, metres of the map\n");
+    std::printf("  origin   map (%.3f, %.3f) m, at lattice (%.3f, %.3f)\n", f.map_origin_m.x, f.map_origin_m.y, f.anchor.x, f.anchor.y);
+    std::printf("  axes     a sample along x is (%.6g, %.6g) m, along y (%.6g, %.6g) m\n", f.axis_x_m.x, f.axis_x_m.y, f.axis_y_m.x,
+                f.axis_y_m.y);
+  } else {
+    std::printf("frame      geographic, local east-north-up\n");
+    std::printf("  origin   latitude %.8f, longitude %.8f degrees, height %.3f m\n", f.origin.latitude_rad * kDegrees,
+                f.origin.longitude_rad * kDegrees, f.origin.height_m);
+    std::printf("  lattice  from latitude %.8f, longitude %.8f degrees in steps of %.8f, %.8f\n", f.latitude0_rad * kDegrees,
+                f.longitude0_rad * kDegrees, f.latitude_step_rad * kDegrees, f.longitude_step_rad * kDegrees);
+    std::printf("  ellipsoid  semi-major axis %.3f m, flattening 1/%.9g\n", f.semi_major_m, f.flattening > 0 ? 1 / f.flattening : 0.0);
+  }
+  std::printf("  crs      %s\n", crs_wkt.empty() ? "none" : crs_wkt.c_str());
+}
+
+void print(const std::string& path, const terrain::Scene& scene) {
+  const proto::GridShape& shape = scene.grid().shape();
+  const double step_m = scene.frame().height_step_m;
+  std::printf("scene      %s\n", path.c_str());
+  std::printf("title      %s\n", scene.origin().title.c_str());
+  std::printf("id         %s\n", hexadecimal(scene.id()).c_str());
+  std::printf("samples    %u x %u\n", shape.samples_x, shape.samples_y);
+  std::printf("roots      %u x %u squares of %u samples a side\n", shape.roots_x, shape.roots_y, scene.grid().rootSize() + 1);
+  std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
+  std::printf("heights    %.3f to %.3f m, in steps of %g m\n", scene.heightRange().lowest * step_m, scene.heightRange().highest * step_m,
+              step_m);
+  printFrame(scene.frame(), scene.origin().crs_wkt);
+  std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
+  for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string path;
+  bool json = false;
+  CLI::App app("Prints what a scene file holds.", "foreland info");
+  app.add_option("SCENE", path, "A scene made by `foreland build`")->required();
+  app.add_flag("--json", json, "Print JSON");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto scene = terrain::Scene::open(path);
+  if (!scene.ok()) {
+    std::fprintf(stderr, "foreland info: %s\n", scene.error().message.c_str());
+    return 2;
+  }
+  if (json) std::printf("%s\n", describe(path, **scene).dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
+  else print(path, **scene);
+  return 0;
+}

@@ -1,0 +1,48 @@
+// foreland-verify: checks a scene file and says what it checked. Exit codes: 0 sound, 2 damaged or not a scene.
+#include <CLI/CLI.hpp>
+#include <cinttypes>
+#include <cstdio>
+#include <string>
+
+#include "terrain/store/verify.h"
+
+namespace {
+
+using namespace foreland;
+
+int report(const std::string& path, const terrain::VerifyReport& found) {
+  std::printf("header, sizes and table of checksums agree\n");
+  std::printf("%" PRIu64 " blocks: contents against their checksums\n", found.blocks);
+  std::printf("%" PRIu64 " base vertices: heights within the scene's range\n", found.base_vertices);
+  std::printf("%" PRIu64 " nodes: heights within range, errors cover the children's, spheres hold corners and the children's spheres\n",
+              found.nodes);
+  std::printf("%" PRIu64 " unused slots: zero\n", found.padding);
+  if (found.sound()) {
+    std::printf("%s: sound\n", path.c_str());
+    return 0;
+  }
+  for (const std::string& fault : found.first_faults) std::fprintf(stderr, "foreland verify: %s: %s\n", path.c_str(), fault.c_str());
+  std::fprintf(stderr, "foreland verify: %s: %" PRIu64 " faults; build or copy the scene again\n", path.c_str(), found.faults);
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string path;
+  unsigned threads = 0;
+  CLI::App app("Checks a scene file's checksums and invariants.", "foreland verify");
+  app.add_option("SCENE", path, "A scene made by `foreland build`")->required();
+  app.add_option("--threads", threads, "Worker threads; 0 for one per processor")->check(CLI::Range(0u, 1024u));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto found = terrain::verifyScene(path, threads);
+  if (!found.ok()) {
+    std::fprintf(stderr, "foreland verify: %s\n", found.error().message.c_str());
+    return 2;
+  }
+  return report(path, *found);
+}

@@ -1,0 +1,112 @@
+#include "terrain/store/verify.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "terrain/store/checksum.h"
+#include "terrain/store/format.h"
+#include "tests/support/scene.h"
+
+namespace foreland::terrain {
+namespace {
+
+// A scene whose content was changed and whose checksums were made to agree again: only the invariants can tell.
+class Forged : public testing::Test {
+ protected:
+  test::TemporaryFolder folder;
+  std::filesystem::path path = folder / "a.fls";
+  std::vector<uint8_t> bytes;
+  FileHeader header;
+
+  void SetUp() override {
+    test::FormulaSource source(40, 25, test::hills(3));
+    ASSERT_TRUE(buildScene(source, {path}).ok());
+    std::ifstream in(path, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+    std::memcpy(&header, bytes.data(), sizeof(header));
+  }
+  NodeRecord* nodes() { return reinterpret_cast<NodeRecord*>(bytes.data() + header.sections[kNodes].offset); }
+  const proto::GridTopology grid = *proto::GridTopology::create(proto::GridTopology::shapeFor(40, 25));
+
+  VerifyReport seal() {
+    const SectionPlace& table = header.sections[kChecksums];
+    for (uint64_t i = 0; i < blockCount(table); ++i) {
+      const uint64_t sum = xxh64(blockAt(bytes, table, i));
+      std::memcpy(bytes.data() + table.offset + i * sizeof(sum), &sum, sizeof(sum));
+    }
+    header.scene_id = contentId(header, ByteSpan(bytes).subspan(table.offset, table.bytes));
+    header.header_checksum = headerChecksum(header);
+    std::memcpy(bytes.data(), &header, sizeof(header));
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    const auto report = verifyScene(path, 2);
+    EXPECT_TRUE(report.ok());
+    return *report;
+  }
+  void expectFault(const char* words) {
+    const VerifyReport report = seal();
+    ASSERT_FALSE(report.sound());
+    const auto says = [&](const std::string& fault) { return fault.find(words) != std::string::npos; };
+    EXPECT_TRUE(std::any_of(report.first_faults.begin(), report.first_faults.end(), says)) << report.first_faults.front();
+  }
+  // A node inside the data with children of nonzero error.
+  proto::Slot someParent() { return grid.slot(proto::NodeId::at(12, 8)); }
+};
+
+TEST_F(Forged, SoundSceneIsSoundAndEverySlotIsCounted) {
+  const VerifyReport report = seal();
+  EXPECT_TRUE(report.sound());
+  EXPECT_EQ(report.nodes + report.padding, grid.slotCount());
+  EXPECT_EQ(report.blocks, blockCount(header.sections[kChecksums]));
+  EXPECT_TRUE(verifyChecksums(path).ok());
+}
+
+TEST_F(Forged, SmallerErrorThanAChildIsFound) {
+  nodes()[someParent()].error.bits = 0;
+  expectFault("smaller error than its child");
+}
+
+TEST_F(Forged, SphereThatDoesNotHoldAChildsIsFound) {
+  nodes()[someParent()].radius.bits -= 2;
+  expectFault("sphere that does not hold that of its child");
+}
+
+TEST_F(Forged, BoundThatIsNoNumberIsFound) {
+  nodes()[0].error.bits = 0xffff;
+  expectFault("no number");
+}
+
+TEST_F(Forged, HeightOutsideTheRangeIsFound) {
+  nodes()[someParent()].height = 1 << 25;
+  expectFault("outside the scene's range");
+}
+
+TEST_F(Forged, DirtyPaddingIsFound) {
+  proto::Slot padding = 0;
+  while (!(grid.node(padding) == proto::NodeId{})) ++padding;
+  nodes()[padding].height = 1;
+  expectFault("padding");
+}
+
+TEST_F(Forged, BaseHeightOutsideTheRangeIsFound) {
+  bytes[header.sections[kCentres].offset + 3] = 0x10;
+  EXPECT_FALSE(seal().sound());
+}
+
+TEST_F(Forged, FaultsAreTheSameForAnyNumberOfThreads) {
+  for (proto::Slot slot = 0; slot < grid.slotCount(); slot += 3) nodes()[slot].radius.bits = 0;
+  const VerifyReport two = seal();
+  for (unsigned threads : {1u, 5u}) {
+    const auto report = verifyScene(path, threads);
+    EXPECT_EQ(report->faults, two.faults);
+    EXPECT_EQ(report->first_faults, two.first_faults);
+  }
+}
+
+}  // namespace
+}  // namespace foreland::terrain
