@@ -38,10 +38,10 @@ SEES["client/fly/net"] = ["base", "proto", "client"]
 SEES["client/fly"] = ["base", "proto", "client", "client/fly/net"]
 
 LIBRARIES = sorted(SEES)
-SEES["tests/support"] = LIBRARIES  # generators, the oracle, the crack checker: for tests and for measurements
-SEES["bench"] = [*LIBRARIES, "tests/support"]
-SEES["apps"] = [*LIBRARIES, "bench", "tests/support"]
-SEES["tests"] = [*LIBRARIES, "bench", "tests/support"]
+SEES["bench"] = LIBRARIES  # the oracle too: it judges frames in measurements, in the player and in tests
+SEES["apps"] = [*LIBRARIES, "bench"]
+SEES["tests/support"] = [*LIBRARIES, "bench"]
+SEES["tests"] = [*LIBRARIES, "bench", "apps", "tests/support"]
 
 # Who may include a third-party header. Tests may use any of them: they compare us with them.
 TESTS = ["tests", "tests/support"]
@@ -142,8 +142,9 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("terrain/build/c.cpp", '#include "apps/a.h"\n', "must not include apps"),
     ("proto/c.h", '#include "tests/support/a.h"\n', "must not include tests"),
     ("tests/terrain/b.cpp", '#include "bench/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
-    ("bench/b.cpp", '#include "tests/support/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
-    ("bench/c.cpp", '#include "tests/world/a.h"\n', "must not include tests"),
+    ("bench/b.cpp", '#include "client/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
+    ("tests/support/b.h", '#include "bench/a.h"\n', ""),
+    ("bench/c.cpp", '#include "tests/support/a.h"\n', "must not include tests"),
     ("proto/d.h", '#include "proto/../base/a.h"\n', "by its path from the root"),
     ("elsewhere/a.h", "#pragma once\n", "lies in no room"),
 ]
