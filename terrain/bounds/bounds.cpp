@@ -1,117 +1,120 @@
 #include "terrain/bounds/bounds.h"
 
-#include <cmath>
-#include <glm/geometric.hpp>
-
 #include "terrain/bounds/error.h"
+#include "terrain/bounds/fine_errors.h"
+#include "terrain/bounds/node_row.h"
+#include "terrain/bounds/spheres.h"
 #include "terrain/parallel.h"
 
 namespace foreland::terrain {
 
 namespace {
 
-using proto::NodeId;
-
 constexpr double kPad_m = 1e-5;
-constexpr uint32_t kBandCells = 16;  // a row of tiles of proto/grid.h
 
-// The nodes of one level: cells of 2^(t+1) samples, one centre or two sides each.
-struct Level {
-  int level;
-  bool sides;
-  uint32_t scale_log2, cells_x, cells_y;
+// Errors of a row's nodes, unsaturated, in metres. One for each band, which may keep scratch.
+class PlanarRows {
+ public:
+  PlanarRows(const PlanarError& error, const BoundsJob& job, const NodeLevel& level)
+      : error_(error), fine_(job.grid, job.heights, level), is_fine_(level.s <= FineErrors::kLargestReach) {}
+  void compute(const NodeRow& row, std::span<double> errors_m) {
+    FineErrors::Range done;
+    if (is_fine_) done = fine_.compute(row, errors_m);
+    for (uint32_t i = 0; i < row.count; ++i)
+      errors_m[i] = i >= done.first && i < done.last ? error_.inMetres(errors_m[i]) : error_.metres(row.node(i));
+  }
 
-  Level(const proto::GridTopology& grid, int number)
-      : level(number), sides(number & 1), scale_log2(grid.shape().root_log2 - 1 - static_cast<uint32_t>(number / 2)),
-        cells_x((grid.maxX() >> (scale_log2 + 1)) + (sides ? 1 : 0)), cells_y((grid.maxY() >> (scale_log2 + 1)) + (sides ? 1 : 0)) {}
-  uint32_t bands() const { return (cells_y + kBandCells - 1) / kBandCells; }
+ private:
+  const PlanarError& error_;
+  FineErrors fine_;
+  bool is_fine_;
 };
 
-template <class ErrorOf>
+class GeographicRows {
+ public:
+  GeographicRows(const GeographicError& error, const BoundsJob&, const NodeLevel&) : error_(error) {}
+  void compute(const NodeRow& row, std::span<double> errors_m) const {
+    for (uint32_t i = 0; i < row.count; ++i) errors_m[i] = error_.metres(row.node(i));
+  }
+
+ private:
+  const GeographicError& error_;
+};
+
+template <class Error, class ErrorRows>
 class BoundsPass {
  public:
   explicit BoundsPass(const BoundsJob& job)
-      : job_(job), positions_(job.frame, job.grid.maxX(), job.grid.maxY()), error_of_(job.grid, job.frame, job.heights) {}
+      : job_(job), positions_(job.grid, job.frame, job.heights), error_(job.grid, job.frame, job.heights) {}
 
   bool run() {
     const int levels = job_.grid.maxLevel();
-    for (int level = levels; level >= 1; --level) {
-      const Level shape(job_.grid, level);
+    for (int number = levels; number >= 1; --number) {
+      const NodeLevel level(job_.grid, number);
       const auto between = [&](uint64_t bands) {
-        return job_.onProgress((levels - level + static_cast<double>(bands) / shape.bands()) / levels);
+        return job_.onProgress((levels - number + static_cast<double>(bands) / level.bands()) / levels);
       };
-      if (!parallelFor(shape.bands(), job_.threads, [&](uint64_t band) { fillBand(shape, static_cast<uint32_t>(band)); }, between))
+      if (!parallelFor(level.bands(), job_.threads, [&](uint64_t band) { fillBand(level, static_cast<uint32_t>(band)); }, between))
         return false;
     }
     return true;
   }
 
  private:
-  void fillBand(const Level& level, uint32_t band) {
-    const uint32_t t = level.scale_log2, s = 1u << t, end = std::min((band + 1) * kBandCells, level.cells_y);
-    for (uint32_t cy = band * kBandCells; cy < end; ++cy)
-      for (uint32_t cx = 0; cx < level.cells_x; ++cx) {
-        const uint32_t x = cx << (t + 1), y = cy << (t + 1);
-        if (!level.sides) {
-          fill(NodeId::at(x + s, y + s));
-        } else {
-          if (x + s <= job_.grid.maxX()) fill(NodeId::at(x + s, y));
-          if (y + s <= job_.grid.maxY()) fill(NodeId::at(x, y + s));
-        }
-      }
-    releaseBand(level.level, level.bands(), band);
-    if (level.level == job_.grid.maxLevel()) return;
-    const Level finer(job_.grid, level.level + 1);
-    for (uint32_t child : {2 * band, 2 * band + 1})
-      if (level.sides && child < finer.bands()) releaseBand(finer.level, finer.bands(), child);
-    if (!level.sides) releaseBand(finer.level, finer.bands(), band);
-  }
+  struct Band {
+    ErrorRows errors;
+    SphereRows spheres;
+    std::vector<double> errors_m, radii_m;
+    std::vector<uint16_t> child_errors;
+  };
 
-  void fill(NodeId n) {
-    NodeRecord record;
-    record.height = job_.heights.clamped(n.x(), n.y());
-    record.error = CompactBound::roundUp(error_of_.metres(n));
-    const glm::dvec3 centre = positions_.position(n, record.height);
-    const auto children = job_.grid.children(n);
-    double radius_m = 0;
-    for (NodeId child : children) {
-      const NodeRecord& below = job_.nodes[job_.grid.slot(child)];
-      record.error = std::max(record.error, below.error);
-      radius_m = std::max(radius_m, glm::distance(centre, positions_.position(child, below.height)) + below.radius.metres());
+  void fillBand(const NodeLevel& level, uint32_t number) {
+    Band band{ErrorRows(error_, job_, level), SphereRows(job_.grid, positions_, job_.nodes, level.level), {}, {}, {}};
+    const uint32_t s = level.s, end = std::min((number + 1) * kTileCells, level.cellRows());
+    for (uint32_t cell = number * kTileCells; cell < end; ++cell) {
+      if (level.sides) fillRow(level.row(2 * s * cell), band);
+      if (cell < level.cells_y) fillRow(level.row(2 * s * cell + s), band);
     }
-    if (children.count == 0) radius_m = reach(n, centre);
-    record.radius = CompactBound::roundUp(radius_m + kPad_m);
-    job_.nodes[job_.grid.slot(n)] = record;
+    releaseBand(level, number);
+    if (level.level == job_.grid.maxLevel()) return;
+    const NodeLevel finer(job_.grid, level.level + 1);
+    for (uint32_t below = level.sides ? 2 * number : number; below <= (level.sides ? 2 * number + 1 : number); ++below)
+      if (below < finer.bands()) releaseBand(finer, below);
   }
 
-  // Of a finest node, whose support's only samples are itself and its corners.
-  double reach(NodeId n, const glm::dvec3& centre) const {
-    double radius_m = 0;
-    const auto include = [&](NodeId v) {
-      radius_m = std::max(radius_m, glm::distance(centre, positions_.position(v, job_.heights.clamped(v.x(), v.y()))));
-    };
-    for (NodeId v : job_.grid.endpoints(n)) include(v);
-    for (NodeId v : job_.grid.apexes(n)) include(v);
-    return radius_m;
+  void fillRow(const NodeRow& row, Band& band) {
+    band.errors_m.resize(row.count);
+    band.radii_m.resize(row.count);
+    band.child_errors.resize(row.count);
+    band.errors.compute(row, band.errors_m);
+    band.spheres.compute(row, band.radii_m, band.child_errors);
+    row.forEachRun(job_.grid, [&](uint32_t i, proto::Slot slot, uint32_t count) {
+      NodeRecord* record = &job_.nodes[slot];
+      for (uint32_t end = i + count; i < end; ++i, record += row.slot_step) {
+        record->height = positions_.steps(row.first_x + i * row.step_x, row.y);
+        record->error = std::max(CompactBound::roundUp(band.errors_m[i]), CompactBound{band.child_errors[i]});
+        record->radius = CompactBound::roundUp(band.radii_m[i] + kPad_m);
+      }
+    });
   }
 
-  void releaseBand(int level, uint32_t bands, uint32_t band) const {
-    const uint64_t begin = job_.grid.levelOffset(level), count = job_.grid.levelOffset(level + 1) - begin;
-    const uint64_t from = count * band / bands, to = count * (band + 1) / bands;  // bands are equal in slots
+  void releaseBand(const NodeLevel& level, uint32_t band) const {
+    const uint64_t begin = job_.grid.levelOffset(level.level), count = job_.grid.levelOffset(level.level + 1) - begin;
+    const uint64_t from = count * band / level.bands(), to = count * (band + 1) / level.bands();  // bands are equal in slots
     job_.onIdle(job_.nodes.subspan(begin + from, to - from));
   }
 
   const BoundsJob& job_;
-  proto::FrameGrid positions_;
-  ErrorOf error_of_;
+  RowPositions positions_;
+  Error error_;
 };
 
 }  // namespace
 
 bool computeBounds(const BoundsJob& job) {
   CHECK_EQ(job.nodes.size(), static_cast<size_t>(job.grid.slotCount()));
-  if (job.frame.kind == proto::FrameKind::kPlanar) return BoundsPass<PlanarError>(job).run();
-  return BoundsPass<GeographicError>(job).run();
+  if (job.frame.kind == proto::FrameKind::kPlanar) return BoundsPass<PlanarError, PlanarRows>(job).run();
+  return BoundsPass<GeographicError, GeographicRows>(job).run();
 }
 
 }  // namespace foreland::terrain

@@ -1,33 +1,15 @@
 #include "terrain/bounds/error.h"
 
 #include <cmath>
-#include <cstring>
 #include <glm/vec3.hpp>
 
+#include "terrain/bounds/fine_errors.h"
+#include "terrain/bounds/four.h"
 #include "terrain/bounds/support.h"
 
 namespace foreland::terrain {
 
 namespace {
-
-// Four samples at a time, by the compiler's vector types: no intrinsics, any processor.
-using Four = double __attribute__((vector_size(32)));
-using FourSteps = int32_t __attribute__((vector_size(16)));
-constexpr Four kOffsets{0, 1, 2, 3};
-
-Four load(const int32_t* steps) {
-  FourSteps four;
-  std::memcpy(&four, steps, sizeof(four));
-  return __builtin_convertvector(four, Four);
-}
-Four load(const double* values) {
-  Four four;
-  std::memcpy(&four, values, sizeof(four));
-  return four;
-}
-Four larger(Four a, Four b) { return a > b ? a : b; }
-Four magnitude(Four v) { return larger(v, -v); }
-double largest(Four v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
 
 // Largest of four at a time and of the few that remain at the end of a row.
 struct Largest {
@@ -40,9 +22,9 @@ struct Largest {
 void scanRow(const int32_t* samples, int32_t count, double value, double slope, Largest& result) {
   int32_t i = 0;
   if (count >= 4) {
-    Four line = value + slope * kOffsets, worst = result.four;
+    Four line = value + slope * kZeroToThree, worst = result.four;
     const double step = 4 * slope;  // sums of exact dyadics stay exact
-    for (; i + 4 <= count; i += 4, line += step) worst = larger(worst, magnitude(load(samples + i) - line));
+    for (; i + 4 <= count; i += 4, line += step) worst = larger(worst, magnitude(loadFour(samples + i) - line));
     result.four = worst;
   }
   for (; i < count; ++i) result.one = std::max(result.one, std::fabs(samples[i] - (value + slope * i)));
@@ -67,9 +49,11 @@ double PlanarError::metres(proto::NodeId n) const {
       scanRow(heights_.row(y) + x, count, plane.at(first, dy), plane.per_x, worst);
     });
   }
-  const double error_m = worst.value() * step_m_;
-  return error_m > 0 ? std::nextafter(error_m, HUGE_VAL) : 0;
+  return inMetres(worst.value());
 }
+
+// Rounded up: the product itself may round down.
+double PlanarError::inMetres(double steps) const { return steps * step_m_ * (1 + 0x1p-51); }
 
 GeographicError::GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
     : grid_(grid), heights_(heights), step_m_(frame.height_step_m), polar_((1 - frame.flattening) * (1 - frame.flattening)) {
@@ -111,7 +95,7 @@ double GeographicError::metres(proto::NodeId n) const {
       };
       int32_t i = 0;
       for (; i + 4 <= count; i += 4)
-        worst = larger(worst, square(load(samples + i), load(&sin_lon_[x + i]), load(&cos_lon_[x + i]), i + kOffsets));
+        worst = larger(worst, square(loadFour(samples + i), loadFour(&sin_lon_[x + i]), loadFour(&cos_lon_[x + i]), i + kZeroToThree));
       for (; i < count; ++i) {
         const Four one = {static_cast<double>(samples[i])};
         worst = larger(worst, Four{square(one, Four{sin_lon_[x + i]}, Four{cos_lon_[x + i]}, Four{static_cast<double>(i)})[0]});

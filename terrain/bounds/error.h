@@ -20,6 +20,7 @@ class PlanarError {
  public:
   PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights);
   double metres(proto::NodeId n) const;
+  double inMetres(double steps) const;
 
  private:
   const proto::GridTopology& grid_;

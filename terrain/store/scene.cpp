@@ -1,19 +1,8 @@
 #include "terrain/store/scene.h"
 
-#include <cmath>
-#include <limits>
-
 #include "terrain/store/mapped_scene.h"
 
 namespace foreland::terrain {
-
-CompactBound CompactBound::roundUp(double metres) {
-  CHECK_GE(metres, 0.0);
-  float nearest = static_cast<float>(metres);
-  if (nearest < metres) nearest = std::nextafter(nearest, std::numeric_limits<float>::infinity());
-  const uint32_t bits = std::bit_cast<uint32_t>(nearest);
-  return {static_cast<uint16_t>((bits + 0x7fffu) >> 15)};
-}
 
 Result<std::shared_ptr<const Scene>> Scene::open(const std::filesystem::path& path) {
   auto scene = MappedScene::open(path);

@@ -22,7 +22,12 @@ namespace foreland::terrain {
 struct CompactBound {
   uint16_t bits = 0;
   float metres() const { return std::bit_cast<float>(static_cast<uint32_t>(bits) << 15); }
-  static CompactBound roundUp(double metres);
+  // `metres` is not negative.
+  static CompactBound roundUp(double metres) {
+    const float nearest = static_cast<float>(metres);
+    const uint32_t above = std::bit_cast<uint32_t>(nearest) + (nearest < metres ? 1 : 0);
+    return {static_cast<uint16_t>((above + 0x7fff) >> 15)};
+  }
   auto operator<=>(const CompactBound&) const = default;
 };
 

@@ -50,7 +50,7 @@ TEST(CompactBound, RoundsUpByAtMostOnePartIn256AndKeepsOrder) {
     const double metres = std::exp2(rng.uniform(-60, 60)), other = metres * rng.uniform(1, 1.01);
     const CompactBound bound = CompactBound::roundUp(metres);
     ASSERT_GE(bound.metres(), metres);
-    ASSERT_LE(bound.metres(), metres * (1 + 1.0 / 128));
+    ASSERT_LE(bound.metres(), metres * (1 + 1.0 / 256));
     ASSERT_LE(bound, CompactBound::roundUp(other));
     ASSERT_EQ(CompactBound::roundUp(bound.metres()), bound);
   }
