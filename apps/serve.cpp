@@ -1,6 +1,6 @@
-// `foreland serve SCENE`: serves one scene to viewers over WebSocket, and the page that shows it over HTTP, until SIGTERM or
-// SIGINT. Exit code 0 after a clean stop, 2 for a scene, flag or port that will not do.
-// The main thread waits for the signal; the server has threads of its own (docs/THREADS.md).
+// `foreland serve SCENE`: serves one scene to viewers over WebSocket, and the page that shows it over HTTP, until
+// SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 for a scene, flag or port that will not do. The main thread
+// waits for the signal; the server has threads of its own (docs/THREADS.md).
 #include <fmt/format.h>
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -54,16 +54,15 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   app.add_option("--keyframe-ms", flags.keyframe_ms, "time between keyframes, for viewers that name none")
       ->check(CLI::Range(10, 10'000))
       ->capture_default_str();
-  app.add_option("--web", flags.web, "directory of the page; by default the one that was built or installed with this program");
+  app.add_option("--web", flags.web,
+                 "directory of the page; by default the one that was built or installed with this program");
   app.add_option("--log-level", flags.log_level, "what to log on standard error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
   try {
     app.parse(argc, argv);
     return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsageError;
-  }
+  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : kUsageError; }
 }
 
 int fail(const Error& error) {

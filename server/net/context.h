@@ -1,5 +1,5 @@
-// What all connections of a server share. Private to server/net. Owned by the Server, outlives every connection; the fields
-// that change belong to the I/O thread, but for the metrics and the host.
+// What all connections of a server share. Private to server/net. Owned by the Server, outlives every connection; the
+// fields that change belong to the I/O thread, but for the metrics and the host.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -54,7 +54,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void refuse(beast::error_code error) {
     context_.log(Severity::kDebug, "closed a connection that does not speak HTTP: " + error.message());
-    write(textReply(400, "This is an HTTP and WebSocket server; the request was not understood (" + error.message() + ")."),
+    write(textReply(400,
+                    "This is an HTTP and WebSocket server; the request was not understood (" + error.message() + ")."),
           false, false);
   }
 
@@ -76,8 +77,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     stream_.expires_after(std::chrono::microseconds(context_.options.http_timeout.us));
     http::async_write(stream_, response_, [self = shared_from_this(), keep_alive](beast::error_code error, size_t) {
       if (error) return;
-      if (keep_alive) self->read();
-      else self->shutDown();
+      if (keep_alive)
+        self->read();
+      else
+        self->shutDown();
     });
   }
 

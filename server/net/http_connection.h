@@ -7,7 +7,8 @@
 
 namespace foreland::server {
 
-// Serves requests, then hands the socket to a ViewerConnection if it is asked to; lives as long as it has something to do.
+// Serves requests, then hands the socket to a ViewerConnection if it is asked to; lives as long as it has something to
+// do.
 void serveHttp(boost::asio::ip::tcp::socket socket, ServerContext& context);
 
 }  // namespace foreland::server

@@ -64,8 +64,9 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
     return textReply(426, "This address speaks WebSocket. Open / in a browser, or use: foreland fly ws://HOST:PORT");
   if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request.if_none_match);
   if (*path == "/" && site.files.empty())
-    return textReply(404, "The server runs, but it was started without the page (--web). "
-                          "Viewers can connect by WebSocket: foreland fly ws://HOST:PORT");
+    return textReply(404,
+                     "The server runs, but it was started without the page (--web). "
+                     "Viewers can connect by WebSocket: foreland fly ws://HOST:PORT");
   return textReply(404, "There is no such file here. The page is at /.");
 }
 

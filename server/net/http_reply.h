@@ -30,7 +30,8 @@ struct HttpSite {
   std::function<std::string()> metrics;  // text of /metrics
 };
 
-// /healthz, /metrics, /fly (which asks for WebSocket), else a file. HEAD is answered as GET; whoever sends leaves the body out.
+// /healthz, /metrics, /fly (which asks for WebSocket), else a file. HEAD is answered as GET; whoever sends leaves the
+// body out.
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site);
 
 // A short plain text, for what goes wrong.

@@ -19,7 +19,7 @@ class Page {
     uint64_t total = 0;
     for (size_t i = 0; i < Histogram::kBounds.size(); ++i) {
       total += samples.count(i);
-      write("foreland_{}_bucket{{le=\"{}\"}} {}\n", name, Histogram::kBounds[i].toSeconds(), total);
+      write("foreland_{}_bucket{{le=\"{}\"}} {}\n", name, static_cast<double>(Histogram::kBounds[i].us) / 1e6, total);
     }
     total += samples.count(Histogram::kBounds.size());
     write("foreland_{0}_bucket{{le=\"+Inf\"}} {1}\nforeland_{0}_sum {2}\nforeland_{0}_count {1}\n", name, total,

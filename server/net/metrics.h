@@ -1,5 +1,5 @@
-// What the server counts, and its text for Prometheus. Atomic counters: any thread adds, the I/O thread reads; a reader may see
-// one counter a step ahead of another.
+// What the server counts, and its text for Prometheus. Atomic counters: any thread adds, the I/O thread reads; a reader
+// may see one counter a step ahead of another.
 #pragma once
 
 #include <atomic>
@@ -11,11 +11,11 @@
 namespace foreland::server {
 
 struct Metrics {
-  std::atomic<int64_t> connections{0};        // sockets open now
-  std::atomic<int64_t> sessions{0};           // viewers now
-  std::atomic<int64_t> section_nodes{0};      // held for them in all
+  std::atomic<int64_t> connections{0};    // sockets open now
+  std::atomic<int64_t> sessions{0};       // viewers now
+  std::atomic<int64_t> section_nodes{0};  // held for them in all
   std::atomic<uint64_t> sessions_opened{0};
-  std::atomic<uint64_t> refusals{0};          // viewers told to go
+  std::atomic<uint64_t> refusals{0};  // viewers told to go
   std::atomic<uint64_t> http_requests{0};
   std::atomic<uint64_t> keyframes{0};
   std::atomic<uint64_t> skipped_keyframes{0};  // the last delta was still unsent
@@ -23,7 +23,7 @@ struct Metrics {
   std::atomic<uint64_t> bytes_down{0};         // payload written to viewers
   std::atomic<uint64_t> bytes_up{0};           // payload read from viewers
   std::atomic<uint64_t> messages_up{0};
-  Histogram compute;                           // time of one step of a session
+  Histogram compute;  // time of one step of a session
 };
 
 // What the pool knows, beside the above.

@@ -30,15 +30,17 @@ std::chrono::microseconds chrono(Duration d) { return std::chrono::microseconds(
 Error cannotListen(const ListenAddress& address, const ErrorOf& why) {
   const std::string name = toString(address);
   if (why == net::error::address_in_use)
-    return {ErrorCode::kIo, fmt::format("cannot listen on {}: another program uses the port {}; stop it, or give another "
-                                        "port with --listen {} (port 0 picks a free one)",
-                                        name, address.port, toString({address.host, 0}))};
+    return {ErrorCode::kIo,
+            fmt::format("cannot listen on {}: another program uses the port {}; stop it, or give another "
+                        "port with --listen {} (port 0 picks a free one)",
+                        name, address.port, toString({address.host, 0}))};
   if (why == net::error::access_denied)
-    return {ErrorCode::kIo, fmt::format("cannot listen on {}: the port {} is reserved to the system; give one above 1023 "
-                                        "with --listen",
-                                        name, address.port)};
-  return {ErrorCode::kIo, fmt::format("cannot listen on {}: {}; give an address of this machine with --listen", name,
-                                      why.message())};
+    return {ErrorCode::kIo,
+            fmt::format("cannot listen on {}: the port {} is reserved to the system; give one above 1023 "
+                        "with --listen",
+                        name, address.port)};
+  return {ErrorCode::kIo,
+          fmt::format("cannot listen on {}: {}; give an address of this machine with --listen", name, why.message())};
 }
 
 }  // namespace
@@ -119,7 +121,8 @@ class Server::Impl {
 
   void admit(tcp::socket socket) {
     if (metrics_.connections >= static_cast<int64_t>(options_.max_connections)) {
-      context_.log(Severity::kWarning, fmt::format("closed a connection: there are {} already", options_.max_connections));
+      context_.log(Severity::kWarning,
+                   fmt::format("closed a connection: there are {} already", options_.max_connections));
       return;
     }
     ErrorOf ignored;  // a socket that died meanwhile shows it at the first read
@@ -161,9 +164,8 @@ class Server::Impl {
   }
 
   std::string metricsText() const {
-    return renderPrometheus(metrics_, {.threads = pool_.threadCount(),
-                                       .queue_depth = pool_.queueDepth(),
-                                       .lateness = &pool_.lateness()});
+    return renderPrometheus(
+        metrics_, {.threads = pool_.threadCount(), .queue_depth = pool_.queueDepth(), .lateness = &pool_.lateness()});
   }
 
   const ServeOptions options_;

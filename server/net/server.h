@@ -1,5 +1,5 @@
-// The server on its port: viewers by WebSocket, the page and its instruments by HTTP. One I/O thread owns the sockets, a pool
-// computes; docs/THREADS.md says who owns what. The library behind it shows only in this folder.
+// The server on its port: viewers by WebSocket, the page and its instruments by HTTP. One I/O thread owns the sockets,
+// a pool computes; docs/THREADS.md says who owns what. The library behind it shows only in this folder.
 #pragma once
 
 #include <cstdint>
@@ -25,14 +25,14 @@ struct ServeOptions {
   size_t threads = 2;
   SessionOptions session;
   HostLimits limits;
-  std::filesystem::path web;                        // empty: no page
-  size_t max_connections = 1024;                    // further ones are closed at once
-  size_t max_unread_messages = 64;                  // a viewer that leaves more replies unread is refused
-  size_t send_buffer_bytes = 128u << 10;            // of the system, per viewer; small, so that a slow link is noticed soon
-  Duration http_timeout = Duration::seconds(10);    // for a request to arrive, and for its reply to leave
-  Duration idle_timeout = Duration::seconds(30);    // a viewer that sends nothing, or reads nothing of what waits for it
+  std::filesystem::path web;              // empty: no page
+  size_t max_connections = 1024;          // further ones are closed at once
+  size_t max_unread_messages = 64;        // a viewer that leaves more replies unread is refused
+  size_t send_buffer_bytes = 128u << 10;  // of the system, per viewer; small, so that a slow link is noticed soon
+  Duration http_timeout = Duration::seconds(10);  // for a request to arrive, and for its reply to leave
+  Duration idle_timeout = Duration::seconds(30);  // a viewer that sends nothing, or reads nothing of what waits for it
   Duration stop_grace = Duration::milliseconds(500);  // for viewers to take leave
-  Log log;                                          // may be empty
+  Log log;                                            // may be empty
 };
 
 class Server {
@@ -45,8 +45,8 @@ class Server {
 
   uint16_t port() const;
 
-  // Closes the port, takes leave of the viewers, joins the threads; within stop_grace and the steps in progress. May be called
-  // again; by the owner's thread only.
+  // Closes the port, takes leave of the viewers, joins the threads; within stop_grace and the steps in progress. May be
+  // called again; by the owner's thread only.
   void stop();
 
  private:

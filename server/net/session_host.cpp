@@ -37,8 +37,8 @@ SessionActor::SessionActor(SessionHost& host, Outlet outlet)
 }
 
 SessionActor::~SessionActor() {
-  --host_.metrics_.sessions;
   host_.metrics_.section_nodes -= static_cast<int64_t>(session_.statistics().section_nodes);
+  --host_.metrics_.sessions;
 }
 
 Status SessionActor::deliver(Bytes message) {
@@ -110,7 +110,8 @@ void SessionActor::returnLease() {
   if (closed_) return;
   const auto due = session_.due();
   const Time now = host_.clock_();
-  if (!inbox_.empty()) return schedule({now, due ? std::min(due->deadline, now + kMessagePatience) : now + kMessagePatience});
+  if (!inbox_.empty())
+    return schedule({now, due ? std::min(due->deadline, now + kMessagePatience) : now + kMessagePatience});
   if (due) schedule({due->release, due->deadline});
 }
 

@@ -1,8 +1,9 @@
-// Runs sessions on the pool. Each is an actor: the I/O thread puts events into its inbox, and whichever worker holds its lease (at
-// most one at a time) feeds them to the Session, steps it when it is due and hands what it wrote to the outlet.
+// Runs sessions on the pool. Each is an actor: the I/O thread puts events into its inbox, and whichever worker holds
+// its lease (at most one at a time) feeds them to the Session, steps it when it is due and hands what it wrote to the
+// outlet.
 //
-// What is bounded: the inbox (HostLimits); the outbox, since a Session computes no keyframe while an earlier one is unsent, and
-// the outlet's owner limits unread replies. No lock is held while a Session works.
+// What is bounded: the inbox (HostLimits); the outbox, since a Session computes no keyframe while an earlier one is
+// unsent, and the outlet's owner limits unread replies. No lock is held while a Session works.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +24,14 @@
 namespace foreland::server {
 
 struct HostLimits {
-  size_t inbox_messages = 1024;      // at 20 poses a second, most of a minute
-  size_t inbox_bytes = 32u << 20;    // two of the largest messages
+  size_t inbox_messages = 1024;    // at 20 poses a second, most of a minute
+  size_t inbox_bytes = 32u << 20;  // two of the largest messages
 };
 
-// Where a session's messages go. Called by workers, in order, never two at a time; must not block. Nothing is called after refuse.
+// Where a session's messages go. Called by workers, in order, never two at a time; must not block. Nothing is called
+// after refuse.
 struct Outlet {
-  std::function<void(std::vector<Bytes>)> send;    // a batch, never empty
+  std::function<void(std::vector<Bytes>)> send;     // a batch, never empty
   std::function<void(std::string message)> refuse;  // tell the viewer why, then close
 };
 
@@ -78,8 +80,8 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
     uint64_t sent_batches = 0;
   };
 
-  void enqueue(Event event);                       // with mutex_ held
-  void schedule(Due due);                          // with mutex_ held
+  void enqueue(Event event);  // with mutex_ held
+  void schedule(Due due);     // with mutex_ held
   void run(size_t worker);
   bool takeLease(std::deque<Event>& events);
   void returnLease();

@@ -54,7 +54,8 @@ Error unreadable(const fs::path& path, const std::string& why) {
 Result<std::string> readWhole(const fs::path& path, uint64_t size) {
   std::ifstream in(path, std::ios::binary);
   std::string body(size, '\0');
-  if (!in || !in.read(body.data(), static_cast<std::streamsize>(size))) return unreadable(path, "it cannot be read whole");
+  if (!in || !in.read(body.data(), static_cast<std::streamsize>(size)))
+    return unreadable(path, "it cannot be read whole");
   return body;
 }
 
@@ -63,9 +64,10 @@ Result<std::string> readWhole(const fs::path& path, uint64_t size) {
 Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
   std::error_code error;
   if (!fs::is_directory(directory, error))
-    return Error{ErrorCode::kNotFound, fmt::format("there is no directory '{}' with the page; build it with ./demo or name "
-                                                   "another one with --web",
-                                                   directory.string())};
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("there is no directory '{}' with the page; build it with ./demo or name "
+                             "another one with --web",
+                             directory.string())};
   StaticFiles result;
   uint64_t total = 0;
   auto it = fs::recursive_directory_iterator(directory, error);
@@ -75,8 +77,9 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
     if (error) return unreadable(it->path(), error.message());
     total += size;
     if (total > kMaxTotalBytes || result.files_.size() == kMaxFiles)
-      return Error{ErrorCode::kLimit, fmt::format("'{}' is too large for a page: at most {} files and {} MiB are served",
-                                                  directory.string(), kMaxFiles, kMaxTotalBytes >> 20)};
+      return Error{ErrorCode::kLimit,
+                   fmt::format("'{}' is too large for a page: at most {} files and {} MiB are served",
+                               directory.string(), kMaxFiles, kMaxTotalBytes >> 20)};
     auto body = readWhole(it->path(), size);
     if (!body) return body.error();
     std::string path = "/";  // and not `+`, at which g++ 12 warns in error
@@ -87,9 +90,10 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
   }
   if (error) return unreadable(directory, error.message());
   if (!result.files_.contains("/index.html"))
-    return Error{ErrorCode::kNotFound, fmt::format("'{}' holds no index.html; build the page with ./demo or name another "
-                                                   "directory with --web",
-                                                   directory.string())};
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("'{}' holds no index.html; build the page with ./demo or name another "
+                             "directory with --web",
+                             directory.string())};
   return result;
 }
 

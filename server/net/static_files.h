@@ -1,5 +1,5 @@
-// The page's files, read once at the start. A request only looks a name up in a table, so no request can reach any other file,
-// and the I/O thread never waits for a disk. Immutable; any thread.
+// The page's files, read once at the start. A request only looks a name up in a table, so no request can reach any
+// other file, and the I/O thread never waits for a disk. Immutable; any thread.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,12 @@ class StaticFiles {
 
   StaticFiles() = default;  // no files
 
-  // Regular files below `directory`, links not followed. Refuses what is not a directory, lacks index.html or exceeds the limits.
+  // Regular files below `directory`, links not followed. Refuses what is not a directory, lacks index.html or exceeds
+  // the limits.
   static Result<StaticFiles> load(const std::filesystem::path& directory);
 
-  // `path` as in a URL, percent-encoding undone, without the query: "/", "/assets/a.js". A folder's path finds its index.html.
-  // Nothing if there is no such file. The pointer lives as long as this.
+  // `path` as in a URL, percent-encoding undone, without the query: "/", "/assets/a.js". A folder's path finds its
+  // index.html. Nothing if there is no such file. The pointer lives as long as this.
   const StaticFile* find(std::string_view path) const;
 
   bool empty() const { return files_.empty(); }

@@ -40,10 +40,10 @@ ViewerConnection::ViewerConnection(beast::tcp_stream stream, ConnectionCount cou
 void ViewerConnection::accept(UpgradeRequest request) {
   beast::get_lowest_layer(stream_).expires_never();  // check() watches the time from here on
   peer_ = peerOf(beast::get_lowest_layer(stream_));
-  stream_.set_option(websocket::stream_base::timeout{
-      .handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
-      .idle_timeout = websocket::stream_base::none(),
-      .keep_alive_pings = false});
+  stream_.set_option(
+      websocket::stream_base::timeout{.handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
+                                      .idle_timeout = websocket::stream_base::none(),
+                                      .keep_alive_pings = false});
   stream_.set_option(websocket::stream_base::decorator(
       [](websocket::response_type& response) { response.set(beast::http::field::server, "foreland"); }));
   stream_.read_message_max(proto::kMaxClientMessageBytes);
@@ -71,12 +71,14 @@ Outlet ViewerConnection::makeOutlet() {
       if (const auto self = weak.lock()) action(*self);
     });
   };
-  return {.send = [post](std::vector<Bytes> batch) {
-            post([batch = std::move(batch)](ViewerConnection& self) mutable { self.send(std::move(batch)); });
-          },
-          .refuse = [post](std::string message) {
-            post([message = std::move(message)](ViewerConnection& self) { self.refuse(message); });
-          }};
+  return {.send =
+              [post](std::vector<Bytes> batch) {
+                post([batch = std::move(batch)](ViewerConnection& self) mutable { self.send(std::move(batch)); });
+              },
+          .refuse =
+              [post](std::string message) {
+                post([message = std::move(message)](ViewerConnection& self) { self.refuse(message); });
+              }};
 }
 
 void ViewerConnection::read() {
@@ -118,10 +120,9 @@ void ViewerConnection::write() {
   const size_t left = message.size() - written_of_first_, piece = std::min(left, kPieceBytes);
   is_writing_ = true;
   progress_at_ = context_.clock();
-  stream_.async_write_some(piece == left, boost::asio::buffer(message.data() + written_of_first_, piece),
-                           [self = shared_from_this(), piece](beast::error_code error, size_t) {
-                             self->onWritten(error, piece);
-                           });
+  stream_.async_write_some(
+      piece == left, boost::asio::buffer(message.data() + written_of_first_, piece),
+      [self = shared_from_this(), piece](beast::error_code error, size_t) { self->onWritten(error, piece); });
 }
 
 void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {

@@ -1,5 +1,5 @@
-// One viewer's WebSocket: whole messages in, whole messages out in order. Private to server/net; on the I/O thread but for the
-// outlet, which posts to it.
+// One viewer's WebSocket: whole messages in, whole messages out in order. Private to server/net; on the I/O thread but
+// for the outlet, which posts to it.
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -76,6 +76,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
 };
 
 // Takes over a socket whose HTTP request asks for WebSocket.
-void acceptViewer(boost::beast::tcp_stream stream, ConnectionCount count, UpgradeRequest request, ServerContext& context);
+void acceptViewer(boost::beast::tcp_stream stream, ConnectionCount count, UpgradeRequest request,
+                  ServerContext& context);
 
 }  // namespace foreland::server

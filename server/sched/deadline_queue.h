@@ -1,5 +1,5 @@
-// Which job is next: those whose release time has come, earliest deadline first, equal deadlines in the order they came. Plain
-// data without clock or lock; Pool protects it. Every operation costs O(log n).
+// Which job is next: those whose release time has come, earliest deadline first, equal deadlines in the order they
+// came. Plain data without clock or lock; Pool protects it. Every operation costs O(log n).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace foreland::server {
 
-// A function of its captures and the worker that runs it (0 .. threads - 1, to find that worker's scratch). It neither blocks
-// nor waits for other jobs, and throws nothing.
+// A function of its captures and the worker that runs it (0 .. threads - 1, to find that worker's scratch). It neither
+// blocks nor waits for other jobs, and throws nothing.
 using Job = std::function<void(size_t worker)>;
 
 // When a job may start, and by when it should be done.

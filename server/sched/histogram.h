@@ -1,5 +1,5 @@
-// Counts of durations in fixed buckets, as Prometheus draws them. Any thread adds and reads; a reader may see a sample in one
-// field before the other, which a graph does not notice.
+// Counts of durations in fixed buckets, as Prometheus draws them. Any thread adds and reads; a reader may see a sample
+// in one field before the other, which a graph does not notice.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ class Histogram {
  public:
   // Upper ends of the buckets; what is longer falls into one more.
   static constexpr std::array<Duration, 12> kBounds = {
-      Duration{100},     Duration{250},     Duration{500},     Duration{1'000},   Duration{2'500},   Duration{5'000},
-      Duration{10'000},  Duration{25'000},  Duration{50'000},  Duration{100'000}, Duration{250'000}, Duration{1'000'000}};
+      Duration{100},    Duration{250},    Duration{500},    Duration{1'000},   Duration{2'500},   Duration{5'000},
+      Duration{10'000}, Duration{25'000}, Duration{50'000}, Duration{100'000}, Duration{250'000}, Duration{1'000'000}};
 
   // Negative durations count as zero.
   void add(Duration sample) {

@@ -1,6 +1,6 @@
-// The worker threads: they take released jobs from a DeadlineQueue, earliest deadline first. The queue's mutex is held to add and
-// to take, never while a job runs. A timed wait on the same queue is the timer of the whole server.
-// Any thread may submit and cancel, jobs included.
+// The worker threads: they take released jobs from a DeadlineQueue, earliest deadline first. The queue's mutex is held
+// to add and to take, never while a job runs. A timed wait on the same queue is the timer of the whole server. Any
+// thread may submit and cancel, jobs included.
 #pragma once
 
 #include <atomic>
@@ -20,8 +20,9 @@ class Pool {
  public:
   using Ticket = DeadlineQueue::Ticket;
 
-  // Starts `threads` workers (at least one), named worker-0, worker-1, ... . `clock` decides what is released and what is late.
-  // Waits for a release last real time, so `clock` should run with it; a clock that jumps is noticed at the next submit().
+  // Starts `threads` workers (at least one), named worker-0, worker-1, ... . `clock` decides what is released and what
+  // is late. Waits for a release last real time, so `clock` should run with it; a clock that jumps is noticed at the
+  // next submit().
   Pool(size_t threads, Clock clock);
   ~Pool() { stop(); }
   Pool(const Pool&) = delete;

@@ -29,7 +29,12 @@ TEST(Pool, RunsEarliestDeadlineFirst) {
     go.wait();
   });
   started.wait();
-  const auto note = [&](int name) { return [&order, &done, name](size_t) { order.push_back(name); done.count_down(); }; };
+  const auto note = [&](int name) {
+    return [&order, &done, name](size_t) {
+      order.push_back(name);
+      done.count_down();
+    };
+  };
   pool.submit({{0}, {30}}, note(3));
   pool.submit({{0}, {10}}, note(1));
   pool.submit({{0}, {20}}, note(2));
@@ -75,7 +80,10 @@ TEST(Pool, WatchesTheTimeWhileAWorkerIsBusy) {
   for (int round = 0; round < 50; ++round) {
     std::latch second_ran(1), done(1);
     const Time now = steadyNow();
-    pool.submit({now + Duration{1'000}, now}, [&](size_t) { second_ran.wait(); done.count_down(); });
+    pool.submit({now + Duration{1'000}, now}, [&](size_t) {
+      second_ran.wait();
+      done.count_down();
+    });
     pool.submit({now + Duration{2'000}, now}, [&](size_t) { second_ran.count_down(); });
     done.wait();
   }
@@ -119,8 +127,10 @@ TEST(Pool, JobsMaySubmitJobs) {
   std::latch done(1);
   std::atomic<int> left{1000};
   std::function<void(size_t)> again = [&](size_t) {
-    if (--left == 0) done.count_down();
-    else pool.submit(kNow, again);
+    if (--left == 0)
+      done.count_down();
+    else
+      pool.submit(kNow, again);
   };
   pool.submit(kNow, again);
   done.wait();

@@ -1,8 +1,8 @@
 // The order of jobs, as a law against a plain list, and the queue's small promises.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <rapidcheck.h>
+#include <algorithm>
 #include <vector>
 
 #include "server/sched/deadline_queue.h"
@@ -29,7 +29,8 @@ std::optional<size_t> takeFromList(std::vector<Listed>& list, Time now) {
 
 TEST(DeadlineQueue, TakesWhatAPlainListWouldAtEveryTime) {
   EXPECT_TRUE(rc::check([] {
-    const auto times = *rc::gen::container<std::vector<std::pair<uint8_t, uint8_t>>>(rc::gen::arbitrary<std::pair<uint8_t, uint8_t>>());
+    const auto times = *rc::gen::container<std::vector<std::pair<uint8_t, uint8_t>>>(
+        rc::gen::arbitrary<std::pair<uint8_t, uint8_t>>());
     DeadlineQueue queue;
     std::vector<Listed> list;
     size_t taken = 0;

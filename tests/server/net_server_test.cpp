@@ -1,0 +1,266 @@
+// The server through real sockets on the loopback: what a viewer gets, and what happens to whoever misbehaves.
+#include "server/net/server.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "client/viewer.h"
+#include "proto/message.h"
+#include "server/net/steady_clock.h"
+#include "tests/server/net_client.h"
+#include "tests/support/scene.h"
+
+namespace foreland::server {
+namespace {
+
+using test::eventually;
+using test::httpGet;
+using test::metric;
+using test::Opcode;
+using test::Socket;
+using test::WebSocketClient;
+
+std::shared_ptr<const World> hillWorld() {
+  static const auto world = std::make_shared<const World>(test::makeScene(129, 129, 7));
+  return world;
+}
+
+ServeOptions testOptions() {
+  ServeOptions options;
+  options.listen.port = 0;
+  options.session.keyframe_interval = Duration::milliseconds(20);
+  return options;
+}
+
+std::unique_ptr<Server> serve(const ServeOptions& options, std::shared_ptr<const World> world = hillWorld()) {
+  auto server = Server::listen(std::move(world), options, steadyNow);
+  EXPECT_TRUE(server.ok()) << (server.ok() ? "" : server.error().message);
+  return server.ok() ? std::move(*server) : nullptr;
+}
+
+proto::ViewRequest requestView() {
+  proto::ViewRequest request;
+  request.keyframe_interval = Duration::milliseconds(20);
+  return request;
+}
+
+proto::Pose poseAt(Time now) {
+  proto::Pose pose;
+  pose.eye = {100 * std::sin(now.toSeconds()), 50, 1500};
+  pose.orientation = proto::lookAlong({0.3, 0.6, -0.7}, {0, 0, 1});
+  return pose;
+}
+
+// A real client over a real socket.
+class LiveViewer {
+ public:
+  explicit LiveViewer(uint16_t port) : socket_(port), viewer_(requestView(), Duration::milliseconds(10)) {}
+
+  // Sends what is due, then takes what comes within a few milliseconds. False when the server has closed.
+  bool advance() {
+    viewer_.frame(steadyNow(), poseAt(steadyNow()));
+    for (Bytes message; viewer_.takeOutgoing(message);) socket_.send(message);
+    if (!socket_.socket().isReadable(std::chrono::milliseconds(5))) return true;
+    const auto message = socket_.receive();
+    if (!message || message->opcode == Opcode::kClose) return false;
+    const Status status = viewer_.receive(message->bytes(), steadyNow());
+    EXPECT_TRUE(status.ok()) << status.error().message;
+    return status.ok();
+  }
+  uint32_t keyframes() const { return viewer_.statistics().keyframes; }
+  WebSocketClient& socket() { return socket_; }
+
+ private:
+  WebSocketClient socket_;
+  client::Viewer viewer_;
+};
+
+TEST(Server, AnswersPlainRequests) {
+  const test::TemporaryFolder web;
+  std::ofstream(web / "index.html") << "<html>the page</html>";
+  ServeOptions options = testOptions();
+  options.web = web.path();
+  const auto server = serve(options);
+  EXPECT_NE(httpGet(server->port(), "/healthz").find("\r\n\r\nok\n"), std::string::npos);
+  EXPECT_NE(httpGet(server->port(), "/").find("the page"), std::string::npos);
+  const std::string head = httpGet(server->port(), "/", "", "HEAD");
+  EXPECT_NE(head.find("Content-Length: 21\r\n"), std::string::npos);
+  EXPECT_TRUE(head.ends_with("\r\n\r\n")) << head;
+  EXPECT_TRUE(httpGet(server->port(), "/fly").starts_with("HTTP/1.1 426"));
+  EXPECT_TRUE(httpGet(server->port(), "/../etc/passwd").starts_with("HTTP/1.1 404"));
+  EXPECT_EQ(metric(server->port(), "sessions"), 0);
+}
+
+TEST(Server, TwoViewersGetTheirOwnKeyframes) {
+  const auto server = serve(testOptions());
+  LiveViewer first(server->port()), second(server->port());
+  ASSERT_TRUE(first.socket().isOpen() && second.socket().isOpen()) << first.socket().reply();
+  EXPECT_TRUE(eventually(
+      [&] { return !first.advance() || !second.advance() || (first.keyframes() > 4 && second.keyframes() > 4); }));
+  EXPECT_GT(first.keyframes(), 4u);
+  EXPECT_GT(second.keyframes(), 4u);
+  EXPECT_EQ(metric(server->port(), "sessions"), 2);
+  EXPECT_GE(metric(server->port(), "keyframes_total"), 10);
+  EXPECT_GT(metric(server->port(), "section_nodes"), 0);
+}
+
+TEST(Server, CountsDownWhenAViewerLeaves) {
+  const auto server = serve(testOptions());
+  {
+    LiveViewer viewer(server->port());
+    EXPECT_TRUE(eventually([&] { return !viewer.advance() || viewer.keyframes() > 0; }));
+    EXPECT_EQ(metric(server->port(), "sessions"), 1);
+  }
+  EXPECT_TRUE(eventually([&] { return metric(server->port(), "sessions") == 0; }));
+  EXPECT_EQ(metric(server->port(), "section_nodes"), 0);
+}
+
+TEST(Server, RefusesAMessageThatIsNone) {
+  const auto server = serve(testOptions());
+  WebSocketClient client(server->port());
+  client.send(Bytes{0xff, 1, 2, 3});
+  const auto message = client.receive();
+  ASSERT_TRUE(message.has_value());
+  const Bytes bytes = message->bytes();
+  const auto decoded = proto::decodeServerMessage(bytes);
+  ASSERT_TRUE(decoded.ok());
+  EXPECT_TRUE(std::holds_alternative<proto::Refusal>(*decoded));
+  EXPECT_EQ(client.receiveClose(), 1008);
+  EXPECT_TRUE(httpGet(server->port(), "/healthz").starts_with("HTTP/1.1 200"));
+}
+
+TEST(Server, RefusesTextAndEmptyMessages) {
+  const auto server = serve(testOptions());
+  WebSocketClient text(server->port()), empty(server->port());
+  text.sendFrame(Opcode::kText, "hello");
+  EXPECT_EQ(text.receiveClose(), 1008);
+  empty.send({});
+  EXPECT_EQ(empty.receiveClose(), 1008);
+  EXPECT_EQ(metric(server->port(), "refusals_total"), 2);
+}
+
+TEST(Server, RefusesAViewerThatFloods) {
+  ServeOptions options = testOptions();
+  options.limits.inbox_bytes = 1000;
+  const auto server = serve(options);
+  WebSocketClient client(server->port());
+  client.send(Bytes(1001));
+  EXPECT_EQ(client.receiveClose(), 1008);
+}
+
+TEST(Server, ClosesOnAMessageBeyondTheLimit) {
+  const auto server = serve(testOptions());
+  WebSocketClient client(server->port());
+  client.socket().send(WebSocketClient::frameHead(Opcode::kBinary, proto::kMaxClientMessageBytes + 1));
+  EXPECT_EQ(client.receiveClose(), 1009);
+  EXPECT_TRUE(httpGet(server->port(), "/healthz").starts_with("HTTP/1.1 200"));
+}
+
+TEST(Server, ServesOnAfterRandomBytes) {
+  const auto server = serve(testOptions());
+  Rng rng(5);
+  for (int round = 0; round < 20; ++round) {
+    std::string bytes(1 + rng.below(5000), '\0');
+    for (char& c : bytes) c = static_cast<char>(rng.next());
+    Socket plain(server->port());
+    plain.send(bytes + "\r\n\r\n");
+    plain.receiveToEnd();
+    WebSocketClient framed(server->port());
+    framed.socket().send(bytes);
+    framed.send(Bytes(bytes.begin(), bytes.end()));  // whatever came before, a frame that ends it
+  }
+  EXPECT_TRUE(httpGet(server->port(), "/healthz").starts_with("HTTP/1.1 200"));
+}
+
+TEST(Server, ClosesWhoeverSaysNothing) {
+  ServeOptions options = testOptions();
+  options.http_timeout = options.idle_timeout = Duration::milliseconds(100);
+  const auto server = serve(options);
+  Socket mute(server->port());
+  EXPECT_EQ(mute.receiveToEnd(), "");
+  WebSocketClient idle(server->port());
+  EXPECT_EQ(idle.receiveClose(), 1008);
+}
+
+// It asks for more than the buffers of both systems hold, sends poses for ever, and reads nothing.
+TEST(Server, ClosesAViewerThatNeverReadsAfterOneKeyframe) {
+  ServeOptions options = testOptions();
+  options.idle_timeout = Duration::milliseconds(300);
+  options.send_buffer_bytes = 4096;
+  const auto world = std::make_shared<const World>(test::makeScene(513, 513, test::noise(3, 500)));
+  const auto server = serve(options, world);
+  WebSocketClient client(server->port(), 4096);
+  proto::ViewRequest request = requestView();
+  request.tau_px = 0.01;
+  client.send(proto::encode(request));
+  EXPECT_TRUE(eventually([&] {
+    proto::PoseUpdate update;
+    update.pose = {steadyNow(), poseAt(steadyNow())};
+    client.send(proto::encode(update));
+    return metric(server->port(), "refusals_total") == 1;
+  }));
+  EXPECT_EQ(metric(server->port(), "keyframes_total"), 1);
+  EXPECT_TRUE(eventually([&] { return metric(server->port(), "sessions") == 0; }));
+}
+
+TEST(Server, AdmitsNoMoreThanItsLimit) {
+  ServeOptions options = testOptions();
+  options.max_connections = 1;
+  const auto server = serve(options);
+  WebSocketClient first(server->port());
+  ASSERT_TRUE(first.isOpen());
+  EXPECT_EQ(Socket(server->port()).receiveToEnd(), "");
+}
+
+TEST(Server, StopsWithViewersConnected) {
+  auto server = serve(testOptions());
+  const uint16_t port = server->port();
+  LiveViewer polite(port), another(port);
+  WebSocketClient deaf(port);  // never answers the close frame
+  EXPECT_TRUE(eventually(
+      [&] { return !polite.advance() || !another.advance() || (polite.keyframes() > 0 && another.keyframes() > 0); }));
+  server->stop();
+  EXPECT_EQ(polite.socket().receiveClose(), 1001);
+  EXPECT_EQ(deaf.receiveClose(), 1001);
+  server.reset();
+  EXPECT_FALSE(Socket(port).isConnected());
+}
+
+// Would wait for an hour if the answer did not end it.
+TEST(Server, StopsAsSoonAsItsViewersAnswer) {
+  ServeOptions options = testOptions();
+  options.stop_grace = Duration::seconds(3600);
+  const auto server = serve(options);
+  WebSocketClient client(server->port());
+  ASSERT_TRUE(eventually([&] { return metric(server->port(), "sessions") == 1; }));
+  std::jthread answer([&] {
+    EXPECT_EQ(client.receiveClose(), 1001);
+    client.sendFrame(Opcode::kClose, std::string("\x03\xe9", 2));
+  });
+  server->stop();
+}
+
+TEST(Server, NamesThePortThatIsTaken) {
+  const auto first = serve(testOptions());
+  ServeOptions options = testOptions();
+  options.listen.port = first->port();
+  const auto second = Server::listen(hillWorld(), options, steadyNow);
+  ASSERT_FALSE(second.ok());
+  EXPECT_NE(second.error().message.find(std::to_string(first->port())), std::string::npos) << second.error().message;
+  EXPECT_NE(second.error().message.find("--listen"), std::string::npos);
+}
+
+TEST(Server, NamesTheAddressThatIsNotHere) {
+  ServeOptions options = testOptions();
+  options.listen.host = "192.0.2.1";  // reserved for documentation
+  const auto server = Server::listen(hillWorld(), options, steadyNow);
+  ASSERT_FALSE(server.ok());
+  EXPECT_NE(server.error().message.find("192.0.2.1"), std::string::npos) << server.error().message;
+}
+
+}  // namespace
+}  // namespace foreland::server
