@@ -1,0 +1,152 @@
+// `foreland fly`: the headless player over a WebSocket, in real time; then, if asked, dumps and measures the flight on a replay of it.
+// One thread. The only clock is here. Exit code 0 when the flight was flown to its end, 2 otherwise.
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "apps/exact_sections.h"
+#include "apps/fly_options.h"
+#include "apps/fly_report.h"
+#include "bench/oracle/scene_truth.h"
+#include "client/fly/frame_dump.h"
+#include "client/fly/net/web_socket_client.h"
+#include "client/fly/player.h"
+#include "terrain/store/scene.h"
+
+namespace foreland::apps {
+
+namespace {
+
+using Clock = client::WebSocketClient::Clock;
+constexpr std::chrono::nanoseconds kFrame{1'000'000'000 / 60};
+constexpr std::chrono::milliseconds kConnectTimeout{10'000};
+
+volatile std::sig_atomic_t g_interrupted = 0;
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland fly: %s\n", error.message.c_str());
+  return 2;
+}
+
+Time timeSince(Clock::time_point epoch) {
+  return {std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - epoch).count()};
+}
+
+// What is needed beside the server, opened before the flight so that mistakes show at once.
+struct Ground {
+  std::shared_ptr<const terrain::Scene> truth;
+  std::optional<client::FrameDump> dump;
+};
+
+Result<Ground> prepare(const FlyOptions& o) {
+  Ground ground;
+  if (!o.truth.empty()) {
+    auto scene = terrain::Scene::open(o.truth);
+    if (!scene.ok()) return scene.error();
+    ground.truth = *scene;
+  }
+  if (!o.dump.empty()) {
+    auto dump = client::FrameDump::create(o.dump);
+    if (!dump.ok()) return dump.error();
+    ground.dump = std::move(dump).value();
+  }
+  return ground;
+}
+
+Status checkScene(const client::Player& player, const Ground& ground, const FlyOptions& o) {
+  const auto& welcome = player.viewer().welcome();
+  if (!welcome || !ground.truth || welcome->scene_id == ground.truth->id()) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               "--truth " + o.truth.string() + " is not the scene that the server shows ('" + welcome->title + "'); name that scene's file"};
+}
+
+// Until the path's end, an Error, or Ctrl-C.
+Status fly(client::WebSocketClient& connection, client::Player& player, const Ground& ground, const FlyOptions& o) {
+  const Clock::time_point epoch = Clock::now();
+  Clock::time_point next = epoch;
+  const auto on_message = [&](ByteSpan message) { return player.receive(message, timeSince(epoch)); };
+  bool is_scene_checked = false;
+  while (player.phase() != client::Player::Phase::kDone) {
+    if (g_interrupted) return Error{ErrorCode::kIo, "interrupted"};
+    if (Status s = player.frame(timeSince(epoch)); !s.ok()) return s;
+    for (Bytes message; player.takeOutgoing(message);) connection.send(std::move(message));
+    next = std::max(next + kFrame, Clock::now() - kFrame);  // a stall is not made up for by a burst of frames
+    if (Status s = connection.run(next, on_message); !s.ok()) return s;
+    if (is_scene_checked || !player.viewer().welcome()) continue;
+    if (Status s = checkScene(player, ground, o); !s.ok()) return s;
+    is_scene_checked = true;
+  }
+  return {};
+}
+
+Status dumpFlight(const client::FlightLog& log, uint32_t every, client::FrameDump& dump) {
+  Status status;
+  uint64_t number = 0;
+  client::replay(log, [&](const client::Player& player, Time now) {
+    if (player.phase() != client::Player::Phase::kFlying && player.phase() != client::Player::Phase::kDone) return true;
+    const client::FrameView& view = player.view();
+    const uint64_t n = number++;
+    if (n % every != 0 || !view.mesh) return true;
+    status = dump.write({n, (now - player.path().start).toSeconds(), (view.scene_time - player.path().start).toSeconds()}, view,
+                        log.options.request);
+    return status.ok();
+  });
+  return status;
+}
+
+bench::FlightTruth measure(const client::FlightLog& log, const Ground& ground, const FlyOptions& o, double flown_s) {
+  bench::Oracle oracle(bench::truthOf(ground.truth));
+  bench::FlightTruthOptions options{.frame_every = o.truth_every, .section_at = exactSections(ground.truth), .on_progress = {}};
+  double told_s = 0;
+  options.on_progress = [&](const bench::FlightTruth& truth) {
+    if (truth.seconds < told_s + 5) return;
+    told_s = truth.seconds;
+    std::fprintf(stderr, "measured %.0f of %.0f s\n", truth.seconds, flown_s);
+  };
+  return bench::measureFlight(log, oracle, options);
+}
+
+int run(const FlyOptions& o) {
+  Result<client::PlayerOptions> options = playerOptions(o);
+  if (!options.ok()) return fail(options.error());
+  Result<Ground> ground = prepare(o);
+  if (!ground.ok()) return fail(ground.error());
+  auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout);
+  if (!connection.ok()) return fail(connection.error());
+
+  client::Player player(*options);
+  const Status flown = fly(*connection, player, *ground, o);
+  connection->close();
+
+  FlySummary summary{.request = options->request, .flight = player.report(), .truth = {}, .notes = {}, .error = {}};
+  if (options->track) summary.notes = options->track->notes;
+  summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());
+  int exit_code = flown.ok() ? 0 : fail(flown.error());
+  if (!flown.ok()) summary.error = flown.error().message;
+  if (summary.flight.frames == 0) return exit_code == 0 ? 2 : exit_code;  // nothing to report
+  if (ground->dump) {
+    if (Status s = dumpFlight(player.log(), o.dump_every, *ground->dump); !s.ok()) exit_code = fail(s.error());
+    summary.dumped_frames = ground->dump->written();
+  }
+  if (ground->truth) {
+    summary.truth = measure(player.log(), *ground, o, summary.flight.seconds);
+    summary.has_terms = true;
+  }
+  std::fputs((o.output == FlyOptions::Output::kJson ? toJson(summary) : toText(summary)).c_str(), stdout);
+  return exit_code;
+}
+
+}  // namespace
+
+}  // namespace foreland::apps
+
+int main(int argc, char** argv) {
+  const foreland::apps::ParsedFlyOptions parsed = foreland::apps::parseFlyOptions(argc, argv);
+  if (parsed.exit_code) return *parsed.exit_code;
+  const auto interrupt = [](int) { foreland::apps::g_interrupted = 1; };
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  return foreland::apps::run(parsed.options);
+}

@@ -1,0 +1,117 @@
+#include "apps/fly_options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <string_view>
+
+namespace foreland::apps {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+The flight is flown in real time at 60 frames a second. Predictor: `path` for tours and tracks unless --predictor says
+otherwise, for a planned path is known; it is then announced to the server.
+
+Report (--json prints one object with these keys):
+  keyframes, late_keyframes     received while flying; those that came after the time they were to be shown from
+  bytes_down, bytes_up          everything since the connection, the first section included
+  seconds, frames               flown; shown
+  nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
+  strategy, predictor, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
+With --truth SCENE, measured after landing on a replay of the flight:
+  max_error_px_keyframes        each keyframe's section seen from the pose it was computed for
+  max_error_px_frames           every --truth-every'th frame as it was drawn; frames_over_tau counts those above tolerance
+  cracks, uncovered_samples     must be 0
+  interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
+                                _m; mean is that over frames of the largest in each
+  delay_max_ms, delay_mean_ms   t - t_d
+
+Exit code: 0 when the flight was flown to its end, 2 otherwise.)";
+
+Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
+
+// "1920x1080"
+Result<proto::Lens> lensOf(const FlyOptions& o) {
+  proto::Lens lens{.vertical_fov_rad = o.fov_deg * 0.017453292519943295};
+  const char *begin = o.viewport.data(), *end = begin + o.viewport.size();
+  const auto [cross, width_error] = std::from_chars(begin, end, lens.width_px);
+  if (width_error != std::errc{} || cross == end || *cross != 'x') return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
+  const auto [last, height_error] = std::from_chars(cross + 1, end, lens.height_px);
+  if (height_error != std::errc{} || last != end) return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
+  if (!proto::isUsable(lens)) return invalid("--fov must be 1 to 170 degrees, --viewport 1x1 to 16384x16384 pixels");
+  return lens;
+}
+
+Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
+  const Result<proto::Lens> lens = lensOf(o);
+  if (!lens.ok()) return lens.error();
+  const auto strategy = proto::strategyNamed(o.strategy);
+  if (!strategy) return invalid("--strategy '" + o.strategy + "': choose delay, current or predict");
+  const auto predictor = proto::predictorNamed(o.predictor.value_or("path"));
+  if (!predictor) return invalid("--predictor '" + *o.predictor + "': choose hold, velocity, acceleration or path");
+  if (!(o.tau_px > 0) || o.tau_px > 1000) return invalid("--tau must be above 0 and at most 1000 pixels");
+  if (o.keyframe_ms < 20 || o.keyframe_ms > 10'000) return invalid("--keyframe-ms must be 20 to 10000");
+  return proto::ViewRequest{.lens = *lens,
+                            .tau_px = o.tau_px,
+                            .strategy = *strategy,
+                            .predictor = *predictor,
+                            .keyframe_interval = Duration::milliseconds(o.keyframe_ms)};
+}
+
+}  // namespace
+
+ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
+  FlyOptions o;
+  bool wants_json = false;
+  CLI::App app("Fly through a served scene without a screen, and report.", "foreland fly");
+  app.footer(kFooter);
+  app.add_option("URL", o.url, "the server, as ws://HOST:PORT")->required();
+  CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
+  app.add_option("--tour", o.tour, "fly a built-in tour: survey (default), canyon, spin, orbit")->excludes(track);
+  app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)");
+  app.add_option("--speed", o.track_options.speed, "seconds of the track per second of flight (default 1)")->needs(track);
+  app.add_option("--from", o.track_options.from_s, "begin so many seconds into the track")->needs(track);
+  CLI::Option* agl = app.add_option("--agl", o.track_options.agl_m, "fly at least this many metres above ground, not at the recorded height");
+  agl->needs(track);
+  app.add_option("--clearance", o.track_options.clearance_m, "lift recorded heights to this many metres above ground (default 20)")
+      ->needs(track)->excludes(agl);
+  app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
+  app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
+  app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)");
+  app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
+  app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
+  app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)");
+  CLI::Option* truth = app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
+  app.add_option("--truth-every", o.truth_every, "measure every Nth frame (default 6; keyframes always)")->needs(truth)->check(CLI::PositiveNumber);
+  CLI::Option* dump = app.add_option("--dump", o.dump, "write drawn frames (PLY and frames.jsonl) into this folder, after landing");
+  app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")->needs(dump)->check(CLI::PositiveNumber);
+  app.add_flag("--json", wants_json, "print the report as JSON");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return {std::move(o), app.exit(e) == 0 ? 0 : 2};
+  }
+  o.output = wants_json ? FlyOptions::Output::kJson : FlyOptions::Output::kText;
+  return {std::move(o), std::nullopt};
+}
+
+Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
+  const Result<proto::ViewRequest> request = requestOf(o);
+  if (!request.ok()) return request.error();
+  if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400)) return invalid("--seconds must be above 0 and at most 86400");
+  client::PlayerOptions player{.request = *request,
+                               .knowledge = request->predictor == proto::Predictor::kKnownPath ? client::PathKnowledge::kAnnounced
+                                                                                               : client::PathKnowledge::kPrivate,
+                               .tour = o.tour.value_or("survey"),
+                               .track = nullptr,
+                               .track_options = o.track_options,
+                               .seconds = o.seconds.value_or(60)};
+  player.track_options.seconds = o.seconds;
+  if (!o.track) return player;
+  Result<client::Track> track = client::readTrack(*o.track);
+  if (!track.ok()) return track.error();
+  player.track = std::make_shared<const client::Track>(std::move(track).value());
+  return player;
+}
+
+}  // namespace foreland::apps

@@ -1,0 +1,43 @@
+// The command line of `foreland fly`.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "client/fly/player.h"
+
+namespace foreland::apps {
+
+struct FlyOptions {
+  std::string url;
+  std::optional<std::filesystem::path> track;
+  std::optional<std::string> tour;
+  std::optional<double> seconds;
+  client::TrackOptions track_options;
+  std::string strategy = "predict";
+  std::optional<std::string> predictor;
+  double tau_px = 1;
+  int64_t keyframe_ms = 200;
+  std::string viewport = "1920x1080";
+  double fov_deg = 60;
+  std::filesystem::path truth;
+  uint32_t truth_every = 6;
+  std::filesystem::path dump;
+  uint32_t dump_every = 60;
+  enum class Output : uint8_t { kText, kJson } output = Output::kText;
+};
+
+// The options, or the exit code with which the program is to end at once (0 after --help, 2 for a mistake, already told).
+struct ParsedFlyOptions {
+  FlyOptions options;
+  std::optional<int> exit_code;
+};
+ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv);
+
+// Reads the track, checks every option. Errors say which option and what it may be.
+Result<client::PlayerOptions> playerOptions(const FlyOptions& options);
+
+}  // namespace foreland::apps

@@ -1,0 +1,26 @@
+// What `foreland fly` prints.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/oracle/flight_truth.h"
+#include "client/fly/player.h"
+
+namespace foreland::apps {
+
+struct FlySummary {
+  proto::ViewRequest request;
+  client::FlightReport flight;
+  std::optional<bench::FlightTruth> truth;
+  bool has_terms = false;       // the error terms of DESIGN section 4 were measured
+  uint64_t dumped_frames = 0;
+  std::vector<std::string> notes;
+  std::optional<std::string> error;   // why the flight ended early
+};
+
+std::string toJson(const FlySummary& summary);
+std::string toText(const FlySummary& summary);
+
+}  // namespace foreland::apps

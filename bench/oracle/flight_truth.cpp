@@ -1,0 +1,135 @@
+#include "bench/oracle/flight_truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "bench/oracle/crack_checker.h"
+
+namespace foreland::bench {
+
+namespace {
+
+using client::KeyframeMesh;
+using client::Player;
+using Mesh = std::shared_ptr<const KeyframeMesh>;
+
+// Rounding of positions to floats and of poses on the wire is not an error of refinement: a hundredth of a pixel is let pass.
+constexpr double kSlack_px = 0.01;
+
+class Measurement {
+ public:
+  Measurement(const client::FlightLog& log, Oracle& oracle, const FlightTruthOptions& options)
+      : oracle_(oracle), options_(options), strategy_(log.options.request.strategy), lens_(log.options.request.lens) {}
+
+  bool onFrame(const Player& player, Time now) {
+    if (player.phase() != Player::Phase::kFlying && player.phase() != Player::Phase::kDone) return true;
+    const client::FrameView& view = player.view();
+    if (!view.mesh) return true;
+    truth_.seconds = (now - player.path().start).toSeconds();
+    if (view.mesh_version != measured_version_) measureKeyframe(player);
+    measured_version_ = view.mesh_version;
+    const double delay_ms = (now - view.scene_time).toMilliseconds();
+    if (strategy_ != proto::Strategy::kPredict) {
+      delay_sum_ms_ += delay_ms;
+      truth_.delay_max_ms = std::max(truth_.delay_max_ms, delay_ms);
+    }
+    if (frames_++ % std::max(1u, options_.frame_every) == 0) measureFrame(player, now);
+    return true;
+  }
+
+  FlightTruth finish() {
+    for (TermNorms* norms : {&truth_.keyframes, &truth_.frames, &truth_.interpolation, &truth_.view, &truth_.extrapolation}) norms->finish();
+    truth_.delay_mean_ms = delay_sum_ms_ / static_cast<double>(std::max<uint64_t>(frames_, 1));
+    return truth_;
+  }
+
+ private:
+  void measureKeyframe(const Player& player) {
+    const KeyframeMesh& mesh = *player.view().mesh;
+    const CrackReport cracks = findCracks(mesh, player.viewer().welcome()->shape);
+    if (truth_.cracks == 0) truth_.first_crack = cracks.first;
+    truth_.cracks += cracks.cracks;
+    const DrawnShare newest{.mesh = &mesh, .weight = 1};
+    truth_.keyframes.add(oracle_.error({&newest, 1}, mesh.to.pose, lens_));
+    if (strategy_ != proto::Strategy::kPredict || !options_.section_at) return;
+    const proto::Pose pose = player.path().at(mesh.to.time);
+    const Mesh exact = keyframeAt(player, mesh.to);
+    const DrawnShare exact_share{.mesh = exact.get()};
+    truth_.extrapolation.add(oracle_.difference({&newest, 1}, {&exact_share, 1}, pose, lens_));
+  }
+
+  void measureFrame(const Player& player, Time now) {
+    const client::FrameView& view = player.view();
+    const DrawnShare drawn{.mesh = view.mesh, .weight = view.weight};
+    const Deviation d = oracle_.error({&drawn, 1}, view.pose, lens_);
+    truth_.frames.add(d);
+    truth_.uncovered_samples += d.uncovered;
+    truth_.frames_over_tau += d.max_px > view.mesh->to.tau_px + kSlack_px;
+    if (options_.section_at) measureTerms(player, now, drawn);
+    if (options_.on_progress) options_.on_progress(truth_);
+  }
+
+  void measureTerms(const Player& player, Time now, const DrawnShare& drawn) {
+    const client::FrameView& view = player.view();
+    const double tau_px = view.mesh->to.tau_px;
+    const Mesh shown = options_.section_at(player.path().at(view.scene_time), lens_, tau_px);
+    const DrawnShare shown_share{.mesh = shown.get()};
+    if (strategy_ == proto::Strategy::kPredict) {
+      const Mesh from = keyframeAt(player, view.mesh->from), to = keyframeAt(player, view.mesh->to);
+      const DrawnShare between[] = {{.mesh = from.get(), .share = 1.0 - view.weight}, {.mesh = to.get(), .share = view.weight}};
+      truth_.interpolation.add(oracle_.difference(between, {&shown_share, 1}, view.pose, lens_));
+      return;
+    }
+    truth_.interpolation.add(oracle_.difference({&drawn, 1}, {&shown_share, 1}, view.pose, lens_));
+    if (strategy_ != proto::Strategy::kCurrent) return;
+    const Mesh current = options_.section_at(player.path().at(now), lens_, tau_px);
+    const DrawnShare current_share{.mesh = current.get()};
+    truth_.view.add(oracle_.difference({&current_share, 1}, {&shown_share, 1}, view.pose, lens_));
+  }
+
+  // The true section at a keyframe's time; the last two are kept.
+  Mesh keyframeAt(const Player& player, const proto::KeyframeHeader& header) {
+    Mesh& mesh = exact_[header.index];
+    if (!mesh) mesh = options_.section_at(player.path().at(header.time), lens_, header.tau_px);
+    const Mesh result = mesh;
+    while (exact_.size() > 3) exact_.erase(exact_.begin());
+    return result;
+  }
+
+  Oracle& oracle_;
+  const FlightTruthOptions& options_;
+  proto::Strategy strategy_;
+  proto::Lens lens_;
+  FlightTruth truth_;
+  std::map<uint32_t, Mesh> exact_;
+  uint32_t measured_version_ = 0;
+  uint64_t frames_ = 0;
+  double delay_sum_ms_ = 0;
+};
+
+}  // namespace
+
+void TermNorms::add(const Deviation& d) {
+  ++count;
+  max_px = std::max(max_px, d.max_px);
+  max_m = std::max(max_m, d.max_m);
+  mean_px += d.max_px;
+  mean_m += d.max_m;
+  rms_px += d.rms_px * d.rms_px;
+  rms_m += d.rms_m * d.rms_m;
+}
+
+void TermNorms::finish() {
+  const double n = static_cast<double>(std::max<uint64_t>(count, 1));
+  mean_px /= n, mean_m /= n;
+  rms_px = std::sqrt(rms_px / n), rms_m = std::sqrt(rms_m / n);
+}
+
+FlightTruth measureFlight(const client::FlightLog& log, Oracle& oracle, const FlightTruthOptions& options) {
+  Measurement measurement(log, oracle, options);
+  client::replay(log, [&](const Player& player, Time now) { return measurement.onFrame(player, now); });
+  return measurement.finish();
+}
+
+}  // namespace foreland::bench

@@ -1,0 +1,58 @@
+// Measures a recorded flight against the truth: replays it frame by frame (client/fly/player.h) and asks the oracle. Since the replay
+// shows exactly what the flight showed, measuring costs the flight nothing and may take its time.
+//
+// What is measured, and where each number comes from (DESIGN section 4):
+//   error at keyframes  each keyframe's section (weight 1) against the truth, seen from the pose it was computed for
+//   error in frames     what is drawn against the truth, seen as the frame shows it
+//   interpolation       |S_view(s) - S_inter(s)|, s the scene time shown. `delay`, `current`: S_inter is what is drawn. `predict`:
+//                       between the true sections of the two keyframes' times, so that extrapolation stays apart
+//   view                |S_view(t) - S_view(t_d)|; `current` only, zero otherwise
+//   extrapolation       |S_view(t_i) - S_extra(t_i)|, once per keyframe, seen from the true pose at t_i; `predict` only
+//   delay               t - t_d
+// Norms of the terms are taken over the samples that the frame sees. `max` is the largest over all frames of the largest
+// in a frame, `mean` the mean over frames of the largest in a frame, `rms` the root of the mean over frames of the mean square in a frame.
+// One owner.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bench/oracle/oracle.h"
+#include "client/fly/player.h"
+
+namespace foreland::bench {
+
+// The mesh of the section computed exactly for a pose, both positions equal.
+using SectionAt =
+    std::function<std::shared_ptr<const client::KeyframeMesh>(const proto::Pose&, const proto::Lens&, double tau_px)>;
+
+struct TermNorms {
+  double max_px = 0, mean_px = 0, rms_px = 0;
+  double max_m = 0, mean_m = 0, rms_m = 0;
+  uint64_t count = 0;  // frames or keyframes measured
+
+  void add(const Deviation& d);
+  void finish();
+};
+
+struct FlightTruth {
+  TermNorms keyframes, frames;                   // against the truth
+  TermNorms interpolation, view, extrapolation;  // of DESIGN section 4; empty without a SectionAt
+  double delay_max_ms = 0, delay_mean_ms = 0;
+  uint64_t frames_over_tau = 0;      // of those measured
+  uint64_t uncovered_samples = 0;    // seen, but drawn by no triangle
+  uint64_t cracks = 0;
+  std::string first_crack;
+  double seconds = 0;                // flown so far, for progress
+};
+
+struct FlightTruthOptions {
+  uint32_t frame_every = 6;   // frames are measured every so many; keyframes always
+  SectionAt section_at;       // absent: no error terms
+  std::function<void(const FlightTruth&)> on_progress;  // now and then; may be empty
+};
+
+FlightTruth measureFlight(const client::FlightLog& log, Oracle& oracle, const FlightTruthOptions& options);
+
+}  // namespace foreland::bench

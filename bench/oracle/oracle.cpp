@@ -1,0 +1,221 @@
+#include "bench/oracle/oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <limits>
+
+#include "bench/oracle/block_raster.h"
+
+namespace foreland::bench {
+
+namespace {
+
+struct Sphere {
+  glm::dvec3 centre{0};
+  double radius = 0;
+};
+
+// What projecting needs, computed once per frame.
+struct Camera {
+  glm::dvec3 eye, right, up, back;
+  double focal_px, half_width_px, half_height_px, near_m;
+
+  Camera(const proto::Pose& pose, const proto::Lens& lens, double near)
+      : eye(pose.eye), right(pose.right()), up(pose.up()), back(-pose.forward()), focal_px(lens.focalPx()),
+        half_width_px(0.5 * lens.width_px), half_height_px(0.5 * lens.height_px), near_m(near) {}
+
+  bool maySee(const Sphere& s) const {
+    const glm::dvec3 d = s.centre - eye;
+    const double depth = -glm::dot(back, d);
+    if (depth < near_m - s.radius) return false;
+    return isWithin(std::fabs(glm::dot(right, d)), depth, half_width_px, s.radius) &&
+           isWithin(std::fabs(glm::dot(up, d)), depth, half_height_px, s.radius);
+  }
+
+ private:
+  // Signed distance to the frustum's side plane at most the radius.
+  bool isWithin(double across, double depth, double half_px, double radius) const {
+    return across * focal_px - depth * half_px <= radius * std::hypot(focal_px, half_px);
+  }
+};
+
+struct HeightBlock {
+  std::vector<int32_t> heights;  // kBlock * kBlock, unused beyond the data; empty until first needed
+  Sphere bound;                  // of the true positions
+};
+
+struct Row {
+  std::array<double, kBlock> x, y, z;
+};
+
+}  // namespace
+
+struct Oracle::Impl {
+  Truth truth;
+  double near_m;
+  proto::FrameGrid grid;
+  uint32_t blocks_x, blocks_y;
+  std::vector<HeightBlock> blocks;
+  std::vector<int32_t> rank;
+  std::vector<uint32_t> seen;
+  std::vector<TriangleBins> bins_a, bins_b;
+  Tile tile_a, tile_b;
+
+  Impl(Truth t, double near)
+      : truth(std::move(t)), near_m(near), grid(truth.frame, truth.shape.samples_x - 1, truth.shape.samples_y - 1),
+        blocks_x((truth.shape.samples_x + kBlock - 1) >> kBlockLog2), blocks_y((truth.shape.samples_y + kBlock - 1) >> kBlockLog2),
+        blocks(static_cast<size_t>(blocks_x) * blocks_y), rank(blocks.size()) {}
+
+  uint32_t columns(uint32_t bx) const { return std::min(kBlock, truth.shape.samples_x - bx * kBlock); }
+  uint32_t rows(uint32_t by) const { return std::min(kBlock, truth.shape.samples_y - by * kBlock); }
+
+  glm::dvec3 truePosition(const HeightBlock& block, uint32_t bx, uint32_t by, uint32_t x, uint32_t y) const {
+    return grid.position(proto::NodeId::at(bx * kBlock + x, by * kBlock + y), block.heights[y * kBlock + x]);
+  }
+
+  // Reads a block's heights and bounds it, once.
+  const HeightBlock& load(uint32_t bx, uint32_t by) {
+    HeightBlock& block = blocks[static_cast<size_t>(by) * blocks_x + bx];
+    if (!block.heights.empty()) return block;
+    block.heights.resize(kBlock * kBlock);
+    for (uint32_t y = 0; y < rows(by); ++y)
+      truth.heights(bx * kBlock, by * kBlock + y, std::span(block.heights).subspan(y * kBlock, columns(bx)));
+    block.bound.centre = truePosition(block, bx, by, columns(bx) / 2, rows(by) / 2);
+    for (uint32_t y = 0; y < rows(by); ++y)
+      for (uint32_t x = 0; x < columns(bx); ++x)
+        block.bound.radius = std::max(block.bound.radius, glm::distance(block.bound.centre, truePosition(block, bx, by, x, y)));
+    return block;
+  }
+
+  // All blocks are loaded by the first frame: culling needs their true bounds, and a bound from anything less would have to be believed.
+  void chooseBlocks(const Camera& camera) {
+    seen.clear();
+    for (uint32_t by = 0; by < blocks_y; ++by)
+      for (uint32_t bx = 0; bx < blocks_x; ++bx) {
+        const uint32_t index = by * blocks_x + bx;
+        const bool may_see = camera.maySee(load(bx, by).bound);
+        rank[index] = may_see ? static_cast<int32_t>(seen.size()) : -1;
+        if (may_see) seen.push_back(index);
+      }
+  }
+
+  void bin(Surface surface, std::vector<TriangleBins>& bins) {
+    bins.resize(std::max(bins.size(), surface.size()));
+    for (size_t i = 0; i < surface.size(); ++i) bins[i].build(*surface[i].mesh, rank, blocks_x, blocks_y, seen.size());
+  }
+
+  void fill(Surface surface, const std::vector<TriangleBins>& bins, size_t k, Tile& tile) {
+    for (auto& component : tile.position) component.fill(0);
+    tile.covered.fill(~0u);
+    std::array<uint32_t, kBlock> covered;
+    for (size_t i = 0; i < surface.size(); ++i) {
+      rasterise(*surface[i].mesh, surface[i].weight, surface[i].share, bins[i].triangles(k), seen[k] % blocks_x, seen[k] / blocks_x,
+                tile, covered);
+      for (uint32_t y = 0; y < kBlock; ++y) tile.covered[y] &= covered[y];
+    }
+  }
+
+  void judgeBlock(size_t k, const Camera& camera, const Tile* reference, Deviation& sums);
+  Deviation judge(Surface drawn, const Surface* reference, const proto::Pose& pose, const proto::Lens& lens);
+};
+
+namespace {
+
+struct RowErrors {
+  std::array<double, kBlock> px2, m2;
+  std::array<uint8_t, kBlock> is_seen;
+};
+
+// Distance on the screen and in space between `a` and `b`, where `truth` is seen. Written for the compiler to vectorise.
+void judgeRow(const Camera& camera, const Row& truth, const Row& a, const Row& b, RowErrors& out) {
+  const double nearest = 0.01 * camera.near_m;  // a drawn point behind the eye counts as very near, hence as very wrong
+  for (uint32_t i = 0; i < kBlock; ++i) {
+    const auto across = [&](const Row& r, const glm::dvec3& axis) {
+      return axis.x * (r.x[i] - camera.eye.x) + axis.y * (r.y[i] - camera.eye.y) + axis.z * (r.z[i] - camera.eye.z);
+    };
+    const double depth = -across(truth, camera.back);
+    const double reach = depth / camera.focal_px;
+    out.is_seen[i] = static_cast<uint8_t>((depth > camera.near_m) & (std::fabs(across(truth, camera.right)) <= reach * camera.half_width_px) &
+                                          (std::fabs(across(truth, camera.up)) <= reach * camera.half_height_px));
+    const double scale_a = camera.focal_px / std::max(nearest, -across(a, camera.back));
+    const double scale_b = camera.focal_px / std::max(nearest, -across(b, camera.back));
+    const double dx = scale_a * across(a, camera.right) - scale_b * across(b, camera.right);
+    const double dy = scale_a * across(a, camera.up) - scale_b * across(b, camera.up);
+    const double mx = a.x[i] - b.x[i], my = a.y[i] - b.y[i], mz = a.z[i] - b.z[i];
+    out.px2[i] = dx * dx + dy * dy;
+    out.m2[i] = mx * mx + my * my + mz * mz;
+  }
+}
+
+Row rowOf(const Tile& tile, uint32_t y) {
+  Row row;
+  std::copy_n(tile.position[0].begin() + y * kBlock, kBlock, row.x.begin());
+  std::copy_n(tile.position[1].begin() + y * kBlock, kBlock, row.y.begin());
+  std::copy_n(tile.position[2].begin() + y * kBlock, kBlock, row.z.begin());
+  return row;
+}
+
+}  // namespace
+
+// Sums squares into rms_*, and squares of the largest into max_*; judge() takes the roots.
+void Oracle::Impl::judgeBlock(size_t k, const Camera& camera, const Tile* reference, Deviation& sums) {
+  const uint32_t bx = seen[k] % blocks_x, by = seen[k] / blocks_x;
+  const HeightBlock& block = load(bx, by);
+  Row truth_row{};
+  RowErrors errors;
+  for (uint32_t y = 0; y < rows(by); ++y) {
+    for (uint32_t x = 0; x < columns(bx); ++x) {
+      const glm::dvec3 p = truePosition(block, bx, by, x, y);
+      truth_row.x[x] = p.x, truth_row.y[x] = p.y, truth_row.z[x] = p.z;
+    }
+    judgeRow(camera, truth_row, rowOf(tile_a, y), reference ? rowOf(*reference, y) : truth_row, errors);
+    const uint32_t covered = tile_a.covered[y] & (reference ? reference->covered[y] : ~0u);
+    for (uint32_t x = 0; x < columns(bx); ++x) {
+      if (!errors.is_seen[x]) continue;
+      if (!(covered >> x & 1)) {
+        ++sums.uncovered;
+        continue;
+      }
+      ++sums.samples;
+      sums.rms_px += errors.px2[x];
+      sums.rms_m += errors.m2[x];
+      sums.max_m = std::max(sums.max_m, errors.m2[x]);
+      if (errors.px2[x] <= sums.max_px) continue;
+      sums.max_px = errors.px2[x];
+      sums.worst_sample = {bx * kBlock + x, by * kBlock + y};
+    }
+  }
+}
+
+Deviation Oracle::Impl::judge(Surface drawn, const Surface* reference, const proto::Pose& pose, const proto::Lens& lens) {
+  const Camera camera(pose, lens, near_m);
+  chooseBlocks(camera);
+  bin(drawn, bins_a);
+  if (reference) bin(*reference, bins_b);
+  Deviation d;
+  for (size_t k = 0; k < seen.size(); ++k) {
+    fill(drawn, bins_a, k, tile_a);
+    if (reference) fill(*reference, bins_b, k, tile_b);
+    judgeBlock(k, camera, reference ? &tile_b : nullptr, d);
+  }
+  const double count = static_cast<double>(std::max<uint64_t>(d.samples, 1));
+  d.max_px = std::sqrt(d.max_px), d.max_m = std::sqrt(d.max_m);
+  d.rms_px = std::sqrt(d.rms_px / count), d.rms_m = std::sqrt(d.rms_m / count);
+  return d;
+}
+
+Oracle::Oracle(Truth truth, double near_m) : impl_(std::make_unique<Impl>(std::move(truth), near_m)) {}
+Oracle::~Oracle() = default;
+Oracle::Oracle(Oracle&&) noexcept = default;
+
+Deviation Oracle::error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens) {
+  return impl_->judge(drawn, nullptr, pose, lens);
+}
+
+Deviation Oracle::difference(Surface a, Surface b, const proto::Pose& pose, const proto::Lens& lens) {
+  return impl_->judge(a, &b, pose, lens);
+}
+
+}  // namespace foreland::bench

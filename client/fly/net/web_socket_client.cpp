@@ -1,0 +1,177 @@
+#include "client/fly/net/web_socket_client.h"
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <optional>
+
+#include "proto/message.h"
+
+namespace foreland::client {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using boost::system::error_code;
+using tcp = asio::ip::tcp;
+
+Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
+  const auto refuse = [&](const std::string& why) {
+    return Error{ErrorCode::kInvalidArgument, "'" + url + "': " + why + "; write ws://HOST:PORT"};
+  };
+  if (url.starts_with("wss://")) return Error{ErrorCode::kUnsupported, "'" + url + "': encrypted connections are not known yet; write ws://HOST:PORT"};
+  if (!url.starts_with("ws://")) return refuse("not a WebSocket address");
+  std::string authority = url.substr(5);
+  WebSocketUrl result{.host = {}, .target = "/fly"};
+  if (const size_t slash = authority.find('/'); slash != std::string::npos) {
+    if (slash + 1 < authority.size()) result.target = authority.substr(slash);
+    authority.resize(slash);
+  }
+  const size_t bracket = authority.find(']');
+  const size_t colon = authority.find(':', bracket == std::string::npos ? 0 : bracket);
+  result.host = authority.substr(0, colon);
+  if (colon != std::string::npos) result.port = authority.substr(colon + 1);
+  if (result.host.starts_with('[')) result.host = result.host.substr(1, result.host.size() - 2);
+  if (result.host.empty()) return refuse("no host");
+  if (result.port.empty() || result.port.size() > 5 || result.port.find_first_not_of("0123456789") != std::string::npos ||
+      std::stoi(result.port) < 1 || std::stoi(result.port) > 65'535)
+    return refuse("port '" + result.port + "' is not 1 to 65535");
+  for (const std::string& part : {result.host, result.target})
+    if (part.find_first_of(std::string(" \t\r\n\0", 5)) != std::string::npos) return refuse("white space");
+  return result;
+}
+
+struct WebSocketClient::Impl {
+  asio::io_context io{1};
+  beast::websocket::stream<beast::tcp_stream> stream{io};
+  std::string name;  // for messages
+  beast::flat_buffer incoming;
+  std::deque<Bytes> outgoing;  // the front one is being written
+  const std::function<Status(ByteSpan)>* on_message = nullptr;
+  std::optional<Error> failure;
+
+  Status open(const std::string& url, std::chrono::milliseconds timeout);
+  Status shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout);
+  void read();
+  void write();
+  void fail(const error_code& error);
+};
+
+Status WebSocketClient::Impl::open(const std::string& url, std::chrono::milliseconds timeout) {
+  const Result<WebSocketUrl> parsed = parseWebSocketUrl(url);
+  if (!parsed.ok()) return parsed.error();
+  name = url;
+  error_code error;
+  tcp::resolver resolver(io);
+  const auto endpoints = resolver.resolve(parsed->host, parsed->port, error);
+  if (error) return Error{ErrorCode::kNotFound, url + ": no such host: " + error.message()};
+  stream.next_layer().expires_after(timeout);
+  stream.next_layer().async_connect(endpoints, [&](error_code e, const tcp::endpoint&) { error = e; });
+  io.run();
+  io.restart();
+  if (error)
+    return Error{ErrorCode::kIo, url + ": cannot connect: " + error.message() + "; is `foreland serve` running there?"};
+  stream.next_layer().socket().set_option(tcp::no_delay(true), error);  // poses are small and urgent
+  return shakeHands(*parsed, timeout);
+}
+
+Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout) {
+  stream.next_layer().expires_never();
+  auto limits = beast::websocket::stream_base::timeout::suggested(beast::role_type::client);
+  limits.handshake_timeout = timeout;
+  stream.set_option(limits);
+  stream.read_message_max(proto::kMaxServerMessageBytes);
+  stream.binary(true);
+  stream.auto_fragment(false);
+  error_code error;
+  beast::websocket::response_type response;
+  stream.async_handshake(response, url.host + ":" + url.port, url.target, [&](error_code e) { error = e; });
+  io.run();
+  io.restart();
+  if (error)
+    return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
+                                     (response.result_int() != 0 && response.result_int() != 101
+                                          ? " (HTTP " + std::to_string(response.result_int()) + ")" : "")};
+  return {};
+}
+
+void WebSocketClient::Impl::fail(const error_code& error) {
+  if (failure) return;
+  std::string why = error == beast::websocket::error::closed || error == asio::error::eof ? "the server closed the connection" : error.message();
+  if (const auto& reason = stream.reason(); error == beast::websocket::error::closed && !reason.reason.empty())
+    why += ": " + std::string(reason.reason.data(), reason.reason.size());
+  failure = Error{ErrorCode::kIo, name + ": connection lost: " + why};
+  io.stop();
+}
+
+void WebSocketClient::Impl::read() {
+  stream.async_read(incoming, [this](error_code error, size_t) {
+    if (error) return fail(error);
+    const auto bytes = incoming.cdata();
+    const Status taken = (*on_message)({static_cast<const uint8_t*>(bytes.data()), bytes.size()});
+    incoming.consume(incoming.size());
+    if (!taken.ok()) {
+      failure = taken.error();
+      io.stop();
+      return;
+    }
+    read();
+  });
+}
+
+void WebSocketClient::Impl::write() {
+  stream.async_write(asio::buffer(outgoing.front()), [this](error_code error, size_t) {
+    if (error) return;  // reading reports the loss, after what still came in
+    outgoing.pop_front();
+    if (!outgoing.empty()) write();
+  });
+}
+
+WebSocketClient::WebSocketClient(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+WebSocketClient::~WebSocketClient() = default;
+WebSocketClient::WebSocketClient(WebSocketClient&&) noexcept = default;
+WebSocketClient& WebSocketClient::operator=(WebSocketClient&&) noexcept = default;
+
+Result<WebSocketClient> WebSocketClient::connect(const std::string& url, std::chrono::milliseconds timeout) try {
+  auto impl = std::make_unique<Impl>();
+  if (Status s = impl->open(url, timeout); !s.ok()) return s.error();
+  return WebSocketClient(std::move(impl));
+} catch (const std::exception& e) {
+  return Error{ErrorCode::kIo, url + ": " + e.what()};
+}
+
+void WebSocketClient::send(Bytes message) {
+  impl_->outgoing.push_back(std::move(message));
+  if (impl_->outgoing.size() == 1) impl_->write();
+}
+
+Status WebSocketClient::run(Clock::time_point until, const std::function<Status(ByteSpan)>& on_message) try {
+  const bool is_first = impl_->on_message == nullptr;
+  impl_->on_message = &on_message;
+  if (is_first) impl_->read();
+  if (!impl_->failure) {
+    impl_->io.restart();
+    impl_->io.run_until(until);
+  }
+  if (impl_->failure) return *impl_->failure;
+  return {};
+} catch (const std::exception& e) {
+  return Error{ErrorCode::kIo, impl_->name + ": " + e.what()};
+}
+
+void WebSocketClient::close() try {
+  if (impl_->failure) return;
+  const std::function<Status(ByteSpan)> ignore = [](ByteSpan) { return Status(); };
+  impl_->on_message = &ignore;
+  impl_->stream.async_close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
+  impl_->io.restart();
+  impl_->io.run_for(std::chrono::seconds(1));
+  impl_->failure = Error{ErrorCode::kIo, impl_->name + ": closed"};
+} catch (const std::exception&) {
+  return;  // the connection is being given up anyway
+}
+
+}  // namespace foreland::client

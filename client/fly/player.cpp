@@ -1,0 +1,148 @@
+#include "client/fly/player.h"
+
+#include <algorithm>
+
+namespace foreland::client {
+
+namespace {
+
+const char* waitedFor(Player::Phase phase) {
+  switch (phase) {
+    case Player::Phase::kGreeting: return "a welcome";
+    case Player::Phase::kPlanning: return "the tour or the ground heights";
+    default: return "the first keyframe";
+  }
+}
+
+}  // namespace
+
+Player::Player(PlayerOptions options) : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {}
+
+Status Player::receive(ByteSpan message, Time now) {
+  log_.entries.push_back({now, Bytes(message.begin(), message.end())});
+  return viewer_.receive(message, now);
+}
+
+Status Player::frame(Time now) {
+  log_.entries.push_back({now, std::nullopt});
+  if (!phase_start_) phase_start_ = now;
+  if (phase_ == Phase::kGreeting && viewer_.welcome()) {
+    enter(Phase::kPlanning, now);
+    if (Status s = plan(); !s.ok()) return s;
+  }
+  if (phase_ == Phase::kPlanning)
+    if (Status s = takePlan(now); !s.ok()) return s;
+  if (phase_ == Phase::kStanding || phase_ == Phase::kFlying) {
+    view_ = viewer_.frame(now, path_.at(now));
+    if (phase_ == Phase::kStanding && now >= path_.start) {
+      before_flight_ = viewer_.statistics();
+      enter(Phase::kFlying, now);
+    }
+    if (phase_ == Phase::kFlying) countFrame(now);
+    if (now >= path_.end()) enter(Phase::kDone, now);
+  }
+  return checkPatience(now);
+}
+
+void Player::enter(Phase phase, Time now) {
+  phase_ = phase;
+  phase_start_ = now;
+}
+
+// While flying the server may be as late as it is; that is for the report to tell.
+Status Player::checkPatience(Time now) const {
+  const bool flies_blind = phase_ == Phase::kFlying && view_.mesh == nullptr && viewer_.statistics().keyframes == 0;
+  if (phase_ != Phase::kGreeting && phase_ != Phase::kPlanning && !flies_blind) return {};
+  if (now - *phase_start_ <= log_.options.patience) return {};
+  return Error{ErrorCode::kIo, std::string("the server sent no answer: waited ") +
+                                   std::to_string(log_.options.patience.us / 1'000'000) + " s for " + waitedFor(phase_)};
+}
+
+Status Player::plan() {
+  const PlayerOptions& o = log_.options;
+  if (!o.track) {
+    viewer_.requestTour(o.tour, o.seconds);
+    return {};
+  }
+  const proto::Welcome& welcome = *viewer_.welcome();
+  Result<PlannedTrack> planned = planTrack(*o.track, viewer_.frameGrid().transform(), welcome.shape, o.track_options);
+  if (!planned.ok()) return planned.error();
+  planned_ = std::move(planned).value();
+  note(planned_.notes);
+  askGround();
+  return {};
+}
+
+void Player::askGround() {
+  const size_t from = ground_m_.size(), to = std::min(planned_.places.size(), from + proto::kMaxGroundPlaces);
+  viewer_.requestGround({planned_.places.begin() + static_cast<ptrdiff_t>(from), planned_.places.begin() + static_cast<ptrdiff_t>(to)});
+}
+
+Status Player::takePlan(Time now) {
+  if (log_.options.track) return takeGround(now);
+  std::optional<proto::TourReply> tour = viewer_.takeTour();
+  if (!tour) return {};
+  return setPath({.start = {}, .step = tour->step, .poses = std::move(tour->poses)}, now);
+}
+
+Status Player::takeGround(Time now) {
+  std::optional<proto::GroundReply> ground = viewer_.takeGround();
+  if (!ground) return {};
+  ground_m_.insert(ground_m_.end(), ground->heights_m.begin(), ground->heights_m.end());
+  if (!ground->heights_m.empty() && ground_m_.size() < planned_.places.size()) {
+    askGround();
+    return {};
+  }
+  Result<TrackPath> path = pathOverGround(planned_, viewer_.frameGrid().transform(), ground_m_, log_.options.track_options);
+  if (!path.ok()) return path.error();
+  note(path->notes);
+  return setPath(std::move(path->path), now);
+}
+
+Status Player::setPath(proto::Path path, Time now) {
+  path.start = now + log_.options.standing;
+  if (Status s = path.validate(); !s.ok()) return s;
+  path_ = std::move(path);
+  if (log_.options.knowledge == PathKnowledge::kAnnounced) viewer_.announcePath(path_);
+  enter(Phase::kStanding, now);
+  return {};
+}
+
+void Player::countFrame(Time now) {
+  ++report_.frames;
+  report_.seconds = std::max(0.0, (std::min(now, path_.end()) - path_.start).toSeconds());
+  if (!view_.mesh) {
+    ++report_.frames_without_mesh;
+    return;
+  }
+  report_.nodes = view_.mesh->to_nodes;
+  report_.triangles = view_.mesh->triangleCount();
+  node_sum_ += report_.nodes;
+  triangle_sum_ += static_cast<double>(report_.triangles);
+}
+
+FlightReport Player::report() const {
+  FlightReport r = report_;
+  r.session = viewer_.statistics();
+  if (phase_ == Phase::kFlying || phase_ == Phase::kDone) {
+    r.keyframes_flying = r.session.keyframes - before_flight_.keyframes;
+    r.late_keyframes_flying = r.session.late_keyframes - before_flight_.late_keyframes;
+  }
+  const double shown = static_cast<double>(std::max<uint64_t>(r.frames - r.frames_without_mesh, 1));
+  r.mean_nodes = node_sum_ / shown;
+  r.mean_triangles = triangle_sum_ / shown;
+  return r;
+}
+
+void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame) {
+  Player player(log.options);
+  Bytes unsent;
+  for (const FlightLog::Entry& entry : log.entries) {
+    const Status status = entry.message ? player.receive(*entry.message, entry.time) : player.frame(entry.time);
+    while (player.takeOutgoing(unsent)) continue;
+    if (!status.ok()) return;  // the flight ended here then, too
+    if (!entry.message && !on_frame(player, entry.time)) return;
+  }
+}
+
+}  // namespace foreland::client

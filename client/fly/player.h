@@ -1,0 +1,107 @@
+// The headless player: a host of the Viewer that flies a tour or a track frame by frame. Bytes and times in, bytes and what to draw out;
+// sockets and clocks belong to whoever drives it, so the same flight can be flown over a network or in virtual time.
+//
+// A flight goes: greeting (until the server's welcome), planning (tour or ground heights asked for), standing at the first
+// pose until the first section is there, flying, done. What the player was fed is recorded; feeding it again (replay) gives the same
+// frames bit by bit, so measuring and dumping happen after landing and do not disturb the flight.
+// One owner.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/fly/track.h"
+#include "client/fly/track_path.h"
+#include "client/viewer.h"
+
+namespace foreland::client {
+
+enum class PathKnowledge : uint8_t { kAnnounced, kPrivate };  // kAnnounced: the server is told the path (predictor kKnownPath)
+
+struct PlayerOptions {
+  proto::ViewRequest request;
+  PathKnowledge knowledge = PathKnowledge::kPrivate;
+  std::string tour = "survey";               // used if there is no track
+  std::shared_ptr<const Track> track;
+  TrackOptions track_options;
+  double seconds = 60;                       // of the flight; for tracks track_options.seconds counts
+  Duration standing = Duration::milliseconds(1000);  // least time at the first pose
+  Duration patience = Duration::milliseconds(10'000);  // longest wait for an answer, or for the first section
+};
+
+// All that a player was fed, in order. An entry without a message is a frame.
+struct FlightLog {
+  struct Entry {
+    Time time;
+    std::optional<Bytes> message;
+  };
+  PlayerOptions options;
+  std::vector<Entry> entries;
+};
+
+struct FlightReport {
+  uint64_t frames = 0;                // shown while flying
+  uint64_t frames_without_mesh = 0;
+  double seconds = 0;                 // flown
+  uint32_t nodes = 0;                 // of the newest section shown
+  size_t triangles = 0;               // of the newest mesh shown
+  double mean_nodes = 0, mean_triangles = 0;  // over frames with a mesh
+  uint32_t keyframes_flying = 0, late_keyframes_flying = 0;
+  ViewerStatistics session;           // everything since the connection
+};
+
+class Player {
+ public:
+  enum class Phase : uint8_t { kGreeting, kPlanning, kStanding, kFlying, kDone };
+
+  explicit Player(PlayerOptions options);
+
+  // An Error ends the flight: tell the user and disconnect. The report stays valid.
+  Status receive(ByteSpan message, Time now);
+  // One frame. Times do not decrease; 60 a second is customary.
+  Status frame(Time now);
+  bool takeOutgoing(Bytes& message) { return viewer_.takeOutgoing(message); }
+
+  Phase phase() const { return phase_; }
+  // What the last frame drew; valid until the next frame. Its mesh may be nullptr.
+  const FrameView& view() const { return view_; }
+  // The camera's planned path on the client's clock; valid from kStanding on.
+  const proto::Path& path() const { return path_; }
+  const Viewer& viewer() const { return viewer_; }
+  FlightReport report() const;
+  const std::vector<std::string>& notes() const { return notes_; }
+  const FlightLog& log() const { return log_; }
+
+ private:
+  Status plan();
+  Status takePlan(Time now);
+  Status takeGround(Time now);
+  void askGround();
+  Status setPath(proto::Path path, Time now);
+  void note(const std::vector<std::string>& notes) { notes_.insert(notes_.end(), notes.begin(), notes.end()); }
+  void enter(Phase phase, Time now);
+  Status checkPatience(Time now) const;
+  void countFrame(Time now);
+
+  FlightLog log_;
+  Viewer viewer_;
+  Phase phase_ = Phase::kGreeting;
+  std::optional<Time> phase_start_;
+  FrameView view_;
+  proto::Path path_;
+  PlannedTrack planned_;
+  std::vector<float> ground_m_;
+  std::vector<std::string> notes_;
+  FlightReport report_;
+  ViewerStatistics before_flight_;
+  double node_sum_ = 0, triangle_sum_ = 0;
+};
+
+// Flies a recorded flight again. `onFrame` is called after each frame with the player and the frame's time; it may stop the replay by
+// returning false.
+void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame);
+
+}  // namespace foreland::client

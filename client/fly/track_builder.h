@@ -1,0 +1,46 @@
+// What the track readers share: collecting fixes as they stand in the file, notes on what was skipped, and the finish that
+// every track gets. One owner; used by igc.cpp and gpx.cpp only.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/fly/track.h"
+
+namespace foreland::client {
+
+// A fix as it was written. Height or time may be missing.
+struct RawFix {
+  std::optional<double> time_s = {};  // on any clock; never decreasing in a sound file
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  std::optional<double> height_m = {};
+};
+
+class TrackBuilder {
+ public:
+  explicit TrackBuilder(std::string name) : name_(std::move(name)) {}
+
+  // Counts something unusable; the first few are noted as "name:line: why".
+  void skip(size_t line, std::string_view why);
+  void note(const std::string& text) { notes_.push_back(name_ + ": " + text); }
+  // Skips fixes off the globe or with absurd heights.
+  void add(size_t line, const RawFix& fix);
+  bool isFull() const { return fixes_.size() >= Track::kMaxFixes; }
+
+  // Orders time, fills heights, drops repeated times. An Error if fewer than two fixes are left.
+  Result<Track> finish(std::string_view kind) &&;
+
+ private:
+  void fillTimes();
+  TrackHeights fillHeights();
+
+  std::string name_;
+  std::vector<RawFix> fixes_;
+  std::vector<std::string> notes_;
+  size_t skipped_ = 0;
+};
+
+}  // namespace foreland::client

@@ -1,0 +1,200 @@
+#include "client/fly/track_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace foreland::client {
+
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kSmooth_s = 1.0;       // of the track, either side: evens out the fixes' rounding to metres
+constexpr double kLookBehind_s = 1, kLookAhead_s = 2;  // of the flight: the chord that the camera looks along
+constexpr double kEnvelope_s = 1;       // of the flight, either side
+constexpr double kDownward_rad = 0.17;  // about 10 degrees
+constexpr double kStill_m = 1;          // shorter chords give no direction
+
+Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
+
+// Mean over up to 2 * half + 1 neighbours, fewer and symmetric near the ends, so the ends stay where they are.
+template <class T>
+std::vector<T> boxSmooth(const std::vector<T>& in, size_t half) {
+  if (half == 0 || in.size() < 3) return in;
+  std::vector<T> sum(in.size() + 1, T(0)), out(in.size());
+  // Relative to the first value: sums of thousands of large coordinates would lose digits.
+  for (size_t i = 0; i < in.size(); ++i) sum[i + 1] = sum[i] + (in[i] - in[0]);
+  for (size_t i = 0; i < in.size(); ++i) {
+    const size_t h = std::min({half, i, in.size() - 1 - i});
+    out[i] = in[0] + (sum[i + h + 1] - sum[i - h]) / static_cast<double>(2 * h + 1);
+  }
+  return out;
+}
+
+// A smooth profile nowhere below `in`: the largest value within `half`, then the mean of those within `half`.
+std::vector<double> upperEnvelope(const std::vector<double>& in, size_t half) {
+  std::vector<double> largest(in.size());
+  for (size_t i = 0; i < in.size(); ++i)
+    largest[i] = *std::max_element(in.begin() + static_cast<ptrdiff_t>(i - std::min(i, half)),
+                                   in.begin() + static_cast<ptrdiff_t>(std::min(i + half + 1, in.size())));
+  return boxSmooth(largest, half);
+}
+
+size_t stepsIn(double seconds, Duration step) { return static_cast<size_t>(std::lround(seconds / step.toSeconds())); }
+
+Status check(const Track& track, const proto::FrameTransform& frame, const TrackOptions& o) {
+  if (!(o.speed > 0) || o.speed > 10'000) return invalid("--speed must be above 0 and at most 10000");
+  if (!(o.from_s >= 0)) return invalid("--from must not be negative");
+  if (o.seconds && !(*o.seconds > 0)) return invalid("--seconds must be positive");
+  if (!(o.clearance_m >= 0) || o.clearance_m > 1e5) return invalid("--clearance must be 0 to 100000 m");
+  if (o.agl_m && (!(*o.agl_m >= 0) || *o.agl_m > 1e6)) return invalid("--agl must be 0 to 1000000 m");
+  if (frame.frame().kind != proto::FrameKind::kGeographic)
+    return Error{ErrorCode::kUnsupported,
+                 "the scene is in projected metres and a track is in latitude and longitude: build the scene from geographic "
+                 "elevation data (gdalwarp -t_srs EPSG:4326 makes it so), or fly a tour (--tour)"};
+  if (track.heights == TrackHeights::kMissing && !o.agl_m)
+    return invalid("the track has no heights: give a height above ground with --agl");
+  if (o.from_s >= track.seconds())
+    return invalid("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " + std::to_string(track.seconds()) + " s");
+  return {};
+}
+
+// Lattice place (x, y) and recorded height of a fix; longitudes turn round the globe into the scene's range.
+glm::dvec3 latticeOf(const Fix& fix, const proto::Frame& frame) {
+  const double east = fix.longitude_rad - frame.longitude0_rad;
+  const double turned = east - kTwoPi * std::floor(east / kTwoPi);
+  return {turned / frame.longitude_step_rad, (fix.latitude_rad - frame.latitude0_rad) / frame.latitude_step_rad, fix.height_m};
+}
+
+std::vector<glm::dvec3> resample(const Track& track, const proto::Frame& frame, double from_s, double step_s, size_t count) {
+  std::vector<glm::dvec3> out;
+  out.reserve(count);
+  size_t next = 1;
+  for (size_t i = 0; i < count; ++i) {
+    const double time_s = std::min(from_s + static_cast<double>(i) * step_s, track.seconds());
+    while (next + 1 < track.fixes.size() && track.fixes[next].time_s < time_s) ++next;
+    const Fix &a = track.fixes[next - 1], &b = track.fixes[next];
+    const glm::dvec3 pa = latticeOf(a, frame), pb = latticeOf(b, frame);
+    out.push_back(pa + (pb - pa) * ((time_s - a.time_s) / (b.time_s - a.time_s)));
+  }
+  return out;
+}
+
+struct Stretch {
+  size_t first = 0, count = 0;
+};
+
+template <class Inside>
+Stretch longestStretch(size_t size, Inside&& inside) {
+  Stretch best;
+  for (size_t i = 0; i < size;) {
+    size_t end = i;
+    while (end < size && inside(end)) ++end;
+    if (end - i > best.count) best = {i, end - i};
+    i = end + 1;
+  }
+  return best;
+}
+
+// Level direction of flight at each place; where the camera stands still it looks as it did before.
+std::vector<glm::dvec3> directions(const std::vector<glm::dvec3>& eyes, const proto::FrameTransform& frame, Duration step) {
+  const size_t behind = stepsIn(kLookBehind_s, step), ahead = stepsIn(kLookAhead_s, step), last = eyes.size() - 1;
+  std::vector<glm::dvec3> out(eyes.size(), glm::dvec3(0));
+  glm::dvec3 current{0};
+  size_t first_known = eyes.size();
+  for (size_t i = 0; i < eyes.size(); ++i) {
+    const glm::dvec3 chord = eyes[std::min(i + ahead, last)] - eyes[i - std::min(i, behind)], up = frame.upAt(eyes[i]);
+    const glm::dvec3 level = chord - up * glm::dot(chord, up);
+    if (glm::length(level) > kStill_m) {
+      current = glm::normalize(level);
+      first_known = std::min(first_known, i);
+    }
+    out[i] = current;
+  }
+  const glm::dvec3 at_start = first_known < eyes.size() ? out[first_known] : glm::dvec3(0, 1, 0);
+  std::fill_n(out.begin(), first_known, at_start);
+  return boxSmooth(out, behind);
+}
+
+proto::Pose poseAt(const glm::dvec3& eye, const glm::dvec3& direction, const glm::dvec3& up) {
+  const glm::dvec3 level = direction - up * glm::dot(direction, up);
+  const glm::dvec3 ahead = glm::length(level) > 1e-6 ? glm::normalize(level) : glm::dvec3(0, 1, 0);
+  return {eye, proto::lookAlong(std::cos(kDownward_rad) * ahead - std::sin(kDownward_rad) * up, up)};
+}
+
+// The heights to fly at, and how many of the recorded ones were too low.
+std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const float> ground_m, const TrackOptions& o, size_t& lifted) {
+  const size_t half = stepsIn(kEnvelope_s, plan.step);
+  std::vector<double> ground(ground_m.begin(), ground_m.end());
+  if (o.agl_m) {
+    std::vector<double> out = upperEnvelope(ground, half);
+    for (double& height : out) height += *o.agl_m;
+    return out;
+  }
+  std::vector<double> lift(ground.size());
+  for (size_t i = 0; i < ground.size(); ++i) {
+    lift[i] = std::max(0.0, ground[i] + o.clearance_m - plan.heights_m[i]);
+    lifted += lift[i] > 0;
+  }
+  std::vector<double> out = upperEnvelope(lift, half);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = std::max(out[i], lift[i]) + plan.heights_m[i];
+  return out;
+}
+
+}  // namespace
+
+Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& frame, const proto::GridShape& shape,
+                               const TrackOptions& o) {
+  if (Status s = check(track, frame, o); !s.ok()) return s.error();
+  const double track_s = std::min(o.seconds ? *o.seconds * o.speed : 1e300, track.seconds() - o.from_s);
+  const double flight_s = track_s / o.speed;
+  // A step of whole milliseconds such that the path holds all poses.
+  const double least_step_ms = flight_s * 1000 / static_cast<double>(proto::Path::kMaxPoses - 2);
+  PlannedTrack plan{.step = Duration::milliseconds(std::max<int64_t>(100, static_cast<int64_t>(std::ceil(least_step_ms))))};
+  if (plan.step > Duration::milliseconds(60'000))
+    return Error{ErrorCode::kLimit, "the flight would last more than a month: raise --speed or state --seconds"};
+  const double step_s = plan.step.toSeconds() * o.speed;
+  const size_t count = static_cast<size_t>(std::ceil(track_s / step_s - 1e-9)) + 1;
+  std::vector<glm::dvec3> points = resample(track, frame.frame(), o.from_s, step_s, std::max<size_t>(count, 2));
+  points = boxSmooth(points, static_cast<size_t>(std::lround(kSmooth_s / step_s)));
+
+  const double max_x = shape.samples_x - 1, max_y = shape.samples_y - 1;
+  const Stretch inside = longestStretch(points.size(), [&](size_t i) {
+    return points[i].x >= 0 && points[i].x <= max_x && points[i].y >= 0 && points[i].y <= max_y;
+  });
+  if (inside.count < 2)
+    return invalid("the track does not cross the scene's data: see `foreland info` for where the scene lies");
+  if (inside.count < points.size())
+    plan.notes.push_back(std::to_string(points.size() - inside.count) + " of " + std::to_string(points.size()) +
+                         " poses lie outside the data, or apart from the longest stretch inside it; cut off");
+  for (size_t i = inside.first; i < inside.first + inside.count; ++i) {
+    plan.places.emplace_back(points[i].x, points[i].y);
+    plan.heights_m.push_back(points[i].z);
+  }
+  return plan;
+}
+
+Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame, std::span<const float> ground_m,
+                                 const TrackOptions& o) {
+  if (ground_m.size() != plan.places.size() || plan.heights_m.size() != plan.places.size())
+    return Error{ErrorCode::kMalformed, "the server answered " + std::to_string(ground_m.size()) + " ground heights for " +
+                                            std::to_string(plan.places.size()) + " places"};
+  if (!std::ranges::all_of(ground_m, [](float h) { return std::isfinite(h); }))
+    return Error{ErrorCode::kMalformed, "the server knows no ground height at a place of the track that is inside its data"};
+  TrackPath result;
+  const std::vector<double> heights = heightProfile(plan, ground_m, o, result.lifted);
+  std::vector<glm::dvec3> eyes(plan.places.size());
+  for (size_t i = 0; i < eyes.size(); ++i)
+    eyes[i] = frame.toScene(proto::LatticePlace{plan.places[i].x, plan.places[i].y, heights[i]});
+  const std::vector<glm::dvec3> ahead = directions(eyes, frame, plan.step);
+  result.path.step = plan.step;
+  result.path.poses.reserve(eyes.size());
+  for (size_t i = 0; i < eyes.size(); ++i) result.path.poses.push_back(poseAt(eyes[i], ahead[i], frame.upAt(eyes[i])));
+  if (result.lifted > 0)
+    result.notes.push_back(std::to_string(result.lifted) + " of " + std::to_string(eyes.size()) + " poses were lower than " +
+                           std::to_string(std::lround(o.clearance_m)) + " m above ground; lifted");
+  if (Status s = result.path.validate(); !s.ok()) return s.error();
+  return result;
+}
+
+}  // namespace foreland::client

@@ -1,0 +1,150 @@
+#include "client/fly/track_path.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace foreland::client {
+namespace {
+
+constexpr double kDeg = 0.017453292519943295;
+
+// One degree square at 3", as SRTM tiles are.
+proto::Frame alpineFrame() {
+  return {.kind = proto::FrameKind::kGeographic,
+          .latitude0_rad = 46 * kDeg,
+          .longitude0_rad = 8 * kDeg,
+          .latitude_step_rad = kDeg / 1200,
+          .longitude_step_rad = kDeg / 1200,
+          .origin = {46.5 * kDeg, 8.5 * kDeg, 0}};
+}
+const proto::GridShape kShape{.roots_x = 5, .roots_y = 5, .root_log2 = 8, .samples_x = 1201, .samples_y = 1201};
+
+// Due north along 8.5 degrees east, 10 m/s (nearly), 2000 m high, a fix a second.
+Track northward(double from_latitude_deg, size_t seconds) {
+  Track track;
+  for (size_t i = 0; i <= seconds; ++i)
+    track.fixes.push_back({static_cast<double>(i), (from_latitude_deg + static_cast<double>(i) * 9e-5) * kDeg, 8.5 * kDeg, 2000});
+  return track;
+}
+
+std::vector<float> flat(const PlannedTrack& plan, float height_m) { return std::vector<float>(plan.places.size(), height_m); }
+
+TrackPath pathOf(const Track& track, const TrackOptions& options, float ground_m) {
+  const proto::FrameTransform frame(alpineFrame());
+  const auto plan = planTrack(track, frame, kShape, options);
+  EXPECT_TRUE(plan.ok()) << plan.error().message;
+  auto path = pathOverGround(*plan, frame, flat(*plan, ground_m), options);
+  EXPECT_TRUE(path.ok());
+  return std::move(path).value();
+}
+
+TEST(TrackPath, FollowsTheTrackAtItsHeightLookingAlongItAndALittleDown) {
+  const proto::FrameTransform frame(alpineFrame());
+  const TrackPath p = pathOf(northward(46.5, 60), {}, 1000);
+  ASSERT_EQ(p.path.poses.size(), 601u);
+  EXPECT_EQ(p.path.step, Duration::milliseconds(100));
+  for (size_t i = 0; i < p.path.poses.size(); ++i) {
+    const proto::Pose& pose = p.path.poses[i];
+    const proto::Geodetic at = frame.toGeodetic(pose.eye);
+    EXPECT_NEAR(at.latitude_rad, (46.5 + static_cast<double>(i) * 9e-6) * kDeg, 1e-9);
+    EXPECT_NEAR(at.height_m, 2000, 1e-3);
+    EXPECT_GT(pose.forward().y, 0.97);
+    EXPECT_NEAR(pose.forward().x, 0, 1e-3);
+    EXPECT_LT(pose.forward().z, -0.1);
+    EXPECT_NEAR(glm::dot(pose.right(), frame.upAt(pose.eye)), 0, 1e-6);
+  }
+  EXPECT_EQ(p.lifted, 0u);
+}
+
+TEST(TrackPath, SpeedAndSecondsChooseThePart) {
+  const TrackPath p = pathOf(northward(46.5, 600), {.speed = 20, .from_s = 100, .seconds = 10}, 0);
+  EXPECT_EQ(p.path.poses.size(), 101u);
+  const proto::FrameTransform frame(alpineFrame());
+  EXPECT_NEAR(frame.toGeodetic(p.path.poses.front().eye).latitude_rad, (46.5 + 100 * 9e-5) * kDeg, 1e-9);
+  EXPECT_NEAR(frame.toGeodetic(p.path.poses.back().eye).latitude_rad, (46.5 + 300 * 9e-5) * kDeg, 1e-9);
+}
+
+TEST(TrackPath, LiftsWhatIsUnderTheGroundToTheClearance) {
+  const proto::FrameTransform frame(alpineFrame());
+  const auto plan = planTrack(northward(46.5, 60), frame, kShape, {});
+  std::vector<float> ground = flat(*plan, 500);
+  for (size_t i = 300; i < 320; ++i) ground[i] = 2100;  // a wall
+  const auto p = pathOverGround(*plan, frame, ground, {.clearance_m = 25});
+  ASSERT_TRUE(p.ok());
+  EXPECT_EQ(p->lifted, 20u);
+  for (size_t i = 0; i < ground.size(); ++i) {
+    const double height_m = frame.toGeodetic(p->path.poses[i].eye).height_m;
+    EXPECT_GE(height_m, ground[i] + 25 - 1e-6) << i;
+    EXPECT_GE(height_m, 2000 - 1e-6);
+    if (i + 25 < 300 || i > 345) {
+      EXPECT_NEAR(height_m, 2000, 1e-6) << i;
+    }
+    const double before_m = frame.toGeodetic(p->path.poses[i > 0 ? i - 1 : 0].eye).height_m;
+    EXPECT_LT(std::fabs(height_m - before_m), 10) << "a jump at " << i;
+  }
+}
+
+TEST(TrackPath, FliesAboveGroundWhenAsked) {
+  const proto::FrameTransform frame(alpineFrame());
+  const TrackPath p = pathOf(northward(46.5, 20), {.agl_m = 60}, 777);
+  for (const proto::Pose& pose : p.path.poses) EXPECT_NEAR(frame.toGeodetic(pose.eye).height_m, 837, 1e-3);
+}
+
+TEST(TrackPath, CutsOffWhatIsOutsideTheDataWithANote) {
+  const proto::FrameTransform frame(alpineFrame());
+  const auto plan = planTrack(northward(45.99, 600), frame, kShape, {});
+  ASSERT_TRUE(plan.ok());
+  EXPECT_EQ(plan->notes.size(), 1u);
+  for (const glm::dvec2& place : plan->places) EXPECT_GE(place.y, 0);
+  EXPECT_LT(plan->places.size(), 6000u);
+}
+
+TEST(TrackPath, KeepsLongFlightsWithinWhatAPathHolds) {
+  const proto::FrameTransform frame(alpineFrame());
+  Track track = northward(46.2, 100);
+  for (Fix& fix : track.fixes) fix.time_s *= 300;  // 30,000 s
+  const auto plan = planTrack(track, frame, kShape, {});
+  ASSERT_TRUE(plan.ok());
+  EXPECT_LE(plan->places.size(), proto::Path::kMaxPoses);
+  EXPECT_TRUE(pathOverGround(*plan, frame, flat(*plan, 0), {}).ok());
+}
+
+TEST(TrackPath, LooksAsBeforeWhereTheFlightStandsStill) {
+  Track track = northward(46.5, 30);
+  const Fix last = track.fixes.back();
+  for (int i = 1; i < 60; ++i) track.fixes.push_back({last.time_s + i, last.latitude_rad, last.longitude_rad, last.height_m});
+  const TrackPath p = pathOf(track, {}, 0);
+  for (const proto::Pose& pose : p.path.poses) EXPECT_GT(pose.forward().y, 0.9);
+}
+
+TEST(TrackPath, RefusesAProjectedSceneSayingWhatToDo) {
+  const auto plan = planTrack(northward(46.5, 10), proto::FrameTransform(proto::Frame{}), kShape, {});
+  ASSERT_FALSE(plan.ok());
+  EXPECT_NE(plan.error().message.find("EPSG:4326"), std::string::npos);
+}
+
+TEST(TrackPath, RefusesWhatCannotBeFlown) {
+  const proto::FrameTransform frame(alpineFrame());
+  const Track track = northward(46.5, 10);
+  EXPECT_FALSE(planTrack(northward(12, 10), frame, kShape, {}).ok());
+  EXPECT_FALSE(planTrack(track, frame, kShape, {.speed = 0}).ok());
+  EXPECT_FALSE(planTrack(track, frame, kShape, {.speed = NAN}).ok());
+  EXPECT_FALSE(planTrack(track, frame, kShape, {.from_s = 11}).ok());
+  EXPECT_FALSE(planTrack(track, frame, kShape, {.seconds = -1}).ok());
+  Track no_heights = track;
+  no_heights.heights = TrackHeights::kMissing;
+  EXPECT_FALSE(planTrack(no_heights, frame, kShape, {}).ok());
+  EXPECT_TRUE(planTrack(no_heights, frame, kShape, {.agl_m = 50}).ok());
+}
+
+TEST(TrackPath, RefusesGroundHeightsThatDoNotFit) {
+  const proto::FrameTransform frame(alpineFrame());
+  const auto plan = planTrack(northward(46.5, 10), frame, kShape, {});
+  EXPECT_FALSE(pathOverGround(*plan, frame, std::vector<float>(3, 0.f), {}).ok());
+  EXPECT_FALSE(pathOverGround(*plan, frame, flat(*plan, NAN), {}).ok());
+}
+
+}  // namespace
+}  // namespace foreland::client
