@@ -8,35 +8,34 @@ namespace {
 
 constexpr size_t kLatencies = 16;
 constexpr Duration kLatencyMargin = Duration::milliseconds(10);
+constexpr Duration kLambdaFall = Duration::milliseconds(2);  // a keyframe
 
 }  // namespace
 
-// lambda is the worst recent latency beyond the keyframe's own time.
-void Timeline::updateDelay(const KeyframeMesh& mesh, Time arrival, proto::Strategy strategy) {
-  if (strategy == proto::Strategy::kPredict) {
-    delay_ = {};
-    latencies_.clear();
-    return;
-  }
+// The worst recent latency beyond the keyframe's own time; it falls a little at a time, so that t_d glides when the link gets better.
+void Timeline::updateLambda(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kLatencies) latencies_.pop_front();
-  const Duration lambda = std::max(Duration{}, *std::max_element(latencies_.begin(), latencies_.end()) + kLatencyMargin);
-  // Never below the last value by more than a little, so that t_d glides when the link gets better.
-  const Duration wanted = (mesh.to.time - mesh.from.time) + lambda;
-  delay_ = std::max(wanted, delay_ - Duration::milliseconds(2));
+  const Duration wanted = std::max(Duration{}, *std::max_element(latencies_.begin(), latencies_.end()) + kLatencyMargin);
+  lambda_ = std::max(wanted, lambda_ - kLambdaFall);
 }
 
 Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
-  const bool first = entries_.empty();
-  const Duration previous_delay = delay_;
-  updateDelay(*mesh, arrival, strategy);
-  // Judged by the delay in force when it was awaited; a still mesh is awaited by nobody.
-  const Duration judged = strategy == proto::Strategy::kPredict ? Duration{} : std::max(previous_delay, mesh->to.time - mesh->from.time);
-  const Duration lateness = arrival - (mesh->from.time + judged);
-  Time begin = std::max(arrival, mesh->from.time + delay_);
+  const bool first = entries_.empty(), predicted = strategy == proto::Strategy::kPredict;
+  const Duration interval = mesh->to.time - mesh->from.time;
+  // Judged by the delay in force while it was awaited; a still mesh is awaited by nobody.
+  const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + lambda_));
+  if (predicted) {
+    latencies_.clear();
+    lambda_ = {};
+  } else {
+    updateLambda(*mesh, arrival);
+  }
+  const Duration delay = predicted ? Duration{} : interval + lambda_;
+  Time begin = std::max(arrival, mesh->from.time + delay);
   if (first) begin = arrival;
   else begin = std::max(begin, entries_.back().end);
-  const Time end = first ? begin : std::max(mesh->to.time + delay_, begin + kShortestBlend);
+  const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
   const bool still = mesh->from.index == mesh->to.index;
   entries_.push_back({std::move(mesh), begin, end, next_version_++});
   // A host that has stopped drawing keeps the newest few; each is whole in itself.

@@ -32,20 +32,17 @@ class Timeline {
   // What to show at `now`; drops meshes that are over. `now` does not decrease.
   Shown at(Time now);
 
-  // t - t_d for keyframes to come: T + lambda, or 0 with `predict`.
-  Duration delay() const { return delay_; }
-
  private:
   struct Entry {
     std::shared_ptr<const KeyframeMesh> mesh;
     Time begin, end;  // the client's clock
     uint32_t version;
   };
-  void updateDelay(const KeyframeMesh& mesh, Time arrival, proto::Strategy strategy);
+  void updateLambda(const KeyframeMesh& mesh, Time arrival);
 
   std::deque<Entry> entries_;
   std::deque<Duration> latencies_;  // arrival - to.time of recent keyframes
-  Duration delay_;
+  Duration lambda_;
   uint32_t next_version_ = 1;
 };
 

@@ -63,6 +63,8 @@ class Viewer {
   // Ground height (m above the zero surface) of the newest section at a lattice place; nothing before the first keyframe.
   std::optional<double> groundHeight(double x, double y) const;
   const ViewerStatistics& statistics() const { return statistics_; }
+  // The sections held; nothing before the welcome. For tools and tests.
+  const std::optional<Replica>& replica() const { return replica_; }
 
  private:
   Status onWelcome(proto::Welcome welcome);

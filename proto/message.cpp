@@ -125,7 +125,9 @@ const fb::Control* verified(ByteSpan bytes, std::vector<uint64_t>& aligned) {
   aligned.resize((body.size() + 7) / 8);
   std::memcpy(aligned.data(), body.data(), body.size());
   flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(aligned.data()), body.size(), 16, 1000);
-  return fb::VerifyControlBuffer(verifier) ? fb::GetControl(aligned.data()) : nullptr;
+  if (!fb::VerifyControlBuffer(verifier)) return nullptr;
+  const fb::Control* control = fb::GetControl(aligned.data());
+  return control->body() ? control : nullptr;  // the verifier lets a typed union without a table pass
 }
 
 std::string text(const flatbuffers::String* s, size_t limit) { return s ? s->str().substr(0, limit) : std::string(); }

@@ -1,0 +1,185 @@
+// Whole flights in virtual time: the laws of a session, whatever the link does.
+#include <gtest/gtest.h>
+
+#include "bench/oracle/crack_checker.h"
+#include "bench/oracle/oracle.h"
+#include "bench/oracle/scene_truth.h"
+#include "server/view/tour.h"
+#include "tests/support/scene.h"
+#include "tests/world/world.h"
+
+namespace foreland::test {
+namespace {
+
+using proto::Predictor;
+using proto::Strategy;
+
+proto::Lens smallLens() { return {1.0471975511965976, 480, 270}; }
+
+std::shared_ptr<const terrain::Scene> alps() {
+  static const auto scene = makeScene(301, 217, 11);
+  return scene;
+}
+
+proto::Path tourOver(const terrain::Scene& scene, const char* name, double seconds) {
+  auto path = server::planTour(scene, name, seconds);
+  CHECK_TRUE(path.ok());
+  return *path;
+}
+
+ClientOptions flying(const terrain::Scene& scene, const char* tour, Strategy strategy, Predictor predictor) {
+  ClientOptions c;
+  c.request.lens = smallLens();
+  c.request.strategy = strategy;
+  c.request.predictor = predictor;
+  c.path = tourOver(scene, tour, 60);
+  c.announce_path = predictor == Predictor::kKnownPath;
+  return c;
+}
+
+std::string report(const World& world) {
+  std::string all;
+  for (const std::string& c : world.complaints()) all += c + "\n";
+  return all;
+}
+
+struct Case {
+  Strategy strategy;
+  Predictor predictor;
+  const char* tour;
+};
+
+class EveryStrategy : public testing::TestWithParam<Case> {};
+
+TEST_P(EveryStrategy, KeepsTheLawsOnAGoodLink) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 1);
+  world.addClient(flying(*scene, GetParam().tour, GetParam().strategy, GetParam().predictor));
+  uint64_t frames = 0, cracks = 0;
+  uint32_t checked = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time) {
+    ++frames;
+    if (view.mesh_version < checked + 5) return;  // every fifth mesh
+    checked = view.mesh_version;
+    cracks += bench::findCracks(*view.mesh, scene->grid().shape()).cracks;
+  };
+  world.run(Time::seconds(12));
+  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(cracks, 0u);
+  EXPECT_GT(frames, 650u);
+  EXPECT_GE(world.viewer(0).statistics().keyframes, 55u);
+  EXPECT_EQ(world.viewer(0).statistics().late_keyframes, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(World, EveryStrategy,
+                         testing::Values(Case{Strategy::kPredict, Predictor::kKnownPath, "survey"},
+                                         Case{Strategy::kPredict, Predictor::kHold, "spin"},
+                                         Case{Strategy::kPredict, Predictor::kConstantVelocity, "canyon"},
+                                         Case{Strategy::kPredict, Predictor::kConstantAcceleration, "orbit"},
+                                         Case{Strategy::kDelay, Predictor::kHold, "survey"},
+                                         Case{Strategy::kCurrent, Predictor::kHold, "canyon"}));
+
+TEST(World, ErrorAtEachKeyframeIsAtMostTau) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 2);
+  world.addClient(flying(*scene, "canyon", Strategy::kPredict, Predictor::kKnownPath));
+  bench::Oracle oracle(bench::truthOf(scene));
+  uint32_t checked = 0;
+  double worst_px = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time) {
+    if (view.mesh->to.index == checked) return;
+    checked = view.mesh->to.index;
+    const bench::DrawnShare drawn{view.mesh, 1, 1};
+    const auto error = oracle.error({&drawn, 1}, view.mesh->to.pose, smallLens());
+    EXPECT_EQ(error.uncovered, 0u);
+    EXPECT_LE(error.max_px, view.mesh->to.tau_px * (1 + 1e-4)) << "keyframe " << checked;
+    worst_px = std::max(worst_px, error.max_px);
+  };
+  world.run(Time::seconds(10));
+  EXPECT_EQ(report(world), "");
+  EXPECT_GT(worst_px, 0.2) << "a bound that is never approached is not tested";
+}
+
+TEST(World, TheSameSeedGivesTheSameBytes) {
+  const auto scene = alps();
+  const auto fly = [&](uint64_t seed) {
+    World world(scene, {}, Duration::milliseconds(4), seed);
+    ClientOptions c = flying(*scene, "survey", Strategy::kPredict, Predictor::kConstantVelocity);
+    c.up.jitter = c.down.jitter = Duration::milliseconds(30);
+    world.addClient(c);
+    world.run(Time::seconds(10));
+    EXPECT_EQ(report(world), "");
+    return world.bytesHash(0);
+  };
+  EXPECT_EQ(fly(5), fly(5));
+  EXPECT_NE(fly(5), fly(6));
+}
+
+TEST(World, SeveralViewersOnBadLinksEachHoldTheServersSection) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(6), 7);
+  const char* tours[] = {"survey", "canyon", "spin", "orbit"};
+  for (int i = 0; i < 4; ++i) {
+    ClientOptions c = flying(*scene, tours[i], static_cast<Strategy>(i % 3), static_cast<Predictor>(i % 3));
+    c.clock_offset = Duration::milliseconds(100'000 * i);
+    c.path.start = Time{} + c.clock_offset;
+    c.up = {Duration::milliseconds(40), Duration::milliseconds(50), 4000, {}, {}};
+    c.down = {Duration::milliseconds(60), Duration::milliseconds(80), 30'000.0 * (i + 1), Duration::milliseconds(5000),
+              Duration::milliseconds(700)};
+    world.addClient(c);
+  }
+  world.run(Time::seconds(40));
+  EXPECT_EQ(report(world), "");
+  for (size_t i = 0; i < 4; ++i) EXPECT_GT(world.viewer(i).statistics().keyframes, 80u) << i;
+}
+
+TEST(World, ASlowLinkGetsFewerKeyframesAndStaysCurrent) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 8);
+  ClientOptions c = flying(*scene, "canyon", Strategy::kPredict, Predictor::kConstantVelocity);
+  c.down.bytes_per_second = 2500;
+  world.addClient(c);
+  Duration worst{};
+  Time first{};
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    if (first == Time{}) first = now;
+    if (now > first + Duration::milliseconds(10'000)) worst = std::max(worst, now - view.scene_time);
+  };
+  world.run(Time::seconds(60));
+  EXPECT_EQ(report(world), "");
+  EXPECT_GT(world.session(0).statistics().skipped_keyframes, 0u);
+  EXPECT_LT(worst, Duration::milliseconds(3000)) << "what is shown falls ever further behind";
+}
+
+TEST(World, StrategiesSwitchInFlightWithoutAJump) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 9);
+  ClientOptions c = flying(*scene, "canyon", Strategy::kPredict, Predictor::kConstantVelocity);
+  c.at_frame = [](client::Viewer& viewer, Time now) {
+    const auto wanted = static_cast<Strategy>((now.us / 4'000'000) % 3);
+    if (viewer.request().strategy == wanted) return;
+    proto::ViewRequest request = viewer.request();
+    request.strategy = wanted;
+    viewer.setRequest(request);
+  };
+  world.addClient(c);
+  // A new mesh begins where the old one ended: at the old one's `to`, with weight about 0.
+  uint32_t version = 0, last_to = 0;
+  float last_weight = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time) {
+    if (version != 0 && view.mesh_version != version) {
+      EXPECT_EQ(view.mesh_version, version + 1);
+      EXPECT_EQ(view.mesh->from.index, last_to);
+      EXPECT_GT(last_weight, 0.6f) << "left before it was nearly reached";
+      EXPECT_LT(view.weight, 0.4f);
+    }
+    version = view.mesh_version;
+    last_to = view.mesh->to.index;
+    last_weight = view.weight;
+  };
+  world.run(Time::seconds(30));
+  EXPECT_EQ(report(world), "");
+}
+
+}  // namespace
+}  // namespace foreland::test

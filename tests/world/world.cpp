@@ -1,0 +1,105 @@
+#include "tests/world/world.h"
+
+#include <algorithm>
+
+namespace foreland::test {
+
+namespace {
+
+constexpr Duration kFrame{16'667};
+
+void earliest(std::optional<Time>& best, std::optional<Time> t) {
+  if (t && (!best || *t < *best)) best = t;
+}
+
+}  // namespace
+
+World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time, uint64_t seed)
+    : world_(std::make_shared<server::World>(std::move(scene))), options_(options), compute_time_(compute_time), seed_(seed) {}
+
+size_t World::addClient(const ClientOptions& options) {
+  clients_.push_back(std::make_unique<Client>(options, world_, options_, seed_ + 1000 * clients_.size()));
+  clients_.back()->next_frame = now_;
+  return clients_.size() - 1;
+}
+
+void World::run(Time end) {
+  while (true) {
+    std::optional<Time> next;
+    size_t who = 0;
+    for (size_t i = 0; i < clients_.size(); ++i)
+      if (const auto t = nextEvent(*clients_[i]); t && (!next || *t < *next)) next = t, who = i;
+    if (!next || *next > end) break;
+    now_ = std::max(now_, *next);
+    handle(*clients_[who], who, now_);
+  }
+  now_ = end;
+}
+
+std::optional<Time> World::nextEvent(const Client& c) const {
+  std::optional<Time> best = c.next_frame;
+  earliest(best, c.up.nextArrival());
+  earliest(best, c.down.nextArrival());
+  if (c.waits_for_drain) earliest(best, std::max(c.down.drainedAt(), now_));
+  if (const auto due = c.session.due()) earliest(best, std::max(due->release, now_));
+  return best;
+}
+
+void World::handle(Client& c, size_t index, Time now) {
+  if (c.waits_for_drain && c.down.drainedAt() <= now) {
+    c.waits_for_drain = false;
+    c.session.onDrained(now);
+  }
+  while (c.up.nextArrival() && *c.up.nextArrival() <= now)
+    if (const Status s = c.session.receive(c.up.receive(), now); !s.ok()) complain("server refuses: " + s.error().message);
+  if (const auto due = c.session.due(); due && due->release <= now) serve(c, now);
+  while (c.down.nextArrival() && *c.down.nextArrival() <= now) receive(c, now);
+  if (c.next_frame <= now) frame(c, index, now);
+  flush(c, now);
+}
+
+void World::serve(Client& c, Time now) {
+  const uint32_t before = c.session.keyframe().index;
+  std::vector<Bytes> out;
+  c.session.step(now, scratch_, out);
+  c.session.noteComputeTime(compute_time_);
+  const bool computed = c.session.keyframe().index != before;
+  if (computed && c.waits_for_drain && c.down.drainedAt() > now) complain("a second delta was made while one was unsent");
+  if (computed) {
+    c.sections[c.session.keyframe().index] = c.session.section();
+    if (const Status s = proto::validate(world_->hierarchy.grid(), c.session.section()); !s.ok()) complain(s.error().message);
+  }
+  for (Bytes& message : out) c.down.send(std::move(message), now + (computed ? compute_time_ : Duration{}));
+  if (!out.empty()) c.waits_for_drain = true;
+}
+
+void World::receive(Client& c, Time now) {
+  const Bytes message = c.down.receive();
+  for (uint8_t byte : message) c.hash = (c.hash ^ byte) * 1099511628211ull;
+  if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok()) complain("client refuses: " + s.error().message);
+  if (!c.viewer.replica()) return;
+  const uint32_t index = c.viewer.replica()->newest().index;
+  const auto it = c.sections.find(index);
+  if (it == c.sections.end()) return;
+  if (c.viewer.replica()->section() != it->second) complain("client and server differ at keyframe " + std::to_string(index));
+  c.sections.erase(c.sections.begin(), std::next(it));
+}
+
+void World::frame(Client& c, size_t index, Time now) {
+  c.next_frame = c.next_frame + kFrame;
+  const Time now_client = now + c.options.clock_offset;
+  if (c.options.at_frame) c.options.at_frame(c.viewer, now_client);
+  if (c.options.announce_path && c.viewer.welcome() && !c.path_announced) {
+    c.viewer.announcePath(c.options.path);
+    c.path_announced = true;
+  }
+  const client::FrameView view = c.viewer.frame(now_client, c.options.path.at(now_client));
+  if (view.mesh && on_frame) on_frame(index, view, now_client);
+}
+
+void World::flush(Client& c, Time now) {
+  Bytes message;
+  while (c.viewer.takeOutgoing(message)) c.up.send(std::move(message), now);
+}
+
+}  // namespace foreland::test

@@ -1,0 +1,78 @@
+// A small world in virtual time: the real session and viewer cores, seeded links between them, no sockets, no clock. Minutes of
+// flight run in seconds, and the same seed gives the same bytes. After each event the laws of a session are checked.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/viewer.h"
+#include "server/session/session.h"
+#include "tests/world/link.h"
+
+namespace foreland::test {
+
+struct ClientOptions {
+  proto::ViewRequest request;
+  LinkOptions up, down;
+  proto::Path path;                                  // flown from its start; the client's clock
+  bool announce_path = false;
+  Duration clock_offset;                             // client's clock minus the server's
+  std::function<void(client::Viewer&, Time)> at_frame;  // called before each frame
+};
+
+class World {
+ public:
+  World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time, uint64_t seed);
+
+  size_t addClient(const ClientOptions& options);
+  // Runs until `end` on the server's clock. 60 frames a second at each client.
+  void run(Time end);
+
+  // Called for each frame that shows something.
+  std::function<void(size_t client, const client::FrameView&, Time now_client)> on_frame;
+
+  const client::Viewer& viewer(size_t i) const { return clients_[i]->viewer; }
+  const server::Session& session(size_t i) const { return clients_[i]->session; }
+  // A fingerprint of every byte that has arrived at a client.
+  uint64_t bytesHash(size_t i) const { return clients_[i]->hash; }
+  // Broken laws, in words; empty if all is well.
+  const std::vector<std::string>& complaints() const { return complaints_; }
+
+ private:
+  struct Client {
+    Client(const ClientOptions& o, std::shared_ptr<const server::World> world, const server::SessionOptions& session_options,
+           uint64_t seed)
+        : options(o), viewer(o.request), session(std::move(world), session_options), up(o.up, seed), down(o.down, seed + 1) {}
+    ClientOptions options;
+    client::Viewer viewer;
+    server::Session session;
+    Link up, down;
+    Time next_frame;
+    bool waits_for_drain = false;
+    bool path_announced = false;
+    uint64_t hash = 1469598103934665603ull;
+    std::map<uint32_t, proto::Section> sections;  // the server's, by keyframe, until the client has it
+  };
+
+  std::optional<Time> nextEvent(const Client& c) const;
+  void handle(Client& c, size_t index, Time now);
+  void serve(Client& c, Time now);
+  void receive(Client& c, Time now);
+  void frame(Client& c, size_t index, Time now);
+  void flush(Client& c, Time now);
+  void complain(const std::string& what) { complaints_.push_back(what); }
+
+  std::shared_ptr<const server::World> world_;
+  server::SessionOptions options_;
+  Duration compute_time_;
+  uint64_t seed_;
+  Time now_;
+  server::SessionScratch scratch_;
+  std::vector<std::unique_ptr<Client>> clients_;
+  std::vector<std::string> complaints_;
+};
+
+}  // namespace foreland::test
