@@ -13,22 +13,24 @@ namespace foreland::terrain {
 // 0 asks for one thread per processor.
 inline unsigned threadCount(unsigned wanted) { return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency()); }
 
-// work(i) for every i below `count`, in any order. `between(done)` runs now and then on the calling thread; once it returns
+// work(i, worker) for every i below `count`, in any order; calls with the same worker, below threadCount(threads), do not
+// overlap, so each worker may own scratch. `between(done)` runs now and then on the calling thread; once it returns
 // false no further piece is started. Returns whether every piece was done and nothing was stopped.
 template <class Work, class Between>
 bool parallelFor(uint64_t count, unsigned threads, const Work& work, const Between& between) {
   std::atomic<uint64_t> next{0}, done{0};
   std::atomic<bool> stop{false};
-  const auto take = [&](auto&& after) {
+  const auto take = [&](unsigned worker, const auto& after) {
     for (uint64_t i; !stop.load(std::memory_order_relaxed) && (i = next.fetch_add(1)) < count;) {
-      work(i);
+      work(i, worker);
       after(done.fetch_add(1) + 1);
     }
   };
   {
     std::vector<std::jthread> others;
-    for (uint64_t i = 1; i < std::min<uint64_t>(threadCount(threads), count); ++i) others.emplace_back([&] { take([](uint64_t) {}); });
-    take([&](uint64_t finished) {
+    const auto workers = static_cast<unsigned>(std::min<uint64_t>(threadCount(threads), count));
+    for (unsigned worker = 1; worker < workers; ++worker) others.emplace_back([&, worker] { take(worker, [](uint64_t) {}); });
+    take(0, [&](uint64_t finished) {
       if (!between(finished)) stop = true;
     });
   }

@@ -1,5 +1,9 @@
 #include "terrain/bounds/bounds.h"
 
+#include <atomic>
+#include <optional>
+#include <vector>
+
 #include "terrain/bounds/error.h"
 #include "terrain/bounds/fine_errors.h"
 #include "terrain/bounds/node_row.h"
@@ -12,7 +16,7 @@ namespace {
 
 constexpr double kPad_m = 1e-5;
 
-// Errors of a row's nodes, unsaturated, in metres. One for each band, which may keep scratch.
+// Errors of a row's nodes, unsaturated, in metres. Each worker has one for each level, with its scratch.
 class PlanarRows {
  public:
   PlanarRows(const PlanarError& error, const BoundsJob& job, const NodeLevel& level)
@@ -48,48 +52,70 @@ class BoundsPass {
       : job_(job), positions_(job.grid, job.frame, job.heights), error_(job.grid, job.frame, job.heights) {}
 
   bool run() {
-    const int levels = job_.grid.maxLevel();
-    for (int number = levels; number >= 1; --number) {
+    double done = 0, all = 0;
+    for (int number = job_.grid.maxLevel(); number >= 1; --number) all += cost(number);
+    for (int number = job_.grid.maxLevel(); number >= 1; --number) {
       const NodeLevel level(job_.grid, number);
       const auto between = [&](uint64_t bands) {
-        return job_.onProgress((levels - number + static_cast<double>(bands) / level.bands()) / levels);
+        const double fraction = (done + cost(number) * static_cast<double>(bands) / level.bands()) / all;
+        return !stopped_ && job_.onProgress(std::min(fraction, 1.0));
       };
-      if (!parallelFor(level.bands(), job_.threads, [&](uint64_t band) { fillBand(level, static_cast<uint32_t>(band)); }, between))
-        return false;
+      std::vector<std::optional<Scratch>> scratch(threadCount(job_.threads));
+      const auto work = [&](uint64_t band, unsigned worker) {
+        if (!scratch[worker]) scratch[worker].emplace(*this, level);
+        if (!stopped_) fillBand(level, static_cast<uint32_t>(band), *scratch[worker]);
+      };
+      if (!parallelFor(level.bands(), job_.threads, work, between)) return false;
+      done += cost(number);
     }
-    return true;
+    return !stopped_;
   }
 
  private:
-  struct Band {
+  // Relative: a node costs about what 32 samples cost to scan, and each level scans all samples.
+  double cost(int level) const {
+    return 32.0 * (job_.grid.levelOffset(level + 1) - job_.grid.levelOffset(level)) + static_cast<double>(job_.heights.steps.size());
+  }
+
+  // One worker's, for one level.
+  struct Scratch {
+    Scratch(const BoundsPass& pass, const NodeLevel& level)
+        : errors(pass.error_, pass.job_, level), spheres(pass.job_.grid, pass.positions_, pass.job_.nodes, level.level) {}
     ErrorRows errors;
     SphereRows spheres;
+    std::vector<NodeRecord> records;  // of the band at hand
+    proto::Slot first = 0;            // slot of records[0]
     std::vector<double> errors_m, radii_m;
     std::vector<uint16_t> child_errors;
   };
 
-  void fillBand(const NodeLevel& level, uint32_t number) {
-    Band band{ErrorRows(error_, job_, level), SphereRows(job_.grid, positions_, job_.nodes, level.level), {}, {}, {}};
+  void fillBand(const NodeLevel& level, uint32_t number, Scratch& band) {
+    const auto [first, count] = slots(level, number);
+    band.first = first;
+    band.records.assign(count, NodeRecord{});
     const uint32_t s = level.s, end = std::min((number + 1) * kTileCells, level.cellRows());
     for (uint32_t cell = number * kTileCells; cell < end; ++cell) {
       if (level.sides) fillRow(level.row(2 * s * cell), band);
       if (cell < level.cells_y) fillRow(level.row(2 * s * cell + s), band);
     }
-    releaseBand(level, number);
+    if (!job_.store(first, band.records)) stopped_ = true;
     if (level.level == job_.grid.maxLevel()) return;
     const NodeLevel finer(job_.grid, level.level + 1);
     for (uint32_t below = level.sides ? 2 * number : number; below <= (level.sides ? 2 * number + 1 : number); ++below)
-      if (below < finer.bands()) releaseBand(finer, below);
+      if (below < finer.bands()) {
+        const auto [slot, idle] = slots(finer, below);
+        job_.onIdle(job_.nodes.subspan(slot, idle));
+      }
   }
 
-  void fillRow(const NodeRow& row, Band& band) {
+  void fillRow(const NodeRow& row, Scratch& band) {
     band.errors_m.resize(row.count);
     band.radii_m.resize(row.count);
     band.child_errors.resize(row.count);
     band.errors.compute(row, band.errors_m);
     band.spheres.compute(row, band.radii_m, band.child_errors);
     row.forEachRun(job_.grid, [&](uint32_t i, proto::Slot slot, uint32_t count) {
-      NodeRecord* record = &job_.nodes[slot];
+      NodeRecord* record = &band.records[slot - band.first];
       for (uint32_t end = i + count; i < end; ++i, record += row.slot_step) {
         record->height = positions_.steps(row.first_x + i * row.step_x, row.y);
         record->error = std::max(CompactBound::roundUp(band.errors_m[i]), CompactBound{band.child_errors[i]});
@@ -98,15 +124,19 @@ class BoundsPass {
     });
   }
 
-  void releaseBand(const NodeLevel& level, uint32_t band) const {
-    const uint64_t begin = job_.grid.levelOffset(level.level), count = job_.grid.levelOffset(level.level + 1) - begin;
-    const uint64_t from = count * band / level.bands(), to = count * (band + 1) / level.bands();  // bands are equal in slots
-    job_.onIdle(job_.nodes.subspan(begin + from, to - from));
+  struct Slots {
+    proto::Slot first, count;
+  };
+  // Of a band; all bands of a level have as many.
+  Slots slots(const NodeLevel& level, uint32_t band) const {
+    const proto::Slot begin = job_.grid.levelOffset(level.level), each = (job_.grid.levelOffset(level.level + 1) - begin) / level.bands();
+    return {begin + band * each, each};
   }
 
   const BoundsJob& job_;
   RowPositions positions_;
   Error error_;
+  std::atomic<bool> stopped_{false};
 };
 
 }  // namespace

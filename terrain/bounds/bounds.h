@@ -23,15 +23,17 @@ struct BoundsJob {
   const proto::GridTopology& grid;
   const proto::Frame& frame;
   Heights heights;
-  std::span<NodeRecord> nodes;  // slotCount() records, all zero
-  unsigned threads = 0;         // 0: one per processor
+  std::span<const NodeRecord> nodes;  // slotCount() records: what `store` was given, for reading back
+  unsigned threads = 0;               // 0: one per processor
+  // Any thread, each slot once, whole tiles with zeros in their padding. False stops the work.
+  std::function<bool(proto::Slot first, std::span<const NodeRecord>)> store;
+  // Any thread; a range of `nodes` that will not be read for a while, so that its pages may leave memory.
+  std::function<void(std::span<const NodeRecord>)> onIdle = [](std::span<const NodeRecord>) {};
   // On the calling thread, with the fraction done; false stops the work.
   std::function<bool(double)> onProgress = [](double) { return true; };
-  // Any thread; a range that will not be touched for a while, so that its pages may leave memory.
-  std::function<void(std::span<const NodeRecord>)> onIdle = [](std::span<const NodeRecord>) {};
 };
 
-// False if onProgress stopped it.
+// False if `store` or `onProgress` stopped it.
 [[nodiscard]] bool computeBounds(const BoundsJob& job);
 
 }  // namespace foreland::terrain

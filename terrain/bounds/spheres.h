@@ -1,5 +1,5 @@
-// Saturated spheres, row by row: about each node's position, large enough for its children's spheres (bounds.h). Each band has a SphereRows of
-// its own, which keeps the rows of children that neighbouring rows of parents share.
+// Saturated spheres, row by row: about each node's position, large enough for its children's spheres (bounds.h). A SphereRows
+// keeps the rows of children that neighbouring rows of parents share.
 // One owner; reads nodes of the next finer level only.
 #pragma once
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <new>
 
 #include "terrain/bounds/bounds.h"
@@ -82,6 +83,39 @@ void fillBase(const proto::GridShape& shape, const Heights& heights, SceneWriter
     for (uint32_t x = 0; x < shape.roots_x; ++x) *centre++ = heights.clamped(x * size + half, y * size + half);
 }
 
+struct Terrain {
+  const proto::GridTopology& grid;
+  const proto::Frame& frame;
+  Heights heights;
+};
+
+Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer, const Progress& progress) {
+  Status failure;  // the first of any thread
+  std::mutex mutex;
+  const auto store = [&](proto::Slot first, std::span<const NodeRecord> records) {
+    Status status = writer.put(first, records);
+    const bool ok = status.ok();
+    const std::lock_guard lock(mutex);
+    if (!ok && failure.ok()) failure = std::move(status);
+    return ok;
+  };
+  progress.report("bounding", 0);
+  const bool complete = computeBounds({.grid = terrain.grid,
+                                       .frame = terrain.frame,
+                                       .heights = terrain.heights,
+                                       .nodes = writer.nodes(),
+                                       .threads = threads,
+                                       .store = store,
+                                       .onIdle = [&](std::span<const NodeRecord> nodes) { writer.release(nodes); },
+                                       .onProgress =
+                                           [&](double fraction) {
+                                             progress.report("bounding", fraction);
+                                             return progress.keepGoing();
+                                           }});
+  if (!failure.ok()) return failure;
+  return complete ? Status() : Status(stopped());
+}
+
 uint64_t nodeCount(const proto::GridTopology& grid) {
   const proto::GridShape& s = grid.shape();
   return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - (s.roots_x + 1ull) * (s.roots_y + 1ull) -
@@ -129,19 +163,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);
 
-  const BoundsJob job{.grid = *grid,
-                      .frame = frame,
-                      .heights = heights,
-                      .nodes = writer->nodes(),
-                      .threads = options.threads,
-                      .onProgress =
-                          [&](double fraction) {
-                            progress.report("bounding", fraction);
-                            return progress.keepGoing();
-                          },
-                      .onIdle = [&](std::span<const NodeRecord> nodes) { writer->release(nodes); }};
-  progress.report("bounding", 0);
-  if (!computeBounds(job)) return stopped();
+  if (Status status = bound({*grid, frame, heights}, options.threads, *writer, progress); !status.ok()) return status.error();
   if (!progress.keepGoing()) return stopped();
   progress.report("writing", 0);
   const auto id = writer->finish();

@@ -118,14 +118,26 @@ Status SceneWriter::reserve() {
   return {};
 }
 
-std::span<NodeRecord> SceneWriter::nodes() {
-  return {reinterpret_cast<NodeRecord*>(at(kNodes)), layout_.sections[kNodes].bytes / sizeof(NodeRecord)};
+std::span<const NodeRecord> SceneWriter::nodes() const {
+  return {reinterpret_cast<const NodeRecord*>(at(kNodes)), layout_.sections[kNodes].bytes / sizeof(NodeRecord)};
 }
 std::span<int32_t> SceneWriter::corners() {
   return {reinterpret_cast<int32_t*>(at(kCorners)), layout_.sections[kCorners].bytes / sizeof(int32_t)};
 }
 std::span<int32_t> SceneWriter::centres() {
   return {reinterpret_cast<int32_t*>(at(kCentres)), layout_.sections[kCentres].bytes / sizeof(int32_t)};
+}
+
+Status SceneWriter::put(proto::Slot first, std::span<const NodeRecord> records) const {
+  const auto bytes = std::as_bytes(records);
+  const uint64_t offset = layout_.sections[kNodes].offset + static_cast<uint64_t>(first) * sizeof(NodeRecord);
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t written = ::pwrite(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return systemError("cannot write it");
+    done += static_cast<size_t>(written);
+  }
+  return {};
 }
 
 void SceneWriter::release(std::span<const NodeRecord> nodes) const {

@@ -48,7 +48,7 @@ constexpr auto kAlways = [](uint64_t) { return true; };
 void checkBlocks(const MappedScene& scene, unsigned threads, Faults& faults) {
   const SectionPlace& place = scene.header().sections[kChecksums];
   const auto expected = scene.blockChecksums();
-  parallelFor(expected.size(), threads, [&](uint64_t i) {
+  parallelFor(expected.size(), threads, [&](uint64_t i, unsigned) {
     if (xxh64(blockAt(scene.file(), place, i)) != expected[i])
       faults.add(i, "block " + std::to_string(i) + " (at byte " + std::to_string(kPageBytes + i * kBlockBytes) + ") is damaged");
   }, kAlways);
@@ -113,7 +113,7 @@ uint64_t checkNodes(const Scene& scene, unsigned threads, Faults& faults) {
   const NodeCheck check(scene, faults);
   const proto::Slot slots = scene.grid().slotCount();
   std::atomic<uint64_t> nodes{0};
-  parallelFor((static_cast<uint64_t>(slots) + kChunk - 1) / kChunk, threads, [&](uint64_t chunk) {
+  parallelFor((static_cast<uint64_t>(slots) + kChunk - 1) / kChunk, threads, [&](uint64_t chunk, unsigned) {
     uint64_t found = 0;
     const uint64_t begin = chunk * kChunk, end = std::min<uint64_t>(begin + kChunk, slots);
     for (uint64_t slot = begin; slot < end; ++slot) found += check.check(static_cast<proto::Slot>(slot));
