@@ -1,15 +1,18 @@
-// The refinement test: does a node's support meet the view, and would leaving the node out be seen by more than tau pixels?
+// The refinement test: does a node's support meet the view, and would leaving the node out be seen by more than tau pixels,
+// from anywhere the camera will be until the next keyframe?
 //
 // For a point at view coordinates p (depth z, distance d, horizontal distance h from the eye) an error e moves its image by at
 // most  f e d / z^2  if the error may point anywhere, and at most  f e h / z^2  if it is vertical (the image displacement is the
-// screen part of e x p), with f the focal length in pixels. Over the node's sphere (centre c, radius r) every visible point has
-// z >= z_min = max(z(c) - r, (d(c) - r) cos(corner)), h <= h(c) + r, d/z <= 1/cos(corner), so the test is
+// screen part of e x p), with f the focal length in pixels. The camera stays in a ball of radius b around the pose's eye and turns
+// by at most w. Over the node's sphere (centre c, radius r; R = r + b) every visible point has
+//   z >= z_min = max(z cos w - rho sin w - R, (d - R) cos(corner)),  rho = sqrt(d^2 - z^2),   h <= h(c) + R,   d/z <= 1/cos(corner)
+// so the test is
+//   f e min((h + R) / z_min, 1/cos(corner)) > tau z_min        (vertical; the minimum is 1/cos(corner) otherwise)
+// and the frustum's planes are turned towards the sphere by w (DESIGN section 3, the promise; for w = b = 0 this is the keyframe alone).
 //
-//   f e min((h + r) / z_min, 1/cos(corner)) > tau z_min        (vertical; the minimum is 1/cos(corner) otherwise)
-//
-// Both this and the frustum test only grow with the sphere and the error. A parent's sphere holds its children's with
-// 5e-6 m to spare (terrain/bounds) and its error is no smaller, while rounding here stays below 1e-7 m for
-// eyes within 10^8 m; so if a node passes, its parents do, in floating point too: the nodes that pass are closed under parents.
+// Both tests only grow with the sphere and the error. A parent's sphere holds its children's with 5e-6 m to spare (terrain/bounds)
+// and its error is no smaller, while rounding here stays below 1e-7 m for eyes within 10^8 m; so if a node passes, its parents do, in
+// floating point too: the nodes that pass are closed under parents.
 // Immutable; any thread.
 #pragma once
 
@@ -26,6 +29,8 @@ struct View {
   proto::Pose pose;
   proto::Lens lens;
   double tau_px = 1;
+  double ball_m = 0;    // the eye stays this near to pose.eye while the section is shown
+  double turn_rad = 0;  // and turns by no more than this
 };
 
 class Metric {
@@ -47,29 +52,50 @@ class Metric {
   enum class Fit : uint8_t { kOutside, kAcross, kInside };  // a sphere against the frustum
 
   Fit fit(const Place& p, double radius_m) const {
-    const double side = p.z * sin_x_ - std::fabs(p.x) * cos_x_;
-    const double top = p.z * sin_y_ - std::fabs(p.y) * cos_y_;
-    const double least = std::min(side, top);
-    if (least + radius_m < 0) return Fit::kOutside;
-    return least >= radius_m ? Fit::kInside : Fit::kAcross;
+    const double side = sideDistance(p);
+    if (side >= radius_m) return Fit::kInside;
+    return sweptSide(p, side) + radius_m + ball_ < 0 ? Fit::kOutside : Fit::kAcross;
   }
 
   bool exceedsTolerance(const Place& p, double radius_m, double error_m) const {
-    const double distance = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    const double z_min = std::max({p.z - radius_m, (distance - radius_m) * cos_corner_, kNearest_m});
-    const double lean = std::min((p.horizontal + radius_m) / z_min + lean_floor_, inverse_cos_corner_);
+    const double R = radius_m + ball_, z_min = leastDepth(p, R);
+    const double lean = std::min((p.horizontal + R) / z_min + lean_floor_, inverse_cos_corner_);
     return error_m * focal_over_tau_ * lean > z_min;
   }
+
+  bool passes(const Place& p, double radius_m, double error_m) const {
+    return fit(p, radius_m) != Fit::kOutside && exceedsTolerance(p, radius_m, error_m);
+  }
+
+  // How far (metres) the place may move in view coordinates before the outcome of passes() can change; 0 or more, never too much.
+  double slack(const Place& p, double radius_m, double error_m, bool passed) const;
 
   // Nothing nearer than this is promised anything: metres of depth.
   static constexpr double kNearest_m = 0.1;
 
  private:
+  // Signed distance to the nearest side plane of the frustum; positive inside.
+  double sideDistance(const Place& p) const {
+    return std::min(p.z * sin_x_ - std::fabs(p.x) * cos_x_, p.z * sin_y_ - std::fabs(p.y) * cos_y_);
+  }
+  // The same at best, when the frustum turns by up to w.
+  double sweptSide(const Place& p, double side) const {
+    if (sin_turn_ == 0) return side;
+    const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;
+    return side * cos_turn_ + std::sqrt(std::max(0.0, d2 - side * side)) * sin_turn_;
+  }
+  double leastDepth(const Place& p, double R) const {
+    const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
+    const double z = sin_turn_ == 0 ? p.z : p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
+    return std::max({z - R, (distance - R) * cos_corner_, kNearest_m});
+  }
+
   glm::dvec3 eye_, right_, up_, forward_;
   double sin_x_, cos_x_, sin_y_, cos_y_;  // of half the field of view
   double cos_corner_, inverse_cos_corner_;
   double focal_over_tau_;
   double lean_floor_;  // 0 for vertical errors, infinite otherwise
+  double ball_, sin_turn_, cos_turn_;
 };
 
 }  // namespace foreland::server

@@ -1,6 +1,9 @@
 #include "server/section/refine.h"
 
 #include <array>
+#include <utility>
+
+#include "server/section/places.h"
 
 namespace foreland::server {
 
@@ -12,43 +15,6 @@ using proto::Slot;
 // Lattice vectors and positions; differences may be negative, so signed.
 struct Lattice {
   int32_t x, y;
-};
-
-// Places of a planar scene are affine in lattice position and height: twelve coefficients fold in frame, eye and rotation.
-class PlanarPlaces {
- public:
-  PlanarPlaces(const Hierarchy& hierarchy, const Metric& metric) {
-    const proto::Frame& f = hierarchy.scene().frame();
-    const glm::dvec3 ax(f.axis_x_m, 0), ay(f.axis_y_m, 0), ah(0, 0, f.height_step_m);
-    const glm::dvec3 base = -f.anchor.x * ax - f.anchor.y * ay - metric.eye();
-    const std::array<glm::dvec3, 5> rows{metric.right(), metric.up(), metric.forward(), {1, 0, 0}, {0, 1, 0}};
-    for (size_t i = 0; i < rows.size(); ++i)
-      k_[i] = {glm::dot(rows[i], ax), glm::dot(rows[i], ay), glm::dot(rows[i], ah), glm::dot(rows[i], base)};
-  }
-  Metric::Place operator()(Lattice m, int32_t height) const {
-    const double x = m.x, y = m.y, h = height;
-    const double east = row(3, x, y, h), north = row(4, x, y, h);
-    return {row(0, x, y, h), row(1, x, y, h), row(2, x, y, h), std::sqrt(east * east + north * north)};
-  }
-
- private:
-  double row(size_t i, double x, double y, double h) const { return k_[i][0] * x + k_[i][1] * y + k_[i][2] * h + k_[i][3]; }
-  std::array<std::array<double, 4>, 5> k_;
-};
-
-class CurvedPlaces {
- public:
-  CurvedPlaces(const Hierarchy& hierarchy, const Metric& metric) : frame_(hierarchy.frame()), metric_(metric) {}
-  Metric::Place operator()(Lattice m, int32_t height) const {
-    const glm::dvec3 p =
-        frame_.position(NodeId::at(static_cast<uint32_t>(m.x), static_cast<uint32_t>(m.y)), height) - metric_.eye();
-    return {glm::dot(p, metric_.right()), glm::dot(p, metric_.up()), glm::dot(p, metric_.forward()),
-            std::sqrt(p.x * p.x + p.y * p.y)};
-  }
-
- private:
-  const proto::FrameGrid& frame_;
-  const Metric& metric_;
 };
 
 template <class Places>
@@ -77,7 +43,7 @@ class Walk {
     const terrain::NodeRecord& record = nodes_[slot];
     const double error = record.error.metres(), radius = record.radius.metres();
     if (error == 0) return;
-    const Metric::Place place = places_(m, record.height);
+    const Metric::Place place = places_(n.x(), n.y(), record.height);
     if (!inside) {
       const Metric::Fit fit = metric_.fit(place, radius);
       if (fit == Metric::Fit::kOutside) return;

@@ -189,7 +189,9 @@ TEST_F(Host, ViewersComeAndGoWhileOthersFly) {
     const size_t viewer = open();
     ASSERT_TRUE(requestView(viewer).ok());
     ASSERT_TRUE(viewers_[viewer].actor->deliver(poseUpdate(0)).ok());
-    if (round % 2 == 0) ASSERT_TRUE(mailbox_.take().has_value());
+    if (round % 2 == 0) {
+      ASSERT_TRUE(mailbox_.take().has_value());
+    }
     viewers_[viewer].actor->close();
     viewers_[viewer].actor.reset();
   }

@@ -1,0 +1,50 @@
+// A node's place in view coordinates, for planar and for curved frames. Both refinement from scratch and adaptation use exactly
+// these, so that they agree to the last bit. Immutable while a view lasts; any thread.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "server/section/hierarchy.h"
+#include "server/section/metric.h"
+
+namespace foreland::server {
+
+// Places of a planar scene are affine in lattice position and height: the coefficients fold in frame, eye and rotation.
+class PlanarPlaces {
+ public:
+  PlanarPlaces(const Hierarchy& hierarchy, const Metric& metric) {
+    const proto::Frame& f = hierarchy.scene().frame();
+    const glm::dvec3 ax(f.axis_x_m, 0), ay(f.axis_y_m, 0), ah(0, 0, f.height_step_m);
+    const glm::dvec3 base = -f.anchor.x * ax - f.anchor.y * ay - metric.eye();
+    const std::array<glm::dvec3, 5> rows{metric.right(), metric.up(), metric.forward(), {1, 0, 0}, {0, 1, 0}};
+    for (size_t i = 0; i < rows.size(); ++i)
+      k_[i] = {glm::dot(rows[i], ax), glm::dot(rows[i], ay), glm::dot(rows[i], ah), glm::dot(rows[i], base)};
+  }
+  Metric::Place operator()(uint32_t lattice_x, uint32_t lattice_y, int32_t height) const {
+    const double x = lattice_x, y = lattice_y, h = height;
+    const double east = row(3, x, y, h), north = row(4, x, y, h);
+    return {row(0, x, y, h), row(1, x, y, h), row(2, x, y, h), std::sqrt(east * east + north * north)};
+  }
+
+ private:
+  double row(size_t i, double x, double y, double h) const { return k_[i][0] * x + k_[i][1] * y + k_[i][2] * h + k_[i][3]; }
+  std::array<std::array<double, 4>, 5> k_;
+};
+
+class CurvedPlaces {
+ public:
+  CurvedPlaces(const Hierarchy& hierarchy, const Metric& metric) : frame_(hierarchy.frame()), metric_(metric) {}
+  Metric::Place operator()(uint32_t lattice_x, uint32_t lattice_y, int32_t height) const {
+    const glm::dvec3 p = frame_.position(proto::NodeId::at(lattice_x, lattice_y), height) - metric_.eye();
+    return {glm::dot(p, metric_.right()), glm::dot(p, metric_.up()), glm::dot(p, metric_.forward()),
+            std::sqrt(p.x * p.x + p.y * p.y)};
+  }
+
+ private:
+  const proto::FrameGrid& frame_;
+  const Metric& metric_;
+};
+
+}  // namespace foreland::server

@@ -1,0 +1,130 @@
+// The law of adaptation: from any section to any other, it ends where refinement from scratch does, node for node.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/rng.h"
+#include "server/section/adapt.h"
+#include "server/section/refine.h"
+#include "tests/support/scene.h"
+
+namespace foreland::server {
+namespace {
+
+constexpr size_t kNoLimit = 1u << 30;
+
+View viewAt(const Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
+  View view;
+  view.pose.eye = h.frame().transform().toScene(proto::LatticePlace{x, y, height});
+  view.pose.orientation = proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
+  view.lens = {1.0, 640, 360};
+  return view;
+}
+
+// A wandering camera: mostly small steps, now and then a turn, a jump, another tolerance, ball, sweep or lens.
+class Wanderer {
+ public:
+  Wanderer(const Hierarchy& h, uint64_t seed) : hierarchy_(h), rng_(seed) { jump(); }
+
+  View next() {
+    const proto::GridShape& shape = hierarchy_.grid().shape();
+    switch (rng_.below(30)) {
+      case 0: jump(); break;
+      case 1: yaw_ += rng_.uniform(-2, 2); break;
+      case 2: tau_ = std::pow(2, rng_.uniform(-3, 3)); break;
+      case 3: ball_ = rng_.uniform(0, 60); break;
+      case 4: turn_ = rng_.below(2) ? rng_.uniform(0, 0.5) : 0; break;
+      case 5: fov_ = rng_.uniform(0.4, 1.8); break;
+      case 6: return last_;  // no motion at all
+      default:
+        x_ += rng_.uniform(-1.5, 1.5);
+        y_ += rng_.uniform(-1.5, 1.5);
+        height_ += rng_.uniform(-20, 20);
+        yaw_ += rng_.uniform(-0.02, 0.02);
+        tau_ *= rng_.uniform(0.98, 1.02);
+    }
+    last_ = viewAt(hierarchy_, std::fmod(x_ + shape.samples_x, shape.samples_x), std::fmod(y_ + shape.samples_y, shape.samples_y), height_, yaw_, pitch_);
+    last_.tau_px = tau_;
+    last_.ball_m = ball_;
+    last_.turn_rad = turn_;
+    last_.lens.vertical_fov_rad = fov_;
+    return last_;
+  }
+
+ private:
+  void jump() {
+    x_ = rng_.uniform(0, hierarchy_.grid().shape().samples_x);
+    y_ = rng_.uniform(0, hierarchy_.grid().shape().samples_y);
+    height_ = 500 + std::pow(10, rng_.uniform(1, 4));
+    yaw_ = rng_.uniform(0, 6.28);
+    pitch_ = rng_.uniform(-1.5, 0.3);
+  }
+
+  const Hierarchy& hierarchy_;
+  Rng rng_;
+  double x_ = 0, y_ = 0, height_ = 0, yaw_ = 0, pitch_ = 0, tau_ = 1, ball_ = 0, turn_ = 0, fov_ = 1;
+  View last_;
+};
+
+class Adaptation : public testing::TestWithParam<proto::FrameKind> {};
+
+TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  RecordProperty("seed", std::to_string(seed));
+  for (auto [w, h] : {std::pair{129u, 129u}, {190u, 75u}}) {
+    const Hierarchy hierarchy(test::makeScene(w, h, seed, GetParam()));
+    Wanderer wanderer(hierarchy, seed);
+    Adapter adapter(hierarchy);
+    RefineScratch scratch;
+    proto::Section expected, held;
+    for (int i = 0; i < 600; ++i) {
+      const View view = wanderer.next();
+      proto::CutDelta delta;
+      ASSERT_TRUE(adapter.adapt(view, kNoLimit, delta));
+      settle(delta);
+      ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
+      ASSERT_EQ(adapter.section(), expected) << "seed " << seed << ", step " << i;
+      ASSERT_EQ(proto::apply(held, delta), expected) << "seed " << seed << ", step " << i;
+      ASSERT_EQ(adapter.nodeCount(), expected.slots.size());
+      held = expected;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, Adaptation, testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+
+TEST(Adapter, TestsOnlyAFewNodesOnASmallMotion) {
+  const Hierarchy hierarchy(test::makeScene(513, 513, 21));
+  Adapter adapter(hierarchy);
+  proto::CutDelta delta;
+  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200, 200, 1500, 0.3, -0.4), kNoLimit, delta));
+  const uint64_t from_scratch = adapter.testCount();
+  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200.5, 200, 1500, 0.3, -0.4), kNoLimit, delta));  // 5 m
+  EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 10);
+}
+
+TEST(Adapter, ALimitLeavesAClosedSectionAndALargerToleranceRecovers) {
+  const Hierarchy hierarchy(test::makeScene(257, 257, 22));
+  Adapter adapter(hierarchy);
+  RefineScratch scratch;
+  proto::Section expected;
+  View view = viewAt(hierarchy, 100, 100, 1500, 0.3, -0.8);
+  proto::CutDelta delta;
+  ASSERT_TRUE(adapter.adapt(view, kNoLimit, delta));
+  const proto::Section before = adapter.section();
+  const size_t limit = adapter.nodeCount() + 50;
+  delta = {};
+  view.tau_px = 0.01;
+  while (!adapter.adapt(view, limit, delta)) {
+    EXPECT_LE(adapter.nodeCount(), limit);
+    EXPECT_TRUE(proto::validate(hierarchy.grid(), adapter.section()).ok());
+    view.tau_px *= 2;
+  }
+  settle(delta);
+  ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
+  EXPECT_EQ(adapter.section(), expected);
+  EXPECT_EQ(proto::apply(before, delta), expected);
+}
+
+}  // namespace
+}  // namespace foreland::server
