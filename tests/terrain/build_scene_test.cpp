@@ -1,9 +1,12 @@
 #include "terrain/build/build.h"
 
 #include <gtest/gtest.h>
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include <fstream>
+#include <csignal>
 
 #include "terrain/store/verify.h"
 #include "tests/support/scene.h"
@@ -127,6 +130,27 @@ TEST(Build, StoppedAtAnyMomentLeavesNothingBehind) {
     ASSERT_EQ(filesIn(folder.path()), 0u);
   }
   FAIL() << "never finished";
+}
+
+// As by kill -9: no handler runs.
+TEST(Build, KilledLeavesNothingBehind) {
+  const test::TemporaryFolder folder;
+  const int probe = ::open(folder.path().c_str(), O_TMPFILE | O_RDWR, 0600);
+  if (probe < 0) GTEST_SKIP() << "the file system of " << folder.path() << " has no unnamed files";
+  ::close(probe);
+  test::FormulaSource source(70, 70, test::hills(1));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const Progress killer{.report = [](std::string_view stage, double) {
+      if (stage == "writing") ::kill(::getpid(), SIGKILL);
+    }};
+    (void)buildScene(source, {folder / "a.fls", 0.1, 1}, killer);
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(filesIn(folder.path()), 0u);
 }
 
 TEST(Build, PassesTheSourcesErrorOn) {

@@ -16,7 +16,9 @@ std::vector<char> slurp(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
+// Anew: file systems flush a file that is emptied and written again, which would take minutes here.
 void spit(const std::filesystem::path& path, const std::vector<char>& bytes) {
+  std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
