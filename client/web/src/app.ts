@@ -43,6 +43,7 @@ export class App {
   private mesh: Pick<Mesh, 'triangles' | 'vertices' | 'to_nodes' | 'tau_px' | 'to_time_ms' | 'version'> | null = null;
   private asked = '';
   private lens_timer = 0;
+  private above_ground_m: number | null = null; // where it is known
   private last_ms = 0;
   private frames = 0;
 
@@ -58,7 +59,7 @@ export class App {
     this.connection = new Connection(address.server, {
       onOpen: () => this.beginSession(),
       onMessage: (message) => this.receive(message),
-      onWaiting: (seconds, was_open) => this.showWaiting(seconds, was_open),
+      onWaiting: (seconds, reason) => this.showWaiting(seconds, reason),
     });
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
     new Panel(byId('panel'), this.settings, () => this.applySettings());
@@ -69,7 +70,7 @@ export class App {
   start(): void {
     showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
     this.connection.open();
-    this.renderer.setAnimationLoop((now_ms) => this.draw(now_ms));
+    this.renderer.setAnimationLoop((now_ms) => this.drawOrStop(now_ms));
     byId('hint').textContent = window.matchMedia('(pointer: coarse)').matches
       ? 'One finger looks, two fingers fly'
       : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed';
@@ -88,6 +89,8 @@ export class App {
       touring: this.tours.isFlying,
       frozen: this.frozen_view.pose !== null,
       eye: this.controls.eye.toArray(),
+      heading: this.controls.look.heading,
+      above_ground_m: this.above_ground_m,
       title: this.welcome?.title ?? null,
       ...this.viewer.statistics(),
     };
@@ -140,9 +143,10 @@ export class App {
     for (let message = this.viewer.takeOutgoing(); message; message = this.viewer.takeOutgoing()) this.connection.send(message);
   }
 
-  private showWaiting(seconds: number, was_open: boolean): void {
-    const title = was_open || this.welcome ? 'Connection lost' : 'No answer from the server';
-    const text = `Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
+  private showWaiting(seconds: number, reason: string): void {
+    const title = this.welcome ? 'Connection lost' : 'No answer from the server';
+    const said = reason === '' ? '' : `The server said: ${reason}. `;
+    const text = `${said}Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
     showNotice(byId('notice'), { kind: 'wait', title, text });
   }
 
@@ -201,19 +205,32 @@ export class App {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.fov = (kLens.fov_rad * 180) / Math.PI;
+    this.terrain.setLens(kLens.fov_rad, this.canvas.height);
     window.clearTimeout(this.lens_timer);
     this.lens_timer = window.setTimeout(() => this.ask(), kResizeQuiet_ms);
   }
 
   // ---- a frame
 
+  private drawOrStop(now_ms: number): void {
+    try {
+      this.draw(now_ms);
+    } catch (error) {
+      this.renderer.setAnimationLoop(null);
+      this.connection.close();
+      this.stop('The page failed.', (error as Error).message);
+      throw error;
+    }
+  }
+
   private draw(now_ms: number): void {
     const seconds = Math.min((now_ms - this.last_ms) / 1000, 0.25);
     this.last_ms = now_ms;
     const place = this.welcome ? this.moveCamera(now_ms, seconds) : null;
     const own = this.controls.pose(this.up);
-    const frame = this.viewer.frame(now_ms, this.frozen_view.pose ?? own);
-    this.takeMesh(frame, now_ms, own);
+    const told = this.frozen_view.pose ?? own; // what the server hears
+    const frame = this.viewer.frame(now_ms, told);
+    this.takeMesh(frame, now_ms, told);
     this.sendOutgoing();
     const shown = this.frozen_view.pose ? own : frame.pose;
     if (this.welcome) this.render(shown, frame, place);
@@ -231,11 +248,12 @@ export class App {
     }
     const place = placeOf(this.controls.eye.toArray());
     if (place) this.up.fromArray(place.up);
+    this.above_ground_m = place && place.ground_m !== null ? place.height_m - place.ground_m : null;
     return place;
   }
 
-  private takeMesh(frame: Frame, now_ms: number, own: Pose): void {
-    this.prediction.frame(now_ms, own.eye);
+  private takeMesh(frame: Frame, now_ms: number, told: Pose): void {
+    this.prediction.frame(now_ms, told.eye);
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
     const mesh = this.viewer.mesh();
     this.terrain.upload(mesh);
@@ -247,7 +265,7 @@ export class App {
   private render(pose: Pose, frame: Frame, place: Place | null): void {
     this.camera.quaternion.fromArray(pose.orientation);
     this.camera.position.set(0, 0, 0);
-    this.setDepthRange(place);
+    this.setDepthRange();
     this.camera.updateMatrixWorld();
     this.sky.update(this.camera);
     this.terrain.place(frame.weight, pose.eye, place?.height_m ?? pose.eye[2]);
@@ -258,12 +276,12 @@ export class App {
   }
 
   // Near enough not to cut into the ground, far enough to keep depths apart to the edge of the scene.
-  private setDepthRange(place: Place | null): void {
+  private setDepthRange(): void {
     const { low, high } = this.welcome!;
     const across_m = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
     const eye = this.controls.eye;
     const outside_m = Math.hypot(eye.x - 0.5 * (low[0] + high[0]), eye.y - 0.5 * (low[1] + high[1]), eye.z - low[2]);
-    const clearance_m = place && place.ground_m !== null ? place.height_m - place.ground_m : 0.002 * across_m;
+    const clearance_m = this.above_ground_m ?? 0.002 * across_m;
     this.camera.near = Math.max(0.06 * clearance_m, 1e-5 * across_m);
     this.camera.far = across_m + outside_m;
     this.camera.updateProjectionMatrix();
@@ -281,7 +299,8 @@ export class App {
       welcome: this.welcome,
       place,
       heading_rad: this.controls.look.heading,
-      speed_mps: this.controls.speed_mps,
+      eye: this.controls.eye.toArray(),
+      set_speed_mps: this.controls.speed_mps,
     });
   }
 }

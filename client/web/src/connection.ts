@@ -4,7 +4,7 @@
 export interface ConnectionEvents {
   onOpen(): void;
   onMessage(message: Uint8Array): void;
-  onWaiting(seconds: number, was_open: boolean): void; // until the next attempt
+  onWaiting(seconds: number, reason: string): void; // until the next attempt; the reason is the server's, or empty
 }
 
 const kFirstWait_ms = 500;
@@ -24,18 +24,14 @@ export class Connection {
     const socket = new WebSocket(this.url);
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
-    let was_open = false;
-    socket.onopen = () => {
-      was_open = true;
-      this.events.onOpen();
-    };
+    socket.onopen = () => this.events.onOpen();
     socket.onmessage = (event) => {
       if (socket !== this.socket || !(event.data instanceof ArrayBuffer)) return;
       this.wait_ms = kFirstWait_ms;
       this.events.onMessage(new Uint8Array(event.data));
     };
-    socket.onclose = () => {
-      if (socket === this.socket) this.waitAndReopen(was_open);
+    socket.onclose = (event) => {
+      if (socket === this.socket) this.waitAndReopen(event.reason);
     };
   }
 
@@ -55,10 +51,16 @@ export class Connection {
     if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < kMostUnsent_bytes) this.socket.send(message);
   }
 
-  private waitAndReopen(was_open: boolean): void {
+  private waitAndReopen(reason: string): void {
     this.socket = null;
-    this.events.onWaiting(this.wait_ms / 1000, was_open);
-    this.timer = window.setTimeout(() => this.open(), this.wait_ms);
+    this.events.onWaiting(this.wait_ms / 1000, reason);
+    this.timer = window.setTimeout(() => this.reopen(), this.wait_ms);
     this.wait_ms = Math.min(2 * this.wait_ms, kLongestWait_ms);
+  }
+
+  // A page that nobody sees sends no poses, so the server would only close again: it waits to be seen.
+  private reopen(): void {
+    if (!document.hidden) return this.open();
+    document.addEventListener('visibilitychange', () => this.reopen(), { once: true });
   }
 }

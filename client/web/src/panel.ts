@@ -49,8 +49,9 @@ export class Panel {
   }
 
   private addChoice(title: string, key: 'strategy', values: readonly string[]): void {
-    const group = element('fieldset', 'choice');
-    group.append(Object.assign(element('legend'), { textContent: title }));
+    const group = element('div', 'choice');
+    group.setAttribute('role', 'radiogroup');
+    group.setAttribute('aria-label', title);
     for (const value of values) {
       const label = element('label');
       const input = Object.assign(document.createElement('input'), { type: 'radio', name: key, value });

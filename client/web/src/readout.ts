@@ -16,7 +16,8 @@ export interface Measured {
   welcome: Welcome | null;
   place: Place | null;
   heading_rad: number;
-  speed_mps: number;
+  eye: readonly number[];
+  set_speed_mps: number; // what the keys fly at
 }
 
 export class Readout {
@@ -28,6 +29,7 @@ export class Readout {
   private frame_ms = 0;
   private last_frame_ms = 0;
   private last_refresh_ms = 0;
+  private last_eye: readonly number[] = [0, 0, 0];
 
   constructor(root: HTMLElement) {
     const list = document.createElement('dl');
@@ -47,11 +49,13 @@ export class Readout {
     this.frame_ms += (frame_ms - this.frame_ms) * 0.08;
     this.last_frame_ms = m.now_ms;
     if (m.now_ms - this.last_refresh_ms < kRefresh_ms) return;
+    const speed_mps = Math.hypot(...m.eye.map((v, i) => v - this.last_eye[i]!)) / ((m.now_ms - this.last_refresh_ms) / 1000);
     this.last_refresh_ms = m.now_ms;
+    this.last_eye = m.eye;
     this.samples.push({ at_ms: m.now_ms, bytes: m.statistics.bytes_down, keyframes: m.statistics.keyframes });
     while (this.samples.length > 2 && this.samples[0]!.at_ms < m.now_ms - kWindow_ms) this.samples.shift();
     this.showNumbers(m);
-    this.showPlace(m);
+    this.showPlace(m, speed_mps);
     this.drawBars();
   }
 
@@ -71,7 +75,7 @@ export class Readout {
     const shown = m.strategy === 'predict' ? '' : `shown ${Math.max(m.shown_late_ms, 0).toFixed(0)} ms ago`;
     this.set('Lateness', lateness, m.is_late ? 'waiting for a keyframe' : shown);
     const bound = m.mesh ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : '\u2013';
-    this.set('Error', bound, m.prediction_error_m === null ? '' : `predicted ${metresText(m.prediction_error_m)} off`);
+    this.set('Error', bound, m.prediction_error_m === null ? '' : `eye ${metresText(m.prediction_error_m)} off`);
     this.history.push(rate.bytes);
     if (this.history.length > kHistory) this.history.shift();
   }
@@ -82,7 +86,7 @@ export class Readout {
     return { bytes: (last.bytes - first.bytes) / seconds, keyframes: (last.keyframes - first.keyframes) / seconds };
   }
 
-  private showPlace(m: Measured): void {
+  private showPlace(m: Measured, speed_mps: number): void {
     if (!m.place || !m.welcome) return;
     const [across, along] = m.place.across;
     const at = m.welcome.is_geographic
@@ -91,7 +95,8 @@ export class Readout {
     const above = m.place.ground_m === null ? '' : ` \u00b7 ${metresText(m.place.height_m - m.place.ground_m)} above ground`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
     const lines = [at, `${metresText(m.place.height_m)} high${above}`];
-    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${metresText(m.speed_mps)}/s`);
+    const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
+    lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
   }
 

@@ -13,14 +13,14 @@ uniform vec3 u_up;   // away from the zero surface, at the eye
 
 vec3 hazeColour(vec3 direction) {
   float towards_sun = max(dot(direction, u_sun), 0.0);
-  return mix(vec3(0.50, 0.62, 0.76), vec3(0.98, 0.86, 0.68), 0.55 * pow(towards_sun, 5.0));
+  return mix(vec3(0.36, 0.50, 0.68), vec3(0.95, 0.80, 0.60), 0.50 * pow(towards_sun, 6.0));
 }
 
 vec3 skyColour(vec3 direction) {
   float height = dot(direction, u_up);
   vec3 haze = hazeColour(direction);
-  vec3 colour = mix(haze, vec3(0.055, 0.155, 0.40), 1.0 - exp(-4.2 * max(height, 0.0)));
-  colour = mix(colour, haze * 0.80, smoothstep(0.0, -0.35, height));
+  vec3 colour = mix(haze, vec3(0.030, 0.105, 0.310), 1.0 - exp(-5.5 * max(height, 0.0)));
+  colour = mix(colour, haze * 0.72, smoothstep(0.0, -0.4, height));
   float towards_sun = max(dot(direction, u_sun), 0.0);
   colour += vec3(1.0, 0.80, 0.55) * (0.10 * pow(towards_sun, 24.0) + 0.35 * pow(towards_sun, 350.0));
   return colour + vec3(9.0, 8.0, 6.0) * smoothstep(0.99985, 0.99993, towards_sun);
@@ -28,7 +28,7 @@ vec3 skyColour(vec3 direction) {
 
 // Filmic curve (Narkowicz's fit of ACES), then sRGB.
 vec3 toScreen(vec3 colour) {
-  vec3 x = colour * 0.92;
+  vec3 x = colour * 0.80;
   x = clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
   return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), x));
 }
@@ -75,6 +75,7 @@ uniform float u_contour_m;    // 0: none
 uniform float u_haze;         // optical depth per metre at the lowest ground; 0: none
 uniform float u_haze_height;  // over which it falls to 1 / e
 uniform float u_eye_height;
+uniform float u_pixel_rad;    // how much a pixel sees
 
 float hash(ivec2 p) {
   uint h = uint(p.x) * 0x9E3779B1u ^ uint(p.y) * 0x85EBCA77u;
@@ -126,19 +127,19 @@ vec3 groundColour(vec3 normal, float pixel_m) {
   float mottle = mottling(v_place.xy + u_origin_tile, pixel_m);
   float t = (v_place.z - u_heights.x) / span;
   float steepness = 1.0 - dot(normal, u_up);
-  vec3 colour = hypsometric(t + 0.10 * mottle) * (1.0 + 0.35 * mottle);
+  vec3 colour = hypsometric(t + 0.16 * mottle) * (1.0 + 0.55 * mottle);
   float strata = 0.10 * sin(v_place.z / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
   vec3 rock = u_rock * (1.0 + 0.5 * mottle + strata);
   colour = mix(colour, rock, smoothstep(0.20, 0.42, steepness + 0.12 * mottle));
-  float snow = smoothstep(0.70, 0.82, t + 0.16 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.14 * mottle));
+  float snow = smoothstep(0.70, 0.80, t + 0.14 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.12 * mottle));
   return mix(colour, u_snow, snow);
 }
 
 vec3 lit(vec3 albedo, vec3 normal) {
   float sunlight = max(dot(normal, u_sun), 0.0);
   float openness = 0.5 + 0.5 * dot(normal, u_up);
-  vec3 skylight = mix(vec3(0.13, 0.11, 0.09), vec3(0.30, 0.40, 0.56), openness);
-  return albedo * (vec3(2.35, 2.12, 1.76) * sunlight + skylight);
+  vec3 skylight = mix(vec3(0.09, 0.08, 0.07), vec3(0.17, 0.24, 0.36), openness);
+  return albedo * (vec3(2.15, 1.92, 1.56) * sunlight + skylight);
 }
 
 // Optical depth through haze that thins exponentially with height (exact along the ray).
@@ -153,7 +154,8 @@ void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
   vec3 normal = normalize(v_normal);
-  float pixel_m = max(length(fwidth(v_place.xy)) * 0.7, 1e-4);
+  float facing = max(-dot(normal, direction), 0.12);
+  float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
   vec3 colour = lit(groundColour(normal, pixel_m), normal);
   if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_place.z));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));

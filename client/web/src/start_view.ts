@@ -7,9 +7,14 @@ export function startView(welcome: Welcome): { eye: [number, number, number]; lo
   const across_m = Math.hypot(welcome.high[0] - welcome.low[0], welcome.high[1] - welcome.low[1]);
   const relief_m = welcome.highest_m - welcome.lowest_m;
   const target = highestNear(welcome, middle, 0.3 * across_m);
-  const away_m = Math.min(0.32 * across_m, Math.max(7 * relief_m, 0.05 * across_m));
+  const away_m = Math.min(0.26 * across_m, Math.max(7 * relief_m, 0.05 * across_m));
   // From the south-east of it, so that the sun in the north-west shapes the slopes.
-  const eye: [number, number, number] = [target[0]! + 0.45 * away_m, target[1]! - 0.89 * away_m, welcome.high[2] + 0.22 * away_m];
+  const inside = (v: number, axis: 0 | 1) => Math.min(Math.max(v, welcome.low[axis]), welcome.high[axis]);
+  const eye: [number, number, number] = [
+    inside(target[0]! + 0.45 * away_m, 0),
+    inside(target[1]! - 0.89 * away_m, 1),
+    welcome.high[2] + 0.12 * away_m,
+  ];
   const ahead = [target[0]! - eye[0], target[1]! - eye[1]];
   const fall = eye[2] - (welcome.low[2] + 0.6 * (target[2]! - welcome.low[2]));
   return { eye, look: { heading: Math.atan2(ahead[0]!, ahead[1]!), pitch: -Math.atan2(fall, Math.hypot(...ahead)) } };

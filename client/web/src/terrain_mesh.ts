@@ -5,9 +5,9 @@ import type { Mesh, Welcome } from './core';
 import { kTerrainFragment, kTerrainVertex, kWireFragment, kWireVertex } from './shaders';
 import { kSun } from './sky';
 
-const kPalette = ['#4d6b41', '#73864f', '#a39a67', '#a5855f', '#8f7d70', '#b5b2ae'];
-const kRock = '#6f665e';
-const kSnow = '#f1f5fa';
+const kPalette = ['#3b5238', '#546945', '#7d7c55', '#826b52', '#6f635a', '#98938e'];
+const kRock = '#5c554f';
+const kSnow = '#d9e2ec';
 
 interface Channel {
   buffer: WebGLBuffer;
@@ -24,6 +24,8 @@ export class TerrainMesh {
   private origin = new THREE.Vector3();
   private noise_period_m = 1;
   private wire_version = 0;
+  private haze = 0;
+  private contour_m = 100;
   version = 0; // of the mesh on the card; 0: none
   triangles = 0;
 
@@ -42,10 +44,9 @@ export class TerrainMesh {
       wire_index: channel(gl.UNSIGNED_INT, 1, 4),
     };
     this.uniforms = terrainUniforms(up);
-    this.wire = new THREE.LineSegments(this.wire_geometry, shader(kWireVertex, kWireFragment, this.uniforms));
-    this.wire.material = shader(kWireVertex, kWireFragment, this.uniforms);
-    (this.wire.material as THREE.Material).transparent = true;
-    (this.wire.material as THREE.Material).depthWrite = false;
+    const lines = shader(kWireVertex, kWireFragment, this.uniforms);
+    Object.assign(lines, { transparent: true, depthWrite: false });
+    this.wire = new THREE.LineSegments(this.wire_geometry, lines);
     const surface = new THREE.Mesh(this.surface_geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
     this.bindGeometry(this.surface_geometry, this.channels.index);
     this.bindGeometry(this.wire_geometry, this.channels.wire_index);
@@ -60,15 +61,13 @@ export class TerrainMesh {
     const relief_m = Math.max(welcome.highest_m - welcome.lowest_m, 1e-3 * across_m, 1e-3);
     const spacing_m = across_m / Math.hypot(...welcome.samples);
     this.uniforms.u_heights!.value.set(welcome.lowest_m, welcome.lowest_m + relief_m);
-    this.uniforms.u_noise_m!.value = 24 * spacing_m;
-    this.noise_period_m = 24 * spacing_m * 1024;
+    this.uniforms.u_noise_m!.value = 16 * spacing_m;
+    this.noise_period_m = 16 * spacing_m * 1024;
     this.uniforms.u_haze_height!.value = 0.9 * relief_m;
     this.uniforms.u_far!.value = 0.35 * across_m;
-    this.haze = 2.6 / across_m;
-    this.contour_m = niceStep(relief_m / 30);
+    this.haze = 1.5 / across_m;
+    this.contour_m = niceStep(relief_m / 60);
   }
-  private haze = 0;
-  private contour_m = 100;
 
   show(options: { wireframe: boolean; contours: boolean; fog: boolean }): void {
     this.wire.visible = options.wireframe;
@@ -95,6 +94,10 @@ export class TerrainMesh {
 
   needsUpload(version: number): boolean {
     return version !== 0 && (version !== this.version || (this.wire.visible && this.wire_version !== version));
+  }
+
+  setLens(fov_rad: number, height_px: number): void {
+    this.uniforms.u_pixel_rad!.value = (2 * Math.tan(0.5 * fov_rad)) / height_px;
   }
 
   // The weight and the eye of the frame to be drawn.
@@ -169,6 +172,7 @@ function terrainUniforms(up: THREE.Vector3): Record<string, THREE.IUniform> {
     u_haze_height: { value: 1 },
     u_eye_height: { value: 0 },
     u_far: { value: 1 },
+    u_pixel_rad: { value: 1e-3 },
   };
 }
 

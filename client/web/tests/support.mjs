@@ -1,0 +1,118 @@
+// Stands up what a browser test needs: a small scene, `foreland serve` on a free loopback port, headless Chromium with an empty
+// profile. The programs are those of FORELAND_BIN (default build/release/bin), the page is dist/.
+import { execFile, spawn } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { mkdtemp, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { dirname, join, resolve } from 'node:path';
+import { createInterface } from 'node:readline';
+import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
+import { chromium } from 'playwright-core';
+
+const here = dirname(fileURLToPath(import.meta.url));
+export const root = resolve(here, '../../..');
+const bin = resolve(process.env.FORELAND_BIN ?? join(root, 'build/release/bin'));
+const page_folder = resolve(here, '../dist');
+const run = promisify(execFile);
+
+const chromium_flags = [
+  '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox', '--disable-quic', '--no-first-run',
+  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage',
+];
+
+function need(path, how) {
+  if (!existsSync(path)) throw new Error(`${path} is missing: ${how}`);
+}
+
+export async function makeFolder() {
+  const folder = await mkdtemp(join(tmpdir(), 'foreland-web-'));
+  return { folder, remove: () => rm(folder, { recursive: true, force: true }) };
+}
+
+// A landscape of `size` samples a side. FORELAND_SCENE names another scene to use instead, for a look by hand.
+export async function makeScene(folder, { size = 513, spacing_m = 30, seed = 7 } = {}) {
+  if (process.env.FORELAND_SCENE) return resolve(process.env.FORELAND_SCENE);
+  need(join(bin, 'foreland'), 'build it: cmake --preset release && cmake --build --preset release');
+  const raster = join(folder, 'Example mountains.tif');
+  const scene = join(folder, 'example.fls');
+  const foreland = join(bin, 'foreland');
+  await run(foreland, ['synth', '-o', raster, '--size', `${size}`, '--spacing', `${spacing_m}`, '--seed', `${seed}`]);
+  await run(foreland, ['build', raster, '-o', scene]);
+  return scene;
+}
+
+// Resolves when the server says where it listens. Port 0 takes a free one.
+export async function startServer(scene, port = 0) {
+  need(join(page_folder, 'index.html'), 'build the page: npm run build');
+  const args = ['serve', scene, '--listen', `127.0.0.1:${port}`, '--web', page_folder, '--log-level', 'warning'];
+  const child = spawn(join(bin, 'foreland'), args, { stdio: ['ignore', 'pipe', 'inherit'] });
+  const ended = new Promise((done) => child.once('exit', (code, signal) => done({ code, signal })));
+  const url = await new Promise((found, fail) => {
+    ended.then(({ code, signal }) => fail(new Error(`foreland serve ended before it listened: ${code ?? signal}`)));
+    createInterface({ input: child.stdout }).on('line', (line) => {
+      const match = line.match(/http:\/\/\S+/);
+      if (match) found(new URL(match[0]));
+    });
+  });
+  const stop = (signal = 'SIGTERM') => {
+    if (child.exitCode === null && child.signalCode === null) child.kill(signal);
+    return ended;
+  };
+  return { url, port: Number(url.port), stop };
+}
+
+export async function openBrowser() {
+  need('/usr/bin/chromium', 'install Debian\'s chromium');
+  return chromium.launch({ executablePath: '/usr/bin/chromium', args: chromium_flags });
+}
+
+// A page with everything that went wrong in it: errors on the console, exceptions, failed requests.
+export async function openPage(browser, { width = 960, height = 540, mobile = false } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, isMobile: mobile, hasTouch: mobile });
+  const page = await context.newPage();
+  const complaints = [];
+  page.on('console', (m) => m.type() === 'error' && complaints.push(m.text()));
+  page.on('pageerror', (error) => complaints.push(error.message));
+  page.on('response', (r) => r.status() >= 400 && complaints.push(`${r.status()} ${r.url()}`));
+  return { page, complaints, close: () => context.close() };
+}
+
+export const status = (page) => page.evaluate(() => window.foreland.status());
+
+// Waits until the page's status satisfies a condition, written as a function of the status (and of `value`).
+export async function until(page, condition, value = null, timeout = 60_000) {
+  const text = `(value) => window.foreland && (${condition})(window.foreland.status(), value)`;
+  await page.waitForFunction(`(${text})(${JSON.stringify(value)})`, null, { timeout, polling: 50 });
+  return status(page);
+}
+
+// Terrain of its section is drawn and keyframes go on.
+export async function untilTerrain(page) {
+  const first = await until(page, (s) => s.triangles > 500 && s.keyframes >= 3 && s.frames > 2);
+  return until(page, (s, frames) => s.frames > frames, first.frames + 1);
+}
+
+// What a screenshot's pixels say: how many colours, and how the lower half differs from the sky.
+export async function pictureOf(page) {
+  const picture = await page.screenshot();
+  const data = `data:image/png;base64,${picture.toString('base64')}`;
+  return page.evaluate(async (url) => {
+    const image = await createImageBitmap(await (await fetch(url)).blob());
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data: pixels, width, height } = context.getImageData(0, 0, image.width, image.height);
+    const colours = new Set();
+    const halves = [[0, 0, 0, 0], [0, 0, 0, 0]];
+    for (let y = 0; y < height; y += 3) {
+      for (let x = Math.floor(width * 0.35); x < width * 0.65; x += 3) {
+        const [r, g, b] = pixels.subarray(4 * (y * width + x));
+        colours.add((r >> 3) * 1024 + (g >> 3) * 32 + (b >> 3));
+        const half = halves[y < height / 4 ? 0 : y > height / 2 ? 1 : -1];
+        if (half) [r, g, b, 1].forEach((v, i) => (half[i] += v));
+      }
+    }
+    const mean = ([r, g, b, n]) => [r / n, g / n, b / n];
+    return { colours: colours.size, sky: mean(halves[0]), ground: mean(halves[1]) };
+  }, data);
+}

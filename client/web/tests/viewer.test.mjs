@@ -1,0 +1,201 @@
+// The page in headless Chromium against the real server, as a person would use it. Every wait is for a condition.
+import assert from 'node:assert/strict';
+import { mkdir } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { makeFolder, makeScene, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain } from './support.mjs';
+
+const kTest = { timeout: 180_000 };
+let folder, scene, server, browser;
+
+before(async () => {
+  folder = await makeFolder();
+  scene = await makeScene(folder.folder);
+  server = await startServer(scene);
+  browser = await openBrowser();
+}, kTest);
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  await folder?.remove();
+});
+
+// Runs `body` with a page at `query`, drawn coarsely because a processor does it; nothing may have gone wrong in it, but what `expected` allows.
+async function visit(query, body, options = {}) {
+  const { page, complaints, close } = await openPage(browser, options);
+  try {
+    await page.goto(new URL(`?sharpness=${options.sharpness ?? 0.6}&${query}`, server.url).href);
+    await untilTerrain(page);
+    await body(page);
+    assert.deepEqual(complaints.filter((c) => !options.expected?.test(c)), []);
+  } finally {
+    await close();
+  }
+}
+
+test('terrain comes to the screen and keyframes go on', kTest, () =>
+  visit('', async (page) => {
+    const picture = await pictureOf(page);
+    assert.ok(picture.colours > 60, `only ${picture.colours} colours`);
+    const [sky, ground] = [picture.sky, picture.ground];
+    assert.ok(sky[2] > sky[0], `the sky is blue: ${sky}`);
+    assert.ok(sky[2] - sky[0] > ground[2] - ground[0], `the ground is not: ${ground}`);
+    const before_ = await status(page);
+    const after_ = await until(page, (s, n) => s.keyframes >= n, before_.keyframes + 5);
+    assert.ok(after_.mesh_version > before_.mesh_version);
+    assert.equal(await page.locator('#notice').isVisible(), false);
+    assert.ok((await page.title()).endsWith('Foreland'));
+  }));
+
+test('keys fly and the ground is not entered', kTest, () =>
+  visit('', async (page) => {
+    const { eye } = await status(page);
+    await page.locator('#scene').focus();
+    await page.keyboard.down('KeyW');
+    await until(page, (s, e) => Math.hypot(s.eye[0] - e[0], s.eye[1] - e[1]) > 20, eye);
+    await page.keyboard.up('KeyW');
+    await page.mouse.wheel(0, -4000); // a great speed
+    await page.keyboard.down('KeyQ');
+    await until(page, (s) => s.above_ground_m !== null && s.above_ground_m < 20);
+    const { above_ground_m } = await status(page);
+    await page.keyboard.up('KeyQ');
+    assert.ok(above_ground_m > 1, `${above_ground_m} m above ground`);
+  }));
+
+test('dragging turns the view', kTest, () =>
+  visit('', async (page) => {
+    const { heading } = await status(page);
+    await page.mouse.move(400, 200);
+    await page.mouse.down();
+    await page.mouse.move(250, 210, { steps: 4 });
+    await page.mouse.up();
+    await until(page, (s, h) => s.heading > h + 0.2, heading);
+  }));
+
+for (const strategy of ['delay', 'current', 'predict']) {
+  test(`strategy ${strategy} is switched to in flight`, kTest, () =>
+    visit('tour=orbit', async (page) => {
+      await until(page, (s) => s.touring);
+      await page.locator('.choice label', { has: page.locator(`[value=${strategy}]`) }).click();
+      const { keyframes } = await status(page);
+      const now = await until(page, (s, n) => s.keyframes >= n, keyframes + 8);
+      assert.ok(now.connected);
+    }));
+}
+
+test('a finer tolerance gives more triangles', kTest, () =>
+  visit('tau=8', async (page) => {
+    const coarse = await status(page);
+    await page.locator('[name=tau_px]').fill('0');
+    const fine = await until(page, (s, n) => s.triangles > 1.5 * n && s.tau_px < 1.01, coarse.triangles);
+    assert.ok(coarse.tau_px > 7.9 && fine.triangles > coarse.triangles);
+  }));
+
+test('wireframe and contours are drawn', kTest, () =>
+  visit('', async (page) => {
+    const plain = await page.screenshot();
+    for (const name of ['wireframe', 'contours']) {
+      await page.locator(`[name=${name}]`).check();
+      const { frames } = await status(page);
+      await until(page, (s, n) => s.frames > n, frames + 2);
+    }
+    assert.notDeepEqual(await page.screenshot(), plain);
+  }));
+
+test('a frozen section stays while the camera goes outside', kTest, () =>
+  visit('', async (page) => {
+    await page.locator('[name=frozen]').check();
+    const frozen = await until(page, (s) => s.frozen);
+    const settled = await until(page, (s, n) => s.keyframes >= n, frozen.keyframes + 4);
+    await page.locator('#scene').focus();
+    await page.keyboard.down('KeyS');
+    await until(page, (s, e) => Math.hypot(s.eye[0] - e[0], s.eye[1] - e[1]) > 200, frozen.eye);
+    await page.keyboard.up('KeyS');
+    const later = await until(page, (s, n) => s.keyframes >= n, settled.keyframes + 4);
+    assert.equal(later.nodes, settled.nodes);
+    await page.locator('[name=frozen]').uncheck();
+    await until(page, (s, n) => !s.frozen && s.nodes !== n, settled.nodes);
+  }));
+
+for (const tour of ['survey', 'canyon', 'spin', 'orbit']) {
+  test(`the tour ${tour} is flown from its button`, kTest, () =>
+    visit('', async (page) => {
+      await page.locator(`[data-tour=${tour}]`).click();
+      const start = await until(page, (s) => s.touring);
+      await until(page, (s, b) => Math.hypot(...s.eye.map((v, i) => v - b.eye[i])) > 30 || Math.abs(s.heading - b.heading) > 0.2, start);
+      await page.locator(`[data-tour=${tour}]`).click();
+      await until(page, (s) => !s.touring && s.connected);
+    }));
+}
+
+test('a lost server is told of, and found again', kTest, () =>
+  visit('', async (page) => {
+    const { eye } = await status(page);
+    await server.stop();
+    await page.getByText('Connection lost').waitFor();
+    const picture = await pictureOf(page);
+    assert.ok(picture.colours > 40, 'the last terrain stays on the screen');
+    server = await startServer(scene, server.port);
+    await page.locator('#notice').waitFor({ state: 'hidden' });
+    const now = await until(page, (s) => s.connected && s.keyframes >= 3 && s.mesh_version > 0);
+    assert.deepEqual(now.eye.map(Math.round), eye.map(Math.round));
+  }, { expected: /WebSocket|ERR_CONNECTION/ }));
+
+test('a page without its client core says so', kTest, async () => {
+  const { page, close } = await openPage(browser);
+  await page.route('**/foreland.wasm', (route) => route.fulfill({ status: 404, body: 'gone' }));
+  await page.goto(server.url.href);
+  await page.getByText('The client core did not load.').waitFor();
+  await close();
+});
+
+test('a browser without WebGL 2 is told so', kTest, async () => {
+  const { page, close } = await openPage(browser);
+  await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
+  await page.goto(server.url.href);
+  await page.getByText('This browser cannot draw the terrain.').waitFor();
+  await close();
+});
+
+test('a message that is no message ends the session with its reason', kTest, async () => {
+  const { page, close } = await openPage(browser);
+  await page.routeWebSocket('**/fly', (socket) => socket.send(Buffer.from([0xff, 1, 2, 3])));
+  await page.goto(server.url.href);
+  await page.getByText('The session ended.').waitFor();
+  await page.getByRole('button', { name: 'Try again' }).waitFor();
+  await close();
+});
+
+test('it fits a phone', kTest, () =>
+  visit('', async (page) => {
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > window.innerWidth), false);
+    await page.getByRole('button', { name: 'Settings' }).tap();
+    await page.locator('[name=wireframe]').waitFor();
+    const { eye } = await status(page);
+    await pinch(page);
+    await until(page, (s, e) => Math.hypot(...s.eye.map((v, i) => v - e[i])) > 1, eye);
+  }, { width: 390, height: 760, mobile: true }));
+
+// Two fingers going apart.
+async function pinch(page) {
+  const client = await page.context().newCDPSession(page);
+  const touch = (type, gap) =>
+    client.send('Input.dispatchTouchEvent', {
+      type,
+      touchPoints: gap === null ? [] : [{ x: 120 - gap, y: 480, id: 1 }, { x: 200 + gap, y: 480, id: 2 }],
+    });
+  await touch('touchStart', 0);
+  for (const gap of [15, 30, 45, 60]) await touch('touchMove', gap);
+  await touch('touchEnd', null);
+}
+
+// It goes to docs/images only when asked for, so that a test run leaves the checkout as it was.
+test('the picture for the README', kTest, () =>
+  visit('tour=survey&tau=1', async (page) => {
+    await until(page, (s) => s.touring && s.keyframes > 60, null, 120_000);
+    await page.locator('#hint').evaluate((hint) => hint.remove());
+    const to = process.env.FORELAND_SCREENSHOT === '1' ? join(root, 'docs/images') : folder.folder;
+    await mkdir(to, { recursive: true });
+    await page.screenshot({ path: join(to, 'viewer.png') });
+  }, { width: 1280, height: 720, sharpness: 1 }));
