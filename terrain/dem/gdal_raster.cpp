@@ -26,16 +26,6 @@ struct CloseDataset {
 };
 using Dataset = std::unique_ptr<void, CloseDataset>;
 
-void registerDrivers() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    // An elevation file never opens a connection.
-    CPLSetConfigOption("GDAL_SKIP", "WMS WCS WMTS HTTP DAAS EEDA EEDAI PLMOSAIC OGCAPI STACIT STACTA RASTERLITE POSTGISRASTER");
-    CPLSetConfigOption("GDAL_CACHEMAX", "256");  // MB
-    GDALAllRegister();
-  });
-}
-
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
@@ -288,8 +278,18 @@ Result<std::vector<Member>> listArchive(const std::string& path) {
 
 }  // namespace
 
+void registerGdalDrivers() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    // An elevation file never opens a connection.
+    CPLSetConfigOption("GDAL_SKIP", "WMS WCS WMTS HTTP DAAS EEDA EEDAI PLMOSAIC OGCAPI STACIT STACTA RASTERLITE POSTGISRASTER");
+    CPLSetConfigOption("GDAL_CACHEMAX", "256");  // MB
+    GDALAllRegister();
+  });
+}
+
 Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path, const OpenOptions& options) {
-  registerDrivers();
+  registerGdalDrivers();
   const std::string name = path.string(), suffix = lower(path.extension().string());
   std::vector<Member> members{{suffix == ".gz" ? "/vsigzip/" + name : name, name}};
   if (suffix == ".zip") {

@@ -11,6 +11,9 @@
 
 namespace foreland::terrain {
 
+// Once per process, by whoever uses GDAL first.
+void registerGdalDrivers();
+
 // One raster, or all that an archive (.zip) holds. Each has been surveyed and has at least one height.
 Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path, const OpenOptions& options);
 

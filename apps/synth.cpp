@@ -1,0 +1,82 @@
+// foreland-synth: a synthetic mountain landscape as an elevation file, for the default demo and for tests.
+// Exit codes: 0 done, 2 bad usage, 1 the machine's fault (disk).
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "terrain/dem/write.h"
+#include "terrain/parallel.h"
+#include "terrain/synth/landscape.h"
+
+namespace {
+
+using namespace foreland;
+
+constexpr uint32_t kWindowRows = 128;
+
+struct Arguments {
+  std::filesystem::path output;
+  terrain::LandscapeOptions landscape;
+};
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland synth: %s\n", error.message.c_str());
+  return error.code == ErrorCode::kIo ? 1 : 2;
+}
+
+// Image rows count from the north, the landscape's from the south.
+void makeWindow(const terrain::Landscape& land, uint32_t top, uint32_t count, std::vector<float>& rows) {
+  const uint32_t size = land.info().width;
+  rows.resize(size_t{count} * size);
+  terrain::parallelFor(
+      count, 0,
+      [&](uint64_t i, unsigned) {
+        const auto row = static_cast<uint32_t>(i);
+        land.heights(size - 1 - (top + row), 1, std::span(rows).subspan(size_t{row} * size, size));
+      },
+      [](uint64_t) { return true; });
+}
+
+int synth(const Arguments& arguments) {
+  const uint32_t size = arguments.landscape.size;
+  auto writer = terrain::createElevationFile({arguments.output, size, size, arguments.landscape.spacing_m});
+  if (!writer.ok()) return fail(writer.error());
+  const auto land = terrain::Landscape::create(arguments.landscape);
+  if (!land.ok()) return fail(land.error());
+  std::vector<float> rows;
+  float lowest = 1e9f, highest = -1e9f;
+  for (uint32_t top = 0; top < size; top += kWindowRows) {
+    const uint32_t count = std::min(kWindowRows, size - top);
+    makeWindow(**land, top, count, rows);
+    const auto [low, high] = std::minmax_element(rows.begin(), rows.end());
+    lowest = std::min(lowest, *low);
+    highest = std::max(highest, *high);
+    if (Status s = (*writer)->writeRows(count, rows); !s.ok()) return fail(s.error());
+  }
+  if (Status s = (*writer)->finish(); !s.ok()) return fail(s.error());
+  std::printf("%s: %u x %u samples, %g m apart, heights %.0f to %.0f m\n", arguments.output.c_str(), size, size,
+              arguments.landscape.spacing_m, lowest, highest);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Makes a synthetic mountain landscape.", "foreland synth"};
+  Arguments arguments;
+  app.add_option("-o,--output", arguments.output, "The file to write; .exr or .tif")->required();
+  app.add_option("--size", arguments.landscape.size, "Samples a side, at least 2")->capture_default_str();
+  app.add_option("--spacing", arguments.landscape.spacing_m, "Metres between samples")->capture_default_str();
+  app.add_option("--seed", arguments.landscape.seed, "The same seed gives the same landscape")->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    return app.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "foreland synth: %s (see foreland synth --help)\n", error.what());
+    return 2;
+  }
+  return synth(arguments);
+}
