@@ -1,6 +1,8 @@
 #include "client/viewer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 
 namespace foreland::client {
 
@@ -86,7 +88,20 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   const Timeline::Shown shown = timeline_.at(now);
   FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
   if (request_.strategy == proto::Strategy::kDelay && shown.mesh) view.pose = poseAt(poses_, shown.scene_time);
+  if (view.mesh) countFrame(view);
   return view;
+}
+
+void Viewer::countFrame(const FrameView& view) {
+  const auto covers = [&](const proto::KeyframeHeader& k) {
+    const glm::dquat turn = glm::conjugate(k.pose.orientation) * view.pose.orientation;
+    const double angle = 2 * std::asin(std::min(1.0, std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z)));
+    return glm::distance(k.pose.eye, view.pose.eye) <= k.ball_m && angle <= k.turn_rad;
+  };
+  ++statistics_.frames;
+  // A section that does not show at all need not hold.
+  const bool from_shows = view.weight < 1, to_shows = view.weight > 0;
+  if ((from_shows && !covers(view.mesh->from)) || (to_shows && !covers(view.mesh->to))) ++statistics_.frames_outside;
 }
 
 void Viewer::setRequest(const proto::ViewRequest& request) {

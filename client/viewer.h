@@ -23,6 +23,8 @@ struct ViewerStatistics {
   Duration last_lateness;            // of the newest keyframe; negative is early
   Duration worst_lateness;
   uint64_t nodes_added = 0, nodes_removed = 0;
+  uint64_t frames = 0;               // with something to draw
+  uint64_t frames_outside = 0;       // of those: drawn from where one of the two keyframes does not promise its tolerance
 };
 
 // What to draw in one frame.
@@ -71,6 +73,7 @@ class Viewer {
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
   void sendPose(Time now, const proto::Pose& pose);
+  void countFrame(const FrameView& view);
 
   proto::ViewRequest request_;
   Duration pose_interval_;

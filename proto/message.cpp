@@ -336,6 +336,8 @@ void encodeHeader(const KeyframeHeader& h, Bytes& out) {
   w.putZigzag(h.time.us);
   putPose(h.pose, w);
   w.put(h.tau_px);
+  w.put(h.ball_m);
+  w.put(h.turn_rad);
   w.put(h.fingerprint);
 }
 
@@ -389,8 +391,10 @@ Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
     h.time = {r.getZigzag()};
     h.pose = getPose(r);
     h.tau_px = r.get<float>();
+    h.ball_m = r.get<float>();
+    h.turn_rad = r.get<float>();
     h.fingerprint = r.get<uint32_t>();
-    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !(h.tau_px > 0) ||
+    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !(h.tau_px > 0) || !(h.ball_m >= 0) || !(h.turn_rad >= 0) ||
         std::llabs(h.time.us) > (int64_t{1} << 60))
       return malformed("a keyframe's header is cut short or absurd");
     return ServerMessage(KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())});

@@ -94,6 +94,8 @@ struct KeyframeHeader {
   Time time;               // t_i, the client's clock
   Pose pose;               // computed for this pose
   float tau_px = 1;        // tolerance in force
+  float ball_m = 0;        // tau is kept for eyes this near to pose.eye,
+  float turn_rad = 0;      // turned by no more than this
   uint32_t fingerprint = 0;  // of the section that results
 };
 

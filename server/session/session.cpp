@@ -9,8 +9,14 @@
 
 namespace foreland::server {
 
+namespace {
+
+constexpr Sweep kPoseRounding{0.004, 4e-4};
+
+}  // namespace
+
 Session::Session(std::shared_ptr<const World> world, const SessionOptions& options)
-    : world_(std::move(world)), options_(options) {}
+    : world_(std::move(world)), options_(options), adapter_(world_->hierarchy) {}
 
 Status Session::receive(ByteSpan bytes, Time now) {
   now_ = std::max(now_, now);
@@ -65,6 +71,10 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   if (update.received_keyframe > keyframe_.index)
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   history_.add(update.pose);
+  while (!predictions_.empty() && predictions_.front().time <= update.pose.time) {
+    miss_.add(predictions_.front().pose, history_.at(predictions_.front().time));
+    predictions_.pop_front();
+  }
   clocks_.poseArrived(update.pose.time, now);
   if (update.received_keyframe > acknowledged_) {
     acknowledged_ = update.received_keyframe;
@@ -144,21 +154,45 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   if (next && next->due.release <= now_) computeKeyframe(*next, now_, scratch, out);
 }
 
+// Where the camera was, is, or is expected to be.
+proto::Pose Session::expectedPose(Time t) const {
+  const bool predicted = request_->strategy == proto::Strategy::kPredict;
+  if (predicted && request_->predictor == proto::Predictor::kKnownPath && path_) return path_->at(t);
+  if (t <= history_.newest().time) return history_.at(t);
+  // With `delay` and `current` only the interval after the keyframe lies ahead.
+  return history_.predict(predicted ? request_->predictor : proto::Predictor::kConstantVelocity, path_, t);
+}
+
+// The keyframe's pose, and the region around it that the camera stays in while the section is shown.
+View Session::viewFor(Time t) const {
+  const Duration T = request_->keyframe_interval;
+  View view{proto::asSent(expectedPose(t)), request_->lens, request_->tau_px};
+  // The first section is shown as soon as it is there.
+  const Time begin = std::min(keyframe_.index == 0 ? history_.newest().time : keyframe_.time, t - T);
+  const Sweep sweep = sweepOf(view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
+  const Sweep miss = miss_.estimate();
+  // As the header has them: what is sent is what is kept. Poses travel rounded, both ways.
+  view.ball_m = static_cast<float>(sweep.ball_m + miss.ball_m + kPoseRounding.ball_m);
+  view.turn_rad = static_cast<float>(sweep.turn_rad + miss.turn_rad + kPoseRounding.turn_rad);
+  return view;
+}
+
 void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   const Hierarchy& hierarchy = world_->hierarchy;
-  const proto::Pose pose = request_->strategy == proto::Strategy::kPredict
-                               ? history_.predict(request_->predictor, path_, plan.time_client)
-                               : history_.at(plan.time_client);
-  View view{proto::asSent(pose), request_->lens, request_->tau_px};
-  while (!refine(hierarchy, view, options_.max_section_nodes, scratch.refine, scratch.section)) view.tau_px *= 2;
-  proto::diff(section_, scratch.section, scratch.delta);
+  View view = viewFor(plan.time_client);
+  scratch.delta.added.clear();
+  scratch.delta.removed.clear();
+  while (!adapter_.adapt(view, options_.max_section_nodes, scratch.delta)) view.tau_px *= 2;
+  settle(scratch.delta);
 
   proto::KeyframeHeader header;
   header.index = keyframe_.index + 1;
   header.base_index = keyframe_.index;
   header.time = plan.time_client;
-  header.pose = pose;
+  header.pose = view.pose;
   header.tau_px = static_cast<float>(view.tau_px);
+  header.ball_m = static_cast<float>(view.ball_m);
+  header.turn_rad = static_cast<float>(view.turn_rad);
   header.fingerprint = keyframe_.fingerprint + proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
   Bytes message;
   proto::encodeHeader(header, message);
@@ -166,18 +200,17 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   proto::encodeDelta(hierarchy.grid(), scratch.delta, [&](proto::NodeId v) { return scene.height(v); }, message);
   out.push_back(std::move(message));
 
-  section_.slots.swap(scratch.section.slots);
   keyframe_ = header;
-  keyframe_.pose = view.pose;
   unsent_ = true;
   target_.reset();
   aim();
   in_flight_.push_back({header.index, now});
+  if (plan.time_client > history_.newest().time) predictions_.push_back({plan.time_client, view.pose});
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.delta.added.size();
   statistics_.nodes_removed += scratch.delta.removed.size();
-  statistics_.section_nodes = section_.slots.size();
+  statistics_.section_nodes = adapter_.nodeCount();
 }
 
 // Rises at once, falls slowly: a plan should hold for the slower of the recent keyframes.

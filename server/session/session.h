@@ -17,10 +17,11 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "proto/message.h"
-#include "server/section/refine.h"
+#include "server/section/adapt.h"
 #include "server/session/clock_map.h"
 #include "server/session/world.h"
 #include "server/view/pose_history.h"
+#include "server/view/sweep.h"
 
 namespace foreland::server {
 
@@ -34,8 +35,6 @@ struct SessionOptions {
 
 // What a worker brings to a step; one per worker, reused.
 struct SessionScratch {
-  RefineScratch refine;
-  proto::Section section;
   proto::CutDelta delta;
 };
 
@@ -61,7 +60,7 @@ class Session {
   std::optional<Due> due() const;
 
   // Does what is due at `now`: hands over replies, and computes at most one keyframe. Appends whole messages to `out`. Called early, it
-  // does nothing. Cost: one refinement. Tell afterwards how long it took with noteComputeTime.
+  // does nothing. Cost: one adaptation. Tell afterwards how long it took with noteComputeTime.
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out);
   void noteComputeTime(Duration spent);
 
@@ -70,7 +69,7 @@ class Session {
 
   const SessionStatistics& statistics() const { return statistics_; }
   // What the client holds once it has read everything sent; and the keyframe that it belongs to.
-  const proto::Section& section() const { return section_; }
+  proto::Section section() const { return adapter_.section(); }
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }
 
  private:
@@ -91,19 +90,23 @@ class Session {
   // With `predict`: chooses the grid point to aim at, and keeps to it until it is hopelessly late.
   void aim();
   Time gridAtOrAfter(Time t_client) const;
+  proto::Pose expectedPose(Time t_client) const;
+  View viewFor(Time t_client) const;
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
   SessionOptions options_;
   std::optional<proto::ViewRequest> request_;
   PoseHistory history_;
+  PredictionMiss miss_;
+  std::deque<proto::TimedPose> predictions_;  // not yet overtaken by true poses
   std::optional<proto::Path> path_;
   ClockMap clocks_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // grid point aimed at with `predict`, the client's clock
   std::vector<Bytes> replies_;
 
-  proto::Section section_;
+  Adapter adapter_;
   proto::KeyframeHeader keyframe_;  // the last one sent; index 0 before the first
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;

@@ -100,6 +100,40 @@ TEST(World, ErrorAtEachKeyframeIsAtMostTau) {
   EXPECT_GT(worst_px, 0.2) << "a bound that is never approached is not tested";
 }
 
+TEST(World, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
+  const auto scene = alps();
+  for (const char* tour : {"survey", "canyon", "spin", "orbit"}) {
+    World world(scene, {}, Duration::milliseconds(4), 3);
+    world.addClient(flying(*scene, tour, Strategy::kPredict, Predictor::kKnownPath));
+    bench::Oracle oracle(bench::truthOf(scene));
+    uint64_t frame = 0;
+    world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+      if (now < Time::seconds(1) || ++frame % 7 != 0) return;
+      const bench::DrawnShare drawn{view.mesh, view.weight, 1};
+      const auto error = oracle.error({&drawn, 1}, view.pose, smallLens());
+      EXPECT_LE(error.max_px, 1 + 1e-4) << tour << " at " << now.toSeconds() << " s";
+    };
+    world.run(Time::seconds(5));
+    EXPECT_EQ(report(world), "");
+    EXPECT_EQ(world.viewer(0).statistics().frames_outside, 0u) << tour;
+  }
+}
+
+TEST(World, FramesOutsideThePromiseAreCounted) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 4);
+  ClientOptions c = flying(*scene, "survey", Strategy::kPredict, Predictor::kHold);
+  // The camera stands, then jumps: nobody can have foreseen it.
+  for (size_t i = 0; i < c.path.poses.size(); ++i) c.path.poses[i].eye = c.path.poses[0].eye + glm::dvec3(i < 50 ? 0 : 400, 0, 0);
+  world.addClient(c);
+  world.run(Time::seconds(4.5));
+  EXPECT_EQ(world.viewer(0).statistics().frames_outside, 0u);
+  world.run(Time::seconds(8));
+  EXPECT_GT(world.viewer(0).statistics().frames_outside, 5u);
+  EXPECT_LT(world.viewer(0).statistics().frames_outside, 60u);
+  EXPECT_EQ(report(world), "");
+}
+
 TEST(World, TheSameSeedGivesTheSameBytes) {
   const auto scene = alps();
   const auto fly = [&](uint64_t seed) {
@@ -137,7 +171,7 @@ TEST(World, ASlowLinkGetsFewerKeyframesAndStaysCurrent) {
   const auto scene = alps();
   World world(scene, {}, Duration::milliseconds(4), 8);
   ClientOptions c = flying(*scene, "canyon", Strategy::kPredict, Predictor::kConstantVelocity);
-  c.down.bytes_per_second = 2500;
+  c.down.bytes_per_second = 12'000;
   world.addClient(c);
   Duration worst{};
   Time first{};
