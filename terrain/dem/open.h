@@ -27,9 +27,9 @@ enum class HeightEncoding : uint8_t {
 };
 
 struct OpenOptions {
-  std::optional<double> nodata;       // replaces the file's own
-  std::optional<double> spacing_m;    // for inputs without a reference system (EXR, images)
-  std::optional<std::string> channel;  // EXR channel, band number, or variable of a file with several
+  std::optional<double> nodata{};      // replaces the file's own
+  std::optional<double> spacing_m{};   // for inputs without a reference system (EXR, images)
+  std::optional<std::string> channel{}; // EXR channel, band number, or variable of a file with several
   FrameChoice frame = FrameChoice::kAuto;
   HeightEncoding encoding = HeightEncoding::kPlain;
 };
