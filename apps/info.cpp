@@ -1,4 +1,5 @@
-// foreland-info: what a scene file holds, for people or (--json) for programs. Exit codes: 0 done, 2 not a readable scene.
+// foreland-info: what a scene file holds, for people or (--json) for programs. Exit codes: 0 done, 2 not a readable
+// scene.
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
@@ -44,8 +45,10 @@ ordered_json describeFrame(const terrain::Scene& scene) {
     frame["origin"] = {{"latitude_deg", f.origin.latitude_rad * kDegrees},
                        {"longitude_deg", f.origin.longitude_rad * kDegrees},
                        {"height_m", f.origin.height_m}};
-    frame["south_west"] = {{"latitude_deg", f.latitude0_rad * kDegrees}, {"longitude_deg", f.longitude0_rad * kDegrees}};
-    frame["step"] = {{"latitude_deg", f.latitude_step_rad * kDegrees}, {"longitude_deg", f.longitude_step_rad * kDegrees}};
+    frame["south_west"] = {{"latitude_deg", f.latitude0_rad * kDegrees},
+                           {"longitude_deg", f.longitude0_rad * kDegrees}};
+    frame["step"] = {{"latitude_deg", f.latitude_step_rad * kDegrees},
+                     {"longitude_deg", f.longitude_step_rad * kDegrees}};
     frame["ellipsoid"] = {{"semi_major_m", f.semi_major_m}, {"flattening", f.flattening}};
   }
   frame["crs"] = scene.origin().crs_wkt;
@@ -76,16 +79,19 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
 void printFrame(const proto::Frame& f, const std::string& crs_wkt) {
   if (f.kind == proto::FrameKind::kPlanar) {
     std::printf("frame      planar, metres of the map\n");
-    std::printf("  origin   map (%.3f, %.3f) m, at lattice (%.3f, %.3f)\n", f.map_origin_m.x, f.map_origin_m.y, f.anchor.x, f.anchor.y);
-    std::printf("  axes     a sample along x is (%.6g, %.6g) m, along y (%.6g, %.6g) m\n", f.axis_x_m.x, f.axis_x_m.y, f.axis_y_m.x,
-                f.axis_y_m.y);
+    std::printf("  origin   map (%.3f, %.3f) m, at lattice (%.3f, %.3f)\n", f.map_origin_m.x, f.map_origin_m.y,
+                f.anchor.x, f.anchor.y);
+    std::printf("  axes     a sample along x is (%.6g, %.6g) m, along y (%.6g, %.6g) m\n", f.axis_x_m.x, f.axis_x_m.y,
+                f.axis_y_m.x, f.axis_y_m.y);
   } else {
     std::printf("frame      geographic, local east-north-up\n");
     std::printf("  origin   latitude %.8f, longitude %.8f degrees, height %.3f m\n", f.origin.latitude_rad * kDegrees,
                 f.origin.longitude_rad * kDegrees, f.origin.height_m);
-    std::printf("  lattice  from latitude %.8f, longitude %.8f degrees in steps of %.8f, %.8f\n", f.latitude0_rad * kDegrees,
-                f.longitude0_rad * kDegrees, f.latitude_step_rad * kDegrees, f.longitude_step_rad * kDegrees);
-    std::printf("  ellipsoid  semi-major axis %.3f m, flattening 1/%.9g\n", f.semi_major_m, f.flattening > 0 ? 1 / f.flattening : 0.0);
+    std::printf("  lattice  from latitude %.8f, longitude %.8f degrees in steps of %.8f, %.8f\n",
+                f.latitude0_rad * kDegrees, f.longitude0_rad * kDegrees, f.latitude_step_rad * kDegrees,
+                f.longitude_step_rad * kDegrees);
+    std::printf("  ellipsoid  semi-major axis %.3f m, flattening 1/%.9g\n", f.semi_major_m,
+                f.flattening > 0 ? 1 / f.flattening : 0.0);
   }
   std::printf("  crs      %s\n", crs_wkt.empty() ? "none" : crs_wkt.c_str());
 }
@@ -97,10 +103,11 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("title      %s\n", scene.origin().title.c_str());
   std::printf("id         %s\n", hexadecimal(scene.id()).c_str());
   std::printf("samples    %u x %u\n", shape.samples_x, shape.samples_y);
-  std::printf("roots      %u x %u squares of %u samples a side\n", shape.roots_x, shape.roots_y, scene.grid().rootSize() + 1);
+  std::printf("roots      %u x %u squares of %u samples a side\n", shape.roots_x, shape.roots_y,
+              scene.grid().rootSize() + 1);
   std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
-  std::printf("heights    %.3f to %.3f m, in steps of %g m\n", scene.heightRange().lowest * step_m, scene.heightRange().highest * step_m,
-              step_m);
+  std::printf("heights    %.3f to %.3f m, in steps of %g m\n", scene.heightRange().lowest * step_m,
+              scene.heightRange().highest * step_m, step_m);
   printFrame(scene.frame(), scene.origin().crs_wkt);
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());
@@ -116,15 +123,15 @@ int main(int argc, char** argv) {
   app.add_flag("--json", json, "Print JSON");
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
   const auto scene = terrain::Scene::open(path);
   if (!scene.ok()) {
     std::fprintf(stderr, "foreland info: %s\n", scene.error().message.c_str());
     return 2;
   }
-  if (json) std::printf("%s\n", describe(path, **scene).dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
-  else print(path, **scene);
+  if (json)
+    std::printf("%s\n", describe(path, **scene).dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
+  else
+    print(path, **scene);
   return 0;
 }

@@ -14,15 +14,19 @@ int report(const std::string& path, const terrain::VerifyReport& found) {
   std::printf("header, sizes and table of checksums agree\n");
   std::printf("%" PRIu64 " blocks: contents against their checksums\n", found.blocks);
   std::printf("%" PRIu64 " base vertices: heights within the scene's range\n", found.base_vertices);
-  std::printf("%" PRIu64 " nodes: heights within range, errors cover the children's, spheres hold corners and the children's spheres\n",
-              found.nodes);
+  std::printf(
+      "%" PRIu64
+      " nodes: heights within range, errors cover the children's, spheres hold corners and the children's spheres\n",
+      found.nodes);
   std::printf("%" PRIu64 " unused slots: zero\n", found.padding);
   if (found.sound()) {
     std::printf("%s: sound\n", path.c_str());
     return 0;
   }
-  for (const std::string& fault : found.first_faults) std::fprintf(stderr, "foreland verify: %s: %s\n", path.c_str(), fault.c_str());
-  std::fprintf(stderr, "foreland verify: %s: %" PRIu64 " faults; build or copy the scene again\n", path.c_str(), found.faults);
+  for (const std::string& fault : found.first_faults)
+    std::fprintf(stderr, "foreland verify: %s: %s\n", path.c_str(), fault.c_str());
+  std::fprintf(stderr, "foreland verify: %s: %" PRIu64 " faults; build or copy the scene again\n", path.c_str(),
+               found.faults);
   return 2;
 }
 
@@ -36,9 +40,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", threads, "Worker threads; 0 for one per processor")->check(CLI::Range(0u, 1024u));
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
   const auto found = terrain::verifyScene(path, threads);
   if (!found.ok()) {
     std::fprintf(stderr, "foreland verify: %s\n", found.error().message.c_str());

@@ -1,5 +1,5 @@
-// Runs independent pieces of work on several threads and waits for them. The pieces must write to disjoint places, so the result does
-// not depend on the number of threads. The calling thread works too, and only it calls `between`.
+// Runs independent pieces of work on several threads and waits for them. The pieces must write to disjoint places, so
+// the result does not depend on the number of threads. The calling thread works too, and only it calls `between`.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +11,12 @@
 namespace foreland::terrain {
 
 // 0 asks for one thread per processor.
-inline unsigned threadCount(unsigned wanted) { return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency()); }
+inline unsigned threadCount(unsigned wanted) {
+  return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
+}
 
-// work(i, worker) for every i below `count`, in any order; calls with the same worker, below threadCount(threads), do not
-// overlap, so each worker may own scratch. `between(done)` runs now and then on the calling thread; once it returns
+// work(i, worker) for every i below `count`, in any order; calls with the same worker, below threadCount(threads), do
+// not overlap, so each worker may own scratch. `between(done)` runs now and then on the calling thread; once it returns
 // false no further piece is started. Returns whether every piece was done and nothing was stopped.
 template <class Work, class Between>
 bool parallelFor(uint64_t count, unsigned threads, const Work& work, const Between& between) {
@@ -29,7 +31,8 @@ bool parallelFor(uint64_t count, unsigned threads, const Work& work, const Betwe
   {
     std::vector<std::jthread> others;
     const auto workers = static_cast<unsigned>(std::min<uint64_t>(threadCount(threads), count));
-    for (unsigned worker = 1; worker < workers; ++worker) others.emplace_back([&, worker] { take(worker, [](uint64_t) {}); });
+    for (unsigned worker = 1; worker < workers; ++worker)
+      others.emplace_back([&, worker] { take(worker, [](uint64_t) {}); });
     take(0, [&](uint64_t finished) {
       if (!between(finished)) stop = true;
     });

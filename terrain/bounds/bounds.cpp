@@ -74,13 +74,15 @@ class BoundsPass {
  private:
   // Relative: a node costs about what 32 samples cost to scan, and each level scans all samples.
   double cost(int level) const {
-    return 32.0 * (job_.grid.levelOffset(level + 1) - job_.grid.levelOffset(level)) + static_cast<double>(job_.heights.steps.size());
+    return 32.0 * (job_.grid.levelOffset(level + 1) - job_.grid.levelOffset(level)) +
+           static_cast<double>(job_.heights.steps.size());
   }
 
   // One worker's, for one level.
   struct Scratch {
     Scratch(const BoundsPass& pass, const NodeLevel& level)
-        : errors(pass.error_, pass.job_, level), spheres(pass.job_.grid, pass.positions_, pass.job_.nodes, level.level) {}
+        : errors(pass.error_, pass.job_, level),
+          spheres(pass.job_.grid, pass.positions_, pass.job_.nodes, level.level) {}
     ErrorRows errors;
     SphereRows spheres;
     std::vector<NodeRecord> records;  // of the band at hand
@@ -129,7 +131,8 @@ class BoundsPass {
   };
   // Of a band; all bands of a level have as many.
   Slots slots(const NodeLevel& level, uint32_t band) const {
-    const proto::Slot begin = job_.grid.levelOffset(level.level), each = (job_.grid.levelOffset(level.level + 1) - begin) / level.bands();
+    const proto::Slot begin = job_.grid.levelOffset(level.level),
+                      each = (job_.grid.levelOffset(level.level + 1) - begin) / level.bands();
     return {begin + band * each, each};
   }
 

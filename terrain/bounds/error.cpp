@@ -56,9 +56,13 @@ double PlanarError::metres(proto::NodeId n) const {
 double PlanarError::inMetres(double steps) const { return steps * step_m_ * (1 + 0x1p-51); }
 
 GeographicError::GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
-    : grid_(grid), heights_(heights), step_m_(frame.height_step_m), polar_((1 - frame.flattening) * (1 - frame.flattening)) {
+    : grid_(grid),
+      heights_(heights),
+      step_m_(frame.height_step_m),
+      polar_((1 - frame.flattening) * (1 - frame.flattening)) {
   const proto::FrameTransform transform(frame);
-  for (uint32_t y = 0; y <= grid.maxY(); ++y) rows_.push_back(transform.row(frame.latitude0_rad + y * frame.latitude_step_rad));
+  for (uint32_t y = 0; y <= grid.maxY(); ++y)
+    rows_.push_back(transform.row(frame.latitude0_rad + y * frame.latitude_step_rad));
   for (uint32_t x = 0; x <= grid.maxX(); ++x) {
     const auto column = transform.column(frame.longitude0_rad + x * frame.longitude_step_rad);
     sin_lon_.push_back(column.sin);
@@ -95,10 +99,12 @@ double GeographicError::metres(proto::NodeId n) const {
       };
       int32_t i = 0;
       for (; i + 4 <= count; i += 4)
-        worst = larger(worst, square(loadFour(samples + i), loadFour(&sin_lon_[x + i]), loadFour(&cos_lon_[x + i]), i + kZeroToThree));
+        worst = larger(worst, square(loadFour(samples + i), loadFour(&sin_lon_[x + i]), loadFour(&cos_lon_[x + i]),
+                                     i + kZeroToThree));
       for (; i < count; ++i) {
         const Four one = {static_cast<double>(samples[i])};
-        worst = larger(worst, Four{square(one, Four{sin_lon_[x + i]}, Four{cos_lon_[x + i]}, Four{static_cast<double>(i)})[0]});
+        worst = larger(
+            worst, Four{square(one, Four{sin_lon_[x + i]}, Four{cos_lon_[x + i]}, Four{static_cast<double>(i)})[0]});
       }
     });
   }

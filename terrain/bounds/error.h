@@ -1,5 +1,6 @@
-// The exact error of leaving one node out (DESIGN section 3): the largest distance, over the data samples of the node's support,
-// between the true surface and the surface without the node, at the same parameter. Not saturated; bounds.h does that.
+// The exact error of leaving one node out (DESIGN section 3): the largest distance, over the data samples of the node's
+// support, between the true surface and the surface without the node, at the same parameter. Not saturated; bounds.h
+// does that.
 //
 //   planar      both points lie above the same place, so the distance is vertical; exact
 //   geographic  in space, curvature included; overstated by at most 1e-7 m, which covers rounding; less than
@@ -39,8 +40,8 @@ class GeographicError {
   const proto::GridTopology& grid_;
   Heights heights_;
   double step_m_;
-  double polar_;                             // (1 - e^2): shortens the normal along the axis
-  std::vector<double> sin_lon_, cos_lon_;    // by column, grid wide
+  double polar_;                                  // (1 - e^2): shortens the normal along the axis
+  std::vector<double> sin_lon_, cos_lon_;         // by column, grid wide
   std::vector<proto::FrameTransform::Row> rows_;  // by row
 };
 

@@ -6,7 +6,10 @@
 namespace foreland::terrain {
 
 FineErrors::FineErrors(const proto::GridTopology& grid, const Heights& heights, const NodeLevel& level)
-    : grid_(grid), heights_(heights), level_(level), period_((level.sides ? 2 : 4) * level.s),
+    : grid_(grid),
+      heights_(heights),
+      level_(level),
+      period_((level.sides ? 2 : 4) * level.s),
       stride_(heights.width / period_ + 2 + 4) {}  // a rest, a carry, and what a vector reads too much
 
 const int32_t* FineErrors::sorted(uint32_t y) {
@@ -57,7 +60,8 @@ void FineErrors::family(const NodeRow& row, uint32_t first, uint32_t every, uint
     });
     std::array<size_t, 2 * kLargestReach + 1> places;
     const auto reach = static_cast<int32_t>(level_.s);
-    for (int32_t dx = -reach; dx <= reach; ++dx) places[static_cast<size_t>(dx + reach)] = place(n.x() + static_cast<uint32_t>(dx));
+    for (int32_t dx = -reach; dx <= reach; ++dx)
+      places[static_cast<size_t>(dx + reach)] = place(n.x() + static_cast<uint32_t>(dx));
     for (uint32_t i = 0; i < count; i += 4) {
       const Plane<Four> plane = triangle.plane(loadFour(a + i), loadFour(b + i), loadFour(p + i));
       Four worst = loadFour(&family_errors_[i]);

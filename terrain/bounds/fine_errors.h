@@ -1,7 +1,7 @@
-// The same errors as PlanarError, for the finest levels, where supports are too small to scan one by one: the compiler's vectors run across
-// neighbouring nodes instead. To make neighbours adjacent in memory, lattice rows are sorted by x modulo the period at which nodes
-// repeat. Exact, in doubles; a test demands equality with PlanarError.
-// One owner.
+// The same errors as PlanarError, for the finest levels, where supports are too small to scan one by one: the
+// compiler's vectors run across neighbouring nodes instead. To make neighbours adjacent in memory, lattice rows are
+// sorted by x modulo the period at which nodes repeat. Exact, in doubles; a test demands equality with PlanarError. One
+// owner.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Four doubles at a time, by the compiler's vector types: no intrinsics, any processor, the same results as one at a time.
+// Four doubles at a time, by the compiler's vector types: no intrinsics, any processor, the same results as one at a
+// time.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// The nodes of one level on one lattice row, evenly spaced: what bounds are computed for at a time, so that the compiler can do
-// several nodes at once. A level of sides has two kinds of row: on rows of its squares' corners lie the sides along x, on those
-// of their centres the sides along y. Value type; any thread.
+// The nodes of one level on one lattice row, evenly spaced: what bounds are computed for at a time, so that the
+// compiler can do several nodes at once. A level of sides has two kinds of row: on rows of its squares' corners lie the
+// sides along x, on those of their centres the sides along y. Value type; any thread.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,10 @@ struct NodeLevel {
   uint32_t cells_y = 0;
 
   NodeLevel(const proto::GridTopology& grid, int number)
-      : level(number), sides(number & 1), s(grid.rootSize() >> (1 + number / 2)), cells_x(grid.maxX() / (2 * s)),
+      : level(number),
+        sides(number & 1),
+        s(grid.rootSize() >> (1 + number / 2)),
+        cells_x(grid.maxX() / (2 * s)),
         cells_y(grid.maxY() / (2 * s)) {}
 
   uint32_t cellRows() const { return cells_y + (sides ? 1 : 0); }

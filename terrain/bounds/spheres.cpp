@@ -15,7 +15,8 @@ RowPositions::RowPositions(const proto::GridTopology& grid, const proto::Frame& 
     : heights_(heights), frame_(frame), polar_((1 - frame.flattening) * (1 - frame.flattening)) {
   if (frame.kind != proto::FrameKind::kGeographic) return;
   const proto::FrameTransform transform(frame);
-  for (uint32_t y = 0; y <= grid.maxY(); ++y) rows_.push_back(transform.row(frame.latitude0_rad + y * frame.latitude_step_rad));
+  for (uint32_t y = 0; y <= grid.maxY(); ++y)
+    rows_.push_back(transform.row(frame.latitude0_rad + y * frame.latitude_step_rad));
   for (uint32_t x = 0; x <= grid.maxX(); ++x) {
     const auto column = transform.column(frame.longitude0_rad + x * frame.longitude_step_rad);
     sin_lon_.push_back(column.sin);
@@ -25,8 +26,10 @@ RowPositions::RowPositions(const proto::GridTopology& grid, const proto::Frame& 
 
 void RowPositions::fill(const NodeRow& row, const Out& out) const {
   const int32_t* steps = heights_.row(std::min(row.y, heights_.height - 1));
-  const uint32_t with_data = row.first_x >= heights_.width ? 0 : std::min(row.count, (heights_.width - 1 - row.first_x) / row.step_x + 1);
-  for (uint32_t i = 0; i < with_data; ++i) out.z[i] = steps[row.first_x + static_cast<size_t>(i) * row.step_x] * frame_.height_step_m;
+  const uint32_t with_data =
+      row.first_x >= heights_.width ? 0 : std::min(row.count, (heights_.width - 1 - row.first_x) / row.step_x + 1);
+  for (uint32_t i = 0; i < with_data; ++i)
+    out.z[i] = steps[row.first_x + static_cast<size_t>(i) * row.step_x] * frame_.height_step_m;
   std::fill(out.z + with_data, out.z + row.count, steps[heights_.width - 1] * frame_.height_step_m);
   if (frame_.kind == proto::FrameKind::kPlanar) {
     const double dy = row.y - frame_.anchor.y, x0 = row.first_x - frame_.anchor.x, step = row.step_x;
@@ -47,7 +50,8 @@ void RowPositions::fill(const NodeRow& row, const Out& out) const {
   }
 }
 
-SphereRows::SphereRows(const proto::GridTopology& grid, const RowPositions& positions, std::span<const NodeRecord> nodes, int level)
+SphereRows::SphereRows(const proto::GridTopology& grid, const RowPositions& positions,
+                       std::span<const NodeRecord> nodes, int level)
     : grid_(grid), positions_(positions), nodes_(nodes), level_(grid, level) {}
 
 void SphereRows::load(Row& row, const NodeRow& where, bool are_nodes) {
@@ -79,25 +83,30 @@ const SphereRows::Row& SphereRows::childRow(uint32_t y) {
   return row;
 }
 
-void SphereRows::include(const Row& children, int offset, std::span<double> radii_m, std::span<uint16_t> child_errors) const {
+void SphereRows::include(const Row& children, int offset, std::span<double> radii_m,
+                         std::span<uint16_t> child_errors) const {
   const double *x = own_.x.data() + 1, *y = own_.y_m.data() + 1, *z = own_.z.data() + 1;
-  const double *cx = children.x.data() + 1 + offset, *cy = children.y_m.data() + 1 + offset, *cz = children.z.data() + 1 + offset;
+  const double *cx = children.x.data() + 1 + offset, *cy = children.y_m.data() + 1 + offset,
+               *cz = children.z.data() + 1 + offset;
   const double* radius = children.radius.data() + 1 + offset;
   const uint16_t* error = children.error.data() + 1 + offset;
   double* out = radii_m.data();
   uint16_t* out_error = child_errors.data();
   const size_t count = radii_m.size();
   for (size_t i = 0; i < count; ++i) {
-    const double dx = cx[i] - x[i], dy = cy[i] - y[i], dz = cz[i] - z[i], needed = std::sqrt(dx * dx + dy * dy + dz * dz) + radius[i];
+    const double dx = cx[i] - x[i], dy = cy[i] - y[i], dz = cz[i] - z[i],
+                 needed = std::sqrt(dx * dx + dy * dy + dz * dz) + radius[i];
     out[i] = needed > out[i] ? needed : out[i];
   }
   for (size_t i = 0; i < count; ++i) out_error[i] = error[i] > out_error[i] ? error[i] : out_error[i];
 }
 
 // As include, for children twice as dense: parent i takes children 2i + offset and 2i + offset + 1.
-void SphereRows::includePairs(const Row& children, int offset, std::span<double> radii_m, std::span<uint16_t> child_errors) const {
+void SphereRows::includePairs(const Row& children, int offset, std::span<double> radii_m,
+                              std::span<uint16_t> child_errors) const {
   const double *x = own_.x.data() + 1, *y = own_.y_m.data() + 1, *z = own_.z.data() + 1;
-  const double *cx = children.x.data() + 1 + offset, *cy = children.y_m.data() + 1 + offset, *cz = children.z.data() + 1 + offset;
+  const double *cx = children.x.data() + 1 + offset, *cy = children.y_m.data() + 1 + offset,
+               *cz = children.z.data() + 1 + offset;
   const double* radius = children.radius.data() + 1 + offset;
   const uint16_t* error = children.error.data() + 1 + offset;
   double* out = radii_m.data();
@@ -105,8 +114,10 @@ void SphereRows::includePairs(const Row& children, int offset, std::span<double>
   const size_t count = radii_m.size();
   for (size_t i = 0; i < count; ++i) {
     const size_t k = 2 * i, l = k + 1;
-    const double dx = cx[k] - x[i], dy = cy[k] - y[i], dz = cz[k] - z[i], west = std::sqrt(dx * dx + dy * dy + dz * dz) + radius[k];
-    const double ex = cx[l] - x[i], ey = cy[l] - y[i], ez = cz[l] - z[i], east = std::sqrt(ex * ex + ey * ey + ez * ez) + radius[l];
+    const double dx = cx[k] - x[i], dy = cy[k] - y[i], dz = cz[k] - z[i],
+                 west = std::sqrt(dx * dx + dy * dy + dz * dz) + radius[k];
+    const double ex = cx[l] - x[i], ey = cy[l] - y[i], ez = cz[l] - z[i],
+                 east = std::sqrt(ex * ex + ey * ey + ez * ez) + radius[l];
     const double needed = west > east ? west : east;
     out[i] = needed > out[i] ? needed : out[i];
   }
@@ -116,7 +127,8 @@ void SphereRows::includePairs(const Row& children, int offset, std::span<double>
   }
 }
 
-// Finest sides have no children: their spheres hold the four lattice points around them, which are all their support's samples.
+// Finest sides have no children: their spheres hold the four lattice points around them, which are all their support's
+// samples.
 void SphereRows::corners(const NodeRow& row, std::span<double> radii_m, std::span<uint16_t> child_errors) {
   const bool along_x = row.first_x == 1;
   Row& beside = kept_[0];

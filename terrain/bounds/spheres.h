@@ -1,6 +1,6 @@
-// Saturated spheres, row by row: about each node's position, large enough for its children's spheres (bounds.h). A SphereRows
-// keeps the rows of children that neighbouring rows of parents share.
-// One owner; reads nodes of the next finer level only.
+// Saturated spheres, row by row: about each node's position, large enough for its children's spheres (bounds.h). A
+// SphereRows keeps the rows of children that neighbouring rows of parents share. One owner; reads nodes of the next
+// finer level only.
 #pragma once
 
 #include <array>
@@ -38,7 +38,8 @@ class RowPositions {
 
 class SphereRows {
  public:
-  SphereRows(const proto::GridTopology& grid, const RowPositions& positions, std::span<const NodeRecord> nodes, int level);
+  SphereRows(const proto::GridTopology& grid, const RowPositions& positions, std::span<const NodeRecord> nodes,
+             int level);
 
   // Least radii of the row's nodes, unpadded; and the largest error of each node's children.
   void compute(const NodeRow& row, std::span<double> radii_m, std::span<uint16_t> child_errors);

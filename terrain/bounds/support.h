@@ -1,6 +1,6 @@
-// The support of a node, triangle by triangle and row by row. A triangle (a, b, apex) halved by node n is right-angled and isosceles: with the
-// offsets e = b - n and p = apex - n, a lattice point n + d has the coordinates u = d.e / |e|^2 along the edge and
-// v = d.p / |p|^2 towards the apex, 0 <= v <= 1 - |u|, and the surface without n is
+// The support of a node, triangle by triangle and row by row. A triangle (a, b, apex) halved by node n is right-angled
+// and isosceles: with the offsets e = b - n and p = apex - n, a lattice point n + d has the coordinates u = d.e / |e|^2
+// along the edge and v = d.p / |p|^2 towards the apex, 0 <= v <= 1 - |u|, and the surface without n is
 //
 //   value(d) = (A + B) / 2 + u (B - A) / 2 + v (P - (A + B) / 2)
 //
@@ -29,13 +29,20 @@ struct SupportTriangle {
   int32_t ex, ey, px, py;  // offsets of b and of the apex from the node
 
   SupportTriangle(proto::NodeId n, const std::array<proto::NodeId, 2>& ends, proto::NodeId top)
-      : node(n), a(ends[0]), b(ends[1]), apex(top), ex(offset(b.x(), n.x())), ey(offset(b.y(), n.y())),
-        px(offset(top.x(), n.x())), py(offset(top.y(), n.y())) {}
+      : node(n),
+        a(ends[0]),
+        b(ends[1]),
+        apex(top),
+        ex(offset(b.x(), n.x())),
+        ey(offset(b.y(), n.y())),
+        px(offset(top.x(), n.x())),
+        py(offset(top.y(), n.y())) {}
 
   template <class Value>
   Plane<Value> plane(const Value& at_a, const Value& at_b, const Value& at_apex) const {
     const double inverse = 1.0 / (static_cast<double>(ex) * ex + static_cast<double>(ey) * ey);
-    const Value middle = 0.5 * (at_a + at_b), along = 0.5 * inverse * (at_b - at_a), across = inverse * (at_apex - middle);
+    const Value middle = 0.5 * (at_a + at_b), along = 0.5 * inverse * (at_b - at_a),
+                across = inverse * (at_apex - middle);
     return {middle, static_cast<double>(ex) * along + static_cast<double>(px) * across,
             static_cast<double>(ey) * along + static_cast<double>(py) * across};
   }

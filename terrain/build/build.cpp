@@ -21,7 +21,7 @@ Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete
 // One sample's four bytes, first its height in metres, then in steps: a raster of 16385 x 16385 is kept once.
 class Raster {
  public:
-  explicit Raster(size_t count) : count_(count), bytes_(new(std::nothrow) std::byte[count * sizeof(float)]) {
+  explicit Raster(size_t count) : count_(count), bytes_(new (std::nothrow) std::byte[count * sizeof(float)]) {
     if (bytes_) metres_ = new (bytes_.get()) float[count];
   }
   bool allocated() const { return bytes_ != nullptr; }
@@ -34,14 +34,17 @@ class Raster {
       const double steps = std::nearbyint(metres_[i] / step_m);
       if (!(std::fabs(steps) < kMaxSteps))
         return Error{ErrorCode::kLimit, "a height of " + std::to_string(metres_[i]) + " m does not fit steps of " +
-                                            std::to_string(step_m) + " m; use a larger --vertical-step or name the void value with --nodata"};
+                                            std::to_string(step_m) +
+                                            " m; use a larger --vertical-step or name the void value with --nodata"};
       const auto value = static_cast<int32_t>(steps);
       new (bytes_.get() + i * sizeof(float)) int32_t(value);
       range = {std::min(range.lowest, value), std::max(range.highest, value)};
     }
     return {};
   }
-  std::span<const int32_t> steps() const { return {std::launder(reinterpret_cast<const int32_t*>(bytes_.get())), count_}; }
+  std::span<const int32_t> steps() const {
+    return {std::launder(reinterpret_cast<const int32_t*>(bytes_.get())), count_};
+  }
 
  private:
   size_t count_;
@@ -56,7 +59,8 @@ Status readAll(ElevationSource& source, Raster& raster, const Progress& progress
   for (uint32_t row = 0; row < info.height; row += window) {
     if (!progress.keepGoing()) return stopped();
     const uint32_t count = std::min(window, info.height - row);
-    const auto out = raster.metres().subspan(static_cast<size_t>(row) * info.width, static_cast<size_t>(count) * info.width);
+    const auto out =
+        raster.metres().subspan(static_cast<size_t>(row) * info.width, static_cast<size_t>(count) * info.width);
     if (Status status = source.readRows(row, count, out); !status.ok()) return status;
     progress.report("reading", static_cast<double>(row + count) / info.height);
   }
@@ -123,8 +127,10 @@ uint64_t nodeCount(const proto::GridTopology& grid) {
 }
 
 Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
-  if (info.width < 2 || info.height < 2 || info.width > proto::GridTopology::kMaxSamples || info.height > proto::GridTopology::kMaxSamples)
-    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+  if (info.width < 2 || info.height < 2 || info.width > proto::GridTopology::kMaxSamples ||
+      info.height > proto::GridTopology::kMaxSamples)
+    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " +
+                                              std::to_string(info.height) +
                                               " samples; a scene needs at least 2 and at most 2^20 a side"};
   return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
 }
@@ -145,7 +151,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   const uint64_t samples = static_cast<uint64_t>(info.width) * info.height;
   Raster raster(samples);
   if (!raster.allocated())
-    return Error{ErrorCode::kLimit, info.title + ": " + std::to_string(samples * sizeof(float) >> 20) + " MiB of heights do not fit this machine's memory"};
+    return Error{ErrorCode::kLimit, info.title + ": " + std::to_string(samples * sizeof(float) >> 20) +
+                                        " MiB of heights do not fit this machine's memory"};
   if (Status status = readAll(source, raster, progress); !status.ok()) return status.error();
 
   progress.report("filling voids", 0);
@@ -163,7 +170,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);
 
-  if (Status status = bound({*grid, frame, heights}, options.threads, *writer, progress); !status.ok()) return status.error();
+  if (Status status = bound({*grid, frame, heights}, options.threads, *writer, progress); !status.ok())
+    return status.error();
   if (!progress.keepGoing()) return stopped();
   progress.report("writing", 0);
   const auto id = writer->finish();

@@ -1,6 +1,6 @@
-// Elevation data in, one scene file out: read in windows, fill voids, quantise, bound, write. The file appears whole or not at
-// all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source and the filling of voids need.
-// One caller; uses threads of its own while it runs.
+// Elevation data in, one scene file out: read in windows, fill voids, quantise, bound, write. The file appears whole or
+// not at all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source and the filling of voids
+// need. One caller; uses threads of its own while it runs.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ struct BuildOptions {
   unsigned threads = 0;        // 0: one per processor
 };
 
-// Called on the caller's thread. `report` gets the stage's name and the fraction of it that is done, at least at 0 and 1 of each;
-// once `keepGoing` says false the build stops, leaves nothing behind and returns an error.
+// Called on the caller's thread. `report` gets the stage's name and the fraction of it that is done, at least at 0 and
+// 1 of each; once `keepGoing` says false the build stops, leaves nothing behind and returns an error.
 struct Progress {
   std::function<void(std::string_view stage, double fraction)> report = [](std::string_view, double) {};
   std::function<bool()> keepGoing = [] { return true; };
@@ -41,6 +41,7 @@ struct BuildReport {
   double lowest_m = 0, highest_m = 0;
 };
 
-[[nodiscard]] Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options, const Progress& progress = {});
+[[nodiscard]] Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options,
+                                             const Progress& progress = {});
 
 }  // namespace foreland::terrain

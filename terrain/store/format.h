@@ -1,5 +1,6 @@
-// The scene file's bytes: one page of header, then page-aligned sections whose sizes follow from the grid's shape. Described
-// for readers of other languages in docs/SCENE_FORMAT.md; change both, and kFormatVersion, together. Pure; any thread.
+// The scene file's bytes: one page of header, then page-aligned sections whose sizes follow from the grid's shape.
+// Described for readers of other languages in docs/SCENE_FORMAT.md; change both, and kFormatVersion, together. Pure;
+// any thread.
 #pragma once
 
 #include <array>
@@ -35,7 +36,7 @@ struct FileHeader {
   uint32_t version = kFormatVersion;
   uint32_t byte_order = kByteOrderMark;
   uint64_t file_bytes = 0;
-  uint64_t scene_id = 0;         // XXH64 of this page with scene_id and header_checksum zero, then of the checksum table
+  uint64_t scene_id = 0;  // XXH64 of this page with scene_id and header_checksum zero, then of the checksum table
   uint64_t header_checksum = 0;  // XXH64 of this page with header_checksum zero
   uint32_t roots_x = 0, roots_y = 0, root_log2 = 0, samples_x = 0, samples_y = 0;
   uint32_t frame_kind = 0;

@@ -14,7 +14,8 @@ namespace {
 
 Error fromSystem(const std::filesystem::path& path) {
   const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-  return {code, path.string() + ": " + std::strerror(errno) + (code == ErrorCode::kNotFound ? "; `foreland build` makes a scene" : "")};
+  return {code, path.string() + ": " + std::strerror(errno) +
+                    (code == ErrorCode::kNotFound ? "; `foreland build` makes a scene" : "")};
 }
 
 Error damaged(const std::filesystem::path& path, const std::string& what) {
@@ -25,7 +26,7 @@ Error damaged(const std::filesystem::path& path, const std::string& what) {
 Result<ByteSpan> mapFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return fromSystem(path);
-  struct stat about{};
+  struct stat about {};
   void* data = MAP_FAILED;
   Status status;
   if (::fstat(file, &about) != 0) {
@@ -33,8 +34,8 @@ Result<ByteSpan> mapFile(const std::filesystem::path& path) {
   } else if (!S_ISREG(about.st_mode)) {
     status = Error{ErrorCode::kInvalidArgument, path.string() + ": not a file; name a scene made by `foreland build`"};
   } else if (static_cast<uint64_t>(about.st_size) < kPageBytes) {
-    status = Error{ErrorCode::kMalformed,
-                   path.string() + ": not a scene (only " + std::to_string(about.st_size) + " bytes); name a file made by `foreland build`"};
+    status = Error{ErrorCode::kMalformed, path.string() + ": not a scene (only " + std::to_string(about.st_size) +
+                                              " bytes); name a file made by `foreland build`"};
   } else {
     data = ::mmap(nullptr, static_cast<size_t>(about.st_size), PROT_READ, MAP_SHARED, file, 0);
     if (data == MAP_FAILED) status = fromSystem(path);
@@ -52,13 +53,15 @@ Result<FileHeader> readHeader(ByteSpan file, const std::filesystem::path& path) 
   if (header.byte_order != kByteOrderMark)
     return Error{ErrorCode::kUnsupported, path.string() + ": written with another byte order; build the scene again"};
   if (header.version != kFormatVersion)
-    return Error{ErrorCode::kUnsupported, path.string() + ": scene format " + std::to_string(header.version) + ", this program reads " +
-                                              std::to_string(kFormatVersion) + "; build the scene again"};
+    return Error{ErrorCode::kUnsupported, path.string() + ": scene format " + std::to_string(header.version) +
+                                              ", this program reads " + std::to_string(kFormatVersion) +
+                                              "; build the scene again"};
   if (header.header_checksum != headerChecksum(header)) return damaged(path, "its header is damaged");
   for (size_t i = sizeof(header); i < kPageBytes; ++i)
     if (file[i] != 0) return damaged(path, "its header is damaged");
   if (header.file_bytes != file.size())
-    return damaged(path, "it should have " + std::to_string(header.file_bytes) + " bytes but has " + std::to_string(file.size()));
+    return damaged(
+        path, "it should have " + std::to_string(header.file_bytes) + " bytes but has " + std::to_string(file.size()));
   return header;
 }
 
@@ -103,7 +106,8 @@ Status MappedScene::adopt() {
   const FileLayout layout = FileLayout::of(grid_, text_bytes);
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
-  if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() || header_.lowest > header_.highest)
+  if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() ||
+      header_.lowest > header_.highest)
     return malformed("its sizes contradict each other");
   const auto table = section<uint8_t>(kChecksums);
   if (contentId(header_, table) != header_.scene_id) return malformed("its table of checksums is damaged");

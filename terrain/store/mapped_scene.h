@@ -1,5 +1,6 @@
-// A scene file mapped into memory: the Scene that the server reads, with the raw file for those who check it. Immutable after open;
-// any thread. The file must not be changed in place while it is open; our writer never does (it replaces it by rename).
+// A scene file mapped into memory: the Scene that the server reads, with the raw file for those who check it. Immutable
+// after open; any thread. The file must not be changed in place while it is open; our writer never does (it replaces it
+// by rename).
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
-// A scene file opened for reading: the refinement hierarchy of one terrain, memory-mapped, immutable. All threads share it.
-// Layout of every byte: docs/SCENE_FORMAT.md. Opening checks magic, version, sizes, header checksum and that the file is whole; block
-// checksums are checked by verifyScene (verify.h), so opening costs the same for any size.
+// A scene file opened for reading: the refinement hierarchy of one terrain, memory-mapped, immutable. All threads share
+// it. Layout of every byte: docs/SCENE_FORMAT.md. Opening checks magic, version, sizes, header checksum and that the
+// file is whole; block checksums are checked by verifyScene (verify.h), so opening costs the same for any size.
 #pragma once
 
 #include <bit>
@@ -17,8 +17,8 @@
 
 namespace foreland::terrain {
 
-// Non-negative metres in 16 bits: eight bits of a float's exponent and eight of its mantissa, rounded up, so a decoded bound never
-// understates (relative error at most 2^-8). Order-preserving.
+// Non-negative metres in 16 bits: eight bits of a float's exponent and eight of its mantissa, rounded up, so a decoded
+// bound never understates (relative error at most 2^-8). Order-preserving.
 struct CompactBound {
   uint16_t bits = 0;
   float metres() const { return std::bit_cast<float>(static_cast<uint32_t>(bits) << 15); }
@@ -33,18 +33,19 @@ struct CompactBound {
 
 // What the server knows of one node, at its slot.
 struct NodeRecord {
-  int32_t height = 0;     // in steps of Frame::height_step_m above the zero surface
-  CompactBound error;     // saturated: largest distance (m) between the true surface and the surface without this node or
-                          // any of its descendants' nodes, over this node's support; 0 beyond the data
-  CompactBound radius;    // saturated: sphere about the node's own position that holds its support and its children's spheres
+  int32_t height = 0;  // in steps of Frame::height_step_m above the zero surface
+  CompactBound error;  // saturated: largest distance (m) between the true surface and the surface without this node or
+                       // any of its descendants' nodes, over this node's support; 0 beyond the data
+  CompactBound
+      radius;  // saturated: sphere about the node's own position that holds its support and its children's spheres
 };
 static_assert(sizeof(NodeRecord) == 8);
 
 // Where the scene came from; for people, not for geometry.
 struct SceneOrigin {
-  std::string title;                 // file names of the inputs
-  std::string crs_wkt;               // empty if none
-  std::vector<std::string> notes;    // how voids were filled, what was assumed
+  std::string title;               // file names of the inputs
+  std::string crs_wkt;             // empty if none
+  std::vector<std::string> notes;  // how voids were filled, what was assumed
   uint64_t voids_filled = 0;
 };
 

@@ -32,9 +32,10 @@ std::filesystem::path hiddenName(const std::filesystem::path& target) {
 }
 
 Status checkTarget(const std::filesystem::path& target) {
-  struct stat about{};
+  struct stat about {};
   if (target.filename().empty() || (::stat(target.c_str(), &about) == 0 && !S_ISREG(about.st_mode)))
-    return Error{ErrorCode::kInvalidArgument, target.string() + ": not a file that can be written; name a file to create, as scene.fls"};
+    return Error{ErrorCode::kInvalidArgument,
+                 target.string() + ": not a file that can be written; name a file to create, as scene.fls"};
   return {};
 }
 
@@ -53,7 +54,8 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (!grid.ok()) return grid.error();
   if (Status frame = about.frame.validate(grid->maxX(), grid->maxY()); !frame.ok()) return frame.error();
   const Bytes text = encodeText(about.origin);
-  if (text.size() > kMaxTextBytes) return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
+  if (text.size() > kMaxTextBytes)
+    return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
 
   SceneWriter writer;
   writer.target_ = target;
@@ -61,7 +63,8 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   FileHeader& h = writer.header_;
   h.file_bytes = writer.layout_.file_bytes;
   const proto::GridShape& s = about.shape;
-  h.roots_x = s.roots_x, h.roots_y = s.roots_y, h.root_log2 = s.root_log2, h.samples_x = s.samples_x, h.samples_y = s.samples_y;
+  h.roots_x = s.roots_x, h.roots_y = s.roots_y, h.root_log2 = s.root_log2, h.samples_x = s.samples_x,
+  h.samples_y = s.samples_y;
   putFrame(about.frame, h);
   h.lowest = about.heights.lowest, h.highest = about.heights.highest;
   h.voids_filled = about.origin.voids_filled;
@@ -104,7 +107,8 @@ Status SceneWriter::openTemporary() {
 Status SceneWriter::reserve() {
   // A file size limit would send a signal instead of an error.
   rlimit limit{};
-  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && layout_.file_bytes > limit.rlim_cur) {
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      layout_.file_bytes > limit.rlim_cur) {
     errno = EFBIG;
     return systemError("cannot reserve its space");
   }
@@ -132,7 +136,8 @@ Status SceneWriter::put(proto::Slot first, std::span<const NodeRecord> records) 
   const auto bytes = std::as_bytes(records);
   const uint64_t offset = layout_.sections[kNodes].offset + static_cast<uint64_t>(first) * sizeof(NodeRecord);
   for (size_t done = 0; done < bytes.size();) {
-    const ssize_t written = ::pwrite(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+    const ssize_t written =
+        ::pwrite(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return systemError("cannot write it");
     done += static_cast<size_t>(written);
@@ -168,7 +173,8 @@ Status SceneWriter::name() {
   if (temporary_.empty()) {
     const auto hidden = hiddenName(target_);
     const std::string unnamed = "/proc/self/fd/" + std::to_string(file_);
-    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, hidden.c_str(), AT_SYMLINK_FOLLOW) != 0) return systemError("cannot name it");
+    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, hidden.c_str(), AT_SYMLINK_FOLLOW) != 0)
+      return systemError("cannot name it");
     temporary_ = hidden;
   }
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) return systemError("cannot name it");

@@ -1,6 +1,6 @@
-// Writes a scene file whole or not at all: the file has no name until it is complete and on the disk (O_TMPFILE; where the file system has
-// no unnamed files, a hidden temporary name that is removed on failure), then it replaces the target in one rename. Space is
-// reserved before anything is written, so a full disk is an Error and never a signal.
+// Writes a scene file whole or not at all: the file has no name until it is complete and on the disk (O_TMPFILE; where
+// the file system has no unnamed files, a hidden temporary name that is removed on failure), then it replaces the
+// target in one rename. Space is reserved before anything is written, so a full disk is an Error and never a signal.
 //
 // One owner; put() may be called by several threads at once.
 #pragma once
@@ -35,7 +35,8 @@ class SceneWriter {
   std::span<int32_t> centres();
   uint64_t fileBytes() const { return layout_.file_bytes; }
 
-  // Writes records from slot `first`; nodes() shows them. Written rather than stored through the mapping: a third of the cost.
+  // Writes records from slot `first`; nodes() shows them. Written rather than stored through the mapping: a third of
+  // the cost.
   Status put(proto::Slot first, std::span<const NodeRecord> records) const;
   // Lets the pages of nodes() leave this process's memory; their content stays in the file.
   void release(std::span<const NodeRecord> nodes) const;

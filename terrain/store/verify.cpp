@@ -48,10 +48,14 @@ constexpr auto kAlways = [](uint64_t) { return true; };
 void checkBlocks(const MappedScene& scene, unsigned threads, Faults& faults) {
   const SectionPlace& place = scene.header().sections[kChecksums];
   const auto expected = scene.blockChecksums();
-  parallelFor(expected.size(), threads, [&](uint64_t i, unsigned) {
-    if (xxh64(blockAt(scene.file(), place, i)) != expected[i])
-      faults.add(i, "block " + std::to_string(i) + " (at byte " + std::to_string(kPageBytes + i * kBlockBytes) + ") is damaged");
-  }, kAlways);
+  parallelFor(
+      expected.size(), threads,
+      [&](uint64_t i, unsigned) {
+        if (xxh64(blockAt(scene.file(), place, i)) != expected[i])
+          faults.add(i, "block " + std::to_string(i) + " (at byte " + std::to_string(kPageBytes + i * kBlockBytes) +
+                            ") is damaged");
+      },
+      kAlways);
 }
 
 std::string name(NodeId n) { return "node (" + std::to_string(n.x()) + ", " + std::to_string(n.y()) + ")"; }
@@ -72,22 +76,27 @@ class NodeCheck {
       return false;
     }
     if (!inRange(record.height)) fault(name(n) + " lies outside the scene's range of heights");
-    if (!std::isfinite(record.error.metres()) || !std::isfinite(record.radius.metres())) fault(name(n) + " has a bound that is no number");
+    if (!std::isfinite(record.error.metres()) || !std::isfinite(record.radius.metres()))
+      fault(name(n) + " has a bound that is no number");
     const glm::dvec3 centre = positions_.position(n, record.height);
     for (NodeId child : grid_.children(n)) {
       const NodeRecord& below = scene_.node(child);
       if (below.error > record.error) fault(name(n) + " has a smaller error than its child " + name(child));
-      if (glm::distance(centre, positions_.position(child, below.height)) + below.radius.metres() > record.radius.metres())
+      if (glm::distance(centre, positions_.position(child, below.height)) + below.radius.metres() >
+          record.radius.metres())
         fault(name(n) + " has a sphere that does not hold that of its child " + name(child));
     }
     for (NodeId corner : grid_.endpoints(n)) checkCorner(n, centre, corner);
     for (NodeId corner : grid_.apexes(n)) checkCorner(n, centre, corner);
-    if (holdsItself(n) && record.error.metres() < displacement(n)) fault(name(n) + " has an error below its own displacement");
+    if (holdsItself(n) && record.error.metres() < displacement(n))
+      fault(name(n) + " has an error below its own displacement");
     return true;
   }
 
  private:
-  bool inRange(int32_t height) const { return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest; }
+  bool inRange(int32_t height) const {
+    return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest;
+  }
   void checkCorner(NodeId n, const glm::dvec3& centre, NodeId corner) const {
     if (glm::distance(centre, positions_.position(corner, scene_.height(corner))) > scene_.node(n).radius.metres())
       faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners");
@@ -113,12 +122,14 @@ uint64_t checkNodes(const Scene& scene, unsigned threads, Faults& faults) {
   const NodeCheck check(scene, faults);
   const proto::Slot slots = scene.grid().slotCount();
   std::atomic<uint64_t> nodes{0};
-  parallelFor((static_cast<uint64_t>(slots) + kChunk - 1) / kChunk, threads, [&](uint64_t chunk, unsigned) {
-    uint64_t found = 0;
-    const uint64_t begin = chunk * kChunk, end = std::min<uint64_t>(begin + kChunk, slots);
-    for (uint64_t slot = begin; slot < end; ++slot) found += check.check(static_cast<proto::Slot>(slot));
-    nodes += found;
-  }, kAlways);
+  parallelFor((static_cast<uint64_t>(slots) + kChunk - 1) / kChunk, threads,
+              [&](uint64_t chunk, unsigned) {
+                uint64_t found = 0;
+                const uint64_t begin = chunk * kChunk, end = std::min<uint64_t>(begin + kChunk, slots);
+                for (uint64_t slot = begin; slot < end; ++slot) found += check.check(static_cast<proto::Slot>(slot));
+                nodes += found;
+              },
+              kAlways);
   return nodes;
 }
 
@@ -154,7 +165,8 @@ Status verifyChecksums(const std::filesystem::path& path, unsigned threads) {
   Faults faults;
   checkBlocks(**scene, threads, faults);
   if (faults.count() == 0) return {};
-  return Error{ErrorCode::kMalformed, path.string() + ": " + faults.first().front() + "; build or copy the scene again"};
+  return Error{ErrorCode::kMalformed,
+               path.string() + ": " + faults.first().front() + "; build or copy the scene again"};
 }
 
 }  // namespace foreland::terrain

@@ -1,5 +1,5 @@
-// Checks a scene file: every block's checksum, and the invariants that a viewer's distance tests rely on. Reads the whole file once.
-// Uses threads of its own while it runs.
+// Checks a scene file: every block's checksum, and the invariants that a viewer's distance tests rely on. Reads the
+// whole file once. Uses threads of its own while it runs.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 namespace foreland::terrain {
 
 struct VerifyReport {
-  uint64_t blocks = 0;        // checksums compared
-  uint64_t nodes = 0;         // nodes whose invariants were checked
-  uint64_t padding = 0;       // unused slots, all of which must be zero
+  uint64_t blocks = 0;   // checksums compared
+  uint64_t nodes = 0;    // nodes whose invariants were checked
+  uint64_t padding = 0;  // unused slots, all of which must be zero
   uint64_t base_vertices = 0;
   uint64_t faults = 0;
   std::vector<std::string> first_faults;  // a sentence each, the same ones for any number of threads

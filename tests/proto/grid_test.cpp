@@ -1,4 +1,5 @@
-// Laws of proto/grid.h by brute force over whole small grids: the hierarchy is a bisection hierarchy, slots are a bijection.
+// Laws of proto/grid.h by brute force over whole small grids: the hierarchy is a bisection hierarchy, slots are a
+// bijection.
 #include "proto/grid.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +84,9 @@ TEST_P(Grid, ApexesMakeRightAngledTrianglesOnBothSides) {
     int64_t sides = 0;
     for (NodeId apex : grid.apexes(n)) {
       ASSERT_TRUE(grid.contains(apex));
-      const auto along = [&](NodeId v) { return std::pair<int64_t, int64_t>(int64_t{v.x()} - n.x(), int64_t{v.y()} - n.y()); };
+      const auto along = [&](NodeId v) {
+        return std::pair<int64_t, int64_t>(int64_t{v.x()} - n.x(), int64_t{v.y()} - n.y());
+      };
       const auto [ex, ey] = along(b);
       const auto [px, py] = along(apex);
       EXPECT_EQ(ex * px + ey * py, 0);
@@ -152,7 +155,8 @@ struct Mesh {
     const auto dy = [&](NodeId v) { return int64_t{v.y()} - a.y(); };
     EXPECT_GT(dx(b) * dy(c) - dy(b) * dx(c), 0);
     twice_area += dx(b) * dy(c) - dy(b) * dx(c);
-    for (const auto& edge : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) ++edges[std::minmax(edge.first, edge.second)];
+    for (const auto& edge : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+      ++edges[std::minmax(edge.first, edge.second)];
     corners.insert({a, b, c});
   }
   void run() {
@@ -204,9 +208,9 @@ TEST_P(Grid, AnySetClosedUnderParentsConforms) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Grid, testing::ValuesIn(kShapes));
 
 TEST(GridShapes, AreRefusedWhenEmptyTooLargeOrTooSmallForTheirData) {
-  const std::vector<GridShape> bad{{0, 1, 3, 3, 3},   {1, 0, 3, 3, 3},  {1, 1, 0, 2, 2},  {1, 1, 16, 3, 3}, {1, 1, 3, 1, 3},
-                                   {1, 1, 3, 10, 3},  {1, 1, 3, 3, 10}, {1u << 31, 1, 1, 3, 3}, {~0u, ~0u, 15, 3, 3},
-                                   {32, 32, 15, 3, 3}};
+  const std::vector<GridShape> bad{{0, 1, 3, 3, 3},      {1, 0, 3, 3, 3},   {1, 1, 0, 2, 2},  {1, 1, 16, 3, 3},
+                                   {1, 1, 3, 1, 3},      {1, 1, 3, 10, 3},  {1, 1, 3, 3, 10}, {1u << 31, 1, 1, 3, 3},
+                                   {~0u, ~0u, 15, 3, 3}, {32, 32, 15, 3, 3}};
   for (const GridShape& shape : bad) EXPECT_FALSE(GridTopology::create(shape).ok());
 }
 

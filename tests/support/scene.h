@@ -61,7 +61,8 @@ inline proto::Frame makeFrame(proto::FrameKind kind, uint32_t width, uint32_t he
 
 class FormulaSource : public terrain::ElevationSource {
  public:
-  FormulaSource(uint32_t width, uint32_t height, HeightFunction formula, proto::FrameKind kind = proto::FrameKind::kPlanar)
+  FormulaSource(uint32_t width, uint32_t height, HeightFunction formula,
+                proto::FrameKind kind = proto::FrameKind::kPlanar)
       : formula_(std::move(formula)) {
     info_.width = width;
     info_.height = height;
@@ -91,7 +92,8 @@ inline HeightFunction hills(uint64_t seed) {
   std::vector<Wave> waves;
   for (int octave = 0; octave < 6; ++octave) {
     const double frequency = 0.02 * std::exp2(octave), angle = rng.uniform(0, 6.2831853);
-    waves.push_back({frequency * std::cos(angle), frequency * std::sin(angle), rng.uniform(0, 6.2831853), 300 / std::exp2(octave)});
+    waves.push_back(
+        {frequency * std::cos(angle), frequency * std::sin(angle), rng.uniform(0, 6.2831853), 300 / std::exp2(octave)});
   }
   return [waves, seed](uint32_t x, uint32_t y) {
     double metres = 600;
@@ -102,7 +104,9 @@ inline HeightFunction hills(uint64_t seed) {
 
 // Every sample on its own: the roughest terrain there is.
 inline HeightFunction noise(uint64_t seed, double metres) {
-  return [seed, metres](uint32_t x, uint32_t y) { return Rng(seed ^ (static_cast<uint64_t>(y) << 32 | x)).uniform(0, metres); };
+  return [seed, metres](uint32_t x, uint32_t y) {
+    return Rng(seed ^ (static_cast<uint64_t>(y) << 32 | x)).uniform(0, metres);
+  };
 }
 
 // Builds, opens, and removes the file's name; the scene lives as long as it is held. Aborts the test on failure.

@@ -1,4 +1,5 @@
-// Errors and spheres straight from their definitions, point by point and without the builder's arithmetic, against the scene file.
+// Errors and spheres straight from their definitions, point by point and without the builder's arithmetic, against the
+// scene file.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -97,8 +98,8 @@ class BruteForce {
 class Bounds : public testing::TestWithParam<Case> {
  protected:
   std::shared_ptr<const Scene> scene = test::makeScene(
-      GetParam().width, GetParam().height, GetParam().rough ? test::noise(GetParam().seed, 5000) : test::hills(GetParam().seed),
-      GetParam().kind);
+      GetParam().width, GetParam().height,
+      GetParam().rough ? test::noise(GetParam().seed, 5000) : test::hills(GetParam().seed), GetParam().kind);
   BruteForce brute{*scene};
 };
 
@@ -128,7 +129,8 @@ TEST_P(Bounds, SpheresNestWithSlackAndAreNoLargerThanThat) {
   brute.forEachNode([&](NodeId n) {
     double needed = 0;
     for (NodeId child : scene->grid().children(n))
-      needed = std::max(needed, glm::distance(brute.position(n), brute.position(child)) + scene->node(child).radius.metres());
+      needed = std::max(needed,
+                        glm::distance(brute.position(n), brute.position(child)) + scene->node(child).radius.metres());
     if (scene->grid().children(n).count == 0)
       brute.forEachSupportPoint(n, [&](NodeId q, const glm::dvec3&) {
         needed = std::max(needed, glm::distance(brute.position(n), brute.position(q)));
@@ -143,20 +145,21 @@ TEST_P(Bounds, HeightsAreTheNearestStepsAndGoOnBeyondTheData) {
   const auto formula = GetParam().rough ? test::noise(GetParam().seed, 5000) : test::hills(GetParam().seed);
   for (uint32_t y = 0; y <= scene->grid().maxY(); ++y)
     for (uint32_t x = 0; x <= scene->grid().maxX(); ++x) {
-      const float metres = static_cast<float>(formula(std::min(x, GetParam().width - 1), std::min(y, GetParam().height - 1)));
+      const float metres =
+          static_cast<float>(formula(std::min(x, GetParam().width - 1), std::min(y, GetParam().height - 1)));
       EXPECT_NEAR(scene->height(NodeId::at(x, y)) * 0.1, metres, 0.0500001);
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Terrains, Bounds,
-                         testing::Values(Case{2, 2, FrameKind::kPlanar, 1, true}, Case{3, 3, FrameKind::kPlanar, 2, true},
-                                         Case{5, 9, FrameKind::kPlanar, 3, true}, Case{17, 17, FrameKind::kPlanar, 4, false},
-                                         Case{18, 11, FrameKind::kPlanar, 5, true}, Case{33, 29, FrameKind::kPlanar, 6, false},
-                                         Case{40, 7, FrameKind::kPlanar, 7, true},
-                                         Case{270, 140, FrameKind::kPlanar, 12, true}, Case{600, 21, FrameKind::kPlanar, 13, false},
-                                         Case{262, 101, FrameKind::kGeographic, 14, false}, Case{2, 2, FrameKind::kGeographic, 8, true},
-                                         Case{9, 9, FrameKind::kGeographic, 9, false}, Case{17, 20, FrameKind::kGeographic, 10, true},
-                                         Case{31, 18, FrameKind::kGeographic, 11, false}));
+INSTANTIATE_TEST_SUITE_P(
+    Terrains, Bounds,
+    testing::Values(Case{2, 2, FrameKind::kPlanar, 1, true}, Case{3, 3, FrameKind::kPlanar, 2, true},
+                    Case{5, 9, FrameKind::kPlanar, 3, true}, Case{17, 17, FrameKind::kPlanar, 4, false},
+                    Case{18, 11, FrameKind::kPlanar, 5, true}, Case{33, 29, FrameKind::kPlanar, 6, false},
+                    Case{40, 7, FrameKind::kPlanar, 7, true}, Case{270, 140, FrameKind::kPlanar, 12, true},
+                    Case{600, 21, FrameKind::kPlanar, 13, false}, Case{262, 101, FrameKind::kGeographic, 14, false},
+                    Case{2, 2, FrameKind::kGeographic, 8, true}, Case{9, 9, FrameKind::kGeographic, 9, false},
+                    Case{17, 20, FrameKind::kGeographic, 10, true}, Case{31, 18, FrameKind::kGeographic, 11, false}));
 
 }  // namespace
 }  // namespace foreland::terrain

@@ -13,7 +13,8 @@ TEST(FineErrors, EqualTheErrorsOfOneNodeAtATime) {
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Rng rng(seed);
-    const uint32_t width = 34 + static_cast<uint32_t>(rng.below(100)), height = 34 + static_cast<uint32_t>(rng.below(60));
+    const uint32_t width = 34 + static_cast<uint32_t>(rng.below(100)),
+                   height = 34 + static_cast<uint32_t>(rng.below(60));
     const proto::GridShape shape{(width - 2) / 32 + 1, (height - 2) / 32 + 1, 5, width, height};
     const auto grid = *proto::GridTopology::create(shape);
     std::vector<int32_t> steps(static_cast<size_t>(width) * height);
@@ -32,7 +33,8 @@ TEST(FineErrors, EqualTheErrorsOfOneNodeAtATime) {
         const NodeRow row = level.row(y);
         const auto [first, last] = fine.compute(row, errors);
         for (uint32_t i = first; i < last; ++i, ++compared)
-          ASSERT_EQ(reference.inMetres(errors[i]), reference.metres(row.node(i))) << "level " << number << ", node " << i << ", row " << y;
+          ASSERT_EQ(reference.inMetres(errors[i]), reference.metres(row.node(i)))
+              << "level " << number << ", node " << i << ", row " << y;
       }
     }
     EXPECT_GT(compared, uint64_t{width} * height / 2);

@@ -1,7 +1,7 @@
 #include "terrain/build/build.h"
 
-#include <gtest/gtest.h>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,10 +25,10 @@ TEST(Build, ReportsWhatItDidAndTheSceneIsSound) {
   test::FormulaSource source(70, 41, test::hills(1));
   std::vector<std::string> stages;
   const Progress progress{.report = [&](std::string_view stage, double fraction) {
-                            EXPECT_GE(fraction, 0);
-                            EXPECT_LE(fraction, 1);
-                            if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
-                          }};
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+  }};
   const auto report = buildScene(source, {folder / "a.fls"}, progress);
   ASSERT_TRUE(report.ok());
   EXPECT_EQ(report->samples, 70u * 41u);
@@ -93,7 +93,8 @@ TEST(Build, ReplacesASceneWhole) {
 TEST(Build, WritesOnlyWhereAFileCanBe) {
   const test::TemporaryFolder folder;
   test::FormulaSource source(9, 9, test::hills(1));
-  for (const auto& bad : {folder.path(), folder / "missing/a.fls", std::filesystem::path("/dev/full"), std::filesystem::path("")}) {
+  for (const auto& bad :
+       {folder.path(), folder / "missing/a.fls", std::filesystem::path("/dev/full"), std::filesystem::path("")}) {
     const auto report = buildScene(source, {bad});
     ASSERT_FALSE(report.ok()) << bad;
     EXPECT_NE(report.error().message.find(bad.string()), std::string::npos);
@@ -156,7 +157,9 @@ TEST(Build, KilledLeavesNothingBehind) {
 TEST(Build, PassesTheSourcesErrorOn) {
   struct Broken : test::FormulaSource {
     Broken() : FormulaSource(9, 9, test::hills(1)) {}
-    Status readRows(uint32_t, uint32_t, std::span<float>) override { return Error{ErrorCode::kIo, "tile 7 cannot be read"}; }
+    Status readRows(uint32_t, uint32_t, std::span<float>) override {
+      return Error{ErrorCode::kIo, "tile 7 cannot be read"};
+    }
   } source;
   const test::TemporaryFolder folder;
   EXPECT_EQ(buildScene(source, {folder / "a.fls"}).error().message, "tile 7 cannot be read");

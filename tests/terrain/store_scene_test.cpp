@@ -119,7 +119,8 @@ TEST_F(SceneFile, ForgedHeadersAreRefusedOrHarmless) {
     const auto table_bytes = reinterpret_cast<const uint8_t*>(forged.data());
     if (header.sections[kChecksums].offset < forged.size() &&
         header.sections[kChecksums].bytes <= forged.size() - header.sections[kChecksums].offset)
-      header.scene_id = contentId(header, {table_bytes + header.sections[kChecksums].offset, header.sections[kChecksums].bytes});
+      header.scene_id =
+          contentId(header, {table_bytes + header.sections[kChecksums].offset, header.sections[kChecksums].bytes});
     header.header_checksum = headerChecksum(header);
     std::memcpy(forged.data(), &header, sizeof(header));
     spit(folder / "forged.fls", forged);
@@ -140,7 +141,8 @@ TEST_F(SceneFile, RandomBytesAfterTheMagicAreRefused) {
 }
 
 TEST_F(SceneFile, MissingFoldersAndOtherThingsAreNamedInTheError) {
-  for (const std::filesystem::path& bad : {folder / "missing.fls", folder.path(), std::filesystem::path("/dev/null"), std::filesystem::path("")}) {
+  for (const std::filesystem::path& bad :
+       {folder / "missing.fls", folder.path(), std::filesystem::path("/dev/null"), std::filesystem::path("")}) {
     const auto scene = Scene::open(bad);
     ASSERT_FALSE(scene.ok()) << bad;
     EXPECT_NE(scene.error().message.find(bad.string()), std::string::npos);

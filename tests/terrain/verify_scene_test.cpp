@@ -43,7 +43,8 @@ class Forged : public testing::Test {
     header.scene_id = contentId(header, ByteSpan(bytes).subspan(table.offset, table.bytes));
     header.header_checksum = headerChecksum(header);
     std::memcpy(bytes.data(), &header, sizeof(header));
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     const auto report = verifyScene(path, 2);
     EXPECT_TRUE(report.ok());
     return *report;
@@ -52,7 +53,8 @@ class Forged : public testing::Test {
     const VerifyReport report = seal();
     ASSERT_FALSE(report.sound());
     const auto says = [&](const std::string& fault) { return fault.find(words) != std::string::npos; };
-    EXPECT_TRUE(std::any_of(report.first_faults.begin(), report.first_faults.end(), says)) << report.first_faults.front();
+    EXPECT_TRUE(std::any_of(report.first_faults.begin(), report.first_faults.end(), says))
+        << report.first_faults.front();
   }
   // A node inside the data with children of nonzero error.
   proto::Slot someParent() { return grid.slot(proto::NodeId::at(12, 8)); }
