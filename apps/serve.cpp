@@ -8,8 +8,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -42,6 +44,13 @@ struct Flags {
   std::string log_level = "info";
 };
 
+// CLI11's ranges let a NaN through, for it is not outside of them.
+const CLI::Validator isFinite(
+    [](std::string& text) {
+      return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a number";
+    },
+    "", "finite");
+
 // Nothing if the program should go on; else its exit code.
 std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   CLI::App app("Serve a scene to viewers, and the page that shows it.", "foreland serve");
@@ -49,10 +58,10 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")->capture_default_str();
   app.add_option("--threads", flags.threads, "threads that compute")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(CLI::Range(0.01, 1000.0) & isFinite)
       ->capture_default_str();
   app.add_option("--keyframe-ms", flags.keyframe_ms, "time between keyframes, for viewers that name none")
-      ->check(CLI::Range(10, 10'000))
+      ->check(CLI::Range(20, 10'000))
       ->capture_default_str();
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program");

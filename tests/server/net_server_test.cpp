@@ -189,20 +189,20 @@ TEST(Server, ClosesWhoeverSaysNothing) {
 // It asks for more than the buffers of both systems hold, sends poses for ever, and reads nothing.
 TEST(Server, ClosesAViewerThatNeverReadsAfterOneKeyframe) {
   ServeOptions options = testOptions();
-  options.idle_timeout = Duration::milliseconds(300);
+  options.idle_timeout = Duration::milliseconds(500);
   options.send_buffer_bytes = 4096;
-  const auto world = std::make_shared<const World>(test::makeScene(513, 513, test::noise(3, 500)));
+  const auto world = std::make_shared<const World>(test::makeScene(257, 257, test::noise(3, 500)));
   const auto server = serve(options, world);
   WebSocketClient client(server->port(), 4096);
   proto::ViewRequest request = requestView();
   request.tau_px = 0.01;
   client.send(proto::encode(request));
-  EXPECT_TRUE(eventually([&] {
-    proto::PoseUpdate update;
-    update.pose = {steadyNow(), poseAt(steadyNow())};
-    client.send(proto::encode(update));
-    return metric(server->port(), "refusals_total") == 1;
-  }));
+  const auto sendPose = [&] {
+    return client.send(proto::encode(proto::PoseUpdate{{steadyNow(), poseAt(steadyNow())}, 0, {}}));
+  };
+  sendPose();
+  ASSERT_TRUE(eventually([&] { return metric(server->port(), "keyframes_total") == 1; }));
+  EXPECT_TRUE(eventually([&] { return !sendPose() || metric(server->port(), "sessions") == 0; }));
   EXPECT_EQ(metric(server->port(), "keyframes_total"), 1);
   EXPECT_TRUE(eventually([&] { return metric(server->port(), "sessions") == 0; }));
 }
@@ -235,11 +235,13 @@ TEST(Server, StopsAsSoonAsItsViewersAnswer) {
   ServeOptions options = testOptions();
   options.stop_grace = Duration::seconds(3600);
   const auto server = serve(options);
-  WebSocketClient client(server->port());
+  auto client = std::make_unique<WebSocketClient>(server->port());
   ASSERT_TRUE(eventually([&] { return metric(server->port(), "sessions") == 1; }));
   std::jthread answer([&] {
-    EXPECT_EQ(client.receiveClose(), 1001);
-    client.sendFrame(Opcode::kClose, std::string("\x03\xe9", 2));
+    EXPECT_EQ(client->receiveClose(), 1001);
+    client->sendFrame(Opcode::kClose, std::string("\x03\xe9", 2));
+    EXPECT_EQ(client->socket().receiveToEnd(), "");  // the server closes first (RFC 6455, section 7.1.1)
+    client.reset();
   });
   server->stop();
 }
