@@ -2,6 +2,7 @@
 
 #include "client/replica.h"
 #include "proto/delta_codec.h"
+#include "proto/message.h"
 #include "server/section/hierarchy.h"
 #include "server/section/refine.h"
 
@@ -28,18 +29,20 @@ class ExactSections {
   explicit ExactSections(std::shared_ptr<const terrain::Scene> scene)
       : scene_(std::move(scene)), hierarchy_(scene_), welcome_(welcomeOf(*scene_)) {}
 
-  std::shared_ptr<const client::KeyframeMesh> at(const proto::Pose& pose, const proto::Lens& lens, double tau_px) {
+  std::shared_ptr<const client::KeyframeMesh> at(const bench::SectionRequest& wanted) {
+    const server::View view{proto::asSent(wanted.pose), wanted.lens, wanted.tau_px, wanted.ball_m, wanted.turn_rad};
     // Bounded by the scene alone, so it always completes.
-    CHECK_TRUE(server::refine(hierarchy_, {pose, lens, tau_px}, scene_->grid().slotCount(), scratch_, section_));
+    CHECK_TRUE(server::refine(hierarchy_, view, scene_->grid().slotCount(), scratch_, section_));
     const proto::CutDelta delta{.added = section_.slots, .removed = {}};
     Bytes bytes;
-    proto::encodeDelta(scene_->grid(), delta, [this](proto::NodeId v) { return scene_->height(v); }, bytes);
+    proto::encodeDelta(
+        scene_->grid(), delta, [this](proto::NodeId v) { return scene_->height(v); }, bytes);
     client::Replica replica(welcome_);
-    const proto::KeyframeHeader header{.index = 1,
-                                       .time = {},
-                                       .pose = pose,
-                                       .tau_px = static_cast<float>(tau_px),
-                                       .fingerprint = proto::fingerprint(section_.slots)};
+    proto::KeyframeHeader header;
+    header.index = 1;
+    header.pose = view.pose;
+    header.tau_px = static_cast<float>(wanted.tau_px);
+    header.fingerprint = proto::fingerprint(section_.slots);
     CHECK_TRUE(replica.apply(header, bytes).ok());
     return std::make_shared<client::KeyframeMesh>(replica.buildMesh());
   }
@@ -56,7 +59,7 @@ class ExactSections {
 
 bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene) {
   const auto sections = std::make_shared<ExactSections>(std::move(scene));
-  return [sections](const proto::Pose& pose, const proto::Lens& lens, double tau_px) { return sections->at(pose, lens, tau_px); };
+  return [sections](const bench::SectionRequest& wanted) { return sections->at(wanted); };
 }
 
 }  // namespace foreland::apps

@@ -1,5 +1,6 @@
-// The section computed exactly for a pose, as a mesh: what the error terms of DESIGN section 4 compare with. Here the program
-// introduces the oracle, which must not know the refiner, to the refiner. One owner.
+// The section computed exactly for a pose (as it travels, rounded to the millimetre, so that a known path has no
+// extrapolation error), as a mesh: what the error terms of DESIGN section 4 compare with. Here the program introduces
+// the oracle, which must not know the refiner, to the refiner. One owner.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// `foreland fly`: the headless player over a WebSocket, in real time; then, if asked, dumps and measures the flight on a replay of it.
-// One thread. The only clock is here. Exit code 0 when the flight was flown to its end, 2 otherwise.
+// `foreland fly`: the headless player over a WebSocket, in real time; then, if asked, dumps and measures the flight on
+// a replay of it. One thread. The only clock is here. Exit code 0 when the flight was flown to its end, 2 otherwise.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -58,8 +58,9 @@ Result<Ground> prepare(const FlyOptions& o) {
 Status checkScene(const client::Player& player, const Ground& ground, const FlyOptions& o) {
   const auto& welcome = player.viewer().welcome();
   if (!welcome || !ground.truth || welcome->scene_id == ground.truth->id()) return {};
-  return Error{ErrorCode::kInvalidArgument,
-               "--truth " + o.truth.string() + " is not the scene that the server shows ('" + welcome->title + "'); name that scene's file"};
+  return Error{ErrorCode::kInvalidArgument, "--truth " + o.truth.string() +
+                                                " is not the scene that the server shows ('" + welcome->title +
+                                                "'); name that scene's file"};
 }
 
 // Until the path's end, an Error, or Ctrl-C.
@@ -89,8 +90,9 @@ Status dumpFlight(const client::FlightLog& log, uint32_t every, client::FrameDum
     const client::FrameView& view = player.view();
     const uint64_t n = number++;
     if (n % every != 0 || !view.mesh) return true;
-    status = dump.write({n, (now - player.path().start).toSeconds(), (view.scene_time - player.path().start).toSeconds()}, view,
-                        log.options.request);
+    status =
+        dump.write({n, (now - player.path().start).toSeconds(), (view.scene_time - player.path().start).toSeconds()},
+                   view, log.options.request);
     return status.ok();
   });
   return status;
@@ -98,7 +100,8 @@ Status dumpFlight(const client::FlightLog& log, uint32_t every, client::FrameDum
 
 bench::FlightTruth measure(const client::FlightLog& log, const Ground& ground, const FlyOptions& o, double flown_s) {
   bench::Oracle oracle(bench::truthOf(ground.truth));
-  bench::FlightTruthOptions options{.frame_every = o.truth_every, .section_at = exactSections(ground.truth), .on_progress = {}};
+  bench::FlightTruthOptions options{
+      .frame_every = o.truth_every, .section_at = exactSections(ground.truth), .on_progress = {}};
   double told_s = 0;
   options.on_progress = [&](const bench::FlightTruth& truth) {
     if (truth.seconds < told_s + 5) return;

@@ -16,6 +16,7 @@ Report (--json prints one object with these keys):
   keyframes, late_keyframes     received while flying; those that came after the time they were to be shown from
   bytes_down, bytes_up          everything since the connection, the first section included
   seconds, frames               flown; shown
+  frames_outside                drawn from where a keyframe does not promise its tolerance
   nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
   strategy, predictor, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
 With --truth SCENE, measured after landing on a replay of the flight:
@@ -35,9 +36,11 @@ Result<proto::Lens> lensOf(const FlyOptions& o) {
   proto::Lens lens{.vertical_fov_rad = o.fov_deg * 0.017453292519943295};
   const char *begin = o.viewport.data(), *end = begin + o.viewport.size();
   const auto [cross, width_error] = std::from_chars(begin, end, lens.width_px);
-  if (width_error != std::errc{} || cross == end || *cross != 'x') return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
+  if (width_error != std::errc{} || cross == end || *cross != 'x')
+    return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
   const auto [last, height_error] = std::from_chars(cross + 1, end, lens.height_px);
-  if (height_error != std::errc{} || last != end) return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
+  if (height_error != std::errc{} || last != end)
+    return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
   if (!proto::isUsable(lens)) return invalid("--fov must be 1 to 170 degrees, --viewport 1x1 to 16384x16384 pixels");
   return lens;
 }
@@ -69,28 +72,36 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
   app.add_option("--tour", o.tour, "fly a built-in tour: survey (default), canyon, spin, orbit")->excludes(track);
   app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)");
-  app.add_option("--speed", o.track_options.speed, "seconds of the track per second of flight (default 1)")->needs(track);
+  app.add_option("--speed", o.track_options.speed, "seconds of the track per second of flight (default 1)")
+      ->needs(track);
   app.add_option("--from", o.track_options.from_s, "begin so many seconds into the track")->needs(track);
-  CLI::Option* agl = app.add_option("--agl", o.track_options.agl_m, "fly at least this many metres above ground, not at the recorded height");
+  CLI::Option* agl = app.add_option("--agl", o.track_options.agl_m,
+                                    "fly at least this many metres above ground, not at the recorded height");
   agl->needs(track);
-  app.add_option("--clearance", o.track_options.clearance_m, "lift recorded heights to this many metres above ground (default 20)")
-      ->needs(track)->excludes(agl);
+  app.add_option("--clearance", o.track_options.clearance_m,
+                 "lift recorded heights to this many metres above ground (default 20)")
+      ->needs(track)
+      ->excludes(agl);
   app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
   app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)");
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
   app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
   app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)");
-  CLI::Option* truth = app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
-  app.add_option("--truth-every", o.truth_every, "measure every Nth frame (default 6; keyframes always)")->needs(truth)->check(CLI::PositiveNumber);
-  CLI::Option* dump = app.add_option("--dump", o.dump, "write drawn frames (PLY and frames.jsonl) into this folder, after landing");
-  app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")->needs(dump)->check(CLI::PositiveNumber);
+  CLI::Option* truth =
+      app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
+  app.add_option("--truth-every", o.truth_every, "measure every Nth frame (default 6; keyframes always)")
+      ->needs(truth)
+      ->check(CLI::PositiveNumber);
+  CLI::Option* dump =
+      app.add_option("--dump", o.dump, "write drawn frames (PLY and frames.jsonl) into this folder, after landing");
+  app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")
+      ->needs(dump)
+      ->check(CLI::PositiveNumber);
   app.add_flag("--json", wants_json, "print the report as JSON");
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return {std::move(o), app.exit(e) == 0 ? 0 : 2};
-  }
+  } catch (const CLI::ParseError& e) { return {std::move(o), app.exit(e) == 0 ? 0 : 2}; }
   o.output = wants_json ? FlyOptions::Output::kJson : FlyOptions::Output::kText;
   return {std::move(o), std::nullopt};
 }
@@ -98,10 +109,12 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
 Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
   const Result<proto::ViewRequest> request = requestOf(o);
   if (!request.ok()) return request.error();
-  if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400)) return invalid("--seconds must be above 0 and at most 86400");
+  if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
+    return invalid("--seconds must be above 0 and at most 86400");
   client::PlayerOptions player{.request = *request,
-                               .knowledge = request->predictor == proto::Predictor::kKnownPath ? client::PathKnowledge::kAnnounced
-                                                                                               : client::PathKnowledge::kPrivate,
+                               .knowledge = request->predictor == proto::Predictor::kKnownPath
+                                                ? client::PathKnowledge::kAnnounced
+                                                : client::PathKnowledge::kPrivate,
                                .tour = o.tour.value_or("survey"),
                                .track = nullptr,
                                .track_options = o.track_options,

@@ -30,7 +30,8 @@ struct FlyOptions {
   enum class Output : uint8_t { kText, kJson } output = Output::kText;
 };
 
-// The options, or the exit code with which the program is to end at once (0 after --help, 2 for a mistake, already told).
+// The options, or the exit code with which the program is to end at once (0 after --help, 2 for a mistake, already
+// told).
 struct ParsedFlyOptions {
   FlyOptions options;
   std::optional<int> exit_code;

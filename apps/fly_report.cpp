@@ -50,6 +50,7 @@ Json reportOf(const FlySummary& s) {
   json["seconds"] = f.seconds;
   json["frames"] = f.frames;
   json["frames_without_mesh"] = f.frames_without_mesh;
+  json["frames_outside"] = f.frames_outside;
   json["nodes"] = f.nodes;
   json["triangles"] = f.triangles;
   json["mean_nodes"] = f.mean_nodes;
@@ -84,8 +85,10 @@ std::string toText(const FlySummary& summary) {
       continue;
     }
     out << key << std::string(std::max<size_t>(28, key.size() + 1) - key.size(), ' ');
-    if (value.is_string()) out << value.get<std::string>();
-    else out << value;
+    if (value.is_string())
+      out << value.get<std::string>();
+    else
+      out << value;
     out << "\n";
   }
   return out.str();

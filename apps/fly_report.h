@@ -14,10 +14,10 @@ struct FlySummary {
   proto::ViewRequest request;
   client::FlightReport flight;
   std::optional<bench::FlightTruth> truth;
-  bool has_terms = false;       // the error terms of DESIGN section 4 were measured
+  bool has_terms = false;  // the error terms of DESIGN section 4 were measured
   uint64_t dumped_frames = 0;
   std::vector<std::string> notes;
-  std::optional<std::string> error;   // why the flight ended early
+  std::optional<std::string> error;  // why the flight ended early
 };
 
 std::string toJson(const FlySummary& summary);

@@ -65,7 +65,8 @@ void rasteriseTriangle(const std::array<Corner, 3>& c, uint32_t block_x, uint32_
   const double y_high = std::min(bottom + kBlock - 1, std::floor(std::max({c[0].y, c[1].y, c[2].y}) + kSlack));
   for (double y = y_low; y <= y_high; y += 1) {
     const auto [low, high] = spanAt(c, y);
-    const double x_low = std::max(left, std::ceil(low - kSlack)), x_high = std::min(left + kBlock - 1, std::floor(high + kSlack));
+    const double x_low = std::max(left, std::ceil(low - kSlack)),
+                 x_high = std::min(left + kBlock - 1, std::floor(high + kSlack));
     if (x_low > x_high) continue;
     const uint32_t row = static_cast<uint32_t>(y - bottom);
     const uint32_t first = static_cast<uint32_t>(x_low - left), last = static_cast<uint32_t>(x_high - left);
@@ -88,7 +89,8 @@ void TriangleBins::build(const client::KeyframeMesh& mesh, std::span<const int32
       const BlockRange r = blocksOf(mesh, t, blocks_x, blocks_y);
       for (uint32_t y = r.y0; y <= r.y1; ++y)
         for (uint32_t x = r.x0; x <= r.x1; ++x)
-          if (const int32_t k = rank[static_cast<size_t>(y) * blocks_x + x]; k >= 0) use(static_cast<uint32_t>(t), static_cast<size_t>(k));
+          if (const int32_t k = rank[static_cast<size_t>(y) * blocks_x + x]; k >= 0)
+            use(static_cast<uint32_t>(t), static_cast<size_t>(k));
     }
   };
   first_.assign(chosen + 2, 0);
@@ -102,9 +104,10 @@ void rasterise(const client::KeyframeMesh& mesh, double weight, double share, st
                uint32_t block_x, uint32_t block_y, Tile& tile, std::array<uint32_t, kBlock>& covered) {
   covered.fill(0);
   for (const uint32_t t : triangles)
-    rasteriseTriangle({corner(mesh, mesh.indices[3 * t], weight, share), corner(mesh, mesh.indices[3 * t + 1], weight, share),
-                       corner(mesh, mesh.indices[3 * t + 2], weight, share)},
-                      block_x, block_y, tile, covered);
+    rasteriseTriangle(
+        {corner(mesh, mesh.indices[3 * t], weight, share), corner(mesh, mesh.indices[3 * t + 1], weight, share),
+         corner(mesh, mesh.indices[3 * t + 2], weight, share)},
+        block_x, block_y, tile, covered);
 }
 
 }  // namespace foreland::bench

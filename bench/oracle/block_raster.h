@@ -1,5 +1,5 @@
-// The oracle's rasteriser: drawn positions at lattice samples, block by block, from triangles given by lattice place. Blocks keep
-// a tile in the processor's cache and make the work local. One owner.
+// The oracle's rasteriser: drawn positions at lattice samples, block by block, from triangles given by lattice place.
+// Blocks keep a tile in the processor's cache and make the work local. One owner.
 #pragma once
 
 #include <array>
@@ -23,7 +23,8 @@ struct Tile {
 // Which triangles meet which of some chosen blocks.
 class TriangleBins {
  public:
-  // `rank` has an entry per block of the grid, row by row: -1 for blocks that are not chosen, else its place among the chosen.
+  // `rank` has an entry per block of the grid, row by row: -1 for blocks that are not chosen, else its place among the
+  // chosen.
   void build(const client::KeyframeMesh& mesh, std::span<const int32_t> rank, uint32_t blocks_x, uint32_t blocks_y,
              size_t chosen);
   std::span<const uint32_t> triangles(size_t chosen_block) const {

@@ -40,9 +40,11 @@ class Checker {
 
   bool checkSizes() {
     const size_t n = mesh_.places.size();
-    if (mesh_.from_positions.size() != n || mesh_.to_positions.size() != n) found("positions and places differ in number");
+    if (mesh_.from_positions.size() != n || mesh_.to_positions.size() != n)
+      found("positions and places differ in number");
     if (mesh_.indices.size() % 3 != 0) found("indices are not a multiple of three");
-    if (std::ranges::any_of(mesh_.indices, [n](uint32_t i) { return i >= n; })) found("an index points past the vertices");
+    if (std::ranges::any_of(mesh_.indices, [n](uint32_t i) { return i >= n; }))
+      found("an index points past the vertices");
     return report_.cracks == 0;
   }
 
@@ -56,7 +58,8 @@ class Checker {
     for (size_t k = 0; k < order.size(); ++k) {
       const uint32_t i = order[k];
       name_[i] = k > 0 && key(order[k - 1]) == key(i) ? name_[order[k - 1]] : i;
-      if (mesh_.from_positions[i] != mesh_.from_positions[name_[i]] || mesh_.to_positions[i] != mesh_.to_positions[name_[i]])
+      if (mesh_.from_positions[i] != mesh_.from_positions[name_[i]] ||
+          mesh_.to_positions[i] != mesh_.to_positions[name_[i]])
         found("two vertices at " + text(mesh_.places[i]) + " are apart");
     }
   }
@@ -67,13 +70,16 @@ class Checker {
       const glm::dvec2 a(mesh_.places[mesh_.indices[3 * t]]), b(mesh_.places[mesh_.indices[3 * t + 1]]),
           c(mesh_.places[mesh_.indices[3 * t + 2]]);
       const double twice_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-      if (!(twice_area > 0)) found("triangle " + std::to_string(t) + " at " + text(mesh_.places[mesh_.indices[3 * t]]) + " has no area or is flipped");
+      if (!(twice_area > 0))
+        found("triangle " + std::to_string(t) + " at " + text(mesh_.places[mesh_.indices[3 * t]]) +
+              " has no area or is flipped");
       twice_total += twice_area;
     }
     const double twice_data = 2.0 * (shape_.samples_x - 1) * (shape_.samples_y - 1);
     // Areas are multiples of 1/2 and add up exactly in doubles below 2^52.
     if (twice_total != twice_data)
-      found("triangles cover " + std::to_string(twice_total / 2) + " cells, the data has " + std::to_string(twice_data / 2));
+      found("triangles cover " + std::to_string(twice_total / 2) + " cells, the data has " +
+            std::to_string(twice_data / 2));
   }
 
   bool isOnBorder(const Edge& e) const {
@@ -101,8 +107,9 @@ class Checker {
   void checkLine(const Edge& e, size_t triangles, bool is_opposed_pair) {
     const bool on_border = isOnBorder(e);
     if (on_border ? triangles == 1 : is_opposed_pair) return;
-    found("edge " + text(mesh_.places[e.low]) + " to " + text(mesh_.places[e.high]) + (on_border ? " on the border" : "") + " has " +
-          std::to_string(triangles) + " triangles" + (triangles == 2 ? ", on one side" : ""));
+    found("edge " + text(mesh_.places[e.low]) + " to " + text(mesh_.places[e.high]) +
+          (on_border ? " on the border" : "") + " has " + std::to_string(triangles) + " triangles" +
+          (triangles == 2 ? ", on one side" : ""));
   }
 
   const KeyframeMesh& mesh_;

@@ -1,4 +1,5 @@
-// Looks for cracks in a mesh between two keyframes, by its lattice places alone; shares no code with what builds meshes. Sound means:
+// Looks for cracks in a mesh between two keyframes, by its lattice places alone; shares no code with what builds
+// meshes. Sound means:
 //   every edge is shared by exactly two triangles with opposite directions, or lies on the border of the data
 //   (so no vertex stands in the inside of an edge: the edge beside it would have one triangle only)
 //   vertices at one place are at one position, in both keyframes
@@ -15,8 +16,8 @@
 namespace foreland::bench {
 
 struct CrackReport {
-  uint64_t cracks = 0;       // findings of any kind
-  std::string first;         // the first of them, in words; empty if none
+  uint64_t cracks = 0;  // findings of any kind
+  std::string first;    // the first of them, in words; empty if none
 };
 
 CrackReport findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape);

@@ -14,7 +14,8 @@ using client::KeyframeMesh;
 using client::Player;
 using Mesh = std::shared_ptr<const KeyframeMesh>;
 
-// Rounding of positions to floats and of poses on the wire is not an error of refinement: a hundredth of a pixel is let pass.
+// Rounding of positions to floats and of poses on the wire is not an error of refinement: a hundredth of a pixel is let
+// pass.
 constexpr double kSlack_px = 0.01;
 
 class Measurement {
@@ -39,7 +40,9 @@ class Measurement {
   }
 
   FlightTruth finish() {
-    for (TermNorms* norms : {&truth_.keyframes, &truth_.frames, &truth_.interpolation, &truth_.view, &truth_.extrapolation}) norms->finish();
+    for (TermNorms* norms :
+         {&truth_.keyframes, &truth_.frames, &truth_.interpolation, &truth_.view, &truth_.extrapolation})
+      norms->finish();
     truth_.delay_mean_ms = delay_sum_ms_ / static_cast<double>(std::max<uint64_t>(frames_, 1));
     return truth_;
   }
@@ -73,25 +76,32 @@ class Measurement {
   void measureTerms(const Player& player, Time now, const DrawnShare& drawn) {
     const client::FrameView& view = player.view();
     const double tau_px = view.mesh->to.tau_px;
-    const Mesh shown = options_.section_at(player.path().at(view.scene_time), lens_, tau_px);
+    const Mesh shown =
+        options_.section_at({.pose = player.path().at(view.scene_time), .lens = lens_, .tau_px = tau_px});
     const DrawnShare shown_share{.mesh = shown.get()};
     if (strategy_ == proto::Strategy::kPredict) {
       const Mesh from = keyframeAt(player, view.mesh->from), to = keyframeAt(player, view.mesh->to);
-      const DrawnShare between[] = {{.mesh = from.get(), .share = 1.0 - view.weight}, {.mesh = to.get(), .share = view.weight}};
+      const DrawnShare between[] = {{.mesh = from.get(), .share = 1.0 - view.weight},
+                                    {.mesh = to.get(), .share = view.weight}};
       truth_.interpolation.add(oracle_.difference(between, {&shown_share, 1}, view.pose, lens_));
       return;
     }
     truth_.interpolation.add(oracle_.difference({&drawn, 1}, {&shown_share, 1}, view.pose, lens_));
     if (strategy_ != proto::Strategy::kCurrent) return;
-    const Mesh current = options_.section_at(player.path().at(now), lens_, tau_px);
+    const Mesh current = options_.section_at({.pose = player.path().at(now), .lens = lens_, .tau_px = tau_px});
     const DrawnShare current_share{.mesh = current.get()};
     truth_.view.add(oracle_.difference({&current_share, 1}, {&shown_share, 1}, view.pose, lens_));
   }
 
-  // The true section at a keyframe's time; the last two are kept.
+  // What a keyframe would have been, had its pose been known; the last few are kept.
   Mesh keyframeAt(const Player& player, const proto::KeyframeHeader& header) {
     Mesh& mesh = exact_[header.index];
-    if (!mesh) mesh = options_.section_at(player.path().at(header.time), lens_, header.tau_px);
+    if (!mesh)
+      mesh = options_.section_at({.pose = player.path().at(header.time),
+                                  .lens = lens_,
+                                  .tau_px = header.tau_px,
+                                  .ball_m = header.ball_m,
+                                  .turn_rad = header.turn_rad});
     const Mesh result = mesh;
     while (exact_.size() > 3) exact_.erase(exact_.begin());
     return result;

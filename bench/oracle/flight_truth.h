@@ -1,17 +1,19 @@
-// Measures a recorded flight against the truth: replays it frame by frame (client/fly/player.h) and asks the oracle. Since the replay
-// shows exactly what the flight showed, measuring costs the flight nothing and may take its time.
+// Measures a recorded flight against the truth: replays it frame by frame (client/fly/player.h) and asks the oracle.
+// Since the replay shows exactly what the flight showed, measuring costs the flight nothing and may take its time.
 //
 // What is measured, and where each number comes from (DESIGN section 4):
 //   error at keyframes  each keyframe's section (weight 1) against the truth, seen from the pose it was computed for
 //   error in frames     what is drawn against the truth, seen as the frame shows it
 //   interpolation       |S_view(s) - S_inter(s)|, s the scene time shown. `delay`, `current`: S_inter is what is drawn. `predict`:
-//                       between the true sections of the two keyframes' times, so that extrapolation stays apart
+//                       between the sections for the true poses at the two keyframes' times, so that extrapolation stays apart
 //   view                |S_view(t) - S_view(t_d)|; `current` only, zero otherwise
 //   extrapolation       |S_view(t_i) - S_extra(t_i)|, once per keyframe, seen from the true pose at t_i; `predict` only
 //   delay               t - t_d
-// Norms of the terms are taken over the samples that the frame sees. `max` is the largest over all frames of the largest
-// in a frame, `mean` the mean over frames of the largest in a frame, `rms` the root of the mean over frames of the mean square in a frame.
-// One owner.
+// S_view(t) is refined for the pose at t alone. Where a keyframe was refined for a region around its pose, its
+// counterpart for the true pose gets the same margins: they are the promise's doing, not extrapolation's. Norms of the
+// terms are taken over the samples that the frame sees. `max` is the largest over all frames of the largest in a frame,
+// `mean` the mean over frames of the largest in a frame, `rms` the root of the mean over frames of the mean square in a
+// frame. One owner.
 #pragma once
 
 #include <functional>
@@ -23,9 +25,18 @@
 
 namespace foreland::bench {
 
-// The mesh of the section computed exactly for a pose, both positions equal.
-using SectionAt =
-    std::function<std::shared_ptr<const client::KeyframeMesh>(const proto::Pose&, const proto::Lens&, double tau_px)>;
+// What a section is to be computed for. The margins are those of a keyframe's promise (proto::KeyframeHeader); none for
+// S_view.
+struct SectionRequest {
+  proto::Pose pose;
+  proto::Lens lens;
+  double tau_px = 1;
+  double ball_m = 0;
+  double turn_rad = 0;
+};
+
+// The mesh of the section computed from scratch for exactly that, both positions equal.
+using SectionAt = std::function<std::shared_ptr<const client::KeyframeMesh>(const SectionRequest&)>;
 
 struct TermNorms {
   double max_px = 0, mean_px = 0, rms_px = 0;
@@ -40,16 +51,16 @@ struct FlightTruth {
   TermNorms keyframes, frames;                   // against the truth
   TermNorms interpolation, view, extrapolation;  // of DESIGN section 4; empty without a SectionAt
   double delay_max_ms = 0, delay_mean_ms = 0;
-  uint64_t frames_over_tau = 0;      // of those measured
-  uint64_t uncovered_samples = 0;    // seen, but drawn by no triangle
+  uint64_t frames_over_tau = 0;    // of those measured
+  uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle
   uint64_t cracks = 0;
   std::string first_crack;
-  double seconds = 0;                // flown so far, for progress
+  double seconds = 0;  // flown so far, for progress
 };
 
 struct FlightTruthOptions {
-  uint32_t frame_every = 6;   // frames are measured every so many; keyframes always
-  SectionAt section_at;       // absent: no error terms
+  uint32_t frame_every = 6;                             // frames are measured every so many; keyframes always
+  SectionAt section_at;                                 // absent: no error terms
   std::function<void(const FlightTruth&)> on_progress;  // now and then; may be empty
 };
 

@@ -23,8 +23,14 @@ struct Camera {
   double focal_px, half_width_px, half_height_px, near_m;
 
   Camera(const proto::Pose& pose, const proto::Lens& lens, double near)
-      : eye(pose.eye), right(pose.right()), up(pose.up()), back(-pose.forward()), focal_px(lens.focalPx()),
-        half_width_px(0.5 * lens.width_px), half_height_px(0.5 * lens.height_px), near_m(near) {}
+      : eye(pose.eye),
+        right(pose.right()),
+        up(pose.up()),
+        back(-pose.forward()),
+        focal_px(lens.focalPx()),
+        half_width_px(0.5 * lens.width_px),
+        half_height_px(0.5 * lens.height_px),
+        near_m(near) {}
 
   bool maySee(const Sphere& s) const {
     const glm::dvec3 d = s.centre - eye;
@@ -64,9 +70,13 @@ struct Oracle::Impl {
   Tile tile_a, tile_b;
 
   Impl(Truth t, double near)
-      : truth(std::move(t)), near_m(near), grid(truth.frame, truth.shape.samples_x - 1, truth.shape.samples_y - 1),
-        blocks_x((truth.shape.samples_x + kBlock - 1) >> kBlockLog2), blocks_y((truth.shape.samples_y + kBlock - 1) >> kBlockLog2),
-        blocks(static_cast<size_t>(blocks_x) * blocks_y), rank(blocks.size()) {}
+      : truth(std::move(t)),
+        near_m(near),
+        grid(truth.frame, truth.shape.samples_x - 1, truth.shape.samples_y - 1),
+        blocks_x((truth.shape.samples_x + kBlock - 1) >> kBlockLog2),
+        blocks_y((truth.shape.samples_y + kBlock - 1) >> kBlockLog2),
+        blocks(static_cast<size_t>(blocks_x) * blocks_y),
+        rank(blocks.size()) {}
 
   uint32_t columns(uint32_t bx) const { return std::min(kBlock, truth.shape.samples_x - bx * kBlock); }
   uint32_t rows(uint32_t by) const { return std::min(kBlock, truth.shape.samples_y - by * kBlock); }
@@ -85,11 +95,13 @@ struct Oracle::Impl {
     block.bound.centre = truePosition(block, bx, by, columns(bx) / 2, rows(by) / 2);
     for (uint32_t y = 0; y < rows(by); ++y)
       for (uint32_t x = 0; x < columns(bx); ++x)
-        block.bound.radius = std::max(block.bound.radius, glm::distance(block.bound.centre, truePosition(block, bx, by, x, y)));
+        block.bound.radius =
+            std::max(block.bound.radius, glm::distance(block.bound.centre, truePosition(block, bx, by, x, y)));
     return block;
   }
 
-  // All blocks are loaded by the first frame: culling needs their true bounds, and a bound from anything less would have to be believed.
+  // All blocks are loaded by the first frame: culling needs their true bounds, and a bound from anything less would
+  // have to be believed.
   void chooseBlocks(const Camera& camera) {
     seen.clear();
     for (uint32_t by = 0; by < blocks_y; ++by)
@@ -111,8 +123,8 @@ struct Oracle::Impl {
     tile.covered.fill(~0u);
     std::array<uint32_t, kBlock> covered;
     for (size_t i = 0; i < surface.size(); ++i) {
-      rasterise(*surface[i].mesh, surface[i].weight, surface[i].share, bins[i].triangles(k), seen[k] % blocks_x, seen[k] / blocks_x,
-                tile, covered);
+      rasterise(*surface[i].mesh, surface[i].weight, surface[i].share, bins[i].triangles(k), seen[k] % blocks_x,
+                seen[k] / blocks_x, tile, covered);
       for (uint32_t y = 0; y < kBlock; ++y) tile.covered[y] &= covered[y];
     }
   }
@@ -128,7 +140,8 @@ struct RowErrors {
   std::array<uint8_t, kBlock> is_seen;
 };
 
-// Distance on the screen and in space between `a` and `b`, where `truth` is seen. Written for the compiler to vectorise.
+// Distance on the screen and in space between `a` and `b`, where `truth` is seen. Written for the compiler to
+// vectorise.
 void judgeRow(const Camera& camera, const Row& truth, const Row& a, const Row& b, RowErrors& out) {
   const double nearest = 0.01 * camera.near_m;  // a drawn point behind the eye counts as very near, hence as very wrong
   for (uint32_t i = 0; i < kBlock; ++i) {
@@ -137,7 +150,8 @@ void judgeRow(const Camera& camera, const Row& truth, const Row& a, const Row& b
     };
     const double depth = -across(truth, camera.back);
     const double reach = depth / camera.focal_px;
-    out.is_seen[i] = static_cast<uint8_t>((depth > camera.near_m) & (std::fabs(across(truth, camera.right)) <= reach * camera.half_width_px) &
+    out.is_seen[i] = static_cast<uint8_t>((depth > camera.near_m) &
+                                          (std::fabs(across(truth, camera.right)) <= reach * camera.half_width_px) &
                                           (std::fabs(across(truth, camera.up)) <= reach * camera.half_height_px));
     const double scale_a = camera.focal_px / std::max(nearest, -across(a, camera.back));
     const double scale_b = camera.focal_px / std::max(nearest, -across(b, camera.back));
@@ -189,7 +203,8 @@ void Oracle::Impl::judgeBlock(size_t k, const Camera& camera, const Tile* refere
   }
 }
 
-Deviation Oracle::Impl::judge(Surface drawn, const Surface* reference, const proto::Pose& pose, const proto::Lens& lens) {
+Deviation Oracle::Impl::judge(Surface drawn, const Surface* reference, const proto::Pose& pose,
+                              const proto::Lens& lens) {
   const Camera camera(pose, lens, near_m);
   chooseBlocks(camera);
   bin(drawn, bins_a);

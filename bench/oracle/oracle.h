@@ -1,11 +1,12 @@
-// The truth oracle: judges what is drawn against every full-resolution sample, by brute force. For each sample of the terrain that
-// the camera sees, its true position and the position on the drawn mesh at the same parameter (lattice place) are both
-// projected; the distance between them on the screen is the error (DESIGN section 3: correspond by parameter, never by nearest
-// point). It knows heights, the frame and the drawn triangles, nothing of sections, errors or bounds, and shares no code with
-// the refiner; that is why its word counts.
+// The truth oracle: judges what is drawn against every full-resolution sample, by brute force. For each sample of the
+// terrain that the camera sees, its true position and the position on the drawn mesh at the same parameter (lattice
+// place) are both projected; the distance between them on the screen is the error (DESIGN section 3: correspond by
+// parameter, never by nearest point). It knows heights, the frame and the drawn triangles, nothing of sections, errors
+// or bounds, and shares no code with the refiner; that is why its word counts.
 //
-// A sample is seen if its *true* position is in front of the eye by more than `near_m` along the view direction and projects
-// inside the viewport; occlusion is not considered. A seen sample under no triangle is counted as uncovered: a hole.
+// A sample is seen if its *true* position is in front of the eye by more than `near_m` along the view direction and
+// projects inside the viewport; occlusion is not considered. A seen sample under no triangle is counted as uncovered: a
+// hole.
 //
 // One owner (it caches heights block by block). Cost: about 40 ns per sample seen, and 0.2 microseconds per triangle.
 #pragma once
@@ -32,8 +33,8 @@ struct Truth {
   std::function<void(uint32_t x, uint32_t y, std::span<int32_t> out)> heights;
 };
 
-// A share of a drawn mesh: mix(from, to, weight). A surface is a sum of shares whose `share`s add to 1, so the blend of two
-// sections needs no union mesh (interpolation is linear in position at equal parameter).
+// A share of a drawn mesh: mix(from, to, weight). A surface is a sum of shares whose `share`s add to 1, so the blend of
+// two sections needs no union mesh (interpolation is linear in position at equal parameter).
 struct DrawnShare {
   const client::KeyframeMesh* mesh = nullptr;
   double weight = 1;
@@ -41,8 +42,9 @@ struct DrawnShare {
 };
 using Surface = std::span<const DrawnShare>;
 
-// How far two surfaces are apart over the samples seen. Both are piecewise linear with vertices at samples, so the largest
-// distance in metres over the samples is exactly the largest over the union mesh; rms values weigh each sample alike.
+// How far two surfaces are apart over the samples seen. Both are piecewise linear with vertices at samples, so the
+// largest distance in metres over the samples is exactly the largest over the union mesh; rms values weigh each sample
+// alike.
 struct Deviation {
   double max_px = 0, rms_px = 0;
   double max_m = 0, rms_m = 0;

@@ -16,7 +16,8 @@ namespace {
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 Error ioError(const std::filesystem::path& path, const char* what) {
-  return {ErrorCode::kIo, path.string() + ": " + what + ": " + std::strerror(errno) + "; choose a folder that can be written to and has room"};
+  return {ErrorCode::kIo, path.string() + ": " + what + ": " + std::strerror(errno) +
+                              "; choose a folder that can be written to and has room"};
 }
 
 // `mode` as for fopen. Closing is part of writing: a full disk may show only there.
@@ -40,10 +41,11 @@ std::string format(const char* pattern, Args... args) {
 }  // namespace
 
 Bytes encodePly(const KeyframeMesh& mesh, double weight) {
-  const std::string header = "ply\nformat binary_little_endian 1.0\ncomment metres in the scene frame: x east, y north, z up at its origin\n"
-                             "element vertex " + std::to_string(mesh.places.size()) +
-                             "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                             std::to_string(mesh.triangleCount()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\ncomment metres in the scene frame: x east, y north, z up at its origin\n"
+      "element vertex " +
+      std::to_string(mesh.places.size()) + "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+      std::to_string(mesh.triangleCount()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   Bytes out;
   out.reserve(header.size() + mesh.places.size() * 24 + mesh.triangleCount() * 13);
   ByteWriter writer(out);
@@ -79,8 +81,8 @@ Result<FrameDump> FrameDump::create(const std::filesystem::path& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error || !std::filesystem::is_directory(directory))
-    return Error{ErrorCode::kIo, directory.string() + ": cannot be made a folder for frames" + (error ? ": " + error.message() : "") +
-                                     "; choose another for --dump"};
+    return Error{ErrorCode::kIo, directory.string() + ": cannot be made a folder for frames" +
+                                     (error ? ": " + error.message() : "") + "; choose another for --dump"};
   if (Status s = writeFileWhole(directory / "frames.jsonl", {}); !s.ok()) return s.error();
   return FrameDump(directory);
 }
@@ -91,12 +93,14 @@ Status FrameDump::write(const Frame& frame, const FrameView& view, const proto::
   const glm::dvec3& eye = view.pose.eye;
   const glm::dquat& q = view.pose.orientation;
   const std::string line =
-      format("{\"file\":\"%s\",\"frame\":%llu,\"time_s\":%.6f,\"scene_time_s\":%.6f,\"eye_m\":[%.17g,%.17g,%.17g],", name.c_str(),
-             static_cast<unsigned long long>(frame.number), frame.time_s, frame.scene_time_s, eye.x, eye.y, eye.z) +
-      format("\"orientation_wxyz\":[%.17g,%.17g,%.17g,%.17g],\"vertical_fov_rad\":%.17g,\"viewport_px\":[%u,%u],", q.w, q.x, q.y, q.z,
-             request.lens.vertical_fov_rad, request.lens.width_px, request.lens.height_px) +
-      format("\"strategy\":\"%s\",\"tolerance_px\":%.9g,\"weight\":%.9g,\"keyframes\":[%u,%u]}\n", proto::name(request.strategy),
-             static_cast<double>(view.mesh->to.tau_px), static_cast<double>(view.weight), view.mesh->from.index, view.mesh->to.index);
+      format("{\"file\":\"%s\",\"frame\":%llu,\"time_s\":%.6f,\"scene_time_s\":%.6f,\"eye_m\":[%.17g,%.17g,%.17g],",
+             name.c_str(), static_cast<unsigned long long>(frame.number), frame.time_s, frame.scene_time_s, eye.x,
+             eye.y, eye.z) +
+      format("\"orientation_wxyz\":[%.17g,%.17g,%.17g,%.17g],\"vertical_fov_rad\":%.17g,\"viewport_px\":[%u,%u],", q.w,
+             q.x, q.y, q.z, request.lens.vertical_fov_rad, request.lens.width_px, request.lens.height_px) +
+      format("\"strategy\":\"%s\",\"tolerance_px\":%.9g,\"weight\":%.9g,\"keyframes\":[%u,%u]}\n",
+             proto::name(request.strategy), static_cast<double>(view.mesh->to.tau_px), static_cast<double>(view.weight),
+             view.mesh->from.index, view.mesh->to.index);
   if (Status s = writeAll(directory_ / "frames.jsonl", bytesOf(line), "ab"); !s.ok()) return s;
   ++written_;
   return {};

@@ -1,6 +1,6 @@
-// Writes what is drawn, for anyone to judge with their own tools: a frame's interpolated mesh as binary PLY (metres, scene frame) and a
-// line of frames.jsonl with its camera. docs/FLY.md describes both. A PLY appears whole under its name or not at all, and
-// its line is written after it. One owner.
+// Writes what is drawn, for anyone to judge with their own tools: a frame's interpolated mesh as binary PLY (metres,
+// scene frame) and a line of frames.jsonl with its camera. docs/FLY.md describes both. A PLY appears whole under its
+// name or not at all, and its line is written after it. One owner.
 #pragma once
 
 #include <filesystem>
@@ -23,8 +23,8 @@ class FrameDump {
   static Result<FrameDump> create(const std::filesystem::path& directory);
 
   struct Frame {
-    uint64_t number = 0;   // counts shown frames from 0
-    double time_s = 0;     // since the flight began
+    uint64_t number = 0;  // counts shown frames from 0
+    double time_s = 0;    // since the flight began
     double scene_time_s = 0;
   };
   // `view.mesh` is not nullptr.

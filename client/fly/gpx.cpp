@@ -1,5 +1,5 @@
-// GPX 1.0 and 1.1: a scanner of just as much XML as the format needs. It never backtracks, keeps no tree, knows no entities, and
-// reads any bytes in time linear in their number.
+// GPX 1.0 and 1.1: a scanner of just as much XML as the format needs. It never backtracks, keeps no tree, knows no
+// entities, and reads any bytes in time linear in their number.
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -22,7 +22,8 @@ std::optional<double> decimal(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  if (text.empty() || error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
   return value;
 }
 
@@ -49,7 +50,8 @@ std::optional<double> timeOf(std::string_view text) {
   if (!year || !month || !day || !hour || !minute) return std::nullopt;
   const size_t zone = text.find_first_of("Z+-", 17);
   const auto second = decimal(text.substr(17, zone == std::string_view::npos ? zone : zone - 17));
-  if (!second || *second < 0 || *second >= 61 || *month < 1 || *month > 12 || *day < 1 || *day > 31 || *hour > 24 || *minute > 59)
+  if (!second || *second < 0 || *second >= 61 || *month < 1 || *month > 12 || *day < 1 || *day > 31 || *hour > 24 ||
+      *minute > 59)
     return std::nullopt;
   double offset_s = 0;
   if (zone != std::string_view::npos && text[zone] != 'Z' && text.size() >= zone + 6) {
@@ -57,7 +59,8 @@ std::optional<double> timeOf(std::string_view text) {
     if (!zh || !zm) return std::nullopt;
     offset_s = (text[zone] == '-' ? -1 : 1) * (*zh * 3600.0 + *zm * 60.0);
   }
-  return static_cast<double>(daysFromCivil(*year, *month, *day)) * 86'400 + *hour * 3600.0 + *minute * 60.0 + *second - offset_s;
+  return static_cast<double>(daysFromCivil(*year, *month, *day)) * 86'400 + *hour * 3600.0 + *minute * 60.0 + *second -
+         offset_s;
 }
 
 // The value of ` name="..."` or ` name='...'` in a tag's inside.
@@ -113,7 +116,6 @@ class Scanner {
   std::string_view text_;
   size_t at_ = 0, line_ = 1, line_of_tag_ = 1;
 };
-
 
 class GpxReader {
  public:
@@ -179,7 +181,7 @@ Result<Track> parseGpx(std::string_view text, const std::string& name) {
   GpxReader track(text, builder);
   track.read("trkpt");
   if (track.points() == 0) GpxReader(text, builder).read("rtept");
-  return std::move(builder).finish("GPX");
+  return std::move(builder).finish("a GPX");
 }
 
 }  // namespace foreland::client

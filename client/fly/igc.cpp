@@ -1,5 +1,5 @@
-// IGC flight recorder files (FAI technical specification, appendix A): B records are fixes, an I record says where in them the
-// further digits of latitude and longitude stand (LAD, LOD). Other records are not needed.
+// IGC flight recorder files (FAI technical specification, appendix A): B records are fixes, an I record says where in
+// them the further digits of latitude and longitude stand (LAD, LOD). Other records are not needed.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -46,8 +46,10 @@ Extensions parseExtensions(std::string_view line) {
     const auto first = digits(line.substr(at, 2)), last = digits(line.substr(at + 2, 2));
     if (!first || !last || *first < 36 || *last < *first || *last - *first > 5) continue;
     const std::string_view code = line.substr(at + 4, 3);
-    if (code == "LAD") result.latitude_first = static_cast<size_t>(*first), result.latitude_last = static_cast<size_t>(*last);
-    if (code == "LOD") result.longitude_first = static_cast<size_t>(*first), result.longitude_last = static_cast<size_t>(*last);
+    if (code == "LAD")
+      result.latitude_first = static_cast<size_t>(*first), result.latitude_last = static_cast<size_t>(*last);
+    if (code == "LOD")
+      result.longitude_first = static_cast<size_t>(*first), result.longitude_last = static_cast<size_t>(*last);
   }
   return result;
 }
@@ -143,7 +145,7 @@ Result<Track> parseIgc(std::string_view text, const std::string& name) {
   if (text.find("ALTGPS:WGS84 ELLIPSOID") != std::string_view::npos || text.find("HFALG:ELL") != std::string_view::npos)
     builder.note("heights are above the ellipsoid; terrain is usually above the geoid (up to 100 m apart)");
   addFixes(records, builder);
-  return std::move(builder).finish("IGC");
+  return std::move(builder).finish("an IGC");
 }
 
 }  // namespace foreland::client

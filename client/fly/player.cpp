@@ -8,15 +8,19 @@ namespace {
 
 const char* waitedFor(Player::Phase phase) {
   switch (phase) {
-    case Player::Phase::kGreeting: return "a welcome";
-    case Player::Phase::kPlanning: return "the tour or the ground heights";
-    default: return "the first keyframe";
+    case Player::Phase::kGreeting:
+      return "a welcome";
+    case Player::Phase::kPlanning:
+      return "the tour or the ground heights";
+    default:
+      return "the first keyframe";
   }
 }
 
 }  // namespace
 
-Player::Player(PlayerOptions options) : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {}
+Player::Player(PlayerOptions options)
+    : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {}
 
 Status Player::receive(ByteSpan message, Time now) {
   log_.entries.push_back({now, Bytes(message.begin(), message.end())});
@@ -55,7 +59,8 @@ Status Player::checkPatience(Time now) const {
   if (phase_ != Phase::kGreeting && phase_ != Phase::kPlanning && !flies_blind) return {};
   if (now - *phase_start_ <= log_.options.patience) return {};
   return Error{ErrorCode::kIo, std::string("the server sent no answer: waited ") +
-                                   std::to_string(log_.options.patience.us / 1'000'000) + " s for " + waitedFor(phase_)};
+                                   std::to_string(log_.options.patience.us / 1'000'000) + " s for " +
+                                   waitedFor(phase_)};
 }
 
 Status Player::plan() {
@@ -75,7 +80,8 @@ Status Player::plan() {
 
 void Player::askGround() {
   const size_t from = ground_m_.size(), to = std::min(planned_.places.size(), from + proto::kMaxGroundPlaces);
-  viewer_.requestGround({planned_.places.begin() + static_cast<ptrdiff_t>(from), planned_.places.begin() + static_cast<ptrdiff_t>(to)});
+  viewer_.requestGround(
+      {planned_.places.begin() + static_cast<ptrdiff_t>(from), planned_.places.begin() + static_cast<ptrdiff_t>(to)});
 }
 
 Status Player::takePlan(Time now) {
@@ -93,7 +99,8 @@ Status Player::takeGround(Time now) {
     askGround();
     return {};
   }
-  Result<TrackPath> path = pathOverGround(planned_, viewer_.frameGrid().transform(), ground_m_, log_.options.track_options);
+  Result<TrackPath> path =
+      pathOverGround(planned_, viewer_.frameGrid().transform(), ground_m_, log_.options.track_options);
   if (!path.ok()) return path.error();
   note(path->notes);
   return setPath(std::move(path->path), now);
@@ -127,6 +134,7 @@ FlightReport Player::report() const {
   if (phase_ == Phase::kFlying || phase_ == Phase::kDone) {
     r.keyframes_flying = r.session.keyframes - before_flight_.keyframes;
     r.late_keyframes_flying = r.session.late_keyframes - before_flight_.late_keyframes;
+    r.frames_outside = r.session.frames_outside - before_flight_.frames_outside;
   }
   const double shown = static_cast<double>(std::max<uint64_t>(r.frames - r.frames_without_mesh, 1));
   r.mean_nodes = node_sum_ / shown;

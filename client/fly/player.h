@@ -1,10 +1,11 @@
-// The headless player: a host of the Viewer that flies a tour or a track frame by frame. Bytes and times in, bytes and what to draw out;
-// sockets and clocks belong to whoever drives it, so the same flight can be flown over a network or in virtual time.
+// The headless player: a host of the Viewer that flies a tour or a track frame by frame. Bytes and times in, bytes and
+// what to draw out; sockets and clocks belong to whoever drives it, so the same flight can be flown over a network or
+// in virtual time.
 //
-// A flight goes: greeting (until the server's welcome), planning (tour or ground heights asked for), standing at the first
-// pose until the first section is there, flying, done. What the player was fed is recorded; feeding it again (replay) gives the same
-// frames bit by bit, so measuring and dumping happen after landing and do not disturb the flight.
-// One owner.
+// A flight goes: greeting (until the server's welcome), planning (tour or ground heights asked for), standing at the
+// first pose until the first section is there, flying, done. What the player was fed is recorded; feeding it again
+// (replay) gives the same frames bit by bit, so measuring and dumping happen after landing and do not disturb the
+// flight. One owner.
 #pragma once
 
 #include <functional>
@@ -19,16 +20,19 @@
 
 namespace foreland::client {
 
-enum class PathKnowledge : uint8_t { kAnnounced, kPrivate };  // kAnnounced: the server is told the path (predictor kKnownPath)
+enum class PathKnowledge : uint8_t {
+  kAnnounced,
+  kPrivate
+};  // kAnnounced: the server is told the path (predictor kKnownPath)
 
 struct PlayerOptions {
   proto::ViewRequest request;
   PathKnowledge knowledge = PathKnowledge::kPrivate;
-  std::string tour = "survey";               // used if there is no track
+  std::string tour = "survey";  // used if there is no track
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
-  double seconds = 60;                       // of the flight; for tracks track_options.seconds counts
-  Duration standing = Duration::milliseconds(1000);  // least time at the first pose
+  double seconds = 60;                                 // of the flight; for tracks track_options.seconds counts
+  Duration standing = Duration::milliseconds(1000);    // least time at the first pose
   Duration patience = Duration::milliseconds(10'000);  // longest wait for an answer, or for the first section
 };
 
@@ -43,14 +47,15 @@ struct FlightLog {
 };
 
 struct FlightReport {
-  uint64_t frames = 0;                // shown while flying
+  uint64_t frames = 0;  // shown while flying
   uint64_t frames_without_mesh = 0;
-  double seconds = 0;                 // flown
-  uint32_t nodes = 0;                 // of the newest section shown
-  size_t triangles = 0;               // of the newest mesh shown
+  double seconds = 0;                         // flown
+  uint32_t nodes = 0;                         // of the newest section shown
+  size_t triangles = 0;                       // of the newest mesh shown
   double mean_nodes = 0, mean_triangles = 0;  // over frames with a mesh
   uint32_t keyframes_flying = 0, late_keyframes_flying = 0;
-  ViewerStatistics session;           // everything since the connection
+  uint64_t frames_outside = 0;  // drawn from where one of the two keyframes does not promise its tolerance
+  ViewerStatistics session;     // everything since the connection
 };
 
 class Player {
@@ -100,8 +105,8 @@ class Player {
   double node_sum_ = 0, triangle_sum_ = 0;
 };
 
-// Flies a recorded flight again. `onFrame` is called after each frame with the player and the frame's time; it may stop the replay by
-// returning false.
+// Flies a recorded flight again. `onFrame` is called after each frame with the player and the frame's time; it may stop
+// the replay by returning false.
 void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame);
 
 }  // namespace foreland::client

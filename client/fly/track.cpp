@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kRadPerDeg = 0.017453292519943295;
 constexpr size_t kNotedSkips = 5;
-constexpr double kAssumedSpeed_mps = 10;   // for tracks without times
-constexpr double kGap_s = 60;              // longer silences are noted
+constexpr double kAssumedSpeed_mps = 10;  // for tracks without times
+constexpr double kGap_s = 60;             // longer silences are noted
 constexpr double kLowest_m = -12'000, kHighest_m = 100'000;
 
 // Along a sphere; good to half a percent, which is enough to spread times.
@@ -89,9 +89,10 @@ Result<Track> TrackBuilder::finish(std::string_view kind) && {
     track.fixes.push_back({time_s, f.latitude_deg * kRadPerDeg, f.longitude_deg * kRadPerDeg, f.height_m.value_or(0)});
   }
   if (track.fixes.size() < 2) {
-    std::string message = name_ + ": fewer than two usable fixes, so there is nothing to fly; expected a " +
-                          std::string(kind) + " track";
-    if (skipped_ > 0) message += " (" + std::to_string(skipped_) + " lines or points were unusable; first: " + notes_.front() + ")";
+    std::string message =
+        name_ + ": fewer than two usable fixes, so there is nothing to fly; expected " + std::string(kind) + " track";
+    if (skipped_ > 0)
+      message += " (" + std::to_string(skipped_) + " lines or points were unusable; first: " + notes_.front() + ")";
     return Error{ErrorCode::kMalformed, message};
   }
   if (skipped_ > kNotedSkips) note(std::to_string(skipped_ - kNotedSkips) + " more lines or points skipped");

@@ -1,7 +1,7 @@
-// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) read into fixes in time order. Readers accept any
-// bytes: a line or point that is not what it should be is counted and skipped, with a note that names it; no usable fix is
-// an Error. Times start at zero and strictly increase; flights over midnight go on.
-// Pure functions on text, but readTrack, which opens the file. Any thread.
+// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) read into fixes in time order. Readers accept
+// any bytes: a line or point that is not what it should be is counted and skipped, with a note that names it; no usable
+// fix is an Error. Times start at zero and strictly increase; flights over midnight go on. Pure functions on text, but
+// readTrack, which opens the file. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -28,14 +28,15 @@ struct Track {
 
   std::vector<Fix> fixes = {};  // at least two, time_s strictly increasing
   TrackHeights heights = TrackHeights::kRecorded;
-  size_t skipped = 0;               // lines or points that could not be used
+  size_t skipped = 0;                   // lines or points that could not be used
   std::vector<std::string> notes = {};  // for people: what was skipped or assumed, and where
   double seconds() const { return fixes.empty() ? 0 : fixes.back().time_s; }
 };
 
 // `name` stands in messages.
 Result<Track> parseIgc(std::string_view text, const std::string& name);
-// Track points, of all segments; route points if there are none. Points without a time get one at 10 m/s along the track.
+// Track points, of all segments; route points if there are none. Points without a time get one at 10 m/s along the
+// track.
 Result<Track> parseGpx(std::string_view text, const std::string& name);
 
 // By content: a file that starts with markup is GPX. At most kMaxFileBytes.

@@ -1,5 +1,5 @@
-// What the track readers share: collecting fixes as they stand in the file, notes on what was skipped, and the finish that
-// every track gets. One owner; used by igc.cpp and gpx.cpp only.
+// What the track readers share: collecting fixes as they stand in the file, notes on what was skipped, and the finish
+// that every track gets. One owner; used by igc.cpp and gpx.cpp only.
 #pragma once
 
 #include <optional>

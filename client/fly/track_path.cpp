@@ -9,11 +9,11 @@ namespace foreland::client {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-constexpr double kSmooth_s = 1.0;       // of the track, either side: evens out the fixes' rounding to metres
+constexpr double kSmooth_s = 1.0;  // of the track, either side: evens out the fixes' rounding to metres
 constexpr double kLookBehind_s = 1, kLookAhead_s = 2;  // of the flight: the chord that the camera looks along
-constexpr double kEnvelope_s = 1;       // of the flight, either side
-constexpr double kDownward_rad = 0.17;  // about 10 degrees
-constexpr double kStill_m = 1;          // shorter chords give no direction
+constexpr double kEnvelope_s = 1;                      // of the flight, either side
+constexpr double kDownward_rad = 0.17;                 // about 10 degrees
+constexpr double kStill_m = 1;                         // shorter chords give no direction
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
@@ -49,13 +49,15 @@ Status check(const Track& track, const proto::FrameTransform& frame, const Track
   if (!(o.clearance_m >= 0) || o.clearance_m > 1e5) return invalid("--clearance must be 0 to 100000 m");
   if (o.agl_m && (!(*o.agl_m >= 0) || *o.agl_m > 1e6)) return invalid("--agl must be 0 to 1000000 m");
   if (frame.frame().kind != proto::FrameKind::kGeographic)
-    return Error{ErrorCode::kUnsupported,
-                 "the scene is in projected metres and a track is in latitude and longitude: build the scene from geographic "
-                 "elevation data (gdalwarp -t_srs EPSG:4326 makes it so), or fly a tour (--tour)"};
+    return Error{
+        ErrorCode::kUnsupported,
+        "the scene is in projected metres and a track is in latitude and longitude: build the scene from geographic "
+        "elevation data (gdalwarp -t_srs EPSG:4326 makes it so), or fly a tour (--tour)"};
   if (track.heights == TrackHeights::kMissing && !o.agl_m)
     return invalid("the track has no heights: give a height above ground with --agl");
   if (o.from_s >= track.seconds())
-    return invalid("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " + std::to_string(track.seconds()) + " s");
+    return invalid("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
+                   std::to_string(track.seconds()) + " s");
   return {};
 }
 
@@ -63,10 +65,12 @@ Status check(const Track& track, const proto::FrameTransform& frame, const Track
 glm::dvec3 latticeOf(const Fix& fix, const proto::Frame& frame) {
   const double east = fix.longitude_rad - frame.longitude0_rad;
   const double turned = east - kTwoPi * std::floor(east / kTwoPi);
-  return {turned / frame.longitude_step_rad, (fix.latitude_rad - frame.latitude0_rad) / frame.latitude_step_rad, fix.height_m};
+  return {turned / frame.longitude_step_rad, (fix.latitude_rad - frame.latitude0_rad) / frame.latitude_step_rad,
+          fix.height_m};
 }
 
-std::vector<glm::dvec3> resample(const Track& track, const proto::Frame& frame, double from_s, double step_s, size_t count) {
+std::vector<glm::dvec3> resample(const Track& track, const proto::Frame& frame, double from_s, double step_s,
+                                 size_t count) {
   std::vector<glm::dvec3> out;
   out.reserve(count);
   size_t next = 1;
@@ -97,7 +101,8 @@ Stretch longestStretch(size_t size, Inside&& inside) {
 }
 
 // Level direction of flight at each place; where the camera stands still it looks as it did before.
-std::vector<glm::dvec3> directions(const std::vector<glm::dvec3>& eyes, const proto::FrameTransform& frame, Duration step) {
+std::vector<glm::dvec3> directions(const std::vector<glm::dvec3>& eyes, const proto::FrameTransform& frame,
+                                   Duration step) {
   const size_t behind = stepsIn(kLookBehind_s, step), ahead = stepsIn(kLookAhead_s, step), last = eyes.size() - 1;
   std::vector<glm::dvec3> out(eyes.size(), glm::dvec3(0));
   glm::dvec3 current{0};
@@ -123,7 +128,8 @@ proto::Pose poseAt(const glm::dvec3& eye, const glm::dvec3& direction, const glm
 }
 
 // The heights to fly at, and how many of the recorded ones were too low.
-std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const float> ground_m, const TrackOptions& o, size_t& lifted) {
+std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const float> ground_m, const TrackOptions& o,
+                                  size_t& lifted) {
   const size_t half = stepsIn(kEnvelope_s, plan.step);
   std::vector<double> ground(ground_m.begin(), ground_m.end());
   if (o.agl_m) {
@@ -150,7 +156,8 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
   const double flight_s = track_s / o.speed;
   // A step of whole milliseconds such that the path holds all poses.
   const double least_step_ms = flight_s * 1000 / static_cast<double>(proto::Path::kMaxPoses - 2);
-  PlannedTrack plan{.step = Duration::milliseconds(std::max<int64_t>(100, static_cast<int64_t>(std::ceil(least_step_ms))))};
+  PlannedTrack plan{.step =
+                        Duration::milliseconds(std::max<int64_t>(100, static_cast<int64_t>(std::ceil(least_step_ms))))};
   if (plan.step > Duration::milliseconds(60'000))
     return Error{ErrorCode::kLimit, "the flight would last more than a month: raise --speed or state --seconds"};
   const double step_s = plan.step.toSeconds() * o.speed;
@@ -174,13 +181,14 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
   return plan;
 }
 
-Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame, std::span<const float> ground_m,
-                                 const TrackOptions& o) {
+Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame,
+                                 std::span<const float> ground_m, const TrackOptions& o) {
   if (ground_m.size() != plan.places.size() || plan.heights_m.size() != plan.places.size())
-    return Error{ErrorCode::kMalformed, "the server answered " + std::to_string(ground_m.size()) + " ground heights for " +
-                                            std::to_string(plan.places.size()) + " places"};
+    return Error{ErrorCode::kMalformed, "the server answered " + std::to_string(ground_m.size()) +
+                                            " ground heights for " + std::to_string(plan.places.size()) + " places"};
   if (!std::ranges::all_of(ground_m, [](float h) { return std::isfinite(h); }))
-    return Error{ErrorCode::kMalformed, "the server knows no ground height at a place of the track that is inside its data"};
+    return Error{ErrorCode::kMalformed,
+                 "the server knows no ground height at a place of the track that is inside its data"};
   TrackPath result;
   const std::vector<double> heights = heightProfile(plan, ground_m, o, result.lifted);
   std::vector<glm::dvec3> eyes(plan.places.size());
@@ -191,8 +199,9 @@ Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTra
   result.path.poses.reserve(eyes.size());
   for (size_t i = 0; i < eyes.size(); ++i) result.path.poses.push_back(poseAt(eyes[i], ahead[i], frame.upAt(eyes[i])));
   if (result.lifted > 0)
-    result.notes.push_back(std::to_string(result.lifted) + " of " + std::to_string(eyes.size()) + " poses were lower than " +
-                           std::to_string(std::lround(o.clearance_m)) + " m above ground; lifted");
+    result.notes.push_back(std::to_string(result.lifted) + " of " + std::to_string(eyes.size()) +
+                           " poses were lower than " + std::to_string(std::lround(o.clearance_m)) +
+                           " m above ground; lifted");
   if (Status s = result.path.validate(); !s.ok()) return s.error();
   return result;
 }

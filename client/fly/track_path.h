@@ -1,5 +1,5 @@
-// From a recorded track to a planned path of the camera: resampled, smoothed, looking along the track and a little down, at a
-// chosen speed, kept above the ground. Two steps, for the ground's heights come from the server in between.
+// From a recorded track to a planned path of the camera: resampled, smoothed, looking along the track and a little
+// down, at a chosen speed, kept above the ground. Two steps, for the ground's heights come from the server in between.
 // Pure functions; any thread.
 #pragma once
 
@@ -17,36 +17,36 @@
 namespace foreland::client {
 
 struct TrackOptions {
-  double speed = 1;                // seconds of the track per second of the flight
-  double from_s = 0;               // where in the track to begin, seconds
+  double speed = 1;                    // seconds of the track per second of the flight
+  double from_s = 0;                   // where in the track to begin, seconds
   std::optional<double> seconds = {};  // of the flight; the whole track if absent
   std::optional<double> agl_m = {};    // fly this far above ground instead of at the recorded height
-  double clearance_m = 20;         // recorded heights lower than this above ground are lifted to it
+  double clearance_m = 20;             // recorded heights lower than this above ground are lifted to it
 };
 
 // Where the flight goes, before the ground is known.
 struct PlannedTrack {
-  Duration step;                    // of the flight's time: 100 ms, or more where a Path could not hold so many poses
+  Duration step;  // of the flight's time: 100 ms, or more where a Path could not hold so many poses
   std::vector<glm::dvec2> places = {};  // lattice
   std::vector<double> heights_m = {};   // recorded, above the zero surface
   std::vector<std::string> notes = {};
 };
 
 struct TrackPath {
-  proto::Path path;       // starts at time 0
-  size_t lifted = 0;      // poses that were below the clearance
+  proto::Path path;   // starts at time 0
+  size_t lifted = 0;  // poses that were below the clearance
   std::vector<std::string> notes = {};
 };
 
-// Errors: a projected scene (its relation to latitude and longitude is not known here), a track outside the data, one that ends
-// before `from_s`, one without heights when `agl_m` is absent, options out of range. What lies outside the data is cut
-// off, with a note; of several stretches inside, the longest is flown.
+// Errors: a projected scene (its relation to latitude and longitude is not known here), a track outside the data, one
+// that ends before `from_s`, one without heights when `agl_m` is absent, options out of range. What lies outside the
+// data is cut off, with a note; of several stretches inside, the longest is flown.
 Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& frame, const proto::GridShape& shape,
                                const TrackOptions& options);
 
-// `ground_m` has a height per place. Lifting, and the profile of `agl_m`, follow the ground's upper envelope over two seconds, so the
-// camera rises before a ridge and does not shake; it is never lower than asked for at any pose.
-Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame, std::span<const float> ground_m,
-                                 const TrackOptions& options);
+// `ground_m` has a height per place. Lifting, and the profile of `agl_m`, follow the ground's upper envelope over two
+// seconds, so the camera rises before a ridge and does not shake; it is never lower than asked for at any pose.
+Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame,
+                                 std::span<const float> ground_m, const TrackOptions& options);
 
 }  // namespace foreland::client

@@ -53,7 +53,8 @@ TEST(CrackChecker, FindsAFlippedTriangle) {
 // Halves one triangle at the middle of its diagonal and leaves the other side of the diagonal whole.
 TEST(CrackChecker, FindsAVertexInTheInsideOfAnEdge) {
   client::KeyframeMesh mesh = soundMesh();
-  const uint32_t a = mesh.indices[0], b = mesh.indices[1], d = mesh.indices[2], m = static_cast<uint32_t>(mesh.places.size());
+  const uint32_t a = mesh.indices[0], b = mesh.indices[1], d = mesh.indices[2],
+                 m = static_cast<uint32_t>(mesh.places.size());
   mesh.places.push_back((mesh.places[a] + mesh.places[d]) * 0.5f);
   mesh.from_positions.push_back((mesh.from_positions[a] + mesh.from_positions[d]) * 0.5f);
   mesh.to_positions.push_back(mesh.from_positions.back());

@@ -38,8 +38,8 @@ TEST(Oracle, FindsNoErrorInAPlaneDrawnByTwoTriangles) {
   EXPECT_EQ(d.uncovered, 0u);
 }
 
-// A vertex at (x, y) from the point under the eye, lifted by e, seen from height h straight down, lands at f r / (h - e) from the centre
-// instead of f r / h.
+// A vertex at (x, y) from the point under the eye, lifted by e, seen from height h straight down, lands at f r / (h -
+// e) from the centre instead of f r / h.
 TEST(Oracle, MeasuresALiftedVertexInClosedForm) {
   Oracle oracle(flatTruth());
   client::KeyframeMesh mesh = test::flatMesh(4, kSize / 4);
@@ -111,7 +111,8 @@ TEST(Oracle, BlendsMeshesByShare) {
   EXPECT_GT(oracle.error({&whole, 1}, fromAbove(100), kLens).max_m, 1);
 }
 
-// Against a few lines that do the same without blocks, culling or rasterising: triangles of one cell hit their own corners only.
+// Against a few lines that do the same without blocks, culling or rasterising: triangles of one cell hit their own
+// corners only.
 TEST(Oracle, AgreesWithProjectingEveryVertexOfAFullResolutionMesh) {
   Oracle oracle(flatTruth());
   Rng rng(11);
@@ -119,7 +120,8 @@ TEST(Oracle, AgreesWithProjectingEveryVertexOfAFullResolutionMesh) {
   for (auto& p : mesh.from_positions) p.z = static_cast<float>(rng.uniform(-0.5, 0.5));
   for (int round = 0; round < 20; ++round) {
     const glm::dvec3 forward(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, -0.1));
-    const proto::Pose pose{{rng.uniform(0, kSize), rng.uniform(0, kSize), rng.uniform(2, 50)}, proto::lookAlong(forward, {0, 0, 1})};
+    const proto::Pose pose{{rng.uniform(0, kSize), rng.uniform(0, kSize), rng.uniform(2, 50)},
+                           proto::lookAlong(forward, {0, 0, 1})};
     double expected = 0;
     uint64_t seen = 0;
     const double f = kLens.focalPx();

@@ -21,7 +21,8 @@ std::string textOf(const std::filesystem::path& path) {
 
 class FrameDumpTest : public ::testing::Test {
  protected:
-  std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / ("frame_dump_" + std::to_string(::getpid()));
+  std::filesystem::path folder_ =
+      std::filesystem::path(::testing::TempDir()) / ("frame_dump_" + std::to_string(::getpid()));
   void TearDown() override { std::filesystem::remove_all(folder_); }
 };
 
@@ -53,8 +54,11 @@ TEST_F(FrameDumpTest, WritesALinePerFrameAndLeavesNothingUnfinished) {
   const std::string lines = textOf(folder_ / "frames.jsonl");
   EXPECT_EQ(std::ranges::count(lines, '\n'), 2);
   EXPECT_NE(lines.find("\"file\":\"frame_000060.ply\",\"frame\":60,\"time_s\":1.000000"), std::string::npos) << lines;
-  EXPECT_NE(lines.find("\"viewport_px\":[1920,1080],\"strategy\":\"predict\",\"tolerance_px\":1,\"weight\":0.5"), std::string::npos) << lines;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".unfinished");
+  EXPECT_NE(lines.find("\"viewport_px\":[1920,1080],\"strategy\":\"predict\",\"tolerance_px\":1,\"weight\":0.5"),
+            std::string::npos)
+      << lines;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    EXPECT_NE(entry.path().extension(), ".unfinished");
 }
 
 TEST_F(FrameDumpTest, RefusesAFolderThatCannotBe) {

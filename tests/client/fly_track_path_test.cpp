@@ -25,11 +25,14 @@ const proto::GridShape kShape{.roots_x = 5, .roots_y = 5, .root_log2 = 8, .sampl
 Track northward(double from_latitude_deg, size_t seconds) {
   Track track;
   for (size_t i = 0; i <= seconds; ++i)
-    track.fixes.push_back({static_cast<double>(i), (from_latitude_deg + static_cast<double>(i) * 9e-5) * kDeg, 8.5 * kDeg, 2000});
+    track.fixes.push_back(
+        {static_cast<double>(i), (from_latitude_deg + static_cast<double>(i) * 9e-5) * kDeg, 8.5 * kDeg, 2000});
   return track;
 }
 
-std::vector<float> flat(const PlannedTrack& plan, float height_m) { return std::vector<float>(plan.places.size(), height_m); }
+std::vector<float> flat(const PlannedTrack& plan, float height_m) {
+  return std::vector<float>(plan.places.size(), height_m);
+}
 
 TrackPath pathOf(const Track& track, const TrackOptions& options, float ground_m) {
   const proto::FrameTransform frame(alpineFrame());
@@ -78,9 +81,7 @@ TEST(TrackPath, LiftsWhatIsUnderTheGroundToTheClearance) {
     const double height_m = frame.toGeodetic(p->path.poses[i].eye).height_m;
     EXPECT_GE(height_m, ground[i] + 25 - 1e-6) << i;
     EXPECT_GE(height_m, 2000 - 1e-6);
-    if (i + 25 < 300 || i > 345) {
-      EXPECT_NEAR(height_m, 2000, 1e-6) << i;
-    }
+    if (i + 25 < 300 || i > 345) { EXPECT_NEAR(height_m, 2000, 1e-6) << i; }
     const double before_m = frame.toGeodetic(p->path.poses[i > 0 ? i - 1 : 0].eye).height_m;
     EXPECT_LT(std::fabs(height_m - before_m), 10) << "a jump at " << i;
   }
@@ -114,7 +115,8 @@ TEST(TrackPath, KeepsLongFlightsWithinWhatAPathHolds) {
 TEST(TrackPath, LooksAsBeforeWhereTheFlightStandsStill) {
   Track track = northward(46.5, 30);
   const Fix last = track.fixes.back();
-  for (int i = 1; i < 60; ++i) track.fixes.push_back({last.time_s + i, last.latitude_rad, last.longitude_rad, last.height_m});
+  for (int i = 1; i < 60; ++i)
+    track.fixes.push_back({last.time_s + i, last.latitude_rad, last.longitude_rad, last.height_m});
   const TrackPath p = pathOf(track, {}, 0);
   for (const proto::Pose& pose : p.path.poses) EXPECT_GT(pose.forward().y, 0.9);
 }

@@ -48,7 +48,8 @@ TEST(Igc, ReadsSouthWestAndNegativeHeights) {
 }
 
 TEST(Igc, UsesFurtherDigitsOfTheMinute) {
-  const auto track = parseIgc("I023636LAD3737LOD\nB0800004630000N00715000EA019000200059\nB0800014630000N00715000EA019000200059\n", "a.igc");
+  const auto track = parseIgc(
+      "I023636LAD3737LOD\nB0800004630000N00715000EA019000200059\nB0800014630000N00715000EA019000200059\n", "a.igc");
   ASSERT_TRUE(track.ok());
   EXPECT_NEAR(track->fixes[0].latitude_rad, (46.5 + 0.0005 / 60) * kDeg, 1e-13);
   EXPECT_NEAR(track->fixes[0].longitude_rad, (7.25 + 0.0009 / 60) * kDeg, 1e-13);
@@ -63,7 +64,8 @@ TEST(Igc, GoesOnOverMidnight) {
 }
 
 TEST(Igc, DropsRepeatedAndBackwardTimesWithANote) {
-  const auto track = parseIgc(fixAt("080000") + fixAt("080001") + fixAt("080001") + fixAt("080000") + fixAt("080002"), "a.igc");
+  const auto track =
+      parseIgc(fixAt("080000") + fixAt("080001") + fixAt("080001") + fixAt("080000") + fixAt("080002"), "a.igc");
   ASSERT_TRUE(track.ok());
   expectLawful(*track);
   EXPECT_EQ(track->fixes.size(), 3u);
@@ -79,7 +81,8 @@ TEST(Igc, FallsBackToPressureHeights) {
 }
 
 TEST(Igc, SkipsBadLinesNamingThem) {
-  const auto track = parseIgc("A\n" + fixAt("080000") + "B08000\nB0800994630000N00715000EA0190002000\n" + fixAt("080002"), "a.igc");
+  const auto track =
+      parseIgc("A\n" + fixAt("080000") + "B08000\nB0800994630000N00715000EA0190002000\n" + fixAt("080002"), "a.igc");
   ASSERT_TRUE(track.ok());
   EXPECT_EQ(track->fixes.size(), 2u);
   EXPECT_EQ(track->skipped, 2u);
@@ -118,15 +121,19 @@ TEST(Gpx, TakesRoutePointsWithoutTimesAtAnAssumedSpeed) {
 }
 
 TEST(Gpx, SkipsBadPointsNamingTheirLines) {
-  const auto track = parseGpx("<gpx><trkpt lat='0' lon='0'/>\n<trkpt lat='x' lon='0'/>\n<trkpt lon='0'/>\n<trkpt lat='91' lon='0'/>\n"
-                              "<trkpt lat='0' lon='1'><ele>high</ele></trkpt>\n<trkpt lat='0' lon='2'/></gpx>", "a.gpx");
+  const auto track = parseGpx(
+      "<gpx><trkpt lat='0' lon='0'/>\n<trkpt lat='x' lon='0'/>\n<trkpt lon='0'/>\n<trkpt lat='91' lon='0'/>\n"
+      "<trkpt lat='0' lon='1'><ele>high</ele></trkpt>\n<trkpt lat='0' lon='2'/></gpx>",
+      "a.gpx");
   ASSERT_TRUE(track.ok());
   EXPECT_EQ(track->skipped, 4u);
-  for (const char* line : {"a.gpx:2: ", "a.gpx:3: ", "a.gpx:4: ", "a.gpx:5: "}) EXPECT_TRUE(mentions(*track, line)) << line;
+  for (const char* line : {"a.gpx:2: ", "a.gpx:3: ", "a.gpx:4: ", "a.gpx:5: "})
+    EXPECT_TRUE(mentions(*track, line)) << line;
 }
 
 TEST(Track, IsRefusedWithoutTwoFixesAndTheMessageNamesTheFile) {
-  for (const std::string& text : {std::string(), std::string("hello\nB\n"), fixAt("080000"), std::string("<gpx></gpx>"), std::string("<gpx><trkpt")}) {
+  for (const std::string& text : {std::string(), std::string("hello\nB\n"), fixAt("080000"), std::string("<gpx></gpx>"),
+                                  std::string("<gpx><trkpt")}) {
     for (const auto& track : {parseIgc(text, "my.file"), parseGpx(text, "my.file")}) {
       if (track.ok()) continue;
       EXPECT_NE(track.error().message.find("my.file"), std::string::npos);
@@ -145,8 +152,10 @@ TEST(Track, SurvivesMutatedFiles) {
     std::string text = round % 2 == 0 ? igc : kGpx;
     for (uint64_t edits = 1 + rng.below(6); edits > 0 && !text.empty(); --edits) {
       const size_t at = rng.below(text.size());
-      if (rng.below(4) == 0) text.erase(at, 1 + rng.below(20));
-      else text[at] = static_cast<char>(rng.below(3) == 0 ? rng.below(256) : text[rng.below(text.size())]);
+      if (rng.below(4) == 0)
+        text.erase(at, 1 + rng.below(20));
+      else
+        text[at] = static_cast<char>(rng.below(3) == 0 ? rng.below(256) : text[rng.below(text.size())]);
     }
     const auto track = round % 2 == 0 ? parseIgc(text, "x") : parseGpx(text, "x");
     if (!track.ok()) continue;
@@ -181,7 +190,8 @@ TEST(Track, ReadsTheRealGpx) {
 }
 
 TEST(Track, ReadsRealFilesOfEveryKind) {
-  for (const char* name : {"chartreuse_pilot1.igc", "chartreuse_pilot2.igc", "chartreuse_pilot3.igc", "chartreuse_pilot4.igc", "example.igc"}) {
+  for (const char* name : {"chartreuse_pilot1.igc", "chartreuse_pilot2.igc", "chartreuse_pilot3.igc",
+                           "chartreuse_pilot4.igc", "example.igc"}) {
     FORELAND_DATA_OR_SKIP(path, std::string("tracks/") + name);
     const auto track = readTrack(path);
     ASSERT_TRUE(track.ok()) << track.error().message;

@@ -28,7 +28,8 @@ TEST(WebSocketUrl, ReadsAnAddressInBrackets) {
 }
 
 TEST(WebSocketUrl, RefusesWhatIsNotOneAndSaysHowToWriteIt) {
-  for (const char* bad : {"", "http://a:1", "wss://a:1", "ws://", "ws://:80", "ws://a:0", "ws://a:70000", "ws://a:x", "ws://a b:1", "ws://[", "ws://[]:1"}) {
+  for (const char* bad : {"", "http://a:1", "wss://a:1", "ws://", "ws://:80", "ws://a:0", "ws://a:70000", "ws://a:x",
+                          "ws://a b:1", "ws://[", "ws://[]:1"}) {
     const auto url = parseWebSocketUrl(bad);
     ASSERT_FALSE(url.ok()) << bad;
     EXPECT_NE(url.error().message.find("ws://HOST:PORT"), std::string::npos) << url.error().message;

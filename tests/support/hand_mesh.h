@@ -13,8 +13,8 @@ inline proto::GridShape squareShape(uint32_t root_log2) {
   return {.roots_x = 1, .roots_y = 1, .root_log2 = root_log2, .samples_x = samples, .samples_y = samples};
 }
 
-// (cells + 1)^2 vertices, `step` samples apart, at height 0; each cell halved by the diagonal that rises. One sample is one
-// metre and lattice (0, 0) the origin.
+// (cells + 1)^2 vertices, `step` samples apart, at height 0; each cell halved by the diagonal that rises. One sample is
+// one metre and lattice (0, 0) the origin.
 inline client::KeyframeMesh flatMesh(uint32_t cells, uint32_t step) {
   client::KeyframeMesh mesh;
   for (uint32_t y = 0; y <= cells; ++y)

@@ -22,7 +22,9 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
   const auto refuse = [&](const std::string& why) {
     return Error{ErrorCode::kInvalidArgument, "'" + url + "': " + why + "; write ws://HOST:PORT"};
   };
-  if (url.starts_with("wss://")) return Error{ErrorCode::kUnsupported, "'" + url + "': encrypted connections are not known yet; write ws://HOST:PORT"};
+  if (url.starts_with("wss://"))
+    return Error{ErrorCode::kUnsupported,
+                 "'" + url + "': encrypted connections are not known yet; write ws://HOST:PORT"};
   if (!url.starts_with("ws://")) return refuse("not a WebSocket address");
   std::string authority = url.substr(5);
   WebSocketUrl result{.host = {}, .target = "/fly"};
@@ -36,8 +38,9 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
   if (colon != std::string::npos) result.port = authority.substr(colon + 1);
   if (result.host.starts_with('[')) result.host = result.host.substr(1, result.host.size() - 2);
   if (result.host.empty()) return refuse("no host");
-  if (result.port.empty() || result.port.size() > 5 || result.port.find_first_not_of("0123456789") != std::string::npos ||
-      std::stoi(result.port) < 1 || std::stoi(result.port) > 65'535)
+  if (result.port.empty() || result.port.size() > 5 ||
+      result.port.find_first_not_of("0123456789") != std::string::npos || std::stoi(result.port) < 1 ||
+      std::stoi(result.port) > 65'535)
     return refuse("port '" + result.port + "' is not 1 to 65535");
   for (const std::string& part : {result.host, result.target})
     if (part.find_first_of(std::string(" \t\r\n\0", 5)) != std::string::npos) return refuse("white space");
@@ -94,13 +97,16 @@ Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::m
   if (error)
     return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
                                      (response.result_int() != 0 && response.result_int() != 101
-                                          ? " (HTTP " + std::to_string(response.result_int()) + ")" : "")};
+                                          ? " (HTTP " + std::to_string(response.result_int()) + ")"
+                                          : "")};
   return {};
 }
 
 void WebSocketClient::Impl::fail(const error_code& error) {
   if (failure) return;
-  std::string why = error == beast::websocket::error::closed || error == asio::error::eof ? "the server closed the connection" : error.message();
+  std::string why = error == beast::websocket::error::closed || error == asio::error::eof
+                        ? "the server closed the connection"
+                        : error.message();
   if (const auto& reason = stream.reason(); error == beast::websocket::error::closed && !reason.reason.empty())
     why += ": " + std::string(reason.reason.data(), reason.reason.size());
   failure = Error{ErrorCode::kIo, name + ": connection lost: " + why};
@@ -139,9 +145,7 @@ Result<WebSocketClient> WebSocketClient::connect(const std::string& url, std::ch
   auto impl = std::make_unique<Impl>();
   if (Status s = impl->open(url, timeout); !s.ok()) return s.error();
   return WebSocketClient(std::move(impl));
-} catch (const std::exception& e) {
-  return Error{ErrorCode::kIo, url + ": " + e.what()};
-}
+} catch (const std::exception& e) { return Error{ErrorCode::kIo, url + ": " + e.what()}; }
 
 void WebSocketClient::send(Bytes message) {
   impl_->outgoing.push_back(std::move(message));
@@ -158,9 +162,7 @@ Status WebSocketClient::run(Clock::time_point until, const std::function<Status(
   }
   if (impl_->failure) return *impl_->failure;
   return {};
-} catch (const std::exception& e) {
-  return Error{ErrorCode::kIo, impl_->name + ": " + e.what()};
-}
+} catch (const std::exception& e) { return Error{ErrorCode::kIo, impl_->name + ": " + e.what()}; }
 
 void WebSocketClient::close() try {
   if (impl_->failure) return;

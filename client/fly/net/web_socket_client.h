@@ -1,6 +1,6 @@
-// A WebSocket connection to a server, driven from one thread: sending queues, and run() moves bytes both ways until a given moment.
-// The only place of the client that knows sockets and Boost; nothing of Boost shows here, and no exception leaves.
-// One owner, one thread.
+// A WebSocket connection to a server, driven from one thread: sending queues, and run() moves bytes both ways until a
+// given moment. The only place of the client that knows sockets and Boost; nothing of Boost shows here, and no
+// exception leaves. One owner, one thread.
 #pragma once
 
 #include <chrono>
@@ -34,8 +34,8 @@ class WebSocketClient {
 
   // Queues one binary message.
   void send(Bytes message);
-  // Sends, receives and waits until `until`; hands over each message as it comes. An Error from `on_message` stops and is
-  // returned; so is the loss of the connection, after all messages that came before it.
+  // Sends, receives and waits until `until`; hands over each message as it comes. An Error from `on_message` stops and
+  // is returned; so is the loss of the connection, after all messages that came before it.
   Status run(Clock::time_point until, const std::function<Status(ByteSpan)>& on_message);
   // Says goodbye, waiting a second at most.
   void close();

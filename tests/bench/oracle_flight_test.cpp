@@ -1,0 +1,170 @@
+// The player, the server's session and the oracle together, in virtual time over a link of 20 ms, no sockets.
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "apps/exact_sections.h"
+#include "bench/oracle/flight_truth.h"
+#include "bench/oracle/scene_truth.h"
+#include "client/fly/player.h"
+#include "server/session/session.h"
+#include "tests/support/scene.h"
+
+namespace foreland::bench {
+namespace {
+
+constexpr Duration kLink = Duration::milliseconds(20), kTick = Duration::milliseconds(1);
+
+struct Post {
+  Time arrival;
+  Bytes message;
+};
+
+std::shared_ptr<const terrain::Scene> alps() {
+  static const auto scene = test::makeScene(180, 150, 3, proto::FrameKind::kGeographic);
+  return scene;
+}
+
+client::PlayerOptions tourOptions(proto::Strategy strategy) {
+  client::PlayerOptions o{.request = {}, .tour = "survey", .track = nullptr, .track_options = {}, .seconds = 4};
+  o.request.lens = {.width_px = 640, .height_px = 360};
+  o.request.strategy = strategy;
+  o.request.predictor = proto::Predictor::kKnownPath;
+  o.knowledge = client::PathKnowledge::kAnnounced;
+  return o;
+}
+
+// Drives the player to its end, or until it fails.
+Status fly(client::Player& player, server::Session& session) {
+  server::SessionScratch scratch;
+  std::deque<Post> up, down;
+  std::vector<Bytes> sent;
+  for (Time now; player.phase() != client::Player::Phase::kDone && now < Time::seconds(60); now = now + kTick) {
+    for (; !up.empty() && up.front().arrival <= now; up.pop_front())
+      if (Status s = session.receive(up.front().message, now); !s.ok())
+        down.push_back({now + kLink, proto::encode(proto::Refusal{s.error().message})});
+    if (const auto due = session.due(); due && due->release <= now) {
+      session.step(now, scratch, sent);
+      for (Bytes& message : sent) down.push_back({now + kLink, std::move(message)});
+      sent.clear();
+      session.onDrained(now);
+    }
+    for (; !down.empty() && down.front().arrival <= now; down.pop_front())
+      if (Status s = player.receive(down.front().message, now); !s.ok()) return s;
+    if (now.us % Duration::milliseconds(16).us == 0)
+      if (Status s = player.frame(now); !s.ok()) return s;
+    for (Bytes message; player.takeOutgoing(message);) up.push_back({now + kLink, std::move(message)});
+  }
+  return {};
+}
+
+struct Flight {
+  client::Player player;
+  Status status;
+};
+
+Flight flown(const client::PlayerOptions& options) {
+  Flight flight{client::Player(options), {}};
+  server::Session session(std::make_shared<server::World>(alps()), {});
+  flight.status = fly(flight.player, session);
+  return flight;
+}
+
+FlightTruth measured(const client::Player& player) {
+  Oracle oracle(truthOf(alps()));
+  return measureFlight(player.log(), oracle,
+                       {.frame_every = 20, .section_at = apps::exactSections(alps()), .on_progress = {}});
+}
+
+TEST(Flight, KeepsToleranceInEveryFrameWithoutCracksOrExtrapolationErrorOnAKnownPath) {
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  const client::FlightReport report = flight.player.report();
+  EXPECT_EQ(report.late_keyframes_flying, 0u);
+  EXPECT_GE(report.keyframes_flying, 19u);
+  EXPECT_EQ(report.frames_without_mesh, 0u);
+  EXPECT_NEAR(report.seconds, 4, 0.2);
+  const FlightTruth truth = measured(flight.player);
+  EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+  EXPECT_EQ(truth.uncovered_samples, 0u);
+  EXPECT_LE(truth.keyframes.max_px, 1.0);
+  EXPECT_GT(truth.keyframes.max_px, 0.3);  // a bound that nothing comes near would cost too many triangles
+  EXPECT_LT(truth.extrapolation.max_px, 0.01);
+  EXPECT_EQ(report.frames_outside, 0u);
+  EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+  EXPECT_EQ(truth.delay_max_ms, 0);
+}
+
+TEST(Flight, WithDelayShowsThePastWithoutViewError) {
+  const FlightTruth truth = measured(flown(tourOptions(proto::Strategy::kDelay)).player);
+  EXPECT_LE(truth.keyframes.max_px, 1.0);
+  EXPECT_GT(truth.delay_mean_ms, 200);
+  EXPECT_EQ(truth.view.count, 0u);
+  EXPECT_GT(truth.interpolation.count, 0u);
+}
+
+TEST(Flight, WithCurrentPaysInViewErrorInstead) {
+  const FlightTruth truth = measured(flown(tourOptions(proto::Strategy::kCurrent)).player);
+  EXPECT_GT(truth.view.max_px, 0);
+  EXPECT_EQ(truth.view.count, truth.interpolation.count);
+}
+
+TEST(Flight, IsTheSameWhenReplayed) {
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  std::optional<client::FlightReport> again;
+  client::replay(flight.player.log(), [&](const client::Player& player, Time) {
+    again = player.report();
+    return true;
+  });
+  ASSERT_TRUE(again);
+  const client::FlightReport first = flight.player.report();
+  EXPECT_EQ(again->frames, first.frames);
+  EXPECT_EQ(again->mean_triangles, first.mean_triangles);
+  EXPECT_EQ(again->nodes, first.nodes);
+  EXPECT_EQ(again->session.bytes_down, first.session.bytes_down);
+  EXPECT_EQ(again->session.bytes_up, first.session.bytes_up);
+}
+
+TEST(Flight, FliesATrackAboveTheGroundThatTheServerTells) {
+  constexpr double kDeg = 0.017453292519943295;
+  client::Track track;
+  for (int i = 0; i <= 30; ++i)
+    track.fixes.push_back({i * 1.0, (46.03 + i * 5e-4) * kDeg, (8.03 + i * 5e-4) * kDeg, 0});  // far under ground
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.track = std::make_shared<const client::Track>(track);
+  options.track_options = {.speed = 10, .clearance_m = 30};
+  const Flight flight = flown(options);
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  EXPECT_EQ(flight.player.notes().size(), 1u);  // lifted
+  const proto::FrameTransform frame(alps()->frame());
+  for (const proto::Pose& pose : flight.player.path().poses) {
+    const proto::LatticePlace place = frame.toLattice(pose.eye);
+    // Not lower than the lowest corner of the cell below.
+    const auto x = static_cast<uint32_t>(place.x), y = static_cast<uint32_t>(place.y);
+    int32_t ground = alps()->height(proto::NodeId::at(x, y));
+    for (const auto corner :
+         {proto::NodeId::at(x + 1, y), proto::NodeId::at(x, y + 1), proto::NodeId::at(x + 1, y + 1)})
+      ground = std::min(ground, alps()->height(corner));
+    EXPECT_GE(place.height_m, ground * 0.1 + 30 - 0.01);
+  }
+}
+
+TEST(Flight, EndsWithTheServersWordsWhenItRefuses) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "grand";
+  const Flight flight = flown(options);
+  ASSERT_FALSE(flight.status.ok());
+  EXPECT_NE(flight.status.error().message.find("grand"), std::string::npos);
+}
+
+TEST(Flight, GivesUpOnASilentServer) {
+  client::Player player(tourOptions(proto::Strategy::kPredict));
+  ASSERT_TRUE(player.frame(Time::seconds(1)).ok());
+  ASSERT_TRUE(player.frame(Time::seconds(10)).ok());
+  const Status status = player.frame(Time::seconds(12));
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().message.find("waited 10 s for a welcome"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace foreland::bench
