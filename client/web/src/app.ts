@@ -70,7 +70,7 @@ export class App {
   start(): void {
     showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
     this.connection.open();
-    this.renderer.setAnimationLoop((now_ms) => this.drawOrStop(now_ms));
+    this.renderer.setAnimationLoop(() => this.drawOrStop(performance.now()));
     byId('hint').textContent = window.matchMedia('(pointer: coarse)').matches
       ? 'One finger looks, two fingers fly'
       : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed';

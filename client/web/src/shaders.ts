@@ -97,11 +97,11 @@ float noise(vec2 p) {
 // Mottling in [-0.5, 0.5]; octaves finer than about two pixels fade out.
 float mottling(vec2 place, float pixel_m) {
   float sum = 0.0, amplitude = 0.5, wave_m = u_noise_m;
-  for (int octave = 0; octave < 4; ++octave) {
+  for (int octave = 0; octave < 6; ++octave) {
     float visible = clamp(wave_m / (2.0 * pixel_m) - 1.0, 0.0, 1.0);
     if (visible == 0.0) break;
     sum += visible * amplitude * noise(place / wave_m);
-    amplitude *= 0.6;
+    amplitude *= 0.64;
     wave_m *= 0.25;
   }
   return sum;

@@ -65,7 +65,7 @@ export class TerrainMesh {
     this.noise_period_m = 16 * spacing_m * 1024;
     this.uniforms.u_haze_height!.value = 0.9 * relief_m;
     this.uniforms.u_far!.value = 0.35 * across_m;
-    this.haze = 1.5 / across_m;
+    this.haze = 1.8 / across_m;
     this.contour_m = niceStep(relief_m / 60);
   }
 
