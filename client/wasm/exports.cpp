@@ -1,6 +1,7 @@
-// The client core as a WebAssembly module: a Viewer, a planned tour, and records for the page to read. A thin host: every decision
-// is in client/ or in the page. Times are milliseconds of the page's own clock; every text is UTF-8.
-// One page, one thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module.
+// The client core as a WebAssembly module: a Viewer, a planned tour, and records for the page to read. A thin host:
+// every decision is in client/ or in the page. Times are milliseconds of the page's own clock; every text is UTF-8. One
+// page, one thread. A viewer's address is its handle; records and arrays stay valid until the next call into the
+// module.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -110,8 +111,8 @@ void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transfo
   for (int k = 0; k <= kPlaces; ++k)
     for (int l = 0; l <= kPlaces; ++l)
       for (double height : {out.lowest_m, out.highest_m}) {
-        const glm::dvec3 p = transform.toScene(proto::LatticePlace{(welcome.shape.samples_x - 1.0) * k / kPlaces,
-                                                                   (welcome.shape.samples_y - 1.0) * l / kPlaces, height});
+        const glm::dvec3 p = transform.toScene(proto::LatticePlace{
+            (welcome.shape.samples_x - 1.0) * k / kPlaces, (welcome.shape.samples_y - 1.0) * l / kPlaces, height});
         for (int axis = 0; axis < 3; ++axis) {
           out.low[axis] = std::min(out.low[axis], p[axis]);
           out.high[axis] = std::max(out.high[axis], p[axis]);
@@ -128,8 +129,8 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
 }
 
 FORELAND_EXPORT(foreland_create)
-Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy, uint32_t predictor,
-             double keyframe_ms) {
+Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
+             uint32_t predictor, double keyframe_ms) {
   return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
 }
 
@@ -155,7 +156,8 @@ FORELAND_EXPORT(foreland_error) const TextRecord* error(Host* host) {
 }
 
 FORELAND_EXPORT(foreland_frame)
-const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z, double qx, double qy, double qz, double qw) {
+const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z, double qx, double qy, double qz,
+                         double qw) {
   const proto::Pose pose{.eye = {x, y, z}, .orientation = glm::dquat(qw, qx, qy, qz)};
   const FrameView view = host->viewer.frame(timeOf(now_ms), pose);
   FrameRecord& out = host->frame_record;

@@ -1,5 +1,6 @@
-// What the page reads from the module's memory: plain records at fixed offsets, little-endian. client/web/src/core.ts reads the
-// same offsets; a change here is a change there, in one commit. Pointers are offsets into the module's memory.
+// What the page reads from the module's memory: plain records at fixed offsets, little-endian. client/web/src/core.ts
+// reads the same offsets; a change here is a change there, in one commit. Pointers are offsets into the module's
+// memory.
 #pragma once
 
 #include <cstddef>
@@ -19,31 +20,31 @@ static_assert(sizeof(PoseRecord) == 56);
 // What to draw: everything of FrameView and KeyframeMesh. The arrays are valid until the next call into the module.
 struct FrameRecord {
   PoseRecord pose;
-  double origin[3];        // scene frame, metres; positions are relative to it
-  double scene_time_ms;    // the client's clock
+  double origin[3];      // scene frame, metres; positions are relative to it
+  double scene_time_ms;  // the client's clock
   double from_time_ms;
   double to_time_ms;
-  PoseRecord to_pose;      // the pose that the newer section was computed for
+  PoseRecord to_pose;  // the pose that the newer section was computed for
   float weight;
-  uint32_t mesh_version;   // 0: no mesh yet
+  uint32_t mesh_version;  // 0: no mesh yet
   uint32_t vertex_count;
   uint32_t index_count;
   Address from_positions;  // float x, y, z, height
   Address to_positions;
-  Address from_normals;    // int8 x, y, z, 0
+  Address from_normals;  // int8 x, y, z, 0
   Address to_normals;
-  Address indices;         // uint32
+  Address indices;  // uint32
   uint32_t from_nodes;
   uint32_t to_nodes;
-  uint32_t from_index;     // keyframes
+  uint32_t from_index;  // keyframes
   uint32_t to_index;
-  float tau_px;            // in force at the newer keyframe
+  float tau_px;  // in force at the newer keyframe
 };
 static_assert(offsetof(FrameRecord, origin) == 56 && offsetof(FrameRecord, to_pose) == 104 &&
               offsetof(FrameRecord, weight) == 160 && sizeof(FrameRecord) == 216);
 
 struct WelcomeRecord {
-  double low[3];   // box around the data, scene frame, metres
+  double low[3];  // box around the data, scene frame, metres
   double high[3];
   double lowest_m;  // heights above the zero surface
   double highest_m;
