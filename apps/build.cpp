@@ -1,18 +1,21 @@
-// foreland-build: elevation files in, one scene file out. The only program besides foreland-synth that links GDAL and OpenEXR.
-// Exit codes: 0 done, 2 bad input or usage, 1 the machine's fault (disk, memory).
+// foreland-build: elevation files in, one scene file out. The only program besides foreland-synth that links GDAL and
+// OpenEXR. Exit codes: 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "terrain/build/build.h"
@@ -48,10 +51,12 @@ class ProgressLine {
     drawn_ = now;
     const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBar);
     const double elapsed_s = std::chrono::duration<double>(now - begun_).count();
-    std::fprintf(stderr, "\r  %-14s [%.*s%*s] %3.0f %%", stage_.c_str(), filled, "##############################", kBar - filled, "",
-                 fraction * 100);
-    if (fraction > 0.02 && fraction < 1) std::fprintf(stderr, "  %.0f s left  ", elapsed_s * (1 - fraction) / fraction);
-    else std::fprintf(stderr, "               ");
+    std::fprintf(stderr, "\r  %-14s [%.*s%*s] %3.0f %%", stage_.c_str(), filled, "##############################",
+                 kBar - filled, "", fraction * 100);
+    if (fraction > 0.02 && fraction < 1)
+      std::fprintf(stderr, "  %.0f s left  ", elapsed_s * (1 - fraction) / fraction);
+    else
+      std::fprintf(stderr, "               ");
     std::fflush(stderr);
   }
   void end() {
@@ -77,31 +82,58 @@ class ProgressLine {
 
 void describeOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("INPUT", arguments.inputs,
-                 "Elevation files: whatever GDAL reads (GeoTIFF, HGT, zipped too, ASCII grid, netCDF, USGS DEM, PNG) or OpenEXR; several "
+                 "Elevation files: whatever GDAL reads (GeoTIFF, HGT, zipped too, ASCII grid, netCDF, USGS DEM, PNG) "
+                 "or OpenEXR; several "
                  "make a mosaic")
       ->required();
   app.add_option("-o,--output", arguments.output, "The scene file to write")->required();
   app.add_option("--nodata", arguments.open.nodata, "The value that means 'no data', instead of the file's own");
   app.add_option("--vertical-step", arguments.vertical_step_m,
                  "Metres per step of a stored height; by default 0.1, finer for samples closer than 2 m")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double step_m = 0;
+            return CLI::detail::lexical_cast(text, step_m) && step_m > 0 && std::isfinite(step_m)
+                       ? std::string()
+                       : text + " is no positive number of metres";
+          },
+          "METRES"));
   app.add_option("--spacing", arguments.open.spacing_m, "Metres between samples, for files without a reference system");
   app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several");
   app.add_option("--threads", arguments.threads, "Worker threads; 0 for one a processor")->check(CLI::Range(0u, 1024u));
-  const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
-                                                           {"planar", terrain::FrameChoice::kPlanar},
-                                                           {"geographic", terrain::FrameChoice::kGeographic}};
-  app.add_option("--frame", arguments.open.frame, "How the coordinates are meant: auto, planar or geographic")
-      ->transform(CLI::CheckedTransformer(frames).description(""));
-  const std::map<std::string, terrain::HeightEncoding> encodings{{"plain", terrain::HeightEncoding::kPlain},
-                                                                 {"terrarium", terrain::HeightEncoding::kTerrarium}};
-  app.add_option("--encoding", arguments.open.encoding, "How numbers become heights: plain, or terrarium (red, green, blue)")
-      ->transform(CLI::CheckedTransformer(encodings).description(""));
+  static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
+                                                                  {"planar", terrain::FrameChoice::kPlanar},
+                                                                  {"geographic", terrain::FrameChoice::kGeographic}};
+  app.add_option_function<std::string>(
+         "--frame", [&](const std::string& name) { arguments.open.frame = frames.at(name); },
+         "How the coordinates are meant")
+      ->check(CLI::IsMember(std::vector<std::string>{"auto", "planar", "geographic"}));
+  static const std::map<std::string, terrain::HeightEncoding> encodings{
+      {"plain", terrain::HeightEncoding::kPlain}, {"terrarium", terrain::HeightEncoding::kTerrarium}};
+  app.add_option_function<std::string>(
+         "--encoding", [&](const std::string& name) { arguments.open.encoding = encodings.at(name); },
+         "How numbers become heights; terrarium: red * 256 + green + blue / 256 - 32768")
+      ->check(CLI::IsMember(std::vector<std::string>{"plain", "terrarium"}));
 }
 
 int fail(const Error& error) {
   std::fprintf(stderr, "foreland build: %s\n", error.message.c_str());
-  return error.code == ErrorCode::kIo ? 1 : 2;
+  return 2;
+}
+
+// Before hours are spent on what cannot be written.
+Status checkOutput(const Arguments& arguments) {
+  std::error_code failed;
+  const std::filesystem::path& output = arguments.output;
+  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
+  if (std::filesystem::is_directory(output, failed))
+    return Error{ErrorCode::kInvalidArgument, output.string() + ": a directory; name the scene file in it"};
+  if (!std::filesystem::is_directory(folder, failed))
+    return Error{ErrorCode::kNotFound, output.string() + ": there is no directory " + folder.string()};
+  for (const std::filesystem::path& input : arguments.inputs)
+    if (std::filesystem::equivalent(input, output, failed))
+      return Error{ErrorCode::kInvalidArgument, output.string() + ": is one of the inputs; name another file with -o"};
+  return {};
 }
 
 // A twentieth of the distance between samples, rounded down to a power of ten, and never coarser than 0.1 m.
@@ -115,25 +147,29 @@ double chooseVerticalStep(const Arguments& arguments, const terrain::ElevationIn
   if (arguments.vertical_step_m) return *arguments.vertical_step_m;
   const glm::dvec2 spacing_m = terrain::sampleSpacing(info.frame, info.width, info.height);
   const double closest_m = std::min(spacing_m.x, spacing_m.y), step_m = defaultVerticalStep(closest_m);
-  if (step_m < 0.1) std::fprintf(stderr, "samples lie %.3g m apart, so heights are kept in steps of %g m (--vertical-step)\n", closest_m, step_m);
+  if (step_m < 0.1)
+    std::fprintf(stderr, "samples lie %.3g m apart, so heights are kept in steps of %g m (--vertical-step)\n",
+                 closest_m, step_m);
   return step_m;
 }
 
 void describeInput(const terrain::ElevationInfo& info) {
   const glm::dvec2 spacing_m = terrain::sampleSpacing(info.frame, info.width, info.height);
-  std::fprintf(stderr, "%s: %u x %u samples, %.4g x %.4g m apart, %s\n", info.title.c_str(), info.width, info.height, spacing_m.x,
-               spacing_m.y, info.frame.kind == proto::FrameKind::kPlanar ? "planar" : "geographic");
+  std::fprintf(stderr, "%s: %u x %u samples, %.4g x %.4g m apart, %s\n", info.title.c_str(), info.width, info.height,
+               spacing_m.x, spacing_m.y, info.frame.kind == proto::FrameKind::kPlanar ? "planar" : "geographic");
 }
 
 void describeScene(const terrain::BuildReport& report, const std::filesystem::path& output, double seconds) {
   for (const std::string& note : report.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
-  std::printf("%s: %u x %u samples, %llu nodes, heights %.1f to %.1f m, %llu voids filled, %.1f MB, %.1f s\n", output.c_str(),
-              report.width, report.height, static_cast<unsigned long long>(report.nodes), report.lowest_m, report.highest_m,
-              static_cast<unsigned long long>(report.voids_filled), static_cast<double>(report.file_bytes) * 1e-6, seconds);
+  std::printf("%s: %u x %u samples, %llu nodes, heights %.1f to %.1f m, %llu voids filled, %.1f MB, %.1f s\n",
+              output.c_str(), report.width, report.height, static_cast<unsigned long long>(report.nodes),
+              report.lowest_m, report.highest_m, static_cast<unsigned long long>(report.voids_filled),
+              static_cast<double>(report.file_bytes) * 1e-6, seconds);
 }
 
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
+  if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
   auto source = terrain::openElevation(arguments.inputs, arguments.open);
   if (!source.ok()) return fail(source.error());
   describeInput((*source)->info());
@@ -141,9 +177,10 @@ int build(const Arguments& arguments) {
                                       .height_step_m = chooseVerticalStep(arguments, (*source)->info()),
                                       .threads = arguments.threads};
   ProgressLine line;
-  const auto report = terrain::buildScene(**source, options,
-                                          {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
-                                           .keepGoing = [] { return !stop_requested.load(); }});
+  const auto report =
+      terrain::buildScene(**source, options,
+                          {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
+                           .keepGoing = [] { return !stop_requested.load(); }});
   line.end();
   if (!report.ok()) return fail(report.error());
   describeScene(*report, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
@@ -158,9 +195,7 @@ int main(int argc, char** argv) {
   describeOptions(app, arguments);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {
-    return app.exit(asked);
-  } catch (const CLI::ParseError& error) {
+  } catch (const CLI::Success& asked) { return app.exit(asked); } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "foreland build: %s (see foreland build --help)\n", error.what());
     return 2;
   }

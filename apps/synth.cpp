@@ -1,5 +1,5 @@
 // foreland-synth: a synthetic mountain landscape as an elevation file, for the default demo and for tests.
-// Exit codes: 0 done, 2 bad usage, 1 the machine's fault (disk).
+// Exit codes: 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -23,7 +23,7 @@ struct Arguments {
 
 int fail(const Error& error) {
   std::fprintf(stderr, "foreland synth: %s\n", error.message.c_str());
-  return error.code == ErrorCode::kIo ? 1 : 2;
+  return 2;
 }
 
 // Image rows count from the north, the landscape's from the south.
@@ -72,9 +72,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.landscape.seed, "The same seed gives the same landscape")->capture_default_str();
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {
-    return app.exit(asked);
-  } catch (const CLI::ParseError& error) {
+  } catch (const CLI::Success& asked) { return app.exit(asked); } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "foreland synth: %s (see foreland synth --help)\n", error.what());
     return 2;
   }

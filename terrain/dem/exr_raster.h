@@ -1,4 +1,5 @@
-// OpenEXR height maps, through OpenEXR itself: half, float or integer samples, metres, top image row is north. One owner, one thread.
+// OpenEXR height maps, through OpenEXR itself: half, float or integer samples, metres, top image row is north. One
+// owner, one thread.
 #pragma once
 
 #include <filesystem>

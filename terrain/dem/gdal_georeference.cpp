@@ -76,7 +76,9 @@ Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& n
     out.kind = MapKind::kProjected;
     out.unit = OSRGetLinearUnits(crs, nullptr);
   }
-  if (!(out.unit > 0)) return Error{ErrorCode::kMalformed, name + ": its reference system has no unit; name one with gdal_translate -a_srs"};
+  if (!(out.unit > 0))
+    return Error{ErrorCode::kMalformed,
+                 name + ": its reference system has no unit; name one with gdal_translate -a_srs"};
   return out;
 }
 

@@ -1,4 +1,5 @@
-// Keeps GDAL's messages of this thread off the terminal while it lives, and collects them for ours. Stack-like, as GDAL's own handlers.
+// Keeps GDAL's messages of this thread off the terminal while it lives, and collects them for ours. Stack-like, as
+// GDAL's own handlers.
 #pragma once
 
 #include <string>

@@ -6,8 +6,11 @@
 #include <gdal.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <mutex>
+#include <optional>
+#include <string>
 
 #include "terrain/dem/gdal_georeference.h"
 #include "terrain/dem/gdal_messages.h"
@@ -27,7 +30,8 @@ struct CloseDataset {
 using Dataset = std::unique_ptr<void, CloseDataset>;
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
@@ -58,8 +62,9 @@ bool isColour(GDALRasterBandH band) {
 
 Error pictureError(const std::string& name, int count) {
   return {ErrorCode::kUnsupported,
-          fmt::format("{}: a picture with {} of 8 bits, not heights; if its colours encode heights, say --encoding terrarium", name,
-                      count == 1 ? "a palette" : fmt::format("{} bands", count))};
+          fmt::format(
+              "{}: a picture with {} of 8 bits, not heights; if its colours encode heights, say --encoding terrarium",
+              name, count == 1 ? "a palette" : fmt::format("{} bands", count))};
 }
 
 class GdalRaster final : public Raster {
@@ -107,20 +112,23 @@ void GdalRaster::noteFormat() {
   if (suffix.empty() || usual == nullptr || *usual == 0 || suffix == ".gz") return;
   const std::string list = " " + lower(usual) + " ";
   if (list.find(" " + suffix.substr(1) + " ") == std::string::npos)
-    notes_.push_back(fmt::format("by its contents it is {}, whatever its suffix {} says", GDALGetDriverLongName(driver), suffix));
+    notes_.push_back(
+        fmt::format("by its contents it is {}, whatever its suffix {} says", GDALGetDriverLongName(driver), suffix));
 }
 
 Result<int> GdalRaster::bandByName(const std::string& channel) const {
   const int count = GDALGetRasterCount(dataset_.get());
   for (int i = 1; i <= count; ++i)
     if (channel == std::to_string(i) || channel == GDALGetDescription(GDALGetRasterBand(dataset_.get(), i))) return i;
-  return Error{ErrorCode::kInvalidArgument, fmt::format("{}: has no band '{}'; it has {} (--channel 1 is the first)", name_, channel, count)};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("{}: has no band '{}'; it has {} (--channel 1 is the first)", name_, channel, count)};
 }
 
 bool GdalRaster::isPicture() const {
   GDALRasterBandH first = bands_.bands.front();
   if (GDALGetRasterDataType(first) != GDT_Byte) return false;
-  return GDALGetRasterColorInterpretation(first) == GCI_PaletteIndex || (GDALGetRasterCount(dataset_.get()) >= 3 && isColour(first));
+  return GDALGetRasterColorInterpretation(first) == GCI_PaletteIndex ||
+         (GDALGetRasterCount(dataset_.get()) >= 3 && isColour(first));
 }
 
 Status GdalRaster::pickBands(const OpenOptions& options) {
@@ -134,12 +142,15 @@ Status GdalRaster::pickBands(const OpenOptions& options) {
   bands_.bands = {GDALGetRasterBand(dataset_.get(), first)};
   if (options.encoding == HeightEncoding::kTerrarium) {
     if (count < 3 || GDALGetRasterDataType(bands_.bands[0]) != GDT_Byte)
-      return Error{ErrorCode::kInvalidArgument, name_ + ": --encoding terrarium needs three bands of 8 bits; leave it out for this file"};
-    bands_.bands = {GDALGetRasterBand(dataset_.get(), 1), GDALGetRasterBand(dataset_.get(), 2), GDALGetRasterBand(dataset_.get(), 3)};
+      return Error{ErrorCode::kInvalidArgument,
+                   name_ + ": --encoding terrarium needs three bands of 8 bits; leave it out for this file"};
+    bands_.bands = {GDALGetRasterBand(dataset_.get(), 1), GDALGetRasterBand(dataset_.get(), 2),
+                    GDALGetRasterBand(dataset_.get(), 3)};
   } else if (count > 1 && !options.channel) {
     notes_.push_back(fmt::format("it has {} bands; the first is taken as heights (--channel N picks another)", count));
   }
-  if ((GDALGetMaskFlags(bands_.bands[0]) & (GMF_PER_DATASET | GMF_ALPHA)) != 0) bands_.mask = GDALGetMaskBand(bands_.bands[0]);
+  if ((GDALGetMaskFlags(bands_.bands[0]) & (GMF_PER_DATASET | GMF_ALPHA)) != 0)
+    bands_.mask = GDALGetMaskBand(bands_.bands[0]);
   if (GDALDataTypeIsComplex(GDALGetRasterDataType(bands_.bands[0])))
     return Error{ErrorCode::kUnsupported, name_ + ": holds complex numbers, not heights"};
   return {};
@@ -158,8 +169,10 @@ HeightDecoder GdalRaster::makeDecoder(const OpenOptions& options) {
   if (!has_offset) units.offset = 0;
   const std::string unit = GDALGetRasterUnitType(band);
   const std::optional<double> metres = heightUnit(unit);
-  if (!metres) notes_.push_back(fmt::format("its heights are in '{}', which is unknown; taken as metres", unit));
-  else if (*metres != 1) notes_.push_back(fmt::format("its heights are in {}; converted to metres", unit));
+  if (!metres)
+    notes_.push_back(fmt::format("its heights are in '{}', which is unknown; taken as metres", unit));
+  else if (*metres != 1)
+    notes_.push_back(fmt::format("its heights are in {}; converted to metres", unit));
   units.scale *= metres.value_or(1);
   units.offset *= metres.value_or(1);
   return HeightDecoder(nodata, units);
@@ -167,7 +180,8 @@ HeightDecoder GdalRaster::makeDecoder(const OpenOptions& options) {
 
 Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages) {
   if (width() < 2 || height() < 2)
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: {} x {} samples; a terrain needs at least 2 x 2", name_, width(), height())};
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: {} x {} samples; a terrain needs at least 2 x 2", name_, width(), height())};
   noteFormat();
   if (Status s = pickBands(options); !s.ok()) return s;
   Result<Georeference> place = readGeoreference(dataset_.get(), name_, notes_);
@@ -175,7 +189,9 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
   if (const std::string said = messages.all(); !said.empty()) notes_.push_back("about its header GDAL says: " + said);
   georeference_ = *place;
   decoder_ = makeDecoder(options);
-  const ReadRaw read = [this](uint32_t first, uint32_t count, std::span<float> out) { return readRaw(first, count, out); };
+  const ReadRaw read = [this](uint32_t first, uint32_t count, std::span<float> out) {
+    return readRaw(first, count, out);
+  };
   // A damaged file is told from a picture by reading it, so this comes first.
   if (Status s = surveyHeights(width(), height(), read, *decoder_); !s.ok()) return s;
   if (options.encoding == HeightEncoding::kPlain && !options.channel && isPicture())
@@ -183,7 +199,8 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
   for (std::string& note : decoder_->notes()) notes_.push_back(std::move(note));
   if (survey().voids == survey().samples)
     return Error{ErrorCode::kMalformed,
-                 fmt::format("{}: holds no heights, all {} samples are voids; if its nodata value is wrong, name another with --nodata{}",
+                 fmt::format("{}: holds no heights, all {} samples are voids; if its nodata value is wrong, name "
+                             "another with --nodata{}",
                              name_, survey().samples, notes_.empty() ? "" : " (" + notes_.back() + ")")};
   return {};
 }
@@ -191,11 +208,13 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
 Status GdalRaster::readBand(GDALRasterBandH band, uint32_t first, uint32_t count, std::span<float> out) {
   GdalMessages messages;
   const int w = static_cast<int>(width()), n = static_cast<int>(count);
-  const CPLErr failed = GDALRasterIO(band, GF_Read, 0, static_cast<int>(first), w, n, out.data(), w, n, GDT_Float32, 0, 0);
+  const CPLErr failed =
+      GDALRasterIO(band, GF_Read, 0, static_cast<int>(first), w, n, out.data(), w, n, GDT_Float32, 0, 0);
   if (failed == CE_None && !messages.hasErrors()) return {};
-  return Error{ErrorCode::kMalformed,
-               fmt::format("{}: rows {} to {} cannot be read; the file is damaged or cut short, get it anew (GDAL says: {})", name_, first,
-                           first + count - 1, messages.hasErrors() ? messages.errors() : "no reason")};
+  return Error{
+      ErrorCode::kMalformed,
+      fmt::format("{}: rows {} to {} cannot be read; the file is damaged or cut short, get it anew (GDAL says: {})",
+                  name_, first, first + count - 1, messages.hasErrors() ? messages.errors() : "no reason")};
 }
 
 Status GdalRaster::readRaw(uint32_t first, uint32_t count, std::span<float> out) {
@@ -234,17 +253,20 @@ Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, 
     known += (known.empty() ? "" : ", ") + last;
   }
   if (known.empty()) return Error{ErrorCode::kUnsupported, name + ": holds no raster"};
-  return Error{ErrorCode::kInvalidArgument, fmt::format("{}: holds several variables; choose one with --channel: {}", name, known)};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("{}: holds several variables; choose one with --channel: {}", name, known)};
 }
 
 Result<std::unique_ptr<Raster>> openOne(const std::string& gdal_path, const std::string& name, OpenOptions options) {
   GdalMessages messages;
-  Dataset dataset(GDALOpenEx(gdal_path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
+  Dataset dataset(GDALOpenEx(gdal_path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
+                             nullptr, nullptr));
   if (!dataset) return openError(name, messages.errors());
   if (GDALGetRasterCount(dataset.get()) == 0) {
     const Result<std::string> variable = pickVariable(dataset.get(), name, options);
     if (!variable.ok()) return variable.error();
-    dataset.reset(GDALOpenEx(variable->c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
+    dataset.reset(GDALOpenEx(variable->c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
+                             nullptr, nullptr));
     if (!dataset) return openError(name, messages.errors());
     options.channel.reset();
   }
@@ -267,7 +289,8 @@ Result<std::vector<Member>> listArchive(const std::string& path) {
     const std::string inside = names[i];
     if (inside.ends_with('/') || inside.starts_with("__MACOSX")) continue;
     const std::string full = root + "/" + inside;
-    if (GDALIdentifyDriverEx(full.c_str(), GDAL_OF_RASTER, nullptr, nullptr) != nullptr) members.push_back({full, path + "/" + inside});
+    if (GDALIdentifyDriverEx(full.c_str(), GDAL_OF_RASTER, nullptr, nullptr) != nullptr)
+      members.push_back({full, path + "/" + inside});
   }
   CSLDestroy(names);
   if (!members.empty()) return members;
@@ -282,13 +305,15 @@ void registerGdalDrivers() {
   static std::once_flag once;
   std::call_once(once, [] {
     // An elevation file never opens a connection.
-    CPLSetConfigOption("GDAL_SKIP", "WMS WCS WMTS HTTP DAAS EEDA EEDAI PLMOSAIC OGCAPI STACIT STACTA RASTERLITE POSTGISRASTER");
+    CPLSetConfigOption("GDAL_SKIP",
+                       "WMS WCS WMTS HTTP DAAS EEDA EEDAI PLMOSAIC OGCAPI STACIT STACTA RASTERLITE POSTGISRASTER");
     CPLSetConfigOption("GDAL_CACHEMAX", "256");  // MB
     GDALAllRegister();
   });
 }
 
-Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path, const OpenOptions& options) {
+Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path,
+                                                             const OpenOptions& options) {
   registerGdalDrivers();
   const std::string name = path.string(), suffix = lower(path.extension().string());
   std::vector<Member> members{{suffix == ".gz" ? "/vsigzip/" + name : name, name}};

@@ -1,4 +1,5 @@
-// Elevation files that GDAL reads, archives included. Every GDAL message is caught and folded into ours. One owner, one thread.
+// Elevation files that GDAL reads, archives included. Every GDAL message is caught and folded into ours. One owner, one
+// thread.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +16,7 @@ namespace foreland::terrain {
 void registerGdalDrivers();
 
 // One raster, or all that an archive (.zip) holds. Each has been surveyed and has at least one height.
-Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path, const OpenOptions& options);
+Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path,
+                                                             const OpenOptions& options);
 
 }  // namespace foreland::terrain

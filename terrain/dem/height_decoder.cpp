@@ -11,8 +11,8 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kRareGap_m = 2000;    // a rare sentinel must be this far from every height ...
-constexpr double kCommonGap_m = 500;   // ... one that is more than a trace, only this far
+constexpr double kRareGap_m = 2000;   // a rare sentinel must be this far from every height ...
+constexpr double kCommonGap_m = 500;  // ... one that is more than a trace, only this far
 constexpr double kTrace = 0.001;
 constexpr uint64_t kSurveyAll = uint64_t{1} << 25;  // samples
 constexpr uint32_t kBandRows = 64, kBands = 16;
@@ -106,8 +106,9 @@ std::vector<std::string> HeightDecoder::notes() const {
   std::vector<std::string> notes;
   for (size_t i = 0; i < kSentinels.size(); ++i)
     if (sentinel_count_[i] > 0 && sentinel_is_void_[i])
-      notes.push_back(fmt::format("{} samples of {:g} are taken as voids although the file does not tag that value (--nodata names another)",
-                                  sentinel_count_[i], kSentinels[i]));
+      notes.push_back(fmt::format(
+          "{} samples of {:g} are taken as voids although the file does not tag that value (--nodata names another)",
+          sentinel_count_[i], kSentinels[i]));
   if (implausible_ > 0)
     notes.push_back(fmt::format("{} samples outside {:g} to {:g} m, such as {:g}, are taken as voids", implausible_,
                                 kLowestPlausible_m, kHighestPlausible_m, implausible_example_));

@@ -1,8 +1,8 @@
-// From a file's raw numbers to heights in metres: which of them mean "no data", which cannot be heights. First `look` at (some of)
-// the data, then `settle`, then `decode` rows. One owner.
+// From a file's raw numbers to heights in metres: which of them mean "no data", which cannot be heights. First `look`
+// at (some of) the data, then `settle`, then `decode` rows. One owner.
 //
-// Besides the tagged nodata value and what is not finite, -999, -9999, -32767, -32768 and 32767 are voids when no other height lies near
-// them: such files exist, with the sentinel in the data and not in the header.
+// Besides the tagged nodata value and what is not finite, -999, -9999, -32767, -32768 and 32767 are voids when no other
+// height lies near them: such files exist, with the sentinel in the data and not in the header.
 #pragma once
 
 #include <array>
@@ -52,7 +52,8 @@ class HeightDecoder {
 
 using ReadRaw = std::function<Status(uint32_t first, uint32_t count, std::span<float> out)>;
 
-// Looks at the whole raster, or at bands spread over a large one; at all of a large one if the bands hold nothing but voids.
+// Looks at the whole raster, or at bands spread over a large one; at all of a large one if the bands hold nothing but
+// voids.
 Status surveyHeights(uint32_t width, uint32_t height, const ReadRaw& read, HeightDecoder& decoder);
 
 }  // namespace foreland::terrain

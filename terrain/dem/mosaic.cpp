@@ -12,8 +12,8 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kMaxDrift = 0.5;        // samples over a tile, from slightly different steps
-constexpr double kWorthSaying = 0.01;    // samples off the lattice
+constexpr double kMaxDrift = 0.5;      // samples over a tile, from slightly different steps
+constexpr double kWorthSaying = 0.01;  // samples off the lattice
 constexpr int64_t kMaxSide = int64_t{1} << 20;
 constexpr int64_t kMaxSamples = int64_t{1} << 32;
 
@@ -29,12 +29,15 @@ Offset toSamples(const std::array<double, 6>& t, double x, double y) {
   return {(dx * t[5] - dy * t[2]) / det, (dy * t[1] - dx * t[4]) / det};
 }
 
-std::string stepName(const Georeference& map) { return fmt::format("{:g}", std::hypot(map.transform[1], map.transform[4])); }
+std::string stepName(const Georeference& map) {
+  return fmt::format("{:g}", std::hypot(map.transform[1], map.transform[4]));
+}
 
 Status checkCompatible(const Tile& first, const Tile& tile) {
   const std::string both = first.raster->name() + " and " + tile.raster->name();
   if (!first.map.has_transform || !tile.map.has_transform)
-    return Error{ErrorCode::kInvalidArgument, both + ": a mosaic needs positions, and one of them has none; build one scene from each"};
+    return Error{ErrorCode::kInvalidArgument,
+                 both + ": a mosaic needs positions, and one of them has none; build one scene from each"};
   if (!isSameReferenceSystem(first.map, tile.map))
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: different reference systems ({}; {}); bring them to one with gdalwarp -t_srs", both,
@@ -46,12 +49,12 @@ Status checkCompatible(const Tile& first, const Tile& tile) {
   const Offset o = toSamples(first.map.transform, t[0], t[3]);
   const Offset e = toSamples(first.map.transform, t[0] + w * t[1], t[3] + w * t[4]);
   const Offset s = toSamples(first.map.transform, t[0] + h * t[2], t[3] + h * t[5]);
-  const double drift = std::max({std::fabs(e.column - o.column - w), std::fabs(e.row - o.row), std::fabs(s.row - o.row - h),
-                                 std::fabs(s.column - o.column)});
+  const double drift = std::max({std::fabs(e.column - o.column - w), std::fabs(e.row - o.row),
+                                 std::fabs(s.row - o.row - h), std::fabs(s.column - o.column)});
   if (!(drift <= kMaxDrift))
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: different resolutions ({} and {} per sample); bring them to one with gdalwarp -tr", both,
-                             stepName(first.map), stepName(tile.map))};
+                 fmt::format("{}: different resolutions ({} and {} per sample); bring them to one with gdalwarp -tr",
+                             both, stepName(first.map), stepName(tile.map))};
   return {};
 }
 
@@ -78,12 +81,14 @@ Result<Mosaic> layMosaic(std::vector<Tile> tiles) {
       exact = toSamples(first.map.transform, tile.map.transform[0], tile.map.transform[3]);
     }
     if (!(std::fabs(exact.column) < 1e9 && std::fabs(exact.row) < 1e9))
-      return Error{ErrorCode::kLimit, first.raster->name() + " and " + tile.raster->name() + ": too far apart for one scene; build one from each"};
+      return Error{ErrorCode::kLimit, first.raster->name() + " and " + tile.raster->name() +
+                                          ": too far apart for one scene; build one from each"};
     const int64_t column = std::llround(exact.column), row = std::llround(exact.row);
-    const double off = std::max(std::fabs(exact.column - static_cast<double>(column)), std::fabs(exact.row - static_cast<double>(row)));
+    const double off = std::max(std::fabs(exact.column - static_cast<double>(column)),
+                                std::fabs(exact.row - static_cast<double>(row)));
     if (off > kWorthSaying)
-      out.notes.push_back(fmt::format("{} lies {:.2f} samples off the lattice of {} and was shifted onto it", tile.raster->name(), off,
-                                      first.raster->name()));
+      out.notes.push_back(fmt::format("{} lies {:.2f} samples off the lattice of {} and was shifted onto it",
+                                      tile.raster->name(), off, first.raster->name()));
     at.emplace_back(column, row);
     left = std::min(left, column);
     top = std::min(top, row);
@@ -92,8 +97,11 @@ Result<Mosaic> layMosaic(std::vector<Tile> tiles) {
   }
   const int64_t w = right - left, h = bottom - top;
   if (w > kMaxSide || h > kMaxSide || w > kMaxSamples / h)
-    return Error{ErrorCode::kLimit, fmt::format("{} and the other inputs: together {} x {} samples, more than a scene holds; leave out what lies "
-                                                "far away", first.raster->name(), w, h)};
+    return Error{
+        ErrorCode::kLimit,
+        fmt::format("{} and the other inputs: together {} x {} samples, more than a scene holds; leave out what lies "
+                    "far away",
+                    first.raster->name(), w, h)};
   out.width = static_cast<uint32_t>(w);
   out.height = static_cast<uint32_t>(h);
   for (size_t i = 0; i < out.tiles.size(); ++i) {

@@ -1,5 +1,5 @@
-// Several rasters on one lattice. Each keeps its own samples: none is resampled, so tiles that share a seam share its very samples.
-// Pure functions.
+// Several rasters on one lattice. Each keeps its own samples: none is resampled, so tiles that share a seam share its
+// very samples. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace foreland::terrain {
 
 struct Tile {
   std::unique_ptr<Raster> raster;
-  Georeference map;  // settled
+  Georeference map;              // settled
   uint32_t column = 0, row = 0;  // of its first sample in the mosaic
 };
 

@@ -1,11 +1,12 @@
 #include "terrain/dem/open.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <system_error>
 
+#include "base/check.h"
 #include "terrain/dem/exr_raster.h"
 #include "terrain/dem/gdal_raster.h"
 #include "terrain/dem/mosaic.h"
@@ -17,7 +18,8 @@ namespace {
 
 constexpr uint32_t kWindowRows = 64;
 
-// Rows are fetched from the files in windows, top to bottom within each: archives and text formats are slow to read backwards.
+// Rows are fetched from the files in windows, top to bottom within each: archives and text formats are slow to read
+// backwards.
 class RasterSource final : public ElevationSource {
  public:
   RasterSource(Mosaic mosaic, const Placement& placement, ElevationInfo info)
@@ -33,8 +35,10 @@ class RasterSource final : public ElevationSource {
       if (Status s = load(row); !s.ok()) return s;
       const float* from = window_.data() + size_t{row - window_first_} * info_.width;
       float* to = out.data() + size_t{i} * info_.width;
-      if (placement_.is_column_reversed) std::reverse_copy(from, from + info_.width, to);
-      else std::copy(from, from + info_.width, to);
+      if (placement_.is_column_reversed)
+        std::reverse_copy(from, from + info_.width, to);
+      else
+        std::copy(from, from + info_.width, to);
     }
     return {};
   }
@@ -88,7 +92,8 @@ Status checkFile(const std::filesystem::path& path) {
   const auto size = std::filesystem::file_size(path, failed);
   if (!failed && size == 0) return Error{ErrorCode::kMalformed, name + ": an empty file (0 bytes); get it anew"};
   std::FILE* readable = std::fopen(path.c_str(), "rb");
-  if (readable == nullptr) return Error{ErrorCode::kIo, name + ": cannot be read: " + std::generic_category().message(errno)};
+  if (readable == nullptr)
+    return Error{ErrorCode::kIo, name + ": cannot be read: " + std::generic_category().message(errno)};
   std::fclose(readable);
   return {};
 }
@@ -137,14 +142,16 @@ std::string titleOf(const Mosaic& mosaic) {
 
 }  // namespace
 
-Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::filesystem::path>& inputs, const OpenOptions& options) {
+Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::filesystem::path>& inputs,
+                                                       const OpenOptions& options) {
   if (inputs.empty()) return Error{ErrorCode::kInvalidArgument, "no elevation file was named"};
   ElevationInfo info;
   Result<std::vector<Tile>> tiles = openTiles(inputs, options, info.notes);
   if (!tiles.ok()) return tiles.error();
   Result<Mosaic> mosaic = layMosaic(std::move(tiles).value());
   if (!mosaic.ok()) return mosaic.error();
-  const Result<Placement> placement = placeRaster(mosaic->map, {titleOf(*mosaic), mosaic->width, mosaic->height, 0, 0}, options);
+  const Result<Placement> placement =
+      placeRaster(mosaic->map, {titleOf(*mosaic), mosaic->width, mosaic->height, 0, 0}, options);
   if (!placement.ok()) return placement.error();
   info.width = mosaic->width;
   info.height = mosaic->height;
@@ -153,7 +160,8 @@ Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::fi
   info.crs_wkt = mosaic->map.crs_wkt;
   info.notes.insert(info.notes.end(), mosaic->notes.begin(), mosaic->notes.end());
   info.notes.insert(info.notes.end(), placement->notes.begin(), placement->notes.end());
-  return std::unique_ptr<ElevationSource>(std::make_unique<RasterSource>(std::move(mosaic).value(), *placement, std::move(info)));
+  return std::unique_ptr<ElevationSource>(
+      std::make_unique<RasterSource>(std::move(mosaic).value(), *placement, std::move(info)));
 }
 
 }  // namespace foreland::terrain

@@ -1,6 +1,7 @@
-// Opens elevation files of any kind as one ElevationSource: what GDAL reads, and OpenEXR height maps. Everything that had to be
-// assumed about an input is a sentence in its notes; everything that cannot be meant is an Error that names the file and the way out.
-// GDAL's own messages never reach the terminal. Any thread may open; the source belongs to one thread at a time.
+// Opens elevation files of any kind as one ElevationSource: what GDAL reads, and OpenEXR height maps. Everything that
+// had to be assumed about an input is a sentence in its notes; everything that cannot be meant is an Error that names
+// the file and the way out. GDAL's own messages never reach the terminal. Any thread may open; the source belongs to
+// one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +28,9 @@ enum class HeightEncoding : uint8_t {
 };
 
 struct OpenOptions {
-  std::optional<double> nodata{};      // replaces the file's own
-  std::optional<double> spacing_m{};   // for inputs without a reference system (EXR, images)
-  std::optional<std::string> channel{}; // EXR channel, band number, or variable of a file with several
+  std::optional<double> nodata{};        // replaces the file's own
+  std::optional<double> spacing_m{};     // for inputs without a reference system (EXR, images)
+  std::optional<std::string> channel{};  // EXR channel, band number, or variable of a file with several
   FrameChoice frame = FrameChoice::kAuto;
   HeightEncoding encoding = HeightEncoding::kPlain;
 };

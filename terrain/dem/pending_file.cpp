@@ -11,8 +11,8 @@ namespace foreland::terrain {
 
 PendingFile::PendingFile(const std::filesystem::path& destination)
     : destination_(destination),
-      temporary_(destination.parent_path() / ("." + destination.stem().string() + "." + std::to_string(getpid()) + ".part" +
-                                              destination.extension().string())) {}
+      temporary_(destination.parent_path() / ("." + destination.stem().string() + "." + std::to_string(getpid()) +
+                                              ".part" + destination.extension().string())) {}
 
 PendingFile::~PendingFile() {
   std::error_code ignored;

@@ -38,7 +38,9 @@ Georeference asDegrees(Georeference place) {
   return place;
 }
 
-Error overrideError(const std::string& name, const std::string& why) { return {ErrorCode::kInvalidArgument, name + ": " + why}; }
+Error overrideError(const std::string& name, const std::string& why) {
+  return {ErrorCode::kInvalidArgument, name + ": " + why};
+}
 
 }  // namespace
 
@@ -48,7 +50,8 @@ Result<Georeference> settleMap(const Georeference& said, const Extent& extent, c
     return overrideError(extent.name, fmt::format("--spacing {:g} is no distance in metres", *options.spacing_m));
   if (!said.crs_wkt.empty()) {
     if (options.spacing_m)
-      return overrideError(extent.name, "--spacing is for files without a reference system, and this one has " + said.crs_name);
+      return overrideError(extent.name,
+                           "--spacing is for files without a reference system, and this one has " + said.crs_name);
     return said;
   }
   Georeference place = said;
@@ -69,21 +72,26 @@ Result<Georeference> settleMap(const Georeference& said, const Extent& extent, c
     return place;
   }
   if (options.frame == FrameChoice::kAuto && looksLikeDegrees(place, extent)) {
-    notes.push_back("it names no reference system; its coordinates look like degrees and are taken as longitude and latitude on WGS84 "
-                    "(--frame planar takes them as metres)");
+    notes.push_back(
+        "it names no reference system; its coordinates look like degrees and are taken as longitude and latitude on "
+        "WGS84 "
+        "(--frame planar takes them as metres)");
     return asDegrees(place);
   }
-  notes.push_back(fmt::format("it names no reference system; its coordinates are taken as metres, {:g} m between samples",
-                              std::hypot(place.transform[1], place.transform[4])));
+  notes.push_back(
+      fmt::format("it names no reference system; its coordinates are taken as metres, {:g} m between samples",
+                  std::hypot(place.transform[1], place.transform[4])));
   return place;
 }
 
 namespace {
 
-// Of the four ways to count rows and columns two are right-handed; the one whose axes point most east and north is taken.
+// Of the four ways to count rows and columns two are right-handed; the one whose axes point most east and north is
+// taken.
 void orient(const Georeference& place, Placement& out, glm::dvec2& axis_x, glm::dvec2& axis_y) {
   const glm::dvec2 column{place.transform[1], place.transform[4]}, row{place.transform[2], place.transform[5]};
-  const bool mirrored = column.x * row.y - column.y * row.x > 0;  // an image, seen from above, has rows clockwise of columns
+  const bool mirrored =
+      column.x * row.y - column.y * row.x > 0;  // an image, seen from above, has rows clockwise of columns
   const glm::dvec2 up = mirrored ? row : -row;
   const bool turned = column.x + up.y < 0;
   axis_x = turned ? -column : column;
@@ -94,7 +102,8 @@ void orient(const Georeference& place, Placement& out, glm::dvec2& axis_x, glm::
 
 // Map position of lattice (x, y).
 glm::dvec2 latticePosition(const Georeference& place, const Extent& extent, const Placement& out, double x, double y) {
-  return mapPosition(place, out.is_column_reversed ? extent.width - 1.0 - x : x, out.is_row_reversed ? extent.height - 1.0 - y : y);
+  return mapPosition(place, out.is_column_reversed ? extent.width - 1.0 - x : x,
+                     out.is_row_reversed ? extent.height - 1.0 - y : y);
 }
 
 void makePlanar(const Georeference& place, const Extent& extent, Placement& out) {
@@ -110,8 +119,9 @@ Status makeGeographic(const Georeference& place, const Extent& extent, Placement
   glm::dvec2 axis_x, axis_y;
   orient(place, out, axis_x, axis_y);
   if (axis_x.y != 0 || axis_y.x != 0)
-    return Error{ErrorCode::kUnsupported,
-                 extent.name + ": its rows do not follow the parallels; straighten it first with gdalwarp -t_srs EPSG:4326"};
+    return Error{
+        ErrorCode::kUnsupported,
+        extent.name + ": its rows do not follow the parallels; straighten it first with gdalwarp -t_srs EPSG:4326"};
   proto::Frame& frame = out.frame;
   frame.kind = proto::FrameKind::kGeographic;
   frame.semi_major_m = place.ellipsoid.semi_major_m;
@@ -123,9 +133,10 @@ Status makeGeographic(const Georeference& place, const Extent& extent, Placement
   frame.latitude0_rad = corner.y;
   const double north = frame.latitude0_rad + (extent.height - 1.0) * frame.latitude_step_rad;
   if (frame.latitude0_rad < -kHalfPi - 1e-9 || north > kHalfPi + 1e-9)
-    return Error{ErrorCode::kMalformed, fmt::format("{}: its latitudes reach from {:.3f} to {:.3f} degrees, past a pole; correct its "
-                                                    "position with gdal_translate -a_ullr",
-                                                    extent.name, frame.latitude0_rad / kDegree, north / kDegree)};
+    return Error{ErrorCode::kMalformed,
+                 fmt::format("{}: its latitudes reach from {:.3f} to {:.3f} degrees, past a pole; correct its "
+                             "position with gdal_translate -a_ullr",
+                             extent.name, frame.latitude0_rad / kDegree, north / kDegree)};
   frame.origin = {frame.latitude0_rad + (extent.height / 2) * frame.latitude_step_rad,
                   frame.longitude0_rad + (extent.width / 2) * frame.longitude_step_rad, 0};
   return {};
@@ -133,10 +144,13 @@ Status makeGeographic(const Georeference& place, const Extent& extent, Placement
 
 // Degrees flattened at the middle latitude.
 Result<Georeference> flatten(const Georeference& place, const Extent& extent) {
-  const glm::dvec2 span = (mapPosition(place, extent.width - 1.0, extent.height - 1.0) - mapPosition(place, 0, 0)) * place.unit;
+  const glm::dvec2 span =
+      (mapPosition(place, extent.width - 1.0, extent.height - 1.0) - mapPosition(place, 0, 0)) * place.unit;
   if (std::max(std::fabs(span.x), std::fabs(span.y)) > kMaxFlattened_rad)
-    return overrideError(extent.name, fmt::format("--frame planar would flatten {:.1f} x {:.1f} degrees, too much of the globe; leave it out",
-                                                  std::fabs(span.x) / kDegree, std::fabs(span.y) / kDegree));
+    return overrideError(
+        extent.name,
+        fmt::format("--frame planar would flatten {:.1f} x {:.1f} degrees, too much of the globe; leave it out",
+                    std::fabs(span.x) / kDegree, std::fabs(span.y) / kDegree));
   const double latitude = mapPosition(place, extent.width * 0.5, extent.height * 0.5).y * place.unit;
   const glm::dvec2 scale = metresPerRadian(place.ellipsoid, latitude) * place.unit;
   Georeference flat = place;
@@ -153,13 +167,15 @@ Result<Placement> placeRaster(const Georeference& settled, const Extent& extent,
   Placement out;
   Georeference place = settled;
   if (options.frame == FrameChoice::kGeographic && place.kind != MapKind::kGeographic)
-    return overrideError(extent.name, "--frame geographic cannot be meant for map coordinates (" + place.crs_name +
-                                          "); convert the file first with gdalwarp -t_srs EPSG:4326, or leave --frame out");
+    return overrideError(extent.name,
+                         "--frame geographic cannot be meant for map coordinates (" + place.crs_name +
+                             "); convert the file first with gdalwarp -t_srs EPSG:4326, or leave --frame out");
   if (options.frame == FrameChoice::kPlanar && place.kind == MapKind::kGeographic) {
     Result<Georeference> flat = flatten(place, extent);
     if (!flat.ok()) return flat.error();
     place = *flat;
-    out.notes.push_back("latitude and longitude were flattened at the middle latitude; the curvature of the ground is lost");
+    out.notes.push_back(
+        "latitude and longitude were flattened at the middle latitude; the curvature of the ground is lost");
   }
   if (place.kind == MapKind::kGeographic) {
     if (Status s = makeGeographic(place, extent, out); !s.ok()) return s.error();
@@ -167,7 +183,8 @@ Result<Placement> placeRaster(const Georeference& settled, const Extent& extent,
     makePlanar(place, extent, out);
   }
   if (Status s = out.frame.validate(extent.width - 1.0, extent.height - 1.0); !s.ok())
-    return Error{s.error().code, extent.name + ": " + s.error().message + "; correct its position with gdal_translate -a_ullr"};
+    return Error{s.error().code,
+                 extent.name + ": " + s.error().message + "; correct its position with gdal_translate -a_ullr"};
   return out;
 }
 

@@ -1,5 +1,6 @@
-// From what files say about their place to the scene frame: which rows and columns to turn around so that the lattice counts eastward
-// and northward and is right-handed, and where its axes lie in metres. Pure functions; no file format here.
+// From what files say about their place to the scene frame: which rows and columns to turn around so that the lattice
+// counts eastward and northward and is right-handed, and where its axes lie in metres. Pure functions; no file format
+// here.
 #pragma once
 
 #include <cstdint>

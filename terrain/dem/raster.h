@@ -1,5 +1,6 @@
-// One elevation file as rows of heights, top row first as image formats have it, with what the file says about its place. The two
-// readers (GDAL, OpenEXR) implement it; assemble.h turns one or more of them into an ElevationSource. One owner, one thread at a time.
+// One elevation file as rows of heights, top row first as image formats have it, with what the file says about its
+// place. The two readers (GDAL, OpenEXR) implement it; assemble.h turns one or more of them into an ElevationSource.
+// One owner, one thread at a time.
 #pragma once
 
 #include <array>
@@ -18,12 +19,13 @@ enum class MapKind : uint8_t { kUnknown, kProjected, kGeographic };
 struct Georeference {
   MapKind kind = MapKind::kUnknown;
   bool has_transform = false;
-  // Map position of the centre of the sample at (column, row): x = t0 + column * t1 + row * t2, y = t3 + column * t4 + row * t5.
+  // Map position of the centre of the sample at (column, row): x = t0 + column * t1 + row * t2, y = t3 + column * t4 +
+  // row * t5.
   std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
-  double unit = 1;              // metres (projected) or radians (geographic) per unit of the map
+  double unit = 1;  // metres (projected) or radians (geographic) per unit of the map
   double prime_meridian_rad = 0;
-  Ellipsoid ellipsoid;          // geographic
-  std::string crs_name;         // for people
+  Ellipsoid ellipsoid;   // geographic
+  std::string crs_name;  // for people
   std::string crs_wkt;
 };
 
@@ -43,8 +45,8 @@ class Raster {
   virtual const Georeference& georeference() const = 0;
   virtual const HeightSurvey& survey() const = 0;
   virtual const std::vector<std::string>& notes() const = 0;
-  // Heights in metres, kVoid where there is none, of `count` rows from `first`, counted from the top. A row that cannot be read is an
-  // error that names the file.
+  // Heights in metres, kVoid where there is none, of `count` rows from `first`, counted from the top. A row that cannot
+  // be read is an error that names the file.
   virtual Status readRows(uint32_t first, uint32_t count, std::span<float> out) = 0;
 };
 

@@ -26,8 +26,10 @@ void uniteRows(std::vector<uint32_t>& parent, const std::vector<VoidRun>& runs, 
   while (above < here && below < runs.size()) {
     if (runs[above].begin < runs[below].end && runs[below].begin < runs[above].end)
       unite(parent, static_cast<uint32_t>(above), static_cast<uint32_t>(below));
-    if (runs[above].end < runs[below].end) ++above;
-    else ++below;
+    if (runs[above].end < runs[below].end)
+      ++above;
+    else
+      ++below;
   }
 }
 
@@ -46,7 +48,8 @@ void nameRegions(std::vector<uint32_t>& parent, VoidRegions& found) {
 
 }  // namespace
 
-std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height, size_t max_runs) {
+std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height,
+                                           size_t max_runs) {
   VoidRegions found;
   std::vector<uint32_t> parent;
   size_t before = 0;
@@ -73,16 +76,18 @@ std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint3
 }
 
 uint32_t VoidRegions::regionAt(uint32_t x, uint32_t y) const {
-  auto after = std::upper_bound(runs.begin(), runs.end(), std::pair{y, x}, [](const std::pair<uint32_t, uint32_t>& at, const VoidRun& run) {
-    return at < std::pair{run.row, run.begin};
-  });
+  auto after = std::upper_bound(runs.begin(), runs.end(), std::pair{y, x},
+                                [](const std::pair<uint32_t, uint32_t>& at, const VoidRun& run) {
+                                  return at < std::pair{run.row, run.begin};
+                                });
   CHECK_TRUE(after != runs.begin());
   const VoidRun& run = *std::prev(after);
   CHECK_TRUE(run.row == y && x < run.end);
   return run.region;
 }
 
-float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found, uint32_t region) {
+float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found,
+             uint32_t region) {
   std::vector<float> rim;
   const auto add = [&](uint32_t x, uint32_t y) {
     const float h = heights[size_t{y} * width + x];

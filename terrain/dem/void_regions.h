@@ -1,4 +1,5 @@
-// Connected regions of voids in a height grid, as runs of samples in rows. Memory is in proportion to the number of runs.
+// Connected regions of voids in a height grid, as runs of samples in rows. Memory is in proportion to the number of
+// runs.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +21,18 @@ struct VoidRegion {
 };
 
 struct VoidRegions {
-  std::vector<VoidRun> runs;          // by row, then by column
-  std::vector<VoidRegion> regions;    // in the order of their first run
+  std::vector<VoidRun> runs;        // by row, then by column
+  std::vector<VoidRegion> regions;  // in the order of their first run
   // The region of a void sample; the sample must be void.
   uint32_t regionAt(uint32_t x, uint32_t y) const;
 };
 
 // Nothing if there are more runs than `max_runs`.
-std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height, size_t max_runs);
+std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height,
+                                           size_t max_runs);
 
 // Tenth percentile of the finite heights beside a region's samples. Cost: the runs of all regions, once per call.
-float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found, uint32_t region);
+float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found,
+             uint32_t region);
 
 }  // namespace foreland::terrain

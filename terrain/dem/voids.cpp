@@ -18,8 +18,8 @@ namespace {
 
 constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
 constexpr size_t kMaxRuns = size_t{1} << 24;
-constexpr double kFlatShare = 0.02;   // a region this large may be filled flat ...
-constexpr int kFlatLevels = 5;        // ... wherever a block of 2^5 samples a side lies wholly inside it
+constexpr double kFlatShare = 0.02;  // a region this large may be filled flat ...
+constexpr int kFlatLevels = 5;       // ... wherever a block of 2^5 samples a side lies wholly inside it
 constexpr int kRelaxations = 8;
 
 struct Level {
@@ -29,7 +29,8 @@ struct Level {
   float at(uint32_t x, uint32_t y) const { return values[size_t{y} * width + x]; }
 };
 
-// One bit per sample of a level: set where it has a hole. Kept apart from the values, which stop being NaN when first filled.
+// One bit per sample of a level: set where it has a hole. Kept apart from the values, which stop being NaN when first
+// filled.
 using HoleBits = std::vector<uint64_t>;
 
 // Mean of the data among the four samples below each; a hole if there is none.
@@ -87,7 +88,8 @@ void push(const Level& coarse, Level& fine) {
 }
 
 // Flat heights for the regions that get one; NaN for the others.
-std::vector<float> flatHeights(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found) {
+std::vector<float> flatHeights(std::span<const float> heights, uint32_t width, uint32_t height,
+                               const VoidRegions& found) {
   std::vector<float> flat(found.regions.size(), kHole);
   const double least = std::max(kFlatShare * static_cast<double>(heights.size()), 1024.0);
   for (uint32_t i = 0; i < flat.size(); ++i)
@@ -95,7 +97,8 @@ std::vector<float> flatHeights(std::span<const float> heights, uint32_t width, u
   return flat;
 }
 
-// A block of this level that has no data at all lies inside one region, as a block is connected: that of any of its samples.
+// A block of this level that has no data at all lies inside one region, as a block is connected: that of any of its
+// samples.
 void pinFlat(Level& level, int log2, const VoidRegions& found, const std::vector<float>& flat) {
   for (uint32_t y = 0; y < level.height; ++y)
     for (uint32_t x = 0; x < level.width; ++x)
@@ -108,7 +111,8 @@ int flatLevel(uint32_t width, uint32_t height) {
   return level;
 }
 
-void fill(std::span<float> heights, uint32_t width, uint32_t height, const VoidRegions* found, const std::vector<float>& flat) {
+void fill(std::span<float> heights, uint32_t width, uint32_t height, const VoidRegions* found,
+          const std::vector<float>& flat) {
   std::vector<std::vector<float>> storage;
   std::vector<Level> levels{{width, height, heights}};
   const int pin_at = flatLevel(width, height);
@@ -127,8 +131,9 @@ void fill(std::span<float> heights, uint32_t width, uint32_t height, const VoidR
 std::string describe(const VoidReport& report) {
   const double percent = 100.0 * static_cast<double>(report.samples) / static_cast<double>(report.total);
   std::array<char, 320> text{};
-  std::snprintf(text.data(), text.size(), "%llu void samples (%.1f %%) in %llu regions were filled%s",
-                static_cast<unsigned long long>(report.samples), percent, static_cast<unsigned long long>(report.regions),
+  std::snprintf(text.data(), text.size(), "%llu void samples (%.1f %%) in %llu region%s were filled%s",
+                static_cast<unsigned long long>(report.samples), percent,
+                static_cast<unsigned long long>(report.regions), report.regions == 1 ? "" : "s",
                 report.flat_regions == 0 ? " smoothly from their rims"
                                          : " smoothly from their rims, large ones flat at a low height of theirs");
   return text.data();
@@ -148,8 +153,10 @@ VoidReport fillVoids(std::span<float> heights, uint32_t width, uint32_t height) 
   if (found) {
     flat = flatHeights(heights, width, height, *found);
     report.regions = found->regions.size();
-    for (const VoidRegion& region : found->regions) report.largest_region = std::max(report.largest_region, region.samples);
-    report.flat_regions = static_cast<uint64_t>(std::count_if(flat.begin(), flat.end(), [](float h) { return std::isfinite(h); }));
+    for (const VoidRegion& region : found->regions)
+      report.largest_region = std::max(report.largest_region, region.samples);
+    report.flat_regions =
+        static_cast<uint64_t>(std::count_if(flat.begin(), flat.end(), [](float h) { return std::isfinite(h); }));
   }
   fill(heights, width, height, found ? &*found : nullptr, flat);
   report.note = describe(report);

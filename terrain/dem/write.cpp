@@ -17,7 +17,8 @@ Result<std::unique_ptr<ElevationWriter>> createElevationFile(const ElevationFile
   const std::string suffix = file.path.extension().string();
   if (suffix == ".exr") return createExr(file);
   if (suffix == ".tif" || suffix == ".tiff") return createTiff(file);
-  return Error{ErrorCode::kUnsupported, file.path.string() + ": the name must end in .exr or .tif, which says the format"};
+  return Error{ErrorCode::kUnsupported,
+               file.path.string() + ": the name must end in .exr or .tif, which says the format"};
 }
 
 }  // namespace foreland::terrain

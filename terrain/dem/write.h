@@ -1,4 +1,5 @@
-// Writes heights as an elevation file that openElevation reads back, row by row. The file appears whole or not at all. One owner.
+// Writes heights as an elevation file that openElevation reads back, row by row. The file appears whole or not at all.
+// One owner.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Height maps as OpenEXR: one float channel "height", the spacing as an attribute. Through a stream of our own, because OpenEXR's
-// destructor would swallow a full disk.
+// Height maps as OpenEXR: one float channel "height", the spacing as an attribute. Through a stream of our own, because
+// OpenEXR's destructor would swallow a full disk.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -28,7 +28,8 @@ constexpr const char* kChannel = "height";
 
 class CheckedStream final : public Imf::OStream {
  public:
-  explicit CheckedStream(const std::filesystem::path& path) : OStream(path.c_str()), file_(std::fopen(path.c_str(), "wb")) {
+  explicit CheckedStream(const std::filesystem::path& path)
+      : OStream(path.c_str()), file_(std::fopen(path.c_str(), "wb")) {
     if (file_ == nullptr) throw std::system_error(errno, std::generic_category());
   }
   ~CheckedStream() override {
@@ -69,7 +70,10 @@ Imf::Header makeHeader(const ElevationFile& file) {
 class ExrWriter final : public ElevationWriter {
  public:
   explicit ExrWriter(const ElevationFile& file)
-      : pending_(file.path), width_(file.width), height_(file.height), stream_(std::make_unique<CheckedStream>(pending_.path())),
+      : pending_(file.path),
+        width_(file.width),
+        height_(file.height),
+        stream_(std::make_unique<CheckedStream>(pending_.path())),
         image_(std::make_unique<Imf::OutputFile>(*stream_, makeHeader(file))) {}
 
   Status writeRows(uint32_t count, std::span<const float> rows) override {
@@ -77,16 +81,15 @@ class ExrWriter final : public ElevationWriter {
     CHECK_LE(uint64_t{next_} + count, height_);
     try {
       const size_t row = size_t{width_} * sizeof(float);
-      const intptr_t base = reinterpret_cast<intptr_t>(rows.data()) - static_cast<intptr_t>(next_) * static_cast<intptr_t>(row);
+      const intptr_t base =
+          reinterpret_cast<intptr_t>(rows.data()) - static_cast<intptr_t>(next_) * static_cast<intptr_t>(row);
       Imf::FrameBuffer buffer;
       buffer.insert(kChannel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), sizeof(float), row));
       image_->setFrameBuffer(buffer);
       image_->writePixels(static_cast<int>(count));
       next_ += count;
       return {};
-    } catch (const std::exception& e) {
-      return refusal(e.what());
-    }
+    } catch (const std::exception& e) { return refusal(e.what()); }
   }
 
   Status finish() override {
@@ -98,7 +101,8 @@ class ExrWriter final : public ElevationWriter {
 
  private:
   Error refusal(const std::string& why) const {
-    return {ErrorCode::kIo, pending_.destination().string() + ": cannot be written: " + why + "; nothing of it was kept"};
+    return {ErrorCode::kIo,
+            pending_.destination().string() + ": cannot be written: " + why + "; nothing of it was kept"};
   }
 
   PendingFile pending_;  // outlives the stream, so that the file is closed before it is removed

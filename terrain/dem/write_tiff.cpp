@@ -33,8 +33,8 @@ class TiffWriter final : public ElevationWriter {
   Status open(double spacing_m) {
     GdalMessages messages;
     const char* const options[] = {"COMPRESS=DEFLATE", "PREDICTOR=3", "ZLEVEL=1", "BIGTIFF=IF_SAFER", nullptr};
-    dataset_ = GDALCreate(GDALGetDriverByName("GTiff"), pending_.path().c_str(), static_cast<int>(width_), static_cast<int>(height_), 1,
-                          GDT_Float32, options);
+    dataset_ = GDALCreate(GDALGetDriverByName("GTiff"), pending_.path().c_str(), static_cast<int>(width_),
+                          static_cast<int>(height_), 1, GDT_Float32, options);
     if (dataset_ == nullptr) return refusal(pending_, messages);
     // The transform speaks of pixel corners.
     std::array<double, 6> corner{-0.5 * spacing_m, spacing_m, 0, (height_ - 0.5) * spacing_m, 0, -spacing_m};

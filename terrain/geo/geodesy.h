@@ -1,5 +1,5 @@
-// Geodesy through GeographicLib: the reference that proto/frame's closed forms are tested against, and the few lengths that building
-// a scene needs. The only folder that includes GeographicLib. Pure functions; any thread; nothing throws.
+// Geodesy through GeographicLib: the reference that proto/frame's closed forms are tested against, and the few lengths
+// that building a scene needs. The only folder that includes GeographicLib. Pure functions; any thread; nothing throws.
 #pragma once
 
 #include <cstdint>

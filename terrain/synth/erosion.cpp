@@ -15,8 +15,14 @@ struct Neighbour {
   int dx, dy;
   float distance;
 };
-constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1},
-                                                {1, 1, 1.41421356f}, {-1, 1, 1.41421356f}, {1, -1, 1.41421356f}, {-1, -1, 1.41421356f}}};
+constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, 1},
+                                                {-1, 0, 1},
+                                                {0, 1, 1},
+                                                {0, -1, 1},
+                                                {1, 1, 1.41421356f},
+                                                {-1, 1, 1.41421356f},
+                                                {1, -1, 1.41421356f},
+                                                {-1, -1, 1.41421356f}}};
 
 // Half would be the textbook's; less makes brooks gentler and trunk valleys steeper, as in young mountains.
 constexpr double kAreaExponent = 0.45;
@@ -34,7 +40,8 @@ bool isBorder(uint32_t cell, uint32_t size) {
 
 }  // namespace
 
-// Floods from the border inward in order of height. Water goes down the steepest slope; where there is none, the way the flood came.
+// Floods from the border inward in order of height. Water goes down the steepest slope; where there is none, the way
+// the flood came.
 void Eroder::routeWater(const ErosionGrid& grid, uint32_t seed) {
   const uint32_t n = grid.size, cells = n * n;
   constexpr uint32_t kUnset = ~0u;
@@ -57,7 +64,10 @@ void Eroder::routeWater(const ErosionGrid& grid, uint32_t seed) {
       for (const Neighbour& d : kNeighbours) {
         const uint32_t other = cell + static_cast<uint32_t>(d.dy * static_cast<int>(n) + d.dx);
         if (receiver_[other] == kUnset) continue;  // a hollow the flood has yet to reach; it will drain through here
-        const float chance = 0.55f + 0.9f * static_cast<float>(hashLattice(static_cast<int32_t>(cell), static_cast<int32_t>(other), seed) >> 8) * 0x1p-24f;
+        const float chance =
+            0.55f +
+            0.9f * static_cast<float>(hashLattice(static_cast<int32_t>(cell), static_cast<int32_t>(other), seed) >> 8) *
+                0x1p-24f;
         const float slope = chance * (grid.height[cell] - filled_[other]) / d.distance;
         if (slope > steepest) {
           steepest = slope;
@@ -74,7 +84,8 @@ void Eroder::routeWater(const ErosionGrid& grid, uint32_t seed) {
       receiver_[other] = cell;
       // A lake's surface rises a little and unevenly, so that the river through it winds.
       const float chance = static_cast<float>(hashLattice(static_cast<int32_t>(other), 5, seed) >> 8) * 0x1p-24f;
-      filled_[other] = std::max(grid.height[other], filled_[cell] + static_cast<float>(grid.cell) * 0.002f * (0.1f + chance));
+      filled_[other] =
+          std::max(grid.height[other], filled_[cell] + static_cast<float>(grid.cell) * 0.002f * (0.1f + chance));
       front.push({filled_[other], other});
     }
   }
@@ -97,12 +108,15 @@ void Eroder::cut(ErosionGrid& grid, const ErosionStep& step) const {
     const uint32_t dx = cell % n > to % n ? cell % n - to % n : to % n - cell % n;
     const uint32_t dy = cell / n > to / n ? cell / n - to / n : to / n - cell / n;
     const double distance = grid.cell * (dx + dy == 2 ? 1.41421356237 : 1.0);
-    const double factor = step.erodibility * step.time * std::pow(area_[cell] * grid.cell * grid.cell, kAreaExponent) / distance;
+    const double factor =
+        step.erodibility * step.time * std::pow(area_[cell] * grid.cell * grid.cell, kAreaExponent) / distance;
     const double lifted = grid.height[cell] + grid.uplift[cell] * step.time;
     const double below = grid.height[to];
     // A lake's floor lies below its outlet; sediment fills it to the brim.
     const double cut_to = lifted > below ? (lifted + factor * below) / (1 + factor) : below;
-    const double rock = 2.0 / 3 + 2.0 / 3 * (hashLattice(static_cast<int32_t>(cell), static_cast<int32_t>(to), step.seed + 7) >> 8) * 0x1p-24;
+    const double rock =
+        2.0 / 3 +
+        2.0 / 3 * (hashLattice(static_cast<int32_t>(cell), static_cast<int32_t>(to), step.seed + 7) >> 8) * 0x1p-24;
     grid.height[cell] = static_cast<float>(std::min(cut_to, below + rock * step.talus * distance));
   }
 }
@@ -125,7 +139,8 @@ void Eroder::run(ErosionGrid& grid, const ErosionStep& step) {
   if (step.diffusion > 0) creep(grid, step.diffusion);
 }
 
-// From the outlets upward: a cell lies no lower than the floor that its water flows to, and a river's cell on its own gravel.
+// From the outlets upward: a cell lies no lower than the floor that its water flows to, and a river's cell on its own
+// gravel.
 void Eroder::fillValleys(ErosionGrid& grid, const Alluvium& gravel) {
   constexpr double kFloorSlope = 0.012;
   constexpr double kDoublings = 9;  // of the area, until the gravel has its full depth

@@ -1,8 +1,8 @@
-// Landscape evolution on a square grid: rivers cut in proportion to a power of their drainage area times their slope, while the ground
-// is lifted; slopes steeper than scree are not held. Braun and Willett, "A very efficient O(n), implicit and parallel
-// method to solve the stream power equation" (2013); drainage by Barnes et al., "Priority-flood" (2014), so lakes drain over
-// their lowest pass. The steepest of eight neighbours is chosen with a little chance, another one each step: over many steps slopes
-// forget the eight directions of the grid. Deterministic. One owner.
+// Landscape evolution on a square grid: rivers cut in proportion to a power of their drainage area times their slope,
+// while the ground is lifted; slopes steeper than scree are not held. Braun and Willett, "A very efficient O(n),
+// implicit and parallel method to solve the stream power equation" (2013); drainage by Barnes et al., "Priority-flood"
+// (2014), so lakes drain over their lowest pass. The steepest of eight neighbours is chosen with a little chance,
+// another one each step: over many steps slopes forget the eight directions of the grid. Deterministic. One owner.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 namespace foreland::terrain {
 
 struct ErosionGrid {
-  uint32_t size = 0;        // samples a side
-  double cell = 1;          // distance between samples, in the unit of the heights
+  uint32_t size = 0;  // samples a side
+  double cell = 1;    // distance between samples, in the unit of the heights
   std::vector<float> height;
   std::vector<float> uplift;  // per unit of time; 0 on the border, whose heights never change
 };
 
 struct ErosionStep {
   double time = 1;
-  double erodibility = 1;    // K of dh/dt = U - K A^0.45 S, with A in squares of the length unit
-  double talus = 1;          // steepest slope along a flow path that holds, give or take a third with the rock
-  uint32_t seed = 0;         // of what is left to chance; another one each step
-  double diffusion = 0;      // hillslope creep: share of the distance to the neighbours' mean, 0 to 0.25
+  double erodibility = 1;  // K of dh/dt = U - K A^0.45 S, with A in squares of the length unit
+  double talus = 1;        // steepest slope along a flow path that holds, give or take a third with the rock
+  uint32_t seed = 0;       // of what is left to chance; another one each step
+  double diffusion = 0;    // hillslope creep: share of the distance to the neighbours' mean, 0 to 0.25
 };
 
 struct Alluvium {
-  double depth = 1;        // of the gravel under the largest rivers
-  double least_area = 1;   // drained by a river that leaves any
+  double depth = 1;       // of the gravel under the largest rivers
+  double least_area = 1;  // drained by a river that leaves any
   uint32_t seed = 0;
 };
 

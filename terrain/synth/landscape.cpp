@@ -14,9 +14,9 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kMargin = 0.125;          // of the landscape's side
+constexpr double kMargin = 0.125;  // of the landscape's side
 constexpr uint32_t kMaxGrid = 1281;
-constexpr uint32_t kCoarsest = 161;        // cells a side at which the rivers find their way
+constexpr uint32_t kCoarsest = 161;  // cells a side at which the rivers find their way
 constexpr double kLowest_m = 200, kMaxRelief_m = 2800;
 constexpr double kSteepness = 0.16;        // relief over side for small landscapes
 constexpr double kTalus = 0.6;             // 31 degrees
@@ -42,7 +42,8 @@ void setUplift(ErosionGrid& grid, double steepest, uint32_t seed) {
       grid.uplift[size_t{y} * n + x] = static_cast<float>(steepest * upliftAt(x / (n - 1.0), y / (n - 1.0), seed));
 }
 
-// What the rivers find when they begin: swells with fractal hills on them, so that their courses owe nothing to the grid.
+// What the rivers find when they begin: swells with fractal hills on them, so that their courses owe nothing to the
+// grid.
 void setYoungMountains(ErosionGrid& grid, double relief, uint32_t seed) {
   const uint32_t n = grid.size;
   grid.height.resize(size_t{n} * n);
@@ -70,13 +71,16 @@ ErosionGrid refined(const ErosionGrid& coarse, uint32_t size, uint32_t seed) {
   for (uint32_t y = 0; y < size; ++y)
     for (uint32_t x = 0; x < size; ++x) {
       const double along = x * ratio, across = y * ratio;
-      const double u = std::clamp(along + 4 * fractalNoise(along / 11, across / 11, seed + size, {.count = 3}), 0.0, coarse.size - 1.0);
-      const double v = std::clamp(across + 4 * fractalNoise(along / 11, across / 11, seed + size + 9, {.count = 3}), 0.0, coarse.size - 1.0);
-      const auto i = std::min(static_cast<uint32_t>(u), coarse.size - 2), j = std::min(static_cast<uint32_t>(v), coarse.size - 2);
+      const double u = std::clamp(along + 4 * fractalNoise(along / 11, across / 11, seed + size, {.count = 3}), 0.0,
+                                  coarse.size - 1.0);
+      const double v = std::clamp(across + 4 * fractalNoise(along / 11, across / 11, seed + size + 9, {.count = 3}),
+                                  0.0, coarse.size - 1.0);
+      const auto i = std::min(static_cast<uint32_t>(u), coarse.size - 2),
+                 j = std::min(static_cast<uint32_t>(v), coarse.size - 2);
       const double s = u - i, t = v - j;
       const float* h = coarse.height.data() + size_t{j} * coarse.size + i;
-      fine.height[size_t{y} * size + x] =
-          static_cast<float>((h[0] * (1 - s) + h[1] * s) * (1 - t) + (*(h + coarse.size) * (1 - s) + *(h + coarse.size + 1) * s) * t);
+      fine.height[size_t{y} * size + x] = static_cast<float>(
+          (h[0] * (1 - s) + h[1] * s) * (1 - t) + (*(h + coarse.size) * (1 - s) + *(h + coarse.size + 1) * s) * t);
     }
   return fine;
 }
@@ -85,8 +89,10 @@ ErosionGrid refined(const ErosionGrid& coarse, uint32_t size, uint32_t seed) {
 struct Cubic {
   std::array<double, 4> value, slope;
   explicit Cubic(double t)
-      : value{0.5 * t * (t * (2 - t) - 1), 0.5 * (t * t * (3 * t - 5) + 2), 0.5 * t * (t * (4 - 3 * t) + 1), 0.5 * t * t * (t - 1)},
-        slope{0.5 * (t * (4 - 3 * t) - 1), 0.5 * t * (9 * t - 10), 0.5 * (t * (8 - 9 * t) + 1), 0.5 * t * (3 * t - 2)} {}
+      : value{0.5 * t * (t * (2 - t) - 1), 0.5 * (t * t * (3 * t - 5) + 2), 0.5 * t * (t * (4 - 3 * t) + 1),
+              0.5 * t * t * (t - 1)},
+        slope{0.5 * (t * (4 - 3 * t) - 1), 0.5 * t * (9 * t - 10), 0.5 * (t * (8 - 9 * t) + 1), 0.5 * t * (3 * t - 2)} {
+  }
 };
 
 double reliefFor(double side_m) { return std::min(kMaxRelief_m, kSteepness * side_m); }
@@ -95,13 +101,16 @@ double reliefFor(double side_m) { return std::min(kMaxRelief_m, kSteepness * sid
 
 Result<std::unique_ptr<Landscape>> Landscape::create(const LandscapeOptions& options) {
   if (options.size < 2 || options.size > kMaxSize)
-    return Error{ErrorCode::kInvalidArgument, "a landscape of size " + std::to_string(options.size) + "; 2 to 1048576 samples a side can be made"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "a landscape of size " + std::to_string(options.size) + "; 2 to 1048576 samples a side can be made"};
   if (!(options.spacing_m > 0) || !(options.spacing_m <= 1e6))
-    return Error{ErrorCode::kInvalidArgument, "a spacing of " + std::to_string(options.spacing_m) + " m; it must be positive, at most 1000 km"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "a spacing of " + std::to_string(options.spacing_m) + " m; it must be positive, at most 1000 km"};
   return std::unique_ptr<Landscape>(new Landscape(options));
 }
 
-Landscape::Landscape(const LandscapeOptions& options) : options_(options), seed_(static_cast<uint32_t>(Rng(options.seed).next())) {
+Landscape::Landscape(const LandscapeOptions& options)
+    : options_(options), seed_(static_cast<uint32_t>(Rng(options.seed).next())) {
   info_.width = info_.height = options.size;
   info_.frame.axis_x_m = {options.spacing_m, 0};
   info_.frame.axis_y_m = {0, options.spacing_m};
@@ -113,7 +122,8 @@ Landscape::Landscape(const LandscapeOptions& options) : options_(options), seed_
   grid_per_sample_ = (grid_size_ - 1) / side_samples;
   grid_cell_m_ = options.spacing_m / grid_per_sample_;
   grid_margin_ = kMargin * (options.size - 1) * grid_per_sample_;
-  for (double wave = 3.2 * grid_cell_m_; wave >= 3 * options.spacing_m && detail_octaves_ < 8; wave *= 0.5) ++detail_octaves_;
+  for (double wave = 3.2 * grid_cell_m_; wave >= 3 * options.spacing_m && detail_octaves_ < 8; wave *= 0.5)
+    ++detail_octaves_;
   erode();
   fitHeights();
 }

@@ -1,6 +1,6 @@
-// A mountain landscape from a seed: ranges lifted along warped ridged noise, cut by rivers until they drain (erosion.h), then refined
-// below the erosion grid with noise that is rough on steep slopes and smooth in valleys. The same arguments give the same heights,
-// to the bit, in any window and on any number of threads. No third-party types.
+// A mountain landscape from a seed: ranges lifted along warped ridged noise, cut by rivers until they drain
+// (erosion.h), then refined below the erosion grid with noise that is rough on steep slopes and smooth in valleys. The
+// same arguments give the same heights, to the bit, in any window and on any number of threads. No third-party types.
 //
 // Making one costs some seconds and 60 MB whatever its size; after that rows cost about 0.1 microseconds a sample.
 // Immutable once made: `heights` may be called from any threads at once.
@@ -17,8 +17,8 @@
 namespace foreland::terrain {
 
 struct LandscapeOptions {
-  uint32_t size = 2049;     // samples a side, at least 2
-  double spacing_m = 10;    // between samples
+  uint32_t size = 2049;   // samples a side, at least 2
+  double spacing_m = 10;  // between samples
   uint64_t seed = 1;
 };
 
@@ -47,9 +47,10 @@ class Landscape final : public ElevationSource {
   LandscapeOptions options_;
   ElevationInfo info_;
   uint32_t seed_ = 0;
-  uint32_t grid_size_ = 0;      // of the erosion grid
+  uint32_t grid_size_ = 0;  // of the erosion grid
   double grid_cell_m_ = 0;
-  double grid_margin_ = 0;      // grid cells outside the landscape on each side: rivers leave it through valleys, not over an edge
+  double grid_margin_ =
+      0;  // grid cells outside the landscape on each side: rivers leave it through valleys, not over an edge
   double grid_per_sample_ = 0;
   int detail_octaves_ = 0;
   std::vector<float> grid_;

@@ -1,5 +1,5 @@
-// Gradient noise on integer hashes: the same numbers everywhere, no tables, no trigonometry. Pure functions; any thread.
-// Perlin, "Improving noise" (2002), with its quintic fade; eight gradients.
+// Gradient noise on integer hashes: the same numbers everywhere, no tables, no trigonometry. Pure functions; any
+// thread. Perlin, "Improving noise" (2002), with its quintic fade; eight gradients.
 #pragma once
 
 #include <cmath>
@@ -19,14 +19,22 @@ namespace noise_detail {
 inline double gradient(uint32_t hash, double x, double y) {
   constexpr double kDiagonal = 0.70710678118654752;
   switch (hash >> 29) {
-    case 0: return x;
-    case 1: return -x;
-    case 2: return y;
-    case 3: return -y;
-    case 4: return kDiagonal * (x + y);
-    case 5: return kDiagonal * (x - y);
-    case 6: return kDiagonal * (y - x);
-    default: return -kDiagonal * (x + y);
+    case 0:
+      return x;
+    case 1:
+      return -x;
+    case 2:
+      return y;
+    case 3:
+      return -y;
+    case 4:
+      return kDiagonal * (x + y);
+    case 5:
+      return kDiagonal * (x - y);
+    case 6:
+      return kDiagonal * (y - x);
+    default:
+      return -kDiagonal * (x + y);
   }
 }
 
@@ -41,7 +49,8 @@ inline double noise(double x, double y, uint32_t seed) {
   const double u = x - fx, v = y - fy;
   using noise_detail::gradient;
   const double a = gradient(hashLattice(ix, iy, seed), u, v), b = gradient(hashLattice(ix + 1, iy, seed), u - 1, v);
-  const double c = gradient(hashLattice(ix, iy + 1, seed), u, v - 1), d = gradient(hashLattice(ix + 1, iy + 1, seed), u - 1, v - 1);
+  const double c = gradient(hashLattice(ix, iy + 1, seed), u, v - 1),
+               d = gradient(hashLattice(ix + 1, iy + 1, seed), u - 1, v - 1);
   const double s = noise_detail::fade(u), t = noise_detail::fade(v);
   const double low = a + s * (b - a), high = c + s * (d - c);
   return low + t * (high - low);

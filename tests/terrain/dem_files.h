@@ -52,7 +52,8 @@ class DemFiles : public ::testing::Test {
     return write(name, bytes);
   }
 
-  static Result<std::unique_ptr<ElevationSource>> open(const std::filesystem::path& path, const OpenOptions& options = {}) {
+  static Result<std::unique_ptr<ElevationSource>> open(const std::filesystem::path& path,
+                                                       const OpenOptions& options = {}) {
     return openElevation({path}, options);
   }
 

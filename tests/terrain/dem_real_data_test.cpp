@@ -68,8 +68,10 @@ TEST_P(DemRealData, OpensAsWhatItIs) {
   float lowest = 1e9f, highest = -1e9f;
   uint64_t voids = 0;
   for (const float h : rows) {
-    if (std::isnan(h)) ++voids;
-    else lowest = std::min(lowest, h), highest = std::max(highest, h);
+    if (std::isnan(h))
+      ++voids;
+    else
+      lowest = std::min(lowest, h), highest = std::max(highest, h);
   }
   EXPECT_NEAR(lowest, known.lowest_m, 0.6);
   EXPECT_NEAR(highest, known.highest_m, 0.6);
@@ -123,7 +125,8 @@ TEST(DemRealMosaic, NeighbouringTilesShareTheirSeam) {
   ASSERT_EQ((*both)->info().height, 2401u);
   EXPECT_NEAR((*both)->info().frame.latitude0_rad, 41 * kDegree, 1e-12);
   std::vector<float> whole(size_t{1201} * 2401), a(size_t{1201} * 1201), b(a);
-  ASSERT_TRUE((*both)->readRows(0, 2401, whole).ok() && (*alone)->readRows(0, 1201, a).ok() && (*other)->readRows(0, 1201, b).ok());
+  ASSERT_TRUE((*both)->readRows(0, 2401, whole).ok() && (*alone)->readRows(0, 1201, a).ok() &&
+              (*other)->readRows(0, 1201, b).ok());
   const auto same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
   EXPECT_TRUE(std::equal(a.begin(), a.end() - 1201, whole.begin(), same));
   EXPECT_TRUE(std::equal(b.begin() + 1201, b.end(), whole.begin() + size_t{1201} * 1201, same));

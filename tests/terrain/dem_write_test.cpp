@@ -36,7 +36,8 @@ void writeFile(const std::filesystem::path& path, uint32_t width, uint32_t heigh
 }
 
 size_t filesIn(const std::filesystem::path& folder) {
-  return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
+  return static_cast<size_t>(
+      std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
 }
 
 TEST_F(DemWrite, HeightsAndSpacingComeBackFromEveryFormat) {

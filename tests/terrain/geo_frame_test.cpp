@@ -78,9 +78,10 @@ TEST(GeoFrame, AgreesWithGeographicLibAcrossTheDateLine) {
 TEST(GeoFrame, AgreesWithGeographicLibAnywhere) {
   Rng rng(testSeed());
   for (int i = 0; i < 40; ++i) {
-    const proto::Frame frame = geographicFrame(rng.uniform(-89, 85), rng.uniform(-180, 180), rng.uniform(1e-5, 4e-3), 1001);
-    EXPECT_LT(worstError_m(frame, 1001, rng), kPromise_m) << "south-west corner " << frame.latitude0_rad / kDegree << ", "
-                                                          << frame.longitude0_rad / kDegree;
+    const proto::Frame frame =
+        geographicFrame(rng.uniform(-89, 85), rng.uniform(-180, 180), rng.uniform(1e-5, 4e-3), 1001);
+    EXPECT_LT(worstError_m(frame, 1001, rng), kPromise_m)
+        << "south-west corner " << frame.latitude0_rad / kDegree << ", " << frame.longitude0_rad / kDegree;
   }
 }
 

@@ -19,12 +19,14 @@ constexpr int kSide = 513;
 
 // 20 km a side, made once.
 const std::vector<float>& mountains() {
-  static const std::vector<float> heights = allHeights(**Landscape::create({.size = kSide, .spacing_m = 40, .seed = 1}));
+  static const std::vector<float> heights =
+      allHeights(**Landscape::create({.size = kSide, .spacing_m = 40, .seed = 1}));
   return heights;
 }
 
 TEST(Landscape, TheSameSeedGivesTheSameBytes) {
-  const auto a = Landscape::create({.size = 129, .spacing_m = 20, .seed = 7}), b = Landscape::create({.size = 129, .spacing_m = 20, .seed = 7});
+  const auto a = Landscape::create({.size = 129, .spacing_m = 20, .seed = 7}),
+             b = Landscape::create({.size = 129, .spacing_m = 20, .seed = 7});
   EXPECT_EQ(allHeights(**a), allHeights(**b));
   const auto c = Landscape::create({.size = 129, .spacing_m = 20, .seed = 8});
   EXPECT_NE(allHeights(**a), allHeights(**c));
@@ -68,7 +70,8 @@ TEST(Landscape, HollowsAreRare) {
     for (int x = 1; x < kSide - 1; ++x) {
       const float* h = heights.data() + y * kSide + x;
       bool is_lowest = true;
-      for (const int d : {-kSide - 1, -kSide, -kSide + 1, -1, 1, kSide - 1, kSide, kSide + 1}) is_lowest = is_lowest && h[d] > *h;
+      for (const int d : {-kSide - 1, -kSide, -kSide + 1, -1, 1, kSide - 1, kSide, kSide + 1})
+        is_lowest = is_lowest && h[d] > *h;
       hollows += is_lowest ? 1 : 0;
     }
   EXPECT_LT(hollows, kSide * kSide / 400);
