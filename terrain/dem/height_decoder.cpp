@@ -103,15 +103,21 @@ void HeightDecoder::decode(std::span<float> values) const {
 }
 
 std::vector<std::string> HeightDecoder::notes() const {
+  // A share, as not every sample of a large raster was looked at.
+  const auto percent = [&](uint64_t count) {
+    return 100.0 * static_cast<double>(count) / static_cast<double>(survey_.samples);
+  };
   std::vector<std::string> notes;
   for (size_t i = 0; i < kSentinels.size(); ++i)
     if (sentinel_count_[i] > 0 && sentinel_is_void_[i])
       notes.push_back(fmt::format(
-          "{} samples of {:g} are taken as voids although the file does not tag that value (--nodata names another)",
-          sentinel_count_[i], kSentinels[i]));
+          "{:.3g} % of its samples are {:g}, a value that it does not tag as nodata; they are taken as voids "
+          "(--nodata names another value)",
+          percent(sentinel_count_[i]), kSentinels[i]));
   if (implausible_ > 0)
-    notes.push_back(fmt::format("{} samples outside {:g} to {:g} m, such as {:g}, are taken as voids", implausible_,
-                                kLowestPlausible_m, kHighestPlausible_m, implausible_example_));
+    notes.push_back(
+        fmt::format("{:.3g} % of its samples, such as {:g}, lie outside {:g} to {:g} m; they are taken as voids",
+                    percent(implausible_), implausible_example_, kLowestPlausible_m, kHighestPlausible_m));
   return notes;
 }
 
