@@ -33,11 +33,17 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
     const uint64_t tiles_x = (cellsAlong(shape.roots_x, level, sides) + kTile - 1) / kTile;
     const uint64_t tiles_y = (cellsAlong(shape.roots_y, level, sides) + kTile - 1) / kTile;
     grid.tiles_x_[level] = static_cast<uint32_t>(tiles_x);
+    grid.inverse_tiles_x_[level] = 1.0 / static_cast<double>(tiles_x);
     grid.level_offset_[level] = static_cast<Slot>(offset);
     offset += tiles_x * tiles_y * kTile * kTile * (sides ? 2 : 1);
     if (offset >= kNoSlot) return refuse("more than 2^32 nodes");
   }
   grid.level_offset_[grid.maxLevel() + 1] = static_cast<Slot>(offset);
+  for (int width = 0, level = 1; width <= 32; ++width) {
+    const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
+    while (level < grid.maxLevel() && least >= grid.level_offset_[level + 1]) ++level;
+    grid.level_hint_[width] = level;
+  }
   return grid;
 }
 
@@ -49,22 +55,6 @@ GridShape GridTopology::shapeFor(uint32_t samples_x, uint32_t samples_y) {
   while (k < kMaxRootLog2 && (8u << k) < longest) ++k;
   const auto roots = [k](uint32_t samples) { return (samples - 2) / (1u << k) + 1; };
   return {roots(samples_x), roots(samples_y), k, samples_x, samples_y};
-}
-
-NodeId GridTopology::node(Slot slot) const {
-  if (slot >= slotCount()) return {};
-  const auto begin = level_offset_.begin() + 1;
-  const int level = static_cast<int>(std::upper_bound(begin, begin + maxLevel(), slot) - begin);
-  const bool sides = level & 1;
-  Slot cell = slot - level_offset_[level];
-  const bool along_y = sides && (cell & 1);
-  if (sides) cell >>= 1;
-  const uint32_t tile = cell >> (2 * kTileLog2);
-  const uint32_t cx = (tile % tiles_x_[level]) << kTileLog2 | (cell & (kTile - 1));
-  const uint32_t cy = (tile / tiles_x_[level]) << kTileLog2 | (cell >> kTileLog2 & (kTile - 1));
-  const uint32_t t = shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2), s = 1u << t;
-  const NodeId n = NodeId::at((cx << (t + 1)) + (along_y ? 0 : s), (cy << (t + 1)) + (sides && !along_y ? 0 : s));
-  return contains(n) ? n : NodeId{};
 }
 
 }  // namespace foreland::proto

@@ -136,7 +136,23 @@ class GridTopology {
     return level_offset_[coarse + 1] + 2 * cell + ((n.x() >> t & 1) ? 0 : 1);
   }
   // The node of a slot, or base vertex (0, 0) if the slot is padding or out of range.
-  NodeId node(Slot slot) const;
+  NodeId node(Slot slot) const {
+    if (slot >= slotCount()) return {};
+    int level = level_hint_[std::bit_width(slot)];
+    while (slot >= level_offset_[level + 1]) ++level;
+    const Slot within = slot - level_offset_[level];
+    const bool sides = level & 1, along_y = sides && (within & 1);
+    const uint32_t cell = sides ? within >> 1 : within, tile = cell >> (2 * kTileLog2), tiles_x = tiles_x_[level];
+    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at most.
+    uint32_t row = static_cast<uint32_t>(tile * inverse_tiles_x_[level]);
+    if (row * tiles_x > tile) --row;
+    else if (tile - row * tiles_x >= tiles_x) ++row;
+    const uint32_t cx = (tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1));
+    const uint32_t cy = row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1));
+    const uint32_t t = shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2), s = 1u << t;
+    const NodeId n = NodeId::at((cx << (t + 1)) + (along_y ? 0 : s), (cy << (t + 1)) + (sides && !along_y ? 0 : s));
+    return contains(n) ? n : NodeId{};
+  }
 
   // True if the node's support (its one or two triangles) holds data beyond its border.
   bool touchesData(NodeId n) const {
@@ -158,6 +174,8 @@ class GridTopology {
   GridShape shape_;
   std::array<Slot, kMaxLevels + 2> level_offset_{};
   std::array<uint32_t, kMaxLevels + 1> tiles_x_{};
+  std::array<double, kMaxLevels + 1> inverse_tiles_x_{};
+  std::array<int, 33> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width
 };
 
 }  // namespace foreland::proto

@@ -22,22 +22,4 @@ Metric::Metric(const View& view, bool vertical_errors)
   cos_turn_ = std::cos(turn);
 }
 
-// Every quantity in the tests is 1-Lipschitz in the place: depth, horizontal distance and side distance each change by at most
-// the motion s. With K = f e / tau the tolerance is exceeded while both  K / cos(corner) > z  and  K (h + R) > z^2, so
-//   passed:  until  z + s  reaches K / cos(corner), or (z + s)^2 reaches K (h + R - s), or the sphere leaves the frustum
-//   failed:  until all of the conditions that fail now can hold: the last of them decides
-double Metric::slack(const Place& p, double radius_m, double error_m, bool passed) const {
-  const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
-  const double near_limit = K * inverse_cos_corner_;
-  double seen = near_limit - z;
-  if (lean_floor_ == 0) {
-    // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
-    const double b = 2 * z + K, c = K * (p.horizontal + R) - z * z;
-    seen = std::min(seen, 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))));
-  }
-  const double inside = sweptSide(p, sideDistance(p)) + R;
-  const double least = std::min(seen, inside);
-  return passed ? std::max(0.0, least) : std::max(0.0, -least);
-}
-
 }  // namespace foreland::server

@@ -6,9 +6,9 @@
 // screen part of e x p), with f the focal length in pixels. The camera stays in a ball of radius b around the pose's eye and turns
 // by at most w. Over the node's sphere (centre c, radius r; R = r + b) every visible point has
 //   z >= z_min = max(z cos w - rho sin w - R, (d - R) cos(corner)),  rho = sqrt(d^2 - z^2),   h <= h(c) + R,   d/z <= 1/cos(corner)
-// so the test is
-//   f e min((h + R) / z_min, 1/cos(corner)) > tau z_min        (vertical; the minimum is 1/cos(corner) otherwise)
-// and the frustum's planes are turned towards the sphere by w (DESIGN section 3, the promise; for w = b = 0 this is the keyframe alone).
+// so with K = f e / tau the node is needed if  K / cos(corner) > z_min  and, for vertical errors,  K (h + R) > z_min^2,
+// and if the sphere meets the frustum, its planes turned towards it by w (DESIGN section 3, the promise; w = b = 0 is the
+// keyframe alone).
 //
 // Both tests only grow with the sphere and the error. A parent's sphere holds its children's with 5e-6 m to spare (terrain/bounds)
 // and its error is no smaller, while rounding here stays below 1e-7 m for eyes within 10^8 m; so if a node passes, its parents do, in
@@ -49,45 +49,40 @@ class Metric {
     double horizontal;   // distance from the eye along the ground
   };
 
-  enum class Fit : uint8_t { kOutside, kAcross, kInside };  // a sphere against the frustum
-
-  Fit fit(const Place& p, double radius_m) const {
-    const double side = sideDistance(p);
-    if (side >= radius_m) return Fit::kInside;
-    return sweptSide(p, side) + radius_m + ball_ < 0 ? Fit::kOutside : Fit::kAcross;
-  }
-
-  bool exceedsTolerance(const Place& p, double radius_m, double error_m) const {
-    const double R = radius_m + ball_, z_min = leastDepth(p, R);
-    const double lean = std::min((p.horizontal + R) / z_min + lean_floor_, inverse_cos_corner_);
-    return error_m * focal_over_tau_ * lean > z_min;
-  }
-
   bool passes(const Place& p, double radius_m, double error_m) const {
-    return fit(p, radius_m) != Fit::kOutside && exceedsTolerance(p, radius_m, error_m);
+    const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
+    const bool seen = (K * inverse_cos_corner_ > z) & (K * (p.horizontal + R + lean_floor_) > z * z);
+    return seen & (sideDistance(p) + R >= 0);
   }
 
   // How far (metres) the place may move in view coordinates before the outcome of passes() can change; 0 or more, never too much.
-  double slack(const Place& p, double radius_m, double error_m, bool passed) const;
+  // Every quantity in the tests is 1-Lipschitz in the place: depth, horizontal and side distance each change by at most the
+  // motion s. So what passed does so until z + s reaches K / cos(corner), or (z + s)^2 reaches K (h + R - s), or the sphere
+  // leaves the frustum; and what failed does so until all the conditions that fail can hold, the last of which decides.
+  double slack(const Place& p, double radius_m, double error_m, bool passed) const {
+    const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
+    // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
+    const double b = 2 * z + K, c = K * (p.horizontal + R) - z * z;
+    const double by_lean = lean_floor_ == 0 ? 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))) : kEndless_m;
+    const double least = std::min(std::min(K * inverse_cos_corner_ - z, by_lean), sideDistance(p) + R);
+    return std::max(0.0, passed ? least : -least);
+  }
 
   // Nothing nearer than this is promised anything: metres of depth.
   static constexpr double kNearest_m = 0.1;
+  static constexpr double kEndless_m = 1e9;
 
  private:
-  // Signed distance to the nearest side plane of the frustum; positive inside.
+  // Signed distance to the nearest side plane of the frustum, positive inside, when it turns by up to w to be the best it can.
   double sideDistance(const Place& p) const {
-    return std::min(p.z * sin_x_ - std::fabs(p.x) * cos_x_, p.z * sin_y_ - std::fabs(p.y) * cos_y_);
-  }
-  // The same at best, when the frustum turns by up to w.
-  double sweptSide(const Place& p, double side) const {
-    if (sin_turn_ == 0) return side;
+    const double side = std::min(p.z * sin_x_ - std::fabs(p.x) * cos_x_, p.z * sin_y_ - std::fabs(p.y) * cos_y_);
     const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;
     return side * cos_turn_ + std::sqrt(std::max(0.0, d2 - side * side)) * sin_turn_;
   }
   double leastDepth(const Place& p, double R) const {
     const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
-    const double z = sin_turn_ == 0 ? p.z : p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
-    return std::max({z - R, (distance - R) * cos_corner_, kNearest_m});
+    const double z = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
+    return std::max(std::max(z - R, (distance - R) * cos_corner_), kNearest_m);
   }
 
   glm::dvec3 eye_, right_, up_, forward_;

@@ -14,7 +14,7 @@ namespace foreland::server {
 
 class NodeFlags {
  public:
-  NodeFlags() { cells_.assign(64, kEmpty); }
+  NodeFlags() : cells_(64) {}
 
   bool active(proto::Slot slot) const { return get(slot, 0); }
   bool listed(proto::Slot slot) const { return get(slot, 1); }
@@ -30,7 +30,7 @@ class NodeFlags {
           visit(page.key << 8 | w << 6 | static_cast<uint32_t>(std::countr_zero(bits)));
   }
 
-  size_t bytes() const { return cells_.capacity() * sizeof(uint32_t) + pages_.capacity() * sizeof(Page); }
+  size_t bytes() const { return cells_.capacity() * sizeof(Cell) + pages_.capacity() * sizeof(Page); }
 
  private:
   static constexpr uint32_t kEmpty = 0xffffffffu;
@@ -39,24 +39,28 @@ class NodeFlags {
     uint32_t key = 0;                                // slot >> 8
     uint32_t bits_set = 0;
   };
+  struct Cell {
+    uint32_t key = 0;
+    uint32_t page = kEmpty;
+  };
 
   uint32_t home(uint32_t key) const { return (key * 0x9e3779b1u) >> shift_; }
   uint32_t mask() const { return static_cast<uint32_t>(cells_.size() - 1); }
   // Cell of the page with this key, or the empty cell where it would be.
   uint32_t probe(uint32_t key) const {
     uint32_t at = home(key);
-    while (cells_[at] != kEmpty && pages_[cells_[at]].key != key) at = (at + 1) & mask();
+    while (cells_[at].key != key && cells_[at].page != kEmpty) at = (at + 1) & mask();
     return at;
   }
   bool get(proto::Slot slot, uint32_t plane) const {
-    const uint32_t page = cells_[probe(slot >> 8)];
+    const uint32_t page = cells_[probe(slot >> 8)].page;
     return page != kEmpty && (pages_[page].words[plane][slot >> 6 & 3] >> (slot & 63) & 1);
   }
   void set(proto::Slot slot, uint32_t plane, bool value);
   void grow();
   void erase(uint32_t cell);
 
-  std::vector<uint32_t> cells_;  // power of two; indices of pages, open addressing
+  std::vector<Cell> cells_;  // power of two, open addressing; an empty cell's key says nothing
   uint32_t shift_ = 26;
   std::vector<Page> pages_;  // dense
 };

@@ -22,7 +22,7 @@ class PlanarPlaces {
     for (size_t i = 0; i < rows.size(); ++i)
       k_[i] = {glm::dot(rows[i], ax), glm::dot(rows[i], ay), glm::dot(rows[i], ah), glm::dot(rows[i], base)};
   }
-  Metric::Place operator()(uint32_t lattice_x, uint32_t lattice_y, int32_t height) const {
+  Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
     const double x = lattice_x, y = lattice_y, h = height;
     const double east = row(3, x, y, h), north = row(4, x, y, h);
     return {row(0, x, y, h), row(1, x, y, h), row(2, x, y, h), std::sqrt(east * east + north * north)};
@@ -36,8 +36,8 @@ class PlanarPlaces {
 class CurvedPlaces {
  public:
   CurvedPlaces(const Hierarchy& hierarchy, const Metric& metric) : frame_(hierarchy.frame()), metric_(metric) {}
-  Metric::Place operator()(uint32_t lattice_x, uint32_t lattice_y, int32_t height) const {
-    const glm::dvec3 p = frame_.position(proto::NodeId::at(lattice_x, lattice_y), height) - metric_.eye();
+  Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
+    const glm::dvec3 p = frame_.position(proto::NodeId::at(static_cast<uint32_t>(lattice_x), static_cast<uint32_t>(lattice_y)), height) - metric_.eye();
     return {glm::dot(p, metric_.right()), glm::dot(p, metric_.up()), glm::dot(p, metric_.forward()),
             std::sqrt(p.x * p.x + p.y * p.y)};
   }

@@ -1,8 +1,10 @@
 #include "server/section/refine.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "server/section/batch.h"
 #include "server/section/places.h"
 
 namespace foreland::server {
@@ -12,77 +14,97 @@ namespace {
 using proto::NodeId;
 using proto::Slot;
 
-// Lattice vectors and positions; differences may be negative, so signed.
-struct Lattice {
-  int32_t x, y;
-};
+NodeId idOf(LatticePoint p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); }
 
+// Level by level. Whatever passes has parents that pass, so it is enough to reach each node from one of its parents: the
+// lower one, or the one on the left, or the only one. Each node is then tested once.
 template <class Places>
-class Walk {
+class Descent {
  public:
-  Walk(const Hierarchy& hierarchy, const Metric& metric, size_t max_nodes, std::vector<Slot>& out)
-      : grid_(hierarchy.grid()), nodes_(hierarchy.nodes().data()), metric_(metric), places_(hierarchy, metric), max_nodes_(max_nodes), out_(out) {}
+  Descent(const Hierarchy& hierarchy, const Metric& metric, RefineScratch& scratch)
+      : grid_(hierarchy.grid()),
+        nodes_(hierarchy.nodes().data()),
+        metric_(metric),
+        places_(hierarchy, metric),
+        scratch_(scratch),
+        max_x_(static_cast<int32_t>(grid_.maxX())),
+        max_y_(static_cast<int32_t>(grid_.maxY())) {}
 
-  void run() {
-    const int32_t size = static_cast<int32_t>(grid_.rootSize()), half = size / 2;
-    for (int32_t y = half; y < static_cast<int32_t>(grid_.maxY()); y += size)
-      for (int32_t x = half; x < static_cast<int32_t>(grid_.maxX()); x += size) {
-        visit({x, y - half}, {half, 0}, grid_.maxLevel(), false);
-        visit({x + half, y}, {0, half}, grid_.maxLevel(), false);
-        visit({x, y + half}, {-half, 0}, grid_.maxLevel(), false);
-        visit({x - half, y}, {0, -half}, grid_.maxLevel(), false);
-      }
+  // False if there are more than `max_nodes`.
+  bool run(size_t max_nodes) {
+    scratch_.slots.clear();
+    scratch_.active.clear();
+    const int32_t size = static_cast<int32_t>(grid_.rootSize());
+    for (int32_t y = size / 2; y < max_y_; y += size)
+      for (int32_t x = size / 2; x < max_x_; x += size) scratch_.active.push_back({x, y});
+    for (int level = 1; level <= grid_.maxLevel() && !scratch_.active.empty(); ++level) {
+      scratch_.next.clear();
+      const int32_t s = 1 << (static_cast<int>(grid_.shape().root_log2) - 1 - level / 2);
+      if (level & 1) sidesOf(s);
+      else centresOf(s);
+      flush();
+      scratch_.active.swap(scratch_.next);
+      if (scratch_.slots.size() > max_nodes) return false;
+    }
+    return true;
   }
 
  private:
-  // The triangle with edge m - d, m + d and apex m + rot(d), rot(x, y) = (-y, x); `levels` are left below it, this one included.
-  // Both triangles at an edge test the same node and agree, so no record of what was seen is needed.
-  void visit(Lattice m, Lattice d, int levels, bool inside) {
-    const NodeId n = NodeId::at(static_cast<uint32_t>(m.x), static_cast<uint32_t>(m.y));
-    const Slot slot = grid_.slot(n);
-    const terrain::NodeRecord& record = nodes_[slot];
-    const double error = record.error.metres(), radius = record.radius.metres();
-    if (error == 0) return;
-    const Metric::Place place = places_(n.x(), n.y(), record.height);
-    if (!inside) {
-      const Metric::Fit fit = metric_.fit(place, radius);
-      if (fit == Metric::Fit::kOutside) return;
-      inside = fit == Metric::Fit::kInside;
+  // The sides of squares of 2s around the active centres.
+  void sidesOf(int32_t s) {
+    for (const LatticePoint p : scratch_.active) {
+      push({p.x + s, p.y});
+      push({p.x, p.y + s});
+      if (p.x == s) push({0, p.y});
+      if (p.y == s) push({p.x, 0});
     }
-    if (!metric_.exceedsTolerance(place, radius, error)) return;
-    if (isFirstApex(m, d)) out_.push_back(slot);
-    if (--levels == 0 || out_.size() > max_nodes_) return;
-    const Lattice rot{-d.y, d.x};
-    const Lattice in{(rot.x - d.x) / 2, (rot.y - d.y) / 2}, on{(rot.x + d.x) / 2, (rot.y + d.y) / 2};
-    visit({m.x + in.x, m.y + in.y}, {-on.x, -on.y}, levels, inside);
-    visit({m.x + on.x, m.y + on.y}, in, levels, inside);
+  }
+  // The centres of squares of 2s to the right of the active sides, which are s away from them both ways.
+  void centresOf(int32_t s) {
+    for (const LatticePoint p : scratch_.active) {
+      if (p.x == max_x_) continue;
+      if (p.y > 0) push({p.x + s, p.y - s});
+      if (p.y < max_y_) push({p.x + s, p.y + s});
+    }
   }
 
-  // Each node is written once: by the triangle whose apex is lower, or on the left, or the only one.
-  static bool isFirstApex(Lattice m, Lattice d) {
-    if (d.y == 0) return d.x < 0 || m.y == 0;
-    if (d.x == 0) return d.y > 0 || m.x == 0;
-    return d.x < 0;
+  void push(LatticePoint p) {
+    batch_.x[batch_.count] = p.x;
+    batch_.y[batch_.count] = p.y;
+    batch_.slot[batch_.count++] = grid_.slot(idOf(p));
+    if (batch_.full()) flush();
+  }
+
+  void flush() {
+    batch_.load(nodes_);
+    batch_.test(metric_, places_);
+    for (size_t i = 0; i < batch_.count; ++i) {
+      if (!batch_.passes[i]) continue;
+      scratch_.slots.push_back(batch_.slot[i]);
+      scratch_.next.push_back({batch_.x[i], batch_.y[i]});
+    }
+    batch_.count = 0;
   }
 
   const proto::GridTopology& grid_;
   const terrain::NodeRecord* nodes_;
   const Metric& metric_;
-  Places places_;
-  size_t max_nodes_;
-  std::vector<Slot>& out_;
+  const Places places_;
+  RefineScratch& scratch_;
+  int32_t max_x_, max_y_;
+  Batch batch_;
 };
 
-// Ascending order by two counting passes of 16 bits over slots below 2^32; stable, linear.
+// Ascending order by three counting passes of 11 bits; stable, linear.
 void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
   other.resize(slots.size());
-  std::array<uint32_t, 1 << 11> count;
-  for (int shift = 0; shift < 33; shift += 11) {
-    count.fill(0);
-    for (Slot s : slots) ++count[s >> shift & 0x7ff];
+  std::array<std::array<uint32_t, 1 << 11>, 3> count{};
+  for (Slot s : slots)
+    for (int pass = 0; pass < 3; ++pass) ++count[pass][s >> (11 * pass) & 0x7ff];
+  for (int pass = 0; pass < 3; ++pass) {
     uint32_t sum = 0;
-    for (uint32_t& c : count) c = std::exchange(sum, sum + c);
-    for (Slot s : slots) other[count[s >> shift & 0x7ff]++] = s;
+    for (uint32_t& c : count[pass]) c = std::exchange(sum, sum + c);
+    for (Slot s : slots) other[count[pass][s >> (11 * pass) & 0x7ff]++] = s;
     slots.swap(other);
   }
 }
@@ -91,10 +113,9 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
 
 bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch, proto::Section& section) {
   const Metric metric(view, hierarchy.hasVerticalErrors());
-  scratch.slots.clear();
-  if (hierarchy.hasVerticalErrors()) Walk<PlanarPlaces>(hierarchy, metric, max_nodes, scratch.slots).run();
-  else Walk<CurvedPlaces>(hierarchy, metric, max_nodes, scratch.slots).run();
-  if (scratch.slots.size() > max_nodes) return false;
+  const bool fits = hierarchy.isPlanar() ? Descent<PlanarPlaces>(hierarchy, metric, scratch).run(max_nodes)
+                                         : Descent<CurvedPlaces>(hierarchy, metric, scratch).run(max_nodes);
+  if (!fits) return false;
   sortSlots(scratch.slots, scratch.sorted);
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());
   return true;

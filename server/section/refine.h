@@ -1,7 +1,7 @@
-// Refinement from scratch: the section of a view, by one walk down the triangle hierarchy. A node is in the section if it and all
-// its ancestors pass the test of metric.h; since the test grows towards the parents, that is simply every node that passes.
+// Refinement from scratch: the section of a view, level by level. A node is in the section if it and all its ancestors pass the
+// test of metric.h; since the test grows towards the parents, that is simply every node that passes.
 // This is the reference that incremental adaptation must equal, node for node.
-// Pure function of its arguments and scratch; any thread; no allocation once the scratch has grown. Cost: about 2 tests per triangle.
+// Pure function of its arguments and scratch; any thread; no allocation once the scratch has grown. Cost: one test per triangle.
 #pragma once
 
 #include <vector>
@@ -12,9 +12,14 @@
 
 namespace foreland::server {
 
+struct LatticePoint {
+  int32_t x, y;
+};
+
 // A worker's own; reused from call to call.
 struct RefineScratch {
   std::vector<proto::Slot> slots, sorted;
+  std::vector<LatticePoint> active, next;
 };
 
 // Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.

@@ -40,7 +40,12 @@ Status Session::take(const proto::ViewRequest& request, Time) {
   request_ = request;
   if (request_->tau_px == 0) request_->tau_px = options_.tau_px;
   if (request_->keyframe_interval == Duration{}) request_->keyframe_interval = options_.keyframe_interval;
-  if (first) replies_.push_back(proto::encode(welcome()));
+  if (first) {
+    proto::Welcome welcome = welcomeTo(world_->hierarchy.scene());
+    welcome.tau_px = request_->tau_px;
+    welcome.keyframe_interval = request_->keyframe_interval;
+    replies_.push_back(proto::encode(welcome));
+  }
   target_.reset();
   return {};
 }
@@ -84,23 +89,6 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     }
   }
   return {};
-}
-
-proto::Welcome Session::welcome() const {
-  const terrain::Scene& scene = world_->hierarchy.scene();
-  proto::Welcome w;
-  w.scene_id = scene.id();
-  w.title = scene.origin().title;
-  w.crs = scene.origin().crs_wkt;
-  w.frame = scene.frame();
-  w.shape = scene.grid().shape();
-  w.lowest = scene.heightRange().lowest;
-  w.highest = scene.heightRange().highest;
-  w.corner_heights.assign(scene.cornerHeights().begin(), scene.cornerHeights().end());
-  w.centre_heights.assign(scene.centreHeights().begin(), scene.centreHeights().end());
-  w.tau_px = request_->tau_px;
-  w.keyframe_interval = request_->keyframe_interval;
-  return w;
 }
 
 Time Session::gridAtOrAfter(Time t) const {
@@ -182,7 +170,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   View view = viewFor(plan.time_client);
   scratch.delta.added.clear();
   scratch.delta.removed.clear();
-  while (!adapter_.adapt(view, options_.max_section_nodes, scratch.delta)) view.tau_px *= 2;
+  while (!adapter_.adapt(view, options_.max_section_nodes, scratch.adapt, scratch.delta)) view.tau_px *= 2;
   settle(scratch.delta);
 
   proto::KeyframeHeader header;

@@ -35,6 +35,7 @@ struct SessionOptions {
 
 // What a worker brings to a step; one per worker, reused.
 struct SessionScratch {
+  AdaptScratch adapt;
   proto::CutDelta delta;
 };
 
@@ -78,7 +79,6 @@ class Session {
   Status take(const proto::TourRequest& request, Time now);
   Status take(const proto::GroundRequest& request, Time now);
   Status take(const proto::PoseUpdate& update, Time now);
-  proto::Welcome welcome() const;
 
   // The keyframe to compute next: its time on the client's clock, and when to begin and to be done.
   struct Plan {

@@ -75,12 +75,13 @@ TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
     const Hierarchy hierarchy(test::makeScene(w, h, seed, GetParam()));
     Wanderer wanderer(hierarchy, seed);
     Adapter adapter(hierarchy);
+    AdaptScratch adapt_scratch;
     RefineScratch scratch;
     proto::Section expected, held;
     for (int i = 0; i < 600; ++i) {
       const View view = wanderer.next();
       proto::CutDelta delta;
-      ASSERT_TRUE(adapter.adapt(view, kNoLimit, delta));
+      ASSERT_TRUE(adapter.adapt(view, kNoLimit, adapt_scratch, delta));
       settle(delta);
       ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
       ASSERT_EQ(adapter.section(), expected) << "seed " << seed << ", step " << i;
@@ -96,26 +97,28 @@ INSTANTIATE_TEST_SUITE_P(Frames, Adaptation, testing::Values(proto::FrameKind::k
 TEST(Adapter, TestsOnlyAFewNodesOnASmallMotion) {
   const Hierarchy hierarchy(test::makeScene(513, 513, 21));
   Adapter adapter(hierarchy);
+  AdaptScratch adapt_scratch;
   proto::CutDelta delta;
-  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200, 200, 1500, 0.3, -0.4), kNoLimit, delta));
+  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200, 200, 1500, 0.3, -0.4), kNoLimit, adapt_scratch, delta));
   const uint64_t from_scratch = adapter.testCount();
-  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200.5, 200, 1500, 0.3, -0.4), kNoLimit, delta));  // 5 m
+  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200.5, 200, 1500, 0.3, -0.4), kNoLimit, adapt_scratch, delta));  // 5 m
   EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 10);
 }
 
 TEST(Adapter, ALimitLeavesAClosedSectionAndALargerToleranceRecovers) {
   const Hierarchy hierarchy(test::makeScene(257, 257, 22));
   Adapter adapter(hierarchy);
+  AdaptScratch adapt_scratch;
   RefineScratch scratch;
   proto::Section expected;
   View view = viewAt(hierarchy, 100, 100, 1500, 0.3, -0.8);
   proto::CutDelta delta;
-  ASSERT_TRUE(adapter.adapt(view, kNoLimit, delta));
+  ASSERT_TRUE(adapter.adapt(view, kNoLimit, adapt_scratch, delta));
   const proto::Section before = adapter.section();
   const size_t limit = adapter.nodeCount() + 50;
   delta = {};
   view.tau_px = 0.01;
-  while (!adapter.adapt(view, limit, delta)) {
+  while (!adapter.adapt(view, limit, adapt_scratch, delta)) {
     EXPECT_LE(adapter.nodeCount(), limit);
     EXPECT_TRUE(proto::validate(hierarchy.grid(), adapter.section()).ok());
     view.tau_px *= 2;

@@ -37,9 +37,7 @@ std::vector<Slot> everyNodeThatPasses(const Hierarchy& h, const View& view) {
     const terrain::NodeRecord& r = h.nodes()[slot];
     const glm::dvec3 p = h.frame().position(n, r.height) - view.pose.eye;
     const Metric::Place place{glm::dot(p, metric.right()), glm::dot(p, metric.up()), glm::dot(p, metric.forward()), std::hypot(p.x, p.y)};
-    if (r.error.metres() > 0 && metric.fit(place, r.radius.metres()) != Metric::Fit::kOutside &&
-        metric.exceedsTolerance(place, r.radius.metres(), r.error.metres()))
-      slots.push_back(slot);
+    if (metric.passes(place, r.radius.metres(), r.error.metres())) slots.push_back(slot);
   }
   return slots;
 }

@@ -1,0 +1,113 @@
+// foreland bench: what the engine costs and whether it keeps its promises, beside a named rival where there is one.
+// bench/README.md says how each figure is measured.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/sections/measure.h"
+#include "server/view/tour.h"
+
+namespace foreland {
+namespace {
+
+struct Arguments {
+  std::string scene, tour = "survey";
+  bench::FlightOptions flight;
+  uint32_t frames_per_second = 60, measure_every = 6;
+  bool json = false, errors = true;
+};
+
+int fail(const std::string& message) {
+  std::cerr << "foreland bench: " << message << "\n";
+  return 2;
+}
+
+void print(const nlohmann::ordered_json& report, bool json) {
+  if (json) {
+    std::cout << report.dump(2) << "\n";
+    return;
+  }
+  for (const auto& [key, value] : report.items()) std::cout << key << "  " << value << "\n";
+}
+
+int runSections(const Arguments& args) {
+  auto scene = terrain::Scene::open(args.scene);
+  if (!scene) return fail(scene.error().message);
+  const server::Hierarchy hierarchy(*scene), isotropic(*scene, server::ErrorBound::kSphere);
+  auto path = server::planTour(**scene, args.tour, args.flight.seconds + 1);
+  if (!path) return fail(path.error().message);
+  const auto plain = bench::keyframeViews(*path, args.flight, bench::Promise::kKeyframesOnly);
+  const auto promised = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
+
+  const bench::SectionCosts costs = bench::measureCosts(hierarchy, promised);
+  const double triangles_plain = bench::meanTriangles(hierarchy, plain), triangles = bench::meanTriangles(hierarchy, promised);
+  const double triangles_sphere = bench::meanTriangles(isotropic, promised);
+  const double one = bench::keyframesPerSecond(hierarchy, promised, 1), two = bench::keyframesPerSecond(hierarchy, promised, 2);
+  nlohmann::ordered_json report{{"tour", args.tour},
+                                {"tau_px", args.flight.tau_px},
+                                {"keyframe_ms", args.flight.keyframe_interval.toMilliseconds()},
+                                {"nodes", costs.nodes},
+                                {"triangles", costs.triangles},
+                                {"changed_fraction", costs.changed_fraction},
+                                {"refine_mtri_per_s", costs.refine_mtri_per_s},
+                                {"refine_ms", costs.refine_ms},
+                                {"adapt_ms", costs.adapt_ms},
+                                {"adapt_us_per_change", costs.adapt_us_per_change},
+                                {"ratio", costs.ratio},
+                                {"keyframes_per_s_per_core", costs.keyframes_per_s_per_core},
+                                {"bytes_per_node", costs.bytes_per_node},
+                                {"allocations_in_steady_state", costs.allocations},
+                                {"two_threads_over_one", two / one},
+                                {"promise_triangle_overhead", triangles / triangles_plain - 1},
+                                {"spheroid_triangle_saving", 1 - triangles / triangles_sphere}};
+  if (args.errors) {
+    const double frames = args.frames_per_second * args.flight.keyframe_interval.toSeconds();
+    const bench::SectionErrors errors = bench::measureErrors(hierarchy, promised, *path, args.flight,
+                                                             static_cast<uint32_t>(frames + 0.5), args.measure_every);
+    report.update({{"max_error_px_keyframes", errors.max_error_px_keyframes},
+                   {"max_error_px_frames", errors.max_error_px_frames},
+                   {"measured_frames", errors.frames},
+                   {"frames_over_tau", errors.frames_over_tau},
+                   {"lod_motion_px_per_frame", errors.lod_motion_px_per_frame},
+                   {"lod_motion_px_per_frame_p99", errors.lod_motion_px_per_frame_p99},
+                   {"cracks", errors.cracks}});
+  }
+  print(report, args.json);
+  return 0;
+}
+
+void addFlightOptions(CLI::App& app, Arguments& args, double& interval_ms) {
+  app.add_option("scene", args.scene, "scene file (foreland build)")->required();
+  app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
+  app.add_option("--seconds", args.flight.seconds, "of flight")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
+  app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+  app.add_option("--keyframe-ms", interval_ms, "keyframe interval")->check(CLI::Range(20.0, 10000.0))->capture_default_str();
+  app.add_flag("--json", args.json, "print JSON");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Measures what the engine costs and whether it keeps its promises.", "foreland bench"};
+  app.require_subcommand(1);
+  Arguments args;
+  double interval_ms = 200;
+  CLI::App* sections = app.add_subcommand("sections", "refinement, adaptation and the error of every frame");
+  addFlightOptions(*sections, args, interval_ms);
+  sections->add_option("--measure-every", args.measure_every, "put every n-th shown frame before the oracle")->check(CLI::Range(1, 1000))->capture_default_str();
+  sections->add_flag("!--no-errors", args.errors, "leave out the oracle; costs only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  args.flight.keyframe_interval = Duration::seconds(interval_ms / 1000);
+  return runSections(args);
+}
+
+}  // namespace foreland
+
+int main(int argc, char** argv) { return foreland::main(argc, argv); }

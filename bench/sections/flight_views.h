@@ -1,0 +1,36 @@
+// The views of a tour's keyframes, as a session with the known path would refine them. Pure.
+#pragma once
+
+#include <vector>
+
+#include "proto/path.h"
+#include "server/section/metric.h"
+#include "server/view/sweep.h"
+
+namespace foreland::bench {
+
+enum class Promise { kKeyframesOnly, kEveryFrame };
+
+struct FlightOptions {
+  proto::Lens lens{1.0471975511965976, 1920, 1080};
+  double tau_px = 1;
+  Duration keyframe_interval = Duration::milliseconds(200);
+  double seconds = 60;
+};
+
+inline std::vector<server::View> keyframeViews(const proto::Path& path, const FlightOptions& options, Promise promise) {
+  std::vector<server::View> views;
+  const Duration T = options.keyframe_interval;
+  for (Time t; t <= Time::seconds(options.seconds); t = t + T) {
+    server::View view{path.at(t), options.lens, options.tau_px};
+    if (promise == Promise::kEveryFrame) {
+      const server::Sweep sweep = server::sweepOf(view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);
+      view.ball_m = sweep.ball_m;
+      view.turn_rad = sweep.turn_rad;
+    }
+    views.push_back(view);
+  }
+  return views;
+}
+
+}  // namespace foreland::bench

@@ -1,0 +1,19 @@
+#include "server/session/world.h"
+
+namespace foreland::server {
+
+proto::Welcome welcomeTo(const terrain::Scene& scene) {
+  proto::Welcome w;
+  w.scene_id = scene.id();
+  w.title = scene.origin().title;
+  w.crs = scene.origin().crs_wkt;
+  w.frame = scene.frame();
+  w.shape = scene.grid().shape();
+  w.lowest = scene.heightRange().lowest;
+  w.highest = scene.heightRange().highest;
+  w.corner_heights.assign(scene.cornerHeights().begin(), scene.cornerHeights().end());
+  w.centre_heights.assign(scene.centreHeights().begin(), scene.centreHeights().end());
+  return w;
+}
+
+}  // namespace foreland::server
