@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bench/sections/measure.h"
+#include "bench/wire/measure.h"
 #include "server/view/tour.h"
 
 namespace foreland {
@@ -79,6 +80,41 @@ int runSections(const Arguments& args) {
   return 0;
 }
 
+int runWire(const Arguments& args) {
+  auto scene = terrain::Scene::open(args.scene);
+  if (!scene) return fail(scene.error().message);
+  const server::Hierarchy hierarchy(*scene);
+  auto path = server::planTour(**scene, args.tour, args.flight.seconds + 1);
+  if (!path) return fail(path.error().message);
+  const auto views = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
+  const auto flight = bench::recordFlight(hierarchy, views, args.flight.keyframe_interval);
+  const bench::WireCosts costs = bench::measureWire(hierarchy, flight, args.flight.keyframe_interval);
+  print({{"tour", args.tour},
+         {"tau_px", args.flight.tau_px},
+         {"keyframe_ms", args.flight.keyframe_interval.toMilliseconds()},
+         {"keyframes", costs.keyframes},
+         {"nodes_added", costs.nodes_added},
+         {"nodes_removed", costs.nodes_removed},
+         {"bits_per_added_node", costs.bits_per_added_node},
+         {"height_bits", costs.height_bits},
+         {"structure_bits", costs.structure_bits},
+         {"framing_bits", costs.framing_bits},
+         {"first_section_nodes", costs.first_section_nodes},
+         {"first_section_bytes", costs.first_section_bytes},
+         {"first_section_bits_per_node", costs.first_section_bits_per_node},
+         {"first_section_height_bits", costs.first_section_height_bits},
+         {"first_section_structure_bits", costs.first_section_structure_bits},
+         {"kbit_per_s", costs.kbit_per_s},
+         {"encode_mnodes_per_s", costs.encode_mnodes_per_s},
+         {"decode_mnodes_per_s", costs.decode_mnodes_per_s},
+         {"first_encode_mnodes_per_s", costs.first_encode_mnodes_per_s},
+         {"first_decode_mnodes_per_s", costs.first_decode_mnodes_per_s},
+         {"encode_ms", costs.encode_ms},
+         {"decode_ms", costs.decode_ms}},
+        args.json);
+  return 0;
+}
+
 void addFlightOptions(CLI::App& app, Arguments& args, double& interval_ms) {
   app.add_option("scene", args.scene, "scene file (foreland build)")->required();
   app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
@@ -99,13 +135,15 @@ int main(int argc, char** argv) {
   addFlightOptions(*sections, args, interval_ms);
   sections->add_option("--measure-every", args.measure_every, "put every n-th shown frame before the oracle")->check(CLI::Range(1, 1000))->capture_default_str();
   sections->add_flag("!--no-errors", args.errors, "leave out the oracle; costs only");
+  CLI::App* wire = app.add_subcommand("wire", "bits and processor time of what a flight with the known path sends");
+  addFlightOptions(*wire, args, interval_ms);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   args.flight.keyframe_interval = Duration::seconds(interval_ms / 1000);
-  return runSections(args);
+  return *wire ? runWire(args) : runSections(args);
 }
 
 }  // namespace foreland

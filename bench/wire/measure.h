@@ -1,0 +1,28 @@
+// What a recorded flight costs on the wire, in bits and in processor time, and that what is decoded is what was coded.
+#pragma once
+
+#include <vector>
+
+#include "bench/wire/flight.h"
+
+namespace foreland::bench {
+
+struct WireCosts {
+  uint64_t keyframes = 0, nodes_added = 0, nodes_removed = 0;  // after the first keyframe
+  double bits_per_added_node = 0;  // all bytes down after the first keyframe, over the nodes that they add
+  double height_bits = 0;          // of that: heights
+  double structure_bits = 0;       // which nodes come and go
+  double framing_bits = 0;         // headers
+  double first_section_bits_per_node = 0, first_section_height_bits = 0, first_section_structure_bits = 0;
+  uint64_t first_section_nodes = 0, first_section_bytes = 0;
+  double kbit_per_s = 0;  // after the first keyframe
+  // Millions of nodes that come or go per second of one thread's processor time, the first section apart.
+  double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;
+  double first_encode_mnodes_per_s = 0, first_decode_mnodes_per_s = 0;
+  double encode_ms = 0, decode_ms = 0;  // means per keyframe
+};
+// Whole messages, as a session sends them. Checks each decoded delta against the one coded.
+WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
+                      Duration keyframe_interval);
+
+}  // namespace foreland::bench
