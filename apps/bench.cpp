@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/martini/report.h"
 #include "bench/sections/measure.h"
 #include "bench/wire/measure.h"
 #include "server/view/tour.h"
@@ -15,7 +16,7 @@ namespace foreland {
 namespace {
 
 struct Arguments {
-  std::string scene, tour = "survey";
+  std::string scene, tour = "survey", martini = bench::martiniSources();
   bench::FlightOptions flight;
   uint32_t frames_per_second = 60, measure_every = 6;
   bool json = false, errors = true;
@@ -44,9 +45,11 @@ int runSections(const Arguments& args) {
   const auto promised = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
 
   const bench::SectionCosts costs = bench::measureCosts(hierarchy, promised);
-  const double triangles_plain = bench::meanTriangles(hierarchy, plain), triangles = bench::meanTriangles(hierarchy, promised);
+  const double triangles_plain = bench::meanTriangles(hierarchy, plain),
+               triangles = bench::meanTriangles(hierarchy, promised);
   const double triangles_sphere = bench::meanTriangles(isotropic, promised);
-  const double one = bench::keyframesPerSecond(hierarchy, promised, 1), two = bench::keyframesPerSecond(hierarchy, promised, 2);
+  const double one = bench::keyframesPerSecond(hierarchy, promised, 1),
+               two = bench::keyframesPerSecond(hierarchy, promised, 2);
   nlohmann::ordered_json report{{"tour", args.tour},
                                 {"tau_px", args.flight.tau_px},
                                 {"keyframe_ms", args.flight.keyframe_interval.toMilliseconds()},
@@ -76,6 +79,20 @@ int runSections(const Arguments& args) {
                    {"lod_motion_px_per_frame_p99", errors.lod_motion_px_per_frame_p99},
                    {"cracks", errors.cracks}});
   }
+  print(report, args.json);
+  return 0;
+}
+
+int runRefine(const Arguments& args) {
+  auto scene = terrain::Scene::open(args.scene);
+  if (!scene) return fail(scene.error().message);
+  auto path = server::planTour(**scene, args.tour, args.flight.seconds + 1);
+  if (!path) return fail(path.error().message);
+  const auto views = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
+  nlohmann::ordered_json report{{"tour", args.tour}, {"tau_px", args.flight.tau_px}};
+  report.update(bench::refineReport(*scene, views, args.martini));
+  if (report["martini"].is_null())
+    std::cerr << "foreland bench: MARTINI skipped: " << report["martini_skipped"].get<std::string>() << "\n";
   print(report, args.json);
   return 0;
 }
@@ -119,8 +136,12 @@ void addFlightOptions(CLI::App& app, Arguments& args, double& interval_ms) {
   app.add_option("scene", args.scene, "scene file (foreland build)")->required();
   app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
   app.add_option("--seconds", args.flight.seconds, "of flight")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
-  app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
-  app.add_option("--keyframe-ms", interval_ms, "keyframe interval")->check(CLI::Range(20.0, 10000.0))->capture_default_str();
+  app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--keyframe-ms", interval_ms, "keyframe interval")
+      ->check(CLI::Range(20.0, 10000.0))
+      ->capture_default_str();
   app.add_flag("--json", args.json, "print JSON");
 }
 
@@ -133,17 +154,21 @@ int main(int argc, char** argv) {
   double interval_ms = 200;
   CLI::App* sections = app.add_subcommand("sections", "refinement, adaptation and the error of every frame");
   addFlightOptions(*sections, args, interval_ms);
-  sections->add_option("--measure-every", args.measure_every, "put every n-th shown frame before the oracle")->check(CLI::Range(1, 1000))->capture_default_str();
+  sections->add_option("--measure-every", args.measure_every, "put every n-th shown frame before the oracle")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   sections->add_flag("!--no-errors", args.errors, "leave out the oracle; costs only");
+  CLI::App* refine = app.add_subcommand("refine", "refinement from scratch, beside MARTINI on the same heights");
+  addFlightOptions(*refine, args, interval_ms);
+  refine->add_option("--martini", args.martini, "folder of martini.mjs and its node_modules");
   CLI::App* wire = app.add_subcommand("wire", "bits and processor time of what a flight with the known path sends");
   addFlightOptions(*wire, args, interval_ms);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
   args.flight.keyframe_interval = Duration::seconds(interval_ms / 1000);
-  return *wire ? runWire(args) : runSections(args);
+  if (*wire) return runWire(args);
+  return *refine ? runRefine(args) : runSections(args);
 }
 
 }  // namespace foreland

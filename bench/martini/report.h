@@ -1,0 +1,24 @@
+// `foreland bench refine`: refinement from scratch on one core, beside MARTINI on the same heights in the same run.
+// What each key means: bench/README.md. Blocks for about a minute.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "server/section/hierarchy.h"
+#include "server/section/metric.h"
+
+namespace foreland::bench {
+
+// `hierarchy` refines the views of a tour; `martini_folder` holds martini.mjs and, once installed, node_modules.
+// Without them the report has `martini` null and the reason in `martini_skipped`.
+nlohmann::ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene,
+                                    const std::vector<server::View>& views,
+                                    const std::filesystem::path& martini_folder);
+
+// Where martini.mjs lies in the sources this was built from.
+std::filesystem::path martiniSources();
+
+}  // namespace foreland::bench

@@ -1,0 +1,45 @@
+// `foreland bench refine` on a tiny scene, without MARTINI: the report has what bench/README.md promises.
+#include <nlohmann/json.hpp>
+
+#include "bench/martini/run_program.h"
+#include "tests/support/scene.h"
+
+namespace foreland::bench {
+namespace {
+
+class RefineProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    test::FormulaSource source(65, 65, test::hills(3));
+    ASSERT_TRUE(terrain::buildScene(source, {folder_ / "scene.fls", 0.1, 1}).ok());
+  }
+  Result<std::string> run(std::vector<std::string> more) const {
+    std::vector<std::string> words{FORELAND_BIN_DIR "/foreland-bench", "refine", folder_ / "scene.fls"};
+    words.insert(words.end(), more.begin(), more.end());
+    return runProgram(words);
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(RefineProgram, ReportsWithoutMartini) {
+  const auto text = run({"--tour", "survey", "--seconds", "2", "--tau", "2", "--json", "--martini", folder_.path()});
+  ASSERT_TRUE(text.ok()) << text.error().message;
+  const nlohmann::json report = nlohmann::json::parse(*text);
+  for (const char* key : {"nodes", "triangles", "refine_ms", "refine_mtri_per_s"})
+    EXPECT_GT(report.at(key).get<double>(), 0) << key;
+  EXPECT_EQ(report.at("tour"), "survey");
+  EXPECT_EQ(report.at("tau_px"), 2);
+  EXPECT_EQ(report.at("samples"), nlohmann::json({65, 65}));
+  EXPECT_EQ(report.at("views"), 11);
+  for (const char* key : {"martini", "martini_mtri_per_s", "ratio"}) EXPECT_TRUE(report.at(key).is_null()) << key;
+  EXPECT_NE(report.at("martini_skipped").get<std::string>().find("npm ci --prefix"), std::string::npos);
+}
+
+TEST_F(RefineProgram, RefusesAnUnknownTour) {
+  const auto text = run({"--tour", "voyage"});
+  ASSERT_FALSE(text.ok());
+  EXPECT_NE(text.error().message.find("exited with 2"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace foreland::bench
