@@ -14,18 +14,19 @@ uint64_t cellsAlong(uint32_t roots, uint32_t level, bool sides) {
 }  // namespace
 
 Result<GridTopology> GridTopology::create(const GridShape& shape) {
-  const auto refuse = [](const std::string& what) {
-    return Error{ErrorCode::kMalformed, "grid shape: " + what};
-  };
+  const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, "grid shape: " + what}; };
   if (shape.root_log2 < 1 || shape.root_log2 > kMaxRootLog2)
     return refuse("root squares of 2^" + std::to_string(shape.root_log2) + " samples; 2^1 to 2^15 are supported");
   if (shape.roots_x < 1 || shape.roots_y < 1 || shape.roots_x > kMaxSamples >> shape.root_log2 ||
       shape.roots_y > kMaxSamples >> shape.root_log2)
-    return refuse(std::to_string(shape.roots_x) + " x " + std::to_string(shape.roots_y) + " roots are none or too many");
+    return refuse(std::to_string(shape.roots_x) + " x " + std::to_string(shape.roots_y) +
+                  " roots are none or too many");
   GridTopology grid;
   grid.shape_ = shape;
-  if (shape.samples_x < 2 || shape.samples_y < 2 || shape.samples_x > grid.maxX() + 1 || shape.samples_y > grid.maxY() + 1)
-    return refuse(std::to_string(shape.samples_x) + " x " + std::to_string(shape.samples_y) + " samples do not fit its roots");
+  if (shape.samples_x < 2 || shape.samples_y < 2 || shape.samples_x > grid.maxX() + 1 ||
+      shape.samples_y > grid.maxY() + 1)
+    return refuse(std::to_string(shape.samples_x) + " x " + std::to_string(shape.samples_y) +
+                  " samples do not fit its roots");
 
   uint64_t offset = 0;
   for (int level = 1; level <= grid.maxLevel(); ++level) {
@@ -39,6 +40,7 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
     if (offset >= kNoSlot) return refuse("more than 2^32 nodes");
   }
   grid.level_offset_[grid.maxLevel() + 1] = static_cast<Slot>(offset);
+  grid.level_offset_[grid.maxLevel() + 2] = grid.level_offset_[grid.maxLevel() + 3] = kNoSlot;
   for (int width = 0, level = 1; width <= 32; ++width) {
     const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
     while (level < grid.maxLevel() && least >= grid.level_offset_[level + 1]) ++level;

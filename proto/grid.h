@@ -1,6 +1,7 @@
-// Topology of bisection over a grid of root squares (P 2.1; DESIGN section 2). Each root square has 2^k + 1 samples a side, shares
-// its border with its neighbours, and has its centre inserted: four root triangles whose refinement edges are its sides.
-// Corners and centres are the base vertices (level 0); every other lattice point is a node, refined by halving an edge.
+// Topology of bisection over a grid of root squares (P 2.1; DESIGN section 2). Each root square has 2^k + 1 samples a
+// side, shares its border with its neighbours, and has its centre inserted: four root triangles whose refinement edges
+// are its sides. Corners and centres are the base vertices (level 0); every other lattice point is a node, refined by
+// halving an edge.
 //
 // With s = 2^t the largest power of two dividing both x and y, a node is one of two kinds:
 //   side    one of x/s, y/s odd:  midpoint of the side of a square of 2s; level 2(k-1-t)+1; parents are the centres beside it
@@ -25,11 +26,11 @@ namespace foreland::proto {
 
 // What a grid is made of; travels in the handshake and stands in the scene file.
 struct GridShape {
-  uint32_t roots_x = 1;     // root squares along x
-  uint32_t roots_y = 1;     // root squares along y
-  uint32_t root_log2 = 1;   // k: a root square spans 2^k sample intervals
-  uint32_t samples_x = 3;   // data columns, at most roots_x * 2^k + 1
-  uint32_t samples_y = 3;   // data rows
+  uint32_t roots_x = 1;    // root squares along x
+  uint32_t roots_y = 1;    // root squares along y
+  uint32_t root_log2 = 1;  // k: a root square spans 2^k sample intervals
+  uint32_t samples_x = 3;  // data columns, at most roots_x * 2^k + 1
+  uint32_t samples_y = 3;  // data rows
   bool operator==(const GridShape&) const = default;
 };
 
@@ -39,7 +40,8 @@ class GridTopology {
   static constexpr uint32_t kMaxSamples = 1u << 20;  // per axis
   static constexpr int kMaxLevels = 2 * kMaxRootLog2;
 
-  // Refuses shapes that are empty, larger than the limits above or than 2^32 - 2 slots, or whose data exceeds the roots.
+  // Refuses shapes that are empty, larger than the limits above or than 2^32 - 2 slots, or whose data exceeds the
+  // roots.
   static Result<GridTopology> create(const GridShape& shape);
 
   // Root squares that cover `samples_x` x `samples_y` with at most about eight roots a side. Both at least 2.
@@ -57,9 +59,7 @@ class GridTopology {
   bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
 
   // log2 of the largest power of two dividing both coordinates, capped at k.
-  uint32_t scaleLog2(NodeId n) const {
-    return static_cast<uint32_t>(std::countr_zero((n.x() | n.y()) | rootSize()));
-  }
+  uint32_t scaleLog2(NodeId n) const { return static_cast<uint32_t>(std::countr_zero((n.x() | n.y()) | rootSize())); }
   // 0 for base vertices.
   int level(NodeId n) const {
     const uint32_t t = scaleLog2(n);
@@ -80,7 +80,8 @@ class GridTopology {
     return {NodeId::at(x - s, y + s), NodeId::at(x + s, y - s)};
   }
 
-  // The third vertices of the one or two triangles that share the node's edge: parents, or base vertices. `n` is a node.
+  // The third vertices of the one or two triangles that share the node's edge: parents, or base vertices. `n` is a
+  // node.
   NodeList<2> apexes(NodeId n) const {
     const uint32_t t = scaleLog2(n), s = 1u << t, x = n.x(), y = n.y();
     NodeList<2> result;
@@ -106,7 +107,8 @@ class GridTopology {
     return result;
   }
 
-  // The nodes of which `n` is a parent. `n` is a node, or the centre of a root (whose children are parentless or half so).
+  // The nodes of which `n` is a parent. `n` is a node, or the centre of a root (whose children are parentless or half
+  // so).
   NodeList<4> children(NodeId n) const {
     const uint32_t t = scaleLog2(n), x = n.x(), y = n.y();
     NodeList<4> result;
@@ -138,19 +140,22 @@ class GridTopology {
   // The node of a slot, or base vertex (0, 0) if the slot is padding or out of range.
   NodeId node(Slot slot) const {
     if (slot >= slotCount()) return {};
+    // Each level has at least about as many slots as all before it, so a width of slots meets three levels at most.
     int level = level_hint_[std::bit_width(slot)];
-    while (slot >= level_offset_[level + 1]) ++level;
+    level += (slot >= level_offset_[level + 1]) + (slot >= level_offset_[level + 2]);
     const Slot within = slot - level_offset_[level];
-    const bool sides = level & 1, along_y = sides && (within & 1);
-    const uint32_t cell = sides ? within >> 1 : within, tile = cell >> (2 * kTileLog2), tiles_x = tiles_x_[level];
-    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at most.
+    const uint32_t sides = level & 1, along_y = sides & within;
+    const uint32_t cell = within >> sides, tile = cell >> (2 * kTileLog2), tiles_x = tiles_x_[level];
+    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at
+    // most.
     uint32_t row = static_cast<uint32_t>(tile * inverse_tiles_x_[level]);
-    if (row * tiles_x > tile) --row;
-    else if (tile - row * tiles_x >= tiles_x) ++row;
+    row -= row * tiles_x > tile;
+    row += tile - row * tiles_x >= tiles_x;
     const uint32_t cx = (tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1));
     const uint32_t cy = row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1));
     const uint32_t t = shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2), s = 1u << t;
-    const NodeId n = NodeId::at((cx << (t + 1)) + (along_y ? 0 : s), (cy << (t + 1)) + (sides && !along_y ? 0 : s));
+    const NodeId n =
+        NodeId::at((cx << (t + 1)) + (s & (along_y - 1)), (cy << (t + 1)) + (s & ((sides & ~along_y) - 1)));
     return contains(n) ? n : NodeId{};
   }
 
@@ -172,7 +177,7 @@ class GridTopology {
   }
 
   GridShape shape_;
-  std::array<Slot, kMaxLevels + 2> level_offset_{};
+  std::array<Slot, kMaxLevels + 4> level_offset_{};  // and two past the end that no slot reaches
   std::array<uint32_t, kMaxLevels + 1> tiles_x_{};
   std::array<double, kMaxLevels + 1> inverse_tiles_x_{};
   std::array<int, 33> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width

@@ -24,7 +24,8 @@ inline std::vector<server::View> keyframeViews(const proto::Path& path, const Fl
   for (Time t; t <= Time::seconds(options.seconds); t = t + T) {
     server::View view{path.at(t), options.lens, options.tau_px};
     if (promise == Promise::kEveryFrame) {
-      const server::Sweep sweep = server::sweepOf(view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);
+      const server::Sweep sweep = server::sweepOf(
+          view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);
       view.ball_m = sweep.ball_m;
       view.turn_rad = sweep.turn_rad;
     }

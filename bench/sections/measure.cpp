@@ -1,7 +1,7 @@
 #include "bench/sections/measure.h"
 
-#include <algorithm>
 #include <time.h>
+#include <algorithm>
 
 #include <chrono>
 #include <thread>
@@ -69,7 +69,8 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
     const double t3 = processorSeconds();
     if (i > views.size() / 2) allocations_before += allocationCount() - allocations;
     CHECK_EQ(adapter.nodeCount(), section.slots.size());
-    costs.bytes_per_node = std::max(costs.bytes_per_node, static_cast<double>(adapter.bytes()) / static_cast<double>(adapter.nodeCount() + 1));
+    costs.bytes_per_node = std::max(
+        costs.bytes_per_node, static_cast<double>(adapter.bytes()) / static_cast<double>(adapter.nodeCount() + 1));
     if (i == 0) continue;  // the first keyframe is refined from nothing by both
     refine_s.push_back(t1 - t0);
     adapt_s.push_back(t3 - t2);
@@ -79,7 +80,6 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
     fractions.push_back(changes.back() / nodes.back());
   }
   const double n = static_cast<double>(nodes.size());
-  fprintf(stderr,"bytes %zu frontier %zu active %zu tests %g changes %g\n", adapter.bytes(), adapter.frontierSize(), adapter.nodeCount(), adapter.testCount()/n, sum(changes)/n);
   costs.allocations = allocations_before;
   costs.nodes = sum(nodes) / n;
   costs.triangles = sum(triangles) / n;
@@ -118,20 +118,23 @@ void collectMotion(const client::KeyframeMesh& mesh, const proto::Pose& pose, co
   };
   for (size_t i = 0; i < mesh.places.size(); ++i) {
     glm::dvec2 from, to;
-    if (project(mesh.from_positions[i], from) && project(mesh.to_positions[i], to)) out.push_back(glm::distance(from, to) / frames);
+    if (project(mesh.from_positions[i], from) && project(mesh.to_positions[i], to))
+      out.push_back(glm::distance(from, to) / frames);
   }
 }
 
 }  // namespace
 
-SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<server::View>& views, const proto::Path& path,
-                            const FlightOptions& options, uint32_t frames_per_keyframe, uint32_t measure_every) {
+SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+                            const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
+                            uint32_t measure_every) {
   const terrain::Scene& scene = hierarchy.scene();
   client::Replica replica(server::welcomeTo(scene));
   server::Adapter adapter(hierarchy);
   server::AdaptScratch adapt_scratch;
   Truth truth{scene.frame(), scene.grid().shape(), [&scene](uint32_t x, uint32_t y, std::span<int32_t> out) {
-                for (size_t i = 0; i < out.size(); ++i) out[i] = scene.height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
+                for (size_t i = 0; i < out.size(); ++i)
+                  out[i] = scene.height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
               }};
   Oracle oracle(std::move(truth));
   SectionErrors errors;
@@ -143,7 +146,8 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
     CHECK_TRUE(adapter.adapt(views[i], kNoLimit, adapt_scratch, delta));
     server::settle(delta);
     Bytes bytes;
-    proto::encodeDelta(scene.grid(), delta, [&](proto::NodeId v) { return scene.height(v); }, bytes);
+    proto::encodeDelta(
+        scene.grid(), delta, [&](proto::NodeId v) { return scene.height(v); }, bytes);
     header.base_index = header.index;
     ++header.index;
     header.time = Time{} + options.keyframe_interval * static_cast<int64_t>(i);
@@ -153,7 +157,8 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
     const client::KeyframeMesh mesh = replica.buildMesh();
     errors.cracks += findCracks(mesh, scene.grid().shape()).cracks;
     const DrawnShare at_keyframe{&mesh, 1, 1};
-    errors.max_error_px_keyframes = std::max(errors.max_error_px_keyframes, oracle.error({&at_keyframe, 1}, views[i].pose, options.lens).max_px);
+    errors.max_error_px_keyframes =
+        std::max(errors.max_error_px_keyframes, oracle.error({&at_keyframe, 1}, views[i].pose, options.lens).max_px);
     if (i == 0) continue;
     const Time begin = mesh.from.time;
     for (uint32_t f = 0; f < frames_per_keyframe; ++f) {
@@ -174,7 +179,8 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
   return errors;
 }
 
-double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<server::View>& views, unsigned threads) {
+double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+                          unsigned threads) {
   constexpr int kRounds = 3;
   const auto fly = [&] {
     for (int round = 0; round < kRounds; ++round) {

@@ -1,5 +1,6 @@
-// What sections cost along a tour, and whether they keep their word. Timings compare refinement from scratch with adaptation in turn,
-// view by view, in one run; medians are reported, for these machines are noisy. One thread unless it says otherwise.
+// What sections cost along a tour, and whether they keep their word. Timings compare refinement from scratch with
+// adaptation in turn, view by view, in one run; medians are reported, for these machines are noisy. One thread unless
+// it says otherwise.
 #pragma once
 
 #include <functional>
@@ -33,10 +34,11 @@ struct SectionErrors {
   double lod_motion_px_per_frame_p99 = 0;  // of all visible vertices of all keyframe intervals
   uint64_t cracks = 0;
 };
-// Replays the flight through encoder, decoder and mesh as a client sees it, with `frames_per_keyframe` shown frames, of which
-// every `measure_every`-th is put before the oracle.
-SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<server::View>& views, const proto::Path& path,
-                            const FlightOptions& options, uint32_t frames_per_keyframe, uint32_t measure_every);
+// Replays the flight through encoder, decoder and mesh as a client sees it, with `frames_per_keyframe` shown frames, of
+// which every `measure_every`-th is put before the oracle.
+SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+                            const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
+                            uint32_t measure_every);
 
 // Work done per second by `threads` threads, each adapting sessions of its own along the views.
 double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<server::View>& views, unsigned threads);

@@ -1,6 +1,7 @@
 #include "server/section/adapt.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,8 +15,8 @@ using proto::Slot;
 
 namespace {
 
-// A step rounds a slack by at most 2^-24 of it. Slacks are kept 2^-9 short, and all entries are tested anew before 2^15 steps
-// can use that up.
+// A step rounds a slack by at most 2^-24 of it. Slacks are kept 2^-9 short, and all entries are tested anew before 2^15
+// steps can use that up.
 constexpr double kSlackShare = 1 - 0x1p-9;
 constexpr uint32_t kMostSteps = 1u << 15;
 
@@ -23,26 +24,21 @@ constexpr uint32_t kMostSteps = 1u << 15;
 
 namespace {
 
-// Angle between two orientations, rounded up.
-double turnBetween(const glm::dquat& a, const glm::dquat& b) {
-  const glm::dquat d = glm::conjugate(a) * b;
-  return 2 * std::asin(std::min(1.0, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z))) * (1 + 1e-12) + 1e-15;
+constexpr uint32_t kGuardBits = 3;
+
+uint32_t packReach(float reach, uint8_t guard) {
+  return (std::bit_cast<uint32_t>(reach * (1 + 0x1p-20f)) & ~kGuardBits) | guard;
 }
+bool saysPasses(uint32_t packed) { return (packed & kGuardBits) == static_cast<uint32_t>(Metric::Guard::kPasses); }
 
 }  // namespace
 
-// Upper bound of how far a place at distance `reach` moves between the last view and this one: the return value plus
-// per_metre * reach. Infinite if the views cannot be compared.
-float Adapter::motionSince(const View& view, float& per_metre) const {
-  per_metre = 0;
-  if (!last_ || !(last_->lens == view.lens) || steps_ % kMostSteps == 0) return std::numeric_limits<float>::infinity();
-  const double moved = glm::distance(last_->pose.eye, view.pose.eye) + std::fabs(view.ball_m - last_->ball_m);
-  // A tolerance q times as large acts like depths q times as large: z < K / q is q z < K, and z^2 < K h / q is implied by
-  // (q z)^2 < K h for q > 1, and the other way round for q < 1.
-  const double turned = turnBetween(last_->pose.orientation, view.pose.orientation) +
-                        std::fabs(view.turn_rad - last_->turn_rad) + std::fabs(view.tau_px / last_->tau_px - 1);
-  per_metre = static_cast<float>(turned * 1.00001);
-  return static_cast<float>(moved * 1.00001 + 1e-6);
+// Endless if the views cannot be compared.
+Metric::Toll Adapter::tollTo(const View& view) const {
+  if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0)
+    return Metric(*last_, hierarchy_->hasVerticalErrors()).tollTo(*last_, view);
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  return {{kEndless, kEndless, kEndless}, {0, 0, 0}};
 }
 
 // One adaptation under way.
@@ -60,39 +56,32 @@ class Adapter::Step {
         delta_(delta) {
     scratch_.changed.clear();
     scratch_.left.clear();
-    scratch_.returning.clear();
     batch_.count = 0;
   }
 
-  bool run(float moved, float per_metre, bool first) {
+  bool run(const Metric::Toll& toll, bool first) {
     if (first) considerRoots();
-    takeOff(moved, per_metre);
+    takeOff(toll);
     testDue();
     spreadAll();
     sweep();
     dropLeft();
-    for (Slot slot : scratch_.returning) {
-      const NodeId n = grid_.node(slot);
-      if (a_.flags_.active(slot) ? isRemovable(n) : isAddable(n)) consider(n);
-    }
-    spreadAll();
     return !limited_;
   }
 
  private:
+  bool isActive(NodeId n) const { return a_.flags_.get(NodeFlags::kActive, grid_.slot(n)); }
   bool isRemovable(NodeId n) const {
+    if (!isActive(n)) return false;
     for (NodeId child : grid_.children(n))
-      if (a_.flags_.active(grid_.slot(child))) return false;
+      if (isActive(child)) return false;
     return true;
   }
   bool isAddable(NodeId n) const {
+    if (isActive(n)) return false;
     for (NodeId parent : grid_.parents(n))
-      if (!a_.flags_.active(grid_.slot(parent))) return false;
+      if (!isActive(parent)) return false;
     return true;
-  }
-  bool isOnFrontier(Slot slot) const {
-    const NodeId n = grid_.node(slot);
-    return a_.flags_.active(slot) ? isRemovable(n) : isAddable(n);
   }
 
   // The nodes without parents.
@@ -103,11 +92,19 @@ class Adapter::Step {
     spreadAll();
   }
 
-  void takeOff(float moved, float per_metre) {
+  void takeOff(const Metric::Toll& toll) {
     const size_t count = a_.slots_.size();
     float* slack = a_.slack_.data();
-    const float* reach = a_.reach_.data();
-    for (size_t i = 0; i < count; ++i) slack[i] -= moved + per_metre * std::fabs(reach[i]);
+    const uint32_t* reach = a_.reach_.data();
+    const float f0 = static_cast<float>(toll.fixed[0]), f1 = static_cast<float>(toll.fixed[1]),
+                f2 = static_cast<float>(toll.fixed[2]);
+    const float r0 = static_cast<float>(toll.per_reach[0]), r1 = static_cast<float>(toll.per_reach[1]),
+                r2 = static_cast<float>(toll.per_reach[2]);
+    for (size_t i = 0; i < count; ++i) {
+      const uint32_t guard = reach[i] & kGuardBits;
+      const float fixed = guard == 0 ? f0 : guard == 1 ? f1 : f2, per_reach = guard == 0 ? r0 : guard == 1 ? r1 : r2;
+      slack[i] -= fixed + per_reach * std::bit_cast<float>(reach[i]);
+    }
     scratch_.due.resize(count);
     uint32_t* due = scratch_.due.data();
     size_t due_count = 0;
@@ -147,21 +144,25 @@ class Adapter::Step {
     a_.tests_ += batch_.count;
   }
 
-  // An entry that was due gets its new outcome. If that differs from what the node is, the node changes; should it not be on the
-  // frontier, its neighbours are about to change too: it is looked at again when they have.
+  // An entry that was due gets its new outcome. If that is not what the node is, the node changes. If it has left the
+  // frontier, its neighbours are about to change first, and will find it without an entry.
   void update(uint32_t entry, size_t i) {
     const Slot slot = batch_.slot[i];
-    const bool was = std::signbit(a_.reach_[entry]), is = batch_.passes[i];
-    if (was != is ? !isOnFrontier(slot) || !change(slot, is) : isTurnToCheck(entry) && !isOnFrontier(slot)) {
-      scratch_.left.push_back(entry);
-      return;
-    }
+    const bool was = saysPasses(a_.reach_[entry]);
+    const bool is = batch_.guard[i] == static_cast<uint8_t>(Metric::Guard::kPasses);
+    if (was != is && a_.flags_.get(NodeFlags::kLeft, slot)) return drop(entry);
+    if (was != is && !change(slot, is)) return;  // stays due
     a_.slack_[entry] = batch_.slack[i];
-    a_.reach_[entry] = is ? -batch_.reach[i] : batch_.reach[i];
+    a_.reach_[entry] = packReach(batch_.reach[i], batch_.guard[i]);
   }
 
-  // Looking whether a node is still on the frontier costs more than its test, so it is done at one test in four.
-  bool isTurnToCheck(uint32_t entry) const { return ((entry ^ a_.steps_) & 3) == 0; }
+  // The entry goes at the end of the step; from now on nothing vouches for its node.
+  void drop(uint32_t entry) {
+    a_.flags_.set(NodeFlags::kListed, a_.slots_[entry], false);
+    a_.flags_.set(NodeFlags::kLeft, a_.slots_[entry], false);
+    a_.slots_[entry] = proto::kNoSlot;
+    scratch_.left.push_back(entry);
+  }
 
   // False if the section may not grow any more.
   bool change(Slot slot, bool active) {
@@ -169,7 +170,7 @@ class Adapter::Step {
       limited_ = true;
       return false;
     }
-    a_.flags_.setActive(slot, active);
+    a_.flags_.set(NodeFlags::kActive, slot, active);
     a_.active_ += active ? 1 : -1;
     (active ? delta_.added : delta_.removed).push_back(slot);
     scratch_.changed.push_back(slot);
@@ -179,8 +180,8 @@ class Adapter::Step {
   // A frontier node: if no entry vouches for it, it is tested with the next batch and gets one.
   void consider(NodeId n) {
     const Slot slot = grid_.slot(n);
-    if (a_.flags_.listed(slot)) return;
-    a_.flags_.setListed(slot, true);
+    if (a_.flags_.get(NodeFlags::kListed, slot)) return a_.flags_.set(NodeFlags::kLeft, slot, false);
+    a_.flags_.set(NodeFlags::kListed, slot, true);
     batch_.slot[batch_.count] = slot;
     batch_.x[batch_.count] = static_cast<int32_t>(n.x());
     batch_.y[batch_.count++] = static_cast<int32_t>(n.y());
@@ -191,12 +192,13 @@ class Adapter::Step {
     testBatch();
     for (size_t i = 0; i < batch_.count; ++i) {
       const Slot slot = batch_.slot[i];
-      bool is = batch_.passes[i];
+      uint32_t reach = packReach(batch_.reach[i], batch_.guard[i]);
       float slack = batch_.slack[i];
-      if (is != a_.flags_.active(slot) && !change(slot, is)) is = false, slack = 0;
+      if (saysPasses(reach) != a_.flags_.get(NodeFlags::kActive, slot) && !change(slot, saysPasses(reach)))
+        reach = packReach(batch_.reach[i], 0), slack = 0;
       append(a_.slots_, slot);
       append(a_.slack_, slack);
-      append(a_.reach_, is ? -batch_.reach[i] : batch_.reach[i]);
+      append(a_.reach_, reach);
     }
     batch_.count = 0;
   }
@@ -208,7 +210,7 @@ class Adapter::Step {
     column.push_back(value);
   }
 
-  // After a change children may have become addable, or parents removable.
+  // After a change its own entry holds; neighbours may have come to the frontier or left it.
   void spreadAll() {
     while (!scratch_.changed.empty() || batch_.count > 0) {
       if (scratch_.changed.empty()) listBatch();
@@ -216,41 +218,40 @@ class Adapter::Step {
       const Slot slot = scratch_.changed.back();
       scratch_.changed.pop_back();
       const NodeId n = grid_.node(slot);
-      if (a_.flags_.active(slot)) {
+      if (a_.flags_.get(NodeFlags::kActive, slot)) {
+        for (NodeId parent : grid_.parents(n)) a_.flags_.leaveIfListed(grid_.slot(parent));
         for (NodeId child : grid_.children(n))
           if (isAddable(child)) consider(child);
       } else {
+        for (NodeId child : grid_.children(n)) a_.flags_.leaveIfListed(grid_.slot(child));
         for (NodeId parent : grid_.parents(n))
           if (isRemovable(parent)) consider(parent);
       }
     }
   }
 
-  // A share of the entries at each step, in turn: those of nodes that have left the frontier go, so that they do not pile up.
+  // A share of the entries at each step, in turn: those that have left the frontier go, so that they do not pile up.
   void sweep() {
-    constexpr size_t kShare = 64;
-    size_t todo = a_.slots_.size() / kShare + 1;
-    if (a_.sweep_ >= a_.slots_.size()) a_.sweep_ = 0;
-    for (; todo > 0 && a_.sweep_ < a_.slots_.size(); --todo, ++a_.sweep_)
-      if (!isOnFrontier(a_.slots_[a_.sweep_])) scratch_.left.push_back(static_cast<uint32_t>(a_.sweep_));
+    constexpr size_t kShare = 8;
+    for (size_t todo = a_.slots_.size() / kShare; todo > 0; --todo) {
+      if (++a_.sweep_ >= a_.slots_.size()) a_.sweep_ = 0;
+      if (a_.flags_.get(NodeFlags::kLeft, a_.slots_[a_.sweep_])) drop(static_cast<uint32_t>(a_.sweep_));
+    }
   }
 
   // From the end, so that the places of those before hold.
   void dropLeft() {
     std::vector<uint32_t>& left = scratch_.left;
     std::sort(left.begin(), left.end());
-    left.erase(std::unique(left.begin(), left.end()), left.end());
     for (size_t i = left.size(); i-- > 0;) {
       const uint32_t entry = left[i];
-      a_.flags_.setListed(a_.slots_[entry], false);
-      scratch_.returning.push_back(a_.slots_[entry]);
-      const auto drop = [entry](auto& column) {
+      const auto remove = [entry](auto& column) {
         column[entry] = column.back();
         column.pop_back();
       };
-      drop(a_.slots_);
-      drop(a_.slack_);
-      drop(a_.reach_);
+      remove(a_.slots_);
+      remove(a_.slack_);
+      remove(a_.reach_);
     }
   }
 
@@ -268,15 +269,15 @@ class Adapter::Step {
 
 bool Adapter::adapt(const View& view, size_t max_nodes, AdaptScratch& scratch, proto::CutDelta& delta) {
   ++steps_;
-  float per_metre;
-  const float moved = motionSince(view, per_metre);
+  const Metric::Toll toll = tollTo(view);
   const bool first = !last_;
   last_ = view;
-  const bool complete = hierarchy_->isPlanar() ? Step<PlanarPlaces>(*this, view, max_nodes, scratch, delta).run(moved, per_metre, first)
-                                               : Step<CurvedPlaces>(*this, view, max_nodes, scratch, delta).run(moved, per_metre, first);
+  const bool complete = hierarchy_->isPlanar()
+                            ? Step<PlanarPlaces>(*this, view, max_nodes, scratch, delta).run(toll, first)
+                            : Step<CurvedPlaces>(*this, view, max_nodes, scratch, delta).run(toll, first);
   if (!complete) last_->lens.width_px = 0;  // every outcome is in doubt: the next view is compared with nothing
   // The very first step lists far more than the steps after it.
-  if (slots_.capacity() > 2 * slots_.size() + 8192)
+  if (slots_.capacity() > slots_.size() + slots_.size() / 2 + 8192)
     slots_.shrink_to_fit(), slack_.shrink_to_fit(), reach_.shrink_to_fit();
   return complete;
 }
@@ -290,14 +291,34 @@ proto::Section Adapter::section() const {
 }
 
 size_t Adapter::bytes() const {
-  return flags_.bytes() + slots_.capacity() * sizeof(Slot) + slack_.capacity() * sizeof(float) + reach_.capacity() * sizeof(float);
+  return flags_.bytes() + slots_.capacity() * sizeof(Slot) + slack_.capacity() * sizeof(float) +
+         reach_.capacity() * sizeof(uint32_t);
+}
+
+void Adapter::validate() const {
+  const proto::GridTopology& grid = hierarchy_->grid();
+  const auto active = [&](NodeId n) { return flags_.get(NodeFlags::kActive, grid.slot(n)); };
+  size_t listed = 0;
+  for (Slot slot = 0; slot < grid.slotCount(); ++slot) {
+    const NodeId n = grid.node(slot);
+    if (grid.isBase(n)) continue;
+    const auto parents = grid.parents(n);
+    const auto children = grid.children(n);
+    const bool rooted = std::all_of(parents.begin(), parents.end(), active),
+               leaf = std::none_of(children.begin(), children.end(), active);
+    if (active(n)) CHECK_TRUE(rooted);
+    listed += flags_.get(NodeFlags::kListed, slot);
+    CHECK_EQ(active(n) ? leaf : rooted, flags_.get(NodeFlags::kListed, slot) && !flags_.get(NodeFlags::kLeft, slot));
+  }
+  CHECK_EQ(listed, slots_.size());
 }
 
 void settle(proto::CutDelta& delta) {
   std::sort(delta.added.begin(), delta.added.end());
   std::sort(delta.removed.begin(), delta.removed.end());
   std::vector<Slot> both;
-  std::set_intersection(delta.added.begin(), delta.added.end(), delta.removed.begin(), delta.removed.end(), std::back_inserter(both));
+  std::set_intersection(delta.added.begin(), delta.added.end(), delta.removed.begin(), delta.removed.end(),
+                        std::back_inserter(both));
   if (both.empty()) return;
   const auto drop = [&](std::vector<Slot>& slots) {
     std::erase_if(slots, [&](Slot s) { return std::binary_search(both.begin(), both.end(), s); });

@@ -1,5 +1,6 @@
-// The refinement test for many nodes at once: plain loops over columns, which the compiler turns into vector instructions. Element by
-// element the arithmetic is that of Metric, in the same order, so results are the same bits. One owner; fixed size, no allocation.
+// The refinement test for many nodes at once: plain loops over columns, which the compiler turns into vector
+// instructions. Element by element the arithmetic is that of Metric, in the same order, so results are the same bits.
+// One owner; fixed size, no allocation.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +16,13 @@ struct Batch {
   static constexpr size_t kSize = 256;
 
   size_t count = 0;
-  std::array<int32_t, kSize> x, y;        // lattice
+  std::array<int32_t, kSize> x, y;  // lattice
   std::array<proto::Slot, kSize> slot;
-  std::array<int32_t, kSize> height;      // from here on filled by load()
+  std::array<int32_t, kSize> height;  // from here on filled by load()
   std::array<float, kSize> error, radius;
   std::array<uint8_t, kSize> passes;      // by test()
-  std::array<float, kSize> slack, reach;  // by testWithSlack()
+  std::array<float, kSize> slack, reach;  // by testWithSlack(): see there
+  std::array<uint8_t, kSize> guard;       // Metric::Guard
 
   bool full() const { return count == kSize; }
 
@@ -34,20 +36,21 @@ struct Batch {
     }
   }
 
+  // By value, so that the loops' stores cannot be taken to change them.
   template <class Places>
-  void test(const Metric& metric, const Places& places) {
+  void test(const Metric metric, const Places places) {
     for (size_t i = 0; i < count; ++i) passes[i] = metric.passes(places(x[i], y[i], height[i]), radius[i], error[i]);
   }
 
-  // Also the motion in view coordinates that each outcome is sure to survive, `share` of it, and the largest distance from the
-  // eye at which the place can be while it does.
+  // Also what each outcome is sure to survive, `share` of it, and the largest distance from the eye at which the place
+  // can be while it does.
   template <class Places>
-  void testWithSlack(const Metric& metric, const Places& places, double share) {
+  void testWithSlack(const Metric metric, const Places places, double share) {
     for (size_t i = 0; i < count; ++i) {
       const Metric::Place p = places(x[i], y[i], height[i]);
-      const bool passed = metric.passes(p, radius[i], error[i]);
-      const double safe = metric.slack(p, radius[i], error[i], passed) * share;
-      passes[i] = passed;
+      const Metric::Outcome outcome = metric.outcome(p, radius[i], error[i]);
+      const double safe = outcome.slack * share;
+      guard[i] = static_cast<uint8_t>(outcome.guard);
       slack[i] = static_cast<float>(safe);
       reach[i] = static_cast<float>(std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m) + safe);
     }

@@ -11,14 +11,17 @@
 
 namespace foreland::server {
 
-// What is taken to bound an error's direction. The spheroid of S, 3.3.3, is degenerate for terrain: its errors are purely vertical, which
-// seen from above projects to almost nothing. On a curved frame they are not quite, so there a sphere is taken.
+// What is taken to bound an error's direction. The spheroid of S, 3.3.3, is degenerate for terrain: its errors are
+// purely vertical, which seen from above projects to almost nothing. On a curved frame they are not quite, so there a
+// sphere is taken.
 enum class ErrorBound : uint8_t { kSpheroid, kSphere };
 
 class Hierarchy {
  public:
   explicit Hierarchy(std::shared_ptr<const terrain::Scene> scene, ErrorBound bound = ErrorBound::kSpheroid)
-      : scene_(std::move(scene)), frame_(scene_->frame(), scene_->grid().maxX(), scene_->grid().maxY()), bound_(bound) {}
+      : scene_(std::move(scene)),
+        frame_(scene_->frame(), scene_->grid().maxX(), scene_->grid().maxY()),
+        bound_(bound) {}
 
   const terrain::Scene& scene() const { return *scene_; }
   const proto::GridTopology& grid() const { return scene_->grid(); }

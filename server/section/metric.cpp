@@ -1,5 +1,6 @@
 #include "server/section/metric.h"
 
+#include <glm/geometric.hpp>
 #include <limits>
 
 namespace foreland::server {
@@ -20,6 +21,43 @@ Metric::Metric(const View& view, bool vertical_errors)
   const double turn = std::min(view.turn_rad, 1.5);  // beyond it the frustum covers everything in front anyway
   sin_turn_ = std::sin(turn);
   cos_turn_ = std::cos(turn);
+}
+
+namespace {
+
+// Angle between two orientations, rounded up.
+double turnBetween(const glm::dquat& a, const glm::dquat& b) {
+  const glm::dquat d = glm::conjugate(a) * b;
+  return 2 * std::asin(std::min(1.0, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z))) * (1 + 1e-12) + 1e-15;
+}
+
+}  // namespace
+
+// The eye moves first, then turns. Moving by t changes depth by exactly -t.z and side distances by -t.n; turning moves
+// a place by at most angle * distance. A tolerance q times as large acts like depths q times as large: z < K / q is q z
+// < K, and z^2 < K h / q is implied by (q z)^2 < K h for q > 1, and the other way round for q < 1.
+Metric::Toll Metric::tollTo(const View& from, const View& next) const {
+  const glm::dvec3 move = next.pose.eye - from.pose.eye;
+  const double x = glm::dot(move, right_), y = glm::dot(move, up_), z = glm::dot(move, forward_);
+  const double moved = glm::length(move), ball = std::fabs(next.ball_m - from.ball_m);
+  const double swept = std::sqrt(x * x + y * y) * sin_turn_;
+  const double retreat = std::max(0.0, -z * cos_turn_ + swept) + ball;
+  // Side planes look inward: (-+cos, 0, sin) and (0, -+cos, sin).
+  const double beside =
+      std::max(0.0, std::max(std::fabs(x) * cos_x_ - z * sin_x_, std::fabs(y) * cos_y_ - z * sin_y_)) +
+      moved * sin_turn_;
+  const double turned =
+      turnBetween(from.pose.orientation, next.pose.orientation) + std::fabs(next.turn_rad - from.turn_rad);
+  const double scaled = std::fabs(next.tau_px / from.tau_px - 1);
+  Toll toll;
+  const auto set = [&](Guard guard, double fixed, double per_reach) {
+    toll.fixed[static_cast<int>(guard)] = fixed * 1.00001 + 1e-6;
+    toll.per_reach[static_cast<int>(guard)] = per_reach * 1.00001;
+  };
+  set(Guard::kSeen, moved + ball, turned + scaled);
+  set(Guard::kBeside, beside + ball, turned);
+  set(Guard::kPasses, moved + ball + kRetreat * retreat, (1 + kRetreat) * turned + (1 + kRetreat) * scaled);
+  return toll;
 }
 
 }  // namespace foreland::server

@@ -1,19 +1,20 @@
-// The refinement test: does a node's support meet the view, and would leaving the node out be seen by more than tau pixels,
-// from anywhere the camera will be until the next keyframe?
+// The refinement test: does a node's support meet the view, and would leaving the node out be seen by more than tau
+// pixels, from anywhere the camera will be until the next keyframe?
 //
-// For a point at view coordinates p (depth z, distance d, horizontal distance h from the eye) an error e moves its image by at
-// most  f e d / z^2  if the error may point anywhere, and at most  f e h / z^2  if it is vertical (the image displacement is the
-// screen part of e x p), with f the focal length in pixels. The camera stays in a ball of radius b around the pose's eye and turns
-// by at most w. Over the node's sphere (centre c, radius r; R = r + b) every visible point has
+// For a point at view coordinates p (depth z, distance d, horizontal distance h from the eye) an error e moves its
+// image by at most  f e d / z^2  if the error may point anywhere, and at most  f e h / z^2  if it is vertical (the
+// image displacement is the screen part of e x p), with f the focal length in pixels. The camera stays in a ball of
+// radius b around the pose's eye and turns by at most w. Over the node's sphere (centre c, radius r; R = r + b) every
+// visible point has
 //   z >= z_min = max(z cos w - rho sin w - R, (d - R) cos(corner)),  rho = sqrt(d^2 - z^2),   h <= h(c) + R,   d/z <= 1/cos(corner)
 // so with K = f e / tau the node is needed if  K / cos(corner) > z_min  and, for vertical errors,  K (h + R) > z_min^2,
-// and if the sphere meets the frustum, its planes turned towards it by w (DESIGN section 3, the promise; w = b = 0 is the
-// keyframe alone).
+// and if the sphere meets the frustum, its planes turned towards it by w (DESIGN section 3, the promise; w = b = 0 is
+// the keyframe alone).
 //
-// Both tests only grow with the sphere and the error. A parent's sphere holds its children's with 5e-6 m to spare (terrain/bounds)
-// and its error is no smaller, while rounding here stays below 1e-7 m for eyes within 10^8 m; so if a node passes, its parents do, in
-// floating point too: the nodes that pass are closed under parents.
-// Immutable; any thread.
+// Both tests only grow with the sphere and the error. A parent's sphere holds its children's with 5e-6 m to spare
+// (terrain/bounds) and its error is no smaller, while rounding here stays below 1e-7 m for eyes within 10^8 m; so if a
+// node passes, its parents do, in floating point too: the nodes that pass are closed under parents. Immutable; any
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -45,8 +46,8 @@ class Metric {
 
   // A node's centre relative to the eye.
   struct Place {
-    double x, y, z;      // view coordinates: right, up, depth
-    double horizontal;   // distance from the eye along the ground
+    double x, y, z;     // view coordinates: right, up, depth
+    double horizontal;  // distance from the eye along the ground
   };
 
   bool passes(const Place& p, double radius_m, double error_m) const {
@@ -55,25 +56,65 @@ class Metric {
     return seen & (sideDistance(p) + R >= 0);
   }
 
-  // How far (metres) the place may move in view coordinates before the outcome of passes() can change; 0 or more, never too much.
-  // Every quantity in the tests is 1-Lipschitz in the place: depth, horizontal and side distance each change by at most the
-  // motion s. So what passed does so until z + s reaches K / cos(corner), or (z + s)^2 reaches K (h + R - s), or the sphere
-  // leaves the frustum; and what failed does so until all the conditions that fail can hold, the last of which decides.
-  double slack(const Place& p, double radius_m, double error_m, bool passed) const {
+  // What must not happen for an outcome of passes() to stand, and how much of it may: the basis of adapt.h.
+  //   kSeen     the node fails because it would not be seen: until the place moves by `slack`
+  //   kBeside   it fails because it lies beside the frustum: until a side plane nears it by `slack`
+  //   kPasses   it passes: until motion plus kRetreat times the growth of its depth reaches `slack`
+  enum class Guard : uint8_t { kSeen = 0, kPasses = 1, kBeside = 2 };
+  struct Outcome {
+    Guard guard;
+    double slack;  // metres, 0 or more, never too much
+  };
+  static constexpr double kRetreat = 4;
+
+  // Depth, horizontal and side distance change by at most the motion s (they are 1-Lipschitz). What passes does so
+  // until
+  //   z + s reaches K / cos(corner), (z + s)^2 reaches K (h + R - s), or the sphere leaves the frustum;
+  // and what fails does so until all the conditions that fail can hold, so any one of them may stand guard.
+  // A camera that flies ahead brings nothing farther away. So what passes is also held to this: motion s and growth of
+  // depth a with s + 4 a <= slack change (z + a)^2 < K (h + R - s) at most at (s, 0) or (0, s / 4). Depth must then
+  // stay the first term of z_min.
+  Outcome outcome(const Place& p, double radius_m, double error_m) const {
+    const bool passed = passes(p, radius_m, error_m);
     const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
+    const double near_room = K * inverse_cos_corner_ - z, side_room = sideDistance(p) + R;
     // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
     const double b = 2 * z + K, c = K * (p.horizontal + R) - z * z;
-    const double by_lean = lean_floor_ == 0 ? 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))) : kEndless_m;
-    const double least = std::min(std::min(K * inverse_cos_corner_ - z, by_lean), sideDistance(p) + R);
-    return std::max(0.0, passed ? least : -least);
+    const bool leans = lean_floor_ == 0;
+    const double lean_room = leans ? 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))) : kEndless_m;
+    const double seen_room = std::min(near_room, lean_room);
+
+    const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
+    const double ahead = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_ - R;
+    const double corner_room = (ahead - std::max((distance - R) * cos_corner_, kNearest_m)) / (1 + cos_corner_);
+    const double lean_ahead =
+        leans ? std::min(c / (K + 1e-300), kRetreat * (std::sqrt(std::max(0.0, z * z + c)) - z)) : kEndless_m;
+    const double going_ahead = std::min(std::min(std::min(kRetreat * near_room, lean_ahead), side_room), corner_room);
+
+    const double passing = std::max(std::min(seen_room, side_room), going_ahead);
+    const bool beside = -side_room > -0.5 * seen_room;
+    const double failing = beside ? -side_room : -seen_room;
+    return {passed   ? Guard::kPasses
+            : beside ? Guard::kBeside
+                     : Guard::kSeen,
+            std::max(0.0, passed ? passing : failing)};
   }
+
+  // What a change of view takes off each guard: `fixed`, and `per_reach` times the place's distance from the eye.
+  struct Toll {
+    double fixed[3];
+    double per_reach[3];
+  };
+  // From the view of this metric to `next`, which has the same lens and kind of error.
+  Toll tollTo(const View& from, const View& next) const;
 
   // Nothing nearer than this is promised anything: metres of depth.
   static constexpr double kNearest_m = 0.1;
   static constexpr double kEndless_m = 1e9;
 
  private:
-  // Signed distance to the nearest side plane of the frustum, positive inside, when it turns by up to w to be the best it can.
+  // Signed distance to the nearest side plane of the frustum, positive inside, when it turns by up to w to be the best
+  // it can.
   double sideDistance(const Place& p) const {
     const double side = std::min(p.z * sin_x_ - std::fabs(p.x) * cos_x_, p.z * sin_y_ - std::fabs(p.y) * cos_y_);
     const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;

@@ -1,6 +1,7 @@
-// Two bits for each of the slots that a session has touched, in pages of 256 slots (a tile of the scene's slot order, so neighbours
-// share a page): is the node active, is it listed on the frontier. A page lives as long as it has a bit set.
-// One owner. A look-up is one probe of a small hash table; no allocation once it has grown to the session's size.
+// Three bits for each of the slots that a session has touched, in pages of 256 slots (a tile of the scene's slot order,
+// so neighbours share a page): is the node active, has it an entry on the frontier's list, has it left the frontier
+// since. A page lives as long as it has a bit set. One owner. A look-up is one probe of a small hash table; no
+// allocation once it has grown to the session's size.
 #pragma once
 
 #include <array>
@@ -16,27 +17,41 @@ class NodeFlags {
  public:
   NodeFlags() : cells_(64) {}
 
-  bool active(proto::Slot slot) const { return get(slot, 0); }
-  bool listed(proto::Slot slot) const { return get(slot, 1); }
-  void setActive(proto::Slot slot, bool value) { set(slot, 0, value); }
-  void setListed(proto::Slot slot, bool value) { set(slot, 1, value); }
+  enum Flag : uint32_t { kActive, kListed, kLeft };
+
+  bool get(Flag flag, proto::Slot slot) const {
+    const uint32_t page = cells_[probe(slot >> 8)].page;
+    return page != kEmpty && (pages_[page][slot >> 6 & 3][flag] >> (slot & 63) & 1);
+  }
+  void set(Flag flag, proto::Slot slot, bool value);
+  // Sets kLeft if kListed is set.
+  void leaveIfListed(proto::Slot slot) {
+    const uint32_t page = cells_[probe(slot >> 8)].page;
+    if (page == kEmpty) return;
+    std::array<uint64_t, 3>& word = pages_[page][slot >> 6 & 3];
+    const uint64_t bit = word[kListed] & ~word[kLeft] & uint64_t{1} << (slot & 63);
+    word[kLeft] |= bit;
+    infos_[page].bits_set += bit != 0;
+  }
 
   // Calls `visit(slot)` for each active node, in no particular order.
   template <class F>
   void forEachActive(F&& visit) const {
-    for (const Page& page : pages_)
+    for (size_t i = 0; i < pages_.size(); ++i)
       for (uint32_t w = 0; w < 4; ++w)
-        for (uint64_t bits = page.words[0][w]; bits != 0; bits &= bits - 1)
-          visit(page.key << 8 | w << 6 | static_cast<uint32_t>(std::countr_zero(bits)));
+        for (uint64_t bits = pages_[i][w][kActive]; bits != 0; bits &= bits - 1)
+          visit(infos_[i].key << 8 | w << 6 | static_cast<uint32_t>(std::countr_zero(bits)));
   }
 
-  size_t bytes() const { return cells_.capacity() * sizeof(Cell) + pages_.capacity() * sizeof(Page); }
+  size_t bytes() const {
+    return cells_.capacity() * sizeof(Cell) + pages_.capacity() * (sizeof(Page) + sizeof(PageInfo));
+  }
 
  private:
   static constexpr uint32_t kEmpty = 0xffffffffu;
-  struct Page {
-    std::array<std::array<uint64_t, 4>, 2> words{};  // active, listed
-    uint32_t key = 0;                                // slot >> 8
+  using Page = std::array<std::array<uint64_t, 3>, 4>;  // by 64 slots, then by flag
+  struct PageInfo {
+    uint32_t key = 0;  // slot >> 8
     uint32_t bits_set = 0;
   };
   struct Cell {
@@ -52,17 +67,13 @@ class NodeFlags {
     while (cells_[at].key != key && cells_[at].page != kEmpty) at = (at + 1) & mask();
     return at;
   }
-  bool get(proto::Slot slot, uint32_t plane) const {
-    const uint32_t page = cells_[probe(slot >> 8)].page;
-    return page != kEmpty && (pages_[page].words[plane][slot >> 6 & 3] >> (slot & 63) & 1);
-  }
-  void set(proto::Slot slot, uint32_t plane, bool value);
   void grow();
   void erase(uint32_t cell);
 
   std::vector<Cell> cells_;  // power of two, open addressing; an empty cell's key says nothing
   uint32_t shift_ = 26;
   std::vector<Page> pages_;  // dense
+  std::vector<PageInfo> infos_;
 };
 
 }  // namespace foreland::server

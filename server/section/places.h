@@ -1,5 +1,5 @@
-// A node's place in view coordinates, for planar and for curved frames. Both refinement from scratch and adaptation use exactly
-// these, so that they agree to the last bit. Immutable while a view lasts; any thread.
+// A node's place in view coordinates, for planar and for curved frames. Both refinement from scratch and adaptation use
+// exactly these, so that they agree to the last bit. Immutable while a view lasts; any thread.
 #pragma once
 
 #include <array>
@@ -29,7 +29,9 @@ class PlanarPlaces {
   }
 
  private:
-  double row(size_t i, double x, double y, double h) const { return k_[i][0] * x + k_[i][1] * y + k_[i][2] * h + k_[i][3]; }
+  double row(size_t i, double x, double y, double h) const {
+    return k_[i][0] * x + k_[i][1] * y + k_[i][2] * h + k_[i][3];
+  }
   std::array<std::array<double, 4>, 5> k_;
 };
 
@@ -37,7 +39,9 @@ class CurvedPlaces {
  public:
   CurvedPlaces(const Hierarchy& hierarchy, const Metric& metric) : frame_(hierarchy.frame()), metric_(metric) {}
   Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
-    const glm::dvec3 p = frame_.position(proto::NodeId::at(static_cast<uint32_t>(lattice_x), static_cast<uint32_t>(lattice_y)), height) - metric_.eye();
+    const glm::dvec3 p =
+        frame_.position(proto::NodeId::at(static_cast<uint32_t>(lattice_x), static_cast<uint32_t>(lattice_y)), height) -
+        metric_.eye();
     return {glm::dot(p, metric_.right()), glm::dot(p, metric_.up()), glm::dot(p, metric_.forward()),
             std::sqrt(p.x * p.x + p.y * p.y)};
   }

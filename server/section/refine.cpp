@@ -16,8 +16,8 @@ using proto::Slot;
 
 NodeId idOf(LatticePoint p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); }
 
-// Level by level. Whatever passes has parents that pass, so it is enough to reach each node from one of its parents: the
-// lower one, or the one on the left, or the only one. Each node is then tested once.
+// Level by level. Whatever passes has parents that pass, so it is enough to reach each node from one of its parents:
+// the lower one, or the one on the left, or the only one. Each node is then tested once.
 template <class Places>
 class Descent {
  public:
@@ -40,8 +40,10 @@ class Descent {
     for (int level = 1; level <= grid_.maxLevel() && !scratch_.active.empty(); ++level) {
       scratch_.next.clear();
       const int32_t s = 1 << (static_cast<int>(grid_.shape().root_log2) - 1 - level / 2);
-      if (level & 1) sidesOf(s);
-      else centresOf(s);
+      if (level & 1)
+        sidesOf(s);
+      else
+        centresOf(s);
       flush();
       scratch_.active.swap(scratch_.next);
       if (scratch_.slots.size() > max_nodes) return false;
@@ -111,7 +113,8 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
 
 }  // namespace
 
-bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch, proto::Section& section) {
+bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch,
+            proto::Section& section) {
   const Metric metric(view, hierarchy.hasVerticalErrors());
   const bool fits = hierarchy.isPlanar() ? Descent<PlanarPlaces>(hierarchy, metric, scratch).run(max_nodes)
                                          : Descent<CurvedPlaces>(hierarchy, metric, scratch).run(max_nodes);

@@ -1,7 +1,7 @@
-// Refinement from scratch: the section of a view, level by level. A node is in the section if it and all its ancestors pass the
-// test of metric.h; since the test grows towards the parents, that is simply every node that passes.
-// This is the reference that incremental adaptation must equal, node for node.
-// Pure function of its arguments and scratch; any thread; no allocation once the scratch has grown. Cost: one test per triangle.
+// Refinement from scratch: the section of a view, level by level. A node is in the section if it and all its ancestors
+// pass the test of metric.h; since the test grows towards the parents, that is simply every node that passes. This is
+// the reference that incremental adaptation must equal, node for node. Pure function of its arguments and scratch; any
+// thread; no allocation once the scratch has grown. Cost: one test per triangle.
 #pragma once
 
 #include <vector>

@@ -1,8 +1,9 @@
-// How the viewer's clock and the server's relate over the link, from what messages tell: no synchronisation, no round of its own.
+// How the viewer's clock and the server's relate over the link, from what messages tell: no synchronisation, no round
+// of its own.
 //   pose arrives:  server time - its stamp       = offset + L_up
 //   keyframe:      arrival stamp - server time   = L_down - offset   (the client acknowledges with the arrival's stamp)
-// So the client's time "now, as far as heard", and the server time by which something must leave to be there at a client
-// time, follow without knowing the offset. Estimates keep to the recent past. One owner.
+// So the client's time "now, as far as heard", and the server time by which something must leave to be there at a
+// client time, follow without knowing the offset. Estimates keep to the recent past. One owner.
 #pragma once
 
 #include <cstddef>

@@ -103,7 +103,8 @@ void Session::aim() {
   // Needed by the client when the grid point before it is reached.
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
   if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
-  const Time next = keyframe_.index == 0 ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe_.time + Duration{1});
+  const Time next =
+      keyframe_.index == 0 ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe_.time + Duration{1});
   const Duration behind = now_ + compute_time_ - deadline(next);
   target_ = behind > Duration{} ? gridAtOrAfter(next + behind) : next;
 }
@@ -157,7 +158,8 @@ View Session::viewFor(Time t) const {
   View view{proto::asSent(expectedPose(t)), request_->lens, request_->tau_px};
   // The first section is shown as soon as it is there.
   const Time begin = std::min(keyframe_.index == 0 ? history_.newest().time : keyframe_.time, t - T);
-  const Sweep sweep = sweepOf(view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
+  const Sweep sweep = sweepOf(
+      view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
   const Sweep miss = miss_.estimate();
   // As the header has them: what is sent is what is kept. Poses travel rounded, both ways.
   view.ball_m = static_cast<float>(sweep.ball_m + miss.ball_m + kPoseRounding.ball_m);
@@ -181,11 +183,13 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   header.tau_px = static_cast<float>(view.tau_px);
   header.ball_m = static_cast<float>(view.ball_m);
   header.turn_rad = static_cast<float>(view.turn_rad);
-  header.fingerprint = keyframe_.fingerprint + proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
+  header.fingerprint =
+      keyframe_.fingerprint + proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
   Bytes message;
   proto::encodeHeader(header, message);
   const terrain::Scene& scene = hierarchy.scene();
-  proto::encodeDelta(hierarchy.grid(), scratch.delta, [&](proto::NodeId v) { return scene.height(v); }, message);
+  proto::encodeDelta(
+      hierarchy.grid(), scratch.delta, [&](proto::NodeId v) { return scene.height(v); }, message);
   out.push_back(std::move(message));
 
   keyframe_ = header;

@@ -1,12 +1,12 @@
-// One viewer's state machine: messages and times in, messages out. No socket, clock or thread inside: the server's I/O thread,
-// the pool and the tests' virtual world all drive the same code.
+// One viewer's state machine: messages and times in, messages out. No socket, clock or thread inside: the server's I/O
+// thread, the pool and the tests' virtual world all drive the same code.
 //
-// Owned by whoever holds it: its host, or exactly one worker at a time; never locked. Server times are any monotonic clock; the
-// client's clock appears only where a name says so.
+// Owned by whoever holds it: its host, or exactly one worker at a time; never locked. Server times are any monotonic
+// clock; the client's clock appears only where a name says so.
 //
-// Keyframes lie on a grid of the client's clock, T apart (DESIGN section 4). `predict` computes the one at t_{i+1} so that it is
-// there at t_i; `delay` and `current` compute the one at t_i when the pose of t_i is there. Whoever cannot keep up skips
-// grid points; each keyframe that is sent is whole.
+// Keyframes lie on a grid of the client's clock, T apart (DESIGN section 4). `predict` computes the one at t_{i+1} so
+// that it is there at t_i; `delay` and `current` compute the one at t_i when the pose of t_i is there. Whoever cannot
+// keep up skips grid points; each keyframe that is sent is whole.
 #pragma once
 
 #include <deque>
@@ -26,11 +26,11 @@
 namespace foreland::server {
 
 struct SessionOptions {
-  double tau_px = 1;                                             // for viewers that name none
-  Duration keyframe_interval = Duration::milliseconds(200);      // for viewers that name none
-  Duration safety = Duration::milliseconds(15);                  // a predicted keyframe aims to be there this long before it is needed
-  size_t max_section_nodes = 1'500'000;                          // beyond it the tolerance is doubled until the section fits
-  size_t max_unacknowledged = 8;                                 // keyframes on their way; more would only queue in the link
+  double tau_px = 1;                                         // for viewers that name none
+  Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that name none
+  Duration safety = Duration::milliseconds(15);  // a predicted keyframe aims to be there this long before it is needed
+  size_t max_section_nodes = 1'500'000;          // beyond it the tolerance is doubled until the section fits
+  size_t max_unacknowledged = 8;                 // keyframes on their way; more would only queue in the link
 };
 
 // What a worker brings to a step; one per worker, reused.
@@ -60,12 +60,13 @@ class Session {
   };
   std::optional<Due> due() const;
 
-  // Does what is due at `now`: hands over replies, and computes at most one keyframe. Appends whole messages to `out`. Called early, it
-  // does nothing. Cost: one adaptation. Tell afterwards how long it took with noteComputeTime.
+  // Does what is due at `now`: hands over replies, and computes at most one keyframe. Appends whole messages to `out`.
+  // Called early, it does nothing. Cost: one adaptation. Tell afterwards how long it took with noteComputeTime.
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out);
   void noteComputeTime(Duration spent);
 
-  // The transport has handed on every byte of earlier steps; until then no keyframe is computed (at most one unsent delta).
+  // The transport has handed on every byte of earlier steps; until then no keyframe is computed (at most one unsent
+  // delta).
   void onDrained(Time now);
 
   const SessionStatistics& statistics() const { return statistics_; }

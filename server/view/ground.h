@@ -7,7 +7,8 @@
 
 namespace foreland::server {
 
-// Metres above the zero surface, bilinear between samples; nothing beyond the data or for coordinates that are not finite.
+// Metres above the zero surface, bilinear between samples; nothing beyond the data or for coordinates that are not
+// finite.
 std::optional<double> groundHeight(const terrain::Scene& scene, double lattice_x, double lattice_y);
 
 }  // namespace foreland::server

@@ -26,11 +26,13 @@ void PoseHistory::add(const proto::TimedPose& pose) {
 }
 
 proto::Pose PoseHistory::at(Time t) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), t, [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
+                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
   if (after == poses_.begin()) return poses_.front().pose;
   if (after == poses_.end()) return poses_.back().pose;
   const proto::TimedPose &a = after[-1], &b = *after;
-  return proto::interpolate(a.pose, b.pose, static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
+  return proto::interpolate(a.pose, b.pose,
+                            static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
 }
 
 size_t PoseHistory::before(size_t i) const {

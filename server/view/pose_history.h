@@ -1,5 +1,5 @@
-// What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (DESIGN section 4).
-// One owner. Bounded: the last kCapacity poses.
+// What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (DESIGN
+// section 4). One owner. Bounded: the last kCapacity poses.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,8 @@ class PoseHistory {
   // Between the poses around `t`; the oldest or newest pose beyond them. Not empty.
   proto::Pose at(Time t) const;
 
-  // The pose expected at `t`, which may be ahead of the newest one by up to kHorizon (later times are cut to it). Not empty.
+  // The pose expected at `t`, which may be ahead of the newest one by up to kHorizon (later times are cut to it). Not
+  // empty.
   //   hold          the newest pose
   //   velocity      its motion goes on: straight and turning evenly
   //   acceleration  so does its change of speed; turning stays even

@@ -29,7 +29,8 @@ Sweep sweepOf(const proto::Pose& centre, const std::function<proto::Pose(Time)>&
 }
 
 void PredictionMiss::add(const proto::Pose& predicted, const proto::Pose& actual) {
-  misses_[count_++ % kMemory] = {glm::distance(predicted.eye, actual.eye), angleBetween(predicted.orientation, actual.orientation)};
+  misses_[count_++ % kMemory] = {glm::distance(predicted.eye, actual.eye),
+                                 angleBetween(predicted.orientation, actual.orientation)};
 }
 
 Sweep PredictionMiss::estimate() const {

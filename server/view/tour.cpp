@@ -56,7 +56,8 @@ class Ground {
   double height(glm::dvec2 p) const { return below(p).height_m; }
   bool contains(glm::dvec2 p, double margin) const {
     const glm::dvec2 d = p - middle_;
-    return std::fabs(glm::dot(d, alongX())) < halfWidth() - margin && std::fabs(glm::dot(d, alongY())) < halfDepth() - margin;
+    return std::fabs(glm::dot(d, alongX())) < halfWidth() - margin &&
+           std::fabs(glm::dot(d, alongY())) < halfDepth() - margin;
   }
   glm::dvec3 above(glm::dvec2 p, double height_m) const {
     proto::LatticePlace place = below(p);
@@ -76,8 +77,10 @@ proto::Pose look(const glm::dvec3& eye, glm::dvec2 heading, double pitch_rad) {
   return {eye, proto::lookAlong(forward, {0, 0, 1})};
 }
 
-// Heights over a track: the ground, the highest within `reach` samples, smoothed twice over as many, plus the clearance.
-std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dvec2>& track, size_t reach, double clearance_m) {
+// Heights over a track: the ground, the highest within `reach` samples, smoothed twice over as many, plus the
+// clearance.
+std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dvec2>& track, size_t reach,
+                                 double clearance_m) {
   const size_t n = track.size();
   std::vector<double> level(n), other(n);
   for (size_t i = 0; i < n; ++i) level[i] = ground.height(track[i]);
@@ -98,7 +101,8 @@ std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dv
   return level;
 }
 
-proto::Path alongTrack(const Ground& ground, const std::vector<glm::dvec2>& track, const std::vector<double>& levels, double pitch_rad) {
+proto::Path alongTrack(const Ground& ground, const std::vector<glm::dvec2>& track, const std::vector<double>& levels,
+                       double pitch_rad) {
   proto::Path path{Time{}, kStep, {}};
   for (size_t i = 0; i < track.size(); ++i) {
     // Headings over a second of flight, so that the camera does not twitch.
@@ -121,7 +125,8 @@ proto::Path survey(const Ground& ground, size_t steps) {
     const double s = std::fmod(static_cast<double>(i) * step_m, 2 * (leg + bend));
     const bool back = s >= leg + bend;
     const double t = back ? s - leg - bend : s, turn = std::max(0.0, t - leg) / radius;
-    glm::dvec2 q(std::min(t, leg) - leg / 2 + radius * std::sin(turn), -radius * std::cos(turn));  // right half of the racetrack
+    glm::dvec2 q(std::min(t, leg) - leg / 2 + radius * std::sin(turn),
+                 -radius * std::cos(turn));  // right half of the racetrack
     if (back) q = -q;
     track.push_back(ground.middle() + along * q.x + across * q.y);
   }
@@ -175,18 +180,21 @@ proto::Path orbit(const Ground& ground, size_t steps) {
   double top = -1e300;
   for (int i = -20; i <= 20; ++i)
     for (int j = -20; j <= 20; ++j) {
-      const glm::dvec2 p = ground.middle() + ground.alongX() * (ground.halfWidth() * i / 40.0) + ground.alongY() * (ground.halfDepth() * j / 40.0);
+      const glm::dvec2 p = ground.middle() + ground.alongX() * (ground.halfWidth() * i / 40.0) +
+                           ground.alongY() * (ground.halfDepth() * j / 40.0);
       if (const double h = ground.height(p); h > top) top = h, summit = p;
     }
   const double radius = 2500 * ground.scale();
   double highest = top;
   for (int i = 0; i < 72; ++i)
-    highest = std::max(highest, ground.height(summit + radius * glm::dvec2(std::cos(radians(5 * i)), std::sin(radians(5 * i)))));
+    highest = std::max(highest,
+                       ground.height(summit + radius * glm::dvec2(std::cos(radians(5 * i)), std::sin(radians(5 * i)))));
   const glm::dvec3 target = ground.above(summit, top);
   proto::Path path{Time{}, kStep, {}};
   for (size_t i = 0; i < steps; ++i) {
     const double angle = radians(6) * static_cast<double>(i) * kStep.toSeconds();  // once a minute
-    const glm::dvec3 eye = ground.above(summit + radius * glm::dvec2(std::cos(angle), std::sin(angle)), highest + 500 * ground.scale());
+    const glm::dvec3 eye =
+        ground.above(summit + radius * glm::dvec2(std::cos(angle), std::sin(angle)), highest + 500 * ground.scale());
     path.poses.push_back({eye, proto::lookAlong(target - eye, {0, 0, 1})});
   }
   return path;
@@ -199,7 +207,8 @@ Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& nam
     const char* name;
     proto::Path (*plan)(const Ground&, size_t);
   };
-  static constexpr std::array<Tour, 4> kTours{{{"survey", survey}, {"canyon", canyon}, {"spin", spin}, {"orbit", orbit}}};
+  static constexpr std::array<Tour, 4> kTours{
+      {{"survey", survey}, {"canyon", canyon}, {"spin", spin}, {"orbit", orbit}}};
   const Ground ground(scene);
   const size_t steps = static_cast<size_t>(std::clamp(seconds, 1.0, 3600.0) / kStep.toSeconds()) + 2;
   for (const Tour& tour : kTours)

@@ -1,4 +1,5 @@
-// Built-in tours: paths of the camera planned over a scene's own ground, so that every client, test and benchmark can fly the same.
+// Built-in tours: paths of the camera planned over a scene's own ground, so that every client, test and benchmark can
+// fly the same.
 //   survey  straight, 150 m/s, 300 m above the ground
 //   canyon  80 m/s, 60 m above the ground, following the valleys
 //   spin    in place, 90 degrees a second

@@ -16,7 +16,8 @@ constexpr size_t kNoLimit = 1u << 30;
 View viewAt(const Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
   View view;
   view.pose.eye = h.frame().transform().toScene(proto::LatticePlace{x, y, height});
-  view.pose.orientation = proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
+  view.pose.orientation =
+      proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
   view.lens = {1.0, 640, 360};
   return view;
 }
@@ -29,13 +30,26 @@ class Wanderer {
   View next() {
     const proto::GridShape& shape = hierarchy_.grid().shape();
     switch (rng_.below(30)) {
-      case 0: jump(); break;
-      case 1: yaw_ += rng_.uniform(-2, 2); break;
-      case 2: tau_ = std::pow(2, rng_.uniform(-3, 3)); break;
-      case 3: ball_ = rng_.uniform(0, 60); break;
-      case 4: turn_ = rng_.below(2) ? rng_.uniform(0, 0.5) : 0; break;
-      case 5: fov_ = rng_.uniform(0.4, 1.8); break;
-      case 6: return last_;  // no motion at all
+      case 0:
+        jump();
+        break;
+      case 1:
+        yaw_ += rng_.uniform(-2, 2);
+        break;
+      case 2:
+        tau_ = std::pow(2, rng_.uniform(-3, 3));
+        break;
+      case 3:
+        ball_ = rng_.uniform(0, 60);
+        break;
+      case 4:
+        turn_ = rng_.below(2) ? rng_.uniform(0, 0.5) : 0;
+        break;
+      case 5:
+        fov_ = rng_.uniform(0.4, 1.8);
+        break;
+      case 6:
+        return last_;  // no motion at all
       default:
         x_ += rng_.uniform(-1.5, 1.5);
         y_ += rng_.uniform(-1.5, 1.5);
@@ -43,7 +57,8 @@ class Wanderer {
         yaw_ += rng_.uniform(-0.02, 0.02);
         tau_ *= rng_.uniform(0.98, 1.02);
     }
-    last_ = viewAt(hierarchy_, std::fmod(x_ + shape.samples_x, shape.samples_x), std::fmod(y_ + shape.samples_y, shape.samples_y), height_, yaw_, pitch_);
+    last_ = viewAt(hierarchy_, std::fmod(x_ + shape.samples_x, shape.samples_x),
+                   std::fmod(y_ + shape.samples_y, shape.samples_y), height_, yaw_, pitch_);
     last_.tau_px = tau_;
     last_.ball_m = ball_;
     last_.turn_rad = turn_;
@@ -82,6 +97,7 @@ TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
       const View view = wanderer.next();
       proto::CutDelta delta;
       ASSERT_TRUE(adapter.adapt(view, kNoLimit, adapt_scratch, delta));
+      adapter.validate();
       settle(delta);
       ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
       ASSERT_EQ(adapter.section(), expected) << "seed " << seed << ", step " << i;

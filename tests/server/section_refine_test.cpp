@@ -17,11 +17,13 @@ constexpr size_t kNoLimit = 1u << 30;
 
 View randomView(const Hierarchy& h, Rng& rng) {
   const proto::GridShape& shape = h.grid().shape();
-  const proto::LatticePlace place{rng.uniform(-50, shape.samples_x + 50), rng.uniform(-50, shape.samples_y + 50), 600 + std::pow(10, rng.uniform(0, 4))};
+  const proto::LatticePlace place{rng.uniform(-50, shape.samples_x + 50), rng.uniform(-50, shape.samples_y + 50),
+                                  600 + std::pow(10, rng.uniform(0, 4))};
   View view;
   view.pose.eye = h.frame().transform().toScene(place);
   const double yaw = rng.uniform(0, 6.28), pitch = rng.uniform(-1.5, 0.5);
-  view.pose.orientation = proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
+  view.pose.orientation =
+      proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
   view.lens = {rng.uniform(0.3, 2.0), 640, 360};
   view.tau_px = std::pow(2, rng.uniform(-2, 4));
   return view;
@@ -36,7 +38,8 @@ std::vector<Slot> everyNodeThatPasses(const Hierarchy& h, const View& view) {
     if (h.grid().isBase(n)) continue;
     const terrain::NodeRecord& r = h.nodes()[slot];
     const glm::dvec3 p = h.frame().position(n, r.height) - view.pose.eye;
-    const Metric::Place place{glm::dot(p, metric.right()), glm::dot(p, metric.up()), glm::dot(p, metric.forward()), std::hypot(p.x, p.y)};
+    const Metric::Place place{glm::dot(p, metric.right()), glm::dot(p, metric.up()), glm::dot(p, metric.forward()),
+                              std::hypot(p.x, p.y)};
     if (metric.passes(place, r.radius.metres(), r.error.metres())) slots.push_back(slot);
   }
   return slots;
@@ -60,7 +63,8 @@ TEST_P(Refinement, IsClosedAndIsEveryNodeThatPasses) {
       const std::vector<Slot> expected = everyNodeThatPasses(hierarchy, view);
       // The walk computes positions in another order of operations; nodes within rounding of the threshold may differ.
       std::vector<Slot> differing;
-      std::set_symmetric_difference(expected.begin(), expected.end(), section.slots.begin(), section.slots.end(), std::back_inserter(differing));
+      std::set_symmetric_difference(expected.begin(), expected.end(), section.slots.begin(), section.slots.end(),
+                                    std::back_inserter(differing));
       EXPECT_LE(differing.size(), 1u) << "seed " << seed;
     }
   }
@@ -70,7 +74,10 @@ INSTANTIATE_TEST_SUITE_P(Frames, Refinement, testing::Values(proto::FrameKind::k
 
 TEST(RefineLimits, StopsAtTheStatedNumberOfNodes) {
   const Hierarchy hierarchy(test::makeScene(129, 129, 3));
-  View view{{hierarchy.frame().transform().toScene(proto::LatticePlace{64, 64, 3000}), proto::lookAlong({0, 0, -1}, {0, 0, 1})}, {}, 0.01};
+  View view{{hierarchy.frame().transform().toScene(proto::LatticePlace{64, 64, 3000}),
+             proto::lookAlong({0, 0, -1}, {0, 0, 1})},
+            {},
+            0.01};
   RefineScratch scratch;
   proto::Section section;
   EXPECT_TRUE(refine(hierarchy, view, kNoLimit, scratch, section));
@@ -84,9 +91,10 @@ TEST(RefineLimits, AbsurdPosesGiveAValidSection) {
   const Hierarchy hierarchy(test::makeScene(65, 65, 4));
   RefineScratch scratch;
   proto::Section section;
-  const proto::Pose poses[] = {{{0, 0, -5000}, proto::lookAlong({0, 0, 1}, {0, 0, 1})},   // inside the ground, looking up
-                               {{1e8, 1e8, 1e8}, proto::lookAlong({-1, -1, -1}, {0, 0, 1})},
-                               {{0, 0, 1e8}, proto::lookAlong({0, 0, -1}, {0, 0, 1})}};
+  const proto::Pose poses[] = {
+      {{0, 0, -5000}, proto::lookAlong({0, 0, 1}, {0, 0, 1})},  // inside the ground, looking up
+      {{1e8, 1e8, 1e8}, proto::lookAlong({-1, -1, -1}, {0, 0, 1})},
+      {{0, 0, 1e8}, proto::lookAlong({0, 0, -1}, {0, 0, 1})}};
   for (const proto::Pose& pose : poses)
     for (double tau : {1e-6, 1.0, 1e9}) {
       EXPECT_TRUE(refine(hierarchy, {pose, {}, tau}, kNoLimit, scratch, section));

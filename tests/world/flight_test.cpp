@@ -49,6 +49,10 @@ struct Case {
   const char* tour;
 };
 
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << proto::name(c.strategy) << ' ' << proto::name(c.predictor) << ' ' << c.tour;
+}
+
 class EveryStrategy : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryStrategy, KeepsTheLawsOnAGoodLink) {
@@ -124,7 +128,8 @@ TEST(World, FramesOutsideThePromiseAreCounted) {
   World world(scene, {}, Duration::milliseconds(4), 4);
   ClientOptions c = flying(*scene, "survey", Strategy::kPredict, Predictor::kHold);
   // The camera stands, then jumps: nobody can have foreseen it.
-  for (size_t i = 0; i < c.path.poses.size(); ++i) c.path.poses[i].eye = c.path.poses[0].eye + glm::dvec3(i < 50 ? 0 : 400, 0, 0);
+  for (size_t i = 0; i < c.path.poses.size(); ++i)
+    c.path.poses[i].eye = c.path.poses[0].eye + glm::dvec3(i < 50 ? 0 : 400, 0, 0);
   world.addClient(c);
   world.run(Time::seconds(4.5));
   EXPECT_EQ(world.viewer(0).statistics().frames_outside, 0u);

@@ -1,5 +1,5 @@
-// A simulated link with its own seed: latency, jitter, rate and stalls, one direction. Messages arrive whole and in order, as over
-// a WebSocket. All in virtual time; the same seed gives the same arrivals.
+// A simulated link with its own seed: latency, jitter, rate and stalls, one direction. Messages arrive whole and in
+// order, as over a WebSocket. All in virtual time; the same seed gives the same arrivals.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,9 @@ namespace foreland::test {
 
 struct LinkOptions {
   Duration latency = Duration::milliseconds(20);
-  Duration jitter;                // added uniformly up to this
-  double bytes_per_second = 0;    // 0: no limit
-  Duration stall_every, stall;    // from time to time nothing moves for a while; 0: never
+  Duration jitter;              // added uniformly up to this
+  double bytes_per_second = 0;  // 0: no limit
+  Duration stall_every, stall;  // from time to time nothing moves for a while; 0: never
 };
 
 class Link {
@@ -26,7 +26,8 @@ class Link {
 
   void send(Bytes message, Time now) {
     const Time begin = std::max(now, sent_);
-    const double seconds = options_.bytes_per_second > 0 ? static_cast<double>(message.size()) / options_.bytes_per_second : 0;
+    const double seconds =
+        options_.bytes_per_second > 0 ? static_cast<double>(message.size()) / options_.bytes_per_second : 0;
     sent_ = afterStalls(begin + Duration::seconds(seconds));
     const Duration jitter{options_.jitter.us > 0 ? static_cast<int64_t>(rng_.below(options_.jitter.us)) : 0};
     last_arrival_ = std::max(last_arrival_, sent_ + options_.latency + jitter);

@@ -14,8 +14,12 @@ void earliest(std::optional<Time>& best, std::optional<Time> t) {
 
 }  // namespace
 
-World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time, uint64_t seed)
-    : world_(std::make_shared<server::World>(std::move(scene))), options_(options), compute_time_(compute_time), seed_(seed) {}
+World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
+             uint64_t seed)
+    : world_(std::make_shared<server::World>(std::move(scene))),
+      options_(options),
+      compute_time_(compute_time),
+      seed_(seed) {}
 
 size_t World::addClient(const ClientOptions& options) {
   clients_.push_back(std::make_unique<Client>(options, world_, options_, seed_ + 1000 * clients_.size()));
@@ -51,7 +55,8 @@ void World::handle(Client& c, size_t index, Time now) {
     c.session.onDrained(now);
   }
   while (c.up.nextArrival() && *c.up.nextArrival() <= now)
-    if (const Status s = c.session.receive(c.up.receive(), now); !s.ok()) complain("server refuses: " + s.error().message);
+    if (const Status s = c.session.receive(c.up.receive(), now); !s.ok())
+      complain("server refuses: " + s.error().message);
   if (const auto due = c.session.due(); due && due->release <= now) serve(c, now);
   while (c.down.nextArrival() && *c.down.nextArrival() <= now) receive(c, now);
   if (c.next_frame <= now) frame(c, index, now);
@@ -64,10 +69,12 @@ void World::serve(Client& c, Time now) {
   c.session.step(now, scratch_, out);
   c.session.noteComputeTime(compute_time_);
   const bool computed = c.session.keyframe().index != before;
-  if (computed && c.waits_for_drain && c.down.drainedAt() > now) complain("a second delta was made while one was unsent");
+  if (computed && c.waits_for_drain && c.down.drainedAt() > now)
+    complain("a second delta was made while one was unsent");
   if (computed) {
     c.sections[c.session.keyframe().index] = c.session.section();
-    if (const Status s = proto::validate(world_->hierarchy.grid(), c.session.section()); !s.ok()) complain(s.error().message);
+    if (const Status s = proto::validate(world_->hierarchy.grid(), c.session.section()); !s.ok())
+      complain(s.error().message);
   }
   for (Bytes& message : out) c.down.send(std::move(message), now + (computed ? compute_time_ : Duration{}));
   if (!out.empty()) c.waits_for_drain = true;
@@ -76,12 +83,14 @@ void World::serve(Client& c, Time now) {
 void World::receive(Client& c, Time now) {
   const Bytes message = c.down.receive();
   for (uint8_t byte : message) c.hash = (c.hash ^ byte) * 1099511628211ull;
-  if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok()) complain("client refuses: " + s.error().message);
+  if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok())
+    complain("client refuses: " + s.error().message);
   if (!c.viewer.replica()) return;
   const uint32_t index = c.viewer.replica()->newest().index;
   const auto it = c.sections.find(index);
   if (it == c.sections.end()) return;
-  if (c.viewer.replica()->section() != it->second) complain("client and server differ at keyframe " + std::to_string(index));
+  if (c.viewer.replica()->section() != it->second)
+    complain("client and server differ at keyframe " + std::to_string(index));
   c.sections.erase(c.sections.begin(), std::next(it));
 }
 

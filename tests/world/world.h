@@ -1,5 +1,6 @@
-// A small world in virtual time: the real session and viewer cores, seeded links between them, no sockets, no clock. Minutes of
-// flight run in seconds, and the same seed gives the same bytes. After each event the laws of a session are checked.
+// A small world in virtual time: the real session and viewer cores, seeded links between them, no sockets, no clock.
+// Minutes of flight run in seconds, and the same seed gives the same bytes. After each event the laws of a session are
+// checked.
 #pragma once
 
 #include <functional>
@@ -17,15 +18,16 @@ namespace foreland::test {
 struct ClientOptions {
   proto::ViewRequest request;
   LinkOptions up, down;
-  proto::Path path;                                  // flown from its start; the client's clock
+  proto::Path path;  // flown from its start; the client's clock
   bool announce_path = false;
-  Duration clock_offset;                             // client's clock minus the server's
+  Duration clock_offset;                                // client's clock minus the server's
   std::function<void(client::Viewer&, Time)> at_frame;  // called before each frame
 };
 
 class World {
  public:
-  World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time, uint64_t seed);
+  World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
+        uint64_t seed);
 
   size_t addClient(const ClientOptions& options);
   // Runs until `end` on the server's clock. 60 frames a second at each client.
@@ -43,9 +45,13 @@ class World {
 
  private:
   struct Client {
-    Client(const ClientOptions& o, std::shared_ptr<const server::World> world, const server::SessionOptions& session_options,
-           uint64_t seed)
-        : options(o), viewer(o.request), session(std::move(world), session_options), up(o.up, seed), down(o.down, seed + 1) {}
+    Client(const ClientOptions& o, std::shared_ptr<const server::World> world,
+           const server::SessionOptions& session_options, uint64_t seed)
+        : options(o),
+          viewer(o.request),
+          session(std::move(world), session_options),
+          up(o.up, seed),
+          down(o.down, seed + 1) {}
     ClientOptions options;
     client::Viewer viewer;
     server::Session session;
