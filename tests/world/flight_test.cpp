@@ -190,6 +190,53 @@ TEST(World, ASlowLinkGetsFewerKeyframesAndStaysCurrent) {
   EXPECT_LT(worst, Duration::milliseconds(3000)) << "what is shown falls ever further behind";
 }
 
+TEST(World, ATriangleBudgetIsKeptAndAStepOfItSettlesWithoutOscillation) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 21);
+  ClientOptions c = flying(*scene, "orbit", Strategy::kPredict, Predictor::kKnownPath);
+  c.request.tau_px = 0.25;
+  constexpr uint32_t kSmall = 6000;
+  c.at_frame = [](client::Viewer& viewer, Time now) {
+    const uint32_t wanted = now > Time::seconds(6) ? kSmall : 3 * kSmall;
+    if (viewer.request().max_triangles == wanted) return;
+    proto::ViewRequest request = viewer.request();
+    request.max_triangles = wanted;
+    viewer.setRequest(request);
+  };
+  world.addClient(c);
+  std::vector<float> taus;
+  uint32_t seen = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    if (view.mesh->to.index == seen || now < Time::seconds(7)) return;
+    seen = view.mesh->to.index;
+    taus.push_back(view.mesh->to.tau_px);
+    EXPECT_LE(view.mesh->triangleCount(), kSmall) << now.toSeconds();
+  };
+  world.run(Time::seconds(20));
+  EXPECT_EQ(report(world), "");
+  ASSERT_GT(taus.size(), 50u);
+  // On a circle around a summit the view changes slowly; a control that swings would turn many times.
+  int turns = 0;
+  for (size_t i = 2; i < taus.size(); ++i) turns += (taus[i] - taus[i - 1]) * (taus[i - 1] - taus[i - 2]) < -1e-6 ? 1 : 0;
+  EXPECT_LE(turns, static_cast<int>(taus.size()) / 4);
+  for (size_t i = 1; i < taus.size(); ++i) EXPECT_LE(std::fabs(std::log(taus[i] / taus[i - 1])), 0.16);
+}
+
+TEST(World, AByteBudgetIsKeptOnceItHasSettled) {
+  const auto scene = alps();
+  World world(scene, {}, Duration::milliseconds(4), 22);
+  ClientOptions c = flying(*scene, "canyon", Strategy::kPredict, Predictor::kKnownPath);
+  c.request.tau_px = 0.5;
+  c.request.max_bytes_per_second = 1000;
+  world.addClient(c);
+  world.run(Time::seconds(15));
+  const uint64_t before = world.viewer(0).statistics().bytes_down;
+  world.run(Time::seconds(45));
+  EXPECT_EQ(report(world), "");
+  EXPECT_LE((world.viewer(0).statistics().bytes_down - before) / 30.0, 1000 * 1.1);
+  EXPECT_GT(world.session(0).keyframe().tau_px, 0.5f);
+}
+
 TEST(World, StrategiesSwitchInFlightWithoutAJump) {
   const auto scene = alps();
   World world(scene, {}, Duration::milliseconds(4), 9);
