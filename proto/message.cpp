@@ -160,6 +160,8 @@ Result<ClientMessage> read(const fb::ViewRequest& m) {
   out.strategy = static_cast<Strategy>(m.strategy());
   out.predictor = static_cast<Predictor>(m.predictor());
   out.keyframe_interval = {m.keyframe_interval_us()};
+  out.max_triangles = m.max_triangles();
+  out.max_bytes_per_second = m.max_bytes_per_second();
   if (out.keyframe_interval != Duration{} && (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
     return malformed("the keyframe interval must be 20 to 10000 ms, or 0 for the server's own");
   return ClientMessage(out);
@@ -265,7 +267,8 @@ Bytes encode(const ViewRequest& m) {
   Builder b;
   const fb::Lens lens = toFb(m.lens);
   const auto body = fb::CreateViewRequest(b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy),
-                                          static_cast<uint8_t>(m.predictor), static_cast<uint32_t>(m.keyframe_interval.us));
+                                          static_cast<uint8_t>(m.predictor), static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles,
+                                          m.max_bytes_per_second);
   return finish(b, fb::Body_ViewRequest, body.Union());
 }
 

@@ -39,6 +39,8 @@ struct ViewRequest {
   Strategy strategy = Strategy::kPredict;
   Predictor predictor = Predictor::kConstantVelocity;
   Duration keyframe_interval;  // 0: the server's own
+  uint32_t max_triangles = 0;         // what the client can draw; 0: no limit
+  uint32_t max_bytes_per_second = 0;  // and take; 0: no limit
 };
 
 struct TourRequest {

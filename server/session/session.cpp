@@ -167,13 +167,31 @@ View Session::viewFor(Time t) const {
   return view;
 }
 
-void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const Hierarchy& hierarchy = world_->hierarchy;
-  View view = viewFor(plan.time_client);
+// A mesh has four triangles a root and two a node; the union of two sections is a little larger.
+size_t Session::mostNodes() const {
+  if (request_->max_triangles == 0) return options_.max_section_nodes;
+  const proto::GridShape& shape = world_->hierarchy.grid().shape();
+  const double nodes = 0.5 * (0.97 * request_->max_triangles - 4.0 * shape.roots_x * shape.roots_y);
+  return std::min(options_.max_section_nodes, static_cast<size_t>(std::max(1.0, nodes)));
+}
+
+// At the tolerance that the budget allows; coarser at once if the section would still be too large.
+void Session::adaptTo(View& view, SessionScratch& scratch) {
+  view.tau_px = tolerance_.next(request_->tau_px, {request_->max_triangles, request_->max_bytes_per_second});
+  const double factor = request_->max_triangles > 0 ? 1.15 : 2;
   scratch.delta.added.clear();
   scratch.delta.removed.clear();
-  while (!adapter_.adapt(view, options_.max_section_nodes, scratch.adapt, scratch.delta)) view.tau_px *= 2;
+  while (!adapter_.adapt(view, mostNodes(), scratch.adapt, scratch.delta)) view.tau_px *= factor;
   settle(scratch.delta);
+  tolerance_.force(view.tau_px);
+}
+
+void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
+  const Hierarchy& hierarchy = world_->hierarchy;
+  const double interval_s =
+      keyframe_.index == 0 ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe_.time).toSeconds();
+  View view = viewFor(plan.time_client);
+  adaptTo(view, scratch);
 
   proto::KeyframeHeader header;
   header.index = keyframe_.index + 1;
@@ -190,6 +208,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   const terrain::Scene& scene = hierarchy.scene();
   proto::encodeDelta(
       hierarchy.grid(), scratch.delta, [&](proto::NodeId v) { return scene.height(v); }, message);
+  tolerance_.observe(2.0 * static_cast<double>(adapter_.nodeCount()), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
 
   keyframe_ = header;

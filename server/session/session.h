@@ -18,6 +18,7 @@
 #include "base/result.h"
 #include "proto/message.h"
 #include "server/section/adapt.h"
+#include "server/section/budget.h"
 #include "server/session/clock_map.h"
 #include "server/session/world.h"
 #include "server/view/pose_history.h"
@@ -93,6 +94,8 @@ class Session {
   Time gridAtOrAfter(Time t_client) const;
   proto::Pose expectedPose(Time t_client) const;
   View viewFor(Time t_client) const;
+  size_t mostNodes() const;
+  void adaptTo(View& view, SessionScratch& scratch);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
@@ -108,6 +111,7 @@ class Session {
   std::vector<Bytes> replies_;
 
   Adapter adapter_;
+  ToleranceControl tolerance_;
   proto::KeyframeHeader keyframe_;  // the last one sent; index 0 before the first
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;

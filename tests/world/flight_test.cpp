@@ -217,7 +217,8 @@ TEST(World, ATriangleBudgetIsKeptAndAStepOfItSettlesWithoutOscillation) {
   ASSERT_GT(taus.size(), 50u);
   // On a circle around a summit the view changes slowly; a control that swings would turn many times.
   int turns = 0;
-  for (size_t i = 2; i < taus.size(); ++i) turns += (taus[i] - taus[i - 1]) * (taus[i - 1] - taus[i - 2]) < -1e-6 ? 1 : 0;
+  for (size_t i = 2; i < taus.size(); ++i)
+    turns += (taus[i] - taus[i - 1]) * (taus[i - 1] - taus[i - 2]) < -1e-6 ? 1 : 0;
   EXPECT_LE(turns, static_cast<int>(taus.size()) / 4);
   for (size_t i = 1; i < taus.size(); ++i) EXPECT_LE(std::fabs(std::log(taus[i] / taus[i - 1])), 0.16);
 }
