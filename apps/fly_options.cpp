@@ -4,6 +4,8 @@
 #include <charconv>
 #include <string_view>
 
+#include "apps/options.h"
+
 namespace foreland::apps {
 
 namespace {
@@ -58,7 +60,9 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .tau_px = o.tau_px,
                             .strategy = *strategy,
                             .predictor = *predictor,
-                            .keyframe_interval = Duration::milliseconds(o.keyframe_ms)};
+                            .keyframe_interval = Duration::milliseconds(o.keyframe_ms),
+                            .max_triangles = o.max_triangles,
+                            .max_bytes_per_second = o.max_kbit_per_s * 125};
 }
 
 }  // namespace
@@ -71,23 +75,31 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("URL", o.url, "the server, as ws://HOST:PORT")->required();
   CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
   app.add_option("--tour", o.tour, "fly a built-in tour: survey (default), canyon, spin, orbit")->excludes(track);
-  app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)");
+  app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)")
+      ->check(isFinite());
   app.add_option("--speed", o.track_options.speed, "seconds of the track per second of flight (default 1)")
+      ->check(isFinite())
       ->needs(track);
-  app.add_option("--from", o.track_options.from_s, "begin so many seconds into the track")->needs(track);
+  app.add_option("--from", o.track_options.from_s, "begin so many seconds into the track")
+      ->check(isFinite())
+      ->needs(track);
   CLI::Option* agl = app.add_option("--agl", o.track_options.agl_m,
                                     "fly at least this many metres above ground, not at the recorded height");
-  agl->needs(track);
+  agl->check(isFinite())->needs(track);
   app.add_option("--clearance", o.track_options.clearance_m,
                  "lift recorded heights to this many metres above ground (default 20)")
+      ->check(isFinite())
       ->needs(track)
       ->excludes(agl);
   app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
   app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
-  app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)");
+  app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
+  app.add_option("--max-triangles", o.max_triangles, "budget: the tolerance rises to stay inside (default none)");
+  app.add_option("--max-kbit", o.max_kbit_per_s, "budget of kbit/s down, likewise (default none)")
+      ->check(CLI::Range(1u, 8'000'000u));
   app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
-  app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)");
+  app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)")->check(isFinite());
   CLI::Option* truth =
       app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
   app.add_option("--truth-every", o.truth_every, "measure every Nth frame (default 6; keyframes always)")

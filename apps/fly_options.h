@@ -21,6 +21,7 @@ struct FlyOptions {
   std::optional<std::string> predictor;
   double tau_px = 1;
   int64_t keyframe_ms = 200;
+  uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0: none
   std::string viewport = "1920x1080";
   double fov_deg = 60;
   std::filesystem::path truth;
