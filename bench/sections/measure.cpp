@@ -116,8 +116,11 @@ void collectMotion(const client::KeyframeMesh& mesh, const proto::Pose& pose, co
     at = glm::dvec2(v.x, v.y) * (focal / -v.z);
     return std::fabs(at.x) <= 0.5 * lens.width_px && std::fabs(at.y) <= 0.5 * lens.height_px;
   };
+  std::vector<bool> drawn(mesh.places.size());  // others lie beyond the data
+  for (uint32_t vertex : mesh.indices) drawn[vertex] = true;
   for (size_t i = 0; i < mesh.places.size(); ++i) {
     glm::dvec2 from, to;
+    if (!drawn[i]) continue;
     if (project(mesh.from_positions[i], from) && project(mesh.to_positions[i], to))
       out.push_back(glm::distance(from, to) / frames);
   }

@@ -12,6 +12,7 @@ namespace foreland::server {
 namespace {
 
 constexpr Sweep kPoseRounding{0.004, 4e-4};
+constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
 
 }  // namespace
 
@@ -131,8 +132,26 @@ std::optional<Session::Plan> Session::plan() const {
 
 std::optional<Session::Due> Session::due() const {
   if (!replies_.empty()) return Due{now_, now_};
-  if (const auto p = plan()) return p->due;
-  return std::nullopt;
+  const auto prefetch = prefetchDue();
+  if (const auto p = plan()) return prefetch && prefetch->release < p->due.release ? prefetch : p->due;
+  return prefetch;
+}
+
+// Any time in the next half second will do: a keyframe's deadline comes first.
+std::optional<Session::Due> Session::prefetchDue() const {
+  if (options_.prefetch_ahead == Duration{} || keyframe_.index == 0) return std::nullopt;
+  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery};
+}
+
+// Refining for where the viewer will be reads the very pages that its keyframes will need, while nobody waits for them.
+void Session::prefetch(SessionScratch& scratch) {
+  View view = viewFor(history_.newest().time + options_.prefetch_ahead);
+  view.tau_px = keyframe_.tau_px;
+  view.ball_m = view.turn_rad = 0;
+  // Too large a section has read more than enough.
+  (void)refine(world_->hierarchy, view, mostNodes(), scratch.prefetch, scratch.section);
+  next_prefetch_ = now_ + kPrefetchEvery;
+  ++statistics_.prefetches;
 }
 
 void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
@@ -140,7 +159,8 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   for (Bytes& reply : replies_) out.push_back(std::move(reply));
   replies_.clear();
   const auto next = plan();
-  if (next && next->due.release <= now_) computeKeyframe(*next, now_, scratch, out);
+  if (next && next->due.release <= now_) return computeKeyframe(*next, now_, scratch, out);
+  if (const auto due = prefetchDue(); due && due->release <= now_) prefetch(scratch);
 }
 
 // Where the camera was, is, or is expected to be.

@@ -19,6 +19,7 @@
 #include "proto/message.h"
 #include "server/section/adapt.h"
 #include "server/section/budget.h"
+#include "server/section/refine.h"
 #include "server/session/clock_map.h"
 #include "server/session/world.h"
 #include "server/view/pose_history.h"
@@ -31,12 +32,15 @@ struct SessionOptions {
   Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that name none
   Duration safety = Duration::milliseconds(15);  // a predicted keyframe aims to be there this long before it is needed
   size_t max_section_nodes = 1'500'000;          // beyond it the tolerance is doubled until the section fits
-  size_t max_unacknowledged = 8;                 // keyframes on their way; more would only queue in the link
+  Duration prefetch_ahead;        // touch what will be needed this much later, for scenes larger than memory; 0: do not
+  size_t max_unacknowledged = 8;  // keyframes on their way; more would only queue in the link
 };
 
 // What a worker brings to a step; one per worker, reused.
 struct SessionScratch {
   AdaptScratch adapt;
+  RefineScratch prefetch;
+  proto::Section section;
   proto::CutDelta delta;
 };
 
@@ -45,6 +49,7 @@ struct SessionStatistics {
   uint64_t skipped_keyframes = 0;  // grid points passed over
   uint64_t nodes_added = 0, nodes_removed = 0;
   size_t section_nodes = 0;
+  uint64_t prefetches = 0;
 };
 
 class Session {
@@ -95,6 +100,8 @@ class Session {
   proto::Pose expectedPose(Time t_client) const;
   View viewFor(Time t_client) const;
   size_t mostNodes() const;
+  std::optional<Due> prefetchDue() const;
+  void prefetch(SessionScratch& scratch);
   void adaptTo(View& view, SessionScratch& scratch);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
@@ -121,6 +128,7 @@ class Session {
   };
   std::deque<Sent> in_flight_;
   Duration compute_time_ = Duration::milliseconds(10);  // a high recent value
+  Time next_prefetch_;
   SessionStatistics statistics_;
 };
 

@@ -69,6 +69,23 @@ TEST(Session, MakesNoKeyframeWhileOneIsUnsent) {
   EXPECT_EQ(session.statistics().keyframes, 2u);
 }
 
+TEST(Session, PrefetchesBetweenKeyframesWithoutSendingAnything) {
+  Session session(smallWorld(), {.prefetch_ahead = Duration::milliseconds(2000)});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  ASSERT_TRUE(session.receive(proto::encode(poseAt(0)), Time{}).ok());
+  session.step(Time::seconds(1), scratch, out);
+  ASSERT_EQ(session.statistics().keyframes, 1u);
+  const size_t sent = out.size();
+  ASSERT_TRUE(session.due());
+  session.step(Time::seconds(1.1), scratch, out);  // the keyframe is unsent still
+  EXPECT_EQ(session.statistics().prefetches, 1u);
+  session.step(Time::seconds(1.2), scratch, out);  // not again so soon
+  EXPECT_EQ(session.statistics().prefetches, 1u);
+  EXPECT_EQ(out.size(), sent);
+}
+
 TEST(Session, ATinyToleranceIsDoubledUntilTheSectionFits) {
   Session session(smallWorld(), {.max_section_nodes = 500});
   SessionScratch scratch;
