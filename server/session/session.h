@@ -32,7 +32,7 @@ struct SessionOptions {
   Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that name none
   Duration safety = Duration::milliseconds(15);  // a predicted keyframe aims to be there this long before it is needed
   size_t max_section_nodes = 1'500'000;          // beyond it the tolerance is doubled until the section fits
-  Duration prefetch_ahead;        // touch what will be needed this much later, for scenes larger than memory; 0: do not
+  Duration prefetch_ahead{};      // touch what will be needed this much later, for scenes larger than memory; 0: do not
   size_t max_unacknowledged = 8;  // keyframes on their way; more would only queue in the link
 };
 
