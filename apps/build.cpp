@@ -18,6 +18,7 @@
 #include <system_error>
 #include <vector>
 
+#include "apps/options.h"
 #include "terrain/build/build.h"
 #include "terrain/dem/open.h"
 #include "terrain/geo/geodesy.h"
@@ -98,7 +99,8 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
                        : text + " is no positive number of metres";
           },
           "METRES"));
-  app.add_option("--spacing", arguments.open.spacing_m, "Metres between samples, for files without a reference system");
+  app.add_option("--spacing", arguments.open.spacing_m, "Metres between samples, for files without a reference system")
+      ->check(apps::isFinite());
   app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several");
   app.add_option("--threads", arguments.threads, "Worker threads; 0 for one a processor")->check(CLI::Range(0u, 1024u));
   static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},

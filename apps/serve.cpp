@@ -8,10 +8,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -20,12 +18,14 @@
 #include <thread>
 #include <vector>
 
+#include "apps/options.h"
 #include "base/result.h"
 #include "server/net/listen_address.h"
 #include "server/net/server.h"
 #include "server/net/steady_clock.h"
 #include "server/session/session.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/verify.h"
 
 namespace {
 
@@ -44,13 +44,6 @@ struct Flags {
   std::string log_level = "info";
 };
 
-// CLI11's ranges let a NaN through, for it is not outside of them.
-const CLI::Validator isFinite(
-    [](std::string& text) {
-      return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a number";
-    },
-    "", "finite");
-
 // Nothing if the program should go on; else its exit code.
 std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   CLI::App app("Serve a scene to viewers, and the page that shows it.", "foreland serve");
@@ -58,7 +51,7 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")->capture_default_str();
   app.add_option("--threads", flags.threads, "threads that compute")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
-      ->check(CLI::Range(0.01, 1000.0) & isFinite)
+      ->check(CLI::Range(0.01, 1000.0) & apps::isFinite())
       ->capture_default_str();
   app.add_option("--keyframe-ms", flags.keyframe_ms, "time between keyframes, for viewers that name none")
       ->check(CLI::Range(20, 10'000))
@@ -117,12 +110,16 @@ void awaitStop(const sigset_t& signals) {
   sigwait(&signals, &signal);
 }
 
-server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress& listen) {
+// Scenes of this size may not stay in memory.
+constexpr size_t kLargeSceneBytes = size_t{256} << 20;
+
+server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress& listen, const terrain::Scene& scene) {
   server::ServeOptions options;
   options.listen = listen;
   options.threads = flags.threads;
   options.session.tau_px = flags.tau_px;
   options.session.keyframe_interval = Duration::milliseconds(flags.keyframe_ms);
+  if (scene.nodes().size_bytes() > kLargeSceneBytes) options.session.prefetch_ahead = Duration::milliseconds(2000);
   options.web = findPage(flags.web);
   options.log = log;
   return options;
@@ -140,10 +137,11 @@ int main(int argc, char** argv) {
   if (!listen) return fail(listen.error());
   auto scene = terrain::Scene::open(flags.scene);
   if (!scene) return fail(scene.error());
+  if (Status intact = terrain::verifyChecksums(flags.scene); !intact.ok()) return fail(intact.error());
   const std::string title = (*scene)->origin().title;
   const auto world = std::make_shared<const server::World>(*scene);
 
-  const server::ServeOptions options = makeOptions(flags, *listen);
+  const server::ServeOptions options = makeOptions(flags, *listen, **scene);
   if (options.web.empty()) spdlog::warn("the page is not built, so only `foreland fly` can connect; ./demo builds it");
   auto running = server::Server::listen(world, options, server::steadyNow);
   if (!running) return fail(running.error());

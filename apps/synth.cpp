@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "apps/options.h"
 #include "terrain/dem/write.h"
 #include "terrain/parallel.h"
 #include "terrain/synth/landscape.h"
@@ -68,7 +69,9 @@ int main(int argc, char** argv) {
   Arguments arguments;
   app.add_option("-o,--output", arguments.output, "The file to write; .exr or .tif")->required();
   app.add_option("--size", arguments.landscape.size, "Samples a side, at least 2")->capture_default_str();
-  app.add_option("--spacing", arguments.landscape.spacing_m, "Metres between samples")->capture_default_str();
+  app.add_option("--spacing", arguments.landscape.spacing_m, "Metres between samples")
+      ->check(apps::isFinite())
+      ->capture_default_str();
   app.add_option("--seed", arguments.landscape.seed, "The same seed gives the same landscape")->capture_default_str();
   try {
     app.parse(argc, argv);
