@@ -71,16 +71,16 @@ class Adapter::Step {
 
  private:
   bool isActive(NodeId n) const { return a_.flags_.get(NodeFlags::kActive, grid_.slot(n)); }
-  bool isRemovable(NodeId n) const {
-    if (!isActive(n)) return false;
-    for (NodeId child : grid_.children(n))
-      if (isActive(child)) return false;
-    return true;
+  template <class Nodes>
+  bool anyActive(const Nodes& nodes) const {
+    for (NodeId n : nodes)
+      if (isActive(n)) return true;
+    return false;
   }
-  bool isAddable(NodeId n) const {
-    if (isActive(n)) return false;
-    for (NodeId parent : grid_.parents(n))
-      if (!isActive(parent)) return false;
+  template <class Nodes>
+  bool allActive(const Nodes& nodes) const {
+    for (NodeId n : nodes)
+      if (!isActive(n)) return false;
     return true;
   }
 
@@ -88,7 +88,8 @@ class Adapter::Step {
   void considerRoots() {
     const uint32_t size = grid_.rootSize(), half = size / 2;
     for (uint32_t y = 0; y <= grid_.maxY(); y += half)
-      for (uint32_t x = (y / half) % 2 == 0 ? half : 0; x <= grid_.maxX(); x += size) consider(NodeId::at(x, y));
+      for (uint32_t x = (y / half) % 2 == 0 ? half : 0; x <= grid_.maxX(); x += size)
+        consider(NodeId::at(x, y), grid_.slot(NodeId::at(x, y)), 0);
     spreadAll();
   }
 
@@ -178,10 +179,10 @@ class Adapter::Step {
   }
 
   // A frontier node: if no entry vouches for it, it is tested with the next batch and gets one.
-  void consider(NodeId n) {
-    const Slot slot = grid_.slot(n);
-    if (a_.flags_.get(NodeFlags::kListed, slot)) return a_.flags_.set(NodeFlags::kLeft, slot, false);
+  void consider(NodeId n, Slot slot, uint32_t flags) {
+    if (flags & kIsListed) return a_.flags_.set(NodeFlags::kLeft, slot, false);
     a_.flags_.set(NodeFlags::kListed, slot, true);
+    __builtin_prefetch(&nodes_[slot]);
     batch_.slot[batch_.count] = slot;
     batch_.x[batch_.count] = static_cast<int32_t>(n.x());
     batch_.y[batch_.count++] = static_cast<int32_t>(n.y());
@@ -217,16 +218,33 @@ class Adapter::Step {
       if (scratch_.changed.empty()) continue;
       const Slot slot = scratch_.changed.back();
       scratch_.changed.pop_back();
-      const NodeId n = grid_.node(slot);
-      if (a_.flags_.get(NodeFlags::kActive, slot)) {
-        for (NodeId parent : grid_.parents(n)) a_.flags_.leaveIfListed(grid_.slot(parent));
-        for (NodeId child : grid_.children(n))
-          if (isAddable(child)) consider(child);
-      } else {
-        for (NodeId child : grid_.children(n)) a_.flags_.leaveIfListed(grid_.slot(child));
-        for (NodeId parent : grid_.parents(n))
-          if (isRemovable(parent)) consider(parent);
-      }
+      if (a_.flags_.get(NodeFlags::kActive, slot))
+        spreadAdded(grid_.node(slot));
+      else
+        spreadRemoved(grid_.node(slot));
+    }
+  }
+
+  static constexpr uint32_t kIsActive = 1u << NodeFlags::kActive, kIsListed = 1u << NodeFlags::kListed,
+                            kHasLeft = 1u << NodeFlags::kLeft;
+  static bool isVouchedFor(uint32_t flags) { return (flags & (kIsListed | kHasLeft)) == kIsListed; }
+
+  void spreadAdded(NodeId n) {
+    for (NodeId parent : grid_.parents(n)) a_.flags_.leaveIfListed(grid_.slot(parent));
+    for (NodeId child : grid_.children(n)) {
+      const Slot slot = grid_.slot(child);
+      const uint32_t flags = a_.flags_.all(slot);
+      if (!(flags & kIsActive) && !isVouchedFor(flags) && allActive(grid_.parents(child))) consider(child, slot, flags);
+    }
+  }
+
+  void spreadRemoved(NodeId n) {
+    for (NodeId child : grid_.children(n)) a_.flags_.leaveIfListed(grid_.slot(child));
+    for (NodeId parent : grid_.parents(n)) {
+      const Slot slot = grid_.slot(parent);
+      const uint32_t flags = a_.flags_.all(slot);
+      if ((flags & kIsActive) && !isVouchedFor(flags) && !anyActive(grid_.children(parent)))
+        consider(parent, slot, flags);
     }
   }
 

@@ -36,25 +36,16 @@ struct Batch {
     }
   }
 
-  // By value, so that the loops' stores cannot be taken to change them.
+  // Both are defined for PlanarPlaces and CurvedPlaces (batch.cpp), and called through the linker: inlined into a
+  // caller that keeps batch and metric in one object, the compiler could not tell their memory apart and would not
+  // vectorise.
   template <class Places>
-  void test(const Metric metric, const Places places) {
-    for (size_t i = 0; i < count; ++i) passes[i] = metric.passes(places(x[i], y[i], height[i]), radius[i], error[i]);
-  }
+  void test(const Metric& metric, const Places& places);
 
   // Also what each outcome is sure to survive, `share` of it, and the largest distance from the eye at which the place
   // can be while it does.
   template <class Places>
-  void testWithSlack(const Metric metric, const Places places, double share) {
-    for (size_t i = 0; i < count; ++i) {
-      const Metric::Place p = places(x[i], y[i], height[i]);
-      const Metric::Outcome outcome = metric.outcome(p, radius[i], error[i]);
-      const double safe = outcome.slack * share;
-      guard[i] = static_cast<uint8_t>(outcome.guard);
-      slack[i] = static_cast<float>(safe);
-      reach[i] = static_cast<float>(std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m) + safe);
-    }
-  }
+  void testWithSlack(const Metric& metric, const Places& places, double share);
 };
 
 }  // namespace foreland::server

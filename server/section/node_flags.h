@@ -23,6 +23,14 @@ class NodeFlags {
     const uint32_t page = cells_[probe(slot >> 8)].page;
     return page != kEmpty && (pages_[page][slot >> 6 & 3][flag] >> (slot & 63) & 1);
   }
+  // All flags of a slot at once: bit `flag` of the result.
+  uint32_t all(proto::Slot slot) const {
+    const uint32_t page = cells_[probe(slot >> 8)].page;
+    if (page == kEmpty) return 0;
+    const std::array<uint64_t, 3>& word = pages_[page][slot >> 6 & 3];
+    const uint32_t at = slot & 63;
+    return static_cast<uint32_t>((word[0] >> at & 1) | (word[1] >> at & 1) << 1 | (word[2] >> at & 1) << 2);
+  }
   void set(Flag flag, proto::Slot slot, bool value);
   // Sets kLeft if kListed is set.
   void leaveIfListed(proto::Slot slot) {
