@@ -49,18 +49,25 @@ void ViewerConnection::accept(UpgradeRequest request) {
   stream_.read_message_max(proto::kMaxClientMessageBytes);
   stream_.auto_fragment(false);
   stream_.binary(true);
+  context_.viewers.insert(shared_from_this());  // from now on, so that a stop takes leave of it too
   auto shared = std::make_shared<UpgradeRequest>(std::move(request));
-  stream_.async_accept(*shared, [self = shared_from_this(), shared](beast::error_code error) {
-    if (!error) self->open();
-  });
+  stream_.async_accept(*shared,
+                       [self = shared_from_this(), shared](beast::error_code error) { self->onAccept(error); });
 }
 
-void ViewerConnection::open() {
+void ViewerConnection::onAccept(beast::error_code error) {
+  if (error) {
+    state_ = State::kGone;
+    context_.viewers.erase(shared_from_this());
+    return;
+  }
+  state_ = State::kOpen;
   heard_at_ = progress_at_ = context_.clock();
-  context_.viewers.insert(shared_from_this());
   actor_ = context_.host.open(makeOutlet());
   context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
   read();
+  if (close_reason_.code != websocket::close_code::none)
+    leave(static_cast<websocket::close_code>(close_reason_.code), close_reason_.reason.c_str());
 }
 
 Outlet ViewerConnection::makeOutlet() {
@@ -152,8 +159,10 @@ void ViewerConnection::refuse(const std::string& message) {
 }
 
 void ViewerConnection::leave(websocket::close_code code, const std::string& reason) {
+  const websocket::close_reason why{code, reason.substr(0, kMaxReasonBytes)};
+  if (state_ == State::kAccepting) close_reason_ = why;  // onAccept goes on with it
   if (state_ != State::kOpen) return;
-  startClosing(State::kClosing, {code, reason.substr(0, kMaxReasonBytes)});
+  startClosing(State::kClosing, why);
   if (!is_writing_) sendCloseFrame();
 }
 
@@ -171,6 +180,7 @@ void ViewerConnection::sendCloseFrame() {
 }
 
 void ViewerConnection::check(Time now) {
+  if (state_ == State::kAccepting) return;  // its handshake has a timeout of its own
   const Duration patience = context_.options.idle_timeout;
   if (state_ == State::kFlushing || state_ == State::kClosing) {
     if (now > close_by_) cut();

@@ -41,9 +41,9 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
     Bytes message;
     bool ends_batch = false;
   };
-  enum class State : uint8_t { kOpen, kFlushing, kClosing, kGone };
+  enum class State : uint8_t { kAccepting, kOpen, kFlushing, kClosing, kGone };
 
-  void open();
+  void onAccept(boost::beast::error_code error);
   Outlet makeOutlet();
   void read();
   void onRead(boost::beast::error_code error);
@@ -61,7 +61,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;  // false: no permessage-deflate
   std::string peer_;
   std::shared_ptr<SessionActor> actor_;  // while open
-  State state_ = State::kOpen;
+  State state_ = State::kAccepting;
   boost::beast::websocket::close_reason close_reason_;
   Time close_by_;  // while flushing or closing
 
