@@ -24,7 +24,8 @@ Error ioError(const std::filesystem::path& path, const char* what) {
 Status writeAll(const std::filesystem::path& path, ByteSpan bytes, const char* mode) {
   File file(std::fopen(path.c_str(), mode), &std::fclose);
   if (!file) return ioError(path, "cannot be opened");
-  const bool wrote = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  // fwrite takes no null pointer, not even for no bytes.
+  const bool wrote = bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   if (std::fclose(file.release()) != 0 || !wrote) return ioError(path, "cannot be written");
   return {};
 }
