@@ -1,0 +1,77 @@
+// The whole of it, as a newcomer runs it: synth, build, verify, serve, fly, measured against the truth. And what
+// `foreland fly` says about bad input.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/expect_refusal.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+namespace {
+
+TEST(FlightProgram, FromNothingToAFlightWithinTolerance) {
+  const TemporaryFolder folder;
+  const std::string land = folder / "land.tif", scene = folder / "land.fls", frames = folder / "frames";
+  const Outcome made = runProgram("synth", {"-o", land, "--size", "257", "--spacing", "30", "--seed", "5"});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const Outcome built = runProgram("build", {land, "-o", scene});
+  ASSERT_EQ(built.exit_code, 0) << built.output;
+  ASSERT_EQ(runProgram("verify", {scene}).exit_code, 0);
+
+  Program server("serve", {scene, "--listen", "127.0.0.1:0", "--log-level", "off"});
+  const std::string url = "ws://127.0.0.1:" + std::to_string(portOf(server.readLine()));
+  const Outcome flown = runProgram("fly",
+                                   {url, "--tour", "survey", "--seconds", "3", "--truth", scene, "--viewport",
+                                    "640x360", "--dump", frames, "--json"},
+                                   {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(flown.exit_code, 0) << flown.output;
+  const auto report = nlohmann::json::parse(flown.output, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << flown.output;
+  EXPECT_GT(report["keyframes"], 0);
+  EXPECT_GT(report["triangles"], 0);
+  EXPECT_NEAR(report["seconds"], 3, 0.5);
+  EXPECT_EQ(report["cracks"], 0);
+  EXPECT_EQ(report["uncovered_samples"], 0);
+  EXPECT_GT(report["max_error_px_keyframes"], 0);
+  EXPECT_LE(report["max_error_px_keyframes"], report["tau_px"]);
+  EXPECT_TRUE(std::filesystem::exists(frames + "/frames.jsonl"));
+
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST(FlightProgram, RefusesTheTruthOfAnotherScene) {
+  const TemporaryFolder folder;
+  const std::string served = folder / "served.fls", other = folder / "other.fls";
+  for (const auto& [file, seed] : {std::pair{served, 1}, {other, 2}}) {
+    FormulaSource source(65, 65, hills(static_cast<uint64_t>(seed)));
+    ASSERT_TRUE(terrain::buildScene(source, {file, 0.1, 1}).ok());
+  }
+  Program server("serve", {served, "--listen", "127.0.0.1:0", "--log-level", "off"});
+  const std::string url = "ws://127.0.0.1:" + std::to_string(portOf(server.readLine()));
+  expectRefusal("fly", {url, "--truth", other, "--seconds", "1"}, {other, "not the scene that the server shows"});
+  expectRefusal("fly", {url, "--tour", "moon", "--seconds", "1"}, {"moon", "survey"});
+}
+
+TEST(FlightProgram, RefusesWhatCannotBeFlown) {
+  const TemporaryFolder folder;
+  const std::string url = "ws://127.0.0.1:1", missing = folder / "missing", text = folder / "text.igc";
+  std::ofstream(text) << "no track\n";
+  expectRefusal("fly", {}, {"URL"});
+  expectRefusal("fly", {url, "--wings"}, {"--wings", "--help"});
+  expectRefusal("fly", {"http://127.0.0.1"}, {"http://127.0.0.1", "ws://HOST:PORT"});
+  expectRefusal("fly", {url}, {url, "foreland serve"});
+  expectRefusal("fly", {url, "--truth", missing}, {missing});
+  expectRefusal("fly", {url, "--track", missing}, {missing});
+  expectRefusal("fly", {url, "--track", text}, {text});
+  expectRefusal("fly", {url, "--dump", text}, {text});
+  expectRefusal("fly", {url, "--strategy", "wait"}, {"--strategy", "wait", "predict"});
+  for (const char* option : {"--seconds", "--tau", "--fov"})
+    for (const char* value : {"nan", "inf", "-1", "x"}) expectRefusal("fly", {url, option, value}, {option});
+  expectRefusal("fly", {url, "--track", text, "--speed", "nan"}, {"--speed"});
+}
+
+}  // namespace
+}  // namespace foreland::test

@@ -1,0 +1,86 @@
+// `foreland info` and `foreland verify` as people run them, on scenes that are sound, cut short, changed, or none.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/expect_refusal.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ScenePrograms : public testing::Test {
+ protected:
+  void SetUp() override {
+    FormulaSource source(65, 65, hills(1), proto::FrameKind::kGeographic);
+    const auto report = terrain::buildScene(source, {scene(), 0.1, 1});
+    ASSERT_TRUE(report.ok()) << report.error().message;
+  }
+  std::string scene() const { return folder_ / "scene.fls"; }
+  // A copy with one bit of the byte at `share` of its length turned over.
+  std::string flipped(double share) const {
+    const fs::path copy = folder_ / "flipped.fls";
+    fs::copy_file(scene(), copy, fs::copy_options::overwrite_existing);
+    std::fstream file(copy, std::ios::in | std::ios::out | std::ios::binary);
+    const auto at = static_cast<std::streamoff>(share * static_cast<double>(fs::file_size(copy)));
+    file.seekg(at);
+    const char byte = static_cast<char>(file.get() ^ 0x10);
+    file.seekp(at);
+    file.put(byte);
+    return copy;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ScenePrograms, InfoGivesFrameAndSizesAsJson) {
+  const Outcome outcome = runProgram("info", {scene(), "--json"}, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(outcome.exit_code, 0);
+  const auto json = nlohmann::json::parse(outcome.output, nullptr, false);
+  ASSERT_FALSE(json.is_discarded()) << outcome.output;
+  EXPECT_EQ(json["title"], "formula");
+  EXPECT_EQ(json["samples"], (std::vector<int>{65, 65}));
+  EXPECT_EQ(json["frame"]["axes"], (std::vector<std::string>{"east", "north", "up"}));
+  EXPECT_NEAR(json["frame"]["origin"]["latitude_deg"], 46.027, 0.001);
+  EXPECT_TRUE(json["frame"].contains("crs"));
+}
+
+TEST_F(ScenePrograms, InfoPrintsTheSceneForPeople) {
+  const Outcome outcome = runProgram("info", {scene()});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* word : {"formula", "65 x 65", "geographic"})
+    EXPECT_NE(outcome.output.find(word), std::string::npos) << word << " is not in: " << outcome.output;
+}
+
+TEST_F(ScenePrograms, VerifySaysWhatItChecked) {
+  const Outcome outcome = runProgram("verify", {scene()});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.output.find(scene() + ": sound"), std::string::npos) << outcome.output;
+}
+
+TEST_F(ScenePrograms, VerifyFindsAFlippedByteAnywhere) {
+  for (const double share : {0.0, 0.001, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999}) {
+    const std::string file = flipped(share);
+    expectRefusal("verify", {file}, {file});
+  }
+}
+
+TEST_F(ScenePrograms, WhatIsNoSceneIsRefused) {
+  const std::string empty = folder_ / "empty.fls", cut = folder_ / "cut.fls", text = folder_ / "text.fls";
+  std::ofstream(empty).flush();
+  std::ofstream(text) << std::string(100'000, 'x');
+  fs::copy_file(scene(), cut);
+  fs::resize_file(cut, fs::file_size(cut) / 3);
+  for (const char* program : {"info", "verify"}) {
+    for (const std::string& bad : {empty, cut, text, folder_.path().string(), std::string(folder_ / "missing.fls")})
+      expectRefusal(program, {bad}, {bad});
+    expectRefusal(program, {scene(), "--wings"}, {"--wings", "--help"});
+    expectRefusal(program, {}, {"SCENE"});
+  }
+}
+
+}  // namespace
+}  // namespace foreland::test
