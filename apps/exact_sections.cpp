@@ -3,6 +3,7 @@
 #include "client/replica.h"
 #include "proto/delta_codec.h"
 #include "proto/message.h"
+#include "server/section/held_nodes.h"
 #include "server/section/hierarchy.h"
 #include "server/section/refine.h"
 
@@ -34,15 +35,16 @@ class ExactSections {
     // Bounded by the scene alone, so it always completes.
     CHECK_TRUE(server::refine(hierarchy_, view, scene_->grid().slotCount(), scratch_, section_));
     const proto::CutDelta delta{.added = section_.slots, .removed = {}};
-    Bytes bytes;
-    proto::encodeDelta(
-        scene_->grid(), delta, [this](proto::NodeId v) { return scene_->height(v); }, bytes);
     client::Replica replica(welcome_);
     proto::KeyframeHeader header;
     header.index = 1;
     header.pose = view.pose;
     header.tau_px = static_cast<float>(wanted.tau_px);
     header.fingerprint = proto::fingerprint(section_.slots);
+    Bytes bytes;
+    proto::DeltaModel model;
+    proto::encodeDelta(scene_->grid(), hierarchy_.frame(), delta, proto::viewOf(header),
+                       server::SectionNodes(section_, *scene_), model, bytes);
     CHECK_TRUE(replica.apply(header, bytes).ok());
     return std::make_shared<client::KeyframeMesh>(replica.buildMesh());
   }

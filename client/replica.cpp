@@ -43,6 +43,23 @@ Status merge(const NodeUnion& old, const proto::HeightDelta& delta, NodeUnion& n
   return {};
 }
 
+// The newest section. A node that has just left is not of it: it may come back with its height sent again.
+class NewestNodes final : public proto::HeldNodes {
+ public:
+  explicit NewestNodes(const Replica& replica) : replica_(replica) {}
+  bool has(Slot slot) const override {
+    const uint32_t i = replica_.nodes().index.find(slot);
+    return i != SlotTable::kAbsent && (replica_.nodes().in[i] & NodeUnion::kInTo);
+  }
+  int32_t height(NodeId v) const override {
+    const int32_t* height = replica_.knownHeight(v);
+    return height ? *height : 0;
+  }
+
+ private:
+  const Replica& replica_;
+};
+
 }  // namespace
 
 Replica::Replica(const proto::Welcome& welcome)
@@ -56,7 +73,8 @@ const int32_t* Replica::knownHeight(NodeId v) const {
   if (grid_.isBase(v)) {
     const uint32_t k = grid_.shape().root_log2, rx = v.x() >> k, ry = v.y() >> k;
     const bool corner = (v.x() & (grid_.rootSize() - 1)) == 0;
-    return corner ? &corner_heights_[ry * (grid_.shape().roots_x + 1) + rx] : &centre_heights_[ry * grid_.shape().roots_x + rx];
+    return corner ? &corner_heights_[ry * (grid_.shape().roots_x + 1) + rx]
+                  : &centre_heights_[ry * grid_.shape().roots_x + rx];
   }
   const uint32_t i = nodes_.index.find(grid_.slot(v));
   return i == SlotTable::kAbsent ? nullptr : &nodes_.heights[i];
@@ -64,17 +82,13 @@ const int32_t* Replica::knownHeight(NodeId v) const {
 
 Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
   if (header.base_index != to_.index)
-    return refused("it starts from keyframe " + std::to_string(header.base_index) + ", held is " + std::to_string(to_.index));
+    return refused("it starts from keyframe " + std::to_string(header.base_index) + ", held is " +
+                   std::to_string(to_.index));
   proto::HeightDelta delta;
-  // Only the newest section counts as known: a node that has just left may come back with its height sent again.
-  const auto known = [this](NodeId v) -> const int32_t* {
-    if (!grid_.isBase(v)) {
-      const uint32_t i = nodes_.index.find(grid_.slot(v));
-      if (i == SlotTable::kAbsent || !(nodes_.in[i] & NodeUnion::kInTo)) return nullptr;
-    }
-    return knownHeight(v);
-  };
-  if (Status s = proto::decodeDelta(grid_, bytes, known, delta); !s.ok()) return s;
+  proto::DeltaModel model = header.base_index == 0 ? proto::DeltaModel{} : model_;
+  if (Status s = proto::decodeDelta(grid_, frame_, bytes, proto::viewOf(header), NewestNodes(*this), model, delta);
+      !s.ok())
+    return s;
   NodeUnion next;
   if (Status s = merge(nodes_, delta, next); !s.ok()) return s;
   next.index.build(next.slots);
@@ -83,6 +97,7 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
   if (print != header.fingerprint) return refused("the section that results is not the server's");
 
   nodes_ = std::move(next);
+  model_ = model;
   delta_ = std::move(delta);
   fingerprint_ = print;
   from_ = to_.index == 0 ? header : to_;
@@ -122,14 +137,16 @@ proto::Section Replica::section() const {
 
 std::optional<double> Replica::heightAt(double x, double y) const {
   const proto::GridShape& shape = grid_.shape();
-  if (to_.index == 0 || !(x >= 0 && y >= 0 && x <= shape.samples_x - 1 && y <= shape.samples_y - 1)) return std::nullopt;
+  if (to_.index == 0 || !(x >= 0 && y >= 0 && x <= shape.samples_x - 1 && y <= shape.samples_y - 1))
+    return std::nullopt;
   const double size = grid_.rootSize(), half = size / 2;
   const double cx = (std::min(std::floor(x / size), shape.roots_x - 1.0) + 0.5) * size;
   const double cy = (std::min(std::floor(y / size), shape.roots_y - 1.0) + 0.5) * size;
   // The root triangle around (x, y): edge m - d, m + d, apex the root's centre.
   const bool steep = std::fabs(y - cy) > std::fabs(x - cx);
   glm::dvec2 d = steep ? glm::dvec2(y < cy ? half : -half, 0) : glm::dvec2(0, x > cx ? half : -half);
-  glm::dvec2 m = steep ? glm::dvec2(cx, y < cy ? cy - half : cy + half) : glm::dvec2(x > cx ? cx + half : cx - half, cy);
+  glm::dvec2 m =
+      steep ? glm::dvec2(cx, y < cy ? cy - half : cy + half) : glm::dvec2(x > cx ? cx + half : cx - half, cy);
   const auto vertex = [](glm::dvec2 p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); };
   for (int level = 1; level <= grid_.maxLevel(); ++level) {
     const uint32_t i = nodes_.index.find(grid_.slot(vertex(m)));

@@ -1,5 +1,5 @@
-// The client's copy of its section: applies cut deltas after checking them, and builds the mesh between the last two keyframes.
-// One owner; no clock, no socket. Memory and time are linear in the sections, not in the scene.
+// The client's copy of its section: applies cut deltas after checking them, and builds the mesh between the last two
+// keyframes. One owner; no clock, no socket. Memory and time are linear in the sections, not in the scene.
 #pragma once
 
 #include <optional>
@@ -28,11 +28,12 @@ class Replica {
   // The welcome has been decoded, hence checked.
   explicit Replica(const proto::Welcome& welcome);
 
-  // Takes a keyframe: what was `to` becomes `from`. An Error (wrong base, unknown or doubled nodes, a missing parent, another fingerprint)
-  // leaves the replica as it was.
+  // Takes a keyframe: what was `to` becomes `from`. An Error (wrong base, unknown or doubled nodes, a missing parent,
+  // another fingerprint) leaves the replica as it was.
   Status apply(const proto::KeyframeHeader& header, ByteSpan delta);
 
-  // The mesh between the last two keyframes, origin near the newer one's eye. After the first keyframe: that section, still.
+  // The mesh between the last two keyframes, origin near the newer one's eye. After the first keyframe: that section,
+  // still.
   KeyframeMesh buildMesh() const;
 
   const proto::GridTopology& grid() const { return grid_; }
@@ -42,7 +43,8 @@ class Replica {
   const proto::CutDelta& lastDelta() const { return delta_.cut; }
   proto::Section section() const;  // the newest
 
-  // Height (m) of the newest section's surface at a lattice place inside the data; nothing elsewhere or before a keyframe.
+  // Height (m) of the newest section's surface at a lattice place inside the data; nothing elsewhere or before a
+  // keyframe.
   std::optional<double> heightAt(double x, double y) const;
 
   // Height in steps of a vertex that the replica holds (base, or node of either section), or nullptr.
@@ -55,6 +57,7 @@ class Replica {
   proto::FrameGrid frame_;
   std::vector<int32_t> corner_heights_, centre_heights_;
   NodeUnion nodes_;
+  proto::DeltaModel model_;  // of all deltas taken
   uint32_t fingerprint_ = 0;
   proto::KeyframeHeader from_, to_;
   proto::HeightDelta delta_;

@@ -1,85 +1,91 @@
-// Cut deltas as bytes: which nodes go, which come, and the height of each that comes.
+// Cut deltas as bytes: which nodes go, which come, and the height of each that comes, by adaptive range coding.
 //
-// Slots are coded as gaps, heights as what is left after predicting the mean of the node's edge endpoints, all as varints
-// (LEB128, signed values zigzag). A vertex's endpoints lie on coarser levels, hence before it, so the decoder always knows them.
-// Every count is bounded by the bytes that are there before anything is allocated; any byte string ends in a delta or an
-// Error. Closure is the receiver's to check (client/replica.h), for only it knows the section.
-// Pure functions; any thread; O(nodes in the delta).
+// The changes are found from the roots down a quadtree of cells: a cell of 2s holds its centre node and the side nodes
+// on its south and west borders. "Does anything change in here?" is one bit; so the cost follows the changes, not the
+// section. A node can come only if its parents are there, and goes untold when a parent goes; what is told costs what
+// its context makes of it: the view before and after (both ends have them), the level, the nodes around.
+// docs/PROTOCOL.md has every context; docs/decisions/wire_codec.md has the measurements.
+//
+// The model keeps what it has learnt from delta to delta; both ends begin with a new one wherever a delta starts from a
+// section that was presented (or from nothing). Any bytes end in a delta that fits the held section, or in an Error, in
+// time and memory linear in the bytes and the section held. One owner of a model; otherwise pure; any thread. Portable
+// to WebAssembly.
 #pragma once
 
-#include <concepts>
+#include <array>
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/result.h"
+#include "proto/frame_grid.h"
+#include "proto/message.h"
+#include "proto/range_coder.h"
 #include "proto/section.h"
 
 namespace foreland::proto {
 
 // Largest quantised height, steps either way: heights and their sums stay far inside int32.
 inline constexpr int32_t kMaxHeight = 1 << 29;
+// Nodes that one delta may add: no more than these, and no more than these for each of its bytes (the least probability
+// sees to that).
+inline constexpr size_t kMaxDeltaNodes = 1u << 22;
+inline constexpr size_t kNodesPerByte = 128;
 
 struct HeightDelta {
   CutDelta cut;
   std::vector<int32_t> heights;  // of cut.added, in steps
 };
 
-// Height of any vertex by id, or nothing if the caller does not hold it.
-template <class F>
-concept HeightSource = requires(F f, NodeId v) {
-  { f(v) } -> std::convertible_to<int32_t>;
+// What a section is for, as the keyframe's header has it.
+struct DeltaView {
+  Pose pose;
+  double tau_px = 1, ball_m = 0, turn_rad = 0;
+};
+// Of a header as received. A header about to be sent goes through asSent first: rounding a pose twice may round it
+// further.
+inline DeltaView viewOf(const KeyframeHeader& h) { return {h.pose, h.tau_px, h.ball_m, h.turn_rad}; }
+inline DeltaView viewAsSent(const KeyframeHeader& h) { return {asSent(h.pose), h.tau_px, h.ball_m, h.turn_rad}; }
+
+// The nodes of a section. The encoder's is the section that results, the decoder's the one that it holds.
+class HeldNodes {
+ public:
+  virtual ~HeldNodes() = default;
+  virtual bool has(Slot slot) const = 0;
+  // In steps, of a base vertex or a node of the section. The encoder's knows all nodes.
+  virtual int32_t height(NodeId v) const = 0;
 };
 
-namespace codec_detail {
+// What both ends have learnt, and the view of the previous delta.
+struct DeltaModel {
+  static constexpr int kShrink = 8, kSides = 8, kNear = 8, kMagnitudes = 24;
 
-inline int32_t predicted(int32_t a, int32_t b) { return (a + b) >> 1; }
+  std::array<AdaptiveBit, 4 * kSides * 4 * kShrink * 4> alive;
+  std::array<AdaptiveBit, 2 * 3 * kSides * 4> goes;
+  std::array<AdaptiveBit, 2 * 16 * kSides * 8> comes;             // next to nodes that just came
+  std::array<AdaptiveBit, 2 * kShrink * 4 * 16 * 4> comes_later;  // could have come before
+  std::array<std::array<AdaptiveBit, 16>, kMagnitudes * 3> exponent;
+  std::array<AdaptiveBit, 64> escape;
+  std::array<AdaptiveBit, 12> sign;
+  std::array<std::array<AdaptiveBit, 4>, 32> mantissa;
+  AdaptiveBit border;
+  AdaptiveBit unit_changes, off_unit;
+  uint32_t unit = 1;  // heights are multiples of it
+  bool has_view = false;
+  DeltaView view;
+};
 
-void putSlots(const std::vector<Slot>& slots, ByteWriter& writer);
-Status getSlots(const GridTopology& grid, ByteReader& reader, std::vector<Slot>& slots);
+// Where an encoder's bits went.
+struct DeltaBits {
+  double structure = 0, heights = 0;
+};
 
-}  // namespace codec_detail
+// Appends the delta, which leads to `held`, to `out`. The delta is sorted and closed (settle); `view` is as the
+// receiver has it.
+void encodeDelta(const GridTopology& grid, const FrameGrid& frame, const CutDelta& cut, const DeltaView& view,
+                 const HeldNodes& held, DeltaModel& model, Bytes& out, DeltaBits* bits = nullptr);
 
-// Appends the delta to `out`. `height_of` knows every vertex involved.
-template <HeightSource F>
-void encodeDelta(const GridTopology& grid, const CutDelta& cut, F&& height_of, Bytes& out) {
-  ByteWriter writer(out);
-  codec_detail::putSlots(cut.removed, writer);
-  codec_detail::putSlots(cut.added, writer);
-  for (Slot slot : cut.added) {
-    const NodeId n = grid.node(slot);
-    const auto [a, b] = grid.endpoints(n);
-    writer.putZigzag(int64_t{height_of(n)} - codec_detail::predicted(height_of(a), height_of(b)));
-  }
-}
-
-// Reads a delta to the end of `bytes`. `known_height(v)` gives the height of a vertex the receiver holds, or nullptr. On an
-// Error `out` is unspecified and the receiver's state untouched.
-template <class F>
-Status decodeDelta(const GridTopology& grid, ByteSpan bytes, F&& known_height, HeightDelta& out) {
-  const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, std::string("cut delta: ") + what}; };
-  ByteReader reader(bytes);
-  if (Status s = codec_detail::getSlots(grid, reader, out.cut.removed); !s.ok()) return s;
-  if (Status s = codec_detail::getSlots(grid, reader, out.cut.added); !s.ok()) return s;
-  const auto& added = out.cut.added;
-  out.heights.clear();
-  out.heights.reserve(added.size());
-  const auto height_of = [&](NodeId v) -> const int32_t* {
-    if (const int32_t* known = known_height(v)) return known;
-    if (grid.isBase(v)) return nullptr;
-    const Slot slot = grid.slot(v);
-    const auto end = added.begin() + static_cast<ptrdiff_t>(out.heights.size());
-    const auto it = std::lower_bound(added.begin(), end, slot);
-    return it != end && *it == slot ? &out.heights[static_cast<size_t>(it - added.begin())] : nullptr;
-  };
-  for (Slot slot : added) {
-    const auto [a, b] = grid.endpoints(grid.node(slot));
-    const int32_t *height_a = height_of(a), *height_b = height_of(b);
-    if (!height_a || !height_b) return malformed("a node comes before the edge that it refines");
-    const int64_t height = codec_detail::predicted(*height_a, *height_b) + reader.getZigzag();
-    if (!reader.ok() || height < -kMaxHeight || height > kMaxHeight) return malformed("a height is missing or absurd");
-    out.heights.push_back(static_cast<int32_t>(height));
-  }
-  if (!reader.atEnd()) return malformed("bytes left over");
-  return {};
-}
+// Reads a delta from `held` to the end of `bytes`. On an Error `out` and `model` are unspecified.
+Status decodeDelta(const GridTopology& grid, const FrameGrid& frame, ByteSpan bytes, const DeltaView& view,
+                   const HeldNodes& held, DeltaModel& model, HeightDelta& out);
 
 }  // namespace foreland::proto

@@ -18,7 +18,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 1;
+inline constexpr uint32_t kProtocolVersion = 2;
 inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
 inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
 inline constexpr size_t kMaxGroundPlaces = 65'536;

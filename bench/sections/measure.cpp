@@ -13,6 +13,7 @@
 #include "client/replica.h"
 #include "proto/delta_codec.h"
 #include "server/section/adapt.h"
+#include "server/section/held_nodes.h"
 #include "server/section/refine.h"
 #include "server/session/world.h"
 
@@ -134,6 +135,8 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
   const terrain::Scene& scene = hierarchy.scene();
   client::Replica replica(server::welcomeTo(scene));
   server::Adapter adapter(hierarchy);
+  const server::AdapterNodes nodes(adapter, scene);
+  proto::DeltaModel model;
   server::AdaptScratch adapt_scratch;
   Truth truth{scene.frame(), scene.grid().shape(), [&scene](uint32_t x, uint32_t y, std::span<int32_t> out) {
                 for (size_t i = 0; i < out.size(); ++i)
@@ -148,14 +151,13 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
     proto::CutDelta delta;
     CHECK_TRUE(adapter.adapt(views[i], kNoLimit, adapt_scratch, delta));
     server::settle(delta);
-    Bytes bytes;
-    proto::encodeDelta(
-        scene.grid(), delta, [&](proto::NodeId v) { return scene.height(v); }, bytes);
     header.base_index = header.index;
     ++header.index;
     header.time = Time{} + options.keyframe_interval * static_cast<int64_t>(i);
     header.pose = views[i].pose;
     header.fingerprint += proto::fingerprint(delta.added) - proto::fingerprint(delta.removed);
+    Bytes bytes;
+    proto::encodeDelta(scene.grid(), hierarchy.frame(), delta, proto::viewOf(header), nodes, model, bytes);
     CHECK_TRUE(replica.apply(header, bytes).ok());
     const client::KeyframeMesh mesh = replica.buildMesh();
     errors.cracks += findCracks(mesh, scene.grid().shape()).cracks;

@@ -2,8 +2,6 @@
 
 #include <time.h>
 
-#include <unordered_map>
-
 #include "proto/delta_codec.h"
 #include "server/section/adapt.h"
 
@@ -18,6 +16,22 @@ double processorSeconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// A section as one bit a slot: what it costs to ask is left out of the codec's figures as far as can be.
+class FlaggedNodes final : public proto::HeldNodes {
+ public:
+  explicit FlaggedNodes(const terrain::Scene& scene) : scene_(scene), words_(scene.grid().slotCount() / 64 + 1) {}
+  void set(const proto::CutDelta& delta) {
+    for (proto::Slot slot : delta.added) words_[slot >> 6] |= uint64_t{1} << (slot & 63);
+    for (proto::Slot slot : delta.removed) words_[slot >> 6] &= ~(uint64_t{1} << (slot & 63));
+  }
+  bool has(proto::Slot slot) const override { return words_[slot >> 6] >> (slot & 63) & 1; }
+  int32_t height(proto::NodeId v) const override { return scene_.height(v); }
+
+ private:
+  const terrain::Scene& scene_;
+  std::vector<uint64_t> words_;
+};
+
 struct Sum {
   double height_bits = 0, structure_bits = 0, framing_bits = 0, encode_s = 0, decode_s = 0, nodes = 0, added = 0;
 };
@@ -27,37 +41,38 @@ struct Sum {
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
                       Duration keyframe_interval) {
   const terrain::Scene& scene = hierarchy.scene();
-  const auto height_of = [&scene](proto::NodeId v) { return scene.height(v); };
-  std::unordered_map<uint64_t, int32_t> held;
-  const auto known = [&](proto::NodeId v) -> const int32_t* {
-    if (scene.grid().isBase(v)) return &(held[v.bits] = scene.height(v));
-    const auto it = held.find(v.bits);
-    return it == held.end() ? nullptr : &it->second;
-  };
+  FlaggedNodes sent(scene), received(scene);
+  proto::DeltaModel encoder, decoder;
   WireCosts costs;
   Sum first, rest;
   for (size_t i = 0; i < flight.size(); ++i) {
     const RecordedKeyframe& keyframe = flight[i];
     Sum& sum = i == 0 ? first : rest;
+    const proto::DeltaView view = proto::viewAsSent(keyframe.header);
+    sent.set(keyframe.delta);
     Bytes message;
+    proto::DeltaModel measured = encoder;
     const double t0 = processorSeconds();
     proto::encodeHeader(keyframe.header, message);
     const size_t header_bytes = message.size();
-    proto::encodeDelta(scene.grid(), keyframe.delta, height_of, message);
+    proto::encodeDelta(scene.grid(), hierarchy.frame(), keyframe.delta, view, sent, encoder, message);
     const double t1 = processorSeconds();
     proto::HeightDelta got;
-    CHECK_TRUE(proto::decodeDelta(scene.grid(), ByteSpan(message).subspan(header_bytes), known, got).ok());
+    const Status decoded = proto::decodeDelta(scene.grid(), hierarchy.frame(), ByteSpan(message).subspan(header_bytes),
+                                              view, received, decoder, got);
     const double t2 = processorSeconds();
+    CHECK_TRUE(decoded.ok());
     CHECK_TRUE(got.cut == keyframe.delta);
-    for (size_t k = 0; k < got.heights.size(); ++k) held[scene.grid().node(got.cut.added[k]).bits] = got.heights[k];
-    for (proto::Slot slot : got.cut.removed) held.erase(scene.grid().node(slot).bits);
-    Bytes structure;
-    ByteWriter writer(structure);
-    proto::codec_detail::putSlots(keyframe.delta.removed, writer);
-    proto::codec_detail::putSlots(keyframe.delta.added, writer);
+    for (size_t k = 0; k < got.heights.size(); ++k)
+      CHECK_EQ(got.heights[k], scene.height(scene.grid().node(got.cut.added[k])));
+    received.set(got.cut);
+    Bytes again;
+    proto::DeltaBits bits;
+    proto::encodeDelta(scene.grid(), hierarchy.frame(), keyframe.delta, view, sent, measured, again, &bits);
+    const double delta_bits = 8.0 * static_cast<double>(message.size() - header_bytes);
     sum.framing_bits += 8.0 * static_cast<double>(header_bytes);
-    sum.structure_bits += 8.0 * static_cast<double>(structure.size());
-    sum.height_bits += 8.0 * static_cast<double>(message.size() - header_bytes - structure.size());
+    sum.height_bits += bits.heights;
+    sum.structure_bits += delta_bits - bits.heights;
     sum.encode_s += t1 - t0;
     sum.decode_s += t2 - t1;
     sum.added += static_cast<double>(keyframe.delta.added.size());

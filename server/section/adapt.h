@@ -37,6 +37,7 @@ class Adapter {
   size_t nodeCount() const { return active_; }
   proto::Section section() const;  // ascending; for tests and tools
   bool contains(proto::NodeId n) const { return flags_.get(NodeFlags::kActive, hierarchy_->grid().slot(n)); }
+  bool contains(proto::Slot slot) const { return flags_.get(NodeFlags::kActive, slot); }
   size_t bytes() const;  // of this session's state
   size_t frontierSize() const { return slots_.size(); }
   uint64_t testCount() const { return tests_; }  // since the start

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "proto/delta_codec.h"
+#include "server/section/held_nodes.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 
@@ -225,9 +226,9 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
       keyframe_.fingerprint + proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
   Bytes message;
   proto::encodeHeader(header, message);
-  const terrain::Scene& scene = hierarchy.scene();
-  proto::encodeDelta(
-      hierarchy.grid(), scratch.delta, [&](proto::NodeId v) { return scene.height(v); }, message);
+  const AdapterNodes nodes(adapter_, hierarchy.scene());
+  proto::encodeDelta(hierarchy.grid(), hierarchy.frame(), scratch.delta, proto::viewAsSent(header), nodes, model_,
+                     message);
   tolerance_.observe(2.0 * static_cast<double>(adapter_.nodeCount()), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
 

@@ -16,6 +16,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "proto/delta_codec.h"
 #include "proto/message.h"
 #include "server/section/adapt.h"
 #include "server/section/budget.h"
@@ -118,6 +119,7 @@ class Session {
   std::vector<Bytes> replies_;
 
   Adapter adapter_;
+  proto::DeltaModel model_;  // of all deltas sent
   ToleranceControl tolerance_;
   proto::KeyframeHeader keyframe_;  // the last one sent; index 0 before the first
   bool unsent_ = false;
