@@ -132,12 +132,20 @@ const fb::Control* verified(ByteSpan bytes, std::vector<uint64_t>& aligned) {
 
 std::string text(const flatbuffers::String* s, size_t limit) { return s ? s->str().substr(0, limit) : std::string(); }
 
+// FlatBuffers' verifier does not see to the alignment of a vector's structs, so they are read bytewise.
+template <class T>
+T structAt(const flatbuffers::Vector<const T*>& in, size_t i) {
+  T out;
+  std::memcpy(static_cast<void*>(&out), in.Data() + i * sizeof(T), sizeof(T));
+  return out;
+}
+
 Result<std::vector<Pose>> posesOf(const flatbuffers::Vector<const fb::CameraPose*>* in) {
   if (!in || in->size() < 2 || in->size() > Path::kMaxPoses) return malformed("a path has 2 to 100000 poses");
   std::vector<Pose> poses;
   poses.reserve(in->size());
-  for (const fb::CameraPose* p : *in) {
-    poses.push_back(fromFb(*p));
+  for (size_t i = 0; i < in->size(); ++i) {
+    poses.push_back(fromFb(structAt(*in, i)));
     if (!isUsable(poses.back())) return malformed("a pose is not finite, too far away or not a rotation");
   }
   return poses;
@@ -185,7 +193,7 @@ Result<ClientMessage> read(const fb::GroundRequest& m) {
   GroundRequest out{m.id(), {}};
   if (m.places()) {
     if (m.places()->size() > kMaxGroundPlaces) return malformed("more than 65536 places in one ground request");
-    for (const fb::Vec2* p : *m.places()) out.places.push_back(fromFb(*p));
+    for (size_t i = 0; i < m.places()->size(); ++i) out.places.push_back(fromFb(structAt(*m.places(), i)));
   }
   return ClientMessage(std::move(out));
 }
