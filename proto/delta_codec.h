@@ -4,7 +4,7 @@
 // on its south and west borders. "Does anything change in here?" is one bit; so the cost follows the changes, not the
 // section. A node can come only if its parents are there, and goes untold when a parent goes; what is told costs what
 // its context makes of it: the view before and after (both ends have them), the level, the nodes around.
-// docs/PROTOCOL.md has every context; docs/decisions/wire_codec.md has the measurements.
+// docs/decisions/wire_codec.md has the measurements.
 //
 // The model keeps what it has learnt from delta to delta; both ends begin with a new one wherever a delta starts from a
 // section that was presented (or from nothing). Any bytes end in a delta that fits the held section, or in an Error, in

@@ -115,6 +115,24 @@ TEST(DeltaCodec, AnyBytesEndInADeltaThatFitsOrAnError) {
   EXPECT_GT(accepted, 0);
 }
 
+// The bytes are the protocol: if these change, kProtocolVersion does too.
+TEST(DeltaCodec, WritesTheBytesOfItsVersion) {
+  const GridTopology grid = *GridTopology::create({1, 1, 3, 9, 9});
+  const FrameGrid frame(planar(), grid.maxX(), grid.maxY());
+  Section to;
+  for (Slot slot = 0; slot < grid.levelOffset(4); ++slot)
+    if (!grid.isBase(grid.node(slot))) to.slots.push_back(slot);
+  CutDelta cut;
+  diff({}, to, cut);
+  Bytes bytes;
+  DeltaModel model;
+  encodeDelta(grid, frame, cut, viewAt(40, 40), TestNodes(grid, to), model, bytes);
+  uint32_t hash = 0;
+  for (uint8_t byte : bytes) hash = fingerprint(hash + byte);
+  EXPECT_EQ(bytes.size(), 50u);
+  EXPECT_EQ(hash, 3034518899u);
+}
+
 // What an empty delta costs: it is the smallest message of a viewer who stands still.
 TEST(DeltaCodec, NothingCostsAFewBytes) {
   const GridTopology grid = *GridTopology::create({2, 2, 4, 33, 33});
