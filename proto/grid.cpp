@@ -40,7 +40,6 @@ Result<GridTopology> GridTopology::create(const GridShape& shape) {
     if (offset >= kNoSlot) return refuse("more than 2^32 nodes");
   }
   grid.level_offset_[grid.maxLevel() + 1] = static_cast<Slot>(offset);
-  grid.level_offset_[grid.maxLevel() + 2] = grid.level_offset_[grid.maxLevel() + 3] = kNoSlot;
   for (int width = 0, level = 1; width <= 32; ++width) {
     const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
     while (level < grid.maxLevel() && least >= grid.level_offset_[level + 1]) ++level;

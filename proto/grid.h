@@ -140,9 +140,8 @@ class GridTopology {
   // The node of a slot, or base vertex (0, 0) if the slot is padding or out of range.
   NodeId node(Slot slot) const {
     if (slot >= slotCount()) return {};
-    // Each level has at least about as many slots as all before it, so a width of slots meets three levels at most.
     int level = level_hint_[std::bit_width(slot)];
-    level += (slot >= level_offset_[level + 1]) + (slot >= level_offset_[level + 2]);
+    while (slot >= level_offset_[level + 1]) ++level;  // levels grow about twofold, so rarely more than two steps
     const Slot within = slot - level_offset_[level];
     const uint32_t sides = level & 1, along_y = sides & within;
     const uint32_t cell = within >> sides, tile = cell >> (2 * kTileLog2), tiles_x = tiles_x_[level];
@@ -177,7 +176,7 @@ class GridTopology {
   }
 
   GridShape shape_;
-  std::array<Slot, kMaxLevels + 4> level_offset_{};  // and two past the end that no slot reaches
+  std::array<Slot, kMaxLevels + 2> level_offset_{};
   std::array<uint32_t, kMaxLevels + 1> tiles_x_{};
   std::array<double, kMaxLevels + 1> inverse_tiles_x_{};
   std::array<int, 33> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width

@@ -99,14 +99,17 @@ Pose fromFb(const fb::CameraPose& p) {
 }
 
 flatbuffers::Offset<flatbuffers::Vector<const fb::CameraPose*>> putPoses(Builder& b, const std::vector<Pose>& poses) {
-  return b.CreateVectorOfStructs<fb::CameraPose>(poses.size(), [&](size_t i, fb::CameraPose* out) { *out = toFb(poses[i]); });
+  return b.CreateVectorOfStructs<fb::CameraPose>(poses.size(),
+                                                 [&](size_t i, fb::CameraPose* out) { *out = toFb(poses[i]); });
 }
 
 flatbuffers::Offset<fb::Frame> putFrame(Builder& b, const Frame& f) {
-  const fb::Vec2 anchor = toFb(f.anchor), axis_x = toFb(f.axis_x_m), axis_y = toFb(f.axis_y_m), map = toFb(f.map_origin_m);
+  const fb::Vec2 anchor = toFb(f.anchor), axis_x = toFb(f.axis_x_m), axis_y = toFb(f.axis_y_m),
+                 map = toFb(f.map_origin_m);
   const fb::Geodetic origin = toFb(f.origin);
-  return fb::CreateFrame(b, static_cast<uint8_t>(f.kind), f.height_step_m, &anchor, &axis_x, &axis_y, &map, f.latitude0_rad,
-                         f.longitude0_rad, f.latitude_step_rad, f.longitude_step_rad, f.semi_major_m, f.flattening, &origin);
+  return fb::CreateFrame(b, static_cast<uint8_t>(f.kind), f.height_step_m, &anchor, &axis_x, &axis_y, &map,
+                         f.latitude0_rad, f.longitude0_rad, f.latitude_step_rad, f.longitude_step_rad, f.semi_major_m,
+                         f.flattening, &origin);
 }
 
 Bytes finish(Builder& b, fb::Body type, flatbuffers::Offset<void> body) {
@@ -160,7 +163,8 @@ Result<ClientMessage> read(const fb::ViewRequest& m) {
   if (!m.lens()) return malformed("a view request lacks its lens");
   ViewRequest out;
   out.lens = fromFb(*m.lens());
-  if (!isUsable(out.lens)) return malformed("field of view must be 1 to 170 degrees, the viewport 1 to 16384 pixels a side");
+  if (!isUsable(out.lens))
+    return malformed("field of view must be 1 to 170 degrees, the viewport 1 to 16384 pixels a side");
   out.tau_px = m.tau_px();
   if (out.tau_px != 0 && !(out.tau_px >= 0.01 && out.tau_px <= 1000))
     return malformed("the tolerance must be 0.01 to 1000 pixels, or 0 for the server's own");
@@ -170,7 +174,8 @@ Result<ClientMessage> read(const fb::ViewRequest& m) {
   out.keyframe_interval = {m.keyframe_interval_us()};
   out.max_triangles = m.max_triangles();
   out.max_bytes_per_second = m.max_bytes_per_second();
-  if (out.keyframe_interval != Duration{} && (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
+  if (out.keyframe_interval != Duration{} &&
+      (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
     return malformed("the keyframe interval must be 20 to 10000 ms, or 0 for the server's own");
   return ClientMessage(out);
 }
@@ -228,7 +233,8 @@ bool readHeights(const flatbuffers::Vector<int32_t>* in, uint64_t expected, std:
 }
 
 Result<ServerMessage> read(const fb::Welcome& m) {
-  if (m.protocol() != kProtocolVersion) return malformed("the server speaks another protocol version; reload or update");
+  if (m.protocol() != kProtocolVersion)
+    return malformed("the server speaks another protocol version; reload or update");
   if (!m.shape()) return malformed("the welcome lacks its shape");
   Welcome out;
   out.scene_id = m.scene_id();
@@ -248,7 +254,8 @@ Result<ServerMessage> read(const fb::Welcome& m) {
   out.highest = m.highest();
   out.tau_px = m.tau_px();
   out.keyframe_interval = {m.keyframe_interval_us()};
-  if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0) return malformed("the welcome's tolerance or interval is not positive");
+  if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0)
+    return malformed("the welcome's tolerance or interval is not positive");
   return ServerMessage(std::move(out));
 }
 
@@ -274,16 +281,17 @@ std::optional<Predictor> predictorNamed(std::string_view wanted) { return named<
 Bytes encode(const ViewRequest& m) {
   Builder b;
   const fb::Lens lens = toFb(m.lens);
-  const auto body = fb::CreateViewRequest(b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy),
-                                          static_cast<uint8_t>(m.predictor), static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles,
-                                          m.max_bytes_per_second);
+  const auto body = fb::CreateViewRequest(
+      b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy), static_cast<uint8_t>(m.predictor),
+      static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles, m.max_bytes_per_second);
   return finish(b, fb::Body_ViewRequest, body.Union());
 }
 
 Bytes encode(const Path& m) {
   Builder b;
   const auto poses = putPoses(b, m.poses);
-  return finish(b, fb::Body_PathUpload, fb::CreatePathUpload(b, m.start.us, static_cast<uint32_t>(m.step.us), poses).Union());
+  return finish(b, fb::Body_PathUpload,
+                fb::CreatePathUpload(b, m.start.us, static_cast<uint32_t>(m.step.us), poses).Union());
 }
 
 Bytes encode(const TourRequest& m) {
@@ -303,10 +311,11 @@ Bytes encode(const Welcome& m) {
   Builder b;
   const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
   const auto frame = putFrame(b, m.frame);
-  const auto shape = fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x, m.shape.samples_y);
+  const auto shape =
+      fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x, m.shape.samples_y);
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
-  const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest, corners,
-                                      centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us));
+  const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
+                                      corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us));
   return finish(b, fb::Body_Welcome, body.Union());
 }
 
@@ -371,7 +380,8 @@ Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
     const uint64_t received = r.getVarint();
     const int64_t since = r.getZigzag();
     constexpr int64_t kHorizon = int64_t{1} << 60;
-    if (!r.atEnd() || received > 0xffffffffu || std::llabs(m.pose.time.us) > kHorizon || since > kHorizon || since < -kHorizon)
+    if (!r.atEnd() || received > 0xffffffffu || std::llabs(m.pose.time.us) > kHorizon || since > kHorizon ||
+        since < -kHorizon)
       return malformed("a pose update is cut short, too long or absurd");
     m.received_keyframe = static_cast<uint32_t>(received);
     m.received_at = m.pose.time + Duration{since};
@@ -382,11 +392,16 @@ Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
   const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;
   if (!control) return malformed("not a message of this protocol");
   switch (control->body_type()) {
-    case fb::Body_ViewRequest: return read(*control->body_as_ViewRequest());
-    case fb::Body_PathUpload: return read(*control->body_as_PathUpload());
-    case fb::Body_TourRequest: return read(*control->body_as_TourRequest());
-    case fb::Body_GroundRequest: return read(*control->body_as_GroundRequest());
-    default: return malformed("not one that a client sends");
+    case fb::Body_ViewRequest:
+      return read(*control->body_as_ViewRequest());
+    case fb::Body_PathUpload:
+      return read(*control->body_as_PathUpload());
+    case fb::Body_TourRequest:
+      return read(*control->body_as_TourRequest());
+    case fb::Body_GroundRequest:
+      return read(*control->body_as_GroundRequest());
+    default:
+      return malformed("not one that a client sends");
   }
 }
 
@@ -405,8 +420,8 @@ Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
     h.ball_m = r.get<float>();
     h.turn_rad = r.get<float>();
     h.fingerprint = r.get<uint32_t>();
-    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !(h.tau_px > 0) || !(h.ball_m >= 0) || !(h.turn_rad >= 0) ||
-        std::llabs(h.time.us) > (int64_t{1} << 60))
+    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !(h.tau_px > 0) || !(h.ball_m >= 0) ||
+        !(h.turn_rad >= 0) || std::llabs(h.time.us) > (int64_t{1} << 60))
       return malformed("a keyframe's header is cut short or absurd");
     return ServerMessage(KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())});
   }
@@ -414,11 +429,16 @@ Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
   const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;
   if (!control) return malformed("not a message of this protocol");
   switch (control->body_type()) {
-    case fb::Body_Welcome: return read(*control->body_as_Welcome());
-    case fb::Body_TourReply: return read(*control->body_as_TourReply());
-    case fb::Body_GroundReply: return read(*control->body_as_GroundReply());
-    case fb::Body_Refusal: return ServerMessage(Refusal{text(control->body_as_Refusal()->message(), kMaxTextBytes)});
-    default: return malformed("not one that a server sends");
+    case fb::Body_Welcome:
+      return read(*control->body_as_Welcome());
+    case fb::Body_TourReply:
+      return read(*control->body_as_TourReply());
+    case fb::Body_GroundReply:
+      return read(*control->body_as_GroundReply());
+    case fb::Body_Refusal:
+      return ServerMessage(Refusal{text(control->body_as_Refusal()->message(), kMaxTextBytes)});
+    default:
+      return malformed("not one that a server sends");
   }
 }
 
