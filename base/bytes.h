@@ -1,6 +1,6 @@
-// Bounds-checked reading and writing of bytes, little-endian, with LEB128 varints. Readers accept any bytes: a read past
-// the end yields zero and makes `ok()` false for good, so a decoder may check once after a group of reads.
-// Value types, one owner; portable to WebAssembly.
+// Bounds-checked reading and writing of bytes, little-endian, with LEB128 varints. Readers accept any bytes: a read
+// past the end yields zero and makes `ok()` false for good, so a decoder may check once after a group of reads. Value
+// types, one owner; portable to WebAssembly.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ class ByteWriter {
   explicit ByteWriter(Bytes& out) : out_(out) {}
 
   template <class T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void put(const T& value) {
     const size_t at = out_.size();
     out_.resize(at + sizeof(T));
@@ -53,8 +53,7 @@ class ByteReader {
   bool atEnd() const { return ok_ && remaining() == 0; }
 
   template <class T>
-    requires std::is_trivially_copyable_v<T>
-  T get() {
+  requires std::is_trivially_copyable_v<T> T get() {
     T value{};
     if (!take(sizeof(T))) return value;
     std::memcpy(&value, bytes_.data() + at_ - sizeof(T), sizeof(T));

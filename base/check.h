@@ -1,5 +1,5 @@
-// Checks for the caller's mistakes: they print both operands and abort. Never used for input from outside (see result.h).
-// Any thread. CHECK_* always runs; DCHECK_* only in builds without NDEBUG.
+// Checks for the caller's mistakes: they print both operands and abort. Never used for input from outside (see
+// result.h). Any thread. CHECK_* always runs; DCHECK_* only in builds without NDEBUG.
 #pragma once
 
 #include <cstdio>
@@ -10,9 +10,12 @@ namespace foreland::check_detail {
 
 template <class T>
 double printable(const T& value) {
-  if constexpr (std::is_arithmetic_v<T>) return static_cast<double>(value);
-  else if constexpr (std::is_enum_v<T>) return static_cast<double>(static_cast<std::underlying_type_t<T>>(value));
-  else return 0.0;
+  if constexpr (std::is_arithmetic_v<T>)
+    return static_cast<double>(value);
+  else if constexpr (std::is_enum_v<T>)
+    return static_cast<double>(static_cast<std::underlying_type_t<T>>(value));
+  else
+    return 0.0;
 }
 
 [[noreturn]] inline void fail(const char* file, int line, const char* expression, double left, double right) {
@@ -22,14 +25,14 @@ double printable(const T& value) {
 
 }  // namespace foreland::check_detail
 
-#define FORELAND_CHECK_OP_(op, a, b)                                                              \
-  do {                                                                                            \
-    const auto& check_left_ = (a);                                                                \
-    const auto& check_right_ = (b);                                                               \
-    if (!(check_left_ op check_right_))                                                           \
-      ::foreland::check_detail::fail(__FILE__, __LINE__, #a " " #op " " #b,                       \
-                                     ::foreland::check_detail::printable(check_left_),            \
-                                     ::foreland::check_detail::printable(check_right_));          \
+#define FORELAND_CHECK_OP_(op, a, b)                                                     \
+  do {                                                                                   \
+    const auto& check_left_ = (a);                                                       \
+    const auto& check_right_ = (b);                                                      \
+    if (!(check_left_ op check_right_))                                                  \
+      ::foreland::check_detail::fail(__FILE__, __LINE__, #a " " #op " " #b,              \
+                                     ::foreland::check_detail::printable(check_left_),   \
+                                     ::foreland::check_detail::printable(check_right_)); \
   } while (false)
 
 #define CHECK_EQ(a, b) FORELAND_CHECK_OP_(==, a, b)

@@ -30,14 +30,26 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}       // NOLINT: implicit by design, as `return value;`
-  Result(Error error) : value_(std::move(error)) {}   // NOLINT
+  Result(T value) : value_(std::move(value)) {}      // NOLINT: implicit by design, as `return value;`
+  Result(Error error) : value_(std::move(error)) {}  // NOLINT
   bool ok() const { return value_.index() == 0; }
   explicit operator bool() const { return ok(); }
-  T& value() & { CHECK_TRUE(ok()); return std::get<0>(value_); }
-  const T& value() const& { CHECK_TRUE(ok()); return std::get<0>(value_); }
-  T&& value() && { CHECK_TRUE(ok()); return std::get<0>(std::move(value_)); }
-  const Error& error() const { CHECK_TRUE(!ok()); return std::get<1>(value_); }
+  T& value() & {
+    CHECK_TRUE(ok());
+    return std::get<0>(value_);
+  }
+  const T& value() const& {
+    CHECK_TRUE(ok());
+    return std::get<0>(value_);
+  }
+  T&& value() && {
+    CHECK_TRUE(ok());
+    return std::get<0>(std::move(value_));
+  }
+  const Error& error() const {
+    CHECK_TRUE(!ok());
+    return std::get<1>(value_);
+  }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
   T& operator*() & { return value(); }
@@ -54,7 +66,10 @@ class [[nodiscard]] Status {
   Status(Error error) : error_(std::move(error)) {}  // NOLINT
   bool ok() const { return !error_.has_value(); }
   explicit operator bool() const { return ok(); }
-  const Error& error() const { CHECK_TRUE(!ok()); return *error_; }
+  const Error& error() const {
+    CHECK_TRUE(!ok());
+    return *error_;
+  }
 
  private:
   std::optional<Error> error_;

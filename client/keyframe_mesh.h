@@ -1,6 +1,6 @@
-// The mesh between two keyframes: the union of their sections, with two positions per vertex. A frame is mix(from, to, weight)
-// and nothing else (P, theorem 1; DESIGN section 2), so drawing costs no work per frame on the processor.
-// Plain data, built by Replica; one owner until published, then immutable.
+// The mesh between two keyframes: the union of their sections, with two positions per vertex. A frame is mix(from, to,
+// weight) and nothing else (P, theorem 1; DESIGN section 2), so drawing costs no work per frame on the processor. Plain
+// data, built by Replica; one owner until published, then immutable.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -16,7 +16,8 @@ struct KeyframeMesh {
   proto::KeyframeHeader from, to;  // from.index == to.index: a still mesh, both positions equal
   glm::dvec3 origin{0};            // scene frame, metres; positions are relative to it
 
-  // One entry per vertex. xyz: metres from the origin, along the scene's axes; w: height above the zero surface, metres.
+  // One entry per vertex. xyz: metres from the origin, along the scene's axes; w: height above the zero surface,
+  // metres.
   std::vector<glm::vec4> from_positions, to_positions;
   // Unit normals of the two sections' own surfaces, as signed bytes x, y, z, 0.
   std::vector<uint32_t> from_normals, to_normals;

@@ -9,7 +9,9 @@ namespace {
 
 uint32_t packNormal(const glm::dvec3& n) {
   const double length = std::sqrt(glm::dot(n, n));
-  const auto byte = [&](double v) { return static_cast<uint32_t>(static_cast<uint8_t>(std::lround(v / length * 127))); };
+  const auto byte = [&](double v) {
+    return static_cast<uint32_t>(static_cast<uint8_t>(std::lround(v / length * 127)));
+  };
   return length > 0 ? byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16 : 127u << 16;
 }
 
@@ -111,12 +113,13 @@ void MeshBuilder::addNormal(uint8_t section, const Triangle& t) {
 }
 
 void MeshBuilder::emit(uint32_t a, uint32_t b, uint32_t c) {
-  if (beyond(a, 0) || beyond(b, 0) || beyond(c, 0) || beyond(a, 1) || beyond(b, 1) || beyond(c, 1)) return clip({a, b, c});
+  if (beyond(a, 0) || beyond(b, 0) || beyond(c, 0) || beyond(a, 1) || beyond(b, 1) || beyond(c, 1))
+    return clip({a, b, c});
   mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
 }
 
-// Sutherland and Hodgman against the two far borders of the data. Vertices on a border are made once per edge, so neighbours
-// still share them.
+// Sutherland and Hodgman against the two far borders of the data. Vertices on a border are made once per edge, so
+// neighbours still share them.
 void MeshBuilder::clip(std::array<uint32_t, 3> corners) {
   std::vector<uint32_t> polygon(corners.begin(), corners.end()), next;
   for (int axis = 0; axis < 2; ++axis) {
@@ -165,7 +168,8 @@ void MeshBuilder::finishNormals() {
     auto& packed = s == 0 ? mesh_.from_normals : mesh_.to_normals;
     for (size_t v = 0; v < normal_[s].size(); ++v) {
       glm::dvec3& n = normal_[s][v];
-      if (n == glm::dvec3(0) && endpoints_[v][0] != kUnset) n = normal_[s][endpoints_[v][0]] + normal_[s][endpoints_[v][1]];
+      if (n == glm::dvec3(0) && endpoints_[v][0] != kUnset)
+        n = normal_[s][endpoints_[v][0]] + normal_[s][endpoints_[v][1]];
       const double length = std::sqrt(glm::dot(n, n));
       if (length > 0) n /= length;
       packed[v] = packNormal(n);
@@ -178,7 +182,8 @@ void MeshBuilder::writePositions() {
   for (int s = 0; s < 2; ++s) {
     auto& out = s == 0 ? mesh_.from_positions : mesh_.to_positions;
     out.reserve(position_[s].size());
-    for (const glm::dvec4& p : position_[s]) out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
+    for (const glm::dvec4& p : position_[s])
+      out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
   }
   for (uint8_t in : nodes_.in) {
     mesh_.from_nodes += (in & NodeUnion::kInFrom) ? 1 : 0;

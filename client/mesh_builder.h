@@ -1,5 +1,5 @@
-// Walks the union of two sections down from the root triangles and writes the mesh between them: two positions and two normals per
-// vertex, triangles clipped to the data.
+// Walks the union of two sections down from the root triangles and writes the mesh between them: two positions and two
+// normals per vertex, triangles clipped to the data.
 //   position  p_S(v) = own position if v is in S, else the mean of its edge's endpoints (DESIGN section 2)
 //   normal    area-weighted over the triangles of S itself, so it depends on S alone and shading does not jump at a keyframe
 // Used once per keyframe; one owner. O(vertices).
@@ -25,7 +25,8 @@ class MeshBuilder {
   struct Lattice {
     int32_t x, y;
   };
-  // A triangle: edge a = m - d, b = m + d, apex m + rot(d). `live` says in which sections (NodeUnion bits) it is a triangle.
+  // A triangle: edge a = m - d, b = m + d, apex m + rot(d). `live` says in which sections (NodeUnion bits) it is a
+  // triangle.
   struct Triangle {
     Lattice m, d;
     uint32_t a, b, apex;  // vertices
@@ -50,10 +51,10 @@ class MeshBuilder {
   const NodeUnion& nodes_;
   KeyframeMesh& mesh_;
   glm::vec2 limit_;
-  uint32_t first_node_ = 0;                         // vertices before it are base vertices
+  uint32_t first_node_ = 0;                          // vertices before it are base vertices
   std::array<std::vector<glm::dvec4>, 2> position_;  // of the two sections; scene frame and height, metres
   std::array<std::vector<glm::dvec3>, 2> normal_;
-  std::vector<std::array<uint32_t, 2>> endpoints_;  // of node vertices
+  std::vector<std::array<uint32_t, 2>> endpoints_;    // of node vertices
   std::map<std::array<uint32_t, 3>, uint32_t> cuts_;  // inside, outside, axis: the vertex on the border
 };
 

@@ -12,11 +12,13 @@ constexpr Duration kLambdaFall = Duration::milliseconds(2);  // a keyframe
 
 }  // namespace
 
-// The worst recent latency beyond the keyframe's own time; it falls a little at a time, so that t_d glides when the link gets better.
+// The worst recent latency beyond the keyframe's own time; it falls a little at a time, so that t_d glides when the
+// link gets better.
 void Timeline::updateLambda(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kLatencies) latencies_.pop_front();
-  const Duration wanted = std::max(Duration{}, *std::max_element(latencies_.begin(), latencies_.end()) + kLatencyMargin);
+  const Duration wanted =
+      std::max(Duration{}, *std::max_element(latencies_.begin(), latencies_.end()) + kLatencyMargin);
   lambda_ = std::max(wanted, lambda_ - kLambdaFall);
 }
 
@@ -33,8 +35,10 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   }
   const Duration delay = predicted ? Duration{} : interval + lambda_;
   Time begin = std::max(arrival, mesh->from.time + delay);
-  if (first) begin = arrival;
-  else begin = std::max(begin, entries_.back().end);
+  if (first)
+    begin = arrival;
+  else
+    begin = std::max(begin, entries_.back().end);
   const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
   const bool still = mesh->from.index == mesh->to.index;
   entries_.push_back({std::move(mesh), begin, end, next_version_++});

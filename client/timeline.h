@@ -1,5 +1,5 @@
-// Which mesh is shown when (DESIGN section 4). Each keyframe mesh spans the scene times [from.time, to.time]; it is shown
-// during an interval of the client's clock that begins where the previous one ends, so what is drawn never jumps:
+// Which mesh is shown when (DESIGN section 4). Each keyframe mesh spans the scene times [from.time, to.time]; it is
+// shown during an interval of the client's clock that begins where the previous one ends, so what is drawn never jumps:
 //   predict          from from.time to to.time: geometry and clock agree, nothing is delayed
 //   delay, current   the same, later by T + lambda: T is the keyframe interval of the paper's formula for t_d, and lambda is what the
 //                    link and the server add to it (0 in the paper, where the server is the client)
@@ -20,7 +20,8 @@ class Timeline {
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
   static constexpr size_t kMaxMeshes = 8;
 
-  // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown; negative is early.
+  // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown;
+  // negative is early.
   Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
 
   struct Shown {

@@ -12,16 +12,19 @@ constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
 
 // The own pose at an earlier time, between the two poses around it.
 proto::Pose poseAt(const std::vector<proto::TimedPose>& poses, Time t) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), t, [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
+  const auto after = std::lower_bound(poses.begin(), poses.end(), t,
+                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
   if (after == poses.begin()) return poses.front().pose;
   if (after == poses.end()) return poses.back().pose;
   const proto::TimedPose &a = after[-1], &b = *after;
-  return proto::interpolate(a.pose, b.pose, static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
+  return proto::interpolate(a.pose, b.pose,
+                            static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
 }
 
 }  // namespace
 
-Viewer::Viewer(const proto::ViewRequest& request, Duration pose_interval) : request_(request), pose_interval_(pose_interval) {
+Viewer::Viewer(const proto::ViewRequest& request, Duration pose_interval)
+    : request_(request), pose_interval_(pose_interval) {
   send(proto::encode(request_));
 }
 
@@ -62,7 +65,8 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   if (Status s = replica_->apply(message.header, message.delta); !s.ok()) return s;
   received_keyframe_ = message.header.index;
   received_at_ = now;
-  const Duration lateness = timeline_.add(std::make_shared<KeyframeMesh>(replica_->buildMesh()), now, request_.strategy);
+  const Duration lateness =
+      timeline_.add(std::make_shared<KeyframeMesh>(replica_->buildMesh()), now, request_.strategy);
   ViewerStatistics& s = statistics_;
   s.worst_lateness = s.keyframes == 0 ? lateness : std::max(s.worst_lateness, lateness);
   s.last_lateness = lateness;
@@ -100,7 +104,7 @@ void Viewer::countFrame(const FrameView& view) {
   };
   ++statistics_.frames;
   // A section that does not show at all need not hold.
-  const bool from_shows = view.weight < 1, to_shows = view.weight > 0;
+  const bool from_shows = view.weight<1, to_shows = view.weight> 0;
   if ((from_shows && !covers(view.mesh->from)) || (to_shows && !covers(view.mesh->to))) ++statistics_.frames_outside;
 }
 

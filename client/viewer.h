@@ -1,6 +1,7 @@
-// The client's whole side of a session: bytes and times in, bytes and meshes out. No socket, no clock, no thread inside; the
-// headless player (client/fly), the page (client/wasm) and the virtual world of the tests are thin hosts of it.
-// One owner. Times are the client's clock: microseconds since an epoch that the host chooses, the same one for its whole life.
+// The client's whole side of a session: bytes and times in, bytes and meshes out. No socket, no clock, no thread
+// inside; the headless player (client/fly), the page (client/wasm) and the virtual world of the tests are thin hosts of
+// it. One owner. Times are the client's clock: microseconds since an epoch that the host chooses, the same one for its
+// whole life.
 #pragma once
 
 #include <deque>
@@ -18,13 +19,13 @@ namespace foreland::client {
 
 struct ViewerStatistics {
   uint64_t bytes_down = 0, bytes_up = 0;
-  uint32_t keyframes = 0;            // received and applied
-  uint32_t late_keyframes = 0;       // arrived after the time they were to be shown from
-  Duration last_lateness;            // of the newest keyframe; negative is early
+  uint32_t keyframes = 0;       // received and applied
+  uint32_t late_keyframes = 0;  // arrived after the time they were to be shown from
+  Duration last_lateness;       // of the newest keyframe; negative is early
   Duration worst_lateness;
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t frames = 0;               // with something to draw
-  uint64_t frames_outside = 0;       // of those: drawn from where one of the two keyframes does not promise its tolerance
+  uint64_t frames = 0;          // with something to draw
+  uint64_t frames_outside = 0;  // of those: drawn from where one of the two keyframes does not promise its tolerance
 };
 
 // What to draw in one frame.
@@ -45,7 +46,8 @@ class Viewer {
   // Next message for the server, oldest first; false when there is none.
   bool takeOutgoing(Bytes& message);
 
-  // The camera is at `pose` now. Queues pose updates as they are due. Call once per shown frame with non-decreasing times.
+  // The camera is at `pose` now. Queues pose updates as they are due. Call once per shown frame with non-decreasing
+  // times.
   FrameView frame(Time now, const proto::Pose& pose);
 
   // Changes strategy, predictor, tolerance, lens in flight.
@@ -62,7 +64,8 @@ class Viewer {
   const std::optional<proto::Welcome>& welcome() const { return welcome_; }
   // Valid after the welcome.
   const proto::FrameGrid& frameGrid() const { return replica_->frameGrid(); }
-  // Ground height (m above the zero surface) of the newest section at a lattice place; nothing before the first keyframe.
+  // Ground height (m above the zero surface) of the newest section at a lattice place; nothing before the first
+  // keyframe.
   std::optional<double> groundHeight(double x, double y) const;
   const ViewerStatistics& statistics() const { return statistics_; }
   // The sections held; nothing before the welcome. For tools and tests.

@@ -43,7 +43,8 @@ Status Frame::validate(double max_x, double max_y) const {
   }
   if (kind != FrameKind::kGeographic) return malformed("unknown kind");
   const double last_latitude = latitude0_rad + max_y * latitude_step_rad;
-  if (!(latitude_step_rad > 0) || !(longitude_step_rad > 0)) return malformed("steps of latitude and longitude must be positive");
+  if (!(latitude_step_rad > 0) || !(longitude_step_rad > 0))
+    return malformed("steps of latitude and longitude must be positive");
   // Root squares may reach past the data, so a little past the pole is allowed; the data itself never is.
   if (latitude0_rad < -kHalfPi - 1e-9 || last_latitude > 2 * kHalfPi || std::fabs(longitude0_rad) > 8 * kHalfPi ||
       longitude0_rad + max_x * longitude_step_rad > 8 * kHalfPi)
@@ -80,7 +81,8 @@ glm::dvec3 FrameTransform::toScene(const LatticePlace& place) const {
     return toScene(Geodetic{frame_.latitude0_rad + place.y * frame_.latitude_step_rad,
                             frame_.longitude0_rad + place.x * frame_.longitude_step_rad, place.height_m});
   const double dx = place.x - frame_.anchor.x, dy = place.y - frame_.anchor.y;
-  return {dx * frame_.axis_x_m.x + dy * frame_.axis_y_m.x, dx * frame_.axis_x_m.y + dy * frame_.axis_y_m.y, place.height_m};
+  return {dx * frame_.axis_x_m.x + dy * frame_.axis_y_m.x, dx * frame_.axis_x_m.y + dy * frame_.axis_y_m.y,
+          place.height_m};
 }
 
 Geodetic FrameTransform::toGeodetic(const glm::dvec3& p) const {
@@ -108,7 +110,8 @@ LatticePlace FrameTransform::toLattice(const glm::dvec3& p) const {
   }
   const glm::dvec2 a = frame_.axis_x_m, b = frame_.axis_y_m;
   const double determinant = a.x * b.y - a.y * b.x;
-  return {frame_.anchor.x + (p.x * b.y - p.y * b.x) / determinant, frame_.anchor.y + (p.y * a.x - p.x * a.y) / determinant, p.z};
+  return {frame_.anchor.x + (p.x * b.y - p.y * b.x) / determinant,
+          frame_.anchor.y + (p.y * a.x - p.x * a.y) / determinant, p.z};
 }
 
 glm::dvec3 FrameTransform::upAt(const glm::dvec3& p) const {

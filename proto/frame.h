@@ -1,5 +1,5 @@
-// Where a lattice position and a height are in metres: the scene frame, the same bits on both ends. The scene frame is right-handed
-// with x east (or along the raster's row), y north, z up at its origin.
+// Where a lattice position and a height are in metres: the scene frame, the same bits on both ends. The scene frame is
+// right-handed with x east (or along the raster's row), y north, z up at its origin.
 //
 //   planar      projected input: metres of its map, axes_m per lattice step, scene origin at `anchor`
 //   geographic  latitude and longitude on an ellipsoid become a local east-north-up frame at the origin, curvature kept:
@@ -18,7 +18,8 @@ namespace foreland::proto {
 
 enum class FrameKind : uint8_t { kPlanar = 0, kGeographic = 1 };
 
-// A place as the raster's owner names it: x eastward, y northward (possibly between samples), height above the zero surface.
+// A place as the raster's owner names it: x eastward, y northward (possibly between samples), height above the zero
+// surface.
 struct LatticePlace {
   double x = 0;
   double y = 0;
@@ -36,9 +37,9 @@ struct Frame {
   double height_step_m = 0.1;  // one step of a quantised height
 
   // Planar. `map_origin` is the scene origin in the map's own metres, for people and files; geometry does not use it.
-  glm::dvec2 anchor{0, 0};          // lattice position of the scene origin
-  glm::dvec2 axis_x_m{1, 0};        // metres per lattice step along x
-  glm::dvec2 axis_y_m{0, 1};        // metres per lattice step along y; axis_x cross axis_y is positive
+  glm::dvec2 anchor{0, 0};    // lattice position of the scene origin
+  glm::dvec2 axis_x_m{1, 0};  // metres per lattice step along x
+  glm::dvec2 axis_y_m{0, 1};  // metres per lattice step along y; axis_x cross axis_y is positive
   glm::dvec2 map_origin_m{0, 0};
 
   // Geographic: position of lattice (0, 0), step per sample, ellipsoid, and origin of the local frame.

@@ -1,5 +1,5 @@
-// Positions of lattice vertices by table look-up: bit-identical to FrameTransform::toScene, without its trigonometry. Costs
-// 24 bytes per column and 32 per row of a geographic scene, nothing for a planar one. Immutable; any thread.
+// Positions of lattice vertices by table look-up: bit-identical to FrameTransform::toScene, without its trigonometry.
+// Costs 24 bytes per column and 32 per row of a geographic scene, nothing for a planar one. Immutable; any thread.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,8 @@ class FrameGrid {
     const double height_m = height * step_m_;
     if (columns_.empty()) {
       const double dx = v.x() - frame().anchor.x, dy = v.y() - frame().anchor.y;
-      return {dx * frame().axis_x_m.x + dy * frame().axis_y_m.x, dx * frame().axis_x_m.y + dy * frame().axis_y_m.y, height_m};
+      return {dx * frame().axis_x_m.x + dy * frame().axis_y_m.x, dx * frame().axis_x_m.y + dy * frame().axis_y_m.y,
+              height_m};
     }
     return transform_.fromTables(rows_[v.y()], columns_[v.x()], height_m);
   }

@@ -1,7 +1,6 @@
-// The messages of a session as plain values, and their bytes. The first byte of a message tells its kind: control messages
-// are FlatBuffers (message.fbs), poses and keyframes are compact. Decoders accept any bytes and end in a valid value or an
-// Error; every count is bounded before it is used.
-// Pure functions; any thread; portable to WebAssembly.
+// The messages of a session as plain values, and their bytes. The first byte of a message tells its kind: control
+// messages are FlatBuffers (message.fbs), poses and keyframes are compact. Decoders accept any bytes and end in a valid
+// value or an Error; every count is bounded before it is used. Pure functions; any thread; portable to WebAssembly.
 #pragma once
 
 #include <optional>
@@ -38,14 +37,14 @@ struct ViewRequest {
   double tau_px = 0;  // 0: the server's own
   Strategy strategy = Strategy::kPredict;
   Predictor predictor = Predictor::kConstantVelocity;
-  Duration keyframe_interval;  // 0: the server's own
+  Duration keyframe_interval;         // 0: the server's own
   uint32_t max_triangles = 0;         // what the client can draw; 0: no limit
   uint32_t max_bytes_per_second = 0;  // and take; 0: no limit
 };
 
 struct TourRequest {
   uint32_t id = 0;
-  std::string name;     // survey, canyon, spin, orbit
+  std::string name;  // survey, canyon, spin, orbit
   double seconds = 60;
 };
 
@@ -60,11 +59,11 @@ struct Welcome {
   std::string crs;
   Frame frame;
   GridShape shape;
-  int32_t lowest = 0, highest = 0;              // heights over the data, steps
-  std::vector<int32_t> corner_heights;          // (roots_x + 1) * (roots_y + 1), row by row from the south, steps
-  std::vector<int32_t> centre_heights;          // roots_x * roots_y
-  double tau_px = 1;                            // in force
-  Duration keyframe_interval;                   // in force
+  int32_t lowest = 0, highest = 0;      // heights over the data, steps
+  std::vector<int32_t> corner_heights;  // (roots_x + 1) * (roots_y + 1), row by row from the south, steps
+  std::vector<int32_t> centre_heights;  // roots_x * roots_y
+  double tau_px = 1;                    // in force
+  Duration keyframe_interval;           // in force
 };
 
 struct TourReply {
@@ -91,13 +90,13 @@ struct PoseUpdate {
 
 // Server to client: a keyframe's header; the cut delta's bytes follow it in the message.
 struct KeyframeHeader {
-  uint32_t index = 0;      // counts from 1
-  uint32_t base_index = 0; // keyframe whose section the delta starts from; 0 is the empty section
-  Time time;               // t_i, the client's clock
-  Pose pose;               // computed for this pose
-  float tau_px = 1;        // tolerance in force
-  float ball_m = 0;        // tau is kept for eyes this near to pose.eye,
-  float turn_rad = 0;      // turned by no more than this
+  uint32_t index = 0;        // counts from 1
+  uint32_t base_index = 0;   // keyframe whose section the delta starts from; 0 is the empty section
+  Time time;                 // t_i, the client's clock
+  Pose pose;                 // computed for this pose
+  float tau_px = 1;          // tolerance in force
+  float ball_m = 0;          // tau is kept for eyes this near to pose.eye,
+  float turn_rad = 0;        // turned by no more than this
   uint32_t fingerprint = 0;  // of the section that results
 };
 

@@ -1,12 +1,12 @@
 // Names of vertices and nodes. A node is one refinement vertex: the midpoint of an edge of a coarser mesh plus a
-// displacement. On a grid of root squares a vertex *is* its lattice position, so everything else (level, endpoints, parents,
-// children) follows by integer arithmetic in grid.h.
+// displacement. On a grid of root squares a vertex *is* its lattice position, so everything else (level, endpoints,
+// parents, children) follows by integer arithmetic in grid.h.
 //
 //   bits 0..31  x, in samples eastward (or along the raster's row)
 //   bits 32..63 y, in samples northward
 //
-// Consequences: ids compare by y then x; the midpoint of two vertices is the id of their mean; no table maps ids to places.
-// Value type; any thread; portable to WebAssembly.
+// Consequences: ids compare by y then x; the midpoint of two vertices is the id of their mean; no table maps ids to
+// places. Value type; any thread; portable to WebAssembly.
 #pragma once
 
 #include <compare>

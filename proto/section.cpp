@@ -26,9 +26,12 @@ void diff(const Section& from, const Section& to, CutDelta& out) {
   out.removed.clear();
   auto a = from.slots.begin(), b = to.slots.begin();
   while (a != from.slots.end() && b != to.slots.end()) {
-    if (*a == *b) ++a, ++b;
-    else if (*a < *b) out.removed.push_back(*a++);
-    else out.added.push_back(*b++);
+    if (*a == *b)
+      ++a, ++b;
+    else if (*a < *b)
+      out.removed.push_back(*a++);
+    else
+      out.added.push_back(*b++);
   }
   out.removed.insert(out.removed.end(), a, from.slots.end());
   out.added.insert(out.added.end(), b, to.slots.end());
@@ -41,7 +44,8 @@ Section apply(const Section& from, const CutDelta& delta) {
                       std::back_inserter(kept.slots));
   CHECK_EQ(kept.slots.size() + delta.removed.size(), from.slots.size());
   to.slots.reserve(kept.slots.size() + delta.added.size());
-  std::set_union(kept.slots.begin(), kept.slots.end(), delta.added.begin(), delta.added.end(), std::back_inserter(to.slots));
+  std::set_union(kept.slots.begin(), kept.slots.end(), delta.added.begin(), delta.added.end(),
+                 std::back_inserter(to.slots));
   CHECK_EQ(to.slots.size(), kept.slots.size() + delta.added.size());
   return to;
 }

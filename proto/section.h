@@ -1,5 +1,5 @@
-// A section is a parent-closed set of nodes: one view-dependent mesh. Here it is a plain sorted array of slots; slots ascend
-// with the level, so parents stand before their children. A cut delta is what turns one section into another.
+// A section is a parent-closed set of nodes: one view-dependent mesh. Here it is a plain sorted array of slots; slots
+// ascend with the level, so parents stand before their children. A cut delta is what turns one section into another.
 // Pure functions on plain data; any thread.
 #pragma once
 
@@ -30,7 +30,8 @@ void diff(const Section& from, const Section& to, CutDelta& out);
 // `delta` must fit: nothing added twice, nothing removed that is not there. O(n).
 Section apply(const Section& from, const CutDelta& delta);
 
-// A fingerprint that does not depend on order: both ends keep it up to date node by node and compare it at each keyframe.
+// A fingerprint that does not depend on order: both ends keep it up to date node by node and compare it at each
+// keyframe.
 uint32_t fingerprint(Slot slot);
 uint32_t fingerprint(std::span<const Slot> slots);
 

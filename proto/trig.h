@@ -1,6 +1,6 @@
-// Sine, cosine and arc tangent that give the same bits natively and in WebAssembly, where the platforms' libraries differ in the last
-// place. Kernels after fdlibm (Sun Microsystems, public domain). Error below 2 ulp for |x| <= 8; callers pass angles of
-// latitude and longitude. Pure; any thread.
+// Sine, cosine and arc tangent that give the same bits natively and in WebAssembly, where the platforms' libraries
+// differ in the last place. Kernels after fdlibm (Sun Microsystems, public domain). Error below 2 ulp for |x| <= 8;
+// callers pass angles of latitude and longitude. Pure; any thread.
 #pragma once
 
 namespace foreland::proto {

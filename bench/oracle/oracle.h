@@ -8,8 +8,8 @@
 // projects inside the viewport; occlusion is not considered. A seen sample under no triangle is counted as uncovered: a
 // hole.
 //
-// One owner (it caches heights block by block). Cost: about 15 ns per sample seen and 0.1 microseconds per triangle; the
-// first call also reads all heights.
+// One owner (it caches heights block by block). Cost: about 15 ns per sample seen and 0.1 microseconds per triangle;
+// the first call also reads all heights.
 #pragma once
 
 #include <cstdint>

@@ -12,12 +12,15 @@ Pose somePose(Rng& rng) {
   return {{rng.uniform(-1e6, 1e6), rng.uniform(-1e6, 1e6), rng.uniform(-1e4, 1e4)}, glm::normalize(q)};
 }
 
-double angleBetween(const glm::dquat& a, const glm::dquat& b) { return 2 * std::acos(std::min(1.0, std::fabs(glm::dot(a, b)))); }
+double angleBetween(const glm::dquat& a, const glm::dquat& b) {
+  return 2 * std::acos(std::min(1.0, std::fabs(glm::dot(a, b))));
+}
 
 TEST(Message, PosesArriveToTheMillimetreAndToATenthOfAMilliradian) {
   Rng rng(3);
   for (int i = 0; i < 1000; ++i) {
-    PoseUpdate sent{{Time{static_cast<int64_t>(rng.below(1ull << 40))}, somePose(rng)}, static_cast<uint32_t>(rng.below(9000)), {}};
+    PoseUpdate sent{
+        {Time{static_cast<int64_t>(rng.below(1ull << 40))}, somePose(rng)}, static_cast<uint32_t>(rng.below(9000)), {}};
     sent.received_at = sent.pose.time - Duration{static_cast<int64_t>(rng.below(1'000'000))};
     auto message = decodeClientMessage(encode(sent));
     ASSERT_TRUE(message.ok()) << message.error().message;
@@ -45,7 +48,8 @@ TEST(Message, APoseAsSentIsSentUnchanged) {
 }
 
 TEST(Message, ControlMessagesRoundTrip) {
-  const ViewRequest request{{0.9, 800, 600}, 1.5, Strategy::kCurrent, Predictor::kKnownPath, Duration::milliseconds(250)};
+  const ViewRequest request{
+      {0.9, 800, 600}, 1.5, Strategy::kCurrent, Predictor::kKnownPath, Duration::milliseconds(250)};
   const auto got_request = std::get<ViewRequest>(*decodeClientMessage(encode(request)));
   EXPECT_EQ(got_request.lens, request.lens);
   EXPECT_EQ(got_request.tau_px, request.tau_px);
@@ -65,7 +69,8 @@ TEST(Message, ControlMessagesRoundTrip) {
   EXPECT_EQ(got_tour.name, "canyon");
   const auto got_ground = std::get<GroundRequest>(*decodeClientMessage(encode(GroundRequest{4, {{1, 2}, {3, 4}}})));
   EXPECT_EQ(got_ground.places, (std::vector<glm::dvec2>{{1, 2}, {3, 4}}));
-  EXPECT_EQ(std::get<GroundReply>(*decodeServerMessage(encode(GroundReply{4, {1.5f}}))).heights_m, std::vector<float>{1.5f});
+  EXPECT_EQ(std::get<GroundReply>(*decodeServerMessage(encode(GroundReply{4, {1.5f}}))).heights_m,
+            std::vector<float>{1.5f});
   EXPECT_EQ(std::get<Refusal>(*decodeServerMessage(encode(Refusal{"no"}))).message, "no");
 }
 
@@ -90,8 +95,12 @@ TEST(Message, AbsurdValuesAreRefused) {
 TEST(Message, AnyBytesEndInAValueOrAnError) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
   Rng rng(seed);
-  const std::vector<Bytes> good{encode(ViewRequest{}), encode(TourRequest{1, "spin", 9}), encode(GroundRequest{1, {{1, 2}}}),
-                                encode(PoseUpdate{}), encode(Refusal{"x"}), encode(GroundReply{1, {2}})};
+  const std::vector<Bytes> good{encode(ViewRequest{}),
+                                encode(TourRequest{1, "spin", 9}),
+                                encode(GroundRequest{1, {{1, 2}}}),
+                                encode(PoseUpdate{}),
+                                encode(Refusal{"x"}),
+                                encode(GroundReply{1, {2}})};
   size_t accepted = 0;
   for (int i = 0; i < 20000; ++i) {
     Bytes bytes = good[rng.below(good.size())];

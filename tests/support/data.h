@@ -1,5 +1,5 @@
-// Real inputs for tests: under $FORELAND_DATA, by default ../shared/data beside the checkout. Tests that need them skip with the
-// reason when they are absent.
+// Real inputs for tests: under $FORELAND_DATA, by default ../shared/data beside the checkout. Tests that need them skip
+// with the reason when they are absent.
 #pragma once
 
 #include <cstdlib>
@@ -23,7 +23,7 @@ inline std::optional<std::filesystem::path> dataFile(const std::string& relative
 }  // namespace foreland::test
 
 // First line of a test on real data: declares `name` as the path, or skips.
-#define FORELAND_DATA_OR_SKIP(name, relative)                                          \
-  const auto name##_found = ::foreland::test::dataFile(relative);                      \
+#define FORELAND_DATA_OR_SKIP(name, relative)                                                \
+  const auto name##_found = ::foreland::test::dataFile(relative);                            \
   if (!name##_found) GTEST_SKIP() << "no real data: " << relative << " (set FORELAND_DATA)"; \
   const std::filesystem::path& name = *name##_found
