@@ -1,12 +1,14 @@
 // foreland bench: what the engine costs and whether it keeps its promises, beside a named rival where there is one.
 // bench/README.md says how each figure is measured.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/options.h"
 #include "bench/martini/report.h"
 #include "bench/sections/measure.h"
 #include "bench/wire/measure.h"
@@ -69,8 +71,8 @@ int runSections(const Arguments& args) {
                                 {"spheroid_triangle_saving", 1 - triangles / triangles_sphere}};
   if (args.errors) {
     const double frames = args.frames_per_second * args.flight.keyframe_interval.toSeconds();
-    const bench::SectionErrors errors = bench::measureErrors(hierarchy, promised, *path, args.flight,
-                                                             static_cast<uint32_t>(frames + 0.5), args.measure_every);
+    const bench::SectionErrors errors = bench::measureErrors(
+        hierarchy, promised, *path, args.flight, static_cast<uint32_t>(std::lround(frames)), args.measure_every);
     report.update({{"max_error_px_keyframes", errors.max_error_px_keyframes},
                    {"max_error_px_frames", errors.max_error_px_frames},
                    {"measured_frames", errors.frames},
@@ -135,12 +137,14 @@ int runWire(const Arguments& args) {
 void addFlightOptions(CLI::App& app, Arguments& args, double& interval_ms) {
   app.add_option("scene", args.scene, "scene file (foreland build)")->required();
   app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
-  app.add_option("--seconds", args.flight.seconds, "of flight")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
+  app.add_option("--seconds", args.flight.seconds, "of flight")
+      ->check(CLI::Range(1.0, 3600.0) & apps::isFinite())
+      ->capture_default_str();
   app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(CLI::Range(0.01, 1000.0) & apps::isFinite())
       ->capture_default_str();
   app.add_option("--keyframe-ms", interval_ms, "keyframe interval")
-      ->check(CLI::Range(20.0, 10000.0))
+      ->check(CLI::Range(20.0, 10000.0) & apps::isFinite())
       ->capture_default_str();
   app.add_flag("--json", args.json, "print JSON");
 }

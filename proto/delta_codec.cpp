@@ -374,8 +374,8 @@ class Traversal {
     const Eye::Place place = now_.at(p);
     const int side = binOf(place.side / radius, kSideEdges, 7);
     const double depth = std::max(place.depth, 1.0);
-    const double error_px =
-        static_cast<double>(expected + 1 + std::abs(twist) / 2) * 0.5 * step_m_ * focal_over_tau_ / depth;
+    const int64_t expected_steps = expected + 1 + std::abs(twist) / 2;
+    const double error_px = static_cast<double>(expected_steps) * 0.5 * step_m_ * focal_over_tau_ / depth;
     const int size = std::clamp(halfOctaves(error_px) + 6, 0, 15);
     AdaptiveBit* bit;
     if (fresh) {

@@ -61,7 +61,7 @@ void FineErrors::family(const NodeRow& row, uint32_t first, uint32_t every, uint
     std::array<size_t, 2 * kLargestReach + 1> places;
     const auto reach = static_cast<int32_t>(level_.s);
     for (int32_t dx = -reach; dx <= reach; ++dx)
-      places[static_cast<size_t>(dx + reach)] = place(n.x() + static_cast<uint32_t>(dx));
+      places[static_cast<uint32_t>(dx + reach)] = place(n.x() + static_cast<uint32_t>(dx));
     for (uint32_t i = 0; i < count; i += 4) {
       const Plane<Four> plane = triangle.plane(loadFour(a + i), loadFour(b + i), loadFour(p + i));
       Four worst = loadFour(&family_errors_[i]);
@@ -69,7 +69,8 @@ void FineErrors::family(const NodeRow& row, uint32_t first, uint32_t every, uint
         const Line& line = lines[k];
         Four value = plane.at(line.first, line.dy);
         for (int32_t dx = line.first; dx <= line.last; ++dx, value += plane.per_x)
-          worst = larger(worst, magnitude(loadFour(line.steps + places[static_cast<size_t>(dx + reach)] + i) - value));
+          worst =
+              larger(worst, magnitude(loadFour(line.steps + places[static_cast<uint32_t>(dx + reach)] + i) - value));
       }
       storeFour(&family_errors_[i], worst);
     }

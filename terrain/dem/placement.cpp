@@ -137,8 +137,9 @@ Status makeGeographic(const Georeference& place, const Extent& extent, Placement
                  fmt::format("{}: its latitudes reach from {:.3f} to {:.3f} degrees, past a pole; correct its "
                              "position with gdal_translate -a_ullr",
                              extent.name, frame.latitude0_rad / kDegree, north / kDegree)};
-  frame.origin = {frame.latitude0_rad + (extent.height / 2) * frame.latitude_step_rad,
-                  frame.longitude0_rad + (extent.width / 2) * frame.longitude_step_rad, 0};
+  const uint32_t middle_row = extent.height / 2, middle_column = extent.width / 2;
+  frame.origin = {frame.latitude0_rad + middle_row * frame.latitude_step_rad,
+                  frame.longitude0_rad + middle_column * frame.longitude_step_rad, 0};
   return {};
 }
 
