@@ -93,6 +93,32 @@ export async function untilTerrain(page) {
   return until(page, (s, frames) => s.frames > frames, first.frames + 1);
 }
 
+// The middle of the canvas, where no panel lies over it.
+export function middleOf(page) {
+  const { width, height } = page.viewportSize();
+  const clip = { x: 0.36 * width, y: 0.35 * height, width: 0.28 * width, height: 0.4 * height };
+  return page.screenshot({ clip });
+}
+
+// The share of pixels that differ visibly between two pictures of one size.
+export function changedShare(page, one, other) {
+  const urls = [one, other].map((picture) => `data:image/png;base64,${picture.toString('base64')}`);
+  return page.evaluate(async (pictures) => {
+    const pixelsOf = async (url) => {
+      const image = await createImageBitmap(await (await fetch(url)).blob());
+      const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+      context.drawImage(image, 0, 0);
+      return context.getImageData(0, 0, image.width, image.height).data;
+    };
+    const [a, b] = await Promise.all(pictures.map(pixelsOf));
+    let changed = 0;
+    for (let i = 0; i < a.length; i += 4) {
+      if (Math.abs(a[i] - b[i]) + Math.abs(a[i + 1] - b[i + 1]) + Math.abs(a[i + 2] - b[i + 2]) > 24) ++changed;
+    }
+    return changed / (a.length / 4);
+  }, urls);
+}
+
 // What a screenshot's pixels say: how many colours, and how the lower half differs from the sky.
 export async function pictureOf(page) {
   const picture = await page.screenshot();

@@ -3,7 +3,9 @@ import assert from 'node:assert/strict';
 import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeScene, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain } from './support.mjs';
+import {
+  changedShare, makeFolder, makeScene, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
+} from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 let folder, scene, server, browser;
@@ -94,13 +96,22 @@ test('a finer tolerance gives more triangles', kTest, () =>
 
 test('wireframe and contours are drawn', kTest, () =>
   visit('', async (page) => {
-    const plain = await page.screenshot();
-    for (const name of ['wireframe', 'contours']) {
-      await page.locator(`[name=${name}]`).check();
+    const drawnAgain = async () => {
       const { frames } = await status(page);
       await until(page, (s, n) => s.frames > n, frames + 2);
+      return middleOf(page);
+    };
+    await page.locator('[name=frozen]').check(); // so that nothing else changes
+    await until(page, (s) => s.frozen);
+    const plain = await drawnAgain();
+    const still = await changedShare(page, plain, await drawnAgain());
+    assert.ok(still < 0.002, `${still} of a view at rest changes`);
+    for (const name of ['wireframe', 'contours']) {
+      await page.locator(`[name=${name}]`).check();
+      const share = await changedShare(page, plain, await drawnAgain());
+      assert.ok(share > 0.02 && share < 0.95, `${name} changes ${share} of the terrain`);
+      await page.locator(`[name=${name}]`).uncheck();
     }
-    assert.notDeepEqual(await page.screenshot(), plain);
   }));
 
 test('a frozen section stays while the camera goes outside', kTest, () =>

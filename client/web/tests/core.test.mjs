@@ -1,0 +1,110 @@
+// The client core as WebAssembly without a browser: the module that the server sends, through the page's own core.ts, in a session
+// with the real server. Every wait is for a condition.
+import assert from 'node:assert/strict';
+import { randomInt } from 'node:crypto';
+import { readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { setImmediate } from 'node:timers/promises';
+import { transformWithEsbuild } from 'vite';
+import { openSocket } from './socket.mjs';
+import { makeFolder, makeScene, root, startServer } from './support.mjs';
+
+const kTest = { timeout: 120_000 };
+const kRequest = { fov_rad: 1.05, width_px: 640, height_px: 360, tau_px: 1, strategy: 'current', predictor: 'hold', keyframe_ms: 50 };
+let folder, server, Core, Viewer, wasm_url;
+
+before(async () => {
+  folder = await makeFolder();
+  server = await startServer(await makeScene(folder.folder, { size: 257 }));
+  wasm_url = new URL('foreland.wasm', server.url).href;
+  const path = join(root, 'client/web/src/core.ts');
+  const { code } = await transformWithEsbuild(await readFile(path, 'utf8'), path);
+  ({ Core, Viewer } = await import(`data:text/javascript,${encodeURIComponent(code)}`));
+}, kTest);
+
+after(async () => {
+  await server?.stop();
+  await folder?.remove();
+});
+
+// Joins the server, with the eye above the middle of the scene and looking down, until `isDone(viewer, frame)`.
+async function fly(isDone) {
+  const viewer = new Viewer(await Core.load(wasm_url), kRequest);
+  const begun = performance.now(), now = () => performance.now() - begun;
+  const refusals = [];
+  const socket = await openSocket(new URL('fly', server.url).href, (message) => {
+    const refusal = viewer.receive(message, now());
+    if (refusal !== null) refusals.push(refusal);
+  });
+  for (let frame = null; frame === null || !isDone(viewer, frame); await setImmediate()) {
+    const welcome = viewer.welcome();
+    const middle = welcome ? [0, 1].map((i) => 0.5 * (welcome.low[i] + welcome.high[i])) : [0, 0];
+    // Moves a little, so that sections change.
+    const eye = [middle[0] + 0.05 * now(), middle[1], (welcome?.high[2] ?? 0) + 500];
+    frame = viewer.frame(now(), { eye, orientation: [0, 0, 0, 1] });
+    for (let bytes = viewer.takeOutgoing(); bytes !== null; bytes = viewer.takeOutgoing()) socket.send(Buffer.from(bytes));
+    assert.deepEqual(refusals, []);
+  }
+  await socket.close();
+  return viewer;
+}
+
+// Edges that do not belong to exactly two triangles.
+function openEdges(indices) {
+  const uses = new Map();
+  for (let i = 0; i < indices.length; i += 3) {
+    for (const [a, b] of [[0, 1], [1, 2], [2, 0]].map(([k, l]) => [indices[i + k], indices[i + l]])) {
+      const key = a < b ? a * 4294967296 + b : b * 4294967296 + a;
+      uses.set(key, (uses.get(key) ?? 0) + 1);
+    }
+  }
+  return [...uses].filter(([, n]) => n !== 2).map(([key, n]) => ({ ends: [Math.floor(key / 4294967296), key % 4294967296], n }));
+}
+
+test('the module asks for nothing but WASI', kTest, async () => {
+  const module = await WebAssembly.compile(await (await fetch(wasm_url)).arrayBuffer());
+  const imports = WebAssembly.Module.imports(module);
+  assert.ok(imports.length <= 3, imports.map((i) => i.name).join(' '));
+  assert.ok(imports.every((i) => i.module === 'wasi_snapshot_preview1' && i.kind === 'function'));
+});
+
+test('a session gives meshes without cracks', kTest, async () => {
+  const checked = new Set();
+  const viewer = await fly((viewer, frame) => {
+    if (frame.mesh_version === 0 || checked.has(frame.mesh_version)) return false;
+    checked.add(frame.mesh_version);
+    const mesh = viewer.mesh();
+    const welcome = viewer.welcome();
+    for (const positions of [mesh.from_positions, mesh.to_positions]) assert.ok(positions.every(Number.isFinite));
+    assert.ok(mesh.indices.every((i) => i < mesh.vertices));
+    const at = (v, axis) => mesh.origin[axis] + mesh.to_positions[4 * v + axis];
+    const isOn = (v, axis, side) => Math.abs(at(v, axis) - welcome[side][axis]) < 0.5;
+    for (const { ends: [a, b], n } of openEdges(mesh.indices)) {
+      assert.equal(n, 1, `edge ${a} ${b} has ${n} triangles`);
+      const is_border = [0, 1].some((axis) => ['low', 'high'].some((side) => isOn(a, axis, side) && isOn(b, axis, side)));
+      assert.ok(is_border, `a crack from ${[at(a, 0), at(a, 1)]} to ${[at(b, 0), at(b, 1)]}`);
+    }
+    return checked.size >= 10 && mesh.triangles > 500;
+  });
+  const { keyframes, bytes_down } = viewer.statistics();
+  assert.ok(keyframes >= 10 && bytes_down > 1000);
+  viewer.destroy();
+});
+
+test('messages that are none are refused with a reason and do no harm', kTest, async () => {
+  const core = await Core.load(wasm_url);
+  const seed = randomInt(2 ** 31);
+  let state = seed;
+  const next = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) >>> 8;
+  for (let i = 0; i < 3000; ++i) {
+    const viewer = new Viewer(core, kRequest);
+    const message = Uint8Array.from({ length: next() % 300 }, () => next() & 255);
+    if (message.length > 0) message[0] %= 8; // often a kind that exists
+    const refusal = viewer.receive(message, i);
+    assert.ok(refusal === null || refusal.length > 10, `seed ${seed}: '${refusal}'`);
+    viewer.frame(i, { eye: [0, 0, 0], orientation: [0, 0, 0, 1] });
+    viewer.destroy();
+  }
+  assert.ok(core.view().byteLength < 64 << 20, `seed ${seed}: ${core.view().byteLength} bytes are held`);
+});
