@@ -40,7 +40,7 @@ void print(const nlohmann::ordered_json& report, bool json) {
 int runSections(const Arguments& args) {
   auto scene = terrain::Scene::open(args.scene);
   if (!scene) return fail(scene.error().message);
-  const server::Hierarchy hierarchy(*scene), isotropic(*scene, server::ErrorBound::kSphere);
+  const server::Hierarchy hierarchy(*scene), isotropic(*scene, proto::ErrorBound::kSphere);
   auto path = server::planTour(**scene, args.tour, args.flight.seconds + 1);
   if (!path) return fail(path.error().message);
   const auto plain = bench::keyframeViews(*path, args.flight, bench::Promise::kKeyframesOnly);
@@ -117,6 +117,7 @@ int runWire(const Arguments& args) {
          {"bits_per_added_node", costs.bits_per_added_node},
          {"height_bits", costs.height_bits},
          {"structure_bits", costs.structure_bits},
+         {"asked_per_added", costs.asked_per_added},
          {"framing_bits", costs.framing_bits},
          {"first_section_nodes", costs.first_section_nodes},
          {"first_section_bytes", costs.first_section_bytes},
@@ -126,6 +127,7 @@ int runWire(const Arguments& args) {
          {"kbit_per_s", costs.kbit_per_s},
          {"encode_mnodes_per_s", costs.encode_mnodes_per_s},
          {"decode_mnodes_per_s", costs.decode_mnodes_per_s},
+         {"send_mnodes_per_s", costs.send_mnodes_per_s},
          {"first_encode_mnodes_per_s", costs.first_encode_mnodes_per_s},
          {"first_decode_mnodes_per_s", costs.first_decode_mnodes_per_s},
          {"encode_ms", costs.encode_ms},

@@ -1,7 +1,9 @@
-// The client's copy of its section: applies cut deltas after checking them, and builds the mesh between the last two
-// keyframes. One owner; no clock, no socket. Memory and time are linear in the sections, not in the scene.
+// The client's copy of its section: steps from keyframe to keyframe as the server does, on what it is sent, and builds
+// the mesh between the last two. One owner; no clock, no socket. Memory and time are linear in the sections, not in the
+// scene.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -28,20 +30,20 @@ class Replica {
   // The welcome has been decoded, hence checked.
   explicit Replica(const proto::Welcome& welcome);
 
-  // Takes a keyframe: what was `to` becomes `from`. An Error (wrong base, unknown or doubled nodes, a missing parent,
-  // another fingerprint) leaves the replica as it was.
+  // Takes a keyframe: what was `to` becomes `from`. An Error (wrong base, bytes that are no delta, another fingerprint)
+  // leaves the sections as they were, and every later keyframe is refused: reconnect.
   Status apply(const proto::KeyframeHeader& header, ByteSpan delta);
 
   // The mesh between the last two keyframes, origin near the newer one's eye. After the first keyframe: that section,
   // still.
   KeyframeMesh buildMesh() const;
 
-  const proto::GridTopology& grid() const { return grid_; }
-  const proto::FrameGrid& frameGrid() const { return frame_; }
+  const proto::GridTopology& grid() const { return domain_->grid; }
+  const proto::FrameGrid& frameGrid() const { return domain_->frame; }
   const proto::KeyframeHeader& newest() const { return to_; }
   const NodeUnion& nodes() const { return nodes_; }
-  const proto::CutDelta& lastDelta() const { return delta_.cut; }
-  proto::Section section() const;  // the newest
+  const proto::CutDelta& lastDelta() const { return delta_; }  // sorted
+  proto::Section section() const;                              // the newest
 
   // Height (m) of the newest section's surface at a lattice place inside the data; nothing elsewhere or before a
   // keyframe.
@@ -51,16 +53,21 @@ class Replica {
   const int32_t* knownHeight(proto::NodeId v) const;
 
  private:
-  Status checkClosure(const NodeUnion& next, const proto::CutDelta& cut) const;
+  Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
+  void merge();
+  void forgetUnknown();
 
-  proto::GridTopology grid_;
-  proto::FrameGrid frame_;
-  std::vector<int32_t> corner_heights_, centre_heights_;
-  NodeUnion nodes_;
+  // Behind pointers, for the adapter refers to them and replicas move.
+  std::unique_ptr<const proto::TerrainDomain> domain_;
+  std::unique_ptr<const std::vector<int32_t>> corner_heights_, centre_heights_;
+  proto::SparseNodes known_;  // the newest section's nodes and those that can be added to it
+  proto::TerrainAdapter adapter_;
   proto::DeltaModel model_;  // of all deltas taken
+  NodeUnion nodes_;
   uint32_t fingerprint_ = 0;
   proto::KeyframeHeader from_, to_;
-  proto::HeightDelta delta_;
+  proto::CutDelta delta_;
+  bool broken_ = false;
 };
 
 }  // namespace foreland::client

@@ -1,91 +1,116 @@
-// Cut deltas as bytes: which nodes go, which come, and the height of each that comes, by adaptive range coding.
+// Cut deltas as bytes. Which nodes come and go is hardly sent: both ends run the same adaptation (refine/adapter.h) for
+// the keyframe's view, and what the view and the bounds that both know settle costs nothing. What is sent, in the order
+// in which the adapter asks, is
+//   answers  whether a node's error is at least the least that the view shows
+//   heights  of the nodes that come to the section, exact
+//   radii    one for each page of which nothing was known
+// each by adaptive range coding, with what both ends know of the node's surroundings as context.
+// docs/decisions/0006 has the measurements.
 //
-// The changes are found from the roots down a quadtree of cells: a cell of 2s holds its centre node and the side nodes
-// on its south and west borders. "Does anything change in here?" is one bit; so the cost follows the changes, not the
-// section. A node can come only if its parents are there, and goes untold when a parent goes; what is told costs what
-// its context makes of it: the view before and after (both ends have them), the level, the nodes around.
-// docs/decisions/wire_codec.md has the measurements.
-//
-// The model keeps what it has learnt from delta to delta; both ends begin with a new one wherever a delta starts from a
-// section that was presented (or from nothing). Any bytes end in a delta that fits the held section, or in an Error, in
-// time and memory linear in the bytes and the section held. One owner of a model; otherwise pure; any thread. Portable
-// to WebAssembly.
+// Encoder and decoder are sources of an adapter's answers: the adapter's step drives them. The model keeps what it has
+// learnt from delta to delta; both ends begin with a new one wherever a delta starts from a section that was presented,
+// or from nothing. Any bytes end in a closed section or in an Error, in time and memory linear in the bytes and the
+// section held. One owner of a model; otherwise pure; any thread. Portable to WebAssembly.
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/frame_grid.h"
-#include "proto/message.h"
+#include "proto/node_tables.h"
 #include "proto/range_coder.h"
-#include "proto/section.h"
+#include "proto/refine/adapter.h"
+#include "proto/refine/terrain_batch.h"
 
 namespace foreland::proto {
 
-// Largest quantised height, steps either way: heights and their sums stay far inside int32.
-inline constexpr int32_t kMaxHeight = 1 << 29;
-// Nodes that one delta may add: no more than these, and no more than these for each of its bytes (the least probability
-// sees to that).
-inline constexpr size_t kMaxDeltaNodes = 1u << 22;
-inline constexpr size_t kNodesPerByte = 128;
+// Nodes in a section that a client accepts.
+inline constexpr size_t kMaxSectionNodes = 1u << 24;
 
-struct HeightDelta {
-  CutDelta cut;
-  std::vector<int32_t> heights;  // of cut.added, in steps
-};
+using TerrainAdapter = Adapter<TerrainBatch>;
 
-// What a section is for, as the keyframe's header has it.
-struct DeltaView {
-  Pose pose;
-  double tau_px = 1, ball_m = 0, turn_rad = 0;
-};
-// Of a header as received. A header about to be sent goes through asSent first: rounding a pose twice may round it
-// further.
-inline DeltaView viewOf(const KeyframeHeader& h) { return {h.pose, h.tau_px, h.ball_m, h.turn_rad}; }
-inline DeltaView viewAsSent(const KeyframeHeader& h) { return {asSent(h.pose), h.tau_px, h.ball_m, h.turn_rad}; }
-
-// The nodes of a section. The encoder's is the section that results, the decoder's the one that it holds.
-class HeldNodes {
- public:
-  virtual ~HeldNodes() = default;
-  virtual bool has(Slot slot) const = 0;
-  // In steps, of a base vertex or a node of the section. The encoder's knows all nodes.
-  virtual int32_t height(NodeId v) const = 0;
-};
-
-// What both ends have learnt, and the view of the previous delta.
+// What both ends have learnt.
 struct DeltaModel {
-  static constexpr int kShrink = 8, kSides = 8, kNear = 8, kMagnitudes = 24;
+  // A signed number: how many bits it has, its sign, its first bits.
+  struct Number {
+    std::array<AdaptiveBit, 16> exponent;
+    std::array<AdaptiveBit, 4> sign;
+    std::array<std::array<AdaptiveBit, 4>, 8> mantissa;
+  };
+  static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
 
-  std::array<AdaptiveBit, 4 * kSides * 4 * kShrink * 4> alive;
-  std::array<AdaptiveBit, 2 * 3 * kSides * 4> goes;
-  std::array<AdaptiveBit, 2 * 16 * kSides * 8> comes;             // next to nodes that just came
-  std::array<AdaptiveBit, 2 * kShrink * 4 * 16 * 4> comes_later;  // could have come before
-  std::array<std::array<AdaptiveBit, 16>, kMagnitudes * 3> exponent;
-  std::array<AdaptiveBit, 64> escape;
-  std::array<AdaptiveBit, 12> sign;
-  std::array<std::array<AdaptiveBit, 4>, 32> mantissa;
-  AdaptiveBit border;
-  AdaptiveBit unit_changes, off_unit;
-  uint32_t unit = 1;  // heights are multiples of it
-  bool has_view = false;
-  DeltaView view;
+  std::array<AdaptiveBit, kSizes * 8 * 4> comes;    // nodes new to the frontier
+  std::array<AdaptiveBit, kSizes * 4> comes_later;  // others
+  std::array<AdaptiveBit, 2 * 4 * 8> stays;         // leaves
+  std::array<Number, kScales * kRatios * 2> height;
+  std::array<std::array<AdaptiveBit, 8>, 2> radius;
+  std::array<AdaptiveBit, 32> escape;
 };
 
-// Where an encoder's bits went.
+// Where a coder's bits went, and for how many.
 struct DeltaBits {
-  double structure = 0, heights = 0;
+  double answers = 0, heights = 0, radii = 0;
+  uint64_t asked = 0, added = 0;
 };
 
-// Appends the delta, which leads to `held`, to `out`. The delta is sorted and closed (settle); `view` is as the
-// receiver has it.
-void encodeDelta(const GridTopology& grid, const FrameGrid& frame, const CutDelta& cut, const DeltaView& view,
-                 const HeldNodes& held, DeltaModel& model, Bytes& out, DeltaBits* bits = nullptr);
+// The server's end: appends a delta to `out` as an adapter steps.
+class DeltaEncoder final : public NodeSource<TerrainBatch> {
+ public:
+  DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out)
+      : domain_(domain), nodes_(nodes), model_(model), coder_(out) {}
+  RadiusClass radius(Slot first) override;
+  void load(TerrainBatch& batch) override;
+  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
+  bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  // Writes what is left. Nothing may follow the delta's bytes.
+  void finish() { coder_.finish(); }
+  const DeltaBits& bits() const { return bits_; }
 
-// Reads a delta from `held` to the end of `bytes`. On an Error `out` and `model` are unspecified.
-Status decodeDelta(const GridTopology& grid, const FrameGrid& frame, ByteSpan bytes, const DeltaView& view,
-                   const HeldNodes& held, DeltaModel& model, HeightDelta& out);
+ private:
+  const TerrainDomain& domain_;
+  const DenseNodes& nodes_;
+  DeltaModel& model_;
+  RangeEncoder coder_;
+  DeltaBits bits_;
+};
+
+// The client's end: reads a delta into `nodes` as an adapter steps. If the step fails, or finish() does, the bytes were
+// no delta for this section.
+class DeltaDecoder final : public NodeSource<TerrainBatch> {
+ public:
+  DeltaDecoder(const TerrainDomain& domain, SparseNodes& nodes, DeltaModel& model, ByteSpan bytes)
+      : domain_(domain), nodes_(nodes), model_(model), coder_(bytes) {}
+  RadiusClass radius(Slot first) override;
+  void onAddable(int level, std::span<const Slot> slots) override;
+  void load(TerrainBatch& batch) override;
+  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
+  bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  Status finish() const;
+
+ private:
+  const TerrainDomain& domain_;
+  SparseNodes& nodes_;
+  DeltaModel& model_;
+  RangeDecoder coder_;
+  bool absurd_ = false;
+};
+
+// The server's records without a wire.
+class PlainNodes final : public NodeSource<TerrainBatch> {
+ public:
+  explicit PlainNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
+  RadiusClass radius(Slot first) override { return nodes_[first].radius(); }
+  void load(TerrainBatch& batch) override {
+    for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_[batch.slot[i]].middle();
+  }
+  bool answer(int, std::span<const Question> questions, std::span<uint8_t> answers) override {
+    for (size_t i = 0; i < questions.size(); ++i)
+      answers[i] = nodes_[questions[i].slot].error() >= questions[i].least ? 1 : 0;
+    return true;
+  }
+
+ private:
+  const NodeRecord* nodes_;
+};
 
 }  // namespace foreland::proto

@@ -355,6 +355,9 @@ void encodeHeader(const KeyframeHeader& h, Bytes& out) {
   w.putVarint(h.base_index);
   w.putZigzag(h.time.us);
   putPose(h.pose, w);
+  w.putVarint(h.lens.width_px);
+  w.putVarint(h.lens.height_px);
+  w.put(h.lens.vertical_fov_rad);
   w.put(h.tau_px);
   w.put(h.ball_m);
   w.put(h.turn_rad);
@@ -410,18 +413,23 @@ Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
   if (bytes.size() > kMaxServerMessageBytes) return malformed("larger than 64 MiB");
   if (bytes[0] == static_cast<uint8_t>(Tag::kKeyframe)) {
     ByteReader r(bytes.subspan(1));
+    constexpr float kMost = 1e9f;
     KeyframeHeader h;
     const uint64_t index = r.getVarint(), base = r.getVarint();
     h.index = static_cast<uint32_t>(index);
     h.base_index = static_cast<uint32_t>(base);
     h.time = {r.getZigzag()};
     h.pose = getPose(r);
+    const uint64_t width = r.getVarint(), height = r.getVarint();
+    h.lens = {r.get<double>(), static_cast<uint32_t>(std::min<uint64_t>(width, 0xffffffffu)),
+              static_cast<uint32_t>(std::min<uint64_t>(height, 0xffffffffu))};
     h.tau_px = r.get<float>();
     h.ball_m = r.get<float>();
     h.turn_rad = r.get<float>();
     h.fingerprint = r.get<uint32_t>();
-    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !(h.tau_px > 0) || !(h.ball_m >= 0) ||
-        !(h.turn_rad >= 0) || std::llabs(h.time.us) > (int64_t{1} << 60))
+    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !isUsable(h.lens) ||
+        !(h.tau_px > 0 && h.tau_px <= kMost) || !(h.ball_m >= 0 && h.ball_m <= kMost) ||
+        !(h.turn_rad >= 0 && h.turn_rad <= kMost) || std::llabs(h.time.us) > (int64_t{1} << 60))
       return malformed("a keyframe's header is cut short or absurd");
     return ServerMessage(KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())});
   }

@@ -14,10 +14,11 @@
 #include "proto/grid.h"
 #include "proto/path.h"
 #include "proto/pose.h"
+#include "proto/view.h"
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 2;
+inline constexpr uint32_t kProtocolVersion = 3;
 inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
 inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
 inline constexpr size_t kMaxGroundPlaces = 65'536;
@@ -94,6 +95,7 @@ struct KeyframeHeader {
   uint32_t base_index = 0;   // keyframe whose section the delta starts from; 0 is the empty section
   Time time;                 // t_i, the client's clock
   Pose pose;                 // computed for this pose
+  Lens lens;                 // and this field of view
   float tau_px = 1;          // tolerance in force
   float ball_m = 0;          // tau is kept for eyes this near to pose.eye,
   float turn_rad = 0;        // turned by no more than this
@@ -122,6 +124,9 @@ void encodeHeader(const KeyframeHeader& header, Bytes& out);
 
 // The pose that the other end decodes; what is promised for a keyframe is promised for this one.
 Pose asSent(const Pose& pose);
+
+// What a keyframe's section was computed for.
+inline View viewOf(const KeyframeHeader& h) { return {h.pose, h.lens, h.tau_px, h.ball_m, h.turn_rad}; }
 
 // Values are checked for what their types promise: usable lenses and poses, valid frames, shapes and paths.
 Result<ClientMessage> decodeClientMessage(ByteSpan bytes);

@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "base/time.h"
+#include "proto/trig.h"
 
 namespace foreland::proto {
 
@@ -26,7 +27,11 @@ struct Lens {
   uint32_t height_px = 1080;
 
   // Pixels on the screen per unit of tangent: a point at camera (x, y, -z) lands at focal * (x/z, y/z) from the centre.
-  double focalPx() const { return 0.5 * height_px / std::tan(0.5 * vertical_fov_rad); }
+  double focalPx() const { return 0.5 * height_px / tanHalfFov(); }
+  double tanHalfFov() const {
+    const SinCos half = sinCos(0.5 * vertical_fov_rad);
+    return half.sin / half.cos;
+  }
   bool operator==(const Lens&) const = default;
 };
 

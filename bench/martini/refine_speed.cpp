@@ -10,13 +10,13 @@ constexpr size_t kNoLimit = size_t{1} << 30;
 
 }  // namespace
 
-RefineTimer::RefineTimer(const server::Hierarchy& hierarchy, std::vector<server::View> views) : hierarchy_(hierarchy) {
-  for (const server::View& view : views) {
+RefineTimer::RefineTimer(const server::Hierarchy& hierarchy, std::vector<proto::View> views) : hierarchy_(hierarchy) {
+  for (const proto::View& view : views) {
     CHECK_TRUE(
         server::refine(hierarchy_, view, kNoLimit, scratch_, section_));  // also grows the scratch and warms the pages
     samples_.push_back({.view = view,
                         .nodes = static_cast<double>(section_.slots.size()),
-                        .triangles = static_cast<double>(server::triangleCount(hierarchy_.grid(), section_)),
+                        .triangles = static_cast<double>(proto::triangleCount(hierarchy_.grid(), section_)),
                         .seconds = {}});
   }
 }

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "proto/refine/metric.h"
+#include "proto/refine/refine.h"
 #include "server/section/hierarchy.h"
-#include "server/section/metric.h"
-#include "server/section/refine.h"
 
 namespace foreland::bench {
 
@@ -18,7 +18,7 @@ struct RefineSpeed {
 // with.
 class RefineTimer {
  public:
-  RefineTimer(const server::Hierarchy& hierarchy, std::vector<server::View> views);
+  RefineTimer(const server::Hierarchy& hierarchy, std::vector<proto::View> views);
 
   // Refines each view `rounds` times.
   void measure(int rounds);
@@ -27,14 +27,14 @@ class RefineTimer {
 
  private:
   struct Sample {
-    server::View view;
+    proto::View view;
     double nodes = 0, triangles = 0;
     std::vector<double> seconds;
   };
 
   const server::Hierarchy& hierarchy_;
   std::vector<Sample> samples_;
-  server::RefineScratch scratch_;
+  proto::RefineScratch scratch_;
   proto::Section section_;
 };
 

@@ -6,7 +6,7 @@
 #include "bench/martini/refine_speed.h"
 #include "bench/martini/rival.h"
 #include "bench/martini/uniform.h"
-#include "server/section/refine.h"
+#include "proto/refine/refine.h"
 
 namespace foreland::bench {
 
@@ -19,10 +19,9 @@ constexpr int kRounds = 3;  // before MARTINI, and again after it
 constexpr std::array<double, 2> kSweep = {4, 16};
 
 // The view whose error in metres, kept everywhere, is what a refiner without views needs to be as good.
-server::View middle(const std::vector<server::View>& views) { return views[views.size() / 2]; }
+proto::View middle(const std::vector<proto::View>& views) { return views[views.size() / 2]; }
 
-std::vector<MartiniRequest> requestsFor(const server::Hierarchy& hierarchy, double triangles,
-                                        const server::View& view) {
+std::vector<MartiniRequest> requestsFor(const server::Hierarchy& hierarchy, double triangles, const proto::View& view) {
   const double intervals = martiniGridSize(hierarchy.grid().shape()) - 1, everything = 2 * intervals * intervals;
   std::vector<MartiniRequest> requests{{.triangles = triangles}};
   for (double times : kSweep)
@@ -33,11 +32,11 @@ std::vector<MartiniRequest> requestsFor(const server::Hierarchy& hierarchy, doub
 
 // Our refiner at the same error in metres everywhere, over the whole scene.
 ordered_json uniformEntry(const server::Hierarchy& isotropic, const MartiniMesh& rival) {
-  const server::View view = uniformView(isotropic, rival.max_error_m);
+  const proto::View view = uniformView(isotropic, rival.max_error_m);
   RefineTimer timer(isotropic, {view});
   timer.measure(2 * kRounds);
   const RefineSpeed speed = timer.speed();
-  server::RefineScratch scratch;
+  proto::RefineScratch scratch;
   proto::Section section;
   CHECK_TRUE(server::refine(isotropic, view, size_t{1} << 30, scratch, section));
   const std::optional<double> error = trueError_m(isotropic.scene(), section);
@@ -74,7 +73,7 @@ void addMartini(const std::shared_ptr<const terrain::Scene>& scene, const Martin
                    {"ms", equal.ms},
                    {"view_dependent", false},
                    {"culled", false}}}});
-  const server::Hierarchy isotropic(scene, server::ErrorBound::kSphere);
+  const server::Hierarchy isotropic(scene, proto::ErrorBound::kSphere);
   report["same_error"] = ordered_json::array();
   for (const MartiniMesh& mesh : martini.meshes) report["same_error"].push_back(uniformEntry(isotropic, mesh));
 }
@@ -83,7 +82,7 @@ void addMartini(const std::shared_ptr<const terrain::Scene>& scene, const Martin
 
 std::filesystem::path martiniSources() { return std::filesystem::path(FORELAND_SOURCE_DIR) / "bench/martini"; }
 
-ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene, const std::vector<server::View>& views,
+ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene, const std::vector<proto::View>& views,
                           const std::filesystem::path& martini_folder) {
   const server::Hierarchy hierarchy(scene);
   RefineTimer timer(hierarchy, views);

@@ -7,16 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "proto/refine/metric.h"
 #include "server/section/hierarchy.h"
-#include "server/section/metric.h"
 
 namespace foreland::bench {
 
 // `hierarchy` refines the views of a tour; `martini_folder` holds martini.mjs and, once installed, node_modules.
 // Without them the report has `martini` null and the reason in `martini_skipped`.
 nlohmann::ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene,
-                                    const std::vector<server::View>& views,
-                                    const std::filesystem::path& martini_folder);
+                                    const std::vector<proto::View>& views, const std::filesystem::path& martini_folder);
 
 // Where martini.mjs lies in the sources this was built from.
 std::filesystem::path martiniSources();

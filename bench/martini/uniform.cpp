@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/section/refine.h"
+#include "proto/refine/refine.h"
 
 namespace foreland::bench {
 
@@ -20,11 +20,11 @@ glm::dvec3 positionOf(const server::Hierarchy& hierarchy, NodeId v) {
 
 }  // namespace
 
-server::View uniformView(const server::Hierarchy& hierarchy, double max_error_m) {
+proto::View uniformView(const server::Hierarchy& hierarchy, double max_error_m) {
   const proto::GridTopology& grid = hierarchy.grid();
   const glm::dvec3 corner = positionOf(hierarchy, NodeId::at(0, 0));
   const glm::dvec3 opposite = positionOf(hierarchy, NodeId::at(grid.maxX(), grid.maxY()));
-  server::View view;
+  proto::View view;
   const glm::dvec3 centre = 0.5 * (corner + opposite);
   view.pose.eye = centre + glm::dvec3(0, 0, kFarAway_m);  // the camera looks along -z as it is
   // Wide enough for the terrain, and at least 1 degree, which a lens must have.
@@ -36,12 +36,12 @@ server::View uniformView(const server::Hierarchy& hierarchy, double max_error_m)
   return view;
 }
 
-double nearestError_m(const server::Hierarchy& hierarchy, const server::View& view) {
-  server::RefineScratch scratch;
+double nearestError_m(const server::Hierarchy& hierarchy, const proto::View& view) {
+  proto::RefineScratch scratch;
   proto::Section section;
   CHECK_TRUE(server::refine(hierarchy, view, size_t{1} << 30, scratch, section));
   const double focal = view.lens.focalPx();
-  double nearest = server::Metric::kEndless_m;
+  double nearest = proto::Metric::kEndless_m;
   for (const proto::Slot slot : section.slots) {
     const glm::dvec3 p = positionOf(hierarchy, hierarchy.grid().node(slot)) - view.pose.eye;
     const double x = glm::dot(p, view.pose.right()), y = glm::dot(p, view.pose.up()),

@@ -3,19 +3,19 @@
 
 #include <optional>
 
+#include "proto/refine/metric.h"
 #include "proto/section.h"
 #include "server/section/hierarchy.h"
-#include "server/section/metric.h"
 
 namespace foreland::bench {
 
 // A view that sees all of the terrain and asks for the same error in metres (to 1 %) everywhere: from so far above that
 // the terrain is a small spot. Errors must count as seen from any side, so `hierarchy` is of ErrorBound::kSphere.
-server::View uniformView(const server::Hierarchy& hierarchy, double max_error_m);
+proto::View uniformView(const server::Hierarchy& hierarchy, double max_error_m);
 
 // The smallest error in metres that `view` asks for anywhere in its frustum: tau at the depth of the nearest node in
 // view.
-double nearestError_m(const server::Hierarchy& hierarchy, const server::View& view);
+double nearestError_m(const server::Hierarchy& hierarchy, const proto::View& view);
 
 // Largest difference in height between the section's surface and the samples; by the definition of a section's surface
 // (DESIGN section 2), node by node, with nothing of the refiner's. Nothing for terrains of more than 2^25 samples: it

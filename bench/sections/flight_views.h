@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "proto/path.h"
-#include "server/section/metric.h"
+#include "proto/view.h"
 #include "server/view/sweep.h"
 
 namespace foreland::bench {
@@ -18,11 +18,11 @@ struct FlightOptions {
   double seconds = 60;
 };
 
-inline std::vector<server::View> keyframeViews(const proto::Path& path, const FlightOptions& options, Promise promise) {
-  std::vector<server::View> views;
+inline std::vector<proto::View> keyframeViews(const proto::Path& path, const FlightOptions& options, Promise promise) {
+  std::vector<proto::View> views;
   const Duration T = options.keyframe_interval;
   for (Time t; t <= Time::seconds(options.seconds); t = t + T) {
-    server::View view{path.at(t), options.lens, options.tau_px};
+    proto::View view{path.at(t), options.lens, options.tau_px};
     if (promise == Promise::kEveryFrame) {
       const server::Sweep sweep = server::sweepOf(
           view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);

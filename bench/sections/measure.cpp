@@ -1,8 +1,6 @@
 #include "bench/sections/measure.h"
 
-#include <time.h>
 #include <algorithm>
-
 #include <chrono>
 #include <thread>
 
@@ -10,11 +8,9 @@
 #include "bench/oracle/crack_checker.h"
 #include "bench/oracle/oracle.h"
 #include "bench/oracle/scene_truth.h"
+#include "bench/timing.h"
 #include "client/replica.h"
-#include "proto/delta_codec.h"
-#include "server/section/adapt.h"
-#include "server/section/held_nodes.h"
-#include "server/section/refine.h"
+#include "server/section/sender.h"
 #include "server/session/world.h"
 
 namespace foreland::bench {
@@ -25,13 +21,6 @@ constexpr size_t kNoLimit = size_t{1} << 30;
 
 double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// Of the calling thread, so that what else the machine does is left out.
-double processorSeconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 double quantile(std::vector<double> values, double q) {
@@ -49,25 +38,26 @@ double sum(const std::vector<double>& values) {
 
 }  // namespace
 
-SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<server::View>& views) {
-  server::RefineScratch scratch;
+SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views) {
+  proto::RefineScratch scratch;
   proto::Section section;
-  server::Adapter adapter(hierarchy);
-  server::AdaptScratch adapt_scratch;
+  proto::TerrainAdapter adapter(hierarchy.domain());
+  proto::PlainNodes source = hierarchy.source();
+  proto::AdaptScratch adapt_scratch;
   proto::CutDelta delta;
   std::vector<double> refine_s, adapt_s, triangles, nodes, changes, fractions;
   SectionCosts costs;
   uint64_t allocations_before = 0;
   for (size_t i = 0; i < views.size(); ++i) {
-    const double t0 = processorSeconds();
+    const double t0 = threadSeconds();
     CHECK_TRUE(server::refine(hierarchy, views[i], kNoLimit, scratch, section));
-    const double t1 = processorSeconds();
+    const double t1 = threadSeconds();
     delta.added.clear();
     delta.removed.clear();
     const uint64_t allocations = allocationCount();
-    const double t2 = processorSeconds();
-    CHECK_TRUE(adapter.adapt(views[i], kNoLimit, adapt_scratch, delta));
-    const double t3 = processorSeconds();
+    const double t2 = threadSeconds();
+    CHECK_TRUE(adapter.adapt(views[i], kNoLimit, source, adapt_scratch, delta));
+    const double t3 = threadSeconds();
     if (i > views.size() / 2) allocations_before += allocationCount() - allocations;
     CHECK_EQ(adapter.nodeCount(), section.slots.size());
     costs.bytes_per_node = std::max(
@@ -75,7 +65,7 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
     if (i == 0) continue;  // the first keyframe is refined from nothing by both
     refine_s.push_back(t1 - t0);
     adapt_s.push_back(t3 - t2);
-    triangles.push_back(static_cast<double>(server::triangleCount(hierarchy.grid(), section)));
+    triangles.push_back(static_cast<double>(proto::triangleCount(hierarchy.grid(), section)));
     nodes.push_back(static_cast<double>(section.slots.size()));
     changes.push_back(static_cast<double>(delta.added.size() + delta.removed.size()));
     fractions.push_back(changes.back() / nodes.back());
@@ -94,13 +84,13 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
   return costs;
 }
 
-double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<server::View>& views) {
-  server::RefineScratch scratch;
+double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views) {
+  proto::RefineScratch scratch;
   proto::Section section;
   double total = 0;
-  for (const server::View& view : views) {
+  for (const proto::View& view : views) {
     CHECK_TRUE(server::refine(hierarchy, view, kNoLimit, scratch, section));
-    total += static_cast<double>(server::triangleCount(hierarchy.grid(), section));
+    total += static_cast<double>(proto::triangleCount(hierarchy.grid(), section));
   }
   return total / static_cast<double>(views.size());
 }
@@ -129,15 +119,13 @@ void collectMotion(const client::KeyframeMesh& mesh, const proto::Pose& pose, co
 
 }  // namespace
 
-SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                             const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
                             uint32_t measure_every) {
   const terrain::Scene& scene = hierarchy.scene();
   client::Replica replica(server::welcomeTo(scene));
-  server::Adapter adapter(hierarchy);
-  const server::AdapterNodes nodes(adapter, scene);
-  proto::DeltaModel model;
-  server::AdaptScratch adapt_scratch;
+  server::SectionSender sender(hierarchy);
+  server::SendScratch scratch;
   Truth truth{scene.frame(), scene.grid().shape(), [&scene](uint32_t x, uint32_t y, std::span<int32_t> out) {
                 for (size_t i = 0; i < out.size(); ++i)
                   out[i] = scene.height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
@@ -145,20 +133,11 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
   Oracle oracle(std::move(truth));
   SectionErrors errors;
   std::vector<double> motions;
-  proto::KeyframeHeader header;
   uint64_t frame = 0;
   for (size_t i = 0; i < views.size(); ++i) {
-    proto::CutDelta delta;
-    CHECK_TRUE(adapter.adapt(views[i], kNoLimit, adapt_scratch, delta));
-    server::settle(delta);
-    header.base_index = header.index;
-    ++header.index;
-    header.time = Time{} + options.keyframe_interval * static_cast<int64_t>(i);
-    header.pose = views[i].pose;
-    header.fingerprint += proto::fingerprint(delta.added) - proto::fingerprint(delta.removed);
-    Bytes bytes;
-    proto::encodeDelta(scene.grid(), hierarchy.frame(), delta, proto::viewOf(header), nodes, model, bytes);
-    CHECK_TRUE(replica.apply(header, bytes).ok());
+    Bytes message;
+    sender.send(views[i], Time{} + options.keyframe_interval * static_cast<int64_t>(i), scratch, message);
+    CHECK_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes())).ok());
     const client::KeyframeMesh mesh = replica.buildMesh();
     errors.cracks += findCracks(mesh, scene.grid().shape()).cracks;
     const DrawnShare at_keyframe{&mesh, 1, 1};
@@ -184,18 +163,18 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
   return errors;
 }
 
-double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
-                          unsigned threads) {
+double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views, unsigned threads) {
   constexpr int kRounds = 3;
   const auto fly = [&] {
     for (int round = 0; round < kRounds; ++round) {
-      server::Adapter adapter(hierarchy);
-      server::AdaptScratch adapt_scratch;
+      proto::TerrainAdapter adapter(hierarchy.domain());
+      proto::PlainNodes source = hierarchy.source();
+      proto::AdaptScratch adapt_scratch;
       proto::CutDelta delta;
-      for (const server::View& view : views) {
+      for (const proto::View& view : views) {
         delta.added.clear();
         delta.removed.clear();
-        CHECK_TRUE(adapter.adapt(view, kNoLimit, adapt_scratch, delta));
+        CHECK_TRUE(adapter.adapt(view, kNoLimit, source, adapt_scratch, delta));
       }
     }
   };

@@ -22,10 +22,10 @@ struct SectionCosts {
   double bytes_per_node = 0;                              // of a session's state at its largest
   uint64_t allocations = 0;                               // in the second half of the flight
 };
-SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<server::View>& views);
+SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views);
 
 // Mean triangles over the views.
-double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<server::View>& views);
+double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views);
 
 struct SectionErrors {
   double max_error_px_keyframes = 0, max_error_px_frames = 0;
@@ -36,11 +36,11 @@ struct SectionErrors {
 };
 // Replays the flight through encoder, decoder and mesh as a client sees it, with `frames_per_keyframe` shown frames, of
 // which every `measure_every`-th is put before the oracle.
-SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                             const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
                             uint32_t measure_every);
 
 // Work done per second by `threads` threads, each adapting sessions of its own along the views.
-double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<server::View>& views, unsigned threads);
+double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views, unsigned threads);
 
 }  // namespace foreland::bench

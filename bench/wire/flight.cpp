@@ -1,30 +1,34 @@
 #include "bench/wire/flight.h"
 
-#include "server/section/adapt.h"
+#include "bench/timing.h"
 
 namespace foreland::bench {
 
-std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                                            Duration keyframe_interval) {
-  server::Adapter adapter(hierarchy);
-  server::AdaptScratch scratch;
+  server::SectionSender sender(hierarchy);
+  proto::TerrainAdapter plain(hierarchy.domain());
+  proto::PlainNodes source = hierarchy.source();
+  server::SendScratch scratch;
   std::vector<RecordedKeyframe> flight(views.size());
-  proto::KeyframeHeader header;
   for (size_t i = 0; i < views.size(); ++i) {
-    // As a session does: the section is computed for the pose that the client decodes.
-    server::View view = views[i];
-    view.pose = proto::asSent(view.pose);
-    proto::CutDelta& delta = flight[i].delta;
-    CHECK_TRUE(adapter.adapt(view, hierarchy.grid().slotCount(), scratch, delta));
-    server::settle(delta);
-    header.base_index = header.index++;
-    header.time = Time{} + keyframe_interval * static_cast<int64_t>(i);
-    header.pose = view.pose;
-    header.tau_px = static_cast<float>(view.tau_px);
-    header.ball_m = static_cast<float>(view.ball_m);
-    header.turn_rad = static_cast<float>(view.turn_rad);
-    header.fingerprint += proto::fingerprint(delta.added) - proto::fingerprint(delta.removed);
-    flight[i].header = header;
+    RecordedKeyframe& k = flight[i];
+    const double t0 = threadSeconds();
+    sender.send(views[i], Time{} + keyframe_interval * static_cast<int64_t>(i), scratch, k.message);
+    const double t1 = threadSeconds();
+    k.added = scratch.delta.added.size();
+    k.removed = scratch.delta.removed.size();
+    scratch.delta.added.clear();
+    scratch.delta.removed.clear();
+    const double t2 = threadSeconds();
+    CHECK_TRUE(plain.adapt(proto::viewOf(sender.keyframe()), hierarchy.grid().slotCount(), source, scratch.adapt,
+                           scratch.delta));
+    const double t3 = threadSeconds();
+    k.delta_bytes = k.message.size() - sender.headerBytes();
+    k.bits = sender.bits();
+    k.nodes = sender.adapter().nodeCount();
+    k.send_s = t1 - t0;
+    k.adapt_s = t3 - t2;
   }
   return flight;
 }

@@ -1,23 +1,25 @@
-// A flight as the wire sees it: keyframe after keyframe, the header and the cut delta. Recorded once, coded as often as
-// one likes.
+// A flight as the wire sees it: keyframe after keyframe, as a server sends them. Recorded once, read as often as one
+// likes.
 #pragma once
 
 #include <vector>
 
 #include "bench/sections/flight_views.h"
-#include "proto/message.h"
-#include "proto/section.h"
-#include "server/section/hierarchy.h"
+#include "server/section/sender.h"
 
 namespace foreland::bench {
 
 struct RecordedKeyframe {
-  proto::KeyframeHeader header;
-  proto::CutDelta delta;  // sorted
+  Bytes message;
+  size_t delta_bytes = 0;  // the message's last
+  proto::DeltaBits bits;   // where they went
+  size_t nodes = 0;        // in the section that results
+  size_t added = 0, removed = 0;
+  double adapt_s = 0, send_s = 0;  // processor time of adaptation alone, and of adaptation and coding together
 };
 
 // The sections along the views, each as the difference from the one before; the first from nothing.
-std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, const std::vector<server::View>& views,
+std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                                            Duration keyframe_interval);
 
 }  // namespace foreland::bench

@@ -11,17 +11,20 @@ struct WireCosts {
   uint64_t keyframes = 0, nodes_added = 0, nodes_removed = 0;  // after the first keyframe
   double bits_per_added_node = 0;  // all bytes down after the first keyframe, over the nodes that they add
   double height_bits = 0;          // of that: heights
-  double structure_bits = 0;       // which nodes come and go
+  double structure_bits = 0;       // which nodes come: answers to questions, radii
+  double asked_per_added = 0;      // questions, for each node that comes
   double framing_bits = 0;         // headers
   double first_section_bits_per_node = 0, first_section_height_bits = 0, first_section_structure_bits = 0;
   uint64_t first_section_nodes = 0, first_section_bytes = 0;
   double kbit_per_s = 0;  // after the first keyframe
   // Millions of nodes that come or go per second of one thread's processor time, the first section apart.
+  // Encoding is what sending takes beyond adaptation alone; decoding includes the adaptation that it steps.
   double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;
+  double send_mnodes_per_s = 0;  // adaptation and encoding together
   double first_encode_mnodes_per_s = 0, first_decode_mnodes_per_s = 0;
   double encode_ms = 0, decode_ms = 0;  // means per keyframe
 };
-// Whole messages, as a session sends them. Checks each decoded delta against the one coded.
+// Whole messages, as a session sends them. Checks that both ends hold the same section and heights.
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
                       Duration keyframe_interval);
 

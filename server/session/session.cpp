@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "proto/delta_codec.h"
-#include "server/section/held_nodes.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 
@@ -18,7 +16,7 @@ constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
 }  // namespace
 
 Session::Session(std::shared_ptr<const World> world, const SessionOptions& options)
-    : world_(std::move(world)), options_(options), adapter_(world_->hierarchy) {}
+    : world_(std::move(world)), options_(options), sender_(world_->hierarchy) {}
 
 Status Session::receive(ByteSpan bytes, Time now) {
   now_ = std::max(now_, now);
@@ -75,7 +73,7 @@ Status Session::take(const proto::GroundRequest& request, Time) {
 }
 
 Status Session::take(const proto::PoseUpdate& update, Time now) {
-  if (update.received_keyframe > keyframe_.index)
+  if (update.received_keyframe > keyframe().index)
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   history_.add(update.pose);
   while (!predictions_.empty() && predictions_.front().time <= update.pose.time) {
@@ -106,7 +104,7 @@ void Session::aim() {
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
   if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
   const Time next =
-      keyframe_.index == 0 ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe_.time + Duration{1});
+      keyframe().index == 0 ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
   const Duration behind = now_ + compute_time_ - deadline(next);
   target_ = behind > Duration{} ? gridAtOrAfter(next + behind) : next;
 }
@@ -114,8 +112,8 @@ void Session::aim() {
 std::optional<Session::Plan> Session::plan() const {
   if (!request_ || history_.empty() || unsent_ || in_flight_.size() >= options_.max_unacknowledged) return std::nullopt;
   const Duration T = request_->keyframe_interval;
-  const bool first = keyframe_.index == 0;
-  const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe_.time + Duration{1});
+  const bool first = keyframe().index == 0;
+  const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
   const auto skippedTo = [&](Time t) { return first || t < next ? 0 : static_cast<uint64_t>((t - next).us / T.us); };
 
   if (request_->strategy == proto::Strategy::kPredict) {
@@ -140,17 +138,17 @@ std::optional<Session::Due> Session::due() const {
 
 // Any time in the next half second will do: a keyframe's deadline comes first.
 std::optional<Session::Due> Session::prefetchDue() const {
-  if (options_.prefetch_ahead == Duration{} || keyframe_.index == 0) return std::nullopt;
+  if (options_.prefetch_ahead == Duration{} || keyframe().index == 0) return std::nullopt;
   return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery};
 }
 
 // Refining for where the viewer will be reads the very pages that its keyframes will need, while nobody waits for them.
 void Session::prefetch(SessionScratch& scratch) {
-  View view = viewFor(history_.newest().time + options_.prefetch_ahead);
-  view.tau_px = keyframe_.tau_px;
+  proto::View view = viewFor(history_.newest().time + options_.prefetch_ahead);
+  view.tau_px = keyframe().tau_px;
   view.ball_m = view.turn_rad = 0;
   // Too large a section has read more than enough.
-  (void)refine(world_->hierarchy, view, mostNodes(), scratch.prefetch, scratch.section);
+  (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
   next_prefetch_ = now_ + kPrefetchEvery;
   ++statistics_.prefetches;
 }
@@ -174,11 +172,11 @@ proto::Pose Session::expectedPose(Time t) const {
 }
 
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
-View Session::viewFor(Time t) const {
+proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
-  View view{proto::asSent(expectedPose(t)), request_->lens, request_->tau_px};
+  proto::View view{expectedPose(t), request_->lens, request_->tau_px};
   // The first section is shown as soon as it is there.
-  const Time begin = std::min(keyframe_.index == 0 ? history_.newest().time : keyframe_.time, t - T);
+  const Time begin = std::min(keyframe().index == 0 ? history_.newest().time : keyframe().time, t - T);
   const Sweep sweep = sweepOf(
       view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
   const Sweep miss = miss_.estimate();
@@ -197,52 +195,35 @@ size_t Session::mostNodes() const {
 }
 
 // At the tolerance that the budget allows; coarser at once if the section would still be too large.
-void Session::adaptTo(View& view, SessionScratch& scratch) {
-  view.tau_px = tolerance_.next(request_->tau_px, {request_->max_triangles, request_->max_bytes_per_second});
+void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
+  view.tau_px =
+      static_cast<float>(tolerance_.next(request_->tau_px, {request_->max_triangles, request_->max_bytes_per_second}));
   const double factor = request_->max_triangles > 0 ? 1.15 : 2;
-  scratch.delta.added.clear();
-  scratch.delta.removed.clear();
-  while (!adapter_.adapt(view, mostNodes(), scratch.adapt, scratch.delta)) view.tau_px *= factor;
-  settle(scratch.delta);
+  while (!sender_.fits(view, mostNodes(), scratch.send)) view.tau_px = static_cast<float>(view.tau_px * factor);
   tolerance_.force(view.tau_px);
 }
 
 void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const Hierarchy& hierarchy = world_->hierarchy;
-  const double interval_s =
-      keyframe_.index == 0 ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe_.time).toSeconds();
-  View view = viewFor(plan.time_client);
-  adaptTo(view, scratch);
-
-  proto::KeyframeHeader header;
-  header.index = keyframe_.index + 1;
-  header.base_index = keyframe_.index;
-  header.time = plan.time_client;
-  header.pose = view.pose;
-  header.tau_px = static_cast<float>(view.tau_px);
-  header.ball_m = static_cast<float>(view.ball_m);
-  header.turn_rad = static_cast<float>(view.turn_rad);
-  header.fingerprint =
-      keyframe_.fingerprint + proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
+  const double interval_s = keyframe().index == 0 ? request_->keyframe_interval.toSeconds()
+                                                  : (plan.time_client - keyframe().time).toSeconds();
+  proto::View view = viewFor(plan.time_client);
+  fitBudget(view, scratch);
   Bytes message;
-  proto::encodeHeader(header, message);
-  const AdapterNodes nodes(adapter_, hierarchy.scene());
-  proto::encodeDelta(hierarchy.grid(), hierarchy.frame(), scratch.delta, proto::viewAsSent(header), nodes, model_,
-                     message);
-  tolerance_.observe(2.0 * static_cast<double>(adapter_.nodeCount()), static_cast<double>(message.size()), interval_s);
+  sender_.send(view, plan.time_client, scratch.send, message);
+  const size_t nodes = sender_.adapter().nodeCount();
+  tolerance_.observe(2.0 * static_cast<double>(nodes), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
 
-  keyframe_ = header;
   unsent_ = true;
   target_.reset();
   aim();
-  in_flight_.push_back({header.index, now});
+  in_flight_.push_back({keyframe().index, now});
   if (plan.time_client > history_.newest().time) predictions_.push_back({plan.time_client, view.pose});
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
-  statistics_.nodes_added += scratch.delta.added.size();
-  statistics_.nodes_removed += scratch.delta.removed.size();
-  statistics_.section_nodes = adapter_.nodeCount();
+  statistics_.nodes_added += scratch.send.delta.added.size();
+  statistics_.nodes_removed += scratch.send.delta.removed.size();
+  statistics_.section_nodes = nodes;
 }
 
 // Rises at once, falls slowly: a plan should hold for the slower of the recent keyframes.

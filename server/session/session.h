@@ -16,11 +16,9 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/delta_codec.h"
 #include "proto/message.h"
-#include "server/section/adapt.h"
 #include "server/section/budget.h"
-#include "server/section/refine.h"
+#include "server/section/sender.h"
 #include "server/session/clock_map.h"
 #include "server/session/world.h"
 #include "server/view/pose_history.h"
@@ -39,10 +37,7 @@ struct SessionOptions {
 
 // What a worker brings to a step; one per worker, reused.
 struct SessionScratch {
-  AdaptScratch adapt;
-  RefineScratch prefetch;
-  proto::Section section;
-  proto::CutDelta delta;
+  SendScratch send;
 };
 
 struct SessionStatistics {
@@ -78,8 +73,8 @@ class Session {
 
   const SessionStatistics& statistics() const { return statistics_; }
   // What the client holds once it has read everything sent; and the keyframe that it belongs to.
-  proto::Section section() const { return adapter_.section(); }
-  const proto::KeyframeHeader& keyframe() const { return keyframe_; }
+  proto::Section section() const { return sender_.adapter().section(); }
+  const proto::KeyframeHeader& keyframe() const { return sender_.keyframe(); }
 
  private:
   Status take(const proto::ViewRequest& request, Time now);
@@ -99,11 +94,11 @@ class Session {
   void aim();
   Time gridAtOrAfter(Time t_client) const;
   proto::Pose expectedPose(Time t_client) const;
-  View viewFor(Time t_client) const;
+  proto::View viewFor(Time t_client) const;
   size_t mostNodes() const;
   std::optional<Due> prefetchDue() const;
   void prefetch(SessionScratch& scratch);
-  void adaptTo(View& view, SessionScratch& scratch);
+  void fitBudget(proto::View& view, SessionScratch& scratch);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
@@ -118,10 +113,8 @@ class Session {
   std::optional<Time> target_;  // grid point aimed at with `predict`, the client's clock
   std::vector<Bytes> replies_;
 
-  Adapter adapter_;
-  proto::DeltaModel model_;  // of all deltas sent
+  SectionSender sender_;
   ToleranceControl tolerance_;
-  proto::KeyframeHeader keyframe_;  // the last one sent; index 0 before the first
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;
   struct Sent {

@@ -49,7 +49,10 @@ template <class Error, class ErrorRows>
 class BoundsPass {
  public:
   explicit BoundsPass(const BoundsJob& job)
-      : job_(job), positions_(job.grid, job.frame, job.heights), error_(job.grid, job.frame, job.heights) {}
+      : job_(job),
+        levels_(job.grid, job.frame),
+        positions_(job.grid, job.frame, job.heights),
+        error_(job.grid, job.frame, job.heights) {}
 
   bool run() {
     double done = 0, all = 0;
@@ -82,13 +85,13 @@ class BoundsPass {
   struct Scratch {
     Scratch(const BoundsPass& pass, const NodeLevel& level)
         : errors(pass.error_, pass.job_, level),
-          spheres(pass.job_.grid, pass.positions_, pass.job_.nodes, level.level) {}
+          spheres(pass.job_.grid, pass.levels_, pass.positions_, pass.job_.nodes, level.level) {}
     ErrorRows errors;
     SphereRows spheres;
     std::vector<NodeRecord> records;  // of the band at hand
     proto::Slot first = 0;            // slot of records[0]
     std::vector<double> errors_m, radii_m;
-    std::vector<uint16_t> child_errors;
+    std::vector<uint8_t> child_errors;
   };
 
   void fillBand(const NodeLevel& level, uint32_t number, Scratch& band) {
@@ -97,9 +100,11 @@ class BoundsPass {
     band.records.assign(count, NodeRecord{});
     const uint32_t s = level.s, end = std::min((number + 1) * kTileCells, level.cellRows());
     for (uint32_t cell = number * kTileCells; cell < end; ++cell) {
-      if (level.sides) fillRow(level.row(2 * s * cell), band);
-      if (cell < level.cells_y) fillRow(level.row(2 * s * cell + s), band);
+      if (level.sides) fillRow(level.level, level.row(2 * s * cell), band);
+      if (cell < level.cells_y) fillRow(level.level, level.row(2 * s * cell + s), band);
     }
+    for (size_t page = 0; page < band.records.size(); page += proto::kPageSlots)
+      widen(first + static_cast<proto::Slot>(page), std::span(band.records).subspan(page, proto::kPageSlots));
     if (!job_.store(first, band.records)) stopped_ = true;
     if (level.level == job_.grid.maxLevel()) return;
     const NodeLevel finer(job_.grid, level.level + 1);
@@ -110,7 +115,18 @@ class BoundsPass {
       }
   }
 
-  void fillRow(const NodeRow& row, Scratch& band) {
+  // One radius for all nodes of a page; padding stays zero.
+  void widen(proto::Slot first, std::span<NodeRecord> page) const {
+    proto::RadiusClass most;
+    for (const NodeRecord& r : page) most = std::max(most, r.radius());
+    for (size_t i = 0; i < page.size(); ++i) {
+      NodeRecord& r = page[i];
+      if (r != NodeRecord{} || job_.grid.node(first + static_cast<proto::Slot>(i)) != proto::NodeId{})
+        r = NodeRecord::of(r.height(), r.displacement(), r.error(), most);
+    }
+  }
+
+  void fillRow(int level, const NodeRow& row, Scratch& band) {
     band.errors_m.resize(row.count);
     band.radii_m.resize(row.count);
     band.child_errors.resize(row.count);
@@ -119,9 +135,11 @@ class BoundsPass {
     row.forEachRun(job_.grid, [&](uint32_t i, proto::Slot slot, uint32_t count) {
       NodeRecord* record = &band.records[slot - band.first];
       for (uint32_t end = i + count; i < end; ++i, record += row.slot_step) {
-        record->height = positions_.steps(row.first_x + i * row.step_x, row.y);
-        record->error = std::max(CompactBound::roundUp(band.errors_m[i]), CompactBound{band.child_errors[i]});
-        record->radius = CompactBound::roundUp(band.radii_m[i] + kPad_m);
+        const int32_t height = positions_.steps(row.first_x + i * row.step_x, row.y);
+        *record = NodeRecord::of(
+            height, height - positions_.middleSteps(row.node(i)),
+            std::max(proto::ErrorClass::roundUp(band.errors_m[i]), proto::ErrorClass{band.child_errors[i]}),
+            levels_.roundUp(level, band.radii_m[i] + kPad_m));
       }
     });
   }
@@ -137,6 +155,7 @@ class BoundsPass {
   }
 
   const BoundsJob& job_;
+  proto::SphereLevels levels_;
   RowPositions positions_;
   Error error_;
   std::atomic<bool> stopped_{false};

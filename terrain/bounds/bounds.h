@@ -2,7 +2,7 @@
 //
 //   error(n)   at least the error of leaving n out (error.h), and at least the error of each child. 0 where the support
 //              holds no data
-//   radius(n)  about n's own scene position; at least |position(n) - position(c)| + radius(c) + 1e-5 m for each child c, so a viewer's
+//   radius(n)  about the middle of n's edge; at least the distance to each child's, plus radius(c) + 1e-5 m, so a viewer's
 //              distance test is monotone in floating point too; at least the distance to each sample of the support, hence
 //              to every point of the true and of any coarser surface there
 //

@@ -1,6 +1,6 @@
-// Saturated spheres, row by row: about each node's position, large enough for its children's spheres (bounds.h). A
-// SphereRows keeps the rows of children that neighbouring rows of parents share. One owner; reads nodes of the next
-// finer level only.
+// Saturated spheres, row by row: about the middle of each node's edge (proto/bounds.h), large enough for its children's
+// spheres (bounds.h). A SphereRows keeps the rows of children that neighbouring rows of parents share. One owner; reads
+// nodes of the next finer level only.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "proto/bounds.h"
 #include "proto/frame.h"
 #include "proto/grid.h"
 #include "terrain/bounds/heights.h"
@@ -25,10 +26,17 @@ class RowPositions {
   struct Out {
     double *x, *y, *z;
   };
+  // At the heights of the samples, or of the middles of the edges of the nodes of a level.
   void fill(const NodeRow& row, const Out& out) const;
+  void fillMiddles(const NodeRow& row, const Out& out) const;
   int32_t steps(uint32_t x, uint32_t y) const { return heights_.clamped(x, y); }
+  int32_t middleSteps(proto::NodeId n) const;
 
  private:
+  // Coordinates of points whose z holds their height in metres.
+  void place(const NodeRow& row, const Out& out) const;
+
+  const proto::GridTopology* grid_;
   Heights heights_;
   proto::Frame frame_;
   double polar_;                                  // 1 - e^2
@@ -38,11 +46,11 @@ class RowPositions {
 
 class SphereRows {
  public:
-  SphereRows(const proto::GridTopology& grid, const RowPositions& positions, std::span<const NodeRecord> nodes,
-             int level);
+  SphereRows(const proto::GridTopology& grid, const proto::SphereLevels& levels, const RowPositions& positions,
+             std::span<const NodeRecord> nodes, int level);
 
   // Least radii of the row's nodes, unpadded; and the largest error of each node's children.
-  void compute(const NodeRow& row, std::span<double> radii_m, std::span<uint16_t> child_errors);
+  void compute(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors);
 
  private:
   // Children on one lattice row, with one more at either end that reaches nowhere.
@@ -50,15 +58,18 @@ class SphereRows {
     bool used = false;
     uint32_t y = 0;
     std::vector<double> x, y_m, z, radius;
-    std::vector<uint16_t> error;
+    std::vector<uint8_t> error;
   };
   const Row& childRow(uint32_t y);
-  void load(Row& row, const NodeRow& where, bool are_nodes);
-  void include(const Row& children, int offset, std::span<double> radii_m, std::span<uint16_t> child_errors) const;
-  void includePairs(const Row& children, int offset, std::span<double> radii_m, std::span<uint16_t> child_errors) const;
-  void corners(const NodeRow& row, std::span<double> radii_m, std::span<uint16_t> child_errors);
+  // Samples; middles of nodes' edges; or these with the spheres of the nodes of `level`.
+  enum class What : uint8_t { kSamples, kMiddles, kSpheres };
+  void load(Row& row, const NodeRow& where, What what);
+  void include(const Row& children, int offset, std::span<double> radii_m, std::span<uint8_t> child_errors) const;
+  void includePairs(const Row& children, int offset, std::span<double> radii_m, std::span<uint8_t> child_errors) const;
+  void corners(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors);
 
   const proto::GridTopology& grid_;
+  const proto::SphereLevels& levels_;
   const RowPositions& positions_;
   std::span<const NodeRecord> nodes_;
   NodeLevel level_;

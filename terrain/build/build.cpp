@@ -13,7 +13,6 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr int32_t kMaxSteps = 1 << 30;
 constexpr uint64_t kWindowSamples = 1u << 22;
 
 Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
@@ -29,10 +28,10 @@ class Raster {
 
   // Ends the metres. Fails on heights that do not fit.
   Status quantise(double step_m, HeightRange& range) {
-    range = {kMaxSteps, -kMaxSteps};
+    range = {proto::kMaxHeight, -proto::kMaxHeight};
     for (size_t i = 0; i < count_; ++i) {
       const double steps = std::nearbyint(metres_[i] / step_m);
-      if (!(std::fabs(steps) < kMaxSteps))
+      if (!(std::fabs(steps) < proto::kMaxHeight))
         return Error{ErrorCode::kLimit, "a height of " + std::to_string(metres_[i]) + " m does not fit steps of " +
                                             std::to_string(step_m) +
                                             " m; use a larger --vertical-step or name the void value with --nodata"};

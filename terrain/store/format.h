@@ -16,7 +16,7 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 1;
+inline constexpr uint32_t kFormatVersion = 2;
 inline constexpr uint32_t kByteOrderMark = 0x01020304;
 inline constexpr uint64_t kPageBytes = 4096;       // alignment of every section
 inline constexpr uint64_t kBlockBytes = 1u << 20;  // checksummed at a time

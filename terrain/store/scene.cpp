@@ -11,7 +11,7 @@ Result<std::shared_ptr<const Scene>> Scene::open(const std::filesystem::path& pa
 }
 
 int32_t Scene::height(proto::NodeId v) const {
-  if (!grid_.isBase(v)) return node(v).height;
+  if (!grid_.isBase(v)) return node(v).height();
   const uint32_t k = grid_.shape().root_log2, x = v.x() >> k, y = v.y() >> k;
   if (grid_.scaleLog2(v) >= k) return corners_[static_cast<size_t>(y) * (grid_.shape().roots_x + 1) + x];
   return centres_[static_cast<size_t>(y) * grid_.shape().roots_x + x];

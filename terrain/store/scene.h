@@ -3,7 +3,6 @@
 // file is whole; block checksums are checked by verifyScene (verify.h), so opening costs the same for any size.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -12,34 +11,13 @@
 #include <vector>
 
 #include "base/result.h"
+#include "proto/bounds.h"
 #include "proto/frame.h"
 #include "proto/grid.h"
 
 namespace foreland::terrain {
 
-// Non-negative metres in 16 bits: eight bits of a float's exponent and eight of its mantissa, rounded up, so a decoded
-// bound never understates (relative error at most 2^-8). Order-preserving.
-struct CompactBound {
-  uint16_t bits = 0;
-  float metres() const { return std::bit_cast<float>(static_cast<uint32_t>(bits) << 15); }
-  // `metres` is not negative.
-  static CompactBound roundUp(double metres) {
-    const float nearest = static_cast<float>(metres);
-    const uint32_t above = std::bit_cast<uint32_t>(nearest) + (nearest < metres ? 1 : 0);
-    return {static_cast<uint16_t>((above + 0x7fff) >> 15)};
-  }
-  auto operator<=>(const CompactBound&) const = default;
-};
-
-// What the server knows of one node, at its slot.
-struct NodeRecord {
-  int32_t height = 0;  // in steps of Frame::height_step_m above the zero surface
-  CompactBound error;  // saturated: largest distance (m) between the true surface and the surface without this node or
-                       // any of its descendants' nodes, over this node's support; 0 beyond the data
-  CompactBound
-      radius;  // saturated: sphere about the node's own position that holds its support and its children's spheres
-};
-static_assert(sizeof(NodeRecord) == 8);
+using proto::NodeRecord;
 
 // Where the scene came from; for people, not for geometry.
 struct SceneOrigin {
@@ -61,6 +39,7 @@ class Scene {
 
   const proto::GridTopology& grid() const { return grid_; }
   const proto::Frame& frame() const { return frame_; }
+  const proto::SphereLevels& spheres() const { return spheres_; }
   // Names this very content; two builds of the same input share it. Clients resume by it.
   uint64_t id() const { return id_; }
   HeightRange heightRange() const { return heights_; }  // over the data
@@ -77,10 +56,12 @@ class Scene {
   int32_t height(proto::NodeId v) const;
 
  protected:
-  Scene(proto::GridTopology grid, proto::Frame frame) : grid_(std::move(grid)), frame_(std::move(frame)) {}
+  Scene(proto::GridTopology grid, proto::Frame frame)
+      : grid_(std::move(grid)), frame_(std::move(frame)), spheres_(grid_, frame_) {}
 
   proto::GridTopology grid_;
   proto::Frame frame_;
+  proto::SphereLevels spheres_;
   uint64_t id_ = 0;
   HeightRange heights_;
   SceneOrigin origin_;

@@ -77,41 +77,48 @@ class NodeCheck {
     const NodeId n = grid_.node(slot);
     const auto fault = [&](const std::string& what) { faults_.add(slot, what); };
     if (n == NodeId{}) {
-      if (record.height != 0 || record.error.bits != 0 || record.radius.bits != 0)
-        fault("slot " + std::to_string(slot) + " is padding but not zero");
+      if (record != NodeRecord{}) fault("slot " + std::to_string(slot) + " is padding but not zero");
       return false;
     }
-    if (!inRange(record.height)) fault(name(n) + " lies outside the scene's range of heights");
-    if (!std::isfinite(record.error.metres()) || !std::isfinite(record.radius.metres()))
-      fault(name(n) + " has a bound that is no number");
-    const glm::dvec3 centre = positions_.position(n, record.height);
+    if (!inRange(record.height())) fault(name(n) + " lies outside the scene's range of heights");
+    const auto ends = grid_.endpoints(n);
+    if (record.middle() != proto::middleOf(scene_.height(ends[0]), scene_.height(ends[1])))
+      fault(name(n) + " has a displacement that is not from the middle of its edge");
+    if ((slot + 1) % proto::kPageSlots != 0 && grid_.node(slot + 1) != NodeId{} &&
+        scene_.nodes()[slot + 1].radius() != record.radius())
+      fault(name(n) + " has another radius than its page");
+    const glm::dvec3 centre = centreOf(n, record);
+    const double radius = radiusOf(n, record);
     for (NodeId child : grid_.children(n)) {
       const NodeRecord& below = scene_.node(child);
-      if (below.error > record.error) fault(name(n) + " has a smaller error than its child " + name(child));
-      if (glm::distance(centre, positions_.position(child, below.height)) + below.radius.metres() >
-          record.radius.metres())
+      if (below.error() > record.error()) fault(name(n) + " has a smaller error than its child " + name(child));
+      if (glm::distance(centre, centreOf(child, below)) + radiusOf(child, below) > radius)
         fault(name(n) + " has a sphere that does not hold that of its child " + name(child));
     }
-    for (NodeId corner : grid_.endpoints(n)) checkCorner(n, centre, corner);
-    for (NodeId corner : grid_.apexes(n)) checkCorner(n, centre, corner);
-    if (holdsItself(n) && record.error.metres() < displacement(n))
+    for (NodeId corner : grid_.endpoints(n)) checkCorner(n, centre, radius, corner);
+    for (NodeId corner : grid_.apexes(n)) checkCorner(n, centre, radius, corner);
+    if (holdsItself(n) && record.error().metres() < displacement(n))
       fault(name(n) + " has an error below its own displacement");
     return true;
   }
 
  private:
+  glm::dvec3 centreOf(NodeId n, const NodeRecord& record) const { return positions_.position(n, record.middle()); }
+  double radiusOf(NodeId n, const NodeRecord& record) const {
+    return scene_.spheres().radius_m(grid_.level(n), record.radius());
+  }
   bool inRange(int32_t height) const {
     return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest;
   }
-  void checkCorner(NodeId n, const glm::dvec3& centre, NodeId corner) const {
-    if (glm::distance(centre, positions_.position(corner, scene_.height(corner))) > scene_.node(n).radius.metres())
+  void checkCorner(NodeId n, const glm::dvec3& centre, double radius, NodeId corner) const {
+    if (glm::distance(centre, positions_.position(corner, scene_.height(corner))) > radius)
       faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners");
   }
   bool holdsItself(NodeId n) const { return n.x() < grid_.shape().samples_x && n.y() < grid_.shape().samples_y; }
   // Distance from the middle of its edge; planar frames measure it along the vertical, where it is exact.
   double displacement(NodeId n) const {
     const auto ends = grid_.endpoints(n);
-    const int32_t a = scene_.height(ends[0]), b = scene_.height(ends[1]), own = scene_.node(n).height;
+    const int32_t a = scene_.height(ends[0]), b = scene_.height(ends[1]), own = scene_.node(n).height();
     if (scene_.frame().kind == proto::FrameKind::kPlanar)
       return std::fabs(own - 0.5 * (static_cast<double>(a) + b)) * scene_.frame().height_step_m;
     const glm::dvec3 middle = 0.5 * (positions_.position(ends[0], a) + positions_.position(ends[1], b));

@@ -1,13 +1,13 @@
 #include "bench/martini/uniform.h"
 
-#include "server/section/refine.h"
+#include "proto/refine/refine.h"
 #include "tests/support/scene.h"
 
 namespace foreland::bench {
 namespace {
 
-proto::Section refined(const server::Hierarchy& hierarchy, const server::View& view) {
-  server::RefineScratch scratch;
+proto::Section refined(const server::Hierarchy& hierarchy, const proto::View& view) {
+  proto::RefineScratch scratch;
   proto::Section section;
   CHECK_TRUE(server::refine(hierarchy, view, size_t{1} << 30, scratch, section));
   return section;
@@ -15,7 +15,7 @@ proto::Section refined(const server::Hierarchy& hierarchy, const server::View& v
 
 TEST(UniformView, KeepsTheErrorEverywhere) {
   for (const auto& [width, height] : {std::pair{129u, 129u}, {200u, 75u}, {33u, 140u}}) {
-    const server::Hierarchy hierarchy(test::makeScene(width, height, 7), server::ErrorBound::kSphere);
+    const server::Hierarchy hierarchy(test::makeScene(width, height, 7), proto::ErrorBound::kSphere);
     size_t last = 0;
     for (double max_error_m : {50.0, 20.0, 5.0, 1.0}) {
       const proto::Section section = refined(hierarchy, uniformView(hierarchy, max_error_m));
@@ -27,7 +27,7 @@ TEST(UniformView, KeepsTheErrorEverywhere) {
 }
 
 TEST(UniformView, WantsNothingAboveTheRootsError) {
-  const server::Hierarchy hierarchy(test::makeScene(65, 65, 7), server::ErrorBound::kSphere);
+  const server::Hierarchy hierarchy(test::makeScene(65, 65, 7), proto::ErrorBound::kSphere);
   EXPECT_TRUE(refined(hierarchy, uniformView(hierarchy, 1e5)).slots.empty());
 }
 
@@ -44,7 +44,7 @@ TEST(TrueError, IsTheDisplacementOfTheOnlyNodeLeftOut) {
 TEST(NearestError, GrowsWithTheToleranceAndTheHeight) {
   const auto scene = test::makeScene(129, 129, [](uint32_t x, uint32_t y) { return (x + y) % 2 ? 8.0 : 0.0; });
   const server::Hierarchy hierarchy(scene);
-  server::View view;
+  proto::View view;
   view.pose.eye = {0, 0, 1008};
   view.tau_px = 1;
   const double once = nearestError_m(hierarchy, view);

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   CHECK_EQ(write(file, data, size), static_cast<ssize_t>(size));
   if (auto scene = terrain::Scene::open("/proc/self/fd/" + std::to_string(file))) {
     int64_t sum = 0;
-    for (const terrain::NodeRecord& node : (*scene)->nodes()) sum += node.height;
+    for (const terrain::NodeRecord& node : (*scene)->nodes()) sum += node.height();
     for (int32_t height : (*scene)->cornerHeights()) sum += height;
     for (int32_t height : (*scene)->centreHeights()) sum += height;
     const volatile int64_t keep = sum;

@@ -36,7 +36,7 @@ TEST(Message, PosesArriveToTheMillimetreAndToATenthOfAMilliradian) {
 TEST(Message, APoseAsSentIsSentUnchanged) {
   Rng rng(4);
   for (int i = 0; i < 1000; ++i) {
-    KeyframeHeader header{2, 1, Time{5}, somePose(rng), 1, 0, 0, 99};
+    KeyframeHeader header{2, 1, Time{5}, somePose(rng), {}, 1, 0, 0, 99};
     Bytes bytes;
     encodeHeader(header, bytes);
     auto message = decodeServerMessage(bytes);

@@ -40,25 +40,11 @@ class SceneFile : public testing::Test {
     int64_t sum = scene.heightRange().lowest;
     for (uint32_t y = 0; y <= scene.grid().maxY(); ++y)
       for (uint32_t x = 0; x <= scene.grid().maxX(); ++x) sum += scene.height(proto::NodeId::at(x, y));
-    for (const NodeRecord& node : scene.nodes()) sum += node.error.bits + node.radius.bits;
+    for (const NodeRecord& node : scene.nodes()) sum += node.error().value + node.radius().value;
     volatile int64_t kept = sum;
     (void)kept;
   }
 };
-
-TEST(CompactBound, RoundsUpByAtMostOnePartIn256AndKeepsOrder) {
-  Rng rng(1);
-  for (int i = 0; i < 100000; ++i) {
-    const double metres = std::exp2(rng.uniform(-60, 60)), other = metres * rng.uniform(1, 1.01);
-    const CompactBound bound = CompactBound::roundUp(metres);
-    ASSERT_GE(bound.metres(), metres);
-    ASSERT_LE(bound.metres(), metres * (1 + 1.0 / 256));
-    ASSERT_LE(bound, CompactBound::roundUp(other));
-    ASSERT_EQ(CompactBound::roundUp(bound.metres()), bound);
-  }
-  EXPECT_EQ(CompactBound::roundUp(0).bits, 0);
-  EXPECT_GT(CompactBound::roundUp(5e-324).metres(), 0);
-}
 
 TEST_F(SceneFile, GivesBackWhatWasBuilt) {
   const auto scene = Scene::open(path);

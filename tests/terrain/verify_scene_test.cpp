@@ -56,6 +56,12 @@ class Forged : public testing::Test {
     EXPECT_TRUE(std::any_of(report.first_faults.begin(), report.first_faults.end(), says))
         << report.first_faults.front();
   }
+  static void setError(NodeRecord& r, uint8_t error) {
+    r = NodeRecord::of(r.height(), r.displacement(), {error}, r.radius());
+  }
+  static void setRadius(NodeRecord& r, uint8_t radius) {
+    r = NodeRecord::of(r.height(), r.displacement(), r.error(), {radius});
+  }
   // A node inside the data with children of nonzero error.
   proto::Slot someParent() { return grid.slot(proto::NodeId::at(12, 8)); }
 };
@@ -69,29 +75,36 @@ TEST_F(Forged, SoundSceneIsSoundAndEverySlotIsCounted) {
 }
 
 TEST_F(Forged, SmallerErrorThanAChildIsFound) {
-  nodes()[someParent()].error.bits = 0;
+  setError(nodes()[someParent()], 0);
   expectFault("smaller error than its child");
 }
 
 TEST_F(Forged, SphereThatDoesNotHoldAChildsIsFound) {
-  nodes()[someParent()].radius.bits -= 2;
+  setRadius(nodes()[someParent()], 0);
   expectFault("sphere that does not hold that of its child");
 }
 
-TEST_F(Forged, BoundThatIsNoNumberIsFound) {
-  nodes()[0].error.bits = 0xffff;
-  expectFault("no number");
+TEST_F(Forged, DisplacementThatIsNotFromTheMiddleIsFound) {
+  nodes()[someParent()].bits ^= uint64_t{1} << 24;
+  expectFault("not from the middle of its edge");
+}
+
+TEST_F(Forged, PageWithTwoRadiiIsFound) {
+  NodeRecord& record = nodes()[someParent()];
+  setRadius(record, static_cast<uint8_t>(record.radius().value + 1));
+  expectFault("another radius than its page");
 }
 
 TEST_F(Forged, HeightOutsideTheRangeIsFound) {
-  nodes()[someParent()].height = 1 << 25;
+  NodeRecord& record = nodes()[someParent()];
+  record = NodeRecord::of(1 << 21, record.displacement(), record.error(), record.radius());
   expectFault("outside the scene's range");
 }
 
 TEST_F(Forged, DirtyPaddingIsFound) {
   proto::Slot padding = 0;
   while (!(grid.node(padding) == proto::NodeId{})) ++padding;
-  nodes()[padding].height = 1;
+  nodes()[padding].bits = 1;
   expectFault("padding");
 }
 
@@ -101,7 +114,7 @@ TEST_F(Forged, BaseHeightOutsideTheRangeIsFound) {
 }
 
 TEST_F(Forged, FaultsAreTheSameForAnyNumberOfThreads) {
-  for (proto::Slot slot = 0; slot < grid.slotCount(); slot += 3) nodes()[slot].radius.bits = 0;
+  for (proto::Slot slot = 0; slot < grid.slotCount(); slot += 3) setRadius(nodes()[slot], 0);
   const VerifyReport two = seal();
   for (unsigned threads : {1u, 5u}) {
     const auto report = verifyScene(path, threads);

@@ -4,26 +4,25 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "server/section/refine.h"
+#include "server/section/hierarchy.h"
 #include "tests/support/scene.h"
 
-namespace foreland::server {
+namespace foreland::proto {
 namespace {
 
-using proto::NodeId;
-using proto::Slot;
+using server::Hierarchy;
 
 constexpr size_t kNoLimit = 1u << 30;
 
 View randomView(const Hierarchy& h, Rng& rng) {
-  const proto::GridShape& shape = h.grid().shape();
-  const proto::LatticePlace place{rng.uniform(-50, shape.samples_x + 50), rng.uniform(-50, shape.samples_y + 50),
-                                  600 + std::pow(10, rng.uniform(0, 4))};
+  const GridShape& shape = h.grid().shape();
+  const LatticePlace place{rng.uniform(-50, shape.samples_x + 50), rng.uniform(-50, shape.samples_y + 50),
+                           600 + std::pow(10, rng.uniform(0, 4))};
   View view;
   view.pose.eye = h.frame().transform().toScene(place);
   const double yaw = rng.uniform(0, 6.28), pitch = rng.uniform(-1.5, 0.5);
   view.pose.orientation =
-      proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
+      lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
   view.lens = {rng.uniform(0.3, 2.0), 640, 360};
   view.tau_px = std::pow(2, rng.uniform(-2, 4));
   return view;
@@ -31,21 +30,22 @@ View randomView(const Hierarchy& h, Rng& rng) {
 
 // The definition, node by node: its sphere meets the view and its error would be seen. Positions come from the frame.
 std::vector<Slot> everyNodeThatPasses(const Hierarchy& h, const View& view) {
-  const Metric metric(view, h.hasVerticalErrors());
+  const Metric metric = h.domain().metric(view);
   std::vector<Slot> slots;
   for (Slot slot = 0; slot < h.grid().slotCount(); ++slot) {
     const NodeId n = h.grid().node(slot);
     if (h.grid().isBase(n)) continue;
-    const terrain::NodeRecord& r = h.nodes()[slot];
-    const glm::dvec3 p = h.frame().position(n, r.height) - view.pose.eye;
+    const NodeRecord& r = h.nodes()[slot];
+    const glm::dvec3 p = h.frame().position(n, r.middle()) - view.pose.eye;
     const Metric::Place place{glm::dot(p, metric.right()), glm::dot(p, metric.up()), glm::dot(p, metric.forward()),
                               std::hypot(p.x, p.y)};
-    if (metric.passes(place, r.radius.metres(), r.error.metres())) slots.push_back(slot);
+    if (metric.passes(place, h.domain().radius_m(h.grid().level(n), r.radius()), r.error().metres()))
+      slots.push_back(slot);
   }
   return slots;
 }
 
-class Refinement : public testing::TestWithParam<proto::FrameKind> {};
+class Refinement : public testing::TestWithParam<FrameKind> {};
 
 TEST_P(Refinement, IsClosedAndIsEveryNodeThatPasses) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
@@ -54,11 +54,11 @@ TEST_P(Refinement, IsClosedAndIsEveryNodeThatPasses) {
   for (auto [w, h] : {std::pair{65u, 65u}, {90u, 47u}, {33u, 130u}}) {
     const Hierarchy hierarchy(test::makeScene(w, h, rng.next(), GetParam()));
     RefineScratch scratch;
-    proto::Section section;
+    Section section;
     for (int i = 0; i < 25; ++i) {
       const View view = randomView(hierarchy, rng);
       ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, section));
-      const Status closed = proto::validate(hierarchy.grid(), section);
+      const Status closed = validate(hierarchy.grid(), section);
       EXPECT_TRUE(closed.ok()) << "seed " << seed << ": " << closed.error().message;
       const std::vector<Slot> expected = everyNodeThatPasses(hierarchy, view);
       // The walk computes positions in another order of operations; nodes within rounding of the threshold may differ.
@@ -70,16 +70,14 @@ TEST_P(Refinement, IsClosedAndIsEveryNodeThatPasses) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Frames, Refinement, testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+INSTANTIATE_TEST_SUITE_P(Frames, Refinement, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));
 
 TEST(RefineLimits, StopsAtTheStatedNumberOfNodes) {
   const Hierarchy hierarchy(test::makeScene(129, 129, 3));
-  View view{{hierarchy.frame().transform().toScene(proto::LatticePlace{64, 64, 3000}),
-             proto::lookAlong({0, 0, -1}, {0, 0, 1})},
-            {},
-            0.01};
+  View view{
+      {hierarchy.frame().transform().toScene(LatticePlace{64, 64, 3000}), lookAlong({0, 0, -1}, {0, 0, 1})}, {}, 0.01};
   RefineScratch scratch;
-  proto::Section section;
+  Section section;
   EXPECT_TRUE(refine(hierarchy, view, kNoLimit, scratch, section));
   const size_t all = section.slots.size();
   EXPECT_GT(all, 1000u);
@@ -90,17 +88,16 @@ TEST(RefineLimits, StopsAtTheStatedNumberOfNodes) {
 TEST(RefineLimits, AbsurdPosesGiveAValidSection) {
   const Hierarchy hierarchy(test::makeScene(65, 65, 4));
   RefineScratch scratch;
-  proto::Section section;
-  const proto::Pose poses[] = {
-      {{0, 0, -5000}, proto::lookAlong({0, 0, 1}, {0, 0, 1})},  // inside the ground, looking up
-      {{1e8, 1e8, 1e8}, proto::lookAlong({-1, -1, -1}, {0, 0, 1})},
-      {{0, 0, 1e8}, proto::lookAlong({0, 0, -1}, {0, 0, 1})}};
-  for (const proto::Pose& pose : poses)
+  Section section;
+  const Pose poses[] = {{{0, 0, -5000}, lookAlong({0, 0, 1}, {0, 0, 1})},  // inside the ground, looking up
+                        {{1e8, 1e8, 1e8}, lookAlong({-1, -1, -1}, {0, 0, 1})},
+                        {{0, 0, 1e8}, lookAlong({0, 0, -1}, {0, 0, 1})}};
+  for (const Pose& pose : poses)
     for (double tau : {1e-6, 1.0, 1e9}) {
-      EXPECT_TRUE(refine(hierarchy, {pose, {}, tau}, kNoLimit, scratch, section));
-      EXPECT_TRUE(proto::validate(hierarchy.grid(), section).ok());
+      EXPECT_TRUE(refine(hierarchy, View{pose, {}, tau}, kNoLimit, scratch, section));
+      EXPECT_TRUE(validate(hierarchy.grid(), section).ok());
     }
 }
 
 }  // namespace
-}  // namespace foreland::server
+}  // namespace foreland::proto

@@ -1,13 +1,15 @@
-#include "server/section/metric.h"
+#include "proto/refine/metric.h"
 
 #include <glm/geometric.hpp>
 #include <limits>
 
-namespace foreland::server {
+#include "proto/trig.h"
+
+namespace foreland::proto {
 
 Metric::Metric(const View& view, bool vertical_errors)
     : eye_(view.pose.eye), right_(view.pose.right()), up_(view.pose.up()), forward_(view.pose.forward()) {
-  const double tan_y = std::tan(0.5 * view.lens.vertical_fov_rad);
+  const double tan_y = view.lens.tanHalfFov();
   const double tan_x = tan_y * view.lens.width_px / view.lens.height_px;
   cos_x_ = 1 / std::sqrt(1 + tan_x * tan_x);
   sin_x_ = tan_x * cos_x_;
@@ -19,8 +21,8 @@ Metric::Metric(const View& view, bool vertical_errors)
   lean_floor_ = vertical_errors ? 0 : std::numeric_limits<double>::infinity();
   ball_ = view.ball_m;
   const double turn = std::min(view.turn_rad, 1.5);  // beyond it the frustum covers everything in front anyway
-  sin_turn_ = std::sin(turn);
-  cos_turn_ = std::cos(turn);
+  sin_turn_ = sinCos(turn).sin;
+  cos_turn_ = sinCos(turn).cos;
 }
 
 namespace {
@@ -60,4 +62,4 @@ Metric::Toll Metric::tollTo(const View& from, const View& next) const {
   return toll;
 }
 
-}  // namespace foreland::server
+}  // namespace foreland::proto

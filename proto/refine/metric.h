@@ -21,18 +21,10 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 
-#include "proto/pose.h"
+#include "proto/bounds.h"
+#include "proto/view.h"
 
-namespace foreland::server {
-
-// For whom a section is computed.
-struct View {
-  proto::Pose pose;
-  proto::Lens lens;
-  double tau_px = 1;
-  double ball_m = 0;    // the eye stays this near to pose.eye while the section is shown
-  double turn_rad = 0;  // and turns by no more than this
-};
+namespace foreland::proto {
 
 class Metric {
  public:
@@ -50,10 +42,23 @@ class Metric {
     double horizontal;  // distance from the eye along the ground
   };
 
-  bool passes(const Place& p, double radius_m, double error_m) const {
+  [[gnu::always_inline]] bool passes(const Place& p, double radius_m, double error_m) const {
     const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
     const bool seen = (K * inverse_cos_corner_ > z) & (K * (p.horizontal + R + lean_floor_) > z * z);
     return seen & (sideDistance(p) + R >= 0);
+  }
+
+  // The least error class that passes: 256 if none does.
+  int leastPassing(const Place& p, double radius_m) const {
+    const double R = radius_m + ball_, z = leastDepth(p, R);
+    if (!(sideDistance(p) + R >= 0)) return 256;
+    const double near = z * cos_corner_, lean = lean_floor_ == 0 ? z * z / (p.horizontal + R) : 0;
+    // A first guess; passes() itself decides.
+    int c = ErrorClass::roundUp(std::min(std::max(near, lean) / focal_over_tau_, 1e9)).value;
+    const auto passesAt = [&](int k) { return passes(p, radius_m, ErrorClass{static_cast<uint8_t>(k)}.metres()); };
+    while (c < 256 && !passesAt(c)) ++c;
+    while (c > 0 && c < 256 && passesAt(c - 1)) --c;
+    return c;
   }
 
   // What must not happen for an outcome of passes() to stand, and how much of it may: the basis of adapt.h.
@@ -74,7 +79,7 @@ class Metric {
   // A camera that flies ahead brings nothing farther away. So what passes is also held to this: motion s and growth of
   // depth a with s + 4 a <= slack change (z + a)^2 < K (h + R - s) at most at (s, 0) or (0, s / 4). Depth must then
   // stay the first term of z_min.
-  Outcome outcome(const Place& p, double radius_m, double error_m) const {
+  [[gnu::always_inline]] Outcome outcome(const Place& p, double radius_m, double error_m) const {
     const bool passed = passes(p, radius_m, error_m);
     const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
     const double near_room = K * inverse_cos_corner_ - z, side_room = sideDistance(p) + R;
@@ -115,12 +120,12 @@ class Metric {
  private:
   // Signed distance to the nearest side plane of the frustum, positive inside, when it turns by up to w to be the best
   // it can.
-  double sideDistance(const Place& p) const {
+  [[gnu::always_inline]] double sideDistance(const Place& p) const {
     const double side = std::min(p.z * sin_x_ - std::fabs(p.x) * cos_x_, p.z * sin_y_ - std::fabs(p.y) * cos_y_);
     const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;
     return side * cos_turn_ + std::sqrt(std::max(0.0, d2 - side * side)) * sin_turn_;
   }
-  double leastDepth(const Place& p, double R) const {
+  [[gnu::always_inline]] double leastDepth(const Place& p, double R) const {
     const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
     const double z = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
     return std::max(std::max(z - R, (distance - R) * cos_corner_), kNearest_m);
@@ -134,4 +139,4 @@ class Metric {
   double ball_, sin_turn_, cos_turn_;
 };
 
-}  // namespace foreland::server
+}  // namespace foreland::proto

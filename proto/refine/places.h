@@ -6,30 +6,30 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "server/section/hierarchy.h"
-#include "server/section/metric.h"
+#include "proto/refine/metric.h"
+#include "proto/refine/terrain_domain.h"
 
-namespace foreland::server {
+namespace foreland::proto {
 
 // Places of a planar scene are affine in lattice position and height: the coefficients fold in frame, eye and rotation.
 class PlanarPlaces {
  public:
-  PlanarPlaces(const Hierarchy& hierarchy, const Metric& metric) {
-    const proto::Frame& f = hierarchy.scene().frame();
+  PlanarPlaces(const TerrainDomain& domain, const Metric& metric) {
+    const Frame& f = domain.frame.transform().frame();
     const glm::dvec3 ax(f.axis_x_m, 0), ay(f.axis_y_m, 0), ah(0, 0, f.height_step_m);
     const glm::dvec3 base = -f.anchor.x * ax - f.anchor.y * ay - metric.eye();
     const std::array<glm::dvec3, 5> rows{metric.right(), metric.up(), metric.forward(), {1, 0, 0}, {0, 1, 0}};
     for (size_t i = 0; i < rows.size(); ++i)
       k_[i] = {glm::dot(rows[i], ax), glm::dot(rows[i], ay), glm::dot(rows[i], ah), glm::dot(rows[i], base)};
   }
-  Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
+  [[gnu::always_inline]] Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
     const double x = lattice_x, y = lattice_y, h = height;
     const double east = row(3, x, y, h), north = row(4, x, y, h);
     return {row(0, x, y, h), row(1, x, y, h), row(2, x, y, h), std::sqrt(east * east + north * north)};
   }
 
  private:
-  double row(size_t i, double x, double y, double h) const {
+  [[gnu::always_inline]] double row(size_t i, double x, double y, double h) const {
     return k_[i][0] * x + k_[i][1] * y + k_[i][2] * h + k_[i][3];
   }
   std::array<std::array<double, 4>, 5> k_;
@@ -37,18 +37,18 @@ class PlanarPlaces {
 
 class CurvedPlaces {
  public:
-  CurvedPlaces(const Hierarchy& hierarchy, const Metric& metric) : frame_(hierarchy.frame()), metric_(metric) {}
-  Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
+  CurvedPlaces(const TerrainDomain& domain, const Metric& metric) : frame_(domain.frame), metric_(metric) {}
+  [[gnu::always_inline]] Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
     const glm::dvec3 p =
-        frame_.position(proto::NodeId::at(static_cast<uint32_t>(lattice_x), static_cast<uint32_t>(lattice_y)), height) -
+        frame_.position(NodeId::at(static_cast<uint32_t>(lattice_x), static_cast<uint32_t>(lattice_y)), height) -
         metric_.eye();
     return {glm::dot(p, metric_.right()), glm::dot(p, metric_.up()), glm::dot(p, metric_.forward()),
             std::sqrt(p.x * p.x + p.y * p.y)};
   }
 
  private:
-  const proto::FrameGrid& frame_;
+  const FrameGrid& frame_;
   const Metric& metric_;
 };
 
-}  // namespace foreland::server
+}  // namespace foreland::proto

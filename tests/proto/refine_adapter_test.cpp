@@ -4,20 +4,21 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "server/section/adapt.h"
-#include "server/section/refine.h"
+#include "server/section/hierarchy.h"
 #include "tests/support/scene.h"
 
-namespace foreland::server {
+namespace foreland::proto {
 namespace {
+
+using server::Hierarchy;
 
 constexpr size_t kNoLimit = 1u << 30;
 
 View viewAt(const Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
   View view;
-  view.pose.eye = h.frame().transform().toScene(proto::LatticePlace{x, y, height});
+  view.pose.eye = h.frame().transform().toScene(LatticePlace{x, y, height});
   view.pose.orientation =
-      proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
+      lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
   view.lens = {1.0, 640, 360};
   return view;
 }
@@ -28,7 +29,7 @@ class Wanderer {
   Wanderer(const Hierarchy& h, uint64_t seed) : hierarchy_(h), rng_(seed) { jump(); }
 
   View next() {
-    const proto::GridShape& shape = hierarchy_.grid().shape();
+    const GridShape& shape = hierarchy_.grid().shape();
     switch (rng_.below(30)) {
       case 0:
         jump();
@@ -81,7 +82,7 @@ class Wanderer {
   View last_;
 };
 
-class Adaptation : public testing::TestWithParam<proto::FrameKind> {};
+class Adaptation : public testing::TestWithParam<FrameKind> {};
 
 TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
@@ -89,61 +90,75 @@ TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
   for (auto [w, h] : {std::pair{129u, 129u}, {190u, 75u}}) {
     const Hierarchy hierarchy(test::makeScene(w, h, seed, GetParam()));
     Wanderer wanderer(hierarchy, seed);
-    Adapter adapter(hierarchy);
+    TerrainAdapter adapter(hierarchy.domain());
+    PlainNodes source = hierarchy.source();
     AdaptScratch adapt_scratch;
     RefineScratch scratch;
-    proto::Section expected, held;
+    Section expected, held;
     for (int i = 0; i < 600; ++i) {
       const View view = wanderer.next();
-      proto::CutDelta delta;
-      ASSERT_TRUE(adapter.adapt(view, kNoLimit, adapt_scratch, delta));
+      CutDelta delta;
+      ASSERT_TRUE(adapter.adapt(view, kNoLimit, source, adapt_scratch, delta));
       adapter.validate();
       settle(delta);
       ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
       ASSERT_EQ(adapter.section(), expected) << "seed " << seed << ", step " << i;
-      ASSERT_EQ(proto::apply(held, delta), expected) << "seed " << seed << ", step " << i;
+      ASSERT_EQ(apply(held, delta), expected) << "seed " << seed << ", step " << i;
       ASSERT_EQ(adapter.nodeCount(), expected.slots.size());
       held = expected;
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Frames, Adaptation, testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+INSTANTIATE_TEST_SUITE_P(Frames, Adaptation, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));
 
 TEST(Adapter, TestsOnlyAFewNodesOnASmallMotion) {
   const Hierarchy hierarchy(test::makeScene(513, 513, 21));
-  Adapter adapter(hierarchy);
+  TerrainAdapter adapter(hierarchy.domain());
+  PlainNodes source = hierarchy.source();
   AdaptScratch adapt_scratch;
-  proto::CutDelta delta;
-  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200, 200, 1500, 0.3, -0.4), kNoLimit, adapt_scratch, delta));
+  CutDelta delta;
+  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200, 200, 1500, 0.3, -0.4), kNoLimit, source, adapt_scratch, delta));
   const uint64_t from_scratch = adapter.testCount();
-  ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200.5, 200, 1500, 0.3, -0.4), kNoLimit, adapt_scratch, delta));  // 5 m
-  EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 10);
+  ASSERT_TRUE(
+      adapter.adapt(viewAt(hierarchy, 200.5, 200, 1500, 0.3, -0.4), kNoLimit, source, adapt_scratch, delta));  // 5 m
+  EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 5);
 }
 
-TEST(Adapter, ALimitLeavesAClosedSectionAndALargerToleranceRecovers) {
-  const Hierarchy hierarchy(test::makeScene(257, 257, 22));
-  Adapter adapter(hierarchy);
+// A section presented by its nodes alone: the same from there on.
+TEST_P(Adaptation, GoesOnFromASectionThatItIsGiven) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, GetParam()));
+  Wanderer wanderer(hierarchy, seed);
+  PlainNodes source = hierarchy.source();
   AdaptScratch adapt_scratch;
   RefineScratch scratch;
-  proto::Section expected;
-  View view = viewAt(hierarchy, 100, 100, 1500, 0.3, -0.8);
-  proto::CutDelta delta;
-  ASSERT_TRUE(adapter.adapt(view, kNoLimit, adapt_scratch, delta));
-  const proto::Section before = adapter.section();
-  const size_t limit = adapter.nodeCount() + 50;
-  delta = {};
-  view.tau_px = 0.01;
-  while (!adapter.adapt(view, limit, adapt_scratch, delta)) {
-    EXPECT_LE(adapter.nodeCount(), limit);
-    EXPECT_TRUE(proto::validate(hierarchy.grid(), adapter.section()).ok());
-    view.tau_px *= 2;
+  Section given, expected;
+  for (int round = 0; round < 40; ++round) {
+    ASSERT_TRUE(refine(hierarchy, wanderer.next(), kNoLimit, scratch, given));
+    TerrainAdapter adapter(hierarchy.domain(), given.slots, source);
+    for (int i = 0; i < 5; ++i) {
+      const View view = wanderer.next();
+      CutDelta delta;
+      ASSERT_TRUE(adapter.adapt(view, kNoLimit, source, adapt_scratch, delta));
+      adapter.validate();
+      ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
+      ASSERT_EQ(adapter.section(), expected) << "seed " << seed << ", round " << round;
+    }
   }
-  settle(delta);
-  ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
-  EXPECT_EQ(adapter.section(), expected);
-  EXPECT_EQ(proto::apply(before, delta), expected);
+}
+
+TEST(Adapter, RefusesSectionsBeyondItsLimit) {
+  const Hierarchy hierarchy(test::makeScene(257, 257, 22));
+  PlainNodes source = hierarchy.source();
+  AdaptScratch adapt_scratch;
+  CutDelta delta;
+  const View view = viewAt(hierarchy, 100, 100, 1500, 0.3, -0.8);
+  TerrainAdapter free(hierarchy.domain()), limited(hierarchy.domain()), enough(hierarchy.domain());
+  ASSERT_TRUE(free.adapt(view, kNoLimit, source, adapt_scratch, delta));
+  EXPECT_FALSE(limited.adapt(view, free.nodeCount() - 1, source, adapt_scratch, delta));
+  EXPECT_TRUE(enough.adapt(view, free.nodeCount(), source, adapt_scratch, delta));
 }
 
 }  // namespace
-}  // namespace foreland::server
+}  // namespace foreland::proto

@@ -4,13 +4,14 @@
 // thread; no allocation once the scratch has grown. Cost: one test per triangle.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "proto/refine/metric.h"
+#include "proto/refine/terrain_domain.h"
 #include "proto/section.h"
-#include "server/section/hierarchy.h"
-#include "server/section/metric.h"
 
-namespace foreland::server {
+namespace foreland::proto {
 
 struct LatticePoint {
   int32_t x, y;
@@ -18,15 +19,16 @@ struct LatticePoint {
 
 // A worker's own; reused from call to call.
 struct RefineScratch {
-  std::vector<proto::Slot> slots, sorted;
+  std::vector<Slot> slots, sorted;
   std::vector<LatticePoint> active, next;
 };
 
 // Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.
-[[nodiscard]] bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch,
-                          proto::Section& section);
+// `nodes` is indexed by slot.
+[[nodiscard]] bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+                          size_t max_nodes, RefineScratch& scratch, Section& section);
 
 // Triangles of a section's mesh before clipping: 4 per root, one more per border node, two more per other node.
-size_t triangleCount(const proto::GridTopology& grid, const proto::Section& section);
+size_t triangleCount(const GridTopology& grid, const Section& section);
 
-}  // namespace foreland::server
+}  // namespace foreland::proto

@@ -1,31 +1,26 @@
-#include "server/section/refine.h"
+#include "proto/refine/refine.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "server/section/batch.h"
-#include "server/section/places.h"
+#include "proto/refine/terrain_batch.h"
 
-namespace foreland::server {
+namespace foreland::proto {
 
 namespace {
-
-using proto::NodeId;
-using proto::Slot;
 
 NodeId idOf(LatticePoint p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); }
 
 // Level by level. Whatever passes has parents that pass, so it is enough to reach each node from one of its parents:
 // the lower one, or the one on the left, or the only one. Each node is then tested once.
-template <class Places>
 class Descent {
  public:
-  Descent(const Hierarchy& hierarchy, const Metric& metric, RefineScratch& scratch)
-      : grid_(hierarchy.grid()),
-        nodes_(hierarchy.nodes().data()),
+  Descent(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const Metric& metric, RefineScratch& scratch)
+      : domain_(domain),
+        grid_(domain.grid),
+        nodes_(nodes.data()),
         metric_(metric),
-        places_(hierarchy, metric),
         scratch_(scratch),
         max_x_(static_cast<int32_t>(grid_.maxX())),
         max_y_(static_cast<int32_t>(grid_.maxY())) {}
@@ -37,10 +32,10 @@ class Descent {
     const int32_t size = static_cast<int32_t>(grid_.rootSize());
     for (int32_t y = size / 2; y < max_y_; y += size)
       for (int32_t x = size / 2; x < max_x_; x += size) scratch_.active.push_back({x, y});
-    for (int level = 1; level <= grid_.maxLevel() && !scratch_.active.empty(); ++level) {
+    for (level_ = 1; level_ <= grid_.maxLevel() && !scratch_.active.empty(); ++level_) {
       scratch_.next.clear();
-      const int32_t s = 1 << (static_cast<int>(grid_.shape().root_log2) - 1 - level / 2);
-      if (level & 1)
+      const int32_t s = 1 << (static_cast<int>(grid_.shape().root_log2) - 1 - level_ / 2);
+      if (level_ & 1)
         sidesOf(s);
       else
         centresOf(s);
@@ -71,15 +66,18 @@ class Descent {
   }
 
   void push(LatticePoint p) {
-    batch_.x[batch_.count] = p.x;
-    batch_.y[batch_.count] = p.y;
-    batch_.slot[batch_.count++] = grid_.slot(idOf(p));
+    batch_.push(idOf(p), grid_.slot(idOf(p)), level_);
     if (batch_.full()) flush();
   }
 
   void flush() {
-    batch_.load(nodes_);
-    batch_.test(metric_, places_);
+    for (size_t i = 0; i < batch_.count; ++i) {
+      const NodeRecord record = nodes_[batch_.slot[i]];
+      batch_.height[i] = record.middle();
+      batch_.bound[i] = record.error();
+      batch_.radius[i] = domain_.spheres.radius_m(level_, record.radius());
+    }
+    batch_.test(domain_, metric_);
     for (size_t i = 0; i < batch_.count; ++i) {
       if (!batch_.passes[i]) continue;
       scratch_.slots.push_back(batch_.slot[i]);
@@ -88,13 +86,14 @@ class Descent {
     batch_.count = 0;
   }
 
-  const proto::GridTopology& grid_;
-  const terrain::NodeRecord* nodes_;
+  const TerrainDomain& domain_;
+  const GridTopology& grid_;
+  const NodeRecord* nodes_;
   const Metric& metric_;
-  const Places places_;
   RefineScratch& scratch_;
   int32_t max_x_, max_y_;
-  Batch batch_;
+  int level_ = 0;
+  TerrainBatch batch_;
 };
 
 // Ascending order by three counting passes of 11 bits; stable, linear.
@@ -113,22 +112,21 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
 
 }  // namespace
 
-bool refine(const Hierarchy& hierarchy, const View& view, size_t max_nodes, RefineScratch& scratch,
-            proto::Section& section) {
-  const Metric metric(view, hierarchy.hasVerticalErrors());
-  const bool fits = hierarchy.isPlanar() ? Descent<PlanarPlaces>(hierarchy, metric, scratch).run(max_nodes)
-                                         : Descent<CurvedPlaces>(hierarchy, metric, scratch).run(max_nodes);
+bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view, size_t max_nodes,
+            RefineScratch& scratch, Section& section) {
+  const Metric metric(view, domain.has_vertical_errors);
+  const bool fits = Descent(domain, nodes, metric, scratch).run(max_nodes);
   if (!fits) return false;
   sortSlots(scratch.slots, scratch.sorted);
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());
   return true;
 }
 
-size_t triangleCount(const proto::GridTopology& grid, const proto::Section& section) {
-  const proto::GridShape& shape = grid.shape();
+size_t triangleCount(const GridTopology& grid, const Section& section) {
+  const GridShape& shape = grid.shape();
   size_t count = size_t{4} * shape.roots_x * shape.roots_y + section.slots.size();
   for (Slot slot : section.slots) count += grid.apexes(grid.node(slot)).count - 1;
   return count;
 }
 
-}  // namespace foreland::server
+}  // namespace foreland::proto

@@ -1,0 +1,49 @@
+#include "server/section/sender.h"
+
+namespace foreland::server {
+
+namespace {
+
+// A section is not taken to more than double between two keyframes of a moving viewer.
+bool isNear(const proto::View& a, const proto::View& b) {
+  return a.lens == b.lens && glm::distance(a.pose.eye, b.pose.eye) <= a.ball_m + b.ball_m &&
+         b.tau_px > 0.7 * a.tau_px && glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
+}
+
+}  // namespace
+
+bool SectionSender::fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
+  if (keyframe_.index > 0 && 2 * adapter_.nodeCount() < max_nodes && isNear(proto::viewOf(keyframe_), view))
+    return true;
+  return refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section);
+}
+
+void SectionSender::send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out) {
+  scratch.delta.added.clear();
+  scratch.delta.removed.clear();
+  keyframe_.base_index = keyframe_.index++;
+  keyframe_.time = time;
+  keyframe_.lens = view.lens;
+  keyframe_.tau_px = static_cast<float>(view.tau_px);
+  keyframe_.ball_m = static_cast<float>(view.ball_m);
+  keyframe_.turn_rad = static_cast<float>(view.turn_rad);
+  keyframe_.pose = proto::asSent(view.pose);  // what the viewer decodes, and steps to
+
+  Bytes delta;
+  const proto::DenseNodes table = hierarchy_->table();
+  proto::DeltaEncoder encoder(hierarchy_->domain(), table, model_, delta);
+  CHECK_TRUE(
+      adapter_.adapt(proto::viewOf(keyframe_), hierarchy_->grid().slotCount(), encoder, scratch.adapt, scratch.delta));
+  encoder.finish();
+  bits_ = encoder.bits();
+
+  keyframe_.fingerprint += proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
+  proto::KeyframeHeader header = keyframe_;
+  header.pose = view.pose;  // rounded on its way, once
+  const size_t begin = out.size();
+  proto::encodeHeader(header, out);
+  header_bytes_ = out.size() - begin;
+  out.insert(out.end(), delta.begin(), delta.end());
+}
+
+}  // namespace foreland::server

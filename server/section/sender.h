@@ -1,0 +1,48 @@
+// The server's end of a stream of sections to one viewer: adapts to a view and writes the keyframe that takes the
+// viewer's section there. The viewer's replica does the same steps on what it reads. One owner (a session); no
+// allocation but the message once grown to the session's size.
+#pragma once
+
+#include <optional>
+
+#include "proto/message.h"
+#include "server/section/hierarchy.h"
+
+namespace foreland::server {
+
+// What a worker brings; one per worker, reused.
+struct SendScratch {
+  proto::AdaptScratch adapt;
+  proto::CutDelta delta;
+  proto::RefineScratch refine;
+  proto::Section section;
+};
+
+class SectionSender {
+ public:
+  explicit SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {}
+
+  // Whether the view's section has at most `max_nodes`. Cost: nothing if it cannot be much larger than the last one,
+  // else one refinement from scratch.
+  [[nodiscard]] bool fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
+
+  // Appends the keyframe for `view` to `out` and stands there: at the view as the viewer decodes it (proto::asSent;
+  // tolerance, ball and turn as floats), which is in keyframe(). What changed is in scratch.delta, in no order.
+  void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out);
+
+  const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
+  const proto::TerrainAdapter& adapter() const { return adapter_; }
+  // Of the last one: where its bits went, and how many bytes stand before the delta.
+  const proto::DeltaBits& bits() const { return bits_; }
+  size_t headerBytes() const { return header_bytes_; }
+
+ private:
+  const Hierarchy* hierarchy_;
+  proto::TerrainAdapter adapter_;
+  proto::DeltaModel model_;  // of all deltas sent
+  proto::KeyframeHeader keyframe_;
+  proto::DeltaBits bits_;
+  size_t header_bytes_ = 0;
+};
+
+}  // namespace foreland::server
