@@ -1,13 +1,12 @@
 #include "bench/martini/rival.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <bit>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "bench/martini/run_program.h"
+#include "bench/programs/run_program.h"
+#include "bench/programs/temporary_folder.h"
 
 namespace foreland::bench {
 
@@ -16,26 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint32_t kMaxGridSize = 4097;
-
-// Goes away with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code ignored;
-    std::string pattern = (fs::temp_directory_path(ignored) / "foreland-martini-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }  // empty if it could not be made
-
- private:
-  fs::path path_;
-};
 
 // Metres, row by row from the south-west, as floats of this machine's order.
 Status writeHeights(const terrain::Scene& scene, uint32_t size, const fs::path& path) {

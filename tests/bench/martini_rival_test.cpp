@@ -1,6 +1,6 @@
 #include "bench/martini/rival.h"
 
-#include "bench/martini/run_program.h"
+#include "bench/programs/run_program.h"
 #include "tests/support/scene.h"
 
 namespace foreland::bench {

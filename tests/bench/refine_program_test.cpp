@@ -1,7 +1,7 @@
 // `foreland bench refine` on a tiny scene, without MARTINI: the report has what bench/README.md promises.
 #include <nlohmann/json.hpp>
 
-#include "bench/martini/run_program.h"
+#include "bench/programs/run_program.h"
 #include "tests/support/scene.h"
 
 namespace foreland::bench {

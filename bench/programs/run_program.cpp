@@ -1,4 +1,4 @@
-#include "bench/martini/run_program.h"
+#include "bench/programs/run_program.h"
 
 #include <errno.h>
 #include <spawn.h>
