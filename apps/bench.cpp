@@ -12,6 +12,7 @@
 #include "bench/martini/report.h"
 #include "bench/sections/measure.h"
 #include "bench/wire/measure.h"
+#include "bench/wire/peer_report.h"
 #include "server/view/tour.h"
 
 namespace foreland {
@@ -21,7 +22,8 @@ struct Arguments {
   std::string scene, tour = "survey", martini = bench::martiniSources();
   bench::FlightOptions flight;
   uint32_t frames_per_second = 60, measure_every = 6;
-  bool json = false, errors = true;
+  bench::PeerOptions peers{.quantized_mesh = bench::peerSources()};
+  bool json = false, errors = true, with_peers = true;
 };
 
 int fail(const std::string& message) {
@@ -108,31 +110,39 @@ int runWire(const Arguments& args) {
   const auto views = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
   const auto flight = bench::recordFlight(hierarchy, views, args.flight.keyframe_interval);
   const bench::WireCosts costs = bench::measureWire(hierarchy, flight, args.flight.keyframe_interval);
-  print({{"tour", args.tour},
-         {"tau_px", args.flight.tau_px},
-         {"keyframe_ms", args.flight.keyframe_interval.toMilliseconds()},
-         {"keyframes", costs.keyframes},
-         {"nodes_added", costs.nodes_added},
-         {"nodes_removed", costs.nodes_removed},
-         {"bits_per_added_node", costs.bits_per_added_node},
-         {"height_bits", costs.height_bits},
-         {"structure_bits", costs.structure_bits},
-         {"asked_per_added", costs.asked_per_added},
-         {"framing_bits", costs.framing_bits},
-         {"first_section_nodes", costs.first_section_nodes},
-         {"first_section_bytes", costs.first_section_bytes},
-         {"first_section_bits_per_node", costs.first_section_bits_per_node},
-         {"first_section_height_bits", costs.first_section_height_bits},
-         {"first_section_structure_bits", costs.first_section_structure_bits},
-         {"kbit_per_s", costs.kbit_per_s},
-         {"encode_mnodes_per_s", costs.encode_mnodes_per_s},
-         {"decode_mnodes_per_s", costs.decode_mnodes_per_s},
-         {"send_mnodes_per_s", costs.send_mnodes_per_s},
-         {"first_encode_mnodes_per_s", costs.first_encode_mnodes_per_s},
-         {"first_decode_mnodes_per_s", costs.first_decode_mnodes_per_s},
-         {"encode_ms", costs.encode_ms},
-         {"decode_ms", costs.decode_ms}},
-        args.json);
+  nlohmann::ordered_json report{{"tour", args.tour},
+                                {"tau_px", args.flight.tau_px},
+                                {"keyframe_ms", args.flight.keyframe_interval.toMilliseconds()},
+                                {"keyframes", costs.keyframes},
+                                {"nodes_added", costs.nodes_added},
+                                {"nodes_removed", costs.nodes_removed},
+                                {"bits_per_added_node", costs.bits_per_added_node},
+                                {"height_bits", costs.height_bits},
+                                {"structure_bits", costs.structure_bits},
+                                {"asked_per_added", costs.asked_per_added},
+                                {"framing_bits", costs.framing_bits},
+                                {"first_section_nodes", costs.first_section_nodes},
+                                {"first_section_bytes", costs.first_section_bytes},
+                                {"first_section_bits_per_node", costs.first_section_bits_per_node},
+                                {"first_section_height_bits", costs.first_section_height_bits},
+                                {"first_section_structure_bits", costs.first_section_structure_bits},
+                                {"kbit_per_s", costs.kbit_per_s},
+                                {"encode_mnodes_per_s", costs.encode_mnodes_per_s},
+                                {"decode_mnodes_per_s", costs.decode_mnodes_per_s},
+                                {"send_mnodes_per_s", costs.send_mnodes_per_s},
+                                {"first_encode_mnodes_per_s", costs.first_encode_mnodes_per_s},
+                                {"first_decode_mnodes_per_s", costs.first_decode_mnodes_per_s},
+                                {"encode_ms", costs.encode_ms},
+                                {"decode_ms", costs.decode_ms}};
+  if (args.with_peers) {
+    auto peers = bench::peersReport(hierarchy, views, args.peers);
+    if (!peers) return fail(peers.error().message);
+    report["peers"] = std::move(peers).value();
+    if (report["peers"].contains("quantized_mesh_skipped"))
+      std::cerr << "foreland bench: quantized-mesh skipped: "
+                << report["peers"]["quantized_mesh_skipped"].get<std::string>() << "\n";
+  }
+  print(report, args.json);
   return 0;
 }
 
@@ -169,6 +179,11 @@ int main(int argc, char** argv) {
   refine->add_option("--martini", args.martini, "folder of martini.mjs and its node_modules");
   CLI::App* wire = app.add_subcommand("wire", "bits and processor time of what a flight with the known path sends");
   addFlightOptions(*wire, args, interval_ms);
+  wire->add_option("--peer-samples", args.peers.samples, "meshes in flight that the other codecs get")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  wire->add_option("--quantized-mesh", args.peers.quantized_mesh, "folder of decode.mjs and its node_modules");
+  wire->add_flag("!--no-peers", args.with_peers, "leave out the other codecs");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }

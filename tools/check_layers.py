@@ -39,7 +39,8 @@ SEES["client/fly"] = ["base", "proto", "client", "client/fly/net"]
 
 LIBRARIES = sorted(SEES)
 SEES["bench/programs"] = ["base"]
-BENCH_ROOMS = ["bench/programs", "bench"]
+SEES["bench/wire/peers"] = ["base", "bench/programs"]  # other makers' mesh codecs, each wrapped; knows nothing of ours
+BENCH_ROOMS = ["bench/programs", "bench/wire/peers", "bench"]
 SEES["bench"] = [*LIBRARIES, *BENCH_ROOMS[:-1]]  # the oracle too: it judges frames in measurements, in the player and in tests
 SEES["apps"] = [*LIBRARIES, *BENCH_ROOMS]
 SEES["tests/support"] = [*LIBRARIES, *BENCH_ROOMS]
@@ -55,6 +56,7 @@ THIRD_PARTY = [
     (r"embree\d?/", "Embree", ["server/occlusion", *TESTS]),
     (r"boost/", "Boost", ["server/net", "client/fly/net", *EDGES]),
     (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
+    (r"(draco/|meshoptimizer\.h$|zlib\.h$)", "a mesh codec to compare with, or zlib", ["bench/wire/peers", *TESTS]),
     (r"CLI/", "CLI11", EDGES),
     (r"benchmark/", "Google Benchmark", ["bench"]),
     (r"(gtest|gmock|rapidcheck)[/.]", "a test framework", TESTS),
@@ -146,6 +148,9 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("tests/terrain/b.cpp", '#include "bench/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
     ("bench/b.cpp", '#include "client/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
     ("tests/support/b.h", '#include "bench/a.h"\n', ""),
+    ("bench/d.cpp", "#include <draco/mesh/mesh.h>\n", "must not use a mesh codec"),
+    ("bench/wire/peers/a.cpp", '#include "bench/programs/a.h"\n#include <meshoptimizer.h>\n#include <zlib.h>\n', ""),
+    ("bench/wire/peers/b.cpp", '#include "proto/a.h"\n', "must not include proto"),
     ("bench/c.cpp", '#include "tests/support/a.h"\n', "must not include tests"),
     ("proto/d.h", '#include "proto/../base/a.h"\n', "by its path from the root"),
     ("elsewhere/a.h", "#pragma once\n", "lies in no room"),

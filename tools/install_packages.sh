@@ -15,6 +15,7 @@ readonly build_packages=(
   libzstd-dev libxxhash-dev
   libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev
   libbenchmark-dev
+  zlib1g-dev libmeshoptimizer-dev libdraco-dev
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
 readonly test_packages=(curl clang-format clang-tidy libclang-rt-19-dev libgtest-dev librapidcheck-dev chromium fonts-dejavu-core)

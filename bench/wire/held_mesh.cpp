@@ -1,0 +1,60 @@
+#include "bench/wire/held_mesh.h"
+
+#include <cmath>
+
+#include "client/replica.h"
+#include "server/section/sender.h"
+#include "server/session/world.h"
+
+namespace foreland::bench {
+
+namespace {
+
+constexpr uint32_t kUnused = 0xffffffffu;
+
+void takeMesh(const client::KeyframeMesh& mesh, double step_m, HeldMesh& out) {
+  std::vector<uint32_t> vertices(mesh.places.size(), kUnused);  // base vertices beyond the data are of no triangle
+  for (uint32_t index : mesh.indices) {
+    if (vertices[index] == kUnused) {
+      vertices[index] = static_cast<uint32_t>(out.scene.positions.size());
+      const glm::vec4& p = mesh.to_positions[index];
+      out.scene.positions.emplace_back(p.x, p.y, p.z);
+      out.lattice.positions.emplace_back(mesh.places[index].x, mesh.places[index].y,
+                                         std::round(static_cast<double>(p.w) / step_m));
+    }
+    out.lattice.indices.push_back(vertices[index]);
+  }
+  out.scene.indices = out.lattice.indices;
+}
+
+void takeNodes(const client::Replica& replica, HeldMesh& out) {
+  const proto::GridTopology& grid = replica.grid();
+  for (proto::Slot slot : replica.section().slots) {
+    const proto::NodeId n = grid.node(slot);
+    const auto [a, b] = grid.endpoints(n);
+    const int32_t height = *replica.knownHeight(n), sum = *replica.knownHeight(a) + *replica.knownHeight(b);
+    out.heights.push_back(height);
+    out.displacements.push_back(height - (sum >> 1));
+  }
+}
+
+}  // namespace
+
+HeldMesh meshHeldFor(const server::Hierarchy& hierarchy, const proto::View& view) {
+  server::SectionSender sender(hierarchy);
+  server::SendScratch scratch;
+  HeldMesh held;
+  Bytes message;
+  sender.send(view, Time{}, scratch, message);
+  held.bytes = message.size();
+  const auto decoded = proto::decodeServerMessage(message);
+  CHECK_TRUE(decoded.ok());
+  const auto& keyframe = std::get<proto::KeyframeMessage>(*decoded);
+  client::Replica replica(server::welcomeTo(hierarchy.scene()));
+  CHECK_TRUE(replica.apply(keyframe.header, keyframe.delta).ok());
+  takeMesh(replica.buildMesh(), hierarchy.scene().frame().height_step_m, held);
+  takeNodes(replica, held);
+  return held;
+}
+
+}  // namespace foreland::bench

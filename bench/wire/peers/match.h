@@ -1,0 +1,15 @@
+// Is a decoded mesh the one that was encoded? The judge of every codec in this room; shares no code with any of them.
+// Codecs may renumber vertices and triangles and rotate the corners of a triangle, but not turn it round. Any thread.
+#pragma once
+
+#include "base/result.h"
+#include "bench/wire/peers/peer_mesh.h"
+
+namespace foreland::bench {
+
+// Which vertex of `original` each vertex of `decoded` is: the nearest within the code's tolerance. An Error names the
+// first vertex that is nobody's, or that two claim, or the first triangle that is not in both. O(n) for vertices spread
+// as those of terrain are, of which no two lie within a tolerance in x and y.
+Result<std::vector<uint32_t>> matchMeshes(const PeerMesh& original, const PeerCode& code);
+
+}  // namespace foreland::bench

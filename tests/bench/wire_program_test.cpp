@@ -1,0 +1,50 @@
+// `foreland bench wire` on a tiny scene: the report has what bench/README.md promises of the comparison.
+#include <nlohmann/json.hpp>
+
+#include "bench/programs/run_program.h"
+#include "tests/support/scene.h"
+
+namespace foreland::bench {
+namespace {
+
+class WireProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    test::FormulaSource source(129, 129, test::hills(3));
+    ASSERT_TRUE(terrain::buildScene(source, {folder_ / "scene.fls", 0.1, 1}).ok());
+  }
+  nlohmann::json report(std::vector<std::string> more) const {
+    std::vector<std::string> words{
+        FORELAND_BIN_DIR "/foreland-bench", "wire", folder_ / "scene.fls", "--seconds", "2", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto text = runProgram(words);
+    EXPECT_TRUE(text.ok());
+    return text.ok() ? nlohmann::json::parse(*text) : nlohmann::json();
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(WireProgram, ComparesWithOthersOnTheSameMeshes) {
+  const nlohmann::json peers = report({"--peer-samples", "3", "--quantized-mesh", folder_.path()}).at("peers");
+  EXPECT_NE(peers.at("quantized_mesh_skipped").get<std::string>().find("npm ci --prefix"), std::string::npos);
+  for (const char* kind : {"first_section", "first_section_half_tau", "in_flight"}) {
+    const nlohmann::json& meshes = peers.at(kind);
+    EXPECT_EQ(meshes.at("meshes"), std::string(kind) == "in_flight" ? 3 : 1);
+    EXPECT_TRUE(meshes.at("quantized_mesh_gzip").is_null());
+    for (const char* codec : {"foreland", "meshoptimizer_zstd", "draco_qp14", "draco_exact"}) {
+      EXPECT_NEAR(meshes.at(codec).at("bits_per_vertex").get<double>(),
+                  8 * meshes.at(codec).at("bytes").get<double>() / meshes.at("vertices").get<double>(), 1e-9)
+          << codec;
+    }
+    EXPECT_EQ(meshes.at("draco_exact").at("max_error_m"), 0);
+    EXPECT_GT(meshes.at("draco_qp14").at("max_error_m"), 0);
+    EXPECT_GT(meshes.at("height_entropy_bits_per_node"), meshes.at("displacement_entropy_bits_per_node"));
+    EXPECT_LT(meshes.at("foreland_over_draco_exact"), 1);
+  }
+  EXPECT_GT(peers.at("first_section_half_tau").at("vertices"), peers.at("first_section").at("vertices"));
+}
+
+TEST_F(WireProgram, LeavesTheOthersOut) { EXPECT_FALSE(report({"--no-peers"}).contains("peers")); }
+
+}  // namespace
+}  // namespace foreland::bench
