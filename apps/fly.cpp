@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "apps/exact_sections.h"
 #include "apps/fly_options.h"
@@ -63,18 +64,58 @@ Status checkScene(const client::Player& player, const Ground& ground, const FlyO
                                                 "'); name that scene's file"};
 }
 
+// The link to the server: frames go on while it is lost.
+class Link {
+ public:
+  Link(client::WebSocketClient connection, std::string url)
+      : connection_(std::move(connection)), url_(std::move(url)) {}
+
+  // Moves messages until `until`. When the connection is lost, tries to get another one, and tells the player of it; an
+  // Error if there was none for kPatience, or if the player cannot go on.
+  Status run(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
+    if (connection_) {
+      for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
+      const Status status =
+          connection_->run(until, [&](ByteSpan message) { return player.receive(message, timeSince(epoch)); });
+      if (status.ok() || status.error().code != ErrorCode::kIo) return status;
+      lost_ = status.error();
+      lost_at_ = Clock::now();
+      connection_.reset();
+    }
+    if (player.phase() < client::Player::Phase::kStanding || Clock::now() - lost_at_ > kPatience) return lost_;
+    auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout);
+    if (connection.ok()) {
+      if (!player.reconnect(timeSince(epoch))) return lost_;
+      connection_ = std::move(connection).value();
+    } else {
+      std::this_thread::sleep_until(until);
+    }
+    return {};
+  }
+  void close() {
+    if (connection_) connection_->close();
+  }
+
+ private:
+  static constexpr std::chrono::seconds kPatience{30};
+  static constexpr std::chrono::milliseconds kReconnectTimeout{1000};
+
+  std::optional<client::WebSocketClient> connection_;
+  std::string url_;
+  Error lost_{ErrorCode::kIo, {}};
+  Clock::time_point lost_at_;
+};
+
 // Until the path's end, an Error, or Ctrl-C.
-Status fly(client::WebSocketClient& connection, client::Player& player, const Ground& ground, const FlyOptions& o) {
+Status fly(Link& link, client::Player& player, const Ground& ground, const FlyOptions& o) {
   const Clock::time_point epoch = Clock::now();
   Clock::time_point next = epoch;
-  const auto on_message = [&](ByteSpan message) { return player.receive(message, timeSince(epoch)); };
   bool is_scene_checked = false;
   while (player.phase() != client::Player::Phase::kDone) {
     if (g_interrupted) return Error{ErrorCode::kIo, "interrupted"};
     if (Status s = player.frame(timeSince(epoch)); !s.ok()) return s;
-    for (Bytes message; player.takeOutgoing(message);) connection.send(std::move(message));
     next = std::max(next + kFrame, Clock::now() - kFrame);  // a stall is not made up for by a burst of frames
-    if (Status s = connection.run(next, on_message); !s.ok()) return s;
+    if (Status s = link.run(player, epoch, next); !s.ok()) return s;
     if (is_scene_checked || !player.viewer().welcome()) continue;
     if (Status s = checkScene(player, ground, o); !s.ok()) return s;
     is_scene_checked = true;
@@ -120,8 +161,9 @@ int run(const FlyOptions& o) {
   if (!connection.ok()) return fail(connection.error());
 
   client::Player player(*options);
-  const Status flown = fly(*connection, player, *ground, o);
-  connection->close();
+  Link link(std::move(connection).value(), o.url);
+  const Status flown = fly(link, player, *ground, o);
+  link.close();
 
   FlySummary summary{.request = options->request, .flight = player.report(), .truth = {}, .notes = {}, .error = {}};
   if (options->track) summary.notes = options->track->notes;

@@ -55,6 +55,9 @@ Json reportOf(const FlySummary& s) {
   json["triangles"] = f.triangles;
   json["mean_nodes"] = f.mean_nodes;
   json["mean_triangles"] = f.mean_triangles;
+  json["resumed"] = f.session.resumed;
+  json["started_afresh"] = f.session.started_afresh;
+  json["longest_resume_ms"] = f.session.longest_resume.toMilliseconds();
   json["nodes_added"] = f.session.nodes_added;
   json["nodes_removed"] = f.session.nodes_removed;
   json["strategy"] = proto::name(s.request.strategy);

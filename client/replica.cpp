@@ -3,6 +3,7 @@
 #include <string>
 
 #include "client/mesh_builder.h"
+#include "proto/section_codec.h"
 
 namespace foreland::client {
 
@@ -39,6 +40,7 @@ const int32_t* Replica::knownHeight(NodeId v) const {
 }
 
 Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
+  if (header.base_index == 0 && to_.index != 0) startAfresh();
   if (broken_) return refused("one before it was none");
   if (header.base_index != to_.index)
     return refused("it starts from keyframe " + std::to_string(header.base_index) + ", held is " +
@@ -52,6 +54,44 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
   to_ = header;
   forgetUnknown();
   return {};
+}
+
+// The server does not go on from the section that was presented.
+void Replica::startAfresh() {
+  adapter_ = proto::TerrainAdapter(*domain_);
+  known_ = proto::SparseNodes(domain_->grid, {*corner_heights_, *centre_heights_});
+  model_ = {};
+  nodes_ = {};
+  fingerprint_ = 0;
+  from_ = to_ = {};
+  broken_ = false;
+}
+
+namespace {
+
+// The radii of the pages of a section's nodes, as an adapter knows them. It is asked for nothing else.
+class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
+ public:
+  explicit KnownRadii(const proto::TerrainAdapter& adapter) : adapter_(adapter) {}
+  proto::RadiusClass radius(Slot first) override { return adapter_.radius(first); }
+  void load(proto::TerrainBatch&) override {}
+  bool answer(int, std::span<const proto::Question>, std::span<uint8_t>) override { return false; }
+
+ private:
+  const proto::TerrainAdapter& adapter_;
+};
+
+}  // namespace
+
+std::optional<proto::Resume> Replica::present(uint64_t scene_id) {
+  if (broken_ || to_.index == 0) return std::nullopt;
+  const proto::Section held = section();
+  KnownRadii radii(adapter_);
+  adapter_ = proto::TerrainAdapter(*domain_, held.slots, radii);
+  model_ = {};
+  proto::Resume resume{scene_id, to_.index, to_.time, fingerprint_, {}};
+  proto::encodeSection(domain_->grid, held, resume.section);
+  return resume;
 }
 
 Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {

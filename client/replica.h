@@ -34,6 +34,10 @@ class Replica {
   // leaves the sections as they were, and every later keyframe is refused: reconnect.
   Status apply(const proto::KeyframeHeader& header, ByteSpan delta);
 
+  // The newest section, to be presented to a server over a new connection; nothing if there is none, or a keyframe
+  // broke it. The next keyframe starts from it, or from nothing.
+  std::optional<proto::Resume> present(uint64_t scene_id);
+
   // The mesh between the last two keyframes, origin near the newer one's eye. After the first keyframe: that section,
   // still.
   KeyframeMesh buildMesh() const;
@@ -53,6 +57,7 @@ class Replica {
   const int32_t* knownHeight(proto::NodeId v) const;
 
  private:
+  void startAfresh();
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
   void merge();
   void forgetUnknown();

@@ -24,6 +24,12 @@ class Timeline {
   // negative is early.
   Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
 
+  // Shows nothing until the next mesh comes; versions go on.
+  void clear() {
+    entries_.clear();
+    latencies_.clear();
+  }
+
   struct Shown {
     const KeyframeMesh* mesh = nullptr;
     double weight = 0;

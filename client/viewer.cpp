@@ -53,16 +53,41 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
   return {};
 }
 
+void Viewer::reconnect(Time now) {
+  outgoing_.clear();
+  is_greeted_ = false;
+  reconnected_at_ = now;
+  received_keyframe_ = 0;
+  last_pose_sent_.reset();
+  send(proto::encode(request_));
+}
+
 Status Viewer::onWelcome(proto::Welcome welcome) {
-  if (welcome_) return Error{ErrorCode::kMalformed, "a second welcome in one session"};
-  replica_.emplace(welcome);
+  if (is_greeted_) return Error{ErrorCode::kMalformed, "a second welcome on one connection"};
+  is_greeted_ = true;
+  std::optional<proto::Resume> section;
+  if (welcome_ && welcome_->scene_id == welcome.scene_id && welcome_->shape == welcome.shape &&
+      welcome_->frame == welcome.frame)
+    section = replica_->present(welcome.scene_id);
+  if (section) {
+    send(proto::encode(*section));
+  } else {
+    replica_.emplace(welcome);
+    timeline_.clear();
+  }
   welcome_ = std::move(welcome);
+  if (path_) send(proto::encode(*path_));
   return {};
 }
 
 Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   if (!replica_) return Error{ErrorCode::kMalformed, "a keyframe before the welcome"};
   if (Status s = replica_->apply(message.header, message.delta); !s.ok()) return s;
+  if (reconnected_at_) {
+    ++(message.header.base_index > 0 ? statistics_.resumed : statistics_.started_afresh);
+    statistics_.longest_resume = std::max(statistics_.longest_resume, now - *reconnected_at_);
+    reconnected_at_.reset();
+  }
   received_keyframe_ = message.header.index;
   received_at_ = now;
   const Duration lateness =
@@ -87,7 +112,7 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   if (poses_.front().time < now - kPoseMemory - kPoseMemory)
     poses_.erase(poses_.begin(), std::lower_bound(poses_.begin(), poses_.end(), now - kPoseMemory,
                                                   [](const proto::TimedPose& p, Time t) { return p.time < t; }));
-  if (welcome_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
+  if (is_greeted_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
 
   const Timeline::Shown shown = timeline_.at(now);
   FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
@@ -113,7 +138,10 @@ void Viewer::setRequest(const proto::ViewRequest& request) {
   send(proto::encode(request_));
 }
 
-void Viewer::announcePath(const proto::Path& path) { send(proto::encode(path)); }
+void Viewer::announcePath(const proto::Path& path) {
+  path_ = path;
+  send(proto::encode(path));
+}
 
 void Viewer::requestTour(const std::string& name, double seconds) {
   send(proto::encode(proto::TourRequest{next_request_id_++, name, seconds}));

@@ -24,7 +24,9 @@ struct ViewerStatistics {
   Duration last_lateness;       // of the newest keyframe; negative is early
   Duration worst_lateness;
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t frames = 0;          // with something to draw
+  uint64_t frames = 0;                       // with something to draw
+  uint32_t resumed = 0, started_afresh = 0;  // new connections, by what their first keyframe started from
+  Duration longest_resume;                   // from a new connection to its first keyframe
   uint64_t frames_outside = 0;  // of those: drawn from where one of the two keyframes does not promise its tolerance
 };
 
@@ -43,6 +45,9 @@ class Viewer {
 
   // Takes one message from the server. An Error ends the session: show it and disconnect; the state stays as it was.
   Status receive(ByteSpan message, Time now);
+  // The connection was lost, and there is a new one, to this server or another: greets again, and goes on from the
+  // section held if the scene is the same. What was not sent yet is dropped.
+  void reconnect(Time now);
   // Next message for the server, oldest first; false when there is none.
   bool takeOutgoing(Bytes& message);
 
@@ -61,7 +66,8 @@ class Viewer {
   std::optional<proto::TourReply> takeTour();
   std::optional<proto::GroundReply> takeGround();
 
-  const std::optional<proto::Welcome>& welcome() const { return welcome_; }
+  const std::optional<proto::Welcome>& welcome() const { return welcome_; }  // the last one
+  bool isGreeted() const { return is_greeted_; }                             // on this connection
   // Valid after the welcome.
   const proto::FrameGrid& frameGrid() const { return replica_->frameGrid(); }
   // Ground height (m above the zero surface) of the newest section at a lattice place; nothing before the first
@@ -81,6 +87,9 @@ class Viewer {
   proto::ViewRequest request_;
   Duration pose_interval_;
   std::optional<proto::Welcome> welcome_;
+  bool is_greeted_ = false;             // on this connection
+  std::optional<Time> reconnected_at_;  // and no keyframe has come since
+  std::optional<proto::Path> path_;     // announced
   std::optional<Replica> replica_;
   Timeline timeline_;
   std::deque<Bytes> outgoing_;

@@ -10,7 +10,7 @@ namespace foreland::proto {
 
 namespace {
 
-enum class Tag : uint8_t { kControl = 1, kPose = 2, kKeyframe = 3 };
+enum class Tag : uint8_t { kControl = 1, kPose = 2, kKeyframe = 3, kResume = 4 };
 
 constexpr size_t kMaxNameBytes = 64;
 constexpr size_t kMaxTextBytes = 64 << 10;
@@ -348,6 +348,18 @@ Bytes encode(const PoseUpdate& m) {
   return out;
 }
 
+Bytes encode(const Resume& m) {
+  Bytes out;
+  ByteWriter w(out);
+  w.put(Tag::kResume);
+  w.put(m.scene_id);
+  w.putVarint(m.keyframe);
+  w.putZigzag(m.time.us);
+  w.put(m.fingerprint);
+  out.insert(out.end(), m.section.begin(), m.section.end());
+  return out;
+}
+
 void encodeHeader(const KeyframeHeader& h, Bytes& out) {
   ByteWriter w(out);
   w.put(Tag::kKeyframe);
@@ -390,6 +402,20 @@ Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
     m.received_at = m.pose.time + Duration{since};
     if (!isUsable(m.pose.pose)) return malformed("a pose is more than 10^8 m away or not a rotation");
     return ClientMessage(m);
+  }
+  if (bytes[0] == static_cast<uint8_t>(Tag::kResume)) {
+    ByteReader r(bytes.subspan(1));
+    Resume m;
+    m.scene_id = r.get<uint64_t>();
+    const uint64_t keyframe = r.getVarint();
+    m.keyframe = static_cast<uint32_t>(keyframe);
+    m.time = {r.getZigzag()};
+    m.fingerprint = r.get<uint32_t>();
+    if (!r.ok() || keyframe == 0 || keyframe > 0x7fffffffu || std::llabs(m.time.us) > (int64_t{1} << 60))
+      return malformed("a presented section is cut short or absurd");
+    const ByteSpan section = bytes.subspan(bytes.size() - r.remaining());
+    m.section.assign(section.begin(), section.end());
+    return ClientMessage(std::move(m));
   }
   std::vector<uint64_t> aligned;
   const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;

@@ -89,6 +89,16 @@ struct PoseUpdate {
   Time received_at;                // the client's clock
 };
 
+// Client to server, after the welcome to a new connection and before any pose: the section that the client holds, of
+// the scene that the welcome names. The next keyframe starts from it; if the server cannot take it, from nothing.
+struct Resume {
+  uint64_t scene_id = 0;
+  uint32_t keyframe = 0;     // index of the keyframe whose section it is
+  Time time;                 // and its time, the client's clock
+  uint32_t fingerprint = 0;  // of the section
+  Bytes section;             // encodeSection (section_codec.h)
+};
+
 // Server to client: a keyframe's header; the cut delta's bytes follow it in the message.
 struct KeyframeHeader {
   uint32_t index = 0;        // counts from 1
@@ -102,7 +112,7 @@ struct KeyframeHeader {
   uint32_t fingerprint = 0;  // of the section that results
 };
 
-using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, PoseUpdate>;
+using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, PoseUpdate, Resume>;
 
 struct KeyframeMessage {
   KeyframeHeader header;
@@ -115,6 +125,7 @@ Bytes encode(const Path& message);
 Bytes encode(const TourRequest& message);
 Bytes encode(const GroundRequest& message);
 Bytes encode(const PoseUpdate& message);
+Bytes encode(const Resume& message);
 Bytes encode(const Welcome& message);
 Bytes encode(const TourReply& message);
 Bytes encode(const GroundReply& message);

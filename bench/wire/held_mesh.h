@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bench/wire/peers/peer_mesh.h"
+#include "proto/view.h"
 #include "server/section/hierarchy.h"
-#include "server/section/metric.h"
 
 namespace foreland::bench {
 

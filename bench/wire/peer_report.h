@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/result.h"
+#include "proto/view.h"
 #include "server/section/hierarchy.h"
-#include "server/section/metric.h"
 
 namespace foreland::bench {
 

@@ -23,12 +23,19 @@ Player::Player(PlayerOptions options)
     : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {}
 
 Status Player::receive(ByteSpan message, Time now) {
-  log_.entries.push_back({now, Bytes(message.begin(), message.end())});
+  log_.entries.push_back({now, FlightLog::What::kMessage, Bytes(message.begin(), message.end())});
   return viewer_.receive(message, now);
 }
 
+bool Player::reconnect(Time now) {
+  if (phase_ != Phase::kStanding && phase_ != Phase::kFlying) return false;
+  log_.entries.push_back({now, FlightLog::What::kReconnect, {}});
+  viewer_.reconnect(now);
+  return true;
+}
+
 Status Player::frame(Time now) {
-  log_.entries.push_back({now, std::nullopt});
+  log_.entries.push_back({now, FlightLog::What::kFrame, {}});
   if (!phase_start_) phase_start_ = now;
   if (phase_ == Phase::kGreeting && viewer_.welcome()) {
     enter(Phase::kPlanning, now);
@@ -146,10 +153,13 @@ void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>
   Player player(log.options);
   Bytes unsent;
   for (const FlightLog::Entry& entry : log.entries) {
-    const Status status = entry.message ? player.receive(*entry.message, entry.time) : player.frame(entry.time);
+    Status status;
+    if (entry.what == FlightLog::What::kMessage) status = player.receive(entry.message, entry.time);
+    if (entry.what == FlightLog::What::kReconnect) player.reconnect(entry.time);
+    if (entry.what == FlightLog::What::kFrame) status = player.frame(entry.time);
     while (player.takeOutgoing(unsent)) continue;
     if (!status.ok()) return;  // the flight ended here then, too
-    if (!entry.message && !on_frame(player, entry.time)) return;
+    if (entry.what == FlightLog::What::kFrame && !on_frame(player, entry.time)) return;
   }
 }
 

@@ -36,11 +36,13 @@ struct PlayerOptions {
   Duration patience = Duration::milliseconds(10'000);  // longest wait for an answer, or for the first section
 };
 
-// All that a player was fed, in order. An entry without a message is a frame.
+// All that a player was fed, in order.
 struct FlightLog {
+  enum class What : uint8_t { kFrame, kMessage, kReconnect };
   struct Entry {
     Time time;
-    std::optional<Bytes> message;
+    What what = What::kFrame;
+    Bytes message;
   };
   PlayerOptions options;
   std::vector<Entry> entries;
@@ -66,6 +68,9 @@ class Player {
 
   // An Error ends the flight: tell the user and disconnect. The report stays valid.
   Status receive(ByteSpan message, Time now);
+  // The connection was lost and there is a new one; the flight goes on. False before the flight has been planned: then
+  // it has to begin anew.
+  bool reconnect(Time now);
   // One frame. Times do not decrease; 60 a second is customary.
   Status frame(Time now);
   bool takeOutgoing(Bytes& message) { return viewer_.takeOutgoing(message); }

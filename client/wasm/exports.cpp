@@ -134,6 +134,11 @@ Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_p
   return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
 }
 
+// There is a new connection after the one that was lost.
+FORELAND_EXPORT(foreland_reconnect) void reconnect(Host* host, double now_ms) {
+  host->viewer.reconnect(timeOf(now_ms));
+}
+
 FORELAND_EXPORT(foreland_destroy) void destroy(Host* host) { delete host; }
 
 // The message's bytes are in the buffer. 1: taken; 0: refused, and foreland_error tells why.
@@ -203,9 +208,9 @@ FORELAND_EXPORT(foreland_tour_pose) const PoseRecord* tourPose(Host* host, doubl
   return &host->pose_record;
 }
 
-// What the server said of the scene; null before it has.
+// What the server said of the scene; null before it has, on this connection.
 FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
-  if (!host->viewer.welcome()) return nullptr;
+  if (!host->viewer.isGreeted()) return nullptr;
   const proto::Welcome& from = *host->viewer.welcome();
   const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
   WelcomeRecord& out = host->welcome_record;
@@ -230,7 +235,7 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
 
 // Where a point of the scene is: height, ground below, up, and its coordinates. Null before the welcome.
 FORELAND_EXPORT(foreland_place) const PlaceRecord* place(Host* host, double x, double y, double z) {
-  if (!host->viewer.welcome()) return nullptr;
+  if (!host->viewer.isGreeted()) return nullptr;
   const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
   const glm::dvec3 point(x, y, z), up = transform.upAt(point);
   const proto::LatticePlace lattice = transform.toLattice(point);

@@ -86,6 +86,8 @@ class Adapter {
   size_t nodeCount() const { return active_; }
   Section section() const;  // ascending
   bool contains(Slot slot) const { return frontier_.isActive(slot); }
+  // Of the page of a node of the section.
+  RadiusClass radius(Slot slot) const { return frontier_.radius(slot); }
   // Calls visit(slot) for each node of the section and of its frontier, in no order, some twice.
   template <class Visit>
   void forEachKnown(const Visit& visit) const {

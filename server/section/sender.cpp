@@ -12,6 +12,14 @@ bool isNear(const proto::View& a, const proto::View& b) {
 
 }  // namespace
 
+void SectionSender::resume(const proto::Section& section, uint32_t keyframe, Time time, uint32_t fingerprint) {
+  proto::PlainNodes source = hierarchy_->source();
+  adapter_ = proto::TerrainAdapter(hierarchy_->domain(), section.slots, source);
+  keyframe_.index = keyframe;
+  keyframe_.time = time;
+  keyframe_.fingerprint = fingerprint;
+}
+
 bool SectionSender::fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
   if (keyframe_.index > 0 && 2 * adapter_.nodeCount() < max_nodes && isNear(proto::viewOf(keyframe_), view))
     return true;

@@ -22,6 +22,9 @@ class SectionSender {
  public:
   explicit SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {}
 
+  // Goes on from a closed section that the viewer presents as that of its keyframe. Nothing has been sent yet.
+  void resume(const proto::Section& section, uint32_t keyframe, Time time, uint32_t fingerprint);
+
   // Whether the view's section has at most `max_nodes`. Cost: nothing if it cannot be much larger than the last one,
   // else one refinement from scratch.
   [[nodiscard]] bool fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "proto/section_codec.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 
@@ -91,6 +92,20 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   return {};
 }
 
+// A section that cannot be gone on from is no mistake of the viewer's: it gets all of it anew.
+Status Session::take(const proto::Resume& resume, Time) {
+  if (!isFirst() || !history_.empty())
+    return Error{ErrorCode::kMalformed, "a section is presented before the first pose, or not at all"};
+  const Hierarchy& hierarchy = world_->hierarchy;
+  if (resume.scene_id != hierarchy.scene().id()) return {};
+  const auto section = proto::decodeSection(hierarchy.grid(), resume.section, options_.max_section_nodes);
+  if (!section.ok() || proto::fingerprint(section->slots) != resume.fingerprint) return {};
+  sender_.resume(*section, resume.keyframe, resume.time, resume.fingerprint);
+  acknowledged_ = resume.keyframe;
+  statistics_.resumed = true;
+  return {};
+}
+
 Time Session::gridAtOrAfter(Time t) const {
   const int64_t T = request_->keyframe_interval.us;
   const int64_t steps = t.us >= 0 ? (t.us + T - 1) / T : -(-t.us / T);
@@ -103,8 +118,7 @@ void Session::aim() {
   // Needed by the client when the grid point before it is reached.
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
   if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
-  const Time next =
-      keyframe().index == 0 ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
+  const Time next = isFirst() ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
   const Duration behind = now_ + compute_time_ - deadline(next);
   target_ = behind > Duration{} ? gridAtOrAfter(next + behind) : next;
 }
@@ -112,7 +126,7 @@ void Session::aim() {
 std::optional<Session::Plan> Session::plan() const {
   if (!request_ || history_.empty() || unsent_ || in_flight_.size() >= options_.max_unacknowledged) return std::nullopt;
   const Duration T = request_->keyframe_interval;
-  const bool first = keyframe().index == 0;
+  const bool first = isFirst();
   const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
   const auto skippedTo = [&](Time t) { return first || t < next ? 0 : static_cast<uint64_t>((t - next).us / T.us); };
 
@@ -138,7 +152,7 @@ std::optional<Session::Due> Session::due() const {
 
 // Any time in the next half second will do: a keyframe's deadline comes first.
 std::optional<Session::Due> Session::prefetchDue() const {
-  if (options_.prefetch_ahead == Duration{} || keyframe().index == 0) return std::nullopt;
+  if (options_.prefetch_ahead == Duration{} || isFirst()) return std::nullopt;
   return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery};
 }
 
@@ -176,7 +190,7 @@ proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
   proto::View view{expectedPose(t), request_->lens, request_->tau_px};
   // The first section is shown as soon as it is there.
-  const Time begin = std::min(keyframe().index == 0 ? history_.newest().time : keyframe().time, t - T);
+  const Time begin = std::min(isFirst() ? history_.newest().time : keyframe().time, t - T);
   const Sweep sweep = sweepOf(
       view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
   const Sweep miss = miss_.estimate();
@@ -204,8 +218,8 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
 }
 
 void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const double interval_s = keyframe().index == 0 ? request_->keyframe_interval.toSeconds()
-                                                  : (plan.time_client - keyframe().time).toSeconds();
+  const double interval_s =
+      isFirst() ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
   proto::View view = viewFor(plan.time_client);
   fitBudget(view, scratch);
   Bytes message;

@@ -46,6 +46,7 @@ struct SessionStatistics {
   uint64_t nodes_added = 0, nodes_removed = 0;
   size_t section_nodes = 0;
   uint64_t prefetches = 0;
+  bool resumed = false;  // from a section that the viewer presented
 };
 
 class Session {
@@ -71,6 +72,7 @@ class Session {
   // delta).
   void onDrained(Time now);
 
+  const World& world() const { return *world_; }
   const SessionStatistics& statistics() const { return statistics_; }
   // What the client holds once it has read everything sent; and the keyframe that it belongs to.
   proto::Section section() const { return sender_.adapter().section(); }
@@ -82,6 +84,7 @@ class Session {
   Status take(const proto::TourRequest& request, Time now);
   Status take(const proto::GroundRequest& request, Time now);
   Status take(const proto::PoseUpdate& update, Time now);
+  Status take(const proto::Resume& resume, Time now);
 
   // The keyframe to compute next: its time on the client's clock, and when to begin and to be done.
   struct Plan {
@@ -92,6 +95,8 @@ class Session {
   std::optional<Plan> plan() const;
   // With `predict`: chooses the grid point to aim at, and keeps to it until it is hopelessly late.
   void aim();
+  // No keyframe has been sent on this connection.
+  bool isFirst() const { return statistics_.keyframes == 0; }
   Time gridAtOrAfter(Time t_client) const;
   proto::Pose expectedPose(Time t_client) const;
   proto::View viewFor(Time t_client) const;

@@ -27,6 +27,22 @@ size_t World::addClient(const ClientOptions& options) {
   return clients_.size() - 1;
 }
 
+void World::loseConnection(size_t client) {
+  Client& c = *clients_[client];
+  c.is_connected = c.waits_for_drain = false;
+  c.session = server::Session(world_, options_);
+  c.up = Link(c.options.up, seed_ + 7 * ++c.connections);
+  c.down = Link(c.options.down, seed_ + 7 * c.connections + 1);
+  c.sections.clear();
+}
+
+void World::connectAgain(size_t client, std::shared_ptr<const terrain::Scene> scene) {
+  Client& c = *clients_[client];
+  if (scene) c.session = server::Session(std::make_shared<server::World>(std::move(scene)), options_);
+  c.is_connected = true;
+  c.viewer.reconnect(now_ + c.options.clock_offset);
+}
+
 void World::run(Time end) {
   while (true) {
     std::optional<Time> next;
@@ -73,7 +89,7 @@ void World::serve(Client& c, Time now) {
     complain("a second delta was made while one was unsent");
   if (computed) {
     c.sections[c.session.keyframe().index] = c.session.section();
-    if (const Status s = proto::validate(world_->hierarchy.grid(), c.session.section()); !s.ok())
+    if (const Status s = proto::validate(c.session.world().hierarchy.grid(), c.session.section()); !s.ok())
       complain(s.error().message);
   }
   for (Bytes& message : out) c.down.send(std::move(message), now + (computed ? compute_time_ : Duration{}));
@@ -108,7 +124,8 @@ void World::frame(Client& c, size_t index, Time now) {
 
 void World::flush(Client& c, Time now) {
   Bytes message;
-  while (c.viewer.takeOutgoing(message)) c.up.send(std::move(message), now);
+  while (c.viewer.takeOutgoing(message))
+    if (c.is_connected) c.up.send(std::move(message), now);
 }
 
 }  // namespace foreland::test

@@ -30,6 +30,10 @@ class World {
         uint64_t seed);
 
   size_t addClient(const ClientOptions& options);
+  // The client's server dies with its connection, and what was under way is lost; the client flies on.
+  void loseConnection(size_t client);
+  // It reaches a new server, with the same scene or another.
+  void connectAgain(size_t client, std::shared_ptr<const terrain::Scene> scene = nullptr);
   // Runs until `end` on the server's clock. 60 frames a second at each client.
   void run(Time end);
 
@@ -59,6 +63,8 @@ class World {
     Time next_frame;
     bool waits_for_drain = false;
     bool path_announced = false;
+    bool is_connected = true;
+    uint64_t connections = 1;
     uint64_t hash = 1469598103934665603ull;
     std::map<uint32_t, proto::Section> sections;  // the server's, by keyframe, until the client has it
   };

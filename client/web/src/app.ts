@@ -98,15 +98,16 @@ export class App {
 
   // ---- session
 
+  // The first connection, or one after it was lost: then the viewer goes on from what it holds.
   private beginSession(): void {
-    this.viewer.destroy();
-    this.viewer = new Viewer(this.core, this.request());
-    this.asked = JSON.stringify(this.request());
-    this.terrain.forget();
-    this.readout.forget();
-    this.prediction.forget();
-    const tour = this.tours.current ?? (this.welcome ? null : this.address.tour);
-    if (tour) this.tours.request(tour, this.viewer);
+    if (this.welcome) {
+      this.viewer.reconnect(performance.now());
+    } else {
+      this.viewer.destroy();
+      this.viewer = new Viewer(this.core, this.request());
+      this.asked = JSON.stringify(this.request());
+      if (this.address.tour) this.tours.request(this.address.tour, this.viewer);
+    }
     this.sendOutgoing();
   }
 

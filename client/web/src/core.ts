@@ -82,6 +82,7 @@ interface Exports {
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number): number;
   foreland_destroy(viewer: number): void;
+  foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
   foreland_take_outgoing(viewer: number): number;
   foreland_error(viewer: number): number;
@@ -160,6 +161,11 @@ export class Viewer {
 
   constructor(private readonly core: Core, request: Request) {
     this.handle = core.exports.foreland_create(...requestArguments(request));
+  }
+
+  // There is a new connection after one that was lost: goes on from the section held, if the scene is the same.
+  reconnect(now_ms: number): void {
+    this.core.exports.foreland_reconnect(this.handle, now_ms);
   }
 
   destroy(): void {
