@@ -50,15 +50,31 @@ class Bisection {
     if (r == size_) return centreOf(BaseMesh::face(h));
     return patchNodeId(startOf(BaseMesh::next(h), r));
   }
+  bool isInPatch(const PatchPoint& p) const {
+    if (p.x < 0 || p.y < 0 || p.x > size_ || p.y > size_) return false;
+    return p.x <= p.y || mesh_.twin(mesh_.first(p.patch)) != kNoHalfEdge;
+  }
+  // Where a node is on the squares that hold it: its own first, then the neighbour if it is on a side.
+  PatchPoints appearances(const PatchPoint& n) const {
+    PatchPoints result;
+    result.push(n);
+    if (isOnSeam(n)) result.push(acrossSeam(n));
+    return result;
+  }
   bool isNode(const PatchPoint& p) const {
     return p.patch < mesh_.edgeCount() && isInPatch(p) && p.y > 0 && p.y < size_;
   }
 
-  std::array<NodeId, 2> endpoints(const PatchPoint& n) const {
+  // From a node to an end of its edge, wherever it appears.
+  std::array<int32_t, 2> halfEdgeAt(const PatchPoint& n) const {
     const uint32_t t = n.scaleLog2();
     const int32_t s = 1 << t;
-    if (!isCentre(n, t)) return n.y >> t & 1 ? ends(n, 0, s) : ends(n, s, 0);
-    return ends(n, s, diagonalRises(n, t) ? s : -s);
+    if (isCentre(n, t)) return {s, diagonalRises(n, t) ? s : -s};
+    return n.y >> t & 1 ? std::array<int32_t, 2>{0, s} : std::array<int32_t, 2>{s, 0};
+  }
+  std::array<NodeId, 2> endpoints(const PatchPoint& n) const {
+    const auto [dx, dy] = halfEdgeAt(n);
+    return {name(n.moved(-dx, -dy)), name(n.moved(dx, dy))};
   }
   NodeList<2> parents(const PatchPoint& n) const {
     const uint32_t t = n.scaleLog2();
@@ -70,13 +86,11 @@ class Bisection {
       pushInside(n.moved(-s, fall), result);
       pushInside(n.moved(s, -fall), result);
     } else {
-      const bool upright = n.y >> t & 1;
-      const auto push = [&](const PatchPoint& p, bool is_upright) {
-        pushInside(is_upright ? p.moved(-s, 0) : p.moved(0, -s), result);
-        pushInside(is_upright ? p.moved(s, 0) : p.moved(0, s), result);
-      };
-      push(n, upright);
-      if (isOnSeam(n)) push(acrossSeam(n), false);
+      for (const PatchPoint& p : appearances(n)) {
+        const bool upright = p.y >> t & 1;
+        pushInside(upright ? p.moved(-s, 0) : p.moved(0, -s), result);
+        pushInside(upright ? p.moved(s, 0) : p.moved(0, s), result);
+      }
     }
     return result;
   }
@@ -87,8 +101,7 @@ class Bisection {
     if (isCentre(n, t)) {
       for (const auto& [dx, dy] : {std::array{-s, 0}, {s, 0}, {0, -s}, {0, s}}) pushInside(n.moved(dx, dy), result);
     } else if (t > 0) {
-      pushDiagonals(n, h, result);
-      if (isOnSeam(n)) pushDiagonals(acrossSeam(n), h, result);
+      for (const PatchPoint& p : appearances(n)) pushDiagonals(p, h, result);
     }
     return result;
   }
@@ -142,13 +155,6 @@ class Bisection {
   static uint32_t cellsLog2(int level) { return static_cast<uint32_t>(level - 1) / 2; }
 
   NodeId centreOf(uint32_t face) const { return baseVertexId(mesh_.vertexCount() + face); }
-  bool isInPatch(const PatchPoint& p) const {
-    if (p.x < 0 || p.y < 0 || p.x > size_ || p.y > size_) return false;
-    return p.x <= p.y || mesh_.twin(mesh_.first(p.patch)) != kNoHalfEdge;
-  }
-  std::array<NodeId, 2> ends(const PatchPoint& n, int32_t dx, int32_t dy) const {
-    return {name(n.moved(-dx, -dy)), name(n.moved(dx, dy))};
-  }
   template <class List>
   void pushInside(const PatchPoint& p, List& result) const {
     if (isInPatch(p)) result.push(name(p));

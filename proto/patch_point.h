@@ -25,6 +25,15 @@ struct PatchPoint {
   bool operator==(const PatchPoint&) const = default;
 };
 
+// The one or two places at which patches hold a node.
+struct PatchPoints {
+  PatchPoint at[2];
+  int count = 0;
+  void push(const PatchPoint& p) { at[count++] = p; }
+  const PatchPoint* begin() const { return at; }
+  const PatchPoint* end() const { return at + count; }
+};
+
 // A vertex in the parameter domain: (weights[0], weights[1], weights[2]) / their sum, barycentric in a base face.
 // Integers, so that equal places are equal.
 struct MeshPlace {

@@ -41,6 +41,16 @@ class Quadrisection {
     if (r == 0) return baseVertexId(mesh_.vertex(h));
     return twin < h ? patchNodeId(onSide(twin, size_ - r)) : patchNodeId(p);
   }
+  bool isInPatch(const PatchPoint& p) const { return p.x >= 0 && p.y >= 0 && p.x + p.y <= size_; }
+  // Where a node is on the faces that hold it: its own first, then the neighbour if it is on a base edge.
+  PatchPoints appearances(const PatchPoint& n) const {
+    PatchPoints result;
+    result.push(n);
+    const uint32_t side = sideOf(n);
+    const HalfEdge twin = side == kInside ? kNoHalfEdge : mesh_.twin(3 * n.patch + side);
+    if (twin != kNoHalfEdge) result.push(onSide(twin, size_ - along(n, side)));
+    return result;
+  }
   // True for the names of nodes, false for all other bits.
   bool isNode(const PatchPoint& p) const {
     return p.patch < mesh_.faceCount() && isInPatch(p) && name(p) == patchNodeId(p);
@@ -112,7 +122,6 @@ class Quadrisection {
     return row < (m + 1) / 2 ? row * (m + 1) + column : (m - 1 - row) * (m + 1) + row + 1 + column;
   }
 
-  bool isInPatch(const PatchPoint& p) const { return p.x >= 0 && p.y >= 0 && p.x + p.y <= size_; }
   uint32_t sideOf(const PatchPoint& p) const {
     if (p.y == 0) return p.x == size_ ? 1 : 0;
     return p.x == 0 ? 2 : p.x + p.y == size_ ? 1 : kInside;
@@ -133,10 +142,8 @@ class Quadrisection {
   NodeList<6> ring(const PatchPoint& n, int32_t step) const {
     NodeList<6> result;
     around(n, step, kInside, result);
-    const uint32_t side = sideOf(n);
-    if (side == kInside) return result;
-    const HalfEdge twin = mesh_.twin(3 * n.patch + side);
-    if (twin != kNoHalfEdge) around(onSide(twin, size_ - along(n, side)), step, twin % 3, result);
+    const PatchPoints places = appearances(n);
+    if (places.count > 1) around(places.at[1], step, sideOf(places.at[1]), result);
     return result;
   }
   // Those in the patch of `n`, but not on its side `without`.
