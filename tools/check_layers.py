@@ -23,11 +23,12 @@ SEES = {
     "terrain/store": ["base", "proto", "terrain"],
     "terrain/bounds": ["base", "proto", "terrain", "terrain/store"],
     "terrain/dem": ["base", "proto", "terrain", "terrain/geo"],
+    "terrain/surface": ["base", "proto", "terrain"],
     "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem"],
 }
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
-SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo"]
+SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface"]
 SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/sched", "server/session", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]

@@ -1,0 +1,136 @@
+// The refinement test for a node of a surface (S 3.3), in closed form: does its support meet the view, does it not face
+// away, and would leaving the node out be seen by more than the tolerance, the silhouette's where it may be on the
+// silhouette, the interior's elsewhere? Everything is in the object's frame; scaling an object scales lengths here and
+// leaves pixels alone.
+//
+// Let c be the node seen from the eye, d = |c|, N its normal, g = -N.c and h = |N x c|, R its sphere's radius plus that
+// of the ball the eye stays in, q its bulge plus the same. Over all normals m of the cone (half angle A), m . (eye - x)
+// for a point x of a triangle of the support is between
+//     front = g cos A + h sin A + q      back = g cos A - h sin A - q
+// so the support faces away entirely unless front > 0, and may hold a silhouette only if back < 0, too.
+//
+// An error e moves the image of a point p by f |screen part of e x p| / (z z'), z and z' the depths of p and of p + e.
+// Over the sphere |e x p| is at most B = max |e x c| + |e| R, and over the spheroid with semi-axes a and b
+//     max |e x c|^2 = max(a^2 h^2 + b^2 g^2, b^2 d^2)
+// which are S's conditions (4) and (5), multiplied out and made safe for perspective. (Hoppe's shape: max(a h, b d).)
+// With z_min the least depth of a visible point, as in metric.h, the node is needed if
+//     f B > tolerance z_min^2    and    f |e| / cos(corner) > tolerance z_min
+// the latter since |p| <= z / cos(corner) where p is visible.
+//
+// All of this changes by no more than the eye moves (B by |e| times as much), so an outcome can say how much motion it
+// is sure to survive; turning by an angle counts as moving by it times the distance. The basis of adaptation by slack
+// (adapter.h).
+//
+// front, -back, B, |e| only grow and z_min only shrinks when sphere, cone, bulge and shape grow; a parent's hold its
+// children's with 1e-6 of the object's size to spare (terrain/surface/bounds.h), far more than rounding here, which is
+// below 1e-11 of it wherever the error could be seen. So if a node passes, so do its parents. Element by element,
+// without branches, for loops that vectorise. Immutable; any thread.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "proto/refine/frustum.h"
+#include "proto/surface_bounds.h"
+#include "proto/view.h"
+
+namespace foreland::proto {
+
+// What a view does not say; its own tolerance is the silhouette's.
+struct SurfaceTest {
+  double interior_px = 1;  // where it is less than the silhouette's, it holds there too
+  double nearest_m = 0.1;  // nothing nearer is promised anything: metres of depth
+  bool is_closed = true;   // back faces are not seen
+  ErrorShape shape = ErrorShape::kSpheroid;
+};
+
+class SurfaceMetric {
+ public:
+  // `view` in the object's frame.
+  SurfaceMetric(const View& view, const SurfaceTest& test)
+      : frustum_(view, test.nearest_m),
+        eye_(view.pose.eye),
+        silhouette_(std::min(view.tau_px, test.interior_px) / view.lens.focalPx()),
+        interior_(test.interior_px / view.lens.focalPx()),
+        ball_(view.ball_m),
+        is_hoppe_(test.shape == ErrorShape::kHoppe),
+        is_closed_(test.is_closed) {}
+
+  bool passes(const SurfaceBounds& n) const {
+    const Seen s = seenFrom(n);
+    const Facing f = facingOf(n, s.g, s.h);
+    const bool is_silhouette = (f.front > 0) & (f.back > 0);
+    const double tolerance = is_silhouette ? silhouette_ : interior_;
+    const bool seen = (s.B > tolerance * s.z * s.z) & (s.longest * frustum_.inverseCosCorner() > tolerance * s.z);
+    return seen & ((f.front > 0) | !is_closed_) & (s.side_room >= 0);
+  }
+
+  struct Outcome {
+    bool passes;
+    double slack_m;  // 0 or more, never too much
+  };
+  Outcome outcome(const SurfaceBounds& n) const {
+    const Seen s = seenFrom(n);
+    const Facing f = facingOf(n, s.g, s.h);
+    // Rooms: positive if a condition holds, by the motion that it takes to change it. All: the least; any: the largest.
+    const double as_silhouette = std::min(seenRoom(s, silhouette_), std::min(f.front, f.back));
+    const double seen = std::max(seenRoom(s, interior_), as_silhouette);
+    const double room = std::min(std::min(seen, is_closed_ ? f.front : seen), s.side_room);
+    return {passes(n), std::fabs(room)};
+  }
+
+  // Parts of the test, for those who want to know which one decides.
+  bool meetsFrustum(const SurfaceBounds& n) const { return seenFrom(n).side_room >= 0; }
+  // Positive if the support may face the eye, and if it may face away: metres.
+  struct Facing {
+    double front, back;
+  };
+  Facing facing(const SurfaceBounds& n) const {
+    const Seen s = seenFrom(n);
+    return facingOf(n, s.g, s.h);
+  }
+
+ private:
+  // A node as the eye sees it, in the letters above; z is z_min.
+  struct Seen {
+    double g, h, z, B, longest, side_room;
+  };
+  Seen seenFrom(const SurfaceBounds& n) const {
+    const glm::dvec3 c = n.position - eye_, place = frustum_.place(c);
+    const double d2 = glm::dot(c, c), R = n.radius + ball_;
+    Seen s;
+    s.g = -glm::dot(n.normal, c);
+    s.h = std::sqrt(std::max(0.0, d2 - s.g * s.g));
+    s.z = frustum_.leastDepth(place, R);
+    s.longest = std::max(n.along, n.across);
+    s.B = errorAcross(n, s.g, s.h, std::sqrt(d2)) + s.longest * R;
+    s.side_room = frustum_.sideDistance(place) + R;
+    return s;
+  }
+  Facing facingOf(const SurfaceBounds& n, double g, double h) const {
+    const double along = g * std::sqrt(std::max(0.0, 1 - n.sin_cone * n.sin_cone));
+    const double across = h * n.sin_cone + n.bulge + ball_;
+    return {across + along, across - along};
+  }
+  // Until z + x reaches |e| / (tolerance cos(corner)), or tolerance (z + x)^2 reaches B - |e| x.
+  double seenRoom(const Seen& s, double tolerance) const {
+    const double b = 2 * tolerance * s.z + s.longest, c = s.B - tolerance * s.z * s.z;
+    const double across = 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * tolerance * c)));
+    return std::min(s.longest * frustum_.inverseCosCorner() / tolerance - s.z, across);
+  }
+  // Largest |e x c| over the error shape.
+  double errorAcross(const SurfaceBounds& n, double g, double h, double d) const {
+    const double ah = n.along * h, bg = n.across * g, bd = n.across * d;
+    return std::max(is_hoppe_ ? ah : std::sqrt(ah * ah + bg * bg), bd);
+  }
+
+  Frustum frustum_;
+  glm::dvec3 eye_;
+  double silhouette_, interior_;  // as shares of the focal length
+  double ball_;
+  bool is_hoppe_, is_closed_;
+};
+
+}  // namespace foreland::proto

@@ -1,0 +1,48 @@
+// The bounds of every node of a surface (S 3.3; DESIGN section 3), exact over the full-resolution surface and
+// saturated. With V(n) the vertices where the node's hat function is not zero:
+//
+//   radius   the sphere about the node holds V(n), where it truly is and wherever a section without the node may draw
+//            it, and its children's spheres
+//   cone     about the node's normal, holds the normals of all full-resolution triangles at V(n), and its children's cones
+//   bulge    the planes of those triangles pass no farther from the node, and so do all planes that a child allows: with a
+//            sphere's worth of room for each triangle (S 3.3.2), a support seems to turn away later than it does
+//   error    about the node's normal, holds the *parametric* error (drawn position minus true position, at the same
+//            parameter) of every vertex of V(n) in every section that has neither this node nor a coarser one whose hat
+//            reaches the vertex, and its children's shapes
+//
+// A section without the node need not be the coarser level everywhere around it: by quadrisection its neighbours may be
+// there. S equation 2 takes the whole finer surface away, which says less. What is missing at a vertex is the sum of
+// the missing nodes' displacements times their hats; any of the finer ones may be missing, so what is held is the sum
+// of those that point outward, that of those that point inward, and that of the parts across. Where all point the same
+// way, as on the sphere, this is equation 2. By bisection the triangle that is drawn instead has true corners, and
+// equation 2 is exact.
+//
+// So every vertex's error is held by the shape of some missing node whose support holds the vertex, which is what the
+// screen tests (proto/refine/surface_metric.h) need; and all of it nests from child to parent, so they are monotone.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "proto/surface_bounds.h"
+#include "terrain/surface/error_shape.h"
+#include "terrain/surface/surface.h"
+
+namespace foreland::terrain {
+
+// How the axes of error shapes are chosen: see boundingShape and boundingShapeByLargest.
+enum class ErrorFit : uint8_t { kSmallest, kByLargest };
+
+struct SurfaceBoundsJob {
+  ErrorShape shape = ErrorShape::kSpheroid;
+  ErrorFit fit = ErrorFit::kSmallest;
+  unsigned threads = 0;  // 0: one per processor; the result does not depend on it
+  // On the calling thread, with the fraction done; false stops the work.
+  std::function<bool(double)> onProgress = [](double) { return true; };
+};
+
+// Records by slot, zeros in the padding; empty if `onProgress` stopped the work. Cost: about 0.5 microseconds times
+// vertices times levels.
+std::vector<proto::SurfaceRecord> computeBounds(const Surface& surface, const SurfaceBoundsJob& job = {});
+
+}  // namespace foreland::terrain

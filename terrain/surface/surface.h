@@ -1,0 +1,44 @@
+// A surface of any topology: a base mesh, how it is refined, and where every vertex truly is. Positions are whole steps
+// in the object's own frame, so that both ends compute the same ones and bounds are exact for what is drawn. Plain
+// data; any thread.
+#pragma once
+
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "base/result.h"
+#include "proto/mesh_topology.h"
+
+namespace foreland::terrain {
+
+inline constexpr int32_t kMaxSteps = 1 << 30;  // of a coordinate, so that sums of two fit
+
+struct Surface {
+  proto::MeshTopology topology;
+  double step_m = 0.001;
+  std::vector<glm::ivec3> base;   // topology.baseVertexCount() of them
+  std::vector<glm::ivec3> nodes;  // by slot, topology.slotCount() of them; zeros in the padding
+
+  const glm::ivec3& steps(proto::NodeId v) const {
+    return topology.isBase(v) ? base[proto::baseVertexOf(v)] : nodes[topology.slot(v)];
+  }
+  glm::dvec3 position(proto::NodeId v) const { return glm::dvec3(steps(v)) * step_m; }
+};
+
+// True positions: (vertex, the middle of its endpoints' true positions; for a face's centre, of its corners) -> metres.
+using TruePosition = std::function<glm::dvec3(proto::NodeId, const glm::dvec3& middle)>;
+
+// Asks for every vertex but those of the base mesh, whose positions are given, coarse levels first. An Error names the
+// first vertex that is not finite or beyond kMaxSteps steps.
+Result<Surface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
+                            const TruePosition& truePosition);
+
+// Calls visit(NodeId, Slot) for every node, coarse levels first.
+template <class Visit>
+void forEachNode(const proto::MeshTopology& topology, const Visit& visit) {
+  for (proto::Slot slot = 0; slot < topology.slotCount(); ++slot)
+    if (const proto::NodeId n = topology.node(slot); !topology.isBase(n)) visit(n, slot);
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,69 @@
+// Surfaces chosen by property: smooth and closed, curved both ways, rough, with a border, with texture that slides
+// along (nodes far from the middle of their edges), flat in places, and with zero-area triangles.
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/rng.h"
+#include "terrain/surface/shapes.h"
+#include "terrain/surface/surface.h"
+#include "tests/support/base_meshes.h"
+
+namespace foreland::test {
+
+struct NamedSurface {
+  std::string name;
+  terrain::Surface surface;
+  bool is_closed = true;
+};
+
+// The base's vertices at random places about a sphere, every node off the middle of its edge by up to `rough` of the
+// edge's length, any way.
+inline terrain::Surface roughSurface(const NamedBase& base, proto::MeshRule rule, uint32_t halvings, double rough,
+                                     uint64_t seed) {
+  Rng rng(seed);
+  const auto any = [&] { return glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)); };
+  auto topology = *proto::MeshTopology::create({rule, halvings, base.vertices, base.faces});
+  std::vector<glm::dvec3> corners;
+  for (uint32_t v = 0; v < base.vertices; ++v) corners.push_back(glm::normalize(any() + glm::dvec3(0.01, 0, 0)));
+  const proto::MeshTopology mesh = topology;
+  const auto place = [&](proto::NodeId v, const glm::dvec3& middle) {
+    return middle + any() * (rough * std::exp2(-mesh.level(v) * (rule == proto::MeshRule::kBisection ? 0.5 : 1.0)));
+  };
+  return *terrain::makeSurface(std::move(topology), 1e-6, corners, place);
+}
+
+inline std::vector<NamedSurface> surfaces(proto::MeshRule rule, uint32_t halvings) {
+  const auto& bases = baseMeshes();
+  const auto base = [&](const std::string& name) {
+    for (const NamedBase& b : bases)
+      if (b.name == name) return b;
+    return bases.front();
+  };
+  std::vector<NamedSurface> all;
+  all.push_back({"Sphere", *terrain::makeSphere(1, {rule, halvings, 1e-6})});
+  all.push_back({"Torus", *terrain::makeTorus({2, 0.8, 4, 3}, {rule, halvings, 1e-6})});
+  all.push_back({"Rough", roughSurface(base("ShuffledOctahedron"), rule, halvings, 0.2, 1)});
+  all.push_back({"Crumpled", roughSurface(base("ShuffledFanOf7"), rule, halvings, 1.0, 2), false});
+  all.push_back({"Flat", roughSurface(base("Triangle"), rule, halvings, 0.0, 3), false});
+  // Flat, but for the base's corners, which lie below: errors along the normal alone, as large at supports' rims as
+  // amid.
+  auto flat = *proto::MeshTopology::create({rule, halvings, 3, {{0, 1, 2}}});
+  all.push_back({"Plateau",
+                 *terrain::makeSurface(std::move(flat), 1e-6, {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},
+                                       [](proto::NodeId, const glm::dvec3& m) { return glm::dvec3(m.x, m.y, 0.05); }),
+                 false});
+  // All nodes of a level in one place: triangles without area, normals from nowhere.
+  auto topology = *proto::MeshTopology::create({rule, halvings, 3, {{0, 1, 2}}});
+  all.push_back({"Collapsed",
+                 *terrain::makeSurface(std::move(topology), 1e-6, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                                       [](proto::NodeId, const glm::dvec3&) { return glm::dvec3(0.2, 0.2, 0.1); }),
+                 false});
+  return all;
+}
+
+}  // namespace foreland::test
