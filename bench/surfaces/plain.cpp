@@ -1,0 +1,94 @@
+#include "bench/surfaces/plain.h"
+
+#include "proto/mesh_triangles.h"
+
+namespace foreland::bench {
+
+namespace {
+
+using proto::NodeId;
+using proto::Slot;
+
+SurfacePlace oraclePlace(const proto::MeshPlace& place) {
+  return {place.face, {static_cast<int32_t>(place.weights[1]), static_cast<int32_t>(place.weights[2])}};
+}
+
+}  // namespace
+
+PlainSection plainRefine(const terrain::Surface& surface, std::span<const proto::SurfaceRecord> records,
+                         const proto::SurfaceMetric& metric) {
+  const proto::MeshTopology& mesh = surface.topology;
+  PlainSection section{std::vector<uint8_t>(mesh.slotCount(), 0), 0};
+  std::vector<NodeId> active, next;
+  const auto test = [&](NodeId n, Slot slot) {
+    if (section.active[slot] || !metric.passes(proto::SurfaceBounds(records[slot], surface.step_m))) return;
+    section.active[slot] = 1;
+    ++section.nodes;
+    next.push_back(n);
+  };
+  for (Slot slot = 0; slot < mesh.levelOffset(2 <= mesh.maxLevel() ? 2 : mesh.maxLevel() + 1); ++slot)
+    if (const NodeId n = mesh.node(slot); !mesh.isBase(n)) test(n, slot);
+  while (!next.empty()) {
+    active.swap(next);
+    next.clear();
+    for (NodeId n : active)
+      for (NodeId child : mesh.children(n)) test(child, mesh.slot(child));
+  }
+  return section;
+}
+
+size_t countTriangles(const terrain::Surface& surface, const PlainSection& section) {
+  size_t count = 0;
+  proto::forEachTriangle(
+      surface.topology, [&](NodeId n) { return section.holds(surface.topology, n); },
+      [&](NodeId, NodeId, NodeId) { ++count; });
+  return count;
+}
+
+std::vector<DrawnTriangle> drawnTriangles(const terrain::Surface& surface, const PlainSection& section) {
+  const proto::MeshTopology& mesh = surface.topology;
+  std::vector<glm::dvec3> drawn(mesh.slotCount());  // p_S of every node (DESIGN section 2)
+  const auto position = [&](NodeId v) { return mesh.isBase(v) ? surface.position(v) : drawn[mesh.slot(v)]; };
+  terrain::forEachNode(mesh, [&](NodeId n, Slot slot) {
+    const auto [a, b] = mesh.endpoints(n);
+    drawn[slot] = section.active[slot] ? surface.position(n) : 0.5 * (position(a) + position(b));
+  });
+  std::vector<DrawnTriangle> triangles;
+  for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) {
+    const auto visit = [&](NodeId a, NodeId b, NodeId c) {
+      DrawnTriangle t{face, {}, {position(a), position(b), position(c)}};
+      const NodeId corners[3] = {a, b, c};
+      for (size_t i = 0; i < 3; ++i) t.weights[i] = oraclePlace(mesh.placeIn(face, corners[i])).weights;
+      triangles.push_back(t);
+    };
+    proto::forEachTriangleOf(
+        mesh, face, [&](NodeId n) { return section.holds(mesh, n); }, visit);
+  }
+  return triangles;
+}
+
+SurfaceTruth truthOf(const terrain::Surface& surface) {
+  const proto::MeshTopology& mesh = surface.topology;
+  SurfaceTruth truth;
+  std::vector<uint32_t> number(mesh.slotCount());
+  const auto add = [&](NodeId v) {
+    truth.places.push_back(oraclePlace(mesh.place(v)));
+    truth.positions.push_back(surface.position(v));
+  };
+  for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) add(proto::baseVertexId(v));
+  terrain::forEachNode(mesh, [&](NodeId n, Slot slot) {
+    number[slot] = static_cast<uint32_t>(truth.places.size());
+    add(n);
+  });
+  const auto vertex = [&](NodeId v) { return mesh.isBase(v) ? proto::baseVertexOf(v) : number[mesh.slot(v)]; };
+  proto::forEachTriangle(
+      mesh, [](NodeId) { return true; },
+      [&](NodeId a, NodeId b, NodeId c) {
+        truth.triangles.push_back({vertex(a), vertex(b), vertex(c)});
+      });
+  for (proto::HalfEdge h = 0; h < 3 * mesh.base().faceCount(); ++h)
+    truth.is_closed = truth.is_closed && mesh.base().twin(h) != proto::kNoHalfEdge;
+  return truth;
+}
+
+}  // namespace foreland::bench

@@ -1,0 +1,34 @@
+// Surfaces refined and drawn in the plainest way: the reference that tests and measurements compare with. A section
+// here is a flag for every slot. Pure; any thread; nothing is made to be fast but plainRefine, which touches what
+// passes and its children only.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bench/oracle/surface_oracle.h"
+#include "proto/refine/surface_metric.h"
+#include "terrain/surface/surface.h"
+
+namespace foreland::bench {
+
+struct PlainSection {
+  std::vector<uint8_t> active;  // by slot
+  size_t nodes = 0;
+
+  bool holds(const proto::MeshTopology& mesh, proto::NodeId n) const { return active[mesh.slot(n)] != 0; }
+};
+
+// From scratch, level by level: nodes that pass, found from their parents.
+PlainSection plainRefine(const terrain::Surface& surface, std::span<const proto::SurfaceRecord> records,
+                         const proto::SurfaceMetric& metric);
+
+// Triangles of the section's mesh, cut at T-vertices.
+size_t countTriangles(const terrain::Surface& surface, const PlainSection& section);
+
+// What is drawn, and what is true, for the oracle.
+std::vector<DrawnTriangle> drawnTriangles(const terrain::Surface& surface, const PlainSection& section);
+SurfaceTruth truthOf(const terrain::Surface& surface);
+
+}  // namespace foreland::bench
