@@ -41,7 +41,7 @@ inline float floatAbove(double x) {
 
 }  // namespace bounds_detail
 
-// An error in metres: 0, or a power of 2^(1/4) between 2^-24 and 2^39.
+// An error in metres: 0, or a power of 2^(1/2) between 2^-24 and 2^103.
 struct ErrorClass {
   static constexpr int kPerOctave = 2, kZero = 24 * kPerOctave + 1;  // class of one metre
 
