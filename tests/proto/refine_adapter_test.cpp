@@ -1,86 +1,17 @@
 // The law of adaptation: from any section to any other, it ends where refinement from scratch does, node for node.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "base/rng.h"
-#include "server/section/hierarchy.h"
 #include "tests/support/scene.h"
+#include "tests/support/wanderer.h"
 
 namespace foreland::proto {
 namespace {
 
 using server::Hierarchy;
+using test::viewAt;
+using test::Wanderer;
 
 constexpr size_t kNoLimit = 1u << 30;
-
-View viewAt(const Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
-  View view;
-  view.pose.eye = h.frame().transform().toScene(LatticePlace{x, y, height});
-  view.pose.orientation =
-      lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
-  view.lens = {1.0, 640, 360};
-  return view;
-}
-
-// A wandering camera: mostly small steps, now and then a turn, a jump, another tolerance, ball, sweep or lens.
-class Wanderer {
- public:
-  Wanderer(const Hierarchy& h, uint64_t seed) : hierarchy_(h), rng_(seed) { jump(); }
-
-  View next() {
-    const GridShape& shape = hierarchy_.grid().shape();
-    switch (rng_.below(30)) {
-      case 0:
-        jump();
-        break;
-      case 1:
-        yaw_ += rng_.uniform(-2, 2);
-        break;
-      case 2:
-        tau_ = std::pow(2, rng_.uniform(-3, 3));
-        break;
-      case 3:
-        ball_ = rng_.uniform(0, 60);
-        break;
-      case 4:
-        turn_ = rng_.below(2) ? rng_.uniform(0, 0.5) : 0;
-        break;
-      case 5:
-        fov_ = rng_.uniform(0.4, 1.8);
-        break;
-      case 6:
-        return last_;  // no motion at all
-      default:
-        x_ += rng_.uniform(-1.5, 1.5);
-        y_ += rng_.uniform(-1.5, 1.5);
-        height_ += rng_.uniform(-20, 20);
-        yaw_ += rng_.uniform(-0.02, 0.02);
-        tau_ *= rng_.uniform(0.98, 1.02);
-    }
-    last_ = viewAt(hierarchy_, std::fmod(x_ + shape.samples_x, shape.samples_x),
-                   std::fmod(y_ + shape.samples_y, shape.samples_y), height_, yaw_, pitch_);
-    last_.tau_px = tau_;
-    last_.ball_m = ball_;
-    last_.turn_rad = turn_;
-    last_.lens.vertical_fov_rad = fov_;
-    return last_;
-  }
-
- private:
-  void jump() {
-    x_ = rng_.uniform(0, hierarchy_.grid().shape().samples_x);
-    y_ = rng_.uniform(0, hierarchy_.grid().shape().samples_y);
-    height_ = 500 + std::pow(10, rng_.uniform(1, 4));
-    yaw_ = rng_.uniform(0, 6.28);
-    pitch_ = rng_.uniform(-1.5, 0.3);
-  }
-
-  const Hierarchy& hierarchy_;
-  Rng rng_;
-  double x_ = 0, y_ = 0, height_ = 0, yaw_ = 0, pitch_ = 0, tau_ = 1, ball_ = 0, turn_ = 0, fov_ = 1;
-  View last_;
-};
 
 class Adaptation : public testing::TestWithParam<FrameKind> {};
 

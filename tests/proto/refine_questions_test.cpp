@@ -1,0 +1,220 @@
+// The protocol's law of questions (docs/PROTOCOL.md, section 10): what is asked, in which order and in which groups, is
+// a matter of the section, the bounds and the view, not of which nodes an adapter takes the trouble to test. The
+// reference tests the whole frontier at every step.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "proto/refine/places.h"
+#include "tests/support/scene.h"
+#include "tests/support/wanderer.h"
+
+namespace foreland::proto {
+namespace {
+
+using server::Hierarchy;
+
+// Something that is sent, or where a group of questions begins.
+struct Event {
+  enum Kind : uint8_t { kRadius, kGroup, kAnswer, kHeight };
+  Kind kind;
+  Slot slot = 0;
+  int known = 0, least = 0;
+  bool is_active = false, is_new = false;
+  bool operator==(const Event&) const = default;
+};
+using Events = std::vector<Event>;
+
+// The adapter's, as it asks.
+class Listener final : public NodeSource<TerrainBatch> {
+ public:
+  explicit Listener(const Hierarchy& h) : plain_(h.nodes()) {}
+  Events events;
+
+  RadiusClass radius(Slot first) override {
+    events.push_back({Event::kRadius, first});
+    return plain_.radius(first);
+  }
+  void load(TerrainBatch& batch) override { plain_.load(batch); }
+  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override {
+    events.push_back({Event::kGroup});
+    for (const Question& q : questions)
+      events.push_back({Event::kAnswer, q.slot, q.known.value, q.least.value, q.is_active, q.is_new});
+    return plain_.answer(level, questions, answers);
+  }
+  bool onAdded(int, std::span<const Slot> slots, std::span<const ErrorClass> passed) override {
+    for (size_t i = 0; i < slots.size(); ++i) events.push_back({Event::kHeight, slots[i], 0, passed[i].value});
+    return true;
+  }
+
+ private:
+  PlainNodes plain_;
+};
+
+// Section 10, word for word.
+class Reference {
+ public:
+  explicit Reference(const Hierarchy& h) : h_(h), grid_(h.grid()) {}
+
+  Events step(const View& view) {
+    events_.clear();
+    const Metric metric = h_.domain().metric(view);
+    metric_ = &metric;
+    std::map<int, Open> going, coming;
+    for (const auto& [slot, bound] : bounds_)
+      if (passes(slot, bound) != section_.contains(slot))
+        (section_.contains(slot) ? going : coming)[levelOf(slot)].insert({slot, false});
+    for (int level = grid_.maxLevel(); level >= 1; --level) remove(going[level], going[level - 1]);
+    for (auto& [level, open] : coming)
+      std::erase_if(open, [this](const auto& o) { return !bounds_.contains(o.first); });
+    std::set<Slot> arriving;
+    for (Slot slot = 0; is_first_ && slot < grid_.levelOffset(2); ++slot)
+      if (!grid_.isBase(grid_.node(slot))) arriving.insert(slot);
+    is_first_ = false;
+    for (int level = 1; level <= grid_.maxLevel(); ++level) add(coming[level], arriving);
+    std::erase_if(pages_, [this](Slot page) { return !isUsed(page); });
+    return events_;
+  }
+
+  std::vector<Slot> section() const { return {section_.begin(), section_.end()}; }
+
+ private:
+  using Open = std::map<Slot, bool>;  // is it new?
+  struct Settled {
+    Slot slot;
+    int least;
+    bool is_in;
+  };
+
+  int levelOf(Slot slot) const { return grid_.level(grid_.node(slot)); }
+  const NodeRecord& record(Slot slot) const { return h_.nodes()[slot]; }
+
+  Metric::Place place(Slot slot) const {
+    const NodeId n = grid_.node(slot);
+    const auto x = static_cast<int32_t>(n.x()), y = static_cast<int32_t>(n.y());
+    if (h_.domain().isPlanar()) return PlanarPlaces(h_.domain(), *metric_)(x, y, record(slot).middle());
+    return CurvedPlaces(h_.domain(), *metric_)(x, y, record(slot).middle());
+  }
+  double radius(Slot slot) const { return h_.domain().radius_m(levelOf(slot), record(slot).radius()); }
+  bool passes(Slot slot, int c) const {
+    return metric_->passes(place(slot), radius(slot), ErrorClass{static_cast<uint8_t>(c)}.metres());
+  }
+  // Passing grows with the class: a search instead of the metric's guess.
+  int leastClass(Slot slot) const {
+    int least = 256;
+    for (int step = 128; step > 0; step /= 2)
+      if (passes(slot, least - step)) least -= step;
+    return least;
+  }
+
+  std::vector<Settled> settle(const Open& open) {
+    std::vector<Settled> settled;
+    size_t asked_in_group = 0;
+    for (const auto& [slot, is_new] : open) {
+      if (settled.size() % TerrainBatch::kSize == 0) asked_in_group = 0;
+      const int least = leastClass(slot);
+      int& bound = bounds_[slot];
+      bool is_in = section_.contains(slot);
+      if (least == 256) {
+        if (is_in) bound = 255;
+        is_in = false;
+      } else if (is_in != (bound >= least)) {
+        if (asked_in_group++ == 0) events_.push_back({Event::kGroup});
+        events_.push_back({Event::kAnswer, slot, bound, least, is_in, is_new});
+        is_in = record(slot).error().value >= least;
+        bound = is_in ? least : least - 1;
+      }
+      settled.push_back({slot, least, is_in});
+    }
+    return settled;
+  }
+
+  void remove(const Open& going, Open& above) {
+    std::vector<Slot> gone;
+    for (const Settled& s : settle(going))
+      if (!s.is_in) gone.push_back(s.slot);
+    for (Slot slot : gone) section_.erase(slot);
+    for (Slot slot : gone) {
+      for (NodeId child : grid_.children(grid_.node(slot))) bounds_.erase(grid_.slot(child));
+      for (NodeId parent : grid_.parents(grid_.node(slot))) {
+        const auto children = grid_.children(parent);
+        const bool is_leaf = std::none_of(children.begin(), children.end(),
+                                          [this](NodeId c) { return section_.contains(grid_.slot(c)); });
+        if (is_leaf && bounds_.insert({grid_.slot(parent), 1}).second) above.insert({grid_.slot(parent), true});
+      }
+    }
+  }
+
+  void add(Open& coming, std::set<Slot>& arriving) {
+    for (Slot slot : arriving) {
+      if (pages_.insert(slot / kPageSlots).second) events_.push_back({Event::kRadius, slot});
+      bounds_[slot] = 255;
+      coming.insert({slot, true});
+    }
+    arriving.clear();
+    std::vector<Slot> come;
+    for (const Settled& s : settle(coming)) {
+      if (!s.is_in) continue;
+      events_.push_back({Event::kHeight, s.slot, 0, s.least});
+      come.push_back(s.slot);
+    }
+    section_.insert(come.begin(), come.end());
+    for (Slot slot : come) {
+      for (NodeId parent : grid_.parents(grid_.node(slot))) bounds_.erase(grid_.slot(parent));
+      for (NodeId child : grid_.children(grid_.node(slot))) {
+        const auto parents = grid_.parents(child);
+        if (std::all_of(parents.begin(), parents.end(), [this](NodeId p) { return section_.contains(grid_.slot(p)); }))
+          arriving.insert(grid_.slot(child));
+      }
+    }
+  }
+
+  bool isUsed(Slot page) const {
+    const auto holds = [page](const auto& slots, auto first) {
+      return first != slots.end() && slotOf(*first) / kPageSlots == page;
+    };
+    const Slot first = page * kPageSlots;
+    return holds(section_, section_.lower_bound(first)) || holds(bounds_, bounds_.lower_bound(first));
+  }
+  static Slot slotOf(Slot slot) { return slot; }
+  static Slot slotOf(const std::pair<const Slot, int>& entry) { return entry.first; }
+
+  const Hierarchy& h_;
+  const GridTopology& grid_;
+  const Metric* metric_ = nullptr;  // of the step
+  bool is_first_ = true;
+  std::set<Slot> section_, pages_;
+  std::map<Slot, int> bounds_;
+  Events events_;
+};
+
+class Questions : public testing::TestWithParam<FrameKind> {};
+
+TEST_P(Questions, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, GetParam()));
+  test::Wanderer wanderer(hierarchy, seed);
+  TerrainAdapter adapter(hierarchy.domain());
+  Reference reference(hierarchy);
+  Listener listener(hierarchy);
+  AdaptScratch scratch;
+  CutDelta delta;
+  size_t asked = 0;
+  for (int i = 0; i < 300; ++i) {
+    const View view = wanderer.next();
+    listener.events.clear();
+    ASSERT_TRUE(adapter.adapt(view, hierarchy.grid().slotCount(), listener, scratch, delta));
+    const Events expected = reference.step(view);
+    ASSERT_TRUE(listener.events == expected) << "seed " << seed << ", step " << i;
+    ASSERT_EQ(adapter.section().slots, reference.section()) << "seed " << seed << ", step " << i;
+    asked += expected.size();
+  }
+  EXPECT_GT(asked, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, Questions, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));
+
+}  // namespace
+}  // namespace foreland::proto
