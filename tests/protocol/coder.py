@@ -1,0 +1,158 @@
+"""The delta's bytes: section 11 of docs/PROTOCOL.md."""
+
+import math
+
+from terrain import ERROR_M
+from wire import require
+
+MOST_HEIGHT = (1 << 22) - 1
+
+
+def contexts(count):
+    return [[16384, 16384] for _ in range(count)]
+
+
+class Number:
+    def __init__(self):
+        self.exponent, self.sign, self.mantissa = contexts(16), contexts(3), [contexts(4) for _ in range(8)]
+
+
+class Model:
+    """What both ends have learnt."""
+
+    def __init__(self):
+        self.comes = [[contexts(4) for _ in range(8)] for _ in range(16)]
+        self.comes_later = [contexts(4) for _ in range(16)]
+        self.stays = [[contexts(8) for _ in range(4)] for _ in range(2)]
+        self.height = [[[Number() for _ in range(2)] for _ in range(4)] for _ in range(28)]
+        self.escape = contexts(32)
+        self.radius = contexts(8)
+
+
+class RangeDecoder:
+    def __init__(self, data):
+        self.data, self.at, self.range, self.code = data, 0, (1 << 32) - 1, 0
+        for _ in range(4):
+            self.code = self.code << 8 | self.next()
+
+    def next(self):
+        self.at += 1
+        require(self.at <= len(self.data) + 4, "a delta that is cut short")
+        return self.data[self.at - 1] if self.at <= len(self.data) else 0
+
+    def normalize(self):
+        while self.range < 1 << 24:
+            self.code = (self.code << 8 | self.next()) & 0xFFFFFFFF
+            self.range <<= 8
+
+    def bit(self, context):
+        fast, slow = context
+        bound = (self.range >> 15) * min(max((fast + slow) >> 1, 256), 32512)
+        if self.code < bound:
+            self.range, one = bound, 1
+            context[0], context[1] = fast + ((32768 - fast) >> 4), slow + ((32768 - slow) >> 7)
+        else:
+            self.code -= bound
+            self.range, one = self.range - bound, 0
+            context[0], context[1] = fast - (fast >> 4), slow - (slow >> 7)
+        if self.range < 1 << 24:
+            self.normalize()
+        return one
+
+    def even(self, count):
+        self.range >>= count
+        value = min(self.code // self.range, (1 << count) - 1)
+        self.code -= value * self.range
+        self.normalize()
+        return value
+
+    def tree(self, bits, c):
+        at = 1
+        for _ in range(bits):
+            at = 2 * at + self.bit(c[at])
+        return at - (1 << bits)
+
+    def finish(self):
+        require(self.at >= len(self.data), "bytes after a delta")
+
+
+def half(v):
+    """Halves of octaves."""
+    mantissa, exponent = math.frexp(v)
+    return 2 * (exponent - 1) + (1 if mantissa >= 0.75 else 0)
+
+
+def keep(v, least, most):
+    return min(max(v, least), most)
+
+
+class DeltaDecoder:
+    """Reads answers, heights and radii. `height_of(x, y)` and `displacement_of(x, y)` tell what is held: the latter 0 of base
+    vertices."""
+
+    def __init__(self, data, model, grid, height_step_m, height_of, displacement_of):
+        self.coder, self.model, self.grid = RangeDecoder(data), model, grid
+        self.height_of, self.displacement_of = height_of, displacement_of
+        self.steps = [m * (1 / height_step_m) for m in ERROR_M]
+        self.before = 0
+
+    def begin_group(self):
+        self.before = 0
+
+    def surroundings(self, n):
+        ends = sum(self.height_of(*v) for v in n.endpoints)
+        twist = sum(self.height_of(*v) for v in n.apexes)
+        bends = sum(abs(self.displacement_of(*v)) for v in n.apexes)
+        if len(n.apexes) == 1:
+            twist, bends = 2 * twist, 2 * bends
+        twist -= ends
+        return ends >> 1, twist, 0.25 * (2 * bends + abs(twist)) + 0.25
+
+    def answer_of_leaf(self, n, is_new, bound, least):
+        own = abs(self.displacement_of(n.x, n.y)) + 0.25
+        size = keep(half(own / self.steps[least]) + 5, 0, 7)
+        return self.coder.bit(self.model.stays[1 if is_new else 0][min(least - bound - 1, 3)][size])
+
+    def answer_of_addable(self, n, is_new, bound, least):
+        size = keep(half(self.surroundings(n)[2] / self.steps[least]) + 8, 0, 15)
+        if not is_new:
+            return self.coder.bit(self.model.comes_later[size][min(bound - least, 3)])
+        scale = min((self.grid.last_level - n.level) >> 1, 7)
+        answer = self.coder.bit(self.model.comes[size][scale][self.before])
+        self.before = (2 * self.before + answer) & 3
+        return answer
+
+    def height(self, n, least):
+        middle, twist, expected = self.surroundings(n)
+        steps = self.steps[least]
+        scale = keep(half(max(steps, expected)) + 4, 0, 27)
+        at = half(expected / steps)
+        leans = 1 if 2 * abs(twist) >= steps else 0
+        sign = 0 if not leans else 1 if twist < 0 else 2
+        contexts_of = self.model.height[scale][sum(edge <= at for edge in (-2, 0, 2))][leans]
+        height = middle + (twist >> 3) + self.number(contexts_of, sign)
+        require(abs(height) <= MOST_HEIGHT, "an absurd height")
+        return height
+
+    def number(self, c, sign):
+        width = self.coder.tree(4, c.exponent)
+        if width == 15:
+            while width < 31 and self.coder.bit(self.model.escape[width]):
+                width += 1
+        if width == 0:
+            return 0
+        is_negative = self.coder.bit(c.sign[sign])
+        mantissa, left, size = c.mantissa[min(width, 7)], width - 1, 1
+        for at in (1, None):
+            if left > 0:
+                size = 2 * size + self.coder.bit(mantissa[at or size])
+                left -= 1
+        while left > 0:
+            take = min(left, 12)
+            left -= take
+            size = size << take | self.coder.even(take)
+        return -size if is_negative else size
+
+    def radius(self):
+        value = self.coder.tree(3, self.model.radius)
+        return min(value + self.coder.even(8), 127) if value == 7 else value

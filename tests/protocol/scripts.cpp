@@ -1,0 +1,102 @@
+#include "tests/protocol/scripts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/message.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+
+namespace {
+
+constexpr Duration at(double seconds) { return Duration::seconds(seconds); }
+
+// Up and down between 0 and 1, once in `period`.
+double zigzag(double x, double period) {
+  const double u = x / period - std::floor(x / period);
+  return u < 0.5 ? 2 * u : 2 - 2 * u;
+}
+
+// Slopes over several octaves, some noise, and a mesa with cliffs.
+double country(uint32_t x, uint32_t y, double mesa_m) {
+  double metres = Rng(static_cast<uint64_t>(y) << 32 | x).uniform(-1, 1);
+  for (int octave = 0; octave < 5; ++octave) {
+    const double size = 1.0 / (1 << octave);
+    metres += 220 * size * zigzag(0.8 * x + 0.6 * y + 17 * octave, 90 * size);
+    metres += 160 * size * zigzag(0.3 * x - 0.9 * y + 5 * octave, 130 * size);
+  }
+  return metres + (x > 90 && x < 110 && y > 40 && y < 75 ? mesa_m : 0);
+}
+
+std::shared_ptr<const terrain::Scene> sceneOf(proto::FrameKind kind) {
+  const bool planar = kind == proto::FrameKind::kPlanar;
+  FormulaSource source(
+      planar ? 180 : 150, planar ? 130 : 140,
+      [planar](uint32_t x, uint32_t y) { return country(x, y, planar ? 170 : 60); }, kind);
+  if (planar) {
+    proto::Frame& frame = source.info().frame;
+    frame.axis_x_m = {9.5, 2.5};
+    frame.axis_y_m = {-2.25, 10};
+  }
+  source.info().title = planar ? "planar" : "geographic";
+  return makeScene(source, planar ? 0.005 : 0.25);
+}
+
+proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strategy strategy,
+                           proto::Predictor predictor) {
+  return {lens, tau_px, strategy, predictor, Duration::milliseconds(200)};
+}
+
+// Predicted: ahead, a turn, a climb; another tolerance, another lens, a budget; the path known at last.
+Script planarScript() {
+  using enum proto::Predictor;
+  constexpr auto kPredict = proto::Strategy::kPredict;
+  Script s{"planar", sceneOf(proto::FrameKind::kPlanar), {}, {}, at(1000)};
+  s.route = {{at(0), {-600, -400, 900}, {1, 0.5, -0.4}},    {at(3), {-300, -200, 800}, {1, 0.6, -0.5}},
+             {at(4.5), {-150, -100, 780}, {-0.2, 1, -0.5}}, {at(6), {-150, 50, 900}, {-0.4, 1, -0.9}},
+             {at(8), {100, 150, 1500}, {0.3, 0.3, -1}},     {at(10), {300, 0, 700}, {-1, -0.1, -0.2}}};
+  proto::ViewRequest limited = request({0.8, 400, 300}, 3, kPredict, kConstantAcceleration);
+  limited.max_triangles = 2500;
+  s.cues = {{at(0), proto::encode(request({1.0, 320, 240}, 14, kPredict, kConstantVelocity))},
+            {at(0.5), proto::encode(proto::TourRequest{7, "survey", 1})},
+            {at(3.6), proto::encode(request({1.0, 320, 240}, 11, kPredict, kConstantVelocity))},
+            {at(5.2), proto::encode(limited)},
+            {at(7), proto::encode(proto::GroundRequest{8, {{3, 4}, {20.5, 100.25}, {179.5, 3}}})}};
+  proto::Path path{Time{} + s.clock_offset + at(7.5), Duration::milliseconds(500), {}};
+  for (double t = 7.5; t <= 10; t += 0.5) path.poses.push_back(s.poseAt(at(t)));
+  s.cues.push_back({at(7.2), proto::encode(path)});
+  s.cues.push_back({at(7.4), proto::encode(request({1.2, 320, 240}, 5, kPredict, kKnownPath))});
+  return s;
+}
+
+// What has been told, later: around a valley, then away from it; ends with a request that is refused.
+Script geographicScript() {
+  using enum proto::Strategy;
+  constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
+  Script s{"geographic", sceneOf(proto::FrameKind::kGeographic), {}, {}, at(-3.25)};
+  s.route = {{at(0), {-2500, -3000, 1200}, {0.4, 1, -0.3}},
+             {at(3), {-2400, -1800, 900}, {0.8, 1, -0.2}},
+             {at(5), {-1200, 0, 1000}, {1, -0.3, -0.4}},
+             {at(6.5), {0, 200, 3000}, {0.1, 0.1, -1}},
+             {at(8), {200, -600, 1500}, {0.2, -1, -0.6}}};
+  s.cues = {{at(0), proto::encode(request({1.1, 320, 200}, 1.5, kDelay, kVelocity))},
+            {at(2.6), proto::encode(request({1.1, 320, 200}, 1, kCurrent, kVelocity))},
+            {at(4.4), proto::encode(request({0.6, 200, 320}, 2, kCurrent, kVelocity))},
+            {at(7.6), proto::encode(proto::TourRequest{1, "elsewhere", 10})}};
+  return s;
+}
+
+}  // namespace
+
+proto::Pose Script::poseAt(Duration t) const {
+  size_t i = 1;
+  while (i + 1 < route.size() && route[i].at < t) ++i;
+  const Waypoint &a = route[i - 1], &b = route[i];
+  const double u = std::min(1.0, (t - a.at).toSeconds() / (b.at - a.at).toSeconds());
+  return {a.eye + (b.eye - a.eye) * u, proto::lookAlong(a.ahead + (b.ahead - a.ahead) * u, {0, 0, 1})};
+}
+
+std::vector<Script> goldenScripts() { return {planarScript(), geographicScript()}; }
+
+}  // namespace foreland::test

@@ -1,0 +1,204 @@
+"""What both ends know of a terrain from the start: sections 6, 7 and 8 of docs/PROTOCOL.md."""
+
+import math
+import struct
+
+from wire import require
+
+
+def f32(x):
+    return struct.unpack("<f", struct.pack("<f", x))[0]
+
+
+def f32_above(x):
+    """The least f32 that is not below a positive x."""
+    nearest = f32(x)
+    if nearest >= x:
+        return nearest
+    return struct.unpack("<f", struct.pack("<I", struct.unpack("<I", struct.pack("<f", nearest))[0] + 1))[0]
+
+
+# ---- section 7: the frame
+
+P, P_TAIL = 1.57079632679489655800, 6.12323399573676603587e-17
+
+
+def sin_cos(a):
+    turns = round(a / P)
+    x, tail = a - turns * P, -turns * P_TAIL
+    z = x * x
+    v = z * x
+    r = 8.33333333332248946124e-03 + z * (-1.98412698298579493134e-04 + z * (
+        2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)))
+    s = x - ((z * (0.5 * tail - v * r) - tail) - v * -1.66666666666666324348e-01)
+    r = z * (4.16666666666666019037e-02 + z * (-1.38888888888741095749e-03 + z * (2.48015872894767294178e-05 + z * (
+        -2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))))
+    half = 0.5 * z
+    w = 1 - half
+    c = w + (((1 - w) - half) + (z * r - x * tail))
+    return [(s, c), (c, -s), (-s, -c), (-c, s)][turns % 4]
+
+
+class Frame:
+    """Of a welcome's `frame`; geographic positions are cached row by row and column by column."""
+
+    def __init__(self, fields, max_x, max_y):
+        self.__dict__.update(fields)
+        numbers = [v for f in fields.values() for v in (f if isinstance(f, tuple) else (f,))]
+        require(all(math.isfinite(v) and abs(v) <= 1e12 for v in numbers), "a frame beyond all numbers")
+        require(self.height_step_m > 0 and self.kind in (0, 1), "not a frame")
+        self.is_planar = self.kind == 0
+        if self.is_planar:
+            (ax, ay), (bx, by) = self.axis_x_m, self.axis_y_m
+            require(ax * by - ay * bx > 0, "axes that are not right-handed")
+            return
+        require(self.latitude_step_rad > 0 and self.longitude_step_rad > 0, "steps that are not positive")
+        require(self.latitude0_rad >= -math.pi / 2 - 1e-9 and self.latitude0_rad + max_y * self.latitude_step_rad <= math.pi and
+                abs(self.longitude0_rad) <= 4 * math.pi and
+                self.longitude0_rad + max_x * self.longitude_step_rad <= 4 * math.pi, "outside the globe")
+        require(self.semi_major_m > 0 and 0 <= self.flattening < 1, "not an ellipsoid")
+        self.e2 = self.flattening * (2 - self.flattening)
+        latitude, longitude, height = self.origin
+        self.sin0, self.cos0 = sin_cos(latitude)
+        self.rows, self.columns = {}, {}
+        self.origin_ecef = self.ecef(self.row_at(latitude), self.column_at(longitude), height)
+
+    def row_at(self, latitude):
+        sin, cos = sin_cos(latitude)
+        return sin, cos, self.semi_major_m / math.sqrt(1 - self.e2 * sin * sin)
+
+    def column_at(self, longitude):
+        return sin_cos(longitude - self.origin[1])
+
+    def ecef(self, row, column, height):
+        (sin_lat, cos_lat, normal), (sin_lon, cos_lon) = row, column
+        ring = (normal + height) * cos_lat
+        return ring * cos_lon, ring * sin_lon, (normal * (1 - self.e2) + height) * sin_lat
+
+    def position(self, x, y, height):
+        """Scene coordinates of a lattice vertex at `height` steps."""
+        metres = height * self.height_step_m
+        if self.is_planar:
+            dx, dy = x - self.anchor[0], y - self.anchor[1]
+            (ax, ay), (bx, by) = self.axis_x_m, self.axis_y_m
+            return dx * ax + dy * bx, dx * ay + dy * by, metres
+        if y not in self.rows:
+            self.rows[y] = self.row_at(self.latitude0_rad + y * self.latitude_step_rad)
+        if x not in self.columns:
+            self.columns[x] = self.column_at(self.longitude0_rad + x * self.longitude_step_rad)
+        p, o = self.ecef(self.rows[y], self.columns[x], metres), self.origin_ecef
+        dx, dy, dz = p[0] - o[0], p[1] - o[1], p[2] - o[2]
+        return dy, self.cos0 * dz - self.sin0 * dx, self.sin0 * dz + self.cos0 * dx
+
+
+# ---- section 6: the grid
+
+class Node:
+    """A node's name and its relatives; slots where they are nodes, vertices (x, y) where they need not be."""
+
+    __slots__ = ("x", "y", "slot", "level", "endpoints", "apexes", "parents", "children")
+
+
+class Grid:
+    def __init__(self, shape):
+        self.k = k = shape["root_log2"]
+        require(1 <= k <= 15, "root squares of no size")
+        require(all(1 <= shape[n] <= 1 << 20 >> k for n in ("roots_x", "roots_y")), "no roots, or too many")
+        self.roots_x, self.roots_y = shape["roots_x"], shape["roots_y"]
+        self.max_x, self.max_y = self.roots_x << k, self.roots_y << k
+        require(2 <= shape["samples_x"] <= self.max_x + 1 and 2 <= shape["samples_y"] <= self.max_y + 1, "samples beyond the roots")
+        self.last_level = 2 * k - 1
+        self.offset, self.tiles_x = [0, 0], [0]
+        for level in range(1, self.last_level + 1):
+            sides = level & 1
+            tiles_x, tiles_y = (((roots << (level // 2)) + sides + 15) // 16 for roots in (self.roots_x, self.roots_y))
+            self.tiles_x.append(tiles_x)
+            self.offset.append(self.offset[-1] + 256 * tiles_x * tiles_y * (2 if sides else 1))
+        require(self.offset[-1] < (1 << 32) - 1, "too many slots")
+        self.nodes = {}  # by slot, as they are asked for
+
+    def scale(self, x, y):
+        both = x | y | 1 << self.k
+        return (both & -both).bit_length() - 1
+
+    def is_base(self, x, y):
+        t = self.scale(x, y)
+        return t == self.k or (t == self.k - 1 and (x >> t) & (y >> t) & 1)
+
+    def slot(self, x, y):
+        t = self.scale(x, y)
+        is_centre = (x >> t) & (y >> t) & 1
+        level = 2 * (self.k - 1 - t) + (0 if is_centre else 1)
+        cx, cy = x >> (t + 1), y >> (t + 1)
+        cell = 256 * ((cy >> 4) * self.tiles_x[level] + (cx >> 4)) + 16 * (cy & 15) + (cx & 15)
+        return self.offset[level] + (cell if is_centre else 2 * cell + (0 if (x >> t) & 1 else 1))
+
+    def inside(self, vertices):
+        return [(x, y) for x, y in vertices if 0 <= x <= self.max_x and 0 <= y <= self.max_y]
+
+    def node(self, x, y):
+        slot = self.slot(x, y)
+        if slot not in self.nodes:
+            self.nodes[slot] = self.make(x, y, slot)
+        return self.nodes[slot]
+
+    def make(self, x, y, slot):
+        n = Node()
+        t = self.scale(x, y)
+        s, h = 1 << t, (1 << t) >> 1
+        n.x, n.y, n.slot = x, y, slot
+        cross = [(x - s, y), (x + s, y)], [(x, y - s), (x, y + s)]
+        if (x >> t) & (y >> t) & 1:
+            n.level = 2 * (self.k - 1 - t)
+            rising, falling = [(x - s, y - s), (x + s, y + s)], [(x - s, y + s), (x + s, y - s)]
+            is_even = ((x >> (t + 1)) + (y >> (t + 1))) % 2 == 0
+            n.endpoints, apexes = (rising, falling) if is_even else (falling, rising)
+            children = cross[0] + cross[1]
+        else:
+            n.level = 2 * (self.k - 1 - t) + 1
+            n.endpoints, apexes = cross if (x >> t) & 1 else cross[::-1]
+            children = [(x - h, y - h), (x + h, y - h), (x - h, y + h), (x + h, y + h)] if t > 0 else []
+        n.apexes = self.inside(apexes)
+        n.parents = [self.slot(*v) for v in n.apexes if not self.is_base(*v)]
+        n.children = self.inside(children)
+        return n
+
+    def first_level(self):
+        """The nodes of level 1."""
+        s = 1 << (self.k - 1)
+        for y in range(0, self.max_y + 1, s):
+            for x in range(0, self.max_x + 1, s):
+                if (x ^ y) & s:
+                    yield self.node(x, y)
+
+
+# ---- section 8: bounds
+
+ROOT2 = struct.unpack("<f", bytes.fromhex("3fb504f4")[::-1])[0]
+FOURTHS = [1.0] + [struct.unpack("<f", bytes.fromhex(h)[::-1])[0] for h in ("3f9837f1", "3fb504f4", "3fd744fd")]
+ERROR_M = [0.0] + [math.ldexp(ROOT2 if (c - 49) % 2 else 1.0, (c - 49) // 2) for c in range(1, 256)]
+RADIUS_FACTOR = [math.ldexp(FOURTHS[c % 4], c // 4) for c in range(128)]
+
+
+def flat_radii(grid, frame):
+    """By level; nothing at 0."""
+    def length(v):
+        return math.sqrt(v[0] * v[0] + v[1] * v[1])
+    if frame.is_planar:
+        (ax, ay), (bx, by) = frame.axis_x_m, frame.axis_y_m
+        along = max(length((ax, ay)), length((bx, by)))
+        across = max(length((ax + bx, ay + by)), length((ax - bx, ay - by)))
+    else:
+        first = frame.latitude0_rad
+        last = first + grid.max_y * frame.latitude_step_rad
+        widest = 1.0 if (first < 0) != (last < 0) else max(sin_cos(first)[1], sin_cos(last)[1])
+        v = (frame.semi_major_m * (abs(frame.longitude_step_rad) * widest), frame.semi_major_m * abs(frame.latitude_step_rad))
+        along, across = max(v), length(v)
+    flat = [0.0] * (grid.last_level + 1)
+    radius = along + 2e-5
+    for level in range(grid.last_level, 0, -1):
+        s = float(1 << (grid.k - 1 - level // 2))
+        if level < grid.last_level:
+            radius = radius + (2e-5 + (0.5 * s * across if level & 1 else s * along))
+        flat[level] = f32_above(radius)
+    return flat
