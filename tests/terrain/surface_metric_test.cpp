@@ -34,12 +34,12 @@ glm::dvec3 direction(Rng& rng) {
 }
 
 // From inside the surface to far away, looking at it or past it, with or without a ball and a turn.
-struct Setup {
+struct Arrangement {
   View view;
   SurfaceTest test;
 };
-Setup randomSetup(Rng& rng, ErrorShape kind) {
-  Setup setup;
+Arrangement randomArrangement(Rng& rng, ErrorShape kind) {
+  Arrangement setup;
   auto& [view, test] = setup;
   test.shape = kind;
   const double distance = std::pow(10, rng.uniform(-1, 2));
@@ -71,7 +71,7 @@ TEST(SurfaceMetricLaws, WhatPassesHasParentsThatPass) {
         for (uint64_t seed = 1; seed <= 25; ++seed) {
           SCOPED_TRACE("seed " + std::to_string(seed));
           Rng rng(seed);
-          const Setup setup = randomSetup(rng, kind);
+          const Arrangement setup = randomArrangement(rng, kind);
           const SurfaceMetric metric(setup.view, setup.test);
           const auto passes = [&](NodeId n) {
             return metric.passes(SurfaceBounds(records[mesh.slot(n)], named.surface.step_m));
@@ -96,7 +96,7 @@ TEST(SurfaceMetricLaws, OutcomesStandAsLongAsTheySay) {
       for (uint64_t seed = 1; seed <= 60; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         Rng rng(seed);
-        const Setup setup = randomSetup(rng, kind);
+        const Arrangement setup = randomArrangement(rng, kind);
         const SurfaceMetric metric(setup.view, setup.test);
         forEachNode(named.surface.topology, [&](NodeId, Slot slot) {
           const SurfaceBounds bounds(records[slot], named.surface.step_m);
