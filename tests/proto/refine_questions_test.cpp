@@ -56,7 +56,14 @@ class Listener final : public NodeSource<TerrainBatch> {
 // Section 10, word for word.
 class Reference {
  public:
-  explicit Reference(const Hierarchy& h) : h_(h), grid_(h.grid()) {}
+  // Begins with a section that is presented, perhaps the empty one.
+  explicit Reference(const Hierarchy& h, const Section& presented = {})
+      : h_(h), grid_(h.grid()), section_(presented.slots.begin(), presented.slots.end()) {
+    for (Slot slot : section_) {
+      pages_.insert(slot / kPageSlots);
+      if (isLeaf(grid_.node(slot))) bounds_[slot] = 1;
+    }
+  }
 
   Events step(const View& view) {
     events_.clear();
@@ -69,11 +76,11 @@ class Reference {
     for (int level = grid_.maxLevel(); level >= 1; --level) remove(going[level], going[level - 1]);
     for (auto& [level, open] : coming)
       std::erase_if(open, [this](const auto& o) { return !bounds_.contains(o.first); });
-    std::set<Slot> arriving;
-    for (Slot slot = 0; is_first_ && slot < grid_.levelOffset(2); ++slot)
-      if (!grid_.isBase(grid_.node(slot))) arriving.insert(slot);
+    std::map<int, std::set<Slot>> arriving;
+    for (Slot slot = 0; is_first_ && slot < grid_.slotCount(); ++slot)
+      if (isAddable(slot) && !bounds_.contains(slot)) arriving[levelOf(slot)].insert(slot);
     is_first_ = false;
-    for (int level = 1; level <= grid_.maxLevel(); ++level) add(coming[level], arriving);
+    for (int level = 1; level <= grid_.maxLevel(); ++level) add(coming[level], arriving[level], arriving[level + 1]);
     std::erase_if(pages_, [this](Slot page) { return !isUsed(page); });
     return events_;
   }
@@ -88,6 +95,17 @@ class Reference {
     bool is_in;
   };
 
+  bool contains(NodeId n) const { return section_.contains(grid_.slot(n)); }
+  bool isLeaf(NodeId n) const {
+    const auto children = grid_.children(n);
+    return std::none_of(children.begin(), children.end(), [this](NodeId c) { return contains(c); });
+  }
+  bool isAddable(Slot slot) const {
+    const NodeId n = grid_.node(slot);
+    if (grid_.isBase(n) || section_.contains(slot)) return false;
+    const auto parents = grid_.parents(n);
+    return std::all_of(parents.begin(), parents.end(), [this](NodeId p) { return contains(p); });
+  }
   int levelOf(Slot slot) const { return grid_.level(grid_.node(slot)); }
   const NodeRecord& record(Slot slot) const { return h_.nodes()[slot]; }
 
@@ -139,21 +157,17 @@ class Reference {
     for (Slot slot : gone) {
       for (NodeId child : grid_.children(grid_.node(slot))) bounds_.erase(grid_.slot(child));
       for (NodeId parent : grid_.parents(grid_.node(slot))) {
-        const auto children = grid_.children(parent);
-        const bool is_leaf = std::none_of(children.begin(), children.end(),
-                                          [this](NodeId c) { return section_.contains(grid_.slot(c)); });
-        if (is_leaf && bounds_.insert({grid_.slot(parent), 1}).second) above.insert({grid_.slot(parent), true});
+        if (isLeaf(parent) && bounds_.insert({grid_.slot(parent), 1}).second) above.insert({grid_.slot(parent), true});
       }
     }
   }
 
-  void add(Open& coming, std::set<Slot>& arriving) {
+  void add(Open& coming, const std::set<Slot>& arriving, std::set<Slot>& next) {
     for (Slot slot : arriving) {
       if (pages_.insert(slot / kPageSlots).second) events_.push_back({Event::kRadius, slot});
       bounds_[slot] = 255;
       coming.insert({slot, true});
     }
-    arriving.clear();
     std::vector<Slot> come;
     for (const Settled& s : settle(coming)) {
       if (!s.is_in) continue;
@@ -163,11 +177,8 @@ class Reference {
     section_.insert(come.begin(), come.end());
     for (Slot slot : come) {
       for (NodeId parent : grid_.parents(grid_.node(slot))) bounds_.erase(grid_.slot(parent));
-      for (NodeId child : grid_.children(grid_.node(slot))) {
-        const auto parents = grid_.parents(child);
-        if (std::all_of(parents.begin(), parents.end(), [this](NodeId p) { return section_.contains(grid_.slot(p)); }))
-          arriving.insert(grid_.slot(child));
-      }
+      for (NodeId child : grid_.children(grid_.node(slot)))
+        if (isAddable(grid_.slot(child))) next.insert(grid_.slot(child));
     }
   }
 
@@ -212,6 +223,29 @@ TEST_P(Questions, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
     asked += expected.size();
   }
   EXPECT_GT(asked, 0u);
+}
+
+TEST_P(Questions, GoOnAlikeFromASectionThatIsPresented) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const Hierarchy hierarchy(test::makeScene(100u, 60u, seed, GetParam()));
+  test::Wanderer wanderer(hierarchy, seed);
+  AdaptScratch scratch;
+  RefineScratch refine_scratch;
+  for (int round = 0; round < 20; ++round) {
+    Section presented;
+    ASSERT_TRUE(refine(hierarchy, wanderer.next(), hierarchy.grid().slotCount(), refine_scratch, presented));
+    Listener listener(hierarchy);
+    TerrainAdapter adapter(hierarchy.domain(), presented.slots, listener);
+    Reference reference(hierarchy, presented);
+    for (int i = 0; i < 5; ++i) {
+      const View view = wanderer.next();
+      listener.events.clear();
+      CutDelta delta;
+      ASSERT_TRUE(adapter.adapt(view, hierarchy.grid().slotCount(), listener, scratch, delta));
+      ASSERT_TRUE(listener.events == reference.step(view)) << "seed " << seed << ", round " << round;
+      ASSERT_EQ(adapter.section().slots, reference.section()) << "seed " << seed << ", round " << round;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Frames, Questions, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));

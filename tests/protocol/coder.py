@@ -1,4 +1,4 @@
-"""The delta's bytes: section 11 of docs/PROTOCOL.md."""
+"""What goes through the range coder: section 11 of docs/PROTOCOL.md, and presented sections."""
 
 import math
 
@@ -156,3 +156,21 @@ class DeltaDecoder:
     def radius(self):
         value = self.coder.tree(3, self.model.radius)
         return min(value + self.coder.even(8), 127) if value == 7 else value
+
+
+def read_section(data, grid):
+    """The slots of a section that is presented."""
+    coder, slots = RangeDecoder(data), set()
+    candidates = {n.slot: n for n in grid.first_level()}
+    for level in range(1, grid.last_level + 1):
+        before, model, included = 0, contexts(8), []
+        for slot in sorted(candidates):
+            answer = coder.bit(model[before])
+            before = (2 * before + answer) & 7
+            if answer:
+                included.append(candidates[slot])
+        slots.update(n.slot for n in included)
+        children = (grid.node(*v) for n in included for v in n.children)
+        candidates = {n.slot: n for n in children if all(p in slots for p in n.parents)}
+    coder.finish()
+    return slots

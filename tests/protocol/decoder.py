@@ -14,29 +14,44 @@ import sys
 import zlib
 
 import wire
+from coder import read_section
 from section import Section
 from terrain import Frame, Grid
 from wire import ProtocolError, require
 
 
 class Session:
-    """Both directions of one session, as a client has them: sections 3 to 5."""
+    """What a client holds, and both directions of its connections: sections 3 to 5."""
 
     def __init__(self):
         self.section = None
-        self.held = self.acknowledged = 0
-        self.has_asked = self.is_refused = False
+        self.held = 0  # keyframe
+        self.scene_id = None
         self.asked, self.replied = [], []  # ids
+        self.connect()
+
+    def connect(self):
+        """A new connection."""
+        self.has_asked = self.is_welcome = self.has_posed = self.is_refused = False
+        self.acknowledged = self.taken = 0
 
     def up(self, message):
         """A message that the client sent."""
+        require(self.has_asked or message[0] == wire.CONTROL, "a session that does not begin with a view request")
         if message[0] == wire.POSE:
-            update = wire.read_pose_update(message[1:])
-            require(self.acknowledged <= update.received_keyframe <= self.held or self.is_refused, "an acknowledgement of nothing")
-            self.acknowledged = update.received_keyframe
-            return
-        require(message[0] == wire.CONTROL, "not a message of this protocol")
-        name, fields = wire.control(message[1:])
+            self.pose(wire.read_pose_update(message[1:]))
+        elif message[0] == wire.RESUME:
+            self.present(wire.read_resume(message[1:]))
+        else:
+            require(message[0] == wire.CONTROL, "not a message of this protocol")
+            self.ask(*wire.control(message[1:]))
+
+    def pose(self, update):
+        require(self.acknowledged <= update.received_keyframe <= self.taken, "an acknowledgement of nothing")
+        self.acknowledged = update.received_keyframe
+        self.has_posed = True
+
+    def ask(self, name, fields):
         require(name in wire.FROM_CLIENT, "not one that a client sends")
         require(self.has_asked or name == "ViewRequest", "a session that does not begin with a view request")
         if name == "ViewRequest":
@@ -44,6 +59,13 @@ class Session:
             self.has_asked = True
         elif name != "PathUpload":
             self.asked.append((name.replace("Request", "Reply"), fields["id"]))
+
+    def present(self, resume):
+        require(self.is_welcome and not self.has_posed and self.taken == 0, "a section presented too early, or too late")
+        require((resume.scene_id, resume.keyframe) == (self.scene_id, self.held), "another section than is held")
+        require(resume.fingerprint == self.section.fingerprint and
+                read_section(resume.section, self.section.grid) == set(self.section.heights), "another section than is held")
+        self.section.begin_anew()
 
     def down(self, message):
         """A message that the server sent; the line of a keyframe, or None."""
@@ -62,20 +84,24 @@ class Session:
         return None
 
     def welcome(self, fields):
-        require(self.section is None and fields["protocol"] == wire.VERSION, "a second welcome, or of another version")
+        require(not self.is_welcome and fields["protocol"] == wire.VERSION, "a second welcome, or of another version")
         shape, corners, centres = fields["shape"], fields["corner_heights"], fields["centre_heights"]
         grid = Grid(shape)
         require(len(corners) == (grid.roots_x + 1) * (grid.roots_y + 1) and len(centres) == grid.roots_x * grid.roots_y and
                 all(abs(h) <= 1 << 29 for h in corners + centres), "base heights that do not fit the shape")
         require(fields["tau_px"] > 0 and fields["keyframe_interval_us"] > 0, "no tolerance, or no interval")
-        self.section = Section(grid, Frame(fields["frame"], grid.max_x, grid.max_y), corners, centres)
+        frame = Frame(fields["frame"], grid.max_x, grid.max_y)
+        self.empty = lambda: Section(grid, frame, corners, centres)
+        self.scene_id, self.is_welcome = fields["scene_id"], True
 
     def take(self, keyframe):
-        require(self.section is not None, "a keyframe before the welcome")
-        require(keyframe.base == self.held, "a keyframe from another one than is held")
+        require(self.is_welcome, "a keyframe before the welcome")
+        if keyframe.base == 0:
+            self.section = self.empty()
+        require(keyframe.base in (0, self.held), "a keyframe from another one than is held")
         added, removed = self.section.step(keyframe.view, keyframe.delta)
         require(self.section.fingerprint == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
-        self.held = keyframe.index
+        self.held = self.taken = keyframe.index
         heights = self.section.heights
         slots = sorted(heights)
         packed = [struct.pack(f"<{len(slots)}I", *slots), struct.pack(f"<{len(slots)}i", *(heights[s] for s in slots)),
@@ -84,22 +110,28 @@ class Session:
         return f"{keyframe.index} {len(slots)} {added} {removed} {keyframe.fingerprint:08x} {sums}"
 
 
+FROM_CLIENT, FROM_SERVER, NEW_CONNECTION = 0, 1, 2
+
+
 def records(data):
-    """(time, is it the client's, message) of a stream."""
+    """(what, message) of a stream."""
     r = wire.Reader(data)
     require(r.take(8) == b"FLSTREAM", "not a stream")
     while r.at < len(data):
-        direction, time, size = r.number("B"), r.number("q"), r.number("I")
-        require(direction in (0, 1) and size > 0, "not a stream")
-        yield time, direction == 0, r.take(size)
+        what, _, size = r.number("B"), r.number("q"), r.number("I")
+        require(what <= NEW_CONNECTION and (size > 0) == (what != NEW_CONNECTION), "not a stream")
+        yield what, r.take(size)
 
 
 def replay(data):
     """The lines of all keyframes of a stream."""
     session = Session()
-    for _, is_up, message in records(data):
-        line = session.up(message) if is_up else session.down(message)
-        if line:
+    for what, message in records(data):
+        if what == NEW_CONNECTION:
+            session.connect()
+        elif what == FROM_CLIENT:
+            session.up(message)
+        elif line := session.down(message):
             yield line
     require(session.replied == session.asked[:len(session.replied)], "replies out of order")
     require(session.is_refused or session.replied == session.asked, "a request without a reply")

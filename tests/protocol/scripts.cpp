@@ -48,7 +48,8 @@ proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strate
   return {lens, tau_px, strategy, predictor, Duration::milliseconds(200)};
 }
 
-// Predicted: ahead, a turn, a climb; another tolerance, another lens, a budget; the path known at last.
+// Predicted: ahead, a turn, a climb; another tolerance, a connection lost and the section presented, another lens, a
+// budget; the path known at last.
 Script planarScript() {
   using enum proto::Predictor;
   constexpr auto kPredict = proto::Strategy::kPredict;
@@ -58,9 +59,12 @@ Script planarScript() {
              {at(8), {100, 150, 1500}, {0.3, 0.3, -1}},     {at(10), {300, 0, 700}, {-1, -0.1, -0.2}}};
   proto::ViewRequest limited = request({0.8, 400, 300}, 3, kPredict, kConstantAcceleration);
   limited.max_triangles = 2500;
-  s.cues = {{at(0), proto::encode(request({1.0, 320, 240}, 14, kPredict, kConstantVelocity))},
+  const Bytes closer = proto::encode(request({1.0, 320, 240}, 11, kPredict, kConstantVelocity));
+  s.cues = {{at(0), proto::encode(request({1.0, 320, 240}, 14, kPredict, kConstantVelocity)), Cue::What::kConnect},
             {at(0.5), proto::encode(proto::TourRequest{7, "survey", 1})},
-            {at(3.6), proto::encode(request({1.0, 320, 240}, 11, kPredict, kConstantVelocity))},
+            {at(3.2), closer},
+            {at(4.01), {}, Cue::What::kDisconnect},
+            {at(4.5), closer, Cue::What::kConnect},
             {at(5.2), proto::encode(limited)},
             {at(7), proto::encode(proto::GroundRequest{8, {{3, 4}, {20.5, 100.25}, {179.5, 3}}})}};
   proto::Path path{Time{} + s.clock_offset + at(7.5), Duration::milliseconds(500), {}};
@@ -70,7 +74,8 @@ Script planarScript() {
   return s;
 }
 
-// What has been told, later: around a valley, then away from it; ends with a request that is refused.
+// What has been told, later: around a valley, then away from it; a smaller server does not take the section that is
+// presented; ends with a request that is refused.
 Script geographicScript() {
   using enum proto::Strategy;
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
@@ -80,9 +85,12 @@ Script geographicScript() {
              {at(5), {-1200, 0, 1000}, {1, -0.3, -0.4}},
              {at(6.5), {0, 200, 3000}, {0.1, 0.1, -1}},
              {at(8), {200, -600, 1500}, {0.2, -1, -0.6}}};
-  s.cues = {{at(0), proto::encode(request({1.1, 320, 200}, 1.5, kDelay, kVelocity))},
+  const Bytes narrow = proto::encode(request({0.6, 200, 320}, 2, kCurrent, kVelocity));
+  s.cues = {{at(0), proto::encode(request({1.1, 320, 200}, 1.5, kDelay, kVelocity)), Cue::What::kConnect},
             {at(2.6), proto::encode(request({1.1, 320, 200}, 1, kCurrent, kVelocity))},
-            {at(4.4), proto::encode(request({0.6, 200, 320}, 2, kCurrent, kVelocity))},
+            {at(4.4), narrow},
+            {at(5.63), {}, Cue::What::kDisconnect},
+            {at(5.8), narrow, Cue::What::kConnect, 500},
             {at(7.6), proto::encode(proto::TourRequest{1, "elsewhere", 10})}};
   return s;
 }

@@ -1,6 +1,7 @@
 // What the viewers of the golden flights do, and over which scenes.
 #pragma once
 
+#include <deque>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "base/bytes.h"
 #include "base/time.h"
 #include "proto/pose.h"
+#include "server/session/session.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::test {
@@ -18,17 +20,21 @@ struct Waypoint {
   glm::dvec3 eye, ahead;
 };
 
-// A message that the viewer sends once, beside its poses.
+// What the viewer does once, beside its poses: it sends a message, or connects and greets with it, or loses the
+// connection and what is on its way.
 struct Cue {
+  enum class What : uint8_t { kMessage, kConnect, kDisconnect };
   Duration at;
   Bytes message;
+  What what = What::kMessage;
+  size_t max_section_nodes = server::SessionOptions{}.max_section_nodes;  // of the server that it connects to
 };
 
 struct Script {
   std::string name;
   std::shared_ptr<const terrain::Scene> scene;
   std::vector<Waypoint> route;
-  std::vector<Cue> cues;
+  std::deque<Cue> cues;
   Duration clock_offset;  // the viewer's clock minus the server's
 
   // Straight from waypoint to waypoint, turning on the way: arithmetic alone, so that the bytes are the same

@@ -133,6 +133,17 @@ class Section:
         self.is_first = True
         self.fingerprint = 0
 
+    def begin_anew(self):
+        """As the other end begins that the section is presented to: nothing is known but the nodes and their pages' radii."""
+        self.model = Model()
+        self.is_first = True
+        self.pages = {slot >> 8: self.pages[slot >> 8] for slot in self.heights}
+        self.nodes = {slot: self.nodes[slot] for slot in self.heights}
+        self.bounds, self.spheres = {}, {}
+        for slot in self.heights:
+            if self.is_leaf(slot):
+                self.list(slot, 1)
+
     # ---- heights
 
     def height_of(self, x, y):
@@ -190,18 +201,24 @@ class Section:
         for slots in coming.values():
             for slot in [s for s in slots if s not in self.bounds]:
                 del slots[slot]
-        arriving = {n.slot: n for n in self.grid.first_level()} if self.is_first else {}
-        self.is_first = False
-        added = 0
-        for level in levels:
-            count, arriving = self.add(level, coming[level], arriving)
-            added += count
+        arriving = {level: {} for level in range(1, self.grid.last_level + 2)}
+        if self.is_first:
+            self.seed(arriving)
+        added = sum(self.add(level, coming[level], arriving) for level in levels)
         self.delta.coder.finish()
         self.forget()
         return added, removed
 
+    def seed(self, arriving):
+        """All addable nodes that are not on the frontier come to it."""
+        self.is_first = False
+        children = [self.grid.node(*v) for slot in self.heights for v in self.nodes[slot].children]
+        for n in [*self.grid.first_level(), *children]:
+            if n.slot not in self.heights and n.slot not in self.bounds and self.has_parents(n):
+                arriving[n.level][n.slot] = n
+
     def settle(self, slots):
-        """Yields (slot, is it in, least class) once all answers have been read."""
+        """(slot, is it in, least class) of each, all answers read."""
         settled, ordered = [], sorted(slots)
         for at, slot in enumerate(ordered):
             if at % 256 == 0:
@@ -237,17 +254,16 @@ class Section:
         return len(gone)
 
     def add(self, level, coming, arriving):
-        for slot in sorted(arriving):
+        for slot, n in sorted(arriving[level].items()):
             if slot >> 8 not in self.pages:
                 self.pages[slot >> 8] = self.delta.radius()
-            self.nodes[slot] = arriving[slot]
+            self.nodes[slot] = n
             self.list(slot, 255)
             coming[slot] = True
         come = [(slot, least) for slot, is_in, least in self.settle(coming) if is_in]
         heights = {slot: self.delta.height(self.nodes[slot], least) for slot, least in come}
         require(len(self.heights) + len(heights) <= MOST_NODES, "a section of too many nodes")
         self.heights.update(heights)
-        arriving = {}
         for slot in heights:
             self.fingerprint = (self.fingerprint + fingerprint(slot)) & 0xFFFFFFFF
             for parent in self.nodes[slot].parents:
@@ -255,8 +271,8 @@ class Section:
             for child in self.nodes[slot].children:
                 n = self.grid.node(*child)
                 if self.has_parents(n):
-                    arriving[n.slot] = n
-        return len(heights), arriving
+                    arriving[n.level][n.slot] = n
+        return len(heights)
 
     def tests(self):
         """What the last view's test makes of the section's nodes, as bytes: place, radius, least class that passes; and of some

@@ -1,11 +1,11 @@
-"""Bytes, control messages, poses and keyframe headers: sections 1, 4 and 5 of docs/PROTOCOL.md."""
+"""Bytes, control messages, poses, headers: sections 1, 4 and 5 of docs/PROTOCOL.md."""
 
 import math
 import struct
 from dataclasses import dataclass
 
 VERSION = 3
-CONTROL, POSE, KEYFRAME = 1, 2, 3
+CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4
 
 
 class ProtocolError(Exception):
@@ -189,6 +189,22 @@ def read_pose_update(data):
     require(r.at == len(data), "bytes after a pose update")
     require(abs(update.time) <= HORIZON and update.received_keyframe < 1 << 32, "an absurd pose update")
     return update
+
+
+@dataclass
+class Resume:
+    scene_id: int
+    keyframe: int
+    time: int
+    fingerprint: int
+    section: bytes
+
+
+def read_resume(data):
+    r = Reader(data)
+    resume = Resume(r.number("Q"), r.varint(), r.zigzag(), r.number("I"), r.rest())
+    require(0 < resume.keyframe < 1 << 31 and abs(resume.time) <= HORIZON, "an absurd section")
+    return resume
 
 
 @dataclass
