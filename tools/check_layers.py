@@ -25,6 +25,7 @@ SEES = {
     "terrain/dem": ["base", "proto", "terrain", "terrain/geo"],
     "terrain/surface": ["base", "proto", "terrain"],
     "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem"],
+    "terrain/model": ["base", "proto", "terrain"],
 }
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.

@@ -1,0 +1,37 @@
+// Builds a Model piece by piece and refuses what a Model may not hold, naming the vertex or face. One owner.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "base/result.h"
+#include "terrain/model/model.h"
+
+namespace foreland::terrain {
+
+class CheckedModel {
+ public:
+  CheckedModel(std::string name, uint32_t first_number) {
+    model_.name = std::move(name);
+    model_.first_number = first_number;
+  }
+  const Model& get() const { return model_; }
+  Model& edit() { return model_; }
+
+  Status addPosition(const glm::dvec3& position);
+  Status addTextureCoordinate(const glm::dvec2& coordinate);
+  void addCorner(const Corner& corner) {
+    if (faceCorners() <= kMaxFaceCorners) model_.corners.push_back(corner);
+  }
+  Status endFace(uint32_t material);  // of the corners since the last one ended
+
+  // The model, if it has a face and every corner names what exists.
+  Result<Model> finish();
+
+ private:
+  uint64_t faceCorners() const { return model_.corners.size() - model_.faceBegin(model_.faceCount()); }
+
+  Model model_;
+};
+
+}  // namespace foreland::terrain

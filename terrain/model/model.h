@@ -1,0 +1,55 @@
+// A polygon model as its file has it: faces of any number of corners, colours and texture coordinates beside them. What
+// can be trusted after reading: every index is in range, every coordinate finite and within kMaxCoordinate, every face
+// has at least three corners. Whether it is a surface (manifold, no face without area) is terrain/remesh's to say.
+// Plain data; any thread may read it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+namespace foreland::terrain {
+
+inline constexpr uint32_t kNoIndex = 0xffffffff;
+inline constexpr double kMaxCoordinate = 1e9;             // units of the file; far beyond any model
+inline constexpr uint64_t kMaxModelVertices = 1u << 27;   // likewise texture coordinates and faces
+inline constexpr uint32_t kMaxFaceCorners = 1u << 10;     // of one face
+inline constexpr uint64_t kMaxModelBytes = 1ull << 33;    // of a model's file
+inline constexpr uint32_t kMaxModelMaterials = 1u << 16;  // materials, and bytes of the name of each
+
+using Colour = std::array<uint8_t, 4>;  // red, green, blue, alpha; sRGB
+
+struct Material {
+  std::string name;
+  std::filesystem::path texture{};  // empty: the colour alone; relative names are already joined to the model's folder
+  Colour colour{255, 255, 255, 255};
+};
+
+struct Corner {
+  uint32_t vertex = 0;
+  uint32_t texture = kNoIndex;  // in `texture_coordinates`
+};
+
+struct Model {
+  std::string name;           // of the file
+  uint32_t first_number = 0;  // the file's own name for its first vertex and face: OBJ counts from 1, PLY from 0
+  std::vector<glm::dvec3> positions;
+  std::vector<Colour> colours;                  // empty, or one for each position
+  std::vector<glm::dvec2> texture_coordinates;  // (0, 0) is the lower left corner of the image
+  std::vector<Corner> corners;                  // face after face
+  std::vector<uint64_t> face_ends;              // one past each face's last corner
+  std::vector<uint32_t> face_materials;         // for each face; kNoIndex for none
+  std::vector<Material> materials;
+
+  size_t faceCount() const { return face_ends.size(); }
+  uint64_t faceBegin(size_t face) const { return face == 0 ? 0 : face_ends[face - 1]; }
+  std::string faceName(size_t face) const { return "face " + std::to_string(face + first_number); }
+  std::string vertexName(size_t vertex) const { return "vertex " + std::to_string(vertex + first_number); }
+};
+
+}  // namespace foreland::terrain

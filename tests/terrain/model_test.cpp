@@ -1,0 +1,190 @@
+// Readers of model files: what they read, and what they refuse and name.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "base/rng.h"
+#include "terrain/model/read_model.h"
+#include "tests/support/models.h"
+
+namespace foreland::terrain {
+namespace {
+
+Result<Model> obj(std::string_view text, std::string_view library = {}) {
+  return parseObj(text, "m.obj", [&](const std::string&) -> Result<Bytes> {
+    if (library.empty()) return Error{ErrorCode::kNotFound, "no library"};
+    return Bytes(library.begin(), library.end());
+  });
+}
+Result<Model> ply(const std::string& text) {
+  return parsePly({reinterpret_cast<const uint8_t*>(text.data()), text.size()}, "m.ply");
+}
+void expectRefusal(const Result<Model>& model, const std::string& words) {
+  ASSERT_FALSE(model.ok()) << words;
+  EXPECT_NE(model.error().message.find(words), std::string::npos) << model.error().message;
+}
+
+TEST(Obj, GivesBackAWrittenModel) {
+  Model torus = test::makeTorus(7, 5);
+  for (size_t c = 0; c < torus.corners.size(); ++c) {
+    torus.texture_coordinates.emplace_back(double(c) / 3, 1 - double(c) / 7);
+    torus.corners[c].texture = static_cast<uint32_t>(c);
+  }
+  const auto read = obj(test::toObj(torus));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->positions, torus.positions);
+  EXPECT_EQ(read->texture_coordinates, torus.texture_coordinates);
+  EXPECT_EQ(read->face_ends, torus.face_ends);
+  for (size_t c = 0; c < torus.corners.size(); ++c) {
+    EXPECT_EQ(read->corners[c].vertex, torus.corners[c].vertex);
+    EXPECT_EQ(read->corners[c].texture, torus.corners[c].texture);
+  }
+}
+
+TEST(Obj, ReadsWhatExportersWrite) {
+  const auto read =
+      obj("# comment\r\nmtllib a b.mtl\no thing\nv 0 0 0 1 0 0\nv +1 0 0 0 1 0\nv 1 1e0 0 # here\nv 0 1 0\n"
+          "vt .5 .25\nvn 0 0 1\ns off\nusemtl red paint\nf 1/1/1 2//1 3 -1\nusemtl plain\nf 1 2 \\\n 3\n",
+          "newmtl red paint\nKd 1 0.5 0\nmap_Kd -s 1 1 1 -blendu on wood grain.png\nnewmtl plain\nKd 0 0 2\n");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->face_ends, (std::vector<uint64_t>{4, 7}));
+  EXPECT_EQ(read->corners[0].texture, 0u);
+  EXPECT_EQ(read->corners[1].texture, kNoIndex);
+  EXPECT_EQ(read->corners[3].vertex, 3u);
+  EXPECT_EQ(read->face_materials, (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(read->materials[0].texture, "wood grain.png");
+  EXPECT_EQ(read->materials[0].colour, (Colour{255, 128, 0, 255}));
+  EXPECT_EQ(read->materials[1].colour, (Colour{0, 0, 255, 255}));
+  EXPECT_EQ(read->colours,
+            (std::vector<Colour>{{255, 0, 0, 255}, {0, 255, 0, 255}, {255, 255, 255, 255}, {255, 255, 255, 255}}));
+}
+
+TEST(Obj, NamesWhatIsWrong) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+  expectRefusal(obj(""), "m.obj: has no face");
+  expectRefusal(obj(square), "m.obj: has no face");
+  expectRefusal(obj(square + "f 1 2 4\n"), "face 1 names vertex 4, but there are only 3");
+  expectRefusal(obj(square + "f 1 2 3\nf 1/1 2/1 3/1\n"), "face 2 names texture coordinate 1");
+  expectRefusal(obj(square + "f 1 2 0\n"), "m.obj:4: face 1 has the corner '0'");
+  expectRefusal(obj(square + "f 1 2 -4\n"), "face 1 has the corner '-4'");
+  expectRefusal(obj(square + "f 1 2 99999999999999999999\n"), "face 1 has the corner");
+  expectRefusal(obj(square + "f 1 2\n"), "face 1 has fewer than three corners");
+  expectRefusal(obj(square + "v 0 nan 0\n"), "m.obj:4: vertex 4 has a coordinate that is no finite number");
+  expectRefusal(obj(square + "v 0 1e400 0\n"), "vertex 4");
+  expectRefusal(obj(square + "v 0 1e30 0\n"), "vertex 4 has a coordinate beyond 1e9");
+  expectRefusal(obj(square + "v 0 zero 0\n"), "vertex 4 has 'zero' where a number belongs");
+  expectRefusal(obj(square + "v 0 1\n"), "vertex 4");
+  expectRefusal(obj(square + "vt 1 inf\nf 1 2 3\n"), "texture coordinate 1");
+  std::string wide = square + "f";
+  for (int i = 0; i < 2000; ++i) wide += " 1";
+  expectRefusal(obj(wide), "face 1 has more than 1024 corners");
+}
+
+template <class T>
+void put(std::string& out, T value, bool is_big) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  if (is_big) std::reverse(raw, raw + sizeof(T));
+  out.append(raw, sizeof(T));
+}
+
+std::string binaryPly(const Model& model, bool is_big) {
+  std::string out =
+      std::string("ply\nformat ") + (is_big ? "binary_big_endian" : "binary_little_endian") +
+      " 1.0\ncomment TextureFile skin.png\nelement vertex " + std::to_string(model.positions.size()) +
+      "\nproperty double x\nproperty list uchar short extra\nproperty double y\nproperty double z\n"
+      "property uchar red\nproperty ushort green\nproperty float blue\nproperty float s\nproperty float t\n"
+      "element face " +
+      std::to_string(model.faceCount()) +
+      "\nproperty float area\nproperty list uint8 int32 vertex_indices\nend_header\n";
+  for (const auto& p : model.positions) {
+    put(out, p.x, is_big), put<uint8_t>(out, 2, is_big), put<int16_t>(out, -1, is_big), put<int16_t>(out, 7, is_big);
+    put(out, p.y, is_big), put(out, p.z, is_big);
+    put<uint8_t>(out, 200, is_big), put<uint16_t>(out, 257 * 100, is_big), put<float>(out, 1.0f, is_big);
+    put<float>(out, 0.25f, is_big), put<float>(out, 0.5f, is_big);
+  }
+  for (size_t f = 0; f < model.faceCount(); ++f) {
+    put<float>(out, 1.5f, is_big);
+    put(out, static_cast<uint8_t>(model.face_ends[f] - model.faceBegin(f)), is_big);
+    for (uint64_t c = model.faceBegin(f); c < model.face_ends[f]; ++c)
+      put(out, static_cast<int32_t>(model.corners[c].vertex), is_big);
+  }
+  return out;
+}
+
+TEST(Ply, ReadsBothBinaryOrders) {
+  const Model torus = test::makeTorus(7, 5);
+  for (bool is_big : {false, true}) {
+    const auto read = ply(binaryPly(torus, is_big));
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(read->positions, torus.positions);
+    EXPECT_EQ(read->face_ends, torus.face_ends);
+    EXPECT_EQ(read->colours[3], (Colour{200, 100, 255, 255}));
+    EXPECT_EQ(read->texture_coordinates[3], glm::dvec2(0.25, 0.5));
+    EXPECT_EQ(read->materials.at(0).texture, "skin.png");
+    EXPECT_EQ(read->face_materials[0], 0u);
+    for (size_t c = 0; c < torus.corners.size(); ++c) EXPECT_EQ(read->corners[c].vertex, torus.corners[c].vertex);
+  }
+}
+
+const std::string kHeader =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_index\nend_header\n";
+
+TEST(Ply, ReadsAsciiAndNamesWhatIsWrong) {
+  const auto read = ply(kHeader + "0 0 0\n1 0 0\r\n1 1 0\n3 0 1 2\n");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->positions[2], glm::dvec3(1, 1, 0));
+  expectRefusal(ply(""), "not a PLY file");
+  expectRefusal(ply("ply\nformat ascii 1.0\n"), "has no end");
+  expectRefusal(ply("ply\nformat morse 1.0\n"), "line 2 of its header has the unknown format 'morse'");
+  expectRefusal(ply(kHeader + "0 0 0\n1 0 0\n1 1 0\n3 0 1 3\n"), "face 0 names vertex 3");
+  expectRefusal(ply(kHeader + "0 0 0\n1 0 0\n1 1 0\n3 0 1 -1\n"), "face 0 names a vertex that is no number");
+  expectRefusal(ply(kHeader + "0 0 0\n1 0 0\n1 1 0\n2 0 1\n"), "face 0 has fewer than three corners");
+  expectRefusal(ply(kHeader + "0 0 0\n1 0 0\n1 nan 0\n3 0 1 2\n"),
+                "vertex 2 has a coordinate that is no finite number");
+  expectRefusal(ply(kHeader + "0 0 0\n1 0 0\n1 1 0\n3 0 1\n"), "face 0 is cut short");
+  expectRefusal(ply(kHeader + "0 0 0\n1 0 0\n1 1 0\n200 0 1 2\n"), "longer than the file");
+  expectRefusal(
+      ply("ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\n"
+          "end_header\n1 2 3\n"),
+      "promises 4000000000 of 'vertex'");
+  expectRefusal(ply("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"), "no x, y and z");
+}
+
+// Whatever is changed or cut off, the readers end in a model or an error, and read nothing that is not there.
+TEST(Models, DamagedFilesEndInAModelOrAnError) {
+  constexpr uint64_t kSeed = 9;
+  SCOPED_TRACE(kSeed);
+  Rng rng(kSeed);
+  const Model torus = test::makeTorus(5, 4);
+  const std::string files[] = {test::toObj(torus), binaryPly(torus, false), binaryPly(torus, true)};
+  int refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string bytes = files[i % 3];
+    for (uint64_t changes = rng.below(4); changes > 0; --changes)
+      bytes[rng.below(bytes.size())] = static_cast<char>(rng.next());
+    if (rng.below(2) == 0) bytes.resize(rng.below(bytes.size()));
+    const std::vector<char> exact(bytes.begin(), bytes.end());
+    const auto read = i % 3 == 0 ? obj({exact.data(), exact.size()})
+                                 : parsePly({reinterpret_cast<const uint8_t*>(exact.data()), exact.size()}, "m.ply");
+    refused += !read.ok();
+    if (!read.ok()) continue;
+    for (const Corner& corner : read->corners) ASSERT_LT(corner.vertex, read->positions.size());
+  }
+  EXPECT_GT(refused, 500);
+  EXPECT_LT(refused, 3000);
+}
+
+TEST(Models, FilesThatAreNotThereOrOfAnotherKindAreNamed) {
+  for (const char* path : {"missing.obj", "missing.PLY", "model.stl", ""}) {
+    const auto read = readModel(path);
+    ASSERT_FALSE(read.ok());
+    EXPECT_NE(read.error().message.find(path), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace foreland::terrain
