@@ -26,6 +26,8 @@ SEES = {
     "terrain/surface": ["base", "proto", "terrain"],
     "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem"],
     "terrain/model": ["base", "proto", "terrain"],
+    "terrain/compare": ["base", "proto", "terrain"],  # judges the remesher and shares no code with it
+    "terrain/remesh": ["base", "proto", "terrain", "terrain/model", "terrain/compare"],
 }
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.

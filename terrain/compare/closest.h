@@ -1,0 +1,56 @@
+// The exact closest place of a triangle mesh to a point: a box tree over its triangles. Shares no code with the
+// remesher, which it judges. Immutable once made; any thread. Cost: n log n to make, about log n a query near the
+// surface.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+namespace foreland::terrain {
+
+// A mesh as spans: the caller keeps it alive.
+struct MeshView {
+  std::span<const glm::dvec3> positions;
+  std::span<const std::array<uint32_t, 3>> faces;
+};
+
+struct ClosestPlace {
+  double distance = 0;
+  uint32_t face = 0;
+  glm::dvec3 weights{1, 0, 0};  // of the face's corners; exactly 0 on the sides opposite to them
+};
+
+// Of one triangle (Ericson, "Real-Time Collision Detection", 5.1.5): weights of its corners.
+glm::dvec3 closestInTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+class ClosestPoint {
+ public:
+  explicit ClosestPoint(MeshView mesh);  // at least one face
+
+  const MeshView& mesh() const { return mesh_; }
+  ClosestPlace find(const glm::dvec3& p) const;
+  // Among the faces whose normal has a positive share of `direction`; of all, if there is none such.
+  ClosestPlace findFacing(const glm::dvec3& p, const glm::dvec3& direction) const;
+
+  glm::dvec3 placeOf(const ClosestPlace& at) const;
+  double distanceToFace(const glm::dvec3& p, uint32_t face) const;
+
+ private:
+  struct Node {
+    glm::dvec3 low, high;
+    uint32_t begin = 0, count = 0;  // leaf: faces in `order_`; inner: count 0, children at begin and begin + 1
+  };
+  template <bool kFacing>
+  ClosestPlace search(const glm::dvec3& p, const glm::dvec3& direction) const;
+  void build(uint32_t node, uint32_t begin, uint32_t end);
+
+  MeshView mesh_;
+  std::vector<Node> nodes_;
+  std::vector<uint32_t> order_;
+  std::vector<glm::dvec3> centres_;  // only while building
+};
+
+}  // namespace foreland::terrain

@@ -1,0 +1,44 @@
+// Where the creases of the original cross the edges of the lattice. Any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "terrain/remesh/creases.h"
+#include "terrain/remesh/lattice.h"
+#include "terrain/remesh/simplify.h"
+
+namespace foreland::terrain {
+
+// The triangle of the lattice that holds a place, and the weights of its corners.
+struct LatticeCell {
+  Triangle vertices{};
+  glm::dvec3 weights{1, 0, 0};
+};
+
+// A crease crosses the lattice edge between two vertices, `share` of the way from the first to the second.
+struct Crossing {
+  std::array<uint32_t, 2> ends{};
+  double share = 0;
+  SurfacePoint place;  // on the original
+};
+
+class CrossingFinder {
+ public:
+  CrossingFinder(const Original& surface, const Base& base, const Lattice& lattice);
+
+  LatticeCell cellOf(const SurfacePoint& on_original) const;
+  // In turn, from the chain's start to its end. Exact to about 1e-5 of a crease edge's length.
+  std::vector<Crossing> along(const Chain& chain) const;
+
+ private:
+  struct Tracer;
+
+  const Original& surface_;
+  const Base& base_;
+  const Lattice& lattice_;
+  std::vector<uint32_t> names_;  // of the base's faces, by what the map calls them
+};
+
+}  // namespace foreland::terrain

@@ -1,0 +1,60 @@
+#include "terrain/remesh/importance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "terrain/compare/deviation.h"
+#include "terrain/parallel.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr double kGain = 4;         // a vertex with the largest error counts 1 + kGain times as much as before
+constexpr int kReach = 3;           // vertices over which that spreads,
+constexpr double kFading = 0.7;     // this much from one to the next
+constexpr double kFoldShare = 0.1;  // of the largest distance, that a triangle that folds is taken to be worth
+constexpr uint64_t kChunk = 256;
+
+}  // namespace
+
+Importance::Importance(const Original& original, unsigned threads)
+    : original_(original),
+      threads_(threads),
+      surface_({original.positions, original.faces}),
+      weights_(original.positions.size(), 1.0) {}
+
+Importance::Badness Importance::learn(const std::vector<Triangle>& triangles, const std::vector<dvec3>& positions,
+                                      const std::vector<SurfacePoint>& places) {
+  const ClosestPoint attempt({positions, triangles});
+  std::vector<double> shares(original_.positions.size());
+  parallelFor((shares.size() + kChunk - 1) / kChunk, threads_,
+              [&](uint64_t chunk, unsigned) {
+                for (uint64_t v = chunk * kChunk; v < std::min<uint64_t>(shares.size(), (chunk + 1) * kChunk); ++v)
+                  shares[v] = attempt.find(original_.positions[v]).distance;
+              },
+              [](uint64_t) { return true; });
+  const double largest = *std::max_element(shares.begin(), shares.end());
+  for (double& share : shares) share = largest > 0 ? std::pow(share / largest, 2) : 0;
+
+  const std::vector<uint32_t> folded = findFlipped({positions, triangles}, surface_, threads_);
+  for (uint32_t f : folded)
+    for (uint32_t v : triangles[f])
+      for (uint32_t corner : original_.faces[places[v].face]) shares[corner] = 1;
+  spread(shares);
+  for (size_t v = 0; v < shares.size(); ++v) weights_[v] *= 1 + kGain * shares[v];
+  return {!folded.empty(), largest * (1 + kFoldShare * static_cast<double>(folded.size()))};
+}
+
+void Importance::spread(std::vector<double>& shares) const {
+  for (int step = 0; step < kReach; ++step) {
+    const std::vector<double> before = shares;
+    for (const Triangle& t : original_.faces)
+      for (uint32_t to : t)
+        for (uint32_t from : t) shares[to] = std::max(shares[to], kFading * before[from]);
+  }
+}
+
+}  // namespace foreland::terrain
