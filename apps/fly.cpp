@@ -71,7 +71,7 @@ class Link {
       : connection_(std::move(connection)), url_(std::move(url)) {}
 
   // Moves messages until `until`. When the connection is lost, tries to get another one, and tells the player of it; an
-  // Error if there was none for kPatience, or if the player cannot go on.
+  // Error if there was none for kPatience.
   Status run(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
     if (connection_) {
       for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
@@ -82,10 +82,10 @@ class Link {
       lost_at_ = Clock::now();
       connection_.reset();
     }
-    if (player.phase() < client::Player::Phase::kStanding || Clock::now() - lost_at_ > kPatience) return lost_;
+    if (Clock::now() - lost_at_ > kPatience) return lost_;
     auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout);
     if (connection.ok()) {
-      if (!player.reconnect(timeSince(epoch))) return lost_;
+      player.reconnect(timeSince(epoch));
       connection_ = std::move(connection).value();
     } else {
       std::this_thread::sleep_until(until);

@@ -27,17 +27,19 @@ Status Player::receive(ByteSpan message, Time now) {
   return viewer_.receive(message, now);
 }
 
-bool Player::reconnect(Time now) {
-  if (phase_ != Phase::kStanding && phase_ != Phase::kFlying) return false;
+void Player::reconnect(Time now) {
+  if (phase_ == Phase::kDone) return;
   log_.entries.push_back({now, FlightLog::What::kReconnect, {}});
   viewer_.reconnect(now);
-  return true;
+  if (phase_ == Phase::kStanding || phase_ == Phase::kFlying) return;
+  ground_m_.clear();
+  enter(Phase::kGreeting, now);
 }
 
 Status Player::frame(Time now) {
   log_.entries.push_back({now, FlightLog::What::kFrame, {}});
   if (!phase_start_) phase_start_ = now;
-  if (phase_ == Phase::kGreeting && viewer_.welcome()) {
+  if (phase_ == Phase::kGreeting && viewer_.isGreeted()) {
     enter(Phase::kPlanning, now);
     if (Status s = plan(); !s.ok()) return s;
   }

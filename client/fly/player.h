@@ -68,9 +68,8 @@ class Player {
 
   // An Error ends the flight: tell the user and disconnect. The report stays valid.
   Status receive(ByteSpan message, Time now);
-  // The connection was lost and there is a new one; the flight goes on. False before the flight has been planned: then
-  // it has to begin anew.
-  bool reconnect(Time now);
+  // The connection was lost and there is a new one; the flight goes on, or is planned again if it had not begun.
+  void reconnect(Time now);
   // One frame. Times do not decrease; 60 a second is customary.
   Status frame(Time now);
   bool takeOutgoing(Bytes& message) { return viewer_.takeOutgoing(message); }

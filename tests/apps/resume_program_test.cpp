@@ -13,9 +13,11 @@ namespace {
 
 constexpr int kClients = 20;
 
-// Until each client has had so many keyframes of this server on average.
+// Until all clients are there, and then each has had so many keyframes more on average.
 void waitForKeyframes(uint16_t port, int each) {
-  ASSERT_TRUE(eventually([&] { return metric(port, "keyframes_total") >= kClients * each; }));
+  ASSERT_TRUE(eventually([&] { return metric(port, "sessions") >= kClients; }));
+  const double before = metric(port, "keyframes_total");
+  ASSERT_TRUE(eventually([&] { return metric(port, "keyframes_total") >= before + kClients * each; }));
 }
 
 TEST(ResumeProgram, TwentyClientsFlyOnWhenTheServerIsKilledAndStartedAgain) {
@@ -32,10 +34,10 @@ TEST(ResumeProgram, TwentyClientsFlyOnWhenTheServerIsKilledAndStartedAgain) {
   for (int i = 0; i < kClients; ++i)
     clients.emplace_back(
         "fly",
-        std::vector<std::string>{"ws://" + address, "--tour", i % 2 == 0 ? "survey" : "orbit", "--seconds", "8",
+        std::vector<std::string>{"ws://" + address, "--tour", i % 2 == 0 ? "survey" : "orbit", "--seconds", "15",
                                  "--viewport", "320x240", "--keyframe-ms", "250", "--json"},
         ProgramOptions{.streams = Streams::kOutputOnly});
-  waitForKeyframes(port, 6);
+  waitForKeyframes(port, 8);
   server->signal(SIGKILL);
   EXPECT_EQ(server->wait(), -1);
 
