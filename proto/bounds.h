@@ -126,7 +126,7 @@ class SphereLevels {
  public:
   SphereLevels(const GridTopology& grid, const Frame& frame);
 
-  float radius_m(int level, RadiusClass c) const { return flat_m_[static_cast<size_t>(level)] * c.factor(); }
+  float radius(int level, RadiusClass c) const { return flat_m_[static_cast<size_t>(level)] * c.factor(); }
   // The least class whose sphere is not smaller.
   RadiusClass roundUp(int level, double radius_m) const;
 

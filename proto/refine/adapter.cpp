@@ -85,7 +85,7 @@ class Adapter<Batch>::Step {
   void push(Slot slot, ErrorClass bound, RadiusClass radius) {
     const NodeId n = topology_.node(slot);
     const int level = topology_.level(n);
-    batch_.push(n, slot, level, bound, domain_.radius_m(level, radius));
+    batch_.push(n, slot, level, bound, domain_.radius(level, radius));
   }
   bool passed(size_t i) const { return batch_.guard[i] == static_cast<uint8_t>(Metric::Guard::kPasses); }
   uint16_t reach(size_t i) const { return Frontier::packReach(batch_.reach[i], batch_.guard[i]); }

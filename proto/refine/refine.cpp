@@ -75,7 +75,7 @@ class Descent {
       const NodeRecord record = nodes_[batch_.slot[i]];
       batch_.height[i] = record.middle();
       batch_.bound[i] = record.error();
-      batch_.radius[i] = domain_.spheres.radius_m(level_, record.radius());
+      batch_.radius[i] = domain_.spheres.radius(level_, record.radius());
     }
     batch_.test(domain_, metric_);
     for (size_t i = 0; i < batch_.count; ++i) {

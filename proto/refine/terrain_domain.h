@@ -31,7 +31,7 @@ struct TerrainDomain {
 
   const GridTopology& topology() const { return grid; }
   Metric metric(const View& view) const { return Metric(view, has_vertical_errors); }
-  float radius_m(int level, RadiusClass c) const { return spheres.radius_m(level, c); }
+  float radius(int level, RadiusClass c) const { return spheres.radius(level, c); }
   bool isPlanar() const { return frame.transform().frame().kind == FrameKind::kPlanar; }
 };
 

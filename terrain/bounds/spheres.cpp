@@ -87,7 +87,7 @@ void SphereRows::load(Row& row, const NodeRow& where, What what) {
   where.forEachRun(grid_, [&](uint32_t i, proto::Slot slot, uint32_t count) {
     const NodeRecord* record = &nodes_[slot];
     for (uint32_t k = 0; k < count; ++k, record += where.slot_step) {
-      row.radius[1 + i + k] = levels_.radius_m(level, record->radius());
+      row.radius[1 + i + k] = levels_.radius(level, record->radius());
       row.error[1 + i + k] = record->error().value;
     }
   });

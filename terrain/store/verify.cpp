@@ -105,7 +105,7 @@ class NodeCheck {
  private:
   glm::dvec3 centreOf(NodeId n, const NodeRecord& record) const { return positions_.position(n, record.middle()); }
   double radiusOf(NodeId n, const NodeRecord& record) const {
-    return scene_.spheres().radius_m(grid_.level(n), record.radius());
+    return scene_.spheres().radius(grid_.level(n), record.radius());
   }
   bool inRange(int32_t height) const {
     return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest;

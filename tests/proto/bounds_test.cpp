@@ -38,10 +38,10 @@ TEST(SphereLevels, RoundsUpByAtMostAStepAndNestsLevelGround) {
   Rng rng(2);
   for (int level = 1; level <= grid.maxLevel(); ++level)
     for (int i = 0; i < 1000; ++i) {
-      const double radius = spheres.radius_m(level, {}) * std::exp2(rng.uniform(0, 8));
+      const double radius = spheres.radius(level, {}) * std::exp2(rng.uniform(0, 8));
       const RadiusClass c = spheres.roundUp(level, radius);
-      ASSERT_GE(spheres.radius_m(level, c), radius);
-      ASSERT_LE(spheres.radius_m(level, c), radius * 1.18921);
+      ASSERT_GE(spheres.radius(level, c), radius);
+      ASSERT_LE(spheres.radius(level, c), radius * 1.18921);
     }
   for (Slot slot = 0; slot < grid.slotCount(); ++slot) {
     const NodeId n = grid.node(slot);
@@ -49,8 +49,8 @@ TEST(SphereLevels, RoundsUpByAtMostAStepAndNestsLevelGround) {
     const FrameGrid positions(frame, grid.maxX(), grid.maxY());
     const int level = grid.level(n);
     for (NodeId child : grid.children(n))
-      ASSERT_LE(glm::distance(positions.position(n, 0), positions.position(child, 0)) + spheres.radius_m(level + 1, {}),
-                spheres.radius_m(level, {}));
+      ASSERT_LE(glm::distance(positions.position(n, 0), positions.position(child, 0)) + spheres.radius(level + 1, {}),
+                spheres.radius(level, {}));
   }
 }
 

@@ -115,7 +115,7 @@ class Reference {
     if (h_.domain().isPlanar()) return PlanarPlaces(h_.domain(), *metric_)(x, y, record(slot).middle());
     return CurvedPlaces(h_.domain(), *metric_)(x, y, record(slot).middle());
   }
-  double radius(Slot slot) const { return h_.domain().radius_m(levelOf(slot), record(slot).radius()); }
+  double radius(Slot slot) const { return h_.domain().radius(levelOf(slot), record(slot).radius()); }
   bool passes(Slot slot, int c) const {
     return metric_->passes(place(slot), radius(slot), ErrorClass{static_cast<uint8_t>(c)}.metres());
   }

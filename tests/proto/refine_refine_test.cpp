@@ -39,7 +39,7 @@ std::vector<Slot> everyNodeThatPasses(const Hierarchy& h, const View& view) {
     const glm::dvec3 p = h.frame().position(n, r.middle()) - view.pose.eye;
     const Metric::Place place{glm::dot(p, metric.right()), glm::dot(p, metric.up()), glm::dot(p, metric.forward()),
                               std::hypot(p.x, p.y)};
-    if (metric.passes(place, h.domain().radius_m(h.grid().level(n), r.radius()), r.error().metres()))
+    if (metric.passes(place, h.domain().radius(h.grid().level(n), r.radius()), r.error().metres()))
       slots.push_back(slot);
   }
   return slots;

@@ -50,7 +50,7 @@ uint32_t testsCrc(const server::Hierarchy& h, const proto::Section& section, con
     const proto::NodeRecord& record = h.nodes()[slot];
     const auto x = static_cast<int32_t>(n.x()), y = static_cast<int32_t>(n.y());
     const proto::Metric::Place p = places(x, y, record.middle());
-    const float radius = h.domain().radius_m(h.grid().level(n), record.radius());
+    const float radius = h.domain().radius(h.grid().level(n), record.radius());
     for (double value : {p.x, p.y, p.z, p.horizontal}) crc.add(value);
     crc.add(std::bit_cast<uint32_t>(radius));
     crc.add(static_cast<uint32_t>(metric.leastPassing(p, radius)));

@@ -71,7 +71,7 @@ class BruteForce {
     return transform_.toScene(proto::LatticePlace{static_cast<double>(n.x()), static_cast<double>(n.y()),
                                                   steps * scene_.frame().height_step_m});
   }
-  double radius(NodeId n) const { return scene_.spheres().radius_m(grid_.level(n), scene_.node(n).radius()); }
+  double radius(NodeId n) const { return scene_.spheres().radius(grid_.level(n), scene_.node(n).radius()); }
 
   double error(NodeId n) const {
     double worst = 0;
