@@ -5,7 +5,7 @@
 
 namespace foreland::bench {
 
-// Calls of operator new so far. Linking this replaces the global operator new.
+// Calls of operator new so far; 0 under a sanitizer. Linking this replaces the global operator new.
 uint64_t allocationCount();
 
 }  // namespace foreland::bench
