@@ -1,6 +1,7 @@
 // Polygon models made by formula, and their text as the files that the readers read.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

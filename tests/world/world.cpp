@@ -1,6 +1,7 @@
 #include "tests/world/world.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace foreland::test {
 
@@ -38,7 +39,10 @@ void World::loseConnection(size_t client) {
 
 void World::connectAgain(size_t client, std::shared_ptr<const terrain::Scene> scene) {
   Client& c = *clients_[client];
-  if (scene) c.session = server::Session(std::make_shared<server::World>(std::move(scene)), options_);
+  if (scene) {
+    c.session = server::Session(std::make_shared<server::World>(std::move(scene)), options_);
+    c.scene_changed = true;
+  }
   c.is_connected = true;
   c.viewer.reconnect(now_ + c.options.clock_offset);
 }
@@ -119,6 +123,8 @@ void World::frame(Client& c, size_t index, Time now) {
     c.path_announced = true;
   }
   const client::FrameView view = c.viewer.frame(now_client, c.options.path.at(now_client));
+  if (std::exchange(c.has_mesh, view.mesh != nullptr) && !view.mesh && !c.scene_changed)
+    complain("a mesh was shown and is gone");
   if (view.mesh && on_frame) on_frame(index, view, now_client);
 }
 

@@ -64,6 +64,7 @@ class World {
     bool waits_for_drain = false;
     bool path_announced = false;
     bool is_connected = true;
+    bool has_mesh = false, scene_changed = false;
     uint64_t connections = 1;
     uint64_t hash = 1469598103934665603ull;
     std::map<uint32_t, proto::Section> sections;  // the server's, by keyframe, until the client has it
