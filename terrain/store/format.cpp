@@ -1,14 +1,9 @@
 #include "terrain/store/format.h"
 
 #include <algorithm>
-
-#include "terrain/store/checksum.h"
-
 namespace foreland::terrain {
 
 namespace {
-
-constexpr uint64_t toPage(uint64_t bytes) { return (bytes + kPageBytes - 1) / kPageBytes * kPageBytes; }
 
 void putString(ByteWriter& out, const std::string& text) {
   out.put(static_cast<uint32_t>(text.size()));
@@ -20,30 +15,16 @@ std::string getString(ByteReader& in) {
   return {bytes.begin(), bytes.end()};
 }
 
-uint64_t pageHash(FileHeader header) {
-  std::array<uint8_t, kPageBytes> page{};
-  std::memcpy(page.data(), &header, sizeof(header));
-  return xxh64(page);
-}
-
 }  // namespace
 
 FileLayout FileLayout::of(const proto::GridTopology& grid, uint64_t text_bytes) {
   FileLayout layout;
-  uint64_t at = kPageBytes;
-  const auto place = [&](SectionKind kind, uint64_t bytes) {
-    layout.sections[kind] = {at, bytes};
-    at = toPage(at + bytes);
-  };
   const proto::GridShape& shape = grid.shape();
-  place(kText, text_bytes);
-  place(kCorners, sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull));
-  place(kCentres, sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y);
-  place(kNodes, sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount()));
-  SectionPlace& checksums = layout.sections[kChecksums];
-  checksums.offset = at;
-  checksums.bytes = sizeof(uint64_t) * blockCount(checksums);
-  layout.file_bytes = at + checksums.bytes;
+  const std::array<uint64_t, kChecksums> bytes{text_bytes,
+                                               sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull),
+                                               sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y,
+                                               sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount())};
+  layout.file_bytes = placeSections(bytes, layout.sections);
   return layout;
 }
 
@@ -104,24 +85,6 @@ Status decodeText(ByteSpan bytes, SceneOrigin& origin) {
   for (uint32_t i = 0; i < count && in.ok(); ++i) origin.notes.push_back(getString(in));
   if (!in.atEnd()) return Error{ErrorCode::kMalformed, "its text is damaged"};
   return {};
-}
-
-ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index) {
-  const uint64_t begin = kPageBytes + index * kBlockBytes;
-  return file.subspan(begin, std::min(kBlockBytes, checksums.offset - begin));
-}
-
-uint64_t headerChecksum(const FileHeader& header) {
-  FileHeader copy = header;
-  copy.header_checksum = 0;
-  return pageHash(copy);
-}
-
-uint64_t contentId(const FileHeader& header, ByteSpan checksum_table) {
-  FileHeader copy = header;
-  copy.header_checksum = 0;
-  copy.scene_id = 0;
-  return xxh64(checksum_table, pageHash(copy));
 }
 
 }  // namespace foreland::terrain

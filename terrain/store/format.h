@@ -12,23 +12,14 @@
 #include "proto/frame.h"
 #include "proto/grid.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/sections.h"
 
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
 inline constexpr uint32_t kFormatVersion = 2;
-inline constexpr uint32_t kByteOrderMark = 0x01020304;
-inline constexpr uint64_t kPageBytes = 4096;       // alignment of every section
-inline constexpr uint64_t kBlockBytes = 1u << 20;  // checksummed at a time
-inline constexpr uint64_t kMaxTextBytes = 1u << 24;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kChecksums, kSectionCount };
-
-struct SectionPlace {
-  uint64_t offset = 0;  // from the start of the file, a multiple of kPageBytes
-  uint64_t bytes = 0;
-  bool operator==(const SectionPlace&) const = default;
-};
 
 // The first page of the file, as it lies there; the rest of the page is zero.
 struct FileHeader {
@@ -66,14 +57,5 @@ proto::Frame getFrame(const FileHeader& header);
 
 Bytes encodeText(const SceneOrigin& origin);
 Status decodeText(ByteSpan bytes, SceneOrigin& origin);
-
-// Blocks cover everything between the header page and the checksum table; the last may be short.
-inline uint64_t blockCount(const SectionPlace& checksums) {
-  return (checksums.offset - kPageBytes + kBlockBytes - 1) / kBlockBytes;
-}
-ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index);
-
-uint64_t headerChecksum(const FileHeader& header);
-uint64_t contentId(const FileHeader& header, ByteSpan checksum_table);
 
 }  // namespace foreland::terrain

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "terrain/store/format.h"
+#include "terrain/store/mapped_file.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {
@@ -14,21 +15,14 @@ namespace foreland::terrain {
 class MappedScene final : public Scene {
  public:
   static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path);
-  ~MappedScene() override;
-  MappedScene(const MappedScene&) = delete;
-  MappedScene& operator=(const MappedScene&) = delete;
-
   const FileHeader& header() const { return header_; }
-  ByteSpan file() const { return file_; }
-  std::span<const uint64_t> blockChecksums() const;
+  ByteSpan file() const { return file_.span(); }
 
  private:
-  MappedScene(ByteSpan file, const FileHeader& header, proto::GridTopology grid);
+  MappedScene(MappedFile file, const FileHeader& header, proto::GridTopology grid);
   Status adopt();
-  template <class T>
-  std::span<const T> section(SectionKind kind) const;
 
-  ByteSpan file_;  // owned: unmapped by the destructor
+  MappedFile file_;
   FileHeader header_;
 };
 

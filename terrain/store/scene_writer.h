@@ -1,16 +1,15 @@
-// Writes a scene file whole or not at all: the file has no name until it is complete and on the disk (O_TMPFILE; where
-// the file system has no unnamed files, a hidden temporary name that is removed on failure), then it replaces the
-// target in one rename. Space is reserved before anything is written, so a full disk is an Error and never a signal.
+// Writes the scene file of a terrain, whole or not at all (new_file.h).
 //
 // One owner; put() may be called by several threads at once.
 #pragma once
 
 #include <filesystem>
 #include <span>
-#include <string>
+#include <utility>
 
 #include "base/result.h"
 #include "terrain/store/format.h"
+#include "terrain/store/new_file.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {
@@ -26,17 +25,12 @@ class SceneWriter {
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 
-  SceneWriter(SceneWriter&& other) noexcept;
-  SceneWriter& operator=(SceneWriter&&) = delete;
-  ~SceneWriter();
-
   std::span<const NodeRecord> nodes() const;  // zero at first
   std::span<int32_t> corners();
   std::span<int32_t> centres();
   uint64_t fileBytes() const { return layout_.file_bytes; }
 
-  // Writes records from slot `first`; nodes() shows them. Written rather than stored through the mapping: a third of
-  // the cost.
+  // Writes records from slot `first`; nodes() shows them.
   Status put(proto::Slot first, std::span<const NodeRecord> records) const;
   // Lets the pages of nodes() leave this process's memory; their content stays in the file.
   void release(std::span<const NodeRecord> nodes) const;
@@ -45,16 +39,11 @@ class SceneWriter {
   Result<uint64_t> finish();
 
  private:
-  SceneWriter() = default;
-  Status openTemporary();
-  Status reserve();
-  Status name();
-  uint8_t* at(SectionKind kind) const { return data_ + layout_.sections[kind].offset; }
-  Error systemError(const std::string& doing) const;
+  SceneWriter(NewFile file, const FileLayout& layout, const FileHeader& header)
+      : file_(std::move(file)), layout_(layout), header_(header) {}
+  uint8_t* at(SectionKind kind) const { return file_.data() + layout_.sections[kind].offset; }
 
-  std::filesystem::path target_, temporary_;  // temporary_ is empty while the file has no name
-  int file_ = -1;
-  uint8_t* data_ = nullptr;
+  NewFile file_;
   FileLayout layout_;
   FileHeader header_;
 };

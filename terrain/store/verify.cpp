@@ -1,16 +1,13 @@
 #include "terrain/store/verify.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <mutex>
 #include <utility>
 
 #include "proto/frame_grid.h"
 #include "terrain/parallel.h"
-#include "terrain/store/checksum.h"
+#include "terrain/store/faults.h"
 #include "terrain/store/mapped_scene.h"
 
 namespace foreland::terrain {
@@ -19,49 +16,12 @@ namespace {
 
 using proto::NodeId;
 
-constexpr size_t kFaultsShown = 8;
 constexpr proto::Slot kChunk = 1u << 16;
-
-// Faults from all threads, the first of them in the file's order.
-class Faults {
- public:
-  void add(uint64_t order, std::string what) {
-    const std::lock_guard lock(mutex_);
-    ++count_;
-    if (first_.size() == kFaultsShown && first_.back().first <= order) return;
-    first_.insert(std::upper_bound(first_.begin(), first_.end(), std::pair(order, what)), {order, what});
-    if (first_.size() > kFaultsShown) first_.pop_back();
-  }
-  uint64_t count() const { return count_; }
-  std::vector<std::string> first() const {
-    std::vector<std::string> sentences;
-    for (const auto& fault : first_) sentences.push_back(fault.second);
-    return sentences;
-  }
-
- private:
-  std::mutex mutex_;
-  uint64_t count_ = 0;
-  std::vector<std::pair<uint64_t, std::string>> first_;
-};
 
 constexpr auto kAlways = [](uint64_t) { return true; };
 
-void checkBlocks(const MappedScene& scene, unsigned threads, Faults& faults) {
-  const SectionPlace& place = scene.header().sections[kChecksums];
-  const auto expected = scene.blockChecksums();
-  parallelFor(
-      expected.size(), threads,
-      [&](uint64_t i, unsigned) {
-        const ByteSpan block = blockAt(scene.file(), place, i);
-        const bool intact = xxh64(block) == expected[i];
-        // Blocks begin at pages. A scene may be larger than memory: what has been read need not stay.
-        ::madvise(const_cast<uint8_t*>(block.data()), block.size(), MADV_DONTNEED);
-        if (!intact)
-          faults.add(i, "block " + std::to_string(i) + " (at byte " + std::to_string(kPageBytes + i * kBlockBytes) +
-                            ") is damaged");
-      },
-      kAlways);
+void checkSceneBlocks(const MappedScene& scene, unsigned threads, Faults& faults) {
+  checkBlocks(scene.file(), scene.header().sections[kChecksums], threads, faults);
 }
 
 std::string name(NodeId n) { return "node (" + std::to_string(n.x()) + ", " + std::to_string(n.y()) + ")"; }
@@ -161,8 +121,8 @@ Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned thr
   if (!scene.ok()) return scene.error();
   Faults blocks, values;
   VerifyReport report;
-  checkBlocks(**scene, threads, blocks);
-  report.blocks = (*scene)->blockChecksums().size();
+  checkSceneBlocks(**scene, threads, blocks);
+  report.blocks = blockCount((*scene)->header().sections[kChecksums]);
   report.base_vertices = checkBase(**scene, values);
   report.nodes = checkNodes(**scene, threads, values);
   report.padding = (*scene)->grid().slotCount() - report.nodes;
@@ -176,7 +136,7 @@ Status verifyChecksums(const std::filesystem::path& path, unsigned threads) {
   const auto scene = MappedScene::open(path);
   if (!scene.ok()) return scene.error();
   Faults faults;
-  checkBlocks(**scene, threads, faults);
+  checkSceneBlocks(**scene, threads, faults);
   if (faults.count() == 0) return {};
   return Error{ErrorCode::kMalformed,
                path.string() + ": " + faults.first().front() + "; build or copy the scene again"};

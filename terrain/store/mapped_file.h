@@ -1,0 +1,68 @@
+// A whole file mapped into memory for reading. Immutable; any thread. The file must not be changed in place while it is
+// open; our writer never does (it replaces it by rename).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "terrain/store/sections.h"
+
+namespace foreland::terrain {
+
+class MappedFile {
+ public:
+  // A regular file of at least a page.
+  static Result<MappedFile> open(const std::filesystem::path& path);
+
+  MappedFile(MappedFile&& other) noexcept;
+  MappedFile& operator=(MappedFile&&) = delete;
+  ~MappedFile();
+
+  ByteSpan span() const { return data_; }
+  template <class T>
+  std::span<const T> section(const SectionPlace& place) const {
+    return {reinterpret_cast<const T*>(data_.data() + place.offset), place.bytes / sizeof(T)};
+  }
+
+ private:
+  explicit MappedFile(ByteSpan data) : data_(data) {}
+
+  ByteSpan data_;  // owned
+};
+
+// The fields that every kind of header begins with.
+struct HeaderStart {
+  std::array<char, 8> magic{};
+  uint32_t version = 0;
+  uint32_t byte_order = 0;
+  uint64_t file_bytes = 0;
+  uint64_t scene_id = 0;
+  uint64_t header_checksum = 0;
+};
+static_assert(sizeof(HeaderStart) == 40);
+
+// Whether the file may be what `wanted` says (magic and version), its header whole and its size as the header has it.
+// `checksum` is what the header's should be. Errors name the path and the way out.
+Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, size_t header_bytes,
+                  uint64_t checksum);
+
+template <class Header>
+Result<Header> readHeader(ByteSpan file, const std::filesystem::path& path) {
+  Header header;
+  const Header fresh;
+  HeaderStart wanted;
+  std::memcpy(&header, file.data(), sizeof(header));
+  std::memcpy(&wanted, reinterpret_cast<const uint8_t*>(&fresh), sizeof(wanted));
+  if (Status status = checkStart(file, path, wanted, sizeof(header), headerChecksum(header)); !status.ok())
+    return status.error();
+  return header;
+}
+
+Error damagedFile(const std::filesystem::path& path, const std::string& what);
+
+}  // namespace foreland::terrain

@@ -1,0 +1,51 @@
+// A file that comes to be whole or not at all: it has no name until it is complete and on the disk (O_TMPFILE; where
+// the file system has no unnamed files, a hidden temporary name that is removed on failure), then it replaces the
+// target in one rename. Space is reserved before anything is written, so a full disk is an Error and never a signal.
+//
+// One owner; put() may be called by several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "base/bytes.h"
+#include "base/result.h"
+
+namespace foreland::terrain {
+
+class NewFile {
+ public:
+  // `bytes` are reserved, mapped and zero.
+  static Result<NewFile> create(const std::filesystem::path& target, uint64_t bytes);
+
+  NewFile(NewFile&& other) noexcept;
+  NewFile& operator=(NewFile&&) = delete;
+  ~NewFile();
+
+  uint8_t* data() const { return data_; }
+  uint64_t bytes() const { return bytes_; }
+  ByteSpan span() const { return {data_, bytes_}; }
+
+  // Writes at `offset`; data() shows it. Written rather than stored through the mapping: a third of the cost.
+  Status put(uint64_t offset, ByteSpan what) const;
+  // Lets pages of data() leave this process's memory; their content stays in the file.
+  void release(ByteSpan what) const;
+
+  // To the disk, then the name. Call once, when everything is filled.
+  Status finish();
+
+ private:
+  NewFile() = default;
+  Status openTemporary();
+  Status reserve();
+  Status name();
+  Error systemError(const std::string& doing) const;
+
+  std::filesystem::path target_, temporary_;  // temporary_ is empty while the file has no name
+  int file_ = -1;
+  uint8_t* data_ = nullptr;
+  uint64_t bytes_ = 0;
+};
+
+}  // namespace foreland::terrain
