@@ -1,11 +1,12 @@
-// foreland-info: what a scene file holds, for people or (--json) for programs. Exit codes: 0 done, 2 not a readable
-// scene.
+// foreland-info: what a scene or surface file holds, for people or (--json) for programs. Exit codes: 0 done, 2 not a
+// readable one.
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/info_surface.h"
 #include "terrain/store/scene.h"
 
 namespace {
@@ -113,25 +114,45 @@ void print(const std::string& path, const terrain::Scene& scene) {
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());
 }
 
+void printJson(const ordered_json& about) {
+  std::printf("%s\n", about.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland info: %s\n", error.message.c_str());
+  return 2;
+}
+
+int showSurface(const std::string& path, bool json) {
+  const auto surface = terrain::MappedSurface::open(path);
+  if (!surface.ok()) return fail(surface.error());
+  if (json)
+    printJson(apps::describeSurface(path, **surface));
+  else
+    apps::printSurface(path, **surface);
+  return 0;
+}
+
+int showTerrain(const std::string& path, bool json) {
+  const auto scene = terrain::Scene::open(path);
+  if (!scene.ok()) return fail(scene.error());
+  if (json)
+    printJson(describe(path, **scene));
+  else
+    print(path, **scene);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::string path;
   bool json = false;
-  CLI::App app("Prints what a scene file holds.", "foreland info");
-  app.add_option("SCENE", path, "A scene made by `foreland build`")->required();
+  CLI::App app("Prints what a scene or surface file holds.", "foreland info");
+  app.add_option("SCENE", path, "A file made by `foreland build` or `foreland remesh`")->required();
   app.add_flag("--json", json, "Print JSON");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
-  const auto scene = terrain::Scene::open(path);
-  if (!scene.ok()) {
-    std::fprintf(stderr, "foreland info: %s\n", scene.error().message.c_str());
-    return 2;
-  }
-  if (json)
-    std::printf("%s\n", describe(path, **scene).dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
-  else
-    print(path, **scene);
-  return 0;
+  return terrain::isSurfaceFile(path) ? showSurface(path, json) : showTerrain(path, json);
 }

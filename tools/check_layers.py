@@ -27,11 +27,14 @@ SEES = {
     "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem"],
     "terrain/model": ["base", "proto", "terrain"],
     "terrain/compare": ["base", "proto", "terrain"],  # judges the remesher and shares no code with it
-    "terrain/remesh": ["base", "proto", "terrain", "terrain/model", "terrain/compare"],
+    "terrain/surface_store": ["base", "proto", "terrain", "terrain/store", "terrain/surface"],
+    "terrain/remesh": ["base", "proto", "terrain", "terrain/model", "terrain/compare", "terrain/surface",
+                       "terrain/surface_store"],
 }
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
-SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface"]
+SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
+               "terrain/surface_store"]
 SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/sched", "server/session", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
@@ -56,6 +59,7 @@ EDGES = ["apps", "bench", *TESTS]
 THIRD_PARTY = [
     (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem", *TESTS]),
     (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem", *TESTS]),
+    (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", *TESTS]),
     (r"boost/", "Boost", ["server/net", "client/fly/net", *EDGES]),

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
@@ -15,32 +14,12 @@
 #include "base/rng.h"
 #include "terrain/build/build.h"
 #include "terrain/store/scene.h"
+#include "tests/support/files.h"
 
 namespace foreland::test {
 
 // Height in metres at a lattice position; NaN is a void.
 using HeightFunction = std::function<double(uint32_t x, uint32_t y)>;
-
-// A folder of its own that goes away with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "foreland-test-XXXXXX").string();
-    CHECK_TRUE(::mkdtemp(pattern.data()) != nullptr);
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Spacing 10 m, planar with the origin in the middle of the south-west quarter, or three arc seconds in the Alps.
 inline proto::Frame makeFrame(proto::FrameKind kind, uint32_t width, uint32_t height) {

@@ -2,25 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "terrain/store/format.h"
 #include "terrain/store/verify.h"
+#include "tests/support/files.h"
 #include "tests/support/scene.h"
 
 namespace foreland::terrain {
 namespace {
-
-std::vector<char> slurp(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-// Anew: file systems flush a file that is emptied and written again, which would take minutes here.
-void spit(const std::filesystem::path& path, const std::vector<char>& bytes) {
-  std::filesystem::remove(path);
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 class SceneFile : public testing::Test {
  protected:
@@ -33,7 +21,7 @@ class SceneFile : public testing::Test {
     source.info().crs_wkt = "GEOGCRS[\"nowhere\"]";
     source.info().notes = {"first note", "second\nnote"};
     ASSERT_TRUE(buildScene(source, {path}).ok());
-    bytes = slurp(path);
+    bytes = test::slurp(path);
   }
   // Reads everything a server might, so that a sanitizer sees every access.
   static void touch(const Scene& scene) {
@@ -63,20 +51,20 @@ TEST_F(SceneFile, HasTheSameBytesForAnyNumberOfThreads) {
     test::FormulaSource source(150, 131, test::hills(9), proto::FrameKind::kPlanar);
     ASSERT_TRUE(buildScene(source, {folder / std::to_string(threads), 0.1, threads}).ok());
   }
-  EXPECT_EQ(slurp(folder / "1"), slurp(folder / "2"));
-  EXPECT_EQ(slurp(folder / "1"), slurp(folder / "7"));
+  EXPECT_EQ(test::slurp(folder / "1"), test::slurp(folder / "2"));
+  EXPECT_EQ(test::slurp(folder / "1"), test::slurp(folder / "7"));
 }
 
 TEST_F(SceneFile, CutShortAnywhereIsRefused) {
   for (size_t size = 0; size < bytes.size(); size += 1 + size / 40) {
-    spit(folder / "cut.fls", {bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size)});
+    test::spit(folder / "cut.fls", {bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size)});
     const auto scene = Scene::open(folder / "cut.fls");
     ASSERT_FALSE(scene.ok()) << size;
     EXPECT_NE(scene.error().message.find("cut.fls"), std::string::npos);
   }
   auto longer = bytes;
   longer.push_back(0);
-  spit(folder / "cut.fls", longer);
+  test::spit(folder / "cut.fls", longer);
   EXPECT_FALSE(Scene::open(folder / "cut.fls").ok());
 }
 
@@ -86,7 +74,7 @@ TEST_F(SceneFile, AnyFlippedByteIsRefusedOrFoundAndNeverHarms) {
     const size_t at = i < 400 ? static_cast<size_t>(i) : rng.below(bytes.size());
     auto damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << rng.below(8)));
-    spit(folder / "flip.fls", damaged);
+    test::spit(folder / "flip.fls", damaged);
     if (const auto scene = Scene::open(folder / "flip.fls"); scene.ok()) touch(**scene);
     EXPECT_FALSE(verifyChecksums(folder / "flip.fls", 1).ok()) << "byte " << at;
   }
@@ -109,7 +97,7 @@ TEST_F(SceneFile, ForgedHeadersAreRefusedOrHarmless) {
           contentId(header, {table_bytes + header.sections[kChecksums].offset, header.sections[kChecksums].bytes});
     header.header_checksum = headerChecksum(header);
     std::memcpy(forged.data(), &header, sizeof(header));
-    spit(folder / "forged.fls", forged);
+    test::spit(folder / "forged.fls", forged);
     if (const auto scene = Scene::open(folder / "forged.fls"); scene.ok()) touch(**scene), ++opened;
   }
   EXPECT_GT(opened, 0);
@@ -121,7 +109,7 @@ TEST_F(SceneFile, RandomBytesAfterTheMagicAreRefused) {
     std::vector<char> random(kPageBytes + rng.below(10000));
     for (char& byte : random) byte = static_cast<char>(rng.next());
     if (i % 2) std::copy(kSceneMagic.begin(), kSceneMagic.end(), random.begin());
-    spit(folder / "random.fls", random);
+    test::spit(folder / "random.fls", random);
     EXPECT_FALSE(Scene::open(folder / "random.fls").ok());
   }
 }

@@ -1,0 +1,84 @@
+#include "apps/info_surface.h"
+
+#include <cinttypes>
+#include <cstdio>
+
+#include "terrain/surface/surface.h"
+
+namespace foreland::apps {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Summary {
+  std::string id;
+  const char* rule;
+  uint64_t border_edges = 0, nodes = 0, full_triangles = 0;
+  glm::dvec3 low, high;
+};
+
+Summary summarise(const terrain::MappedSurface& surface) {
+  const terrain::SurfaceHeader& h = surface.header();
+  const proto::MeshTopology& topology = surface.topology();
+  const proto::BaseMesh& base = topology.base();
+  const bool is_quad = topology.rule() == proto::MeshRule::kQuadrisection;
+  char id[17];
+  std::snprintf(id, sizeof(id), "%016" PRIx64, surface.id());
+  Summary s{.id = id, .rule = is_quad ? "quadrisection" : "bisection", .low = {}, .high = {}};
+  for (uint32_t e = 0; e < base.edgeCount(); ++e) s.border_edges += base.twin(base.first(e)) == proto::kNoHalfEdge;
+  terrain::forEachNode(topology, [&](proto::NodeId, proto::Slot) { ++s.nodes; });
+  // Each halving of all edges makes four of a triangle; bisection begins with three for each face.
+  s.full_triangles = (uint64_t{base.faceCount()} * (is_quad ? 1 : 3)) << (2 * topology.halvings());
+  s.low = h.step_m * glm::dvec3(h.low[0], h.low[1], h.low[2]);
+  s.high = h.step_m * glm::dvec3(h.high[0], h.high[1], h.high[2]);
+  return s;
+}
+
+}  // namespace
+
+ordered_json describeSurface(const std::string& path, const terrain::MappedSurface& surface) {
+  const Summary s = summarise(surface);
+  const proto::BaseMesh& base = surface.topology().base();
+  ordered_json about;
+  about["file"] = path;
+  about["kind"] = "surface";
+  about["title"] = surface.about().title;
+  about["id"] = s.id;
+  about["base"] = {{"vertices", base.vertexCount()},
+                   {"triangles", base.faceCount()},
+                   {"edges", base.edgeCount()},
+                   {"border_edges", s.border_edges}};
+  about["rule"] = s.rule;
+  about["levels"] = surface.topology().maxLevel();
+  about["nodes"] = s.nodes;
+  about["full_triangles"] = s.full_triangles;
+  about["low"] = {s.low.x, s.low.y, s.low.z};
+  about["high"] = {s.high.x, s.high.y, s.high.z};
+  about["step"] = surface.step_m();
+  about["image"] = {{"width", surface.atlas().width()},
+                    {"height", surface.atlas().height()},
+                    {"texels_per_base_edge", surface.atlas().side}};
+  about["notes"] = surface.about().notes;
+  return about;
+}
+
+void printSurface(const std::string& path, const terrain::MappedSurface& surface) {
+  const Summary s = summarise(surface);
+  const proto::BaseMesh& base = surface.topology().base();
+  std::printf("surface    %s\n", path.c_str());
+  std::printf("title      %s\n", surface.about().title.c_str());
+  std::printf("id         %s\n", s.id.c_str());
+  std::printf("base       %u triangles, %u vertices, %s\n", base.faceCount(), base.vertexCount(),
+              s.border_edges == 0 ? "closed" : (std::to_string(s.border_edges) + " border edges").c_str());
+  std::printf("hierarchy  %s, %d levels, %" PRIu64 " nodes, %" PRIu64 " triangles in all\n", s.rule,
+              surface.topology().maxLevel(), s.nodes, s.full_triangles);
+  std::printf("box        (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g), in steps of %g\n", s.low.x, s.low.y, s.low.z,
+              s.high.x, s.high.y, s.high.z, surface.step_m());
+  if (surface.atlas().side > 0)
+    std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),
+                surface.atlas().height(), surface.atlas().side);
+  for (const std::string& note : surface.about().notes) std::printf("note       %s\n", note.c_str());
+}
+
+}  // namespace foreland::apps

@@ -1,0 +1,14 @@
+// What a surface file holds, for `foreland info`. Main thread.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "terrain/surface_store/mapped_surface.h"
+
+namespace foreland::apps {
+
+nlohmann::ordered_json describeSurface(const std::string& path, const terrain::MappedSurface& surface);
+void printSurface(const std::string& path, const terrain::MappedSurface& surface);
+
+}  // namespace foreland::apps

@@ -1,0 +1,90 @@
+#include "terrain/surface_store/mapped_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "terrain/store/format.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr uint32_t kMostFaces = proto::BaseMesh::kMaxFaces;
+
+Status malformed(const char* what) { return Error{ErrorCode::kMalformed, what}; }
+
+// What can be said of the header alone; bounds all that sizes are computed from.
+Status checkNumbers(const SurfaceHeader& h) {
+  if (h.rule > static_cast<uint32_t>(proto::MeshRule::kBisection))
+    return malformed("its rule of refinement is unknown");
+  if (h.base_faces == 0 || h.base_faces > kMostFaces || h.base_vertices > proto::BaseMesh::kMaxVertices)
+    return malformed("its base mesh has too many or no faces");
+  if (h.error_shape > static_cast<uint32_t>(proto::ErrorShape::kHoppe) || h.reserved != 0)
+    return malformed("its error shape is unknown");
+  if (!(h.step_m > 0) || !std::isfinite(h.step_m)) return malformed("its step is no positive number");
+  for (int axis = 0; axis < 3; ++axis)
+    if (h.low[axis] > h.high[axis]) return malformed("its box is empty");
+  if (h.atlas_side > AtlasLayout::kMaxPixels || h.atlas_columns > AtlasLayout::kMaxPixels ||
+      (h.atlas_side == 0) != (h.atlas_columns == 0))
+    return malformed("its image has an impossible size");
+  const AtlasLayout atlas{h.base_faces, h.atlas_side, h.atlas_columns};
+  if (atlas.width() > AtlasLayout::kMaxPixels || atlas.height() > AtlasLayout::kMaxPixels)
+    return malformed("its image has an impossible size");
+  return {};
+}
+
+// The sections must lie where the header's numbers put them.
+Status checkPlaces(const SurfaceHeader& header) {
+  const uint64_t text_bytes = header.sections[kSurfaceText].bytes;
+  if (text_bytes > kMaxTextBytes) return malformed("its text is too long");
+  SurfaceHeader expected = header;
+  if (placeSurface(expected, text_bytes) != header.file_bytes ||
+      !std::equal(std::begin(expected.sections), std::end(expected.sections), std::begin(header.sections)))
+    return malformed("its sections are not where they belong");
+  return {};
+}
+
+}  // namespace
+
+bool MappedSurface::isClosed() const {
+  const proto::BaseMesh& base = topology_.base();
+  for (uint32_t e = 0; e < base.edgeCount(); ++e)
+    if (base.twin(base.first(e)) == proto::kNoHalfEdge) return false;
+  return true;
+}
+
+bool isSurfaceFile(const std::filesystem::path& path) {
+  std::array<char, 8> magic{};
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(path, failed)) return false;
+  return std::ifstream(path, std::ios::binary).read(magic.data(), magic.size()) && magic == kSurfaceMagic;
+}
+
+Result<std::shared_ptr<const MappedSurface>> MappedSurface::open(const std::filesystem::path& path) {
+  auto file = MappedFile::open(path);
+  if (!file.ok()) return file.error();
+  const auto header = readHeader<SurfaceHeader>(file->span(), path);
+  if (!header.ok()) return header.error();
+  for (const auto check : {checkNumbers, checkPlaces})
+    if (const Status status = check(*header); !status.ok()) return damagedFile(path, status.error().message);
+
+  const auto faces = file->section<proto::BaseFace>(header->sections[kSurfaceFaces]);
+  auto topology = proto::MeshTopology::create({static_cast<proto::MeshRule>(header->rule),
+                                               header->halvings,
+                                               header->base_vertices,
+                                               {faces.begin(), faces.end()}});
+  if (!topology.ok()) return damagedFile(path, topology.error().message);
+  if (topology->slotCount() != header->slot_count) return damagedFile(path, "its sizes contradict each other");
+  std::shared_ptr<MappedSurface> surface(
+      new MappedSurface(std::move(file).value(), *header, std::move(topology).value()));
+  if (contentId(*header, surface->section<uint8_t>(kSurfaceChecksums)) != header->scene_id)
+    return damagedFile(path, "its table of checksums is damaged");
+  if (Status text = decodeText(surface->section<uint8_t>(kSurfaceText), surface->about_); !text.ok())
+    return damagedFile(path, text.error().message);
+  return std::shared_ptr<const MappedSurface>(std::move(surface));
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,63 @@
+// A surface's file mapped into memory. Immutable after open; any thread. Opening checks magic, version, sizes, the base
+// mesh and the header's checksum; block checksums are checked by verifySurface, so opening costs the same for any
+// depth.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "base/result.h"
+#include "proto/mesh_topology.h"
+#include "terrain/store/mapped_file.h"
+#include "terrain/store/scene.h"
+#include "terrain/store/verify.h"
+#include "terrain/surface_store/surface_format.h"
+
+namespace foreland::terrain {
+
+class MappedSurface {
+ public:
+  static Result<std::shared_ptr<const MappedSurface>> open(const std::filesystem::path& path);
+
+  const proto::MeshTopology& topology() const { return topology_; }
+  const SurfaceHeader& header() const { return header_; }
+  ByteSpan file() const { return file_.span(); }
+  uint64_t id() const { return header_.scene_id; }  // names this very content
+  const SceneOrigin& about() const { return about_; }
+  bool isClosed() const;  // no base edge has one face only
+
+  double step_m() const { return header_.step_m; }
+  proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
+  // Steps; by base vertex (centres of faces behind them, by bisection), and by slot. Padding holds zeros.
+  std::span<const glm::ivec3> basePositions() const { return section<glm::ivec3>(kSurfaceVertices); }
+  std::span<const proto::SurfaceRecord> nodes() const { return section<proto::SurfaceRecord>(kSurfaceNodes); }
+  const glm::ivec3& steps(proto::NodeId v) const {
+    return topology_.isBase(v) ? basePositions()[proto::baseVertexOf(v)] : nodes()[topology_.slot(v)].position;
+  }
+
+  AtlasLayout atlas() const { return {header_.base_faces, header_.atlas_side, header_.atlas_columns}; }
+  std::span<const Texel> texels() const { return section<Texel>(kSurfaceTexels); }
+
+ private:
+  MappedSurface(MappedFile file, const SurfaceHeader& header, proto::MeshTopology topology)
+      : file_(std::move(file)), header_(header), topology_(std::move(topology)) {}
+  template <class T>
+  std::span<const T> section(SurfaceSection kind) const {
+    return file_.section<T>(header_.sections[kind]);
+  }
+
+  MappedFile file_;
+  SurfaceHeader header_;
+  proto::MeshTopology topology_;
+  SceneOrigin about_;
+};
+
+// Whether the file begins as a surface's does. False if it cannot be read.
+[[nodiscard]] bool isSurfaceFile(const std::filesystem::path& path);
+
+// Checks every block's checksum and the invariants of the nodes, reading the whole file once. Error: it could not be
+// opened as a surface. Uses threads of its own while it runs.
+[[nodiscard]] Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads = 0);
+
+}  // namespace foreland::terrain

@@ -1,0 +1,57 @@
+// The bytes of a surface's file, as docs/SCENE_FORMAT.md has them; change both, and kSurfaceVersion, together. Pure;
+// any thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "base/result.h"
+#include "proto/mesh_topology.h"
+#include "proto/surface_bounds.h"
+#include "terrain/store/sections.h"
+#include "terrain/surface_store/atlas_layout.h"
+
+namespace foreland::terrain {
+
+inline constexpr std::array<char, 8> kSurfaceMagic{'F', 'O', 'R', 'E', 'S', 'U', 'R', 'F'};
+inline constexpr uint32_t kSurfaceVersion = 1;
+
+using Texel = uint32_t;  // red, green, blue, alpha, from the lowest byte; sRGB
+
+enum SurfaceSection : uint32_t {
+  kSurfaceText,
+  kSurfaceFaces,
+  kSurfaceVertices,
+  kSurfaceNodes,
+  kSurfaceTexels,
+  kSurfaceChecksums,
+  kSurfaceSectionCount
+};
+
+struct SurfaceHeader {
+  std::array<char, 8> magic = kSurfaceMagic;
+  uint32_t version = kSurfaceVersion;
+  uint32_t byte_order = kByteOrderMark;
+  uint64_t file_bytes = 0;
+  uint64_t scene_id = 0;
+  uint64_t header_checksum = 0;
+  uint32_t rule = 0, halvings = 0, base_vertices = 0, base_faces = 0;
+  uint32_t atlas_side = 0, atlas_columns = 0;
+  uint32_t error_shape = 0, reserved = 0;
+  double step_m = 0;
+  int32_t low[3]{}, high[3]{};  // of all positions
+  uint64_t slot_count = 0;
+  SectionPlace sections[kSurfaceSectionCount];
+};
+static_assert(sizeof(SurfaceHeader) == 208 && std::is_trivially_copyable_v<SurfaceHeader>);
+static_assert(offsetof(SurfaceHeader, step_m) == 72 && offsetof(SurfaceHeader, sections) == 112);
+
+// Base vertices with a position: those of the base mesh and, by bisection, the faces' centres.
+uint64_t storedVertices(const SurfaceHeader& header);
+
+// Where everything goes, and how many bytes the file has, for the numbers in the header and so much text.
+uint64_t placeSurface(SurfaceHeader& header, uint64_t text_bytes);
+
+}  // namespace foreland::terrain

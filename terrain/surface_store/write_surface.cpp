@@ -1,0 +1,61 @@
+#include "terrain/surface_store/write_surface.h"
+
+#include <algorithm>
+#include <cstring>
+#include <glm/common.hpp>
+
+#include "base/check.h"
+#include "terrain/store/format.h"
+#include "terrain/store/seal.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+void measure(const Surface& surface, SurfaceHeader& header) {
+  glm::ivec3 low = surface.base.front(), high = low;
+  const auto include = [&](const glm::ivec3& p) { low = glm::min(low, p), high = glm::max(high, p); };
+  for (const glm::ivec3& p : surface.base) include(p);
+  forEachNode(surface.topology, [&](proto::NodeId, proto::Slot slot) { include(surface.nodes[slot]); });
+  for (int axis = 0; axis < 3; ++axis) header.low[axis] = low[axis], header.high[axis] = high[axis];
+}
+
+SurfaceHeader headerOf(const SurfaceContent& content) {
+  const proto::MeshTopology& topology = content.surface.topology;
+  SurfaceHeader header;
+  header.rule = static_cast<uint32_t>(topology.rule()), header.halvings = topology.halvings();
+  header.base_vertices = topology.base().vertexCount(), header.base_faces = topology.base().faceCount();
+  header.atlas_side = content.atlas.side, header.atlas_columns = content.atlas.columns;
+  header.error_shape = static_cast<uint32_t>(content.error_shape);
+  header.step_m = content.surface.step_m;
+  header.slot_count = topology.slotCount();
+  measure(content.surface, header);
+  return header;
+}
+
+template <class T>
+void fill(const NewFile& file, const SectionPlace& place, std::span<const T> from) {
+  CHECK_EQ(place.bytes, from.size_bytes());
+  if (!from.empty()) std::memcpy(file.data() + place.offset, from.data(), from.size_bytes());
+}
+
+}  // namespace
+
+Result<uint64_t> writeSurface(const std::filesystem::path& target, const SurfaceContent& content) {
+  const Surface& surface = content.surface;
+  const Bytes text = encodeText(content.about);
+  if (text.size() > kMaxTextBytes)
+    return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
+  SurfaceHeader header = headerOf(content);
+  header.file_bytes = placeSurface(header, text.size());
+  auto file = NewFile::create(target, header.file_bytes);
+  if (!file.ok()) return file.error();
+  fill<uint8_t>(*file, header.sections[kSurfaceText], text);
+  fill<proto::BaseFace>(*file, header.sections[kSurfaceFaces], surface.topology.base().faces());
+  fill<glm::ivec3>(*file, header.sections[kSurfaceVertices], surface.base);
+  fill<proto::SurfaceRecord>(*file, header.sections[kSurfaceNodes], content.records);
+  fill<Texel>(*file, header.sections[kSurfaceTexels], content.texels);
+  return sealFile(*file, header.sections[kSurfaceChecksums], header);
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,29 @@
+// Writes a surface's file, whole or not at all (terrain/store/new_file.h). Any thread.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "base/result.h"
+#include "proto/surface_bounds.h"
+#include "terrain/store/scene.h"
+#include "terrain/surface/surface.h"
+#include "terrain/surface_store/surface_format.h"
+
+namespace foreland::terrain {
+
+// What goes into the file; the caller keeps it alive.
+struct SurfaceContent {
+  const Surface& surface;
+  std::span<const proto::SurfaceRecord> records;  // by slot (terrain/surface/bounds.h)
+  proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
+  AtlasLayout atlas{};              // without an image if there are no colours
+  std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top
+  SceneOrigin about{};
+};
+
+// Returns the id of the content. Errors: the disk's, and more than 16 MiB of text. Content that contradicts itself is
+// the caller's mistake and checked.
+[[nodiscard]] Result<uint64_t> writeSurface(const std::filesystem::path& target, const SurfaceContent& content);
+
+}  // namespace foreland::terrain
