@@ -27,8 +27,9 @@ struct Subcommand {
 constexpr std::array kSubcommands{
     Subcommand{"build", "make a scene file from elevation data"},
     Subcommand{"synth", "make a synthetic mountain landscape"},
-    Subcommand{"info", "print what a scene file holds"},
-    Subcommand{"verify", "check a scene file's checksums and invariants"},
+    Subcommand{"remesh", "make a surface file from a polygon model"},
+    Subcommand{"info", "print what a scene or surface file holds"},
+    Subcommand{"verify", "check a file's checksums and invariants"},
     Subcommand{"serve", "serve a scene to viewers, and the page that shows it"},
     Subcommand{"fly", "fly through a served scene without a screen, and report"},
     Subcommand{"bench", "run a measurement"},

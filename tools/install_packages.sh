@@ -7,6 +7,7 @@ readonly build_packages=(
   ca-certificates git cmake ninja-build g++ ccache python3
   libgdal-dev gdal-bin proj-data
   libopenexr-dev
+  libpng-dev
   libgeographiclib-dev
   libglm-dev
   libembree-dev libtbb-dev

@@ -29,16 +29,7 @@ CrossingFinder::CrossingFinder(const Original& surface, const Base& base, const 
 
 LatticeCell CrossingFinder::cellOf(const SurfacePoint& on_original) const {
   const SurfacePoint at = base_.map.carryForth(on_original);
-  const uint32_t face = names_[at.face], n = lattice_.side();
-  const double x = at.weights.y * n, y = at.weights.z * n;
-  const auto i = static_cast<uint32_t>(std::min(std::floor(x), n - 1.0));
-  const uint32_t j = std::min(static_cast<uint32_t>(y), n - 1 - i);
-  const double u = x - i, v = y - j;
-  if (u + v <= 1 || i + j == n - 1)
-    return {{lattice_.vertex(face, i, j), lattice_.vertex(face, i + 1, j), lattice_.vertex(face, i, j + 1)},
-            cleanWeights({1 - u - v, u, v})};
-  return {{lattice_.vertex(face, i + 1, j), lattice_.vertex(face, i + 1, j + 1), lattice_.vertex(face, i, j + 1)},
-          cleanWeights({1 - v, u + v - 1, 1 - u})};
+  return lattice_.cellAt(names_[at.face], at.weights);
 }
 
 // One crease edge, from `t` to `t` along it.

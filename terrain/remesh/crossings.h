@@ -11,12 +11,6 @@
 
 namespace foreland::terrain {
 
-// The triangle of the lattice that holds a place, and the weights of its corners.
-struct LatticeCell {
-  Triangle vertices{};
-  glm::dvec3 weights{1, 0, 0};
-};
-
 // A crease crosses the lattice edge between two vertices, `share` of the way from the first to the second.
 struct Crossing {
   std::array<uint32_t, 2> ends{};

@@ -1,8 +1,10 @@
 #include "terrain/remesh/lattice.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/check.h"
+#include "terrain/remesh/surface_point.h"
 
 namespace foreland::terrain {
 
@@ -66,6 +68,18 @@ std::vector<Triangle> Lattice::triangles() const {
   for (uint32_t f = 0; f < faces_.size(); ++f)
     for (uint32_t t = 0; t < side_ * side_; ++t) all.push_back(triangle(f, t));
   return all;
+}
+
+LatticeCell Lattice::cellAt(uint32_t face, const glm::dvec3& weights) const {
+  const uint32_t n = side_;
+  const double x = weights.y * n, y = weights.z * n;
+  const auto i = static_cast<uint32_t>(std::min(std::floor(x), n - 1.0));
+  const uint32_t j = std::min(static_cast<uint32_t>(y), n - 1 - i);
+  const double u = x - i, v = y - j;
+  if (u + v <= 1 || i + j == n - 1)
+    return {{vertex(face, i, j), vertex(face, i + 1, j), vertex(face, i, j + 1)}, cleanWeights({1 - u - v, u, v})};
+  return {{vertex(face, i + 1, j), vertex(face, i + 1, j + 1), vertex(face, i, j + 1)},
+          cleanWeights({1 - v, u + v - 1, 1 - u})};
 }
 
 }  // namespace foreland::terrain

@@ -4,11 +4,18 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "terrain/remesh/original.h"
 
 namespace foreland::terrain {
+
+// The triangle of the lattice that holds a place, and the weights of its corners.
+struct LatticeCell {
+  Triangle vertices{};
+  glm::dvec3 weights{1, 0, 0};
+};
 
 class Lattice {
  public:
@@ -36,6 +43,8 @@ class Lattice {
   // Triangle number `t` of the side()^2 of a face, turned as the face is.
   Triangle triangle(uint32_t face, uint32_t t) const;
   std::vector<Triangle> triangles() const;  // all, face after face
+  // That holds the point at `weights` of a face's corners.
+  LatticeCell cellAt(uint32_t face, const glm::dvec3& weights) const;
 
  private:
   uint32_t side_, base_vertices_, vertex_count_;

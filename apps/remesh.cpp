@@ -1,0 +1,192 @@
+// foreland-remesh: a polygon model in, one surface file out, and a report of how far it is from the model. Exit codes:
+// 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "apps/options.h"
+#include "apps/remesh_report.h"
+#include "terrain/model/png.h"
+#include "terrain/model/read_model.h"
+#include "terrain/remesh/paint.h"
+#include "terrain/remesh/remesh.h"
+#include "terrain/remesh/surface_of.h"
+#include "terrain/surface/bounds.h"
+#include "terrain/surface_store/write_surface.h"
+
+namespace {
+
+using namespace foreland;
+using Clock = std::chrono::steady_clock;
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void onSignal(int) { stop_requested = true; }
+
+struct Arguments {
+  std::filesystem::path input, output;
+  terrain::RemeshOptions remesh;
+  std::optional<double> step;
+  std::optional<uint32_t> texels;
+  proto::MeshRule rule = proto::MeshRule::kQuadrisection;
+  bool json = false;
+};
+
+CLI::Validator isPositive() {
+  return {[](std::string& text) {
+            double value = 0;
+            const bool is_number = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
+            return is_number ? std::string() : text + " is no positive number";
+          },
+          "LENGTH"};
+}
+
+void describeOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("MODEL", arguments.input, "A polygon model: .obj or .ply, closed or with borders")->required();
+  app.add_option("-o,--output", arguments.output, "The surface file to write")->required();
+  app.add_option("--levels", arguments.remesh.levels, "Times that each base triangle is cut into four")
+      ->check(CLI::Range(1, terrain::Lattice::kMaxLevels))
+      ->capture_default_str();
+  app.add_option("--base-triangles", arguments.remesh.base_triangles, "About how many triangles the base mesh has")
+      ->check(CLI::Range(4u, proto::BaseMesh::kMaxFaces))
+      ->capture_default_str();
+  static const std::map<std::string, proto::MeshRule> rules{{"quadrisection", proto::MeshRule::kQuadrisection},
+                                                            {"bisection", proto::MeshRule::kBisection}};
+  app.add_option_function<std::string>(
+         "--rule", [&](const std::string& name) { arguments.rule = rules.at(name); },
+         "How triangles are cut: into four; or in two, twice a level, after each face's centre is put in")
+      ->check(CLI::IsMember(std::vector<std::string>{"quadrisection", "bisection"}));
+  app.add_option("--attempts", arguments.remesh.attempts, "Base meshes tried; each learns from the one before")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option(
+         "--step", arguments.step,
+         "Positions are whole multiples of so many of the model's units; by default about a millionth of its size")
+      ->check(isPositive());
+  app.add_option("--texels", arguments.texels,
+                 "Intervals of colour along a base edge; by default as fine as the model's colours; 0 for none")
+      ->check(CLI::Range(0u, terrain::AtlasLayout::kMaxPixels));
+  app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one a processor")
+      ->check(CLI::Range(0u, 1024u));
+  app.add_flag("--json", arguments.json, "Print the report as JSON");
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland remesh: %s\n", error.message.c_str());
+  return 2;
+}
+
+Status checkOutput(const Arguments& arguments) {
+  std::error_code failed;
+  const std::filesystem::path& output = arguments.output;
+  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
+  if (std::filesystem::is_directory(output, failed))
+    return Error{ErrorCode::kInvalidArgument, output.string() + ": a directory; name the surface file in it"};
+  if (!std::filesystem::is_directory(folder, failed))
+    return Error{ErrorCode::kNotFound, output.string() + ": there is no directory " + folder.string()};
+  if (std::filesystem::equivalent(arguments.input, output, failed))
+    return Error{ErrorCode::kInvalidArgument, output.string() + ": is the model; name another file with -o"};
+  return {};
+}
+
+// Textures that cannot be read are noted, and the material's own colour stands for them.
+std::vector<terrain::Image> readTextures(const terrain::Model& model, std::vector<std::string>& notes) {
+  std::vector<terrain::Image> textures(model.materials.size());
+  for (size_t i = 0; i < textures.size(); ++i) {
+    if (model.materials[i].texture.empty()) continue;
+    auto image = terrain::readPng(model.materials[i].texture);
+    if (image.ok())
+      textures[i] = std::move(image).value();
+    else
+      notes.push_back("without the texture of material '" + model.materials[i].name + "': " + image.error().message);
+  }
+  return textures;
+}
+
+// What is said and shown of a surface, beside its shape.
+struct Finished {
+  terrain::Painted painted;
+  terrain::SceneOrigin about;
+};
+
+Status addColours(const Arguments& arguments, const terrain::Model& model, const terrain::Original& original,
+                  const terrain::Remeshed& remeshed, Finished& finished) {
+  const std::vector<terrain::Image> textures = readTextures(model, finished.about.notes);
+  const terrain::Palette palette{model, textures};
+  if (!terrain::hasColours(palette) || arguments.texels == 0u) return {};
+  const uint32_t side = arguments.texels.value_or(
+      terrain::chooseSide(palette, original, static_cast<uint32_t>(remeshed.base_faces.size())));
+  auto painted = terrain::paint(palette, original, remeshed, side, arguments.remesh.threads);
+  if (!painted.ok()) return painted.error();
+  finished.painted = std::move(painted).value();
+  return {};
+}
+
+void noteRepairs(const terrain::Original& original, std::vector<std::string>& notes) {
+  if (original.welded > 0)
+    notes.push_back(std::to_string(original.welded) + " vertices welded to others at their place");
+  if (original.turned > 0) notes.push_back(std::to_string(original.turned) + " faces turned over");
+}
+
+int remesh(Arguments& arguments) {
+  const Clock::time_point begun = Clock::now();
+  if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
+  const auto model = terrain::readModel(arguments.input);
+  if (!model.ok()) return fail(model.error());
+  const auto original = terrain::makeOriginal(*model);
+  if (!original.ok()) return fail(original.error());
+  const double step = arguments.step.value_or(terrain::defaultStep(original->positions));
+  if (Status s = terrain::checkStep(original->positions, step); !s.ok()) return fail(s.error());
+  arguments.remesh.keep_going = [](int) { return !stop_requested.load(); };
+  const auto remeshed = terrain::remesh(*original, arguments.remesh);
+  if (!remeshed.ok()) return fail(remeshed.error());
+
+  const auto surface = terrain::surfaceOf(*remeshed, arguments.rule, step);
+  if (!surface.ok()) return fail(surface.error());
+  Finished finished;
+  finished.about.title = arguments.input.filename().string();
+  noteRepairs(*original, finished.about.notes);
+  if (Status s = addColours(arguments, *model, *original, *remeshed, finished); !s.ok()) return fail(s.error());
+  apps::RemeshReport report = apps::judgeRemesh(*original, *surface, arguments.remesh.threads);
+  report.atlas = finished.painted.atlas;
+  finished.about.notes.push_back(apps::sentence(report));
+  const auto records = terrain::computeBounds(
+      *surface, {.threads = arguments.remesh.threads, .onProgress = [](double) { return !stop_requested.load(); }});
+  if (stop_requested) return fail({ErrorCode::kInvalidArgument, "stopped; nothing was written"});
+  const auto id = terrain::writeSurface(arguments.output, {.surface = *surface,
+                                                           .records = records,
+                                                           .atlas = finished.painted.atlas,
+                                                           .texels = finished.painted.texels,
+                                                           .about = finished.about});
+  if (!id.ok()) return fail(id.error());
+  report.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+  for (const std::string& note : finished.about.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  apps::printReport(report, arguments.output, *id, arguments.json);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Makes a surface of a polygon model: a base mesh, and where each vertex of its refinement lies.",
+               "foreland remesh"};
+  Arguments arguments;
+  describeOptions(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) { return app.exit(asked); } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "foreland remesh: %s (see foreland remesh --help)\n", error.what());
+    return 2;
+  }
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+  return remesh(arguments);
+}

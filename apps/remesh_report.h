@@ -1,0 +1,36 @@
+// What `foreland remesh` says of its work. Main thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "terrain/remesh/original.h"
+#include "terrain/surface/surface.h"
+#include "terrain/surface_store/atlas_layout.h"
+
+namespace foreland::apps {
+
+struct RemeshReport {
+  uint64_t original_vertices = 0, original_triangles = 0;
+  uint64_t base_vertices = 0, base_triangles = 0, full_triangles = 0;
+  int levels = 0;
+  double diagonal = 0;  // of the original's box, in its units
+  // Largest distance of a point of one surface from the other, as shares of the diagonal. The true ones are at most
+  // `tolerance` larger.
+  double to_original = 0, to_surface = 0, tolerance = 0;
+  uint64_t flipped = 0;
+  double step = 0;
+  terrain::AtlasLayout atlas;
+  double seconds = 0;
+
+  double hausdorff() const { return to_original > to_surface ? to_original : to_surface; }
+};
+
+// Of the positions as the surface holds them; the image is the caller's to fill in.
+RemeshReport judgeRemesh(const terrain::Original& original, const terrain::Surface& surface, unsigned threads);
+
+std::string sentence(const RemeshReport& report);
+void printReport(const RemeshReport& report, const std::filesystem::path& output, uint64_t id, bool as_json);
+
+}  // namespace foreland::apps

@@ -1,0 +1,26 @@
+// PNG images, through libpng, which stays here. Any bytes end in an Image or an Error that names the file. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "base/result.h"
+#include "terrain/model/model.h"
+
+namespace foreland::terrain {
+
+// Row by row from the top.
+struct Image {
+  uint32_t width = 0, height = 0;
+  std::vector<Colour> pixels;
+
+  const Colour& at(uint32_t x, uint32_t y) const { return pixels[uint64_t{y} * width + x]; }
+};
+
+inline constexpr uint64_t kMaxImagePixels = 1u << 28;  // a gigabyte
+
+// Of any depth and kind; becomes 8 bits a channel, sRGB.
+[[nodiscard]] Result<Image> readPng(const std::filesystem::path& path);
+
+}  // namespace foreland::terrain

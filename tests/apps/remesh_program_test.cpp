@@ -1,0 +1,128 @@
+// `foreland remesh` as people run it: a model becomes a file that info and verify know; bad models are refused by name.
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/expect_refusal.h"
+#include "tests/support/files.h"
+#include "tests/support/models.h"
+
+namespace foreland::test {
+namespace {
+
+class RemeshProgram : public testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  std::string output() const { return folder_ / "out.fls"; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RemeshProgram, AModelBecomesAFileThatInfoAndVerifyKnow) {
+  const std::string model = write("torus.obj", toObj(makeTorus(40, 20)));
+  const Outcome made = runProgram(
+      "remesh", {model, "-o", output(), "--levels", "3", "--base-triangles", "80", "--attempts", "3", "--json"},
+      {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(made.exit_code, 0);
+  const auto report = nlohmann::json::parse(made.output, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << made.output;
+  EXPECT_EQ(report["base"]["triangles"], 80);
+  EXPECT_EQ(report["full_triangles"], 80 * 64);
+  EXPECT_EQ(report["flipped"], 0);
+  EXPECT_LT(report["hausdorff"]["share_of_diagonal"], 0.01);
+
+  const Outcome info = runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly});
+  const auto about = nlohmann::json::parse(info.output, nullptr, false);
+  ASSERT_FALSE(about.is_discarded()) << info.output;
+  EXPECT_EQ(about["kind"], "surface");
+  EXPECT_EQ(about["id"], report["id"]);
+  EXPECT_EQ(about["base"]["border_edges"], 0);
+  EXPECT_EQ(about["full_triangles"], report["full_triangles"]);
+  EXPECT_NE(runProgram("info", {output()}).output.find("closed"), std::string::npos);
+  const Outcome verified = runProgram("verify", {output()});
+  EXPECT_EQ(verified.exit_code, 0) << verified.output;
+  EXPECT_NE(verified.output.find(output() + ": sound"), std::string::npos) << verified.output;
+}
+
+TEST_F(RemeshProgram, VerifyFindsAFlippedByteAnywhere) {
+  ASSERT_EQ(runProgram("remesh", {write("a.obj", toObj(makeSphere(3))), "-o", output(), "--levels", "3",
+                                  "--base-triangles", "20", "--attempts", "1"})
+                .exit_code,
+            0);
+  const auto bytes = slurp(output());
+  for (const double share : {0.0, 0.001, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999}) {
+    auto damaged = bytes;
+    damaged[static_cast<size_t>(share * static_cast<double>(bytes.size()))] ^= 0x10;
+    spit(output(), damaged);
+    expectRefusal("verify", {output()}, {output()});
+  }
+}
+
+TEST_F(RemeshProgram, TheSameModelGivesTheSameBytesForAnyNumberOfThreads) {
+  const std::string model = write("patch.obj", toObj(makePatch(16)));
+  for (const char* threads : {"1", "3"})
+    ASSERT_EQ(runProgram("remesh", {model, "-o", folder_ / threads, "--levels", "3", "--base-triangles", "30",
+                                    "--attempts", "2", "--threads", threads})
+                  .exit_code,
+              0);
+  EXPECT_EQ(slurp(folder_ / "1"), slurp(folder_ / "3"));
+}
+
+TEST_F(RemeshProgram, TexturesComeAlongAndThoseThatAreMissingAreNoted) {
+  terrain::Model model = makePatch(8);
+  for (size_t c = 0; c < model.corners.size(); ++c) {
+    const glm::dvec3& p = model.positions[model.corners[c].vertex];
+    model.corners[c].texture = static_cast<uint32_t>(c);
+    model.texture_coordinates.emplace_back(p.x, p.y);
+  }
+  write("skin.mtl", "newmtl skin\nKd 0 1 0\nmap_Kd skin.png\n");
+  const std::string path = write("patch.obj", "mtllib skin.mtl\nusemtl skin\n" + toObj(model));
+  const std::vector<std::string> arguments{path, "-o",         output(), "--levels", "3", "--base-triangles",
+                                           "16", "--attempts", "1"};
+  const Outcome without = runProgram("remesh", arguments);
+  EXPECT_EQ(without.exit_code, 0) << without.output;
+  EXPECT_NE(without.output.find("without the texture of material 'skin'"), std::string::npos) << without.output;
+  EXPECT_NE(without.output.find("skin.png"), std::string::npos) << without.output;
+
+  std::vector<uint32_t> pixels(64 * 64, 0xff0000ff);
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION, png.width = png.height = 64, png.format = PNG_FORMAT_RGBA;
+  ASSERT_TRUE(png_image_write_to_file(&png, std::string(folder_ / "skin.png").c_str(), 0, pixels.data(), 0, nullptr));
+  const Outcome with = runProgram("remesh", arguments);
+  EXPECT_EQ(with.exit_code, 0) << with.output;
+  EXPECT_EQ(with.output.find("without"), std::string::npos) << with.output;
+  const auto about = nlohmann::json::parse(
+      runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly}).output, nullptr, false);
+  // 64 x 64 texels over 16 half-squares: 22 or 23 along an edge.
+  EXPECT_NEAR(about["image"]["texels_per_base_edge"], 22.6, 1.5);
+  EXPECT_EQ(about["base"]["border_edges"].get<int>() > 0, true);
+}
+
+TEST_F(RemeshProgram, BadModelsAndOptionsAreRefusedByName) {
+  const std::string crowded =
+      write("crowded.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const std::string empty = write("empty.obj", "");
+  const std::string huge = write("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string good = write("good.obj", toObj(makeSphere(2)));
+  expectRefusal("remesh", {crowded, "-o", output()}, {crowded, "face 3", "vertex 1", "vertex 2"});
+  expectRefusal("remesh", {empty, "-o", output()}, {empty, "no face"});
+  expectRefusal("remesh", {huge, "-o", output()}, {huge, "vertex 2", "1e9"});
+  expectRefusal("remesh", {folder_ / "missing.obj", "-o", output()}, {"missing.obj"});
+  expectRefusal("remesh", {good, "-o", folder_ / "nowhere" / "out.fls"}, {"nowhere"});
+  expectRefusal("remesh", {good, "-o", good}, {"is the model"});
+  expectRefusal("remesh", {good, "-o", folder_.path()}, {"directory"});
+  expectRefusal("remesh", {good, "-o", output(), "--levels", "0"}, {"--levels", "--help"});
+  expectRefusal("remesh", {good, "-o", output(), "--step", "nan"}, {"nan"});
+  expectRefusal("remesh", {good, "-o", output(), "--step", "1e-15"}, {"coarser"});
+  expectRefusal("remesh", {good, "-o", output(), "--levels", "2", "--attempts", "1"}, {"cannot reserve"},
+                {.largest_file_bytes = 1000});
+  EXPECT_EQ(filesIn(folder_.path()), 4u);
+}
+
+}  // namespace
+}  // namespace foreland::test
