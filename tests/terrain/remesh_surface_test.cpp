@@ -16,8 +16,8 @@ namespace {
 using glm::dvec3;
 
 struct Torus {
-  Original original = makeOriginal(test::makeTorus(64, 32)).value();
-  Remeshed remeshed = remesh(original, {.base_triangles = 100, .levels = 4, .attempts = 1}).value();
+  Original original = makeOriginal(test::makeTorus(40, 20)).value();
+  Remeshed remeshed = remesh(original, {.base_triangles = 80, .levels = 3, .attempts = 1}).value();
 };
 
 TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
@@ -28,8 +28,8 @@ TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
   ASSERT_TRUE(surface.ok());
   const Lattice& lattice = torus.remeshed.lattice;
   for (uint32_t face = 0; face < torus.remeshed.base_faces.size(); ++face)
-    for (int32_t j = 0; j <= 16; ++j)
-      for (int32_t i = 0; i + j <= 16; ++i) {
+    for (int32_t j = 0; j <= 8; ++j)
+      for (int32_t i = 0; i + j <= 8; ++i) {
         const dvec3& wanted =
             torus.remeshed.positions[lattice.vertex(face, static_cast<uint32_t>(i), static_cast<uint32_t>(j))];
         const proto::NodeId name = surface->topology.quad().name({face, i, j});
@@ -48,9 +48,9 @@ TEST(SurfaceOf, BothRulesLieNextToTheOriginalAndDoNotFold) {
     for (size_t v = 0; v < surface->topology.baseVertexCount() + size_t{surface->topology.slotCount()}; ++v)
       positions.push_back(full.position(v));
     forEachNode(surface->topology,
-                [&](proto::NodeId n, proto::Slot) { EXPECT_LT(closest.find(surface->position(n)).distance, 0.01); });
+                [&](proto::NodeId n, proto::Slot) { EXPECT_LT(closest.find(surface->position(n)).distance, 0.02); });
     EXPECT_TRUE(findFlipped({positions, full.triangles()}, closest, 2).empty());
-    EXPECT_LT(largestDistance({positions, full.triangles()}, closest, 1e-3, 2), 0.01);
+    EXPECT_LT(largestDistance({positions, full.triangles()}, closest, 1e-3, 2), 0.02);
   }
 }
 
@@ -70,7 +70,7 @@ TEST(PlaceUnder, MeetsLatticeVerticesAndLiesNextToTheFullMesh) {
       for (int i = 0; i < 3; ++i) drawn += cell.weights[i] * remeshed.positions[cell.vertices[static_cast<size_t>(i)]];
       const dvec3 under =
           placeOf(placeUnder(original, remeshed, face, {1 - u - v, u, v}), original.positions, original.faces);
-      EXPECT_LT(glm::distance(drawn, under), 0.02);
+      EXPECT_LT(glm::distance(drawn, under), 0.03);
     }
 }
 

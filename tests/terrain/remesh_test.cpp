@@ -47,8 +47,10 @@ double diagonal(const std::vector<dvec3>& positions) {
   return glm::length(high - low);
 }
 
+constexpr double kTolerance = 5e-4;  // of the diagonal
+
 struct Judged {
-  double hausdorff = 0;  // as a share of the diagonal
+  double hausdorff = 0;  // as a share of the diagonal; an upper bound
   size_t flipped = 0;
 };
 Judged judge(const Original& surface, const Remeshed& made) {
@@ -56,9 +58,9 @@ Judged judge(const Original& surface, const Remeshed& made) {
   const MeshView of{surface.positions, surface.faces}, by{made.positions, triangles};
   const double size = diagonal(surface.positions);
   const ClosestPoint to_original(of), to_remesh(by);
-  return {
-      std::max(largestDistance(by, to_original, 2e-4 * size, 0), largestDistance(of, to_remesh, 2e-4 * size, 0)) / size,
-      findFlipped(by, to_original, 0).size()};
+  const double far = std::max(largestDistance(by, to_original, kTolerance * size, 0),
+                              largestDistance(of, to_remesh, kTolerance * size, 0));
+  return {far / size + kTolerance, findFlipped(by, to_original, 0).size()};
 }
 
 TEST(Remesh, KeepsTheTopology) {
@@ -120,32 +122,32 @@ TEST(Remesh, BaseVerticesAreVerticesOfTheOriginalAndStandFirst) {
 }
 
 TEST(Remesh, SpheresAndToriComeCloseWithoutFolds) {
-  const Original sphere = original(test::makeSphere(5)), torus = original(test::makeTorus(96, 48));
+  const Original sphere = original(test::makeSphere(4)), torus = original(test::makeTorus(48, 24));
   for (const Original* surface : {&sphere, &torus}) {
-    const auto made = remesh(*surface, {.base_triangles = 120, .levels = 4, .attempts = 4});
+    const auto made = remesh(*surface, {.base_triangles = 80, .levels = 3, .attempts = 3});
     ASSERT_TRUE(made.ok());
     const Judged judged = judge(*surface, *made);
-    EXPECT_LT(judged.hausdorff, 0.002);
+    EXPECT_LT(judged.hausdorff, 0.005);
     EXPECT_EQ(judged.flipped, 0u);
   }
 }
 
-// A triangle across an edge of the cube would cut it by a good part of its own size, 1/16.
+// A triangle across an edge of the cube would cut it by a good part of its own size, about 1/8.
 TEST(Remesh, SharpEdgesStaySharp) {
-  const Original cube = original(test::makeCube(12));
-  const auto made = remesh(cube, {.base_triangles = 48, .levels = 4, .attempts = 2});
+  const Original cube = original(test::makeCube(6));
+  const auto made = remesh(cube, {.base_triangles = 24, .levels = 3, .attempts = 1});
   ASSERT_TRUE(made.ok());
   const Judged judged = judge(cube, *made);
-  EXPECT_LT(judged.hausdorff, 2.5e-4);
+  EXPECT_LT(judged.hausdorff, 1.1e-3);
   EXPECT_EQ(judged.flipped, 0u);
 }
 
 // With so few base triangles no base edge can follow the ridge: lattice vertices must.
 TEST(Remesh, RidgesBetweenBaseEdgesAreFollowed) {
-  const Original ridge = original(test::makeGrid(40, 40, {false, false}, [](double u, double v) {
+  const Original ridge = original(test::makeGrid(24, 24, {false, false}, [](double u, double v) {
     return dvec3(u, v, 0.5 - std::fabs(u - 0.5 - 0.1 * std::sin(6 * v)));
   }));
-  const auto made = remesh(ridge, {.base_triangles = 6, .levels = 5, .attempts = 3});
+  const auto made = remesh(ridge, {.base_triangles = 6, .levels = 4, .attempts = 3});
   ASSERT_TRUE(made.ok());
   EXPECT_LT(judge(ridge, *made).hausdorff, 0.01);
   EXPECT_EQ(judge(ridge, *made).flipped, 0u);
