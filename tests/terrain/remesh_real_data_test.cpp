@@ -1,5 +1,5 @@
 // The real models, held to the bars: at most 0.3 % of the diagonal off with four levels over about 200 triangles, no
-// fold.
+// fold. Under a sanitizer, which is ten times slower, one attempt of two levels shows that memory is in order.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,16 +12,25 @@
 namespace foreland::terrain {
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
 void expectWithinBars(const std::filesystem::path& path) {
   const auto model = readModel(path);
   ASSERT_TRUE(model.ok()) << model.error().message;
   const auto surface = makeOriginal(*model);
   ASSERT_TRUE(surface.ok()) << surface.error().message;
-  const auto made = remesh(*surface, {.attempts = 8});
+  const RemeshOptions defaults;
+  const auto made = remesh(
+      *surface, {.levels = kIsSanitized ? 2 : defaults.levels, .attempts = kIsSanitized ? 1 : defaults.attempts});
   ASSERT_TRUE(made.ok());
   EXPECT_NEAR(static_cast<double>(made->base_faces.size()), 200, 2);
   const auto triangles = made->lattice.triangles();
-  EXPECT_EQ(triangles.size(), made->base_faces.size() * 256);
+  EXPECT_EQ(triangles.size(), made->base_faces.size() * (kIsSanitized ? 16 : 256));
+  if (kIsSanitized) return;
 
   glm::dvec3 low = surface->positions.front(), high = low;
   for (const glm::dvec3& p : surface->positions) low = glm::min(low, p), high = glm::max(high, p);
@@ -53,7 +62,7 @@ TEST(RemeshRealData, SuzanneKeepsHerTopology) {
   ASSERT_TRUE(surface.ok()) << surface.error().message;
   EXPECT_EQ(surface->positions.size(), 507u);
   EXPECT_EQ(surface->faces.size(), 968u);
-  const auto made = remesh(*surface, {.base_triangles = 400, .attempts = 2});
+  const auto made = remesh(*surface, {.base_triangles = 400, .levels = kIsSanitized ? 2 : 4, .attempts = 1});
   ASSERT_TRUE(made.ok());
   uint32_t border = 0;
   for (uint32_t e = 0; e < made->lattice.edgeCount(); ++e) border += made->lattice.edge(e).is_border;

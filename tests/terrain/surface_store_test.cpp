@@ -51,7 +51,7 @@ class SurfaceFile : public testing::Test {
   std::vector<char> bytes;
 
   void SetUp() override {
-    const Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 3);
+    const Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2);
     ASSERT_TRUE(writeSurface(path, made.content()).ok());
     bytes = test::slurp(path);
   }
@@ -61,7 +61,7 @@ class SurfaceFile : public testing::Test {
     for (const glm::ivec3& p : surface.basePositions()) sum += p.x;
     for (proto::Slot slot = 0; slot < surface.topology().slotCount(); ++slot) {
       const proto::NodeId n = surface.topology().node(slot);
-      if (!surface.topology().isBase(n)) sum += surface.steps(n).y + surface.nodes()[slot].radius.bits;
+      if (!surface.topology().isBase(n)) sum += int64_t{surface.steps(n).y} + surface.nodes()[slot].radius.bits;
     }
     for (const Texel texel : surface.texels()) sum += texel;
     volatile int64_t kept = sum;
@@ -159,7 +159,7 @@ TEST_F(SurfaceFile, ForgedHeadersAndBasesAreRefusedOrHarmless) {
 }
 
 TEST_F(SurfaceFile, VerifyNamesPaddingThatIsNotZeroAndBoundsThatDoNotHold) {
-  Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 3);
+  Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2);
   const proto::MeshTopology& topology = made.surface.topology;
   const auto faults = [&] {
     EXPECT_TRUE(writeSurface(path, made.content()).ok());
