@@ -17,7 +17,7 @@ constexpr double kTolerance = 1e-4;  // of the diagonal
 
 }  // namespace
 
-RemeshReport judgeRemesh(const terrain::Original& original, const terrain::Surface& surface, unsigned threads) {
+RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueSurface& surface, unsigned threads) {
   const proto::MeshTopology& topology = surface.topology;
   const terrain::FullMesh full(surface);
   RemeshReport r;

@@ -28,7 +28,7 @@ struct RemeshReport {
 };
 
 // Of the positions as the surface holds them; the image is the caller's to fill in.
-RemeshReport judgeRemesh(const terrain::Original& original, const terrain::Surface& surface, unsigned threads);
+RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueSurface& surface, unsigned threads);
 
 std::string sentence(const RemeshReport& report);
 void printReport(const RemeshReport& report, const std::filesystem::path& output, uint64_t id, bool as_json);

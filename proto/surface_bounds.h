@@ -66,19 +66,29 @@ struct SurfaceRecord {
 };
 static_assert(sizeof(SurfaceRecord) == 24);
 
-// A record, decoded.
+// A record, decoded; metres in the object's frame. Plain numbers, so that loops over columns of them vectorise.
 struct SurfaceBounds {
-  glm::dvec3 position, normal;
+  double x, y, z;                       // of the node
+  double normal_x, normal_y, normal_z;  // unit
   double radius, bulge, sin_cone, along, across;
 
-  SurfaceBounds(const SurfaceRecord& r, double step_m)
-      : position(glm::dvec3(r.position) * step_m),
-        normal(r.normal.unpack()),
-        radius(r.radius.metres()),
-        bulge(r.bulge.value() * radius),
-        sin_cone(r.cone_sine.value()),
-        along(r.error_along.metres()),
-        across(r.error_across.metres()) {}
+  static SurfaceBounds of(const SurfaceRecord& r, double step_m) {
+    const glm::dvec3 p = glm::dvec3(r.position) * step_m, n = r.normal.unpack();
+    const double radius = r.radius.metres();
+    return {p.x,
+            p.y,
+            p.z,
+            n.x,
+            n.y,
+            n.z,
+            radius,
+            r.bulge.value() * radius,
+            r.cone_sine.value(),
+            r.error_along.metres(),
+            r.error_across.metres()};
+  }
+  glm::dvec3 position() const { return {x, y, z}; }
+  glm::dvec3 normal() const { return {normal_x, normal_y, normal_z}; }
 };
 
 }  // namespace foreland::proto

@@ -15,13 +15,13 @@ SurfacePlace oraclePlace(const proto::MeshPlace& place) {
 
 }  // namespace
 
-PlainSection plainRefine(const terrain::Surface& surface, std::span<const proto::SurfaceRecord> records,
+PlainSection plainRefine(const terrain::TrueSurface& surface, std::span<const proto::SurfaceRecord> records,
                          const proto::SurfaceMetric& metric) {
   const proto::MeshTopology& mesh = surface.topology;
   PlainSection section{std::vector<uint8_t>(mesh.slotCount(), 0), 0};
   std::vector<NodeId> active, next;
   const auto test = [&](NodeId n, Slot slot) {
-    if (section.active[slot] || !metric.passes(proto::SurfaceBounds(records[slot], surface.step_m))) return;
+    if (section.active[slot] || !metric.passes(proto::SurfaceBounds::of(records[slot], surface.step_m))) return;
     section.active[slot] = 1;
     ++section.nodes;
     next.push_back(n);
@@ -37,7 +37,7 @@ PlainSection plainRefine(const terrain::Surface& surface, std::span<const proto:
   return section;
 }
 
-size_t countTriangles(const terrain::Surface& surface, const PlainSection& section) {
+size_t countTriangles(const terrain::TrueSurface& surface, const PlainSection& section) {
   size_t count = 0;
   proto::forEachTriangle(
       surface.topology, [&](NodeId n) { return section.holds(surface.topology, n); },
@@ -45,7 +45,55 @@ size_t countTriangles(const terrain::Surface& surface, const PlainSection& secti
   return count;
 }
 
-std::vector<DrawnTriangle> drawnTriangles(const terrain::Surface& surface, const PlainSection& section) {
+namespace {
+
+// Numbers vertices as they are met; those that are not active lie between their endpoints, which are vertices, too.
+class MeshMaker {
+ public:
+  MeshMaker(const terrain::TrueSurface& surface, const PlainSection& section, MeshToDraw& mesh)
+      : surface_(surface), topology_(surface.topology), section_(section), mesh_(mesh) {
+    mesh.positions.clear();
+    mesh.triangles.clear();
+    mesh.numbers.assign(topology_.slotCount(), MeshToDraw::kNone);
+    for (uint32_t v = 0; v < topology_.baseVertexCount(); ++v)
+      mesh.positions.push_back(surface.position(proto::baseVertexId(v)));
+  }
+  void run() {
+    proto::forEachTriangle(
+        topology_, [&](NodeId n) { return section_.holds(topology_, n); },
+        [&](NodeId a, NodeId b, NodeId c) {
+          mesh_.triangles.push_back({number(a), number(b), number(c)});
+        });
+  }
+
+ private:
+  uint32_t number(NodeId v) {
+    if (topology_.isBase(v)) return proto::baseVertexOf(v);
+    const Slot slot = topology_.slot(v);
+    if (mesh_.numbers[slot] != MeshToDraw::kNone) return mesh_.numbers[slot];
+    const glm::dvec3 position = section_.active[slot] ? surface_.position(v) : middle(v);
+    mesh_.positions.push_back(position);
+    return mesh_.numbers[slot] = static_cast<uint32_t>(mesh_.positions.size() - 1);
+  }
+  glm::dvec3 middle(NodeId v) {
+    const auto [a, b] = topology_.endpoints(v);
+    const uint32_t from = number(a), to = number(b);
+    return 0.5 * (mesh_.positions[from] + mesh_.positions[to]);
+  }
+
+  const terrain::TrueSurface& surface_;
+  const proto::MeshTopology& topology_;
+  const PlainSection& section_;
+  MeshToDraw& mesh_;
+};
+
+}  // namespace
+
+void meshToDraw(const terrain::TrueSurface& surface, const PlainSection& section, MeshToDraw& mesh) {
+  MeshMaker(surface, section, mesh).run();
+}
+
+std::vector<DrawnTriangle> drawnTriangles(const terrain::TrueSurface& surface, const PlainSection& section) {
   const proto::MeshTopology& mesh = surface.topology;
   std::vector<glm::dvec3> drawn(mesh.slotCount());  // p_S of every node (DESIGN section 2)
   const auto position = [&](NodeId v) { return mesh.isBase(v) ? surface.position(v) : drawn[mesh.slot(v)]; };
@@ -67,7 +115,7 @@ std::vector<DrawnTriangle> drawnTriangles(const terrain::Surface& surface, const
   return triangles;
 }
 
-SurfaceTruth truthOf(const terrain::Surface& surface) {
+SurfaceTruth truthOf(const terrain::TrueSurface& surface) {
   const proto::MeshTopology& mesh = surface.topology;
   SurfaceTruth truth;
   std::vector<uint32_t> number(mesh.slotCount());

@@ -3,6 +3,7 @@
 // passes and its children only.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,14 +22,23 @@ struct PlainSection {
 };
 
 // From scratch, level by level: nodes that pass, found from their parents.
-PlainSection plainRefine(const terrain::Surface& surface, std::span<const proto::SurfaceRecord> records,
+PlainSection plainRefine(const terrain::TrueSurface& surface, std::span<const proto::SurfaceRecord> records,
                          const proto::SurfaceMetric& metric);
 
 // Triangles of the section's mesh, cut at T-vertices.
-size_t countTriangles(const terrain::Surface& surface, const PlainSection& section);
+size_t countTriangles(const terrain::TrueSurface& surface, const PlainSection& section);
+
+// What a client would hand to a graphics card: each vertex once.
+struct MeshToDraw {
+  std::vector<glm::dvec3> positions;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<uint32_t> numbers;  // scratch: of each slot's vertex, or kNone
+  static constexpr uint32_t kNone = 0xffffffffu;
+};
+void meshToDraw(const terrain::TrueSurface& surface, const PlainSection& section, MeshToDraw& mesh);
 
 // What is drawn, and what is true, for the oracle.
-std::vector<DrawnTriangle> drawnTriangles(const terrain::Surface& surface, const PlainSection& section);
-SurfaceTruth truthOf(const terrain::Surface& surface);
+std::vector<DrawnTriangle> drawnTriangles(const terrain::TrueSurface& surface, const PlainSection& section);
+SurfaceTruth truthOf(const terrain::TrueSurface& surface);
 
 }  // namespace foreland::bench

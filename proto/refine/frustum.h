@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "proto/view.h"
@@ -30,21 +29,25 @@ class Frustum {
     cos_turn_ = std::cos(turn);
   }
 
-  // View coordinates of a place relative to the eye: right, up, depth.
-  glm::dvec3 place(const glm::dvec3& from_eye) const {
-    return {glm::dot(from_eye, right_), glm::dot(from_eye, up_), glm::dot(from_eye, forward_)};
+  // A place relative to the eye in view coordinates: right, up, depth.
+  struct Place {
+    double x, y, z;
+  };
+  [[gnu::always_inline]] Place place(double x, double y, double z) const {
+    return {x * right_.x + y * right_.y + z * right_.z, x * up_.x + y * up_.y + z * up_.z,
+            x * forward_.x + y * forward_.y + z * forward_.z};
   }
   // The least depth of a visible point of the sphere.
-  double leastDepth(const glm::dvec3& place, double radius) const {
-    const double rho2 = place.x * place.x + place.y * place.y, distance = std::sqrt(rho2 + place.z * place.z);
-    const double z = place.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
+  [[gnu::always_inline]] double leastDepth(const Place& p, double radius) const {
+    const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
+    const double z = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
     return std::max(std::max(z - radius, (distance - radius) * cos_corner_), nearest_);
   }
   // Signed distance to the nearest side plane, positive inside, when it turns to be the best it can.
-  double sideDistance(const glm::dvec3& place) const {
-    const double side =
-        std::min(place.z * sin_x_ - std::fabs(place.x) * cos_x_, place.z * sin_y_ - std::fabs(place.y) * cos_y_);
-    return side * cos_turn_ + std::sqrt(std::max(0.0, glm::dot(place, place) - side * side)) * sin_turn_;
+  [[gnu::always_inline]] double sideDistance(const Place& p) const {
+    const double side = std::min(p.z * sin_x_ - std::fabs(p.x) * cos_x_, p.z * sin_y_ - std::fabs(p.y) * cos_y_);
+    const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;
+    return side * cos_turn_ + std::sqrt(std::max(0.0, d2 - side * side)) * sin_turn_;
   }
   // Distance over depth, at most, of a visible point.
   double inverseCosCorner() const { return inverse_cos_corner_; }

@@ -29,8 +29,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 
 #include "proto/refine/frustum.h"
 #include "proto/surface_bounds.h"
@@ -55,29 +55,29 @@ class SurfaceMetric {
         silhouette_(std::min(view.tau_px, test.interior_px) / view.lens.focalPx()),
         interior_(test.interior_px / view.lens.focalPx()),
         ball_(view.ball_m),
-        is_hoppe_(test.shape == ErrorShape::kHoppe),
-        is_closed_(test.is_closed) {}
+        least_front_(test.is_closed ? 0 : -std::numeric_limits<double>::infinity()),
+        end_on_(test.shape == ErrorShape::kSpheroid ? 1 : 0) {}
 
-  bool passes(const SurfaceBounds& n) const {
+  [[gnu::always_inline]] bool passes(const SurfaceBounds& n) const {
     const Seen s = seenFrom(n);
     const Facing f = facingOf(n, s.g, s.h);
     const bool is_silhouette = (f.front > 0) & (f.back > 0);
     const double tolerance = is_silhouette ? silhouette_ : interior_;
     const bool seen = (s.B > tolerance * s.z * s.z) & (s.longest * frustum_.inverseCosCorner() > tolerance * s.z);
-    return seen & ((f.front > 0) | !is_closed_) & (s.side_room >= 0);
+    return seen & (f.front > least_front_) & (s.side_room >= 0);
   }
 
   struct Outcome {
     bool passes;
     double slack_m;  // 0 or more, never too much
   };
-  Outcome outcome(const SurfaceBounds& n) const {
+  [[gnu::always_inline]] Outcome outcome(const SurfaceBounds& n) const {
     const Seen s = seenFrom(n);
     const Facing f = facingOf(n, s.g, s.h);
     // Rooms: positive if a condition holds, by the motion that it takes to change it. All: the least; any: the largest.
     const double as_silhouette = std::min(seenRoom(s, silhouette_), std::min(f.front, f.back));
     const double seen = std::max(seenRoom(s, interior_), as_silhouette);
-    const double room = std::min(std::min(seen, is_closed_ ? f.front : seen), s.side_room);
+    const double room = std::min(std::min(seen, f.front - least_front_), s.side_room);
     return {passes(n), std::fabs(room)};
   }
 
@@ -97,11 +97,12 @@ class SurfaceMetric {
   struct Seen {
     double g, h, z, B, longest, side_room;
   };
-  Seen seenFrom(const SurfaceBounds& n) const {
-    const glm::dvec3 c = n.position - eye_, place = frustum_.place(c);
-    const double d2 = glm::dot(c, c), R = n.radius + ball_;
+  [[gnu::always_inline]] Seen seenFrom(const SurfaceBounds& n) const {
+    const double x = n.x - eye_.x, y = n.y - eye_.y, z = n.z - eye_.z, d2 = x * x + y * y + z * z;
+    const Frustum::Place place = frustum_.place(x, y, z);
+    const double R = n.radius + ball_;
     Seen s;
-    s.g = -glm::dot(n.normal, c);
+    s.g = -(n.normal_x * x + n.normal_y * y + n.normal_z * z);
     s.h = std::sqrt(std::max(0.0, d2 - s.g * s.g));
     s.z = frustum_.leastDepth(place, R);
     s.longest = std::max(n.along, n.across);
@@ -109,28 +110,29 @@ class SurfaceMetric {
     s.side_room = frustum_.sideDistance(place) + R;
     return s;
   }
-  Facing facingOf(const SurfaceBounds& n, double g, double h) const {
+  [[gnu::always_inline]] Facing facingOf(const SurfaceBounds& n, double g, double h) const {
     const double along = g * std::sqrt(std::max(0.0, 1 - n.sin_cone * n.sin_cone));
     const double across = h * n.sin_cone + n.bulge + ball_;
     return {across + along, across - along};
   }
   // Until z + x reaches |e| / (tolerance cos(corner)), or tolerance (z + x)^2 reaches B - |e| x.
-  double seenRoom(const Seen& s, double tolerance) const {
+  [[gnu::always_inline]] double seenRoom(const Seen& s, double tolerance) const {
     const double b = 2 * tolerance * s.z + s.longest, c = s.B - tolerance * s.z * s.z;
     const double across = 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * tolerance * c)));
     return std::min(s.longest * frustum_.inverseCosCorner() / tolerance - s.z, across);
   }
   // Largest |e x c| over the error shape.
-  double errorAcross(const SurfaceBounds& n, double g, double h, double d) const {
+  [[gnu::always_inline]] double errorAcross(const SurfaceBounds& n, double g, double h, double d) const {
     const double ah = n.along * h, bg = n.across * g, bd = n.across * d;
-    return std::max(is_hoppe_ ? ah : std::sqrt(ah * ah + bg * bg), bd);
+    return std::max(std::sqrt(ah * ah + end_on_ * (bg * bg)), bd);
   }
 
   Frustum frustum_;
   glm::dvec3 eye_;
   double silhouette_, interior_;  // as shares of the focal length
   double ball_;
-  bool is_hoppe_, is_closed_;
+  double least_front_;  // 0, or no bound for surfaces of which both sides are seen
+  double end_on_;       // 1 if the shape seen along its normal has an extent of its own: 0 for Hoppe's
 };
 
 }  // namespace foreland::proto

@@ -30,7 +30,7 @@ Status checkStep(const std::vector<dvec3>& positions, double step_m) {
   return {};
 }
 
-Result<Surface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m) {
+Result<TrueSurface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m) {
   auto made = proto::MeshTopology::create({rule, static_cast<uint32_t>(std::countr_zero(remeshed.lattice.side())),
                                            static_cast<uint32_t>(remeshed.base_vertices.size()), remeshed.base_faces});
   if (!made.ok()) return made.error();

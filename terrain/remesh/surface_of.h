@@ -18,6 +18,6 @@ namespace foreland::terrain {
 // By quadrisection nodes are the lattice's vertices. By bisection, which cuts each edge as often, they lie where the
 // full mesh has their parameters: it follows the creases, as the original between its vertices would not. Error: what
 // MeshTopology and makeSurface refuse.
-[[nodiscard]] Result<Surface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m);
+[[nodiscard]] Result<TrueSurface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m);
 
 }  // namespace foreland::terrain

@@ -53,7 +53,7 @@ struct Gathered {
 
 class BoundsPass {
  public:
-  BoundsPass(const Surface& surface, const SurfaceBoundsJob& job)
+  BoundsPass(const TrueSurface& surface, const SurfaceBoundsJob& job)
       : surface_(surface), mesh_(surface.topology), full_(surface), job_(job), records_(mesh_.slotCount()) {
     displacements_.resize(mesh_.slotCount());
     double reach = 0;
@@ -170,7 +170,7 @@ class BoundsPass {
 
   static constexpr double kPad_rad = 1e-6, kRightAngle_rad = std::numbers::pi / 2;
 
-  const Surface& surface_;
+  const TrueSurface& surface_;
   const proto::MeshTopology& mesh_;
   const FullMesh full_;
   const SurfaceBoundsJob& job_;
@@ -181,7 +181,7 @@ class BoundsPass {
 
 }  // namespace
 
-std::vector<SurfaceRecord> computeBounds(const Surface& surface, const SurfaceBoundsJob& job) {
+std::vector<SurfaceRecord> computeBounds(const TrueSurface& surface, const SurfaceBoundsJob& job) {
   return BoundsPass(surface, job).run();
 }
 

@@ -43,6 +43,6 @@ struct SurfaceBoundsJob {
 
 // Records by slot, zeros in the padding; empty if `onProgress` stopped the work. Cost: about 0.5 microseconds times
 // vertices times levels.
-std::vector<proto::SurfaceRecord> computeBounds(const Surface& surface, const SurfaceBoundsJob& job = {});
+std::vector<proto::SurfaceRecord> computeBounds(const TrueSurface& surface, const SurfaceBoundsJob& job = {});
 
 }  // namespace foreland::terrain

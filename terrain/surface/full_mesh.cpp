@@ -6,7 +6,7 @@
 
 namespace foreland::terrain {
 
-FullMesh::FullMesh(const Surface& surface) : topology_(surface.topology) {
+FullMesh::FullMesh(const TrueSurface& surface) : topology_(surface.topology) {
   for (const glm::ivec3& p : surface.base) positions_.push_back(glm::dvec3(p) * surface.step_m);
   for (const glm::ivec3& p : surface.nodes) positions_.push_back(glm::dvec3(p) * surface.step_m);
   first_at_.assign(positions_.size() + 1, 0);

@@ -15,7 +15,7 @@ namespace foreland::terrain {
 
 class FullMesh {
  public:
-  explicit FullMesh(const Surface& surface);
+  explicit FullMesh(const TrueSurface& surface);
 
   size_t vertex(proto::NodeId v) const {
     return topology_.isBase(v) ? proto::baseVertexOf(v) : topology_.baseVertexCount() + size_t{topology_.slot(v)};

@@ -10,8 +10,8 @@ namespace foreland::terrain {
 
 namespace {
 
-Result<Surface> shape(std::vector<proto::BaseFace> faces, const std::vector<glm::dvec3>& corners,
-                      const ShapeDetail& detail, const TruePosition& truePosition) {
+Result<TrueSurface> shape(std::vector<proto::BaseFace> faces, const std::vector<glm::dvec3>& corners,
+                          const ShapeDetail& detail, const TruePosition& truePosition) {
   auto topology = proto::MeshTopology::create(
       {detail.rule, detail.halvings, static_cast<uint32_t>(corners.size()), std::move(faces)});
   if (!topology) return topology.error();
@@ -20,7 +20,7 @@ Result<Surface> shape(std::vector<proto::BaseFace> faces, const std::vector<glm:
 
 }  // namespace
 
-Result<Surface> makeSphere(double radius_m, const ShapeDetail& detail) {
+Result<TrueSurface> makeSphere(double radius_m, const ShapeDetail& detail) {
   if (!(radius_m > 0)) return Error{ErrorCode::kInvalidArgument, "sphere: its radius must be positive"};
   const double r = radius_m;
   const std::vector<glm::dvec3> corners{{r, 0, 0}, {-r, 0, 0}, {0, r, 0}, {0, -r, 0}, {0, 0, r}, {0, 0, -r}};
@@ -30,7 +30,7 @@ Result<Surface> makeSphere(double radius_m, const ShapeDetail& detail) {
                [r](proto::NodeId, const glm::dvec3& middle) { return middle * (r / glm::length(middle)); });
 }
 
-Result<Surface> makeTorus(const TorusShape& torus, const ShapeDetail& detail) {
+Result<TrueSurface> makeTorus(const TorusShape& torus, const ShapeDetail& detail) {
   if (!(torus.tube_m > 0 && torus.tube_m < torus.ring_m) || torus.columns < 3 || torus.rows < 3 ||
       uint64_t{torus.columns} * torus.rows > proto::BaseMesh::kMaxVertices)
     return Error{

@@ -34,13 +34,13 @@ class Quantiser {
 
 }  // namespace
 
-Result<Surface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
-                            const TruePosition& truePosition) {
+Result<TrueSurface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
+                                const TruePosition& truePosition) {
   if (!(step_m > 0) || !std::isfinite(step_m))
     return Error{ErrorCode::kInvalidArgument,
                  "surface: a step of " + std::to_string(step_m) + " m; it must be positive"};
   CHECK_EQ(corners.size(), topology.base().vertexCount());
-  Surface surface{std::move(topology), step_m, {}, {}};
+  TrueSurface surface{std::move(topology), step_m, {}, {}};
   const proto::MeshTopology& mesh = surface.topology;
   Quantiser quantiser(step_m);
   for (uint32_t v = 0; v < corners.size(); ++v) surface.base.push_back(quantiser.steps(corners[v], "base vertex", v));

@@ -14,7 +14,7 @@ namespace foreland::terrain {
 
 inline constexpr int32_t kMaxSteps = 1 << 30;  // of a coordinate, so that sums of two fit
 
-struct Surface {
+struct TrueSurface {
   proto::MeshTopology topology;
   double step_m = 0.001;
   std::vector<glm::ivec3> base;   // topology.baseVertexCount() of them
@@ -31,8 +31,8 @@ using TruePosition = std::function<glm::dvec3(proto::NodeId, const glm::dvec3& m
 
 // Asks for every vertex but those of the base mesh, whose positions are given, coarse levels first. An Error names the
 // first vertex that is not finite or beyond kMaxSteps steps.
-Result<Surface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
-                            const TruePosition& truePosition);
+Result<TrueSurface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
+                                const TruePosition& truePosition);
 
 // Calls visit(NodeId, Slot) for every node, coarse levels first.
 template <class Visit>

@@ -39,7 +39,7 @@ class SurfaceCheck {
       return false;
     }
     if (!isInBox(record.position)) fault(slot, "lies outside the surface's box");
-    const proto::SurfaceBounds bounds(record, surface_.step_m());
+    const auto bounds = proto::SurfaceBounds::of(record, surface_.step_m());
     if (!std::isfinite(bounds.radius) || !std::isfinite(bounds.along) || !std::isfinite(bounds.across)) {
       fault(slot, "has a bound that is no number");
       return true;
@@ -58,17 +58,17 @@ class SurfaceCheck {
   }
   void checkChild(proto::Slot slot, const proto::SurfaceBounds& bounds, proto::Slot child) const {
     const proto::SurfaceRecord& record = surface_.nodes()[child];
-    const proto::SurfaceBounds below(record, surface_.step_m());
+    const auto below = proto::SurfaceBounds::of(record, surface_.step_m());
     const std::string whose = " of its child in slot " + std::to_string(child);
-    if (glm::distance(bounds.position, below.position) + below.radius > bounds.radius)
+    if (glm::distance(bounds.position(), below.position()) + below.radius > bounds.radius)
       fault(slot, "has a sphere that does not hold that" + whose);
-    const double cosine = glm::dot(bounds.normal, below.normal);
-    const double turn = std::atan2(glm::length(glm::cross(bounds.normal, below.normal)), cosine);
+    const double cosine = glm::dot(bounds.normal(), below.normal());
+    const double turn = std::atan2(glm::length(glm::cross(bounds.normal(), below.normal())), cosine);
     if (!surface_.nodes()[slot].cone_sine.isFull() &&
         (record.cone_sine.isFull() || turn + std::asin(below.sin_cone) > std::asin(bounds.sin_cone)))
       fault(slot, "has a cone of normals that does not hold that" + whose);
-    if (growthToHold(surface_.errorShape(), {bounds.along, bounds.across}, bounds.normal, {below.along, below.across},
-                     below.normal) > 1 + kRounding)
+    if (growthToHold(surface_.errorShape(), {bounds.along, bounds.across}, bounds.normal(), {below.along, below.across},
+                     below.normal()) > 1 + kRounding)
       fault(slot, "has an error shape that does not hold that" + whose);
   }
 

@@ -12,7 +12,7 @@ namespace foreland::terrain {
 
 namespace {
 
-void measure(const Surface& surface, SurfaceHeader& header) {
+void measure(const TrueSurface& surface, SurfaceHeader& header) {
   glm::ivec3 low = surface.base.front(), high = low;
   const auto include = [&](const glm::ivec3& p) { low = glm::min(low, p), high = glm::max(high, p); };
   for (const glm::ivec3& p : surface.base) include(p);
@@ -42,7 +42,7 @@ void fill(const NewFile& file, const SectionPlace& place, std::span<const T> fro
 }  // namespace
 
 Result<uint64_t> writeSurface(const std::filesystem::path& target, const SurfaceContent& content) {
-  const Surface& surface = content.surface;
+  const TrueSurface& surface = content.surface;
   const Bytes text = encodeText(content.about);
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};

@@ -14,7 +14,7 @@ namespace foreland::terrain {
 
 // What goes into the file; the caller keeps it alive.
 struct SurfaceContent {
-  const Surface& surface;
+  const TrueSurface& surface;
   std::span<const proto::SurfaceRecord> records;  // by slot (terrain/surface/bounds.h)
   proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
   AtlasLayout atlas{};              // without an image if there are no colours

@@ -19,7 +19,7 @@ using proto::ErrorShape;
 using proto::MeshRule;
 using proto::SurfaceTest;
 using proto::View;
-using terrain::Surface;
+using terrain::TrueSurface;
 
 constexpr proto::Lens kLens{1.0471975511965976, 640, 480};
 
@@ -27,7 +27,7 @@ proto::Pose lookAt(const glm::dvec3& eye, const glm::dvec3& target) {
   return {eye, proto::lookAlong(glm::normalize(target - eye), {0, 0, 1})};
 }
 
-PlainSection everything(const Surface& surface) {
+PlainSection everything(const TrueSurface& surface) {
   return {std::vector<uint8_t>(surface.topology.slotCount(), 1), surface.topology.slotCount()};
 }
 
@@ -68,7 +68,7 @@ TEST(SurfaceOracleKnows, WhereAVertexIsDrawn) {
 }
 
 TEST(SurfaceOracleKnows, TheSilhouetteOfASphere) {
-  const Surface sphere = *terrain::makeSphere(1, {});
+  const TrueSurface sphere = *terrain::makeSphere(1, {});
   const SurfaceOracle oracle(truthOf(sphere));
   const auto verdict = oracle.judge(drawnTriangles(sphere, everything(sphere)), lookAt({1000, 0, 0}, {0, 0, 0}), kLens);
   EXPECT_NEAR(static_cast<double>(verdict.silhouette.vertices), 128, 64);  // about a great circle's worth
@@ -77,7 +77,7 @@ TEST(SurfaceOracleKnows, TheSilhouetteOfASphere) {
 
 TEST(PlainRefinement, TakesExactlyTheNodesThatPass) {
   for (MeshRule rule : {MeshRule::kQuadrisection, MeshRule::kBisection}) {
-    const Surface torus = *terrain::makeTorus({2, 0.8, 5, 4}, {rule, 4, 1e-6});
+    const TrueSurface torus = *terrain::makeTorus({2, 0.8, 5, 4}, {rule, 4, 1e-6});
     const auto records = terrain::computeBounds(torus);
     for (uint64_t seed = 1; seed <= 20; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
@@ -91,7 +91,7 @@ TEST(PlainRefinement, TakesExactlyTheNodesThatPass) {
       const PlainSection section = plainRefine(torus, records, metric);
       size_t nodes = 0;
       terrain::forEachNode(torus.topology, [&](proto::NodeId, proto::Slot slot) {
-        EXPECT_EQ(section.active[slot] != 0, metric.passes({records[slot], torus.step_m}));
+        EXPECT_EQ(section.active[slot] != 0, metric.passes(proto::SurfaceBounds::of(records[slot], torus.step_m)));
         nodes += section.active[slot];
       });
       EXPECT_EQ(section.nodes, nodes);
@@ -145,16 +145,16 @@ TEST_P(Promise, HoldsRightAboveEveryNode) {
   const auto& [rule, kind] = GetParam();
   for (const test::NamedSurface& named : test::surfaces(rule, 3)) {
     SCOPED_TRACE(named.name);
-    const Surface& surface = named.surface;
+    const TrueSurface& surface = named.surface;
     const SurfaceOracle oracle(truthOf(surface));
     const auto records = terrain::computeBounds(surface, {.shape = kind, .threads = 1});
     Rng rng(1);
     terrain::forEachNode(surface.topology, [&](proto::NodeId n, proto::Slot slot) {
-      const proto::SurfaceBounds bounds(records[slot], surface.step_m);
+      const proto::SurfaceBounds bounds = proto::SurfaceBounds::of(records[slot], surface.step_m);
       View view;
       SurfaceTest test;
       view.pose =
-          lookAt(surface.position(n) + bounds.normal * (bounds.radius * rng.uniform(1.1, 5)), surface.position(n));
+          lookAt(surface.position(n) + bounds.normal() * (bounds.radius * rng.uniform(1.1, 5)), surface.position(n));
       view.lens = kLens;
       view.tau_px = test.interior_px = std::pow(10, rng.uniform(0, 2));
       test.nearest_m = 1e-3;
@@ -173,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Promise,
 
 // S, section 4: the sphere of 8,192 faces needs no more than 732 at 0.5 and 3.5 pixels, the whole of it in view.
 TEST(PaperSphere, NeedsNoMoreFacesThanThePaperSays) {
-  const Surface sphere = *terrain::makeSphere(1, {});
+  const TrueSurface sphere = *terrain::makeSphere(1, {});
   const auto records = terrain::computeBounds(sphere);
   const SurfaceOracle oracle(truthOf(sphere));
   EXPECT_EQ(countTriangles(sphere, everything(sphere)), 8192u);

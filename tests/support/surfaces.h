@@ -17,14 +17,14 @@ namespace foreland::test {
 
 struct NamedSurface {
   std::string name;
-  terrain::Surface surface;
+  terrain::TrueSurface surface;
   bool is_closed = true;
 };
 
 // The base's vertices at random places about a sphere, every node off the middle of its edge by up to `rough` of the
 // edge's length, any way.
-inline terrain::Surface roughSurface(const NamedBase& base, proto::MeshRule rule, uint32_t halvings, double rough,
-                                     uint64_t seed) {
+inline terrain::TrueSurface roughSurface(const NamedBase& base, proto::MeshRule rule, uint32_t halvings, double rough,
+                                         uint64_t seed) {
   Rng rng(seed);
   const auto any = [&] { return glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)); };
   auto topology = *proto::MeshTopology::create({rule, halvings, base.vertices, base.faces});

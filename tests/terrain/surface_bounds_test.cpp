@@ -24,7 +24,7 @@ using proto::SurfaceRecord;
 
 // All vertices, base vertices first, then nodes level by level.
 struct Vertices {
-  explicit Vertices(const Surface& surface) : mesh(surface.topology) {
+  explicit Vertices(const TrueSurface& surface) : mesh(surface.topology) {
     for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) ids.push_back(proto::baseVertexId(v));
     first_node = ids.size();
     number.assign(mesh.slotCount(), 0);
@@ -52,7 +52,7 @@ struct Vertices {
 
 class Checker {
  public:
-  Checker(const Surface& surface, ErrorShape kind, std::vector<SurfaceRecord> records)
+  Checker(const TrueSurface& surface, ErrorShape kind, std::vector<SurfaceRecord> records)
       : surface_(surface), mesh_(surface.topology), kind_(kind), records_(std::move(records)), all_(surface) {
     const auto normal = [&](NodeId a, NodeId b, NodeId c) {
       const glm::dvec3 n =
@@ -151,7 +151,7 @@ class Checker {
     return kind_ == ErrorShape::kHoppe ? std::max(e.across, e.along * c) : std::hypot(e.along * c, e.across * s);
   }
 
-  const Surface& surface_;
+  const TrueSurface& surface_;
   const MeshTopology& mesh_;
   ErrorShape kind_;
   std::vector<SurfaceRecord> records_;
@@ -191,14 +191,14 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SurfaceBoundsOf,
                                           testing::Values(ErrorFit::kSmallest, ErrorFit::kByLargest)));
 
 TEST(SurfaceBoundsPass, DoesNotDependOnTheNumberOfThreads) {
-  const Surface sphere = *makeSphere(3, {});
+  const TrueSurface sphere = *makeSphere(3, {});
   const auto one = computeBounds(sphere, {.threads = 1}), four = computeBounds(sphere, {.threads = 4});
   ASSERT_EQ(one.size(), four.size());
   EXPECT_EQ(std::memcmp(one.data(), four.data(), one.size() * sizeof(SurfaceRecord)), 0);
 }
 
 TEST(SurfaceBoundsPass, StopsWhenTold) {
-  const Surface sphere = *makeSphere(1, {});
+  const TrueSurface sphere = *makeSphere(1, {});
   double last = 0;
   const auto stopped = computeBounds(sphere, {.threads = 1, .onProgress = [&](double done) {
                                                 EXPECT_GE(done, last);
@@ -211,7 +211,7 @@ TEST(SurfaceBoundsPass, StopsWhenTold) {
 
 // On a sphere a node's own displacement is the whole error of the finest level, and radial.
 TEST(SurfaceBoundsPass, AreTightWhereTheErrorIsKnown) {
-  const Surface sphere = *makeSphere(1, {});
+  const TrueSurface sphere = *makeSphere(1, {});
   const auto records = computeBounds(sphere);
   forEachNode(sphere.topology, [&](NodeId n, Slot slot) {
     if (sphere.topology.level(n) < sphere.topology.maxLevel()) return;

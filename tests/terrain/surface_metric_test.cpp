@@ -74,7 +74,7 @@ TEST(SurfaceMetricLaws, WhatPassesHasParentsThatPass) {
           const Arrangement setup = randomArrangement(rng, kind);
           const SurfaceMetric metric(setup.view, setup.test);
           const auto passes = [&](NodeId n) {
-            return metric.passes(SurfaceBounds(records[mesh.slot(n)], named.surface.step_m));
+            return metric.passes(SurfaceBounds::of(records[mesh.slot(n)], named.surface.step_m));
           };
           forEachNode(mesh, [&](NodeId n, Slot) {
             if (!passes(n)) return;
@@ -99,7 +99,7 @@ TEST(SurfaceMetricLaws, OutcomesStandAsLongAsTheySay) {
         const Arrangement setup = randomArrangement(rng, kind);
         const SurfaceMetric metric(setup.view, setup.test);
         forEachNode(named.surface.topology, [&](NodeId, Slot slot) {
-          const SurfaceBounds bounds(records[slot], named.surface.step_m);
+          const SurfaceBounds bounds = SurfaceBounds::of(records[slot], named.surface.step_m);
           const auto outcome = metric.outcome(bounds);
           EXPECT_EQ(outcome.passes, metric.passes(bounds));
           EXPECT_GE(outcome.slack_m, 0);
@@ -126,22 +126,22 @@ TEST(SurfaceMetricLaws, ClosedFormsAreTheLargestProjectionOfTheShape) {
       record.normal = CompactNormal::pack(direction(rng));
       record.error_along = CompactBound::roundUp(rng.uniform(0.1, 1));
       record.error_across = CompactBound::roundUp(kind == ErrorShape::kHoppe ? rng.uniform(0.01, 0.1) : rng.uniform());
-      const SurfaceBounds bounds(record, 1);
+      const SurfaceBounds bounds = SurfaceBounds::of(record, 1);
       View view;
       SurfaceTest test;
       test.shape = kind;
       view.pose.eye = direction(rng) * 1e4;
       view.pose.orientation = proto::lookAlong(-glm::normalize(view.pose.eye), {0, 0, 1});
       test.is_closed = false;
-      const glm::dvec3 side = glm::normalize(glm::cross(bounds.normal, direction(rng))),
-                       other = glm::cross(bounds.normal, side);
+      const glm::dvec3 side = glm::normalize(glm::cross(bounds.normal(), direction(rng))),
+                       other = glm::cross(bounds.normal(), side);
       double largest = 0;
       for (int k = 0; k <= 100; ++k)
         for (int turn = 0; turn < 200; ++turn) {
           const double tilt = k * std::numbers::pi / 200, azimuth = turn * std::numbers::pi / 100;
           const double c = std::cos(tilt), s = std::sin(tilt);
           const double grow = gauge(kind, {bounds.along, bounds.across}, {c, s});
-          const glm::dvec3 u = c * bounds.normal + s * (std::cos(azimuth) * side + std::sin(azimuth) * other);
+          const glm::dvec3 u = c * bounds.normal() + s * (std::cos(azimuth) * side + std::sin(azimuth) * other);
           largest = std::max(largest, glm::length(glm::cross(u / grow, view.pose.forward())));
         }
       const double px = view.lens.focalPx() * largest / 1e4;
@@ -153,7 +153,7 @@ TEST(SurfaceMetricLaws, ClosedFormsAreTheLargestProjectionOfTheShape) {
 }
 
 TEST(SurfaceMetricLaws, WhatFacesAwayOrLiesBesideIsNotRefined) {
-  const Surface sphere = *makeSphere(1, {});
+  const TrueSurface sphere = *makeSphere(1, {});
   const auto records = computeBounds(sphere);
   View view;
   SurfaceTest test;
@@ -165,8 +165,8 @@ TEST(SurfaceMetricLaws, WhatFacesAwayOrLiesBesideIsNotRefined) {
     const SurfaceMetric metric(v, t);
     size_t count = 0;
     forEachNode(sphere.topology, [&](NodeId n, Slot slot) {
-      count +=
-          sphere.topology.level(n) > 2 && where(sphere.position(n)) && metric.passes({records[slot], sphere.step_m});
+      count += sphere.topology.level(n) > 2 && where(sphere.position(n)) &&
+               metric.passes(SurfaceBounds::of(records[slot], sphere.step_m));
     });
     return count;
   };

@@ -162,7 +162,7 @@ TEST(SurfaceRecords, RoundSharesUp) {
 
 TEST(Shapes, PutEveryVertexOnTheSurface) {
   for (MeshRule rule : {MeshRule::kQuadrisection, MeshRule::kBisection}) {
-    const Surface sphere = *makeSphere(2, {rule, 4, 1e-6}), torus = *makeTorus({3, 1, 9, 5}, {rule, 3, 1e-6});
+    const TrueSurface sphere = *makeSphere(2, {rule, 4, 1e-6}), torus = *makeTorus({3, 1, 9, 5}, {rule, 3, 1e-6});
     forEachNode(sphere.topology, [&](NodeId n, Slot) { EXPECT_NEAR(glm::length(sphere.position(n)), 2, 2e-6); });
     forEachNode(torus.topology, [&](NodeId n, Slot) {
       const glm::dvec3 p = torus.position(n);

@@ -17,7 +17,7 @@ namespace {
 
 // A bumpy surface with its bounds, and texels from a seed.
 struct Made {
-  Surface surface;
+  TrueSurface surface;
   std::vector<proto::SurfaceRecord> records;
   AtlasLayout atlas;
   std::vector<Texel> texels;
