@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/bench_surfaces.h"
 #include "apps/options.h"
 #include "bench/martini/report.h"
 #include "bench/sections/measure.h"
@@ -184,11 +185,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   wire->add_option("--quantized-mesh", args.peers.quantized_mesh, "folder of decode.mjs and its node_modules");
   wire->add_flag("!--no-peers", args.with_peers, "leave out the other codecs");
+  apps::SurfaceArguments surface_args;
+  const CLI::App* surfaces = apps::addSurfaces(app, surface_args);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
   args.flight.keyframe_interval = Duration::seconds(interval_ms / 1000);
   if (*wire) return runWire(args);
+  if (*surfaces) return apps::runSurfaces(surface_args);
   return *refine ? runRefine(args) : runSections(args);
 }
 

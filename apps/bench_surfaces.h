@@ -1,0 +1,25 @@
+// `foreland bench surfaces`: its options and what it runs (bench/surfaces).
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "bench/surfaces/measure.h"
+
+namespace foreland::apps {
+
+struct SurfaceArguments {
+  bench::SurfaceSession session;
+  std::string shape = "both";
+  uint32_t halvings = 5;
+  bool json = false;
+};
+
+// Registers the subcommand; `args` must outlive the parsing.
+CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args);
+
+// Prints the report; 0, or 2 and a message if a shape cannot be made.
+int runSurfaces(const SurfaceArguments& args);
+
+}  // namespace foreland::apps

@@ -1,0 +1,146 @@
+#include "bench/surfaces/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "bench/surfaces/draw.h"
+#include "bench/timing.h"
+
+namespace foreland::bench {
+
+namespace {
+
+struct Ball {
+  glm::dvec3 centre;
+  double radius;
+};
+
+Ball ballAround(const terrain::TrueSurface& surface) {
+  glm::dvec3 low(1e300), high(-1e300);
+  const auto forEachPosition = [&](const auto& visit) {
+    for (uint32_t v = 0; v < surface.topology.baseVertexCount(); ++v) visit(surface.position(proto::baseVertexId(v)));
+    terrain::forEachNode(surface.topology, [&](proto::NodeId n, proto::Slot) { visit(surface.position(n)); });
+  };
+  forEachPosition([&](const glm::dvec3& p) { low = glm::min(low, p), high = glm::max(high, p); });
+  Ball ball{0.5 * (low + high), 0};
+  forEachPosition([&](const glm::dvec3& p) { ball.radius = std::max(ball.radius, glm::length(p - ball.centre)); });
+  return ball;
+}
+
+proto::Pose lookAt(const Ball& ball, const glm::dvec3& direction, double distance) {
+  return {ball.centre + direction * distance, proto::lookAlong(-direction, {0, 0, 1})};
+}
+
+// From which a ball covers this share of the screen's height.
+double distanceFor(const Ball& ball, const proto::Lens& lens, double disc) {
+  return ball.radius / std::sin(std::atan(disc * std::tan(0.5 * lens.vertical_fov_rad)));
+}
+
+template <class Work>
+double medianMilliseconds(const Work& work) {
+  std::vector<double> times;
+  for (int i = 0; i < 3; ++i) {
+    const double begin = threadSeconds();
+    work();
+    times.push_back(1e3 * (threadSeconds() - begin));
+  }
+  return median(times);
+}
+
+}  // namespace
+
+proto::Pose poseAtDisc(const terrain::TrueSurface& surface, const SurfaceSession& session, double disc,
+                       const glm::dvec3& direction) {
+  const Ball ball = ballAround(surface);
+  return lookAt(ball, direction, distanceFor(ball, session.lens, disc));
+}
+
+std::vector<proto::Pose> sessionPoses(const terrain::TrueSurface& surface, const SurfaceSession& session) {
+  const Ball ball = ballAround(surface);
+  const double far = distanceFor(ball, session.lens, session.disc), near = 1.15 * ball.radius;
+  const auto direction = [](double turns, double rise) {
+    const double around = 2 * std::numbers::pi * turns;
+    return glm::dvec3(std::cos(around) * std::cos(rise), std::sin(around) * std::cos(rise), std::sin(rise));
+  };
+  std::vector<proto::Pose> poses;
+  for (uint32_t i = 0; i < session.turning_frames; ++i) {
+    const double done = static_cast<double>(i) / session.turning_frames;
+    poses.push_back(lookAt(ball, direction(2 * done, 0.9 * std::cos(std::numbers::pi * done)), far));
+  }
+  for (uint32_t i = 0; i < session.zoom_frames; ++i) {
+    const double done = (i + 1.0) / session.zoom_frames;
+    poses.push_back(lookAt(ball, direction(2, -0.9 + 0.6 * done), far * std::pow(near / far, done)));
+  }
+  return poses;
+}
+
+SurfaceBench::SurfaceBench(const terrain::TrueSurface& surface, proto::ErrorShape shape, terrain::ErrorFit fit)
+    : surface_(surface),
+      shape_(shape),
+      full_(truthOf(surface)),
+      oracle_(full_),
+      nearest_m_(1e-3 * ballAround(surface).radius) {
+  const double begin = threadSeconds();
+  records_ = terrain::computeBounds(surface, {.shape = shape, .fit = fit, .threads = 1});
+  bounds_seconds_ = threadSeconds() - begin;
+}
+
+PlainSection SurfaceBench::refine(const SurfaceSession& session, const proto::Pose& pose, double scale) const {
+  const proto::View view{pose, session.lens, scale * session.silhouette_px};
+  const proto::SurfaceMetric metric(view, {.interior_px = scale * session.interior_px,
+                                           .nearest_m = nearest_m_,
+                                           .is_closed = full_.is_closed,
+                                           .shape = shape_});
+  return plainRefine(surface_, records_, metric);
+}
+
+FrameCost SurfaceBench::measure(const SurfaceSession& session, const proto::Pose& pose) const {
+  FrameCost cost;
+  PlainSection section;
+  cost.refine_ms = medianMilliseconds([&] { section = refine(session, pose, 1); });
+  DepthDrawing drawing(session.lens);
+  cost.full_draw_ms = medianMilliseconds([&] { drawing.draw(full_.positions, full_.triangles, pose); });
+  MeshToDraw mesh;
+  cost.draw_ms = medianMilliseconds([&] {
+    meshToDraw(surface_, section, mesh);
+    drawing.draw(mesh.positions, mesh.triangles, pose);
+  });
+  const auto verdict = oracle_.judge(drawnTriangles(surface_, section), pose, session.lens, nearest_m_);
+  cost.faces = mesh.triangles.size();
+  cost.nodes = section.nodes;
+  cost.silhouette_error_px = verdict.silhouette.max_px;
+  cost.interior_error_px = verdict.interior.max_px;
+  cost.uncovered = verdict.uncovered;
+  return cost;
+}
+
+size_t SurfaceBench::faces(const SurfaceSession& session, const proto::Pose& pose, double scale) const {
+  return countTriangles(surface_, refine(session, pose, scale));
+}
+
+double SurfaceBench::worstShare(const SurfaceSession& session, const std::vector<proto::Pose>& poses,
+                                double scale) const {
+  double worst = 0;
+  for (const proto::Pose& pose : poses) {
+    const auto verdict =
+        oracle_.judge(drawnTriangles(surface_, refine(session, pose, scale)), pose, session.lens, nearest_m_);
+    worst = std::max(
+        {worst, verdict.silhouette.max_px / session.silhouette_px, verdict.interior.max_px / session.interior_px});
+    if (worst > 1) break;
+  }
+  return worst;
+}
+
+SurfaceBench::AtEqualError SurfaceBench::atEqualError(const SurfaceSession& session,
+                                                      const std::vector<proto::Pose>& poses) const {
+  AtEqualError result;
+  for (double step : {1.03, 1.005})
+    while (result.scale < 4 && worstShare(session, poses, result.scale * step) <= 1) result.scale *= step;
+  for (const proto::Pose& pose : poses)
+    result.faces += static_cast<double>(faces(session, pose, result.scale)) / static_cast<double>(poses.size());
+  return result;
+}
+
+}  // namespace foreland::bench

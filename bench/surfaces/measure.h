@@ -1,0 +1,67 @@
+// What refinement of a surface saves and keeps, along the session of S, figure 8: the object turns at a distance at
+// which all of it is in view, then the eye comes near. Every figure is measured on the frames themselves: faces after
+// cutting at T-vertices, errors by the oracle on every vertex of the full resolution.
+#pragma once
+
+#include <vector>
+
+#include "bench/surfaces/plain.h"
+#include "terrain/surface/bounds.h"
+
+namespace foreland::bench {
+
+struct SurfaceSession {
+  proto::Lens lens{1.0471975511965976, 640, 480};
+  double silhouette_px = 0.5;
+  double interior_px = 3.5;
+  uint32_t turning_frames = 120;  // two turns, from above to below
+  uint32_t zoom_frames = 60;
+  double disc = 0.6;  // the object's bounding sphere covers this share of the screen's height while it turns
+};
+
+// Where the eye is. The object's bounding sphere is about the middle of its box.
+std::vector<proto::Pose> sessionPoses(const terrain::TrueSurface& surface, const SurfaceSession& session);
+// The same distance rule, from one direction.
+proto::Pose poseAtDisc(const terrain::TrueSurface& surface, const SurfaceSession& session, double disc,
+                       const glm::dvec3& direction);
+
+struct FrameCost {
+  size_t faces = 0, nodes = 0;
+  double silhouette_error_px = 0, interior_error_px = 0;
+  uint64_t uncovered = 0;
+  double refine_ms = 0, full_draw_ms = 0,
+         draw_ms = 0;  // medians of three; draw: of the refined mesh, its walk included
+};
+
+// One kind of bound on one surface.
+class SurfaceBench {
+ public:
+  SurfaceBench(const terrain::TrueSurface& surface, proto::ErrorShape shape, terrain::ErrorFit fit);
+
+  FrameCost measure(const SurfaceSession& session, const proto::Pose& pose) const;
+  // Faces alone, at tolerances `scale` times the session's.
+  size_t faces(const SurfaceSession& session, const proto::Pose& pose, double scale) const;
+  // Mean faces at the largest tolerances, in steps of 3 and then of 0.5 %, at which no measured error is above the
+  // session's. The worst of the poses sets them, for all.
+  struct AtEqualError {
+    double scale = 1, faces = 0;
+  };
+  AtEqualError atEqualError(const SurfaceSession& session, const std::vector<proto::Pose>& poses) const;
+
+  size_t fullFaces() const { return full_.triangles.size(); }
+  double boundsSeconds() const { return bounds_seconds_; }
+
+ private:
+  PlainSection refine(const SurfaceSession& session, const proto::Pose& pose, double scale) const;
+  double worstShare(const SurfaceSession& session, const std::vector<proto::Pose>& poses, double scale) const;
+
+  const terrain::TrueSurface& surface_;
+  proto::ErrorShape shape_;
+  std::vector<proto::SurfaceRecord> records_;
+  SurfaceTruth full_;
+  SurfaceOracle oracle_;
+  double nearest_m_;
+  double bounds_seconds_ = 0;
+};
+
+}  // namespace foreland::bench

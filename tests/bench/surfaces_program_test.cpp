@@ -1,0 +1,49 @@
+// `foreland bench surfaces` on a small sphere: the report has what bench/README.md promises, and its figures agree.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/programs/run_program.h"
+
+namespace foreland::bench {
+namespace {
+
+Result<std::string> run(std::vector<std::string> more) {
+  std::vector<std::string> words{FORELAND_BIN_DIR "/foreland-bench", "surfaces"};
+  words.insert(words.end(), more.begin(), more.end());
+  return runProgram(words);
+}
+
+TEST(SurfacesProgram, ReportsWithinTheTolerances) {
+  const auto text = run({"--shape", "sphere", "--halvings", "4", "--frames", "6", "--silhouette", "1", "--json"});
+  ASSERT_TRUE(text.ok()) << text.error().message;
+  const nlohmann::json report = nlohmann::json::parse(*text), &sphere = report.at("sphere");
+  EXPECT_FALSE(report.contains("torus"));
+  EXPECT_EQ(sphere.at("base_faces"), 8);
+  EXPECT_EQ(sphere.at("full_faces"), 2048);
+  EXPECT_EQ(sphere.at("session").at("frames"), 9);
+  EXPECT_EQ(sphere.at("session").at("faces").size(), 9u);
+  for (const nlohmann::json& measured :
+       {sphere.at("session"), sphere.at("whole_in_view"), sphere.at("by_disc").at(7)}) {
+    EXPECT_LE(measured.at("max_silhouette_error_px").get<double>(), 1);
+    EXPECT_LE(measured.at("max_interior_error_px").get<double>(), 3.5);
+    EXPECT_EQ(measured.at("uncovered"), 0);
+  }
+  for (const char* shape : {"spheroid", "hoppe", "spheroid_by_largest", "hoppe_by_largest"})
+    EXPECT_GE(sphere.at("shapes").at(shape).at("tolerance_scale_at_equal_measured_error").get<double>(), 1) << shape;
+  EXPECT_EQ(sphere.at("shapes").at("spheroid").at("mean_faces"), sphere.at("session").at("mean_faces"));
+  EXPECT_GT(sphere.at("refine_share_of_full_draw").get<double>(), 0);
+}
+
+TEST(SurfacesProgram, RefusesWhatItCannotMake) {
+  for (const auto& [flag, value] : {std::pair{"--shape", "cube"}, {"--halvings", "40"}, {"--silhouette", "nan"}}) {
+    const auto text = run({flag, value});
+    ASSERT_FALSE(text.ok()) << flag;
+    EXPECT_NE(text.error().message.find("exited with 2"), std::string::npos) << text.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace foreland::bench
