@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.h"
+#include "bench/surfaces/model.h"
 #include "bench/surfaces/report.h"
 #include "terrain/surface/shapes.h"
 
@@ -12,10 +13,15 @@ namespace foreland::apps {
 CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args) {
   CLI::App* surfaces = app.add_subcommand("surfaces", "faces, errors and work along a session around a surface");
   const auto pixels = CLI::Range(0.01, 1000.0) & isFinite();
+  surfaces->add_option("models", args.models, "Surface, OBJ or PLY files, in place of the shapes")
+      ->check(CLI::ExistingFile);
+  surfaces->add_option("--base-triangles", args.base_triangles, "of a model's base mesh")
+      ->check(CLI::Range(4, 100000))
+      ->capture_default_str();
   surfaces->add_option("--shape", args.shape, "sphere, torus or both")
       ->check(CLI::IsMember({"sphere", "torus", "both"}))
       ->capture_default_str();
-  surfaces->add_option("--halvings", args.halvings, "of each base edge; the torus has one fewer")
+  surfaces->add_option("--halvings", args.halvings, "of each base edge; tori and models have one fewer")
       ->check(CLI::Range(2, 8))
       ->capture_default_str();
   surfaces->add_option("--silhouette", args.session.silhouette_px, "tolerance in pixels, on silhouettes")
@@ -31,28 +37,42 @@ CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args) {
   return surfaces;
 }
 
+namespace {
+
+// Names the surfaces asked for and makes them, one after the other, until one cannot be made.
+template <class Visit>
+bool forEachSurface(const SurfaceArguments& args, const Visit& visit) {
+  for (const std::string& model : args.models) {
+    const auto surface = bench::surfaceOfModel(model, args.base_triangles, args.halvings - 1);
+    if (!visit(model, surface)) return false;
+  }
+  const auto isAsked = [&](const char* shape) {
+    return args.models.empty() && (args.shape == shape || args.shape == "both");
+  };
+  if (isAsked("sphere") && !visit("sphere", terrain::makeSphere(1, {.halvings = args.halvings}))) return false;
+  return !isAsked("torus") || visit("torus", terrain::makeTorus({}, {.halvings = args.halvings - 1}));
+}
+
+}  // namespace
+
 int runSurfaces(const SurfaceArguments& args) {
   bench::SurfaceSession session = args.session;
   session.zoom_frames = session.turning_frames / 2;
   nlohmann::ordered_json report;
-  const auto measure = [&](const char* name, const Result<terrain::TrueSurface>& surface) {
-    if (args.shape != name && args.shape != "both") return true;
-    if (!surface) {
+  const bool all = forEachSurface(args, [&](const std::string& name, const Result<terrain::TrueSurface>& surface) {
+    if (surface)
+      report[name] = bench::surfaceReport(*surface, session);
+    else
       std::cerr << "foreland bench: " << surface.error().message << "\n";
-      return false;
-    }
-    report[name] = bench::surfaceReport(*surface, session);
-    return true;
-  };
-  if (!measure("sphere", terrain::makeSphere(1, {.halvings = args.halvings})) ||
-      !measure("torus", terrain::makeTorus({}, {.halvings = args.halvings - 1})))
-    return 2;
+    return surface.ok();
+  });
+  if (!all) return 2;
   if (args.json) {
     std::cout << report.dump(2) << "\n";
     return 0;
   }
-  for (const auto& [shape, figures] : report.items())
-    for (const auto& [key, value] : figures.items()) std::cout << shape << " " << key << "  " << value << "\n";
+  for (const auto& [name, figures] : report.items())
+    for (const auto& [key, value] : figures.items()) std::cout << name << " " << key << "  " << value << "\n";
   return 0;
 }
 

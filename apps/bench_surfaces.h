@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "bench/surfaces/measure.h"
 
@@ -12,14 +13,15 @@ namespace foreland::apps {
 struct SurfaceArguments {
   bench::SurfaceSession session;
   std::string shape = "both";
-  uint32_t halvings = 5;
+  std::vector<std::string> models;  // in place of the shapes, if there are any
+  uint32_t halvings = 5, base_triangles = 200;
   bool json = false;
 };
 
 // Registers the subcommand; `args` must outlive the parsing.
 CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args);
 
-// Prints the report; 0, or 2 and a message if a shape cannot be made.
+// Prints the report; 0, or 2 and a message if a surface cannot be made.
 int runSurfaces(const SurfaceArguments& args);
 
 }  // namespace foreland::apps

@@ -120,24 +120,26 @@ size_t SurfaceBench::faces(const SurfaceSession& session, const proto::Pose& pos
   return countTriangles(surface_, refine(session, pose, scale));
 }
 
-double SurfaceBench::worstShare(const SurfaceSession& session, const std::vector<proto::Pose>& poses,
-                                double scale) const {
-  double worst = 0;
+double SurfaceBench::meanWorstShare(const SurfaceSession& session, const std::vector<proto::Pose>& poses,
+                                    double scale) const {
+  double sum = 0;
   for (const proto::Pose& pose : poses) {
     const auto verdict =
         oracle_.judge(drawnTriangles(surface_, refine(session, pose, scale)), pose, session.lens, nearest_m_);
-    worst = std::max(
-        {worst, verdict.silhouette.max_px / session.silhouette_px, verdict.interior.max_px / session.interior_px});
-    if (worst > 1) break;
+    sum += std::max(verdict.silhouette.max_px / session.silhouette_px, verdict.interior.max_px / session.interior_px);
   }
-  return worst;
+  return sum / static_cast<double>(poses.size());
 }
 
+// By halving: the mean grows with the tolerances, but for small steps.
 SurfaceBench::AtEqualError SurfaceBench::atEqualError(const SurfaceSession& session,
-                                                      const std::vector<proto::Pose>& poses) const {
-  AtEqualError result;
-  for (double step : {1.03, 1.005})
-    while (result.scale < 4 && worstShare(session, poses, result.scale * step) <= 1) result.scale *= step;
+                                                      const std::vector<proto::Pose>& poses, double share) const {
+  double low = 0.5, high = 4;
+  for (int i = 0; i < 10; ++i) {
+    const double middle = std::sqrt(low * high);
+    (meanWorstShare(session, poses, middle) < share ? low : high) = middle;
+  }
+  AtEqualError result{std::sqrt(low * high), 0};
   for (const proto::Pose& pose : poses)
     result.faces += static_cast<double>(faces(session, pose, result.scale)) / static_cast<double>(poses.size());
   return result;

@@ -41,19 +41,19 @@ class SurfaceBench {
   FrameCost measure(const SurfaceSession& session, const proto::Pose& pose) const;
   // Faces alone, at tolerances `scale` times the session's.
   size_t faces(const SurfaceSession& session, const proto::Pose& pose, double scale) const;
-  // Mean faces at the largest tolerances, in steps of 3 and then of 0.5 %, at which no measured error is above the
-  // session's. The worst of the poses sets them, for all.
+  // Mean over the poses of the largest measured error, as a share of the tolerance at scale 1.
+  double meanWorstShare(const SurfaceSession& session, const std::vector<proto::Pose>& poses, double scale) const;
+  // Mean faces with the tolerances scaled until that mean is `share`.
   struct AtEqualError {
     double scale = 1, faces = 0;
   };
-  AtEqualError atEqualError(const SurfaceSession& session, const std::vector<proto::Pose>& poses) const;
+  AtEqualError atEqualError(const SurfaceSession& session, const std::vector<proto::Pose>& poses, double share) const;
 
   size_t fullFaces() const { return full_.triangles.size(); }
   double boundsSeconds() const { return bounds_seconds_; }
 
  private:
   PlainSection refine(const SurfaceSession& session, const proto::Pose& pose, double scale) const;
-  double worstShare(const SurfaceSession& session, const std::vector<proto::Pose>& poses, double scale) const;
 
   const terrain::TrueSurface& surface_;
   proto::ErrorShape shape_;

@@ -1,0 +1,39 @@
+#include "bench/surfaces/model.h"
+
+#include "terrain/model/read_model.h"
+#include "terrain/remesh/remesh.h"
+#include "terrain/remesh/surface_of.h"
+#include "terrain/surface_store/mapped_surface.h"
+
+namespace foreland::bench {
+
+namespace {
+
+using terrain::TrueSurface;
+
+Result<TrueSurface> stored(const std::filesystem::path& path) {
+  const auto file = terrain::MappedSurface::open(path);
+  if (!file) return file.error();
+  const terrain::MappedSurface& surface = **file;
+  TrueSurface made{surface.topology(), surface.step_m(), {}, {}};
+  made.base.assign(surface.basePositions().begin(), surface.basePositions().end());
+  made.nodes.reserve(surface.nodes().size());
+  for (const proto::SurfaceRecord& node : surface.nodes()) made.nodes.push_back(node.position);
+  return made;
+}
+
+}  // namespace
+
+Result<TrueSurface> surfaceOfModel(const std::filesystem::path& path, uint32_t base_triangles, uint32_t halvings) {
+  if (terrain::isSurfaceFile(path)) return stored(path);
+  const auto model = terrain::readModel(path);
+  if (!model) return model.error();
+  const auto original = terrain::makeOriginal(*model);
+  if (!original) return original.error();
+  const auto remeshed =
+      terrain::remesh(*original, {.base_triangles = base_triangles, .levels = static_cast<int>(halvings)});
+  if (!remeshed) return remeshed.error();
+  return terrain::surfaceOf(*remeshed, proto::MeshRule::kQuadrisection, terrain::defaultStep(original->positions));
+}
+
+}  // namespace foreland::bench
