@@ -142,20 +142,44 @@ class GridTopology {
     if (slot >= slotCount()) return {};
     int level = level_hint_[std::bit_width(slot)];
     while (slot >= level_offset_[level + 1]) ++level;  // levels grow about twofold, so rarely more than two steps
-    const Slot within = slot - level_offset_[level];
-    const uint32_t sides = level & 1, along_y = sides & within;
-    const uint32_t cell = within >> sides, tile = cell >> (2 * kTileLog2), tiles_x = tiles_x_[level];
-    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at
-    // most.
-    uint32_t row = static_cast<uint32_t>(tile * inverse_tiles_x_[level]);
-    row -= row * tiles_x > tile;
-    row += tile - row * tiles_x >= tiles_x;
-    const uint32_t cx = (tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1));
-    const uint32_t cy = row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1));
-    const uint32_t t = shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2), s = 1u << t;
+    const uint32_t sides = level & 1, along_y = sides & (slot - level_offset_[level]);
+    const Cell cell = cellOf(level, slot);
+    const uint32_t t = scaleLog2At(level), s = 1u << t;
     const NodeId n =
-        NodeId::at((cx << (t + 1)) + (s & (along_y - 1)), (cy << (t + 1)) + (s & ((sides & ~along_y) - 1)));
+        NodeId::at((cell.x << (t + 1)) + (s & (along_y - 1)), (cell.y << (t + 1)) + (s & ((sides & ~along_y) - 1)));
     return contains(n) ? n : NodeId{};
+  }
+
+  // The slot of a node whose level is known.
+  Slot slot(NodeId n, int level) const {
+    const uint32_t t = scaleLog2At(level), sides = level & 1;
+    const Slot cell = tileSlot(n.x() >> (t + 1), n.y() >> (t + 1), tiles_x_[level]);
+    return level_offset_[level] + (cell << sides) + (sides & ~(n.x() >> t));
+  }
+
+  // node() for the slots of one page (kPageSlots, which are all of one level), by their place in it; not for padding.
+  class PageNodes {
+   public:
+    NodeId at(uint32_t low) const {
+      const uint32_t cell = low >> sides_, along_y = low & sides_;
+      return NodeId::at(x_ + ((cell & (kTile - 1)) << cell_log2_) + (half_ & (along_y - 1)),
+                        y_ + (cell >> kTileLog2 << cell_log2_) + (half_ & ((sides_ & ~along_y) - 1)));
+    }
+
+   private:
+    friend class GridTopology;
+    uint32_t x_, y_, half_, cell_log2_, sides_;
+  };
+  PageNodes pageNodes(int level, Slot first) const {
+    const uint32_t t = scaleLog2At(level);
+    const Cell cell = cellOf(level, first);
+    PageNodes page;
+    page.x_ = cell.x << (t + 1);
+    page.y_ = cell.y << (t + 1);
+    page.half_ = 1u << t;
+    page.cell_log2_ = t + 1;
+    page.sides_ = level & 1;
+    return page;
   }
 
   // True if the node's support (its one or two triangles) holds data beyond its border.
@@ -167,6 +191,23 @@ class GridTopology {
  private:
   static constexpr uint32_t kTileLog2 = 4, kTile = 1u << kTileLog2;
 
+  // Of the nodes of a level.
+  uint32_t scaleLog2At(int level) const { return shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2); }
+  // The square of 2s that a slot belongs to.
+  struct Cell {
+    uint32_t x, y;
+  };
+  Cell cellOf(int level, Slot slot) const {
+    const uint32_t cell = (slot - level_offset_[level]) >> (level & 1), tile = cell >> (2 * kTileLog2);
+    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at
+    // most.
+    const uint32_t tiles_x = tiles_x_[level];
+    uint32_t row = static_cast<uint32_t>(tile * inverse_tiles_x_[level]);
+    row -= row * tiles_x > tile;
+    row += tile - row * tiles_x >= tiles_x;
+    return {(tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1)),
+            row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1))};
+  }
   static bool isCentre(NodeId n, uint32_t t) { return (n.x() >> t & 1) && (n.y() >> t & 1); }
   // A centre's edge leads to the centre of the square of 4s around it: the corner whose coordinates are both odd in 2s.
   static bool diagonalRises(uint32_t x, uint32_t y, uint32_t t) { return ((x >> (t + 1)) & 1) == ((y >> (t + 1)) & 1); }

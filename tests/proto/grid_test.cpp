@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "proto/bounds.h"
+
 namespace foreland::proto {
 namespace {
 
@@ -62,6 +64,16 @@ TEST_P(Grid, SlotsNameNodesOneToOneLevelByLevel) {
     EXPECT_EQ(grid.node(slot) == NodeId{}, !seen.contains(slot)) << "slot " << slot;
   EXPECT_EQ(grid.node(grid.slotCount()), NodeId{});
   EXPECT_EQ(grid.node(kNoSlot), NodeId{});
+}
+
+TEST_P(Grid, PagesOfSlotsLieInOneLevel) {
+  for (int level = 1; level <= grid.maxLevel() + 1; ++level) EXPECT_EQ(grid.levelOffset(level) % kPageSlots, 0u);
+  forEachNode(grid, [&](NodeId n) {
+    const int level = grid.level(n);
+    const Slot slot = grid.slot(n), first = slot - slot % kPageSlots;
+    EXPECT_EQ(grid.slot(n, level), slot);
+    EXPECT_EQ(grid.pageNodes(level, first).at(slot - first), n);
+  });
 }
 
 TEST_P(Grid, NodeIsTheMiddleOfItsEndpoints) {
