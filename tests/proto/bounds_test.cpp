@@ -29,6 +29,22 @@ TEST(ErrorClass, RoundsUpByAtMostAStepAndKeepsOrder) {
   EXPECT_GT(ErrorClass::roundUp(5e-324).metres(), 0);
 }
 
+TEST(ErrorClass, FastConversionsAreTheSame) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  Rng rng(seed);
+  for (int c = 1; c < 256; ++c) {
+    const float metres = ErrorClass{static_cast<uint8_t>(c)}.metres();
+    ASSERT_EQ(ErrorClass::metresFast(c), metres);
+    ASSERT_EQ(ErrorClass::roundUpFast(metres), c);
+    ASSERT_EQ(ErrorClass::roundUpFast(std::nextafter(metres, 0.0f)), c);
+    ASSERT_EQ(ErrorClass::roundUpFast(std::nextafter(metres, 1e38f)), c + 1);
+  }
+  for (int i = 0; i < 100000; ++i) {
+    const float metres = static_cast<float>(std::exp2(rng.uniform(-24, 37)));
+    ASSERT_EQ(ErrorClass::roundUpFast(metres), ErrorClass::roundUp(metres).value) << "seed " << seed;
+  }
+}
+
 TEST(SphereLevels, RoundsUpByAtMostAStepAndNestsLevelGround) {
   const GridTopology grid = *GridTopology::create({2, 3, 6, 120, 190});
   Frame frame;
