@@ -104,7 +104,6 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
     return refused("its section is not closed, or too large");
   }
   if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
-  proto::settle(delta_);
   const uint32_t print = fingerprint_ + proto::fingerprint(delta_.added) - proto::fingerprint(delta_.removed);
   if (print != header.fingerprint) return refused("the section that results is not the server's");
   fingerprint_ = print;

@@ -1,6 +1,7 @@
 #include "proto/refine/adapter.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "proto/refine/terrain_batch.h"
@@ -16,6 +17,8 @@ constexpr uint32_t kMostSteps = 1u << 15;
 constexpr int kNonePasses = 256;
 constexpr ErrorClass kAnyError{255}, kSomeError{1};
 
+uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
+
 }  // namespace
 
 // Endless if the views cannot be compared.
@@ -23,7 +26,7 @@ template <class Batch>
 Metric::Toll Adapter<Batch>::tollTo(const View& view) const {
   if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0)
     return domain_->metric(*last_).tollTo(*last_, view);
-  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  constexpr float kEndless = std::numeric_limits<float>::infinity();
   return {{kEndless, kEndless, kEndless}, {0, 0, 0}};
 }
 
@@ -44,23 +47,18 @@ class Adapter<Batch>::Step {
         source_(source),
         scratch_(scratch),
         delta_(delta) {
-    const size_t levels = static_cast<size_t>(topology_.maxLevel()) + 2;
-    const auto prepare = [levels](auto& lists) {
-      lists.resize(std::max(lists.size(), levels));
-      for (auto& list : lists) list.clear();
-    };
-    prepare(scratch_.going);
-    prepare(scratch_.coming);
-    prepare(scratch_.addable);
-    scratch_.due.clear();
+    scratch_.open.assign(frontier_.pageCount(), {});
+    scratch_.has_open.assign(frontier_.pageCount(), 0);
+    scratch_.seeds.clear();
+    scratch_.homeless.clear();
   }
 
   bool run(const Metric::Toll& toll) {
-    frontier_.takeOff(toll, scratch_.due);
-    testDue();
+    testDue(toll);
+    const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
-    forgetLeft();
+    std::reverse(delta_.removed.begin() + static_cast<std::ptrdiff_t>(removed), delta_.removed.end());
     if (!a_.has_seeds_) seed();
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
@@ -69,78 +67,119 @@ class Adapter<Batch>::Step {
   }
 
  private:
-  static size_t at(int level) { return static_cast<size_t>(level); }
-  bool isActive(NodeId n) const { return frontier_.isActive(topology_.slot(n)); }
-  bool hasActiveChild(NodeId n) const {
+  Slot begin(int level) const { return topology_.levelOffset(level); }
+  bool isActive(Slot slot) const { return frontier_.isActive(slot); }
+  bool hasActiveChild(NodeId n, int level) const {
     for (NodeId child : topology_.children(n))
-      if (isActive(child)) return true;
+      if (isActive(topology_.slot(child, level + 1))) return true;
     return false;
   }
-  bool hasItsParents(NodeId n) const {
+  bool hasItsParents(NodeId n, int level) const {
     for (NodeId parent : topology_.parents(n))
-      if (!isActive(parent)) return false;
+      if (!isActive(topology_.slot(parent, level - 1))) return false;
     return true;
   }
 
-  void push(Slot slot, ErrorClass bound, RadiusClass radius) {
-    const NodeId n = topology_.node(slot);
-    const int level = topology_.level(n);
-    batch_.push(n, slot, level, bound, domain_.radius(level, radius));
+  void open(uint32_t page, uint8_t low) {
+    scratch_.open[page].set(low);
+    scratch_.has_open[page] = 1;
   }
-  bool passed(size_t i) const { return batch_.guard[i] == static_cast<uint8_t>(Metric::Guard::kPasses); }
-  uint16_t reach(size_t i) const { return Frontier::packReach(batch_.reach[i], batch_.guard[i]); }
-  // Calls `visit(part)` for each part of the items that fits a batch.
-  template <class Items, class Visit>
-  static bool inBatches(Items& items, const Visit& visit) {
-    for (size_t begin = 0; begin < items.size(); begin += Batch::kSize)
-      if (!visit(std::span(items).subspan(begin, std::min(Batch::kSize, items.size() - begin)))) return false;
-    return true;
-  }
+
   void test() {
-    batch_.testWithSlack(domain_, metric_, kSlackShare);
+    batch_.testWithSlack(metric_, kSlackShare);
     a_.tests_ += batch_.count;
   }
 
   // An entry whose bound settles its test gets a new slack; the others are open.
-  void testDue() {
-    inBatches(scratch_.due, [this](std::span<const Frontier::Due> part) {
-      batch_.count = 0;
-      for (const Frontier::Due& due : part) push(due.slot, due.bound, due.radius);
-      source_.load(batch_);
-      test();
-      for (size_t i = 0; i < part.size(); ++i) {
-        const Frontier::Due& due = part[i];
-        if (passed(i) == due.is_active) {
-          frontier_.renew(due, batch_.slack[i], reach(i));
-          continue;
-        }
-        auto& lists = due.is_active ? scratch_.going : scratch_.coming;
-        lists[at(batch_.level[i])].push_back({{due.slot, due.bound, {}, due.is_active, false}});
+  void testDue(const Metric::Toll& toll) {
+    int level = 1;
+    batch_.count = 0;
+    frontier_.takeOff(toll, [&](uint32_t number, std::span<const uint32_t> places) {
+      const Frontier::Page& page = frontier_.page(number);
+      while (page.first() >= begin(level + 1)) ++level;
+      const auto nodes = topology_.pageNodes(level, page.first());
+      const float radius = domain_.radius(level, page.radius);
+      for (uint32_t place : places) {
+        const Entry& entry = frontier_.entryAt(place);
+        due_[batch_.count] = {number, place, page.active.has(entry.low())};
+        batch_.push(nodes.at(entry.low()), page.first() | entry.low(), level, entry.bound(), radius);
+        if (batch_.full()) finishDue();
       }
-      return true;
     });
+    finishDue();
+  }
+  void finishDue() {
+    source_.load(batch_);
+    batch_.locate(domain_, metric_);
+    test();
+    for (size_t i = 0; i < batch_.count; ++i)
+      if ((batch_.passes[i] != 0) == due_[i].is_active)
+        frontier_.renew(due_[i].place, batch_.slack[i], batch_.hold[i]);
+      else
+        open(due_[i].page, lowOf(batch_.slot[i]));
+    batch_.count = 0;
   }
 
-  // Settles what each candidate is from now on (question.is_active), in ascending order, and gives each an entry.
-  bool settleAll(int level, std::vector<Candidate>& candidates) {
-    std::sort(candidates.begin(), candidates.end());
-    return inBatches(candidates, [this, level](std::span<Candidate> part) {
-      batch_.count = 0;
-      for (const Candidate& c : part) push(c.question.slot, c.question.known, frontier_.radius(c.question.slot));
-      source_.load(batch_);
-      batch_.findLeast(domain_, metric_);
-      if (!ask(level, part)) return false;
-      test();
-      for (size_t i = 0; i < part.size(); ++i)
-        frontier_.list(batch_.slot[i], batch_.bound[i], batch_.slack[i], reach(i));
-      return true;
+  // Takes a level's open nodes that are active, or the others, ascending.
+  enum class Which { kLeaves, kAddable };
+  void collect(int level, Which which) {
+    scratch_.candidates.clear();
+    for (const Frontier::PageName& name : frontier_.pagesOf(begin(level), begin(level + 1))) {
+      const uint32_t number = name.number;
+      if (!scratch_.has_open[number]) continue;
+      const Frontier::Page& page = frontier_.page(number);
+      SlotBits& open = scratch_.open[number];
+      const SlotBits taken = which == Which::kLeaves ? open & page.active : open - page.active;
+      open = open - taken;
+      if (which == Which::kAddable) frontier_.reserve(number, (taken - page.listed).count());
+      taken.forEach([&](uint8_t low) {
+        const bool is_new = !page.listed.has(low);
+        const ErrorClass known = !is_new                   ? frontier_.bound(page, low)
+                                 : which == Which::kLeaves ? kSomeError
+                                                           : kAnyError;
+        scratch_.candidates.push_back({{page.first() | low, known, {}, which == Which::kLeaves, is_new}, number});
+      });
+    }
+  }
+
+  // Calls visit(candidate, node) for the candidates from `begin` to `end`, which are of one level.
+  template <class Visit>
+  void forEach(int level, std::span<Candidate> candidates, const Visit& visit) {
+    uint32_t page = Frontier::kNone;
+    auto nodes = topology_.pageNodes(level, begin(level));
+    for (Candidate& c : candidates) {
+      if (c.page != page) nodes = topology_.pageNodes(level, frontier_.page(page = c.page).first());
+      visit(c, nodes.at(lowOf(c.question.slot)));
+    }
+  }
+
+  // Settles what each candidate is from now on (question.is_active) and gives each an entry.
+  bool settle(int level) {
+    std::vector<Candidate>& candidates = scratch_.candidates;
+    for (size_t begin = 0; begin < candidates.size(); begin += Batch::kSize)
+      if (!settle(level, std::span(candidates).subspan(begin, std::min(Batch::kSize, candidates.size() - begin))))
+        return false;
+    return true;
+  }
+  bool settle(int level, std::span<Candidate> part) {
+    batch_.count = 0;
+    forEach(level, part, [&](const Candidate& c, NodeId n) {
+      batch_.push(n, c.question.slot, level, c.question.known, domain_.radius(level, frontier_.page(c.page).radius));
     });
+    source_.load(batch_);
+    batch_.locate(domain_, metric_);
+    batch_.findLeast(metric_);
+    if (!ask(level, part)) return false;
+    test();
+    for (size_t i = 0; i < part.size(); ++i)
+      frontier_.list(part[i].page, lowOf(batch_.slot[i]), batch_.bound[i], batch_.slack[i], batch_.hold[i]);
+    return true;
   }
 
   // Asks where what is known does not settle the test. The bounds of the entries are the batch's from now on.
   bool ask(int level, std::span<Candidate> part) {
     scratch_.questions.clear();
-    scratch_.open.clear();
+    scratch_.asked.clear();
     for (size_t i = 0; i < part.size(); ++i) {
       Question& q = part[i].question;
       if (batch_.least[i] == kNonePasses) {
@@ -152,12 +191,12 @@ class Adapter<Batch>::Step {
       // For addable nodes that have just come, and for leaves that turn round, it may be settled after all.
       if (q.is_active ? q.known >= q.least : q.known < q.least) continue;
       scratch_.questions.push_back(q);
-      scratch_.open.push_back(static_cast<uint32_t>(i));
+      scratch_.asked.push_back(static_cast<uint32_t>(i));
     }
     scratch_.answers.resize(scratch_.questions.size());
     if (!scratch_.questions.empty() && !source_.answer(level, scratch_.questions, scratch_.answers)) return false;
-    for (size_t k = 0; k < scratch_.open.size(); ++k) {
-      const uint32_t i = scratch_.open[k];
+    for (size_t k = 0; k < scratch_.asked.size(); ++k) {
+      const uint32_t i = scratch_.asked[k];
       Question& q = part[i].question;
       q.is_active = scratch_.answers[k] != 0;
       batch_.bound[i] = q.is_active ? q.least : ErrorClass{static_cast<uint8_t>(q.least.value - 1)};
@@ -168,86 +207,112 @@ class Adapter<Batch>::Step {
   // Leaves of a level that go take their children off the frontier and may bring their parents to it, which may go in
   // turn.
   bool remove(int level) {
-    std::vector<Candidate>& going = scratch_.going[at(level)];
-    if (going.empty()) return true;
-    if (!settleAll(level, going)) return false;
-    for (const Candidate& c : going) {
-      if (c.question.is_active) continue;
-      const Slot slot = c.question.slot;
-      frontier_.setActive(slot, false);
-      --a_.active_;
-      delta_.removed.push_back(slot);
-      const NodeId n = topology_.node(slot);
-      for (NodeId child : topology_.children(n)) frontier_.unlist(topology_.slot(child));
+    collect(level, Which::kLeaves);
+    dropInner(level);
+    if (!settle(level)) return false;
+    std::vector<Candidate>& candidates = scratch_.candidates;
+    std::erase_if(candidates, [](const Candidate& c) { return c.question.is_active; });
+    a_.active_ -= candidates.size();
+    forEach(level, candidates, [&](const Candidate& c, NodeId n) {
+      frontier_.setActive(c.page, lowOf(c.question.slot), false);
+      for (NodeId child : topology_.children(n)) unlist(topology_.slot(child, level + 1));
       for (NodeId parent : topology_.parents(n)) {
-        const Slot above = topology_.slot(parent);
-        if (!isActive(parent) || frontier_.isListed(above) || hasActiveChild(parent)) continue;
-        frontier_.list(above, kSomeError, 0, 0);  // holds its place
-        scratch_.going[at(level - 1)].push_back({{above, kSomeError, {}, true, true}});
+        const Slot above = topology_.slot(parent, level - 1);
+        open(frontier_.find(above), lowOf(above));
       }
-    }
+    });
+    for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].question.slot);
     return true;
   }
-
-  // Addable nodes whose test is open, but which have left the frontier since.
-  void forgetLeft() {
-    for (auto& coming : scratch_.coming)
-      std::erase_if(coming, [this](const Candidate& c) { return !frontier_.isListed(c.question.slot); });
+  // Parents of what has gone that have other children.
+  void dropInner(int level) {
+    size_t kept = 0;
+    forEach(level, scratch_.candidates, [&](const Candidate& c, NodeId n) {
+      if (!c.question.is_new || !hasActiveChild(n, level)) scratch_.candidates[kept++] = c;
+    });
+    scratch_.candidates.resize(kept);
+  }
+  void unlist(Slot slot) {
+    const uint32_t page = frontier_.find(slot);
+    if (page == Frontier::kNone || !frontier_.page(page).listed.has(lowOf(slot))) return;
+    frontier_.unlist(page, lowOf(slot));
+    scratch_.open[page].clear(lowOf(slot));
   }
 
   // The whole frontier of a section of which only its own nodes are known.
   void seed() {
     a_.has_seeds_ = true;
-    for (Slot slot = topology_.levelOffset(1); slot < topology_.levelOffset(2); ++slot)
-      if (const NodeId n = topology_.node(slot); !topology_.isBase(n)) seed(1, slot);
-    frontier_.forEach(Frontier::kActive, [this](Slot slot) {
+    for (Slot slot = begin(1); slot < begin(2); ++slot)
+      if (!topology_.isBase(topology_.node(slot))) welcome(slot, scratch_.seeds);
+    frontier_.forEachActive([this](Slot slot) {
       const NodeId n = topology_.node(slot);
+      const int below = topology_.level(n) + 1;
       for (NodeId child : topology_.children(n))
-        if (hasItsParents(child)) seed(topology_.level(n) + 1, topology_.slot(child));
+        if (hasItsParents(child, below)) welcome(topology_.slot(child, below), scratch_.seeds);
     });
+    std::sort(scratch_.seeds.begin(), scratch_.seeds.end(), std::greater<>());
   }
-  void seed(int level, Slot slot) {
-    if (!frontier_.isActive(slot) && !frontier_.isListed(slot)) scratch_.addable[at(level)].push_back(slot);
+  // A node that can be added.
+  void welcome(Slot slot, std::vector<Slot>& homeless) {
+    const uint32_t page = frontier_.find(slot);
+    if (page == Frontier::kNone)
+      homeless.push_back(slot);
+    else if (!frontier_.page(page).active.has(lowOf(slot)) && !frontier_.page(page).listed.has(lowOf(slot)))
+      open(page, lowOf(slot));
   }
 
   // Candidates of a level: those whose test is open, and those that have just become addable.
   bool add(int level) {
-    std::vector<Candidate>& coming = scratch_.coming[at(level)];
-    greet(level, coming);
-    if (coming.empty()) return true;
-    if (!settleAll(level, coming)) return false;
+    makePages(level);
+    collect(level, Which::kAddable);
+    std::vector<Candidate>& candidates = scratch_.candidates;
+    scratch_.slots.clear();
+    for (const Candidate& c : candidates)
+      if (c.question.is_new) scratch_.slots.push_back(c.question.slot);
+    if (!scratch_.slots.empty()) source_.onAddable(level, scratch_.slots);
+    if (!settle(level)) return false;
+    std::erase_if(candidates, [](const Candidate& c) { return !c.question.is_active; });
+    if (candidates.empty()) return true;
+    if (a_.active_ + candidates.size() > max_nodes_) return false;
     scratch_.slots.clear();
     scratch_.passed.clear();
-    for (const Candidate& c : coming) {
-      if (!c.question.is_active) continue;
+    for (const Candidate& c : candidates) {
       scratch_.slots.push_back(c.question.slot);
       scratch_.passed.push_back(c.question.least);
     }
-    if (scratch_.slots.empty()) return true;
-    if (a_.active_ + scratch_.slots.size() > max_nodes_) return false;
     if (!source_.onAdded(level, scratch_.slots, scratch_.passed)) return false;
-    a_.active_ += scratch_.slots.size();
+    a_.active_ += candidates.size();
     delta_.added.insert(delta_.added.end(), scratch_.slots.begin(), scratch_.slots.end());
-    for (Slot slot : scratch_.slots) frontier_.setActive(slot, true);
-    for (Slot slot : scratch_.slots) {
-      const NodeId n = topology_.node(slot);
-      for (NodeId parent : topology_.parents(n)) frontier_.unlist(topology_.slot(parent));
+    for (const Candidate& c : candidates) frontier_.setActive(c.page, lowOf(c.question.slot), true);
+    forEach(level, candidates, [&](const Candidate&, NodeId n) {
+      for (NodeId parent : topology_.parents(n)) unlist(topology_.slot(parent, level - 1));
       for (NodeId child : topology_.children(n))
-        if (!isActive(child) && hasItsParents(child)) scratch_.addable[at(level) + 1].push_back(topology_.slot(child));
-    }
+        if (hasItsParents(child, level + 1)) welcome(topology_.slot(child, level + 1), scratch_.homeless);
+    });
     return true;
   }
 
-  void greet(int level, std::vector<Candidate>& coming) {
-    std::vector<Slot>& addable = scratch_.addable[at(level)];
-    if (addable.empty()) return;
-    std::sort(addable.begin(), addable.end());
-    addable.erase(std::unique(addable.begin(), addable.end()), addable.end());
-    for (Slot slot : addable)
-      if (!frontier_.hasPage(slot)) frontier_.makePage(slot, source_.radius(slot));
-    source_.onAddable(level, addable);
-    for (Slot slot : addable) coming.push_back({{slot, kAnyError, {}, false, true}});
+  void makePages(int level) {
+    std::vector<Slot>&seeds = scratch_.seeds, &homeless = scratch_.homeless;
+    for (; !seeds.empty() && seeds.back() < begin(level + 1); seeds.pop_back()) homeless.push_back(seeds.back());
+    std::sort(homeless.begin(), homeless.end());
+    for (Slot slot : homeless) {
+      uint32_t page = frontier_.find(slot);
+      if (page == Frontier::kNone) page = frontier_.makePage(slot, source_.radius(slot));
+      if (page >= scratch_.open.size()) {
+        scratch_.open.resize(page + 1);
+        scratch_.has_open.resize(page + 1);
+      }
+      open(page, lowOf(slot));
+    }
+    if (!homeless.empty()) frontier_.orderPages();
+    homeless.clear();
   }
+
+  struct Due {
+    uint32_t page, place;
+    bool is_active;
+  };
 
   Adapter& a_;
   Frontier& frontier_;
@@ -259,6 +324,7 @@ class Adapter<Batch>::Step {
   AdaptScratch& scratch_;
   CutDelta& delta_;
   Batch batch_;
+  std::array<Due, Batch::kSize> due_;
 };
 
 // The leaves are due at once; the rest of the frontier is found by the first step.
@@ -267,13 +333,14 @@ Adapter<Batch>::Adapter(const Domain& domain, std::span<const Slot> section, Nod
     : domain_(&domain), active_(section.size()) {
   const auto& topology = domain.topology();
   for (Slot slot : section) {
-    if (!frontier_.hasPage(slot)) frontier_.makePage(slot, source.radius(slot));
-    frontier_.setActive(slot, true);
+    if (frontier_.find(slot) == Frontier::kNone) frontier_.makePage(slot, source.radius(slot));
+    frontier_.setActive(frontier_.find(slot), lowOf(slot), true);
   }
+  frontier_.orderPages();
   for (Slot slot : section) {
     bool is_leaf = true;
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
-    if (is_leaf) frontier_.list(slot, kSomeError, 0, 0);
+    if (is_leaf) frontier_.list(frontier_.find(slot), lowOf(slot), kSomeError, 0, 0);
   }
 }
 
@@ -290,13 +357,13 @@ template <class Batch>
 Section Adapter<Batch>::section() const {
   Section section;
   section.slots.reserve(active_);
-  frontier_.forEach(Frontier::kActive, [&](Slot slot) { section.slots.push_back(slot); });
-  std::sort(section.slots.begin(), section.slots.end());
+  frontier_.forEachActive([&](Slot slot) { section.slots.push_back(slot); });
   return section;
 }
 
 template <class Batch>
 void Adapter<Batch>::validate() const {
+  frontier_.validate();
   const auto& topology = domain_->topology();
   const auto active = [&](NodeId n) { return contains(topology.slot(n)); };
   size_t listed = 0;
@@ -315,10 +382,5 @@ void Adapter<Batch>::validate() const {
 }
 
 template class Adapter<TerrainBatch>;
-
-void settle(CutDelta& delta) {
-  std::sort(delta.added.begin(), delta.added.end());
-  std::sort(delta.removed.begin(), delta.removed.end());
-}
 
 }  // namespace foreland::proto

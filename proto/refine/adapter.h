@@ -55,12 +55,14 @@ class NodeSource {
 struct AdaptScratch {
   struct Candidate {
     Question question;
-    bool operator<(const Candidate& other) const { return question.slot < other.question.slot; }
+    uint32_t page;
   };
-  std::vector<Frontier::Due> due;
-  std::vector<std::vector<Candidate>> going, coming;  // by level: active leaves, addable nodes, whose test is open
-  std::vector<std::vector<Slot>> addable;             // by level: have come to the frontier
-  std::vector<uint32_t> open;                         // of a batch: those asked about
+  // Nodes whose test is open, or that may have come to the frontier; by page.
+  std::vector<SlotBits> open;
+  std::vector<uint8_t> has_open;
+  std::vector<Slot> seeds, homeless;  // the same on pages that are not there: of any level, of the next one
+  std::vector<Candidate> candidates;
+  std::vector<uint32_t> asked;  // of a batch: those in question
   std::vector<Question> questions;
   std::vector<uint8_t> answers;
   std::vector<Slot> slots;
@@ -78,7 +80,7 @@ class Adapter {
   // of its pages. On both ends the same.
   Adapter(const Domain& domain, std::span<const Slot> section, NodeSource<Batch>& source);
 
-  // Moves to the section of `view` and appends what changed to `delta`, in no order. False if the section would exceed
+  // Moves to the section of `view` and appends what changed to `delta`, ascending. False if the section would exceed
   // `max_nodes` or the source stopped: the adapter is then of no more use.
   [[nodiscard]] bool adapt(const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
                            CutDelta& delta);
@@ -88,11 +90,11 @@ class Adapter {
   bool contains(Slot slot) const { return frontier_.isActive(slot); }
   // Of the page of a node of the section.
   RadiusClass radius(Slot slot) const { return frontier_.radius(slot); }
-  // Calls visit(slot) for each node of the section and of its frontier, in no order, some twice.
+  // Calls visit(slot) for each node of the section and of its frontier, some twice.
   template <class Visit>
   void forEachKnown(const Visit& visit) const {
-    frontier_.forEach(Frontier::kActive, visit);
-    frontier_.forEach(Frontier::kListed, visit);
+    frontier_.forEachActive(visit);
+    frontier_.forEachListed(visit);
   }
   size_t bytes() const { return frontier_.bytes(); }  // of this session's state
   size_t frontierSize() const { return frontier_.entryCount(); }
@@ -112,8 +114,5 @@ class Adapter {
   uint64_t tests_ = 0;
   uint32_t steps_ = 0;
 };
-
-// Sorts a delta.
-void settle(CutDelta& delta);
 
 }  // namespace foreland::proto

@@ -1,7 +1,7 @@
 #include "proto/refine/frontier.h"
 
 #include <algorithm>
-#include <limits>
+#include <cstring>
 
 #include "base/check.h"
 
@@ -9,151 +9,158 @@ namespace foreland::proto {
 
 namespace {
 
-constexpr float kEndless = std::numeric_limits<float>::max();
+constexpr size_t kFew = 1024;
 
 // Grows by an eighth, for a session's memory is counted.
 template <class T>
 void reserveMore(std::vector<T>& v, size_t more) {
-  if (v.size() + more > v.capacity()) v.reserve(v.size() + more + v.size() / 8);
+  if (v.size() + more > v.capacity()) v.reserve(v.size() + more + 64 + v.size() / 8);
+}
+
+bool isBefore(const Frontier::PageName& a, const Frontier::PageName& b) { return a.key < b.key; }
+
+}  // namespace
+
+uint32_t Frontier::makePage(Slot slot, RadiusClass radius) {
+  const uint32_t key = slot >> 8;
+  if (4 * (order_.size() + fresh_.size() + 1) > 3 * cells_.size()) grow();
+  const uint32_t cell = probe(key);
+  CHECK_EQ(cells_[cell].page, kNone);
+  if (free_.empty()) {
+    reserveMore(pages_, 1);
+    free_.push_back(pageCount());
+    pages_.emplace_back();
+  }
+  const uint32_t number = free_.back();
+  free_.pop_back();
+  pages_[number] = {};
+  pages_[number].key = key;
+  pages_[number].radius = radius;
+  cells_[cell] = {key, number};
+  fresh_.push_back({key, number});
+  return number;
+}
+
+// Merged from the back, in place.
+void Frontier::orderPages() {
+  std::sort(fresh_.begin(), fresh_.end(), isBefore);
+  size_t left = order_.size();
+  reserveMore(order_, fresh_.size());
+  order_.resize(left + fresh_.size());
+  for (; !fresh_.empty(); fresh_.pop_back()) {
+    for (; left > 0 && isBefore(fresh_.back(), order_[left - 1]); --left)
+      order_[left + fresh_.size() - 1] = order_[left - 1];
+    order_[left + fresh_.size() - 1] = fresh_.back();
+  }
+}
+
+std::span<const Frontier::PageName> Frontier::pagesOf(Slot begin, Slot end) const {
+  const auto from = [this](Slot slot) {
+    return std::lower_bound(order_.begin(), order_.end(), PageName{slot >> 8, 0}, isBefore);
+  };
+  return {from(begin), from(end)};
+}
+
+void Frontier::setActive(uint32_t number, uint8_t low, bool value) {
+  Page& page = pages_[number];
+  if (value) return page.active.set(low);
+  page.active.clear(low);
+  if (page.isEmpty()) empty_.push_back(number);
+}
+
+void Frontier::list(uint32_t number, uint8_t low, ErrorClass bound, float slack, uint16_t hold) {
+  Page& page = pages_[number];
+  const uint32_t at = page.listed.countBefore(low);
+  const Entry entry = Entry::of(low, bound, hold);
+  if (page.listed.has(low)) {
+    pool_.slack(page.room)[at] = slack;
+    pool_.entries(page.room)[at] = entry;
+    return;
+  }
+  pool_.insert(page.room, page.count, at, slack, entry);
+  page.listed.set(low);
+  ++page.count;
+  ++entries_;
+}
+
+void Frontier::unlist(uint32_t number, uint8_t low) {
+  Page& page = pages_[number];
+  page.listed.clear(low);
+  pool_.erase(page.room, page.count, page.listed.countBefore(low));
+  --page.count;
+  --entries_;
+  if (page.isEmpty()) empty_.push_back(number);
+}
+
+namespace {
+
+// Whole vectors: what stands behind the last entry is paid for, too.
+void pay(const Metric::Toll& toll, float* slack, const Entry* entries, size_t vectors) {
+  const auto [fixed0, fixed1, fixed2] = toll.fixed;
+  const auto [per_reach0, per_reach1, per_reach2] = toll.per_reach;
+  for (size_t i = 0; i < vectors * EntryPool::kVector; ++i) {
+    const uint32_t guard = entries[i].guard();
+    const float fixed = guard == 0 ? fixed0 : guard == 1 ? fixed1 : fixed2;
+    const float per_reach = guard == 0 ? per_reach0 : guard == 1 ? per_reach1 : per_reach2;
+    slack[i] -= fixed + per_reach * entries[i].reach();
+  }
+}
+
+// Of a vector of slacks, those below zero: bit i for entry 2 i, bit 32 + i for entry 2 i + 1.
+uint64_t signs(const float* slack) {
+  static_assert(std::endian::native == std::endian::little && EntryPool::kVector == 8);
+  uint64_t signs = 0;
+  for (int i = 0; i < 4; ++i) {
+    uint64_t two;
+    std::memcpy(&two, slack + 2 * i, sizeof two);
+    signs |= (two & 0x80000000'80000000) >> (31 - i);
+  }
+  return signs;
 }
 
 }  // namespace
 
-void Frontier::makePage(Slot slot, RadiusClass radius) {
-  const uint32_t key = slot >> 8;
-  if (4 * (pages_.size() + 1) > 3 * cells_.size()) grow();
-  const uint32_t cell = probe(key);
-  CHECK_EQ(cells_[cell].page, kNone);
-  cells_[cell] = {key, static_cast<uint32_t>(pages_.size())};
-  reserveMore(pages_, 64);
-  Page& page = pages_.emplace_back();
-  page.key = key;
-  page.radius = radius;
-  page.least_slack = kEndless;
-}
-
-void Frontier::setActive(Slot slot, bool value) {
-  Page& page = pages_[cells_[probe(slot >> 8)].page];
-  uint64_t& word = page.bits[kActive][slot >> 6 & 3];
-  const uint64_t bit = uint64_t{1} << (slot & 63);
-  word = value ? word | bit : word & ~bit;
-  if (!value && isEmpty(page)) empty_.push_back(page.key);
-}
-
-void Frontier::list(Slot slot, ErrorClass bound, float slack, uint16_t reach) {
-  Page& page = pages_[cells_[probe(slot >> 8)].page];
-  if (page.owed_fixed != std::array<float, 3>{} || page.owed_per_reach != std::array<float, 3>{}) pay(page, nullptr);
-  const uint8_t low = static_cast<uint8_t>(slot);
-  uint64_t& word = page.bits[kListed][slot >> 6 & 3];
-  const uint64_t bit = uint64_t{1} << (slot & 63);
-  const Entry entry{slack, low, bound, reach};
-  page.least_slack = std::min(page.least_slack, slack);
-  page.most_reach = std::max(page.most_reach, reachOf(reach));
-  if (word & bit) {
-    const std::span<Entry> entries = entriesOf(page);
-    *std::find_if(entries.begin(), entries.end(), [low](const Entry& e) { return e.low == low; }) = entry;
-    return;
-  }
-  word |= bit;
-  if (page.count == kRoom * page.rooms) makeRoom(page);
-  pool_[page.first + page.count++] = entry;
-  ++entries_;
-}
-
-void Frontier::unlist(Slot slot) {
-  const uint32_t index = cells_[probe(slot >> 8)].page;
-  if (index == kNone) return;
-  Page& page = pages_[index];
-  uint64_t& word = page.bits[kListed][slot >> 6 & 3];
-  const uint64_t bit = uint64_t{1} << (slot & 63);
-  if (!(word & bit)) return;
-  word ^= bit;
-  const std::span<Entry> entries = entriesOf(page);
-  const uint8_t low = static_cast<uint8_t>(slot);
-  *std::find_if(entries.begin(), entries.end(), [low](const Entry& e) { return e.low == low; }) = entries.back();
-  --page.count;
-  --entries_;
-  if (isEmpty(page)) empty_.push_back(page.key);
-}
-
-void Frontier::takeOff(const Metric::Toll& toll, std::vector<Due>& due) {
-  for (Page& page : pages_) {
-    float most = 0;
-    for (size_t g = 0; g < 3; ++g) {
-      page.owed_fixed[g] += static_cast<float>(toll.fixed[g]);
-      page.owed_per_reach[g] += static_cast<float>(toll.per_reach[g]);
-      most = std::max(most, page.owed_fixed[g] + page.owed_per_reach[g] * page.most_reach);
+// A slack of nothing is used up by any toll, for a toll is never nothing.
+uint32_t Frontier::takeOff(const Metric::Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places) {
+  constexpr uint32_t kVector = EntryPool::kVector;
+  float* slack = pool_.slack(page.room);
+  pay(toll, slack, pool_.entries(page.room), (page.count + kVector - 1) / kVector);
+  uint32_t count = 0;
+  for (uint32_t begin = 0; begin < page.count; begin += kVector)
+    for (uint64_t left = signs(slack + begin); left != 0; left &= left - 1) {
+      const uint32_t bit = static_cast<uint32_t>(std::countr_zero(left));
+      const uint32_t at = begin + 2 * (bit & 31) + (bit >> 5);
+      places[count] = page.room.first + at;
+      count += at < page.count ? 1 : 0;
     }
-    if (most * 1.0001f >= page.least_slack && page.count > 0) pay(page, &due);
-  }
-}
-
-// Takes off what is owed; entries that are due then are told, and count no more until they are listed again.
-void Frontier::pay(Page& page, std::vector<Due>* due) {
-  page.least_slack = kEndless;
-  page.most_reach = 0;
-  for (uint32_t i = 0; i < page.count; ++i) {
-    Entry& entry = pool_[page.first + i];
-    const uint32_t guard = guardOf(entry.reach);
-    const float reach = reachOf(entry.reach);
-    entry.slack -= page.owed_fixed[guard] + page.owed_per_reach[guard] * reach;
-    page.most_reach = std::max(page.most_reach, reach);
-    if (entry.slack > 0)
-      page.least_slack = std::min(page.least_slack, entry.slack);
-    else if (due)
-      due->push_back({page.key << 8 | entry.low, static_cast<uint32_t>(&page - pages_.data()), static_cast<uint8_t>(i),
-                      entry.bound, page.radius, (page.bits[kActive][entry.low >> 6] >> (entry.low & 63) & 1) != 0});
-  }
-  page.owed_fixed = page.owed_per_reach = {};
-}
-
-// One more room, in a place that is free or at the pool's end.
-void Frontier::makeRoom(Page& page) {
-  const uint8_t rooms = static_cast<uint8_t>(page.rooms + 1);
-  std::vector<uint32_t>& free = free_[rooms];
-  uint32_t first;
-  if (free.empty()) {
-    first = static_cast<uint32_t>(pool_.size());
-    reserveMore(pool_, size_t{kRoom} * rooms);
-    pool_.resize(pool_.size() + size_t{kRoom} * rooms);
-  } else {
-    first = free.back();
-    free.pop_back();
-  }
-  if (page.rooms > 0) std::copy_n(pool_.begin() + page.first, page.count, pool_.begin() + first);
-  freeRoom(page);
-  page.first = first;
-  page.rooms = rooms;
-}
-
-void Frontier::freeRoom(Page& page) {
-  if (page.rooms > 0) free_[page.rooms].push_back(page.first);
-  page.rooms = 0;
+  return count;
 }
 
 void Frontier::endStep() {
-  for (uint32_t key : empty_) {
-    const uint32_t cell = probe(key);
-    if (cells_[cell].page != kNone && isEmpty(pages_[cells_[cell].page])) erase(cell);
+  dropEmpty();
+  if (pool_.capacity() > 2 * pool_.held() + kFew || pages_.capacity() > 2 * order_.size() + kFew) compact();
+}
+
+void Frontier::dropEmpty() {
+  if (empty_.empty()) return;
+  for (uint32_t number : empty_) {
+    const uint32_t cell = probe(pages_[number].key);
+    if (cells_[cell].page == number && pages_[number].isEmpty()) erase(cell);
   }
   empty_.clear();
+  std::erase_if(order_, [this](const PageName& name) { return cells_[probe(name.key)].page != name.number; });
 }
 
 void Frontier::grow() {
   cells_.assign(cells_.size() * 2, {});
   --shift_;
-  for (uint32_t i = 0; i < pages_.size(); ++i) cells_[probe(pages_[i].key)] = {pages_[i].key, i};
+  for (const auto* names : {&order_, &fresh_})
+    for (const PageName& name : *names) cells_[probe(name.key)] = {name.key, name.number};
 }
 
-// The last page takes the freed place; cells after the freed one move up where their chains passed over it.
+// Cells after the freed one move up where their chains passed over it.
 void Frontier::erase(uint32_t cell) {
-  const uint32_t freed = cells_[cell].page, last = static_cast<uint32_t>(pages_.size() - 1);
-  freeRoom(pages_[freed]);
-  if (freed != last) {
-    cells_[probe(pages_[last].key)].page = freed;
-    pages_[freed] = pages_[last];
-  }
-  pages_.pop_back();
+  free_.push_back(cells_[cell].page);
   uint32_t hole = cell;
   for (uint32_t at = (cell + 1) & mask(); cells_[at].page != kNone; at = (at + 1) & mask()) {
     const uint32_t from = home(cells_[at].key);
@@ -165,10 +172,43 @@ void Frontier::erase(uint32_t cell) {
   cells_[hole] = {};
 }
 
+void Frontier::compact() {
+  EntryPool pool(pool_.held() + pool_.held() / 8);
+  std::vector<Page> pages;
+  pages.reserve(order_.size() + order_.size() / 8);
+  for (PageName& name : order_) {
+    Page& page = pages.emplace_back(pages_[name.number]);
+    page.room = pool.copy(pool_, page.room, page.count);
+    name.number = static_cast<uint32_t>(pages.size() - 1);
+  }
+  pool_ = std::move(pool);
+  pages_ = std::move(pages);
+  free_.clear();
+  cells_.assign(cells_.size(), {});
+  for (const PageName& name : order_) cells_[probe(name.key)] = {name.key, name.number};
+}
+
 size_t Frontier::bytes() const {
-  size_t bytes = cells_.capacity() * sizeof(Cell) + pages_.capacity() * sizeof(Page) + pool_.capacity() * sizeof(Entry);
-  for (const auto& free : free_) bytes += free.capacity() * sizeof(uint32_t);
-  return bytes;
+  return cells_.capacity() * sizeof(Cell) + pages_.capacity() * sizeof(Page) + order_.capacity() * sizeof(PageName) +
+         fresh_.capacity() * sizeof(PageName) + (free_.capacity() + empty_.capacity()) * sizeof(uint32_t) +
+         pool_.bytes();
+}
+
+void Frontier::validate() const {
+  size_t entries = 0;
+  for (size_t i = 0; i < order_.size(); ++i) {
+    if (i > 0) CHECK_LT(order_[i - 1].key, order_[i].key);
+    CHECK_EQ(find(order_[i].key << 8), order_[i].number);
+    const Page& page = pages_[order_[i].number];
+    CHECK_EQ(page.key, order_[i].key);
+    CHECK_TRUE(!page.isEmpty());
+    CHECK_EQ(page.count, page.listed.count());
+    CHECK_LE(page.count, EntryPool::kSizes[page.room.size]);
+    uint32_t at = 0;
+    page.listed.forEach([&](uint8_t low) { CHECK_EQ(pool_.entries(page.room)[at++].low(), low); });
+    entries += page.count;
+  }
+  CHECK_EQ(entries, entries_);
 }
 
 }  // namespace foreland::proto

@@ -1,7 +1,6 @@
 #include "proto/refine/metric.h"
 
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "proto/trig.h"
 
@@ -18,7 +17,9 @@ Metric::Metric(const View& view, bool vertical_errors)
   inverse_cos_corner_ = std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
   cos_corner_ = 1 / inverse_cos_corner_;
   focal_over_tau_ = view.lens.focalPx() / view.tau_px;
-  lean_floor_ = vertical_errors ? 0 : std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  lean_floor_ = vertical_errors ? 0 : kInfinity;
+  lean_room_floor_ = vertical_errors ? -kInfinity : kEndless_m;
   ball_ = view.ball_m;
   const double turn = std::min(view.turn_rad, 1.5);  // beyond it the frustum covers everything in front anyway
   sin_turn_ = sinCos(turn).sin;
@@ -53,8 +54,8 @@ Metric::Toll Metric::tollTo(const View& from, const View& next) const {
   const double scaled = std::fabs(next.tau_px / from.tau_px - 1);
   Toll toll;
   const auto set = [&](Guard guard, double fixed, double per_reach) {
-    toll.fixed[static_cast<int>(guard)] = fixed * 1.00001 + 1e-6;
-    toll.per_reach[static_cast<int>(guard)] = per_reach * 1.00001;
+    toll.fixed[static_cast<size_t>(guard)] = static_cast<float>(fixed * 1.00001 + 1e-6);
+    toll.per_reach[static_cast<size_t>(guard)] = static_cast<float>(per_reach * 1.00001);
   };
   set(Guard::kSeen, moved + ball, turned + scaled);
   set(Guard::kBeside, beside + ball, turned);

@@ -18,8 +18,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/vec3.hpp>
+#include <limits>
 
 #include "proto/bounds.h"
 #include "proto/view.h"
@@ -50,15 +52,21 @@ class Metric {
 
   // The least error class that passes: 256 if none does.
   int leastPassing(const Place& p, double radius_m) const {
-    const double R = radius_m + ball_, z = leastDepth(p, R);
-    if (!(sideDistance(p) + R >= 0)) return 256;
-    const double near = z * cos_corner_, lean = lean_floor_ == 0 ? z * z / (p.horizontal + R) : 0;
-    // A first guess; passes() itself decides.
-    int c = ErrorClass::roundUp(std::min(std::max(near, lean) / focal_over_tau_, 1e9)).value;
+    const double guess_m = leastError(p, radius_m);
+    if (guess_m == std::numeric_limits<double>::infinity()) return 256;
+    int c = ErrorClass::roundUp(std::min(guess_m, 1e9)).value;  // passes() itself decides
     const auto passesAt = [&](int k) { return passes(p, radius_m, ErrorClass{static_cast<uint8_t>(k)}.metres()); };
     while (c < 256 && !passesAt(c)) ++c;
     while (c > 0 && c < 256 && passesAt(c - 1)) --c;
     return c;
+  }
+
+  // The least error that passes, up to rounding; infinite if none does.
+  [[gnu::always_inline]] double leastError(const Place& p, double radius_m) const {
+    const double R = radius_m + ball_, z = leastDepth(p, R);
+    const double near = z * cos_corner_, lean = z * z / (p.horizontal + R + lean_floor_);
+    const double least = std::max(near, lean) / focal_over_tau_;
+    return sideDistance(p) + R >= 0 ? least : std::numeric_limits<double>::infinity();
   }
 
   // What must not happen for an outcome of passes() to stand, and how much of it may: the basis of adapt.h.
@@ -85,15 +93,14 @@ class Metric {
     const double near_room = K * inverse_cos_corner_ - z, side_room = sideDistance(p) + R;
     // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
     const double b = 2 * z + K, c = K * (p.horizontal + R) - z * z;
-    const bool leans = lean_floor_ == 0;
-    const double lean_room = leans ? 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))) : kEndless_m;
+    const double lean_room = std::max(2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))), lean_room_floor_);
     const double seen_room = std::min(near_room, lean_room);
 
     const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
     const double ahead = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_ - R;
     const double corner_room = (ahead - std::max((distance - R) * cos_corner_, kNearest_m)) / (1 + cos_corner_);
     const double lean_ahead =
-        leans ? std::min(c / (K + 1e-300), kRetreat * (std::sqrt(std::max(0.0, z * z + c)) - z)) : kEndless_m;
+        std::max(std::min(c / (K + 1e-300), kRetreat * (std::sqrt(std::max(0.0, z * z + c)) - z)), lean_room_floor_);
     const double going_ahead = std::min(std::min(std::min(kRetreat * near_room, lean_ahead), side_room), corner_room);
 
     const double passing = std::max(std::min(seen_room, side_room), going_ahead);
@@ -107,8 +114,7 @@ class Metric {
 
   // What a change of view takes off each guard: `fixed`, and `per_reach` times the place's distance from the eye.
   struct Toll {
-    double fixed[3];
-    double per_reach[3];
+    std::array<float, 3> fixed, per_reach;
   };
   // From the view of this metric to `next`, which has the same lens and kind of error.
   Toll tollTo(const View& from, const View& next) const;
@@ -135,7 +141,8 @@ class Metric {
   double sin_x_, cos_x_, sin_y_, cos_y_;  // of half the field of view
   double cos_corner_, inverse_cos_corner_;
   double focal_over_tau_;
-  double lean_floor_;  // 0 for vertical errors, infinite otherwise
+  double lean_floor_;       // 0 for vertical errors, infinite otherwise
+  double lean_room_floor_;  // -infinite for vertical errors, endless otherwise
   double ball_, sin_turn_, cos_turn_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/refine/entry_pool.h"
 #include "proto/refine/places.h"
 
 namespace foreland::proto {
@@ -17,32 +18,7 @@ void testAll(TerrainBatch& b, const Metric& metric, const Places& places) {
     b.passes[i] = metric.passes(places(b.x[i], b.y[i], b.height[i]), b.radius[i], b.error[i]);
 }
 
-template <class Places>
-void testAllWithSlack(TerrainBatch& b, const Metric& metric, const Places& places, double share) {
-  for (size_t i = 0; i < b.count; ++i) {
-    const Metric::Place p = places(b.x[i], b.y[i], b.height[i]);
-    const Metric::Outcome outcome = metric.outcome(p, b.radius[i], b.error[i]);
-    const double safe = outcome.slack * share;
-    b.guard[i] = static_cast<uint8_t>(outcome.guard);
-    b.slack[i] = static_cast<float>(safe);
-    b.reach[i] = static_cast<float>(std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m) + safe);
-  }
-}
-
-template <class Places>
-void findAllLeast(TerrainBatch& b, const Metric& metric, const Places& places) {
-  for (size_t i = 0; i < b.count; ++i)
-    b.least[i] = static_cast<uint16_t>(metric.leastPassing(places(b.x[i], b.y[i], b.height[i]), b.radius[i]));
-}
-
 }  // namespace
-
-void TerrainBatch::findLeast(const TerrainDomain& domain, const Metric& metric) {
-  if (domain.isPlanar())
-    findAllLeast(*this, metric, PlanarPlaces(domain, metric));
-  else
-    findAllLeast(*this, metric, CurvedPlaces(domain, metric));
-}
 
 void TerrainBatch::test(const TerrainDomain& domain, const Metric& metric) {
   lookUpErrors();
@@ -52,12 +28,52 @@ void TerrainBatch::test(const TerrainDomain& domain, const Metric& metric) {
     testAll(*this, metric, CurvedPlaces(domain, metric));
 }
 
-void TerrainBatch::testWithSlack(const TerrainDomain& domain, const Metric& metric, double share) {
-  lookUpErrors();
+void TerrainBatch::locate(const TerrainDomain& domain, const Metric& metric) {
+  const auto locateAll = [this](const auto& places) {
+    for (size_t i = 0; i < count; ++i) {
+      const Metric::Place p = places(x[i], y[i], height[i]);
+      right_[i] = p.x;
+      up_[i] = p.y;
+      depth_[i] = p.z;
+      horizontal_[i] = p.horizontal;
+    }
+  };
   if (domain.isPlanar())
-    testAllWithSlack(*this, metric, PlanarPlaces(domain, metric), share);
+    locateAll(PlanarPlaces(domain, metric));
   else
-    testAllWithSlack(*this, metric, CurvedPlaces(domain, metric), share);
+    locateAll(CurvedPlaces(domain, metric));
+}
+
+// By a guess that is right but for rounding; passes() itself decides.
+void TerrainBatch::findLeast(const Metric& metric) {
+  const Metric m = metric;  // its own memory
+  std::array<uint8_t, kSize> is_sure;
+  for (size_t i = 0; i < count; ++i) {
+    const Metric::Place p = place(i);
+    const double r = radius[i], error_m = m.leastError(p, r);
+    const bool any = error_m < std::numeric_limits<double>::infinity();
+    const int32_t guess = ErrorClass::roundUpFast(static_cast<float>(std::clamp(error_m, 0x1p-23, 0x1p80)));
+    const uint8_t passes_it = m.passes(p, r, ErrorClass::metresFast(guess)),
+                  passes_less = m.passes(p, r, ErrorClass::metresFast(guess - 1));
+    least[i] = static_cast<uint16_t>(any ? guess : 256);
+    is_sure[i] = any ? passes_it & ~passes_less : 1;
+  }
+  for (size_t i = 0; i < count; ++i)
+    if (!is_sure[i]) least[i] = static_cast<uint16_t>(m.leastPassing(place(i), radius[i]));
+}
+
+void TerrainBatch::testWithSlack(const Metric& metric, double share) {
+  lookUpErrors();
+  const Metric m = metric;  // its own memory
+  for (size_t i = 0; i < count; ++i) {
+    const Metric::Place p = place(i);
+    const Metric::Outcome outcome = m.outcome(p, radius[i], error[i]);
+    const double safe = outcome.slack * share;
+    const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
+    passes[i] = outcome.guard == Metric::Guard::kPasses;
+    slack[i] = static_cast<float>(safe);
+    hold[i] = Entry::hold(static_cast<float>(distance + safe), static_cast<uint32_t>(outcome.guard));
+  }
 }
 
 }  // namespace foreland::proto

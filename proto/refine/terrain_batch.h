@@ -1,9 +1,7 @@
-// The refinement test for many nodes at once: plain loops over columns, which the compiler turns into vector
-// instructions. Element by element the arithmetic is that of Metric, in the same order, so results are the same bits.
-// One owner; fixed size, no allocation.
+// Nodes that are tested together, in columns, so that the test becomes vector instructions. A worker's own; too large
+// to be copied about.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -19,15 +17,17 @@ struct TerrainBatch {
   size_t count = 0;
   std::array<Slot, kSize> slot;
   std::array<uint8_t, kSize> level;
-  std::array<ErrorClass, kSize> bound;    // what is tested
-  std::array<int32_t, kSize> x, y;        // lattice
-  std::array<int32_t, kSize> height;      // of the sphere's middle, steps
-  std::array<float, kSize> radius;        // metres
-  std::array<float, kSize> error;         // of `bound`; filled by the tests
-  std::array<uint8_t, kSize> passes;      // by test()
-  std::array<float, kSize> slack, reach;  // by testWithSlack(): see there
-  std::array<uint8_t, kSize> guard;       // Metric::Guard
-  std::array<uint16_t, kSize> least;      // by findLeast()
+  std::array<ErrorClass, kSize> bound;  // what is tested
+  std::array<int32_t, kSize> x, y;      // lattice
+  std::array<int32_t, kSize> height;    // of the sphere's middle, steps
+  std::array<float, kSize> radius;      // metres
+  std::array<float, kSize> error;       // of `bound`; filled by the tests
+  std::array<uint8_t, kSize> passes;    // by the tests
+  // By testWithSlack(): how much motion each outcome is sure to survive, and the upper half of its entry (Entry::hold).
+  std::array<float, kSize> slack;
+  std::array<uint16_t, kSize> hold;
+  // By findLeast(): the least class of error with which each would pass; 256 if none does.
+  std::array<uint16_t, kSize> least;
 
   bool full() const { return count == kSize; }
 
@@ -46,17 +46,19 @@ struct TerrainBatch {
 
   void test(const TerrainDomain& domain, const Metric& metric);
 
-  // Also what each outcome is sure to survive, `share` of it, and the largest distance from the eye at which the place
-  // can be while it does.
-  void testWithSlack(const TerrainDomain& domain, const Metric& metric, double share);
-
-  // The least class of error with which each would pass; 256 if none does.
-  void findLeast(const TerrainDomain& domain, const Metric& metric);
+  // Finds the places, which the tests below take.
+  void locate(const TerrainDomain& domain, const Metric& metric);
+  void findLeast(const Metric& metric);
+  // `share` of each slack is taken.
+  void testWithSlack(const Metric& metric, double share);
 
  private:
+  Metric::Place place(size_t i) const { return {right_[i], up_[i], depth_[i], horizontal_[i]}; }
   void lookUpErrors() {
     for (size_t i = 0; i < count; ++i) error[i] = bound[i].metres();
   }
+
+  std::array<double, kSize> right_, up_, depth_, horizontal_;  // Metric::Place
 };
 
 }  // namespace foreland::proto

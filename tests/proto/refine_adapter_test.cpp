@@ -31,7 +31,6 @@ TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
       CutDelta delta;
       ASSERT_TRUE(adapter.adapt(view, kNoLimit, source, adapt_scratch, delta));
       adapter.validate();
-      settle(delta);
       ASSERT_TRUE(refine(hierarchy, view, kNoLimit, scratch, expected));
       ASSERT_EQ(adapter.section(), expected) << "seed " << seed << ", step " << i;
       ASSERT_EQ(apply(held, delta), expected) << "seed " << seed << ", step " << i;

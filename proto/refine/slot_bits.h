@@ -1,0 +1,52 @@
+// A set of slots of one page (kPageSlots), by their place in it. Plain data.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+namespace foreland::proto {
+
+struct SlotBits {
+  std::array<uint64_t, 4> words{};
+
+  bool has(uint8_t low) const { return words[low >> 6] >> (low & 63) & 1; }
+  void set(uint8_t low) { words[low >> 6] |= uint64_t{1} << (low & 63); }
+  void clear(uint8_t low) { words[low >> 6] &= ~(uint64_t{1} << (low & 63)); }
+  bool any() const { return (words[0] | words[1] | words[2] | words[3]) != 0; }
+
+  uint32_t count() const {
+    uint32_t count = 0;
+    for (uint64_t word : words) count += static_cast<uint32_t>(std::popcount(word));
+    return count;
+  }
+  // How many stand before `low`. Without branches.
+  uint32_t countBefore(uint8_t low) const {
+    const uint64_t partial = (uint64_t{1} << (low & 63)) - 1;
+    const uint32_t at = low >> 6;
+    uint32_t count = 0;
+    for (uint32_t w = 0; w < 4; ++w)
+      count += static_cast<uint32_t>(std::popcount(words[w] & (w < at ? ~uint64_t{0} : w == at ? partial : 0)));
+    return count;
+  }
+
+  // Calls visit(low) for each, ascending. The set may change meanwhile; what is visited does not.
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    const std::array<uint64_t, 4> all = words;
+    for (uint32_t w = 0; w < 4; ++w)
+      for (uint64_t bits = all[w]; bits != 0; bits &= bits - 1)
+        visit(static_cast<uint8_t>(w << 6 | static_cast<uint32_t>(std::countr_zero(bits))));
+  }
+
+  friend SlotBits operator&(const SlotBits& a, const SlotBits& b) {
+    return {{a.words[0] & b.words[0], a.words[1] & b.words[1], a.words[2] & b.words[2], a.words[3] & b.words[3]}};
+  }
+  // Those of a that are not in b.
+  friend SlotBits operator-(const SlotBits& a, const SlotBits& b) {
+    return {{a.words[0] & ~b.words[0], a.words[1] & ~b.words[1], a.words[2] & ~b.words[2], a.words[3] & ~b.words[3]}};
+  }
+  bool operator==(const SlotBits&) const = default;
+};
+
+}  // namespace foreland::proto
