@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/latency.h"
+
 namespace foreland::client {
 
 namespace {
@@ -12,13 +14,12 @@ constexpr Duration kLambdaFall = Duration::milliseconds(2);  // a keyframe
 
 }  // namespace
 
-// The worst recent latency beyond the keyframe's own time; it falls a little at a time, so that t_d glides when the
-// link gets better.
+// The worst recent latency beyond the keyframe's own time, outages apart; it falls a little at a time, so that t_d
+// glides when the link gets better.
 void Timeline::updateLambda(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kLatencies) latencies_.pop_front();
-  const Duration wanted =
-      std::max(Duration{}, *std::max_element(latencies_.begin(), latencies_.end()) + kLatencyMargin);
+  const Duration wanted = std::max(Duration{}, slowestUsual(latencies_) + kLatencyMargin);
   lambda_ = std::max(wanted, lambda_ - kLambdaFall);
 }
 

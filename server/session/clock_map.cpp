@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/latency.h"
+
 namespace foreland::server {
 
 void ClockMap::poseArrived(Time stamp_client, Time now) {
@@ -12,9 +14,9 @@ void ClockMap::poseArrived(Time stamp_client, Time now) {
 }
 
 void ClockMap::keyframeArrived(Time arrival_client, Time sent) {
-  down_.push_back((arrival_client.us - sent.us));
+  down_.push_back(arrival_client - sent);
   if (down_.size() > kMemory) down_.pop_front();
-  most_down_ = *std::max_element(down_.begin(), down_.end());
+  most_down_ = slowestUsual(down_).us;
 }
 
 }  // namespace foreland::server

@@ -21,14 +21,16 @@ class ClockMap {
   bool isKnown() const { return !up_.empty(); }
   // The client's time as its newest poses have it: behind the true one by the fastest recent L_up.
   Time clientTime(Time now) const { return now - Duration{least_up_}; }
-  // Server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down.
+  // Server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down, outages
+  // apart.
   Time sendBy(Time arrival_client) const { return Time{arrival_client.us - most_down_}; }
 
  private:
   static constexpr size_t kMemory = 32;
   static constexpr int64_t kFirstGuess_us = 150'000;  // of L_up + L_down, until a keyframe has been acknowledged
 
-  std::deque<int64_t> up_, down_;
+  std::deque<int64_t> up_;
+  std::deque<Duration> down_;
   int64_t least_up_ = 0;
   int64_t most_down_ = 0;
 };
