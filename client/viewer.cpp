@@ -42,7 +42,7 @@ bool Viewer::takeOutgoing(Bytes& message) {
 
 Status Viewer::receive(ByteSpan bytes, Time now) {
   statistics_.bytes_down += bytes.size();
-  auto message = proto::decodeServerMessage(bytes);
+  auto message = proto::decodeServerMessage(bytes, keyframes_taken_);
   if (!message) return message.error();
   if (auto* keyframe = std::get_if<proto::KeyframeMessage>(&*message)) return onKeyframe(*keyframe, now);
   if (auto* welcome = std::get_if<proto::Welcome>(&*message)) return onWelcome(std::move(*welcome));
@@ -58,6 +58,8 @@ void Viewer::reconnect(Time now) {
   is_greeted_ = false;
   reconnected_at_ = now;
   received_keyframe_ = 0;
+  poses_sent_ = {};
+  keyframes_taken_ = {};
   last_pose_sent_.reset();
   send(proto::encode(request_));
 }
@@ -103,7 +105,7 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
 }
 
 void Viewer::sendPose(Time now, const proto::Pose& pose) {
-  send(proto::encode(proto::PoseUpdate{{now, pose}, received_keyframe_, received_at_}));
+  send(proto::encode(proto::PoseUpdate{{now, pose}, received_keyframe_, received_at_}, poses_sent_));
   last_pose_sent_ = now;
 }
 

@@ -92,6 +92,8 @@ class Viewer {
   std::optional<proto::Path> path_;     // announced
   std::optional<Replica> replica_;
   Timeline timeline_;
+  proto::PoseMemory poses_sent_;
+  proto::KeyframeMemory keyframes_taken_;
   std::deque<Bytes> outgoing_;
   std::vector<proto::TimedPose> poses_;  // recent own poses, for M(t_d)
   std::optional<Time> last_pose_sent_;

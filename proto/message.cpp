@@ -5,17 +5,14 @@
 #include <cmath>
 
 #include "message_generated.h"
+#include "proto/message_compact.h"
 
 namespace foreland::proto {
 
 namespace {
 
-enum class Tag : uint8_t { kControl = 1, kPose = 2, kKeyframe = 3, kResume = 4 };
-
 constexpr size_t kMaxNameBytes = 64;
 constexpr size_t kMaxTextBytes = 64 << 10;
-
-Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "message: " + what}; }
 
 // ---- names
 
@@ -27,55 +24,6 @@ std::optional<E> named(const char* const (&names)[N], std::string_view wanted) {
   for (size_t i = 0; i < N; ++i)
     if (wanted == names[i]) return static_cast<E>(i);
   return std::nullopt;
-}
-
-// ---- compact values
-
-void putEye(const glm::dvec3& eye, ByteWriter& w) {
-  for (int i = 0; i < 3; ++i) w.putZigzag(std::llround(eye[i] * 1000));
-}
-
-glm::dvec3 getEye(ByteReader& r) {
-  glm::dvec3 eye;
-  for (int i = 0; i < 3; ++i) eye[i] = static_cast<double>(r.getZigzag()) / 1000;
-  return eye;
-}
-
-// The largest component is left out; its sign is made positive. Steps of 2^-15 / sqrt(2): 5e-5 rad at most.
-void putOrientation(const glm::dquat& q, ByteWriter& w) {
-  const std::array<double, 4> c{q.w, q.x, q.y, q.z};
-  size_t largest = 0;
-  for (size_t i = 1; i < 4; ++i)
-    if (std::fabs(c[i]) > std::fabs(c[largest])) largest = i;
-  w.put(static_cast<uint8_t>(largest));
-  for (size_t i = 0; i < 4; ++i)
-    if (i != largest) w.put(static_cast<int16_t>(std::lround(std::copysign(1.0, c[largest]) * c[i] * M_SQRT2 * 32767)));
-}
-
-glm::dquat getOrientation(ByteReader& r) {
-  const size_t largest = r.get<uint8_t>() & 3;
-  std::array<double, 4> c{};
-  double rest = 1;
-  for (size_t i = 0; i < 4; ++i) {
-    if (i == largest) continue;
-    c[i] = r.get<int16_t>() / (M_SQRT2 * 32767);
-    rest -= c[i] * c[i];
-  }
-  c[largest] = std::sqrt(std::max(rest, 0.0));
-  const double norm = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]);
-  return {c[0] / norm, c[1] / norm, c[2] / norm, c[3] / norm};
-}
-
-void putPose(const Pose& pose, ByteWriter& w) {
-  putEye(pose.eye, w);
-  putOrientation(pose.orientation, w);
-}
-
-Pose getPose(ByteReader& r) {
-  Pose pose;
-  pose.eye = getEye(r);
-  pose.orientation = getOrientation(r);
-  return pose;
 }
 
 // ---- FlatBuffers values
@@ -116,7 +64,7 @@ Bytes finish(Builder& b, fb::Body type, flatbuffers::Offset<void> body) {
   b.Finish(fb::CreateControl(b, type, body));
   Bytes out;
   out.reserve(b.GetSize() + 1);
-  out.push_back(static_cast<uint8_t>(Tag::kControl));
+  out.push_back(static_cast<uint8_t>(MessageKind::kControl));
   out.insert(out.end(), b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize());
   return out;
 }
@@ -337,88 +285,14 @@ Bytes encode(const Refusal& m) {
   return finish(b, fb::Body_Refusal, fb::CreateRefusal(b, message).Union());
 }
 
-Bytes encode(const PoseUpdate& m) {
-  Bytes out;
-  ByteWriter w(out);
-  w.put(Tag::kPose);
-  w.putZigzag(m.pose.time.us);
-  putPose(m.pose.pose, w);
-  w.putVarint(m.received_keyframe);
-  w.putZigzag((m.received_at - m.pose.time).us);
-  return out;
-}
-
-Bytes encode(const Resume& m) {
-  Bytes out;
-  ByteWriter w(out);
-  w.put(Tag::kResume);
-  w.put(m.scene_id);
-  w.putVarint(m.keyframe);
-  w.putZigzag(m.time.us);
-  w.put(m.fingerprint);
-  out.insert(out.end(), m.section.begin(), m.section.end());
-  return out;
-}
-
-void encodeHeader(const KeyframeHeader& h, Bytes& out) {
-  ByteWriter w(out);
-  w.put(Tag::kKeyframe);
-  w.putVarint(h.index);
-  w.putVarint(h.base_index);
-  w.putZigzag(h.time.us);
-  putPose(h.pose, w);
-  w.putVarint(h.lens.width_px);
-  w.putVarint(h.lens.height_px);
-  w.put(h.lens.vertical_fov_rad);
-  w.put(h.tau_px);
-  w.put(h.ball_m);
-  w.put(h.turn_rad);
-  w.put(h.fingerprint);
-}
-
-Pose asSent(const Pose& pose) {
-  Bytes bytes;
-  ByteWriter w(bytes);
-  putPose(pose, w);
-  ByteReader r(bytes);
-  return getPose(r);
-}
-
-Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
+Result<ClientMessage> decodeClientMessage(ByteSpan bytes, PoseMemory& memory) {
   if (bytes.empty()) return malformed("empty");
   if (bytes.size() > kMaxClientMessageBytes) return malformed("larger than 16 MiB");
-  if (bytes[0] == static_cast<uint8_t>(Tag::kPose)) {
-    ByteReader r(bytes.subspan(1));
-    PoseUpdate m;
-    m.pose.time = {r.getZigzag()};
-    m.pose.pose = getPose(r);
-    const uint64_t received = r.getVarint();
-    const int64_t since = r.getZigzag();
-    constexpr int64_t kHorizon = int64_t{1} << 60;
-    if (!r.atEnd() || received > 0xffffffffu || std::llabs(m.pose.time.us) > kHorizon || since > kHorizon ||
-        since < -kHorizon)
-      return malformed("a pose update is cut short, too long or absurd");
-    m.received_keyframe = static_cast<uint32_t>(received);
-    m.received_at = m.pose.time + Duration{since};
-    if (!isUsable(m.pose.pose)) return malformed("a pose is more than 10^8 m away or not a rotation");
-    return ClientMessage(m);
-  }
-  if (bytes[0] == static_cast<uint8_t>(Tag::kResume)) {
-    ByteReader r(bytes.subspan(1));
-    Resume m;
-    m.scene_id = r.get<uint64_t>();
-    const uint64_t keyframe = r.getVarint();
-    m.keyframe = static_cast<uint32_t>(keyframe);
-    m.time = {r.getZigzag()};
-    m.fingerprint = r.get<uint32_t>();
-    if (!r.ok() || keyframe == 0 || keyframe > 0x7fffffffu || std::llabs(m.time.us) > (int64_t{1} << 60))
-      return malformed("a presented section is cut short or absurd");
-    const ByteSpan section = bytes.subspan(bytes.size() - r.remaining());
-    m.section.assign(section.begin(), section.end());
-    return ClientMessage(std::move(m));
-  }
+  if (isPose(bytes)) return decodePose(bytes, memory);
+  if (isResume(bytes)) return decodeResume(bytes);
   std::vector<uint64_t> aligned;
-  const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;
+  const fb::Control* control =
+      bytes[0] == static_cast<uint8_t>(MessageKind::kControl) ? verified(bytes, aligned) : nullptr;
   if (!control) return malformed("not a message of this protocol");
   switch (control->body_type()) {
     case fb::Body_ViewRequest:
@@ -434,33 +308,13 @@ Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
   }
 }
 
-Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
+Result<ServerMessage> decodeServerMessage(ByteSpan bytes, KeyframeMemory& memory) {
   if (bytes.empty()) return malformed("empty");
   if (bytes.size() > kMaxServerMessageBytes) return malformed("larger than 64 MiB");
-  if (bytes[0] == static_cast<uint8_t>(Tag::kKeyframe)) {
-    ByteReader r(bytes.subspan(1));
-    constexpr float kMost = 1e9f;
-    KeyframeHeader h;
-    const uint64_t index = r.getVarint(), base = r.getVarint();
-    h.index = static_cast<uint32_t>(index);
-    h.base_index = static_cast<uint32_t>(base);
-    h.time = {r.getZigzag()};
-    h.pose = getPose(r);
-    const uint64_t width = r.getVarint(), height = r.getVarint();
-    h.lens = {r.get<double>(), static_cast<uint32_t>(std::min<uint64_t>(width, 0xffffffffu)),
-              static_cast<uint32_t>(std::min<uint64_t>(height, 0xffffffffu))};
-    h.tau_px = r.get<float>();
-    h.ball_m = r.get<float>();
-    h.turn_rad = r.get<float>();
-    h.fingerprint = r.get<uint32_t>();
-    if (!r.ok() || index > 0xffffffffu || base >= index || !isUsable(h.pose) || !isUsable(h.lens) ||
-        !(h.tau_px > 0 && h.tau_px <= kMost) || !(h.ball_m >= 0 && h.ball_m <= kMost) ||
-        !(h.turn_rad >= 0 && h.turn_rad <= kMost) || std::llabs(h.time.us) > (int64_t{1} << 60))
-      return malformed("a keyframe's header is cut short or absurd");
-    return ServerMessage(KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())});
-  }
+  if (isKeyframe(bytes)) return decodeKeyframe(bytes, memory);
   std::vector<uint64_t> aligned;
-  const fb::Control* control = bytes[0] == static_cast<uint8_t>(Tag::kControl) ? verified(bytes, aligned) : nullptr;
+  const fb::Control* control =
+      bytes[0] == static_cast<uint8_t>(MessageKind::kControl) ? verified(bytes, aligned) : nullptr;
   if (!control) return malformed("not a message of this protocol");
   switch (control->body_type()) {
     case fb::Body_Welcome:

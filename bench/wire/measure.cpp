@@ -17,8 +17,8 @@ struct Sum {
 };
 
 // The client's end: decoding is stepping the adapter on what is read.
-double decodeSeconds(client::Replica& replica, const RecordedKeyframe& keyframe) {
-  const auto message = proto::decodeServerMessage(keyframe.message);
+double decodeSeconds(client::Replica& replica, proto::KeyframeMemory& headers, const RecordedKeyframe& keyframe) {
+  const auto message = proto::decodeServerMessage(keyframe.message, headers);
   CHECK_TRUE(message.ok());
   const auto& decoded = std::get<proto::KeyframeMessage>(*message);
   const double t0 = threadSeconds();
@@ -45,12 +45,13 @@ void compare(const client::Replica& replica, const server::Hierarchy& hierarchy,
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
                       Duration keyframe_interval) {
   client::Replica replica(server::welcomeTo(hierarchy.scene()));
+  proto::KeyframeMemory headers;
   WireCosts costs;
   Sum first, rest;
   for (size_t i = 0; i < flight.size(); ++i) {
     const RecordedKeyframe& k = flight[i];
     Sum& sum = i == 0 ? first : rest;
-    sum.decode_s += decodeSeconds(replica, k);
+    sum.decode_s += decodeSeconds(replica, headers, k);
     compare(replica, hierarchy, k.nodes);
     sum.framing_bits += 8.0 * static_cast<double>(k.message.size() - k.delta_bytes);
     sum.height_bits += k.bits.heights;

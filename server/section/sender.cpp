@@ -33,9 +33,9 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   keyframe_.time = time;
   keyframe_.lens = view.lens;
   keyframe_.tau_px = static_cast<float>(view.tau_px);
-  keyframe_.ball_m = static_cast<float>(view.ball_m);
-  keyframe_.turn_rad = static_cast<float>(view.turn_rad);
-  keyframe_.pose = proto::asSent(view.pose);  // what the viewer decodes, and steps to
+  keyframe_.ball_m = proto::shortAtLeast(view.ball_m);
+  keyframe_.turn_rad = proto::shortAtLeast(view.turn_rad);
+  keyframe_.pose = proto::asSentInHeader(view.pose);  // what the viewer decodes, and steps to
 
   Bytes delta;
   const proto::DenseNodes table = hierarchy_->table();
@@ -49,7 +49,7 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   proto::KeyframeHeader header = keyframe_;
   header.pose = view.pose;  // rounded on its way, once
   const size_t begin = out.size();
-  proto::encodeHeader(header, out);
+  proto::encodeHeader(header, headers_sent_, out);
   header_bytes_ = out.size() - begin;
   out.insert(out.end(), delta.begin(), delta.end());
 }

@@ -29,8 +29,9 @@ class SectionSender {
   // else one refinement from scratch.
   [[nodiscard]] bool fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
-  // Appends the keyframe for `view` to `out` and stands there: at the view as the viewer decodes it (proto::asSent;
-  // tolerance, ball and turn as floats), which is in keyframe(). What changed is in scratch.delta, in no order.
+  // Appends the keyframe for `view` to `out` and stands there: at the view as the viewer decodes it
+  // (proto::asSentInHeader; tolerance as a float; ball and turn as short floats, no smaller), which is in keyframe().
+  // What changed is in scratch.delta, in no order.
   void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out);
 
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
@@ -44,6 +45,7 @@ class SectionSender {
   proto::TerrainAdapter adapter_;
   proto::DeltaModel model_;  // of all deltas sent
   proto::KeyframeHeader keyframe_;
+  proto::KeyframeMemory headers_sent_;
   proto::DeltaBits bits_;
   size_t header_bytes_ = 0;
 };

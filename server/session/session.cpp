@@ -11,7 +11,7 @@ namespace foreland::server {
 
 namespace {
 
-constexpr Sweep kPoseRounding{0.004, 4e-4};
+constexpr Sweep kPoseRounding{0.01, 4e-4};
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
 
 }  // namespace
@@ -21,7 +21,7 @@ Session::Session(std::shared_ptr<const World> world, const SessionOptions& optio
 
 Status Session::receive(ByteSpan bytes, Time now) {
   now_ = std::max(now_, now);
-  auto message = proto::decodeClientMessage(bytes);
+  auto message = proto::decodeClientMessage(bytes, poses_taken_);
   if (!message) return message.error();
   if (!request_ && !std::holds_alternative<proto::ViewRequest>(*message))
     return Error{ErrorCode::kMalformed, "the first message must be a view request"};

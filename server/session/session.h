@@ -114,6 +114,7 @@ class Session {
   std::deque<proto::TimedPose> predictions_;  // not yet overtaken by true poses
   std::optional<proto::Path> path_;
   ClockMap clocks_;
+  proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // grid point aimed at with `predict`, the client's clock
   std::vector<Bytes> replies_;

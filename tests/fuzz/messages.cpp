@@ -1,17 +1,63 @@
-// Any bytes as a message, from either side: a value or an Error.
+// Any bytes as a message, from either side: a value or an Error. And as a stream of messages, each with its size before
+// it in one byte, as one connection brings them: poses and keyframes follow those before them.
+#include <algorithm>
+
 #include "base/check.h"
 #include "proto/message.h"
 
+namespace foreland::proto {
+namespace {
+
+// What is accepted can be said again, alone or after the same messages as before.
+void takeFromClient(ByteSpan bytes, PoseMemory& memory) {
+  PoseMemory said = memory, heard = memory;
+  const auto m = decodeClientMessage(bytes, memory);
+  if (!m) {
+    memory = {};
+    return;
+  }
+  if (const auto* pose = std::get_if<PoseUpdate>(&*m)) {
+    CHECK_TRUE(decodeClientMessage(encode(*pose)).ok());
+    CHECK_TRUE(decodeClientMessage(encode(*pose, said), heard).ok());
+  }
+}
+
+void takeFromServer(ByteSpan bytes, KeyframeMemory& memory) {
+  KeyframeMemory said = memory, heard = memory;
+  const auto m = decodeServerMessage(bytes, memory);
+  if (!m) {
+    memory = {};
+    return;
+  }
+  if (const auto* keyframe = std::get_if<KeyframeMessage>(&*m)) {
+    CHECK_LE(keyframe->delta.size(), bytes.size());
+    Bytes again;
+    encodeHeader(keyframe->header, said, again);
+    CHECK_TRUE(decodeServerMessage(again, heard).ok());
+  }
+}
+
+void takeStream(ByteSpan bytes) {
+  PoseMemory poses;
+  KeyframeMemory keyframes;
+  while (!bytes.empty()) {
+    const size_t size = std::min<size_t>(bytes[0], bytes.size() - 1);
+    const ByteSpan message = bytes.subspan(1, size);
+    takeFromClient(message, poses);
+    takeFromServer(message, keyframes);
+    bytes = bytes.subspan(1 + size);
+  }
+}
+
+}  // namespace
+}  // namespace foreland::proto
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace foreland;
-  const ByteSpan bytes(data, size);
-  if (auto m = proto::decodeClientMessage(bytes)) {
-    // What is accepted can be said again.
-    if (const auto* pose = std::get_if<proto::PoseUpdate>(&*m))
-      CHECK_TRUE(proto::decodeClientMessage(proto::encode(*pose)).ok());
-  }
-  if (auto m = proto::decodeServerMessage(bytes)) {
-    if (const auto* keyframe = std::get_if<proto::KeyframeMessage>(&*m)) CHECK_LE(keyframe->delta.size(), size);
-  }
+  proto::PoseMemory poses;
+  proto::KeyframeMemory keyframes;
+  proto::takeFromClient({data, size}, poses);
+  proto::takeFromServer({data, size}, keyframes);
+  proto::takeStream({data, size});
   return 0;
 }

@@ -42,8 +42,8 @@ TEST(Message, APoseAsSentIsSentUnchanged) {
     auto message = decodeServerMessage(bytes);
     ASSERT_TRUE(message.ok());
     const Pose& got = std::get<KeyframeMessage>(*message).header.pose;
-    EXPECT_EQ(got.eye, asSent(header.pose).eye);
-    EXPECT_EQ(got.orientation, asSent(header.pose).orientation);
+    EXPECT_EQ(got.eye, asSentInHeader(header.pose).eye);
+    EXPECT_EQ(got.orientation, asSentInHeader(header.pose).orientation);
   }
 }
 

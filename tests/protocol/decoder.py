@@ -34,12 +34,13 @@ class Session:
         """A new connection."""
         self.has_asked = self.is_welcome = self.has_posed = self.is_refused = False
         self.acknowledged = self.taken = 0
+        self.updates, self.keyframes = wire.PoseUpdates(), wire.Keyframes()
 
     def up(self, message):
         """A message that the client sent."""
         require(self.has_asked or message[0] == wire.CONTROL, "a session that does not begin with a view request")
-        if message[0] == wire.POSE:
-            self.pose(wire.read_pose_update(message[1:]))
+        if message[0] == wire.POSE or message[0] & 7 == wire.POSE_AFTER:
+            self.pose(self.updates.read(message))
         elif message[0] == wire.RESUME:
             self.present(wire.read_resume(message[1:]))
         else:
@@ -70,8 +71,8 @@ class Session:
     def down(self, message):
         """A message that the server sent; the line of a keyframe, or None."""
         require(not self.is_refused, "a message after the refusal")
-        if message[0] == wire.KEYFRAME:
-            return self.take(wire.read_keyframe(message[1:]))
+        if message[0] == wire.KEYFRAME or message[0] & 7 == wire.KEYFRAME_AFTER:
+            return self.take(self.keyframes.read(message))
         require(message[0] == wire.CONTROL, "not a message of this protocol")
         name, fields = wire.control(message[1:])
         require(name in wire.BODIES and name not in wire.FROM_CLIENT, "not one that a server sends")
@@ -100,14 +101,14 @@ class Session:
             self.section = self.empty()
         require(keyframe.base in (0, self.held), "a keyframe from another one than is held")
         added, removed = self.section.step(keyframe.view, keyframe.delta)
-        require(self.section.fingerprint == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
+        require(self.section.fingerprint & keyframe.mask == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
         self.held = self.taken = keyframe.index
         heights = self.section.heights
         slots = sorted(heights)
         packed = [struct.pack(f"<{len(slots)}I", *slots), struct.pack(f"<{len(slots)}i", *(heights[s] for s in slots)),
                   b"".join(self.section.tests())]
         sums = " ".join(f"{zlib.crc32(data):08x}" for data in packed)
-        return f"{keyframe.index} {len(slots)} {added} {removed} {keyframe.fingerprint:08x} {sums}"
+        return f"{keyframe.index} {len(slots)} {added} {removed} {self.section.fingerprint:08x} {sums}"
 
 
 FROM_CLIENT, FROM_SERVER, NEW_CONNECTION = 0, 1, 2

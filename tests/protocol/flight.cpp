@@ -50,6 +50,7 @@ class Recorder {
     std::deque<Packet> down;
     std::optional<Time> drained_at;
     bool is_greeted = false;
+    proto::PoseMemory poses_sent;
     uint32_t received_keyframe = 0;
     Time received_at;
   };
@@ -105,8 +106,9 @@ class Recorder {
   }
 
   void sendPose(Connection& c) {
-    up(c, proto::encode(proto::PoseUpdate{
-              {now_ + script_.clock_offset, script_.poseAt(now_ - Time{})}, c.received_keyframe, c.received_at}));
+    const proto::PoseUpdate update{
+        {now_ + script_.clock_offset, script_.poseAt(now_ - Time{})}, c.received_keyframe, c.received_at};
+    up(c, proto::encode(update, c.poses_sent));
   }
 
   // ---- the server, and its host: an error is said, and ends the session

@@ -4,8 +4,9 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 3
-CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4
+VERSION = 4
+CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
+POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 
 
 class ProtocolError(Exception):
@@ -145,7 +146,6 @@ def control(data):
 # ---- section 5
 
 HORIZON = 1 << 60
-Q = 1.4142135623730951 * 32767
 
 
 @dataclass
@@ -158,20 +158,127 @@ class Pose:
         return all(abs(c) <= 1e8 for c in self.eye) and abs(norm2 - 1) < 1e-3
 
 
-def read_pose(r):
-    eye = tuple(r.zigzag() / 1000 for _ in range(3))
-    left_out = r.number("B") & 3
-    c, rest = [0.0] * 4, 1.0
-    for i in range(4):
-        if i == left_out:
-            continue
-        c[i] = r.number("h") / Q
-        rest = rest - c[i] * c[i]
-    c[left_out] = math.sqrt(max(rest, 0.0))
-    norm = math.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3])
-    pose = Pose(eye, tuple(v / norm for v in c))
-    require(pose.is_usable(), "a pose that is not usable")
-    return pose
+@dataclass
+class Numbers:
+    """A pose in whole numbers."""
+    eye: list
+    left_out: int
+    others: list
+
+    def pose(self, m, n):
+        q = 1.4142135623730951 * n
+        others = iter(self.others)
+        c, rest = [0.0] * 4, 1.0
+        for i in range(4):
+            if i != self.left_out:
+                c[i] = next(others) / q
+                rest = rest - c[i] * c[i]
+        c[self.left_out] = math.sqrt(max(rest, 0.0))
+        norm = math.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3])
+        pose = Pose(tuple(v / m for v in self.eye), tuple(v / norm for v in c))
+        require(pose.is_usable(), "a pose that is not usable")
+        return pose
+
+
+def read_numbers(r):
+    """By itself."""
+    eye = [r.zigzag() for _ in range(3)]
+    return Numbers(eye, r.number("B") & 3, [r.number("h") for _ in range(3)])
+
+
+class Bits:
+    """What follows is bits."""
+
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def take(self, width):
+        require(self.at + width <= 8 * len(self.data), "cut short")
+        value = 0
+        for i in range(width):
+            value |= (self.data[self.at >> 3] >> (self.at & 7) & 1) << i
+            self.at += 1
+        return value
+
+    def group(self, count, width):
+        """(the numbers, the width to be remembered)"""
+        if self.take(1):
+            if self.take(1):
+                width = self.take(5)
+            else:
+                width += -1 if self.take(1) else 1
+        require(0 <= width <= 31, "a width that is none")
+        codes = [self.take(width) for _ in range(count)]
+        return [-((code + 1) >> 1) if code & 1 else code >> 1 for code in codes], width
+
+    def rest(self):
+        """The whole bytes that are left."""
+        while self.at & 7:
+            require(self.take(1) == 0, "bits after the last one")
+        return self.data[self.at >> 3:]
+
+
+def towards_zero(a, b):
+    """a / b, b > 0"""
+    return a // b if a >= 0 else -(-a // b)
+
+
+class Poses:
+    """The last three poses of a kind of message, and what is remembered of them."""
+
+    def __init__(self):
+        self.times, self.numbers = [], []  # the newest first
+        self.time_width, self.eye_width, self.others_width = 17, 14, 10
+        self.order = 0
+
+    def add(self, time, numbers):
+        require(abs(time) <= HORIZON, "an absurd time")
+        self.times = [time, *self.times][:3]
+        self.numbers = [numbers, *self.numbers][:3]
+
+    def gap(self, i):
+        return self.times[i] - self.times[i + 1]
+
+    def possible_order(self, t):
+        order = 0
+        while (order < self.order and order + 1 < len(self.times) and 0 < t <= 10**7 and self.gap(order) > 0 and
+               t // 8 <= self.gap(order) and
+               all(abs(a - b) <= 10**9 for a, b in zip(self.numbers[order].eye, self.numbers[order + 1].eye))):
+            order += 1
+        return order
+
+    def expected(self, order, t, values):
+        """`values`: of each pose, the newest first."""
+        x = list(zip(*values))
+        if order == 0:
+            return list(values[0])
+        v1 = [towards_zero((c[0] - c[1]) * t, self.gap(0)) for c in x]
+        if order == 1:
+            return [c[0] + v for c, v in zip(x, v1)]
+        v2 = [towards_zero((c[1] - c[2]) * t, self.gap(1)) for c in x]
+        return [c[0] + v + (v - w) for c, v, w in zip(x, v1, v2)]
+
+    def next(self, bits):
+        """(time, numbers), not yet added"""
+        require(self.times, "told after another, and there is none")
+        (change,), self.time_width = bits.group(1, self.time_width)
+        t = change + (self.gap(0) if len(self.times) > 1 else 0)
+        if bits.take(1):
+            self.order = [o for o in (0, 1, 2) if o != self.order][bits.take(1)]
+        order = self.possible_order(t)
+        change, self.eye_width = bits.group(3, self.eye_width)
+        eye = [a + b for a, b in zip(self.expected(order, t, [n.eye for n in self.numbers]), change)]
+        left_out = self.numbers[0].left_out
+        if bits.take(1):
+            left_out = bits.take(2)
+            others = [bits.take(16) - 32768 for _ in range(3)]
+        else:
+            while order > 0 and any(n.left_out != left_out for n in self.numbers[:order + 1]):
+                order -= 1
+            change, self.others_width = bits.group(3, self.others_width)
+            others = [a + b for a, b in zip(self.expected(order, t, [n.others for n in self.numbers]), change)]
+        require(all(-32768 <= v <= 32767 for v in others), "a component beyond 16 bits")
+        return self.times[0] + t, Numbers(eye, left_out, others)
 
 
 @dataclass
@@ -182,13 +289,39 @@ class PoseUpdate:
     received_at: int
 
 
-def read_pose_update(data):
-    r = Reader(data)
-    update = PoseUpdate(r.zigzag(), read_pose(r), r.varint(), r.zigzag())
-    update.received_at += update.time
-    require(r.at == len(data), "bytes after a pose update")
-    require(abs(update.time) <= HORIZON and update.received_keyframe < 1 << 32, "an absurd pose update")
-    return update
+class PoseUpdates:
+    """Reads the pose updates of a connection."""
+
+    def __init__(self):
+        self.poses, self.last, self.age_width = Poses(), None, 8
+
+    def read(self, message):
+        if message[0] == POSE:
+            r = Reader(message[1:])
+            time, numbers, received, at = r.zigzag(), read_numbers(r), r.varint(), r.zigzag()
+            at += time
+            require(not r.rest(), "bytes after a pose update")
+        else:
+            time, numbers, received, at = self.after_another(Bits(message))
+        require(received < 1 << 32, "an absurd pose update")
+        self.poses.add(time, numbers)
+        self.last = PoseUpdate(time, numbers.pose(1000, 32767), received, at)
+        return self.last
+
+    def after_another(self, bits):
+        bits.take(3)
+        time, numbers = self.poses.next(bits)
+        later = bits.take(2)
+        require(later < 3, "an absurd pose update")
+        if later == 2:
+            (later,), _ = bits.group(1, 0)
+        at = self.last.received_at
+        if later != 0:
+            require(later > 0, "an absurd pose update")
+            (age,), self.age_width = bits.group(1, self.age_width)
+            at = time - 256 * age
+        require(not bits.rest(), "bytes after a pose update")
+        return time, numbers, self.last.received_keyframe + later, at
 
 
 @dataclass
@@ -225,14 +358,58 @@ class Keyframe:
     time: int
     view: View
     fingerprint: int
+    mask: int  # which bits of the fingerprint are told
     delta: bytes
 
 
-def read_keyframe(data):
-    r = Reader(data)
-    index, base, time, pose = r.varint(), r.varint(), r.zigzag(), read_pose(r)
-    view = View(pose, r.varint(), r.varint(), *(r.number(code) for code in "dfff"))
-    require(base < index < 1 << 32 and abs(time) <= HORIZON, "an absurd keyframe")
-    require(1 <= view.width <= 16384 and 1 <= view.height <= 16384 and 0.017 <= view.fov <= 2.97, "an absurd lens")
-    require(0 < view.tau <= 1e9 and 0 <= view.ball <= 1e9 and 0 <= view.turn <= 1e9, "an absurd tolerance, ball or turn")
-    return Keyframe(index, base, time, view, r.number("I"), r.rest())
+def bits_of(value):
+    return struct.unpack("<I", struct.pack("<f", value))[0]
+
+
+def float_of(bits):
+    return struct.unpack("<f", struct.pack("<I", bits))[0]
+
+
+class Keyframes:
+    """Reads the keyframes of a connection."""
+
+    def __init__(self):
+        self.poses, self.last, self.region_width = Poses(), None, 8
+
+    def read(self, message):
+        if message[0] == KEYFRAME:
+            r = Reader(message[1:])
+            index, base, time, numbers = r.varint(), r.varint(), r.zigzag(), read_numbers(r)
+            lens_and_region = [r.varint(), r.varint(), *(r.number(code) for code in "dfff")]
+            fingerprint, mask, delta = r.number("I"), 0xFFFFFFFF, r.rest()
+        else:
+            index, base, time, numbers, lens_and_region, fingerprint, mask, delta = self.after_another(Bits(message))
+        self.poses.add(time, numbers)
+        view = View(numbers.pose(128, 8191), *lens_and_region)
+        require(0 <= base < index < 1 << 32, "an absurd keyframe")
+        require(1 <= view.width <= 16384 and 1 <= view.height <= 16384 and 0.017 <= view.fov <= 2.97, "an absurd lens")
+        require(0 < view.tau <= 1e9 and 0 <= view.ball <= 1e9 and 0 <= view.turn <= 1e9, "an absurd tolerance, ball or turn")
+        self.last = Keyframe(index, base, time, view, fingerprint, mask, delta)
+        return self.last
+
+    def after_another(self, bits):
+        bits.take(3)
+        extras = bits.take(4) if bits.take(1) else 0
+        time, numbers = self.poses.next(bits)
+        steps = bits.group(2, 0)[0] if extras & 1 else (1, 1)
+        index = self.last.index + steps[0]
+        last = self.last.view
+        lens = (last.width, last.height, last.fov)
+        if extras & 2:
+            lens = (bits.take(16), bits.take(16), struct.unpack("<d", struct.pack("<Q", bits.take(64)))[0])
+        tau = float_of(bits.take(32)) if extras & 4 else last.tau
+        if extras & 8:
+            region = [float_of(bits.take(32)) for _ in range(2)]
+        else:
+            change, self.region_width = bits.group(2, self.region_width)
+            upper = [(bits_of(before) >> 16) + by for before, by in zip((last.ball, last.turn), change)]
+            require(all(0 <= v <= 0xFFFF for v in upper), "a ball or turn beyond 16 bits")
+            region = [float_of(v << 16) for v in upper]
+        shift = 16 * (index & 1)
+        fingerprint = bits.take(16) << shift
+        return index, index - steps[1], time, numbers, [*lens, tau, *region], fingerprint, 0xFFFF << shift, bits.rest()

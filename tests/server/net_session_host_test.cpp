@@ -61,6 +61,7 @@ class Mailbox {
 
 struct Viewer {
   std::shared_ptr<SessionActor> actor;
+  proto::KeyframeMemory keyframes_taken{};
   uint64_t batches = 0;
   uint32_t keyframes = 0;
   bool has_unsent_keyframe = false;
@@ -99,7 +100,7 @@ class Host : public testing::Test {
   void read(Viewer& viewer, const std::vector<Bytes>& batch) {
     ++viewer.batches;
     for (const Bytes& bytes : batch) {
-      const auto message = proto::decodeServerMessage(bytes);
+      const auto message = proto::decodeServerMessage(bytes, viewer.keyframes_taken);
       ASSERT_TRUE(message.ok()) << message.error().message;
       const auto* keyframe = std::get_if<proto::KeyframeMessage>(&*message);
       if (!keyframe) continue;
