@@ -122,6 +122,7 @@ int runWire(const Arguments& args) {
                                 {"structure_bits", costs.structure_bits},
                                 {"asked_per_added", costs.asked_per_added},
                                 {"framing_bits", costs.framing_bits},
+                                {"framing_share", costs.framing_share},
                                 {"first_section_nodes", costs.first_section_nodes},
                                 {"first_section_bytes", costs.first_section_bytes},
                                 {"first_section_bits_per_node", costs.first_section_bits_per_node},

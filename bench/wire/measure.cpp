@@ -1,6 +1,7 @@
 #include "bench/wire/measure.h"
 
 #include "bench/timing.h"
+#include "bench/wire/framing.h"
 #include "client/replica.h"
 #include "server/session/world.h"
 
@@ -53,7 +54,8 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
     Sum& sum = i == 0 ? first : rest;
     sum.decode_s += decodeSeconds(replica, headers, k);
     compare(replica, hierarchy, k.nodes);
-    sum.framing_bits += 8.0 * static_cast<double>(k.message.size() - k.delta_bytes);
+    const size_t header_bytes = k.message.size() - k.delta_bytes;
+    sum.framing_bits += 8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
     sum.height_bits += k.bits.heights;
     sum.structure_bits += 8.0 * static_cast<double>(k.delta_bytes) - k.bits.heights;
     sum.asked += static_cast<double>(k.bits.asked);
@@ -71,6 +73,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
   costs.height_bits = rest.height_bits / rest.added;
   costs.structure_bits = rest.structure_bits / rest.added;
   costs.framing_bits = rest.framing_bits / rest.added;
+  costs.framing_share = rest.framing_bits / rest.bits();
   costs.first_section_nodes = static_cast<uint64_t>(first.added);
   costs.first_section_bytes = static_cast<uint64_t>(first.bits() / 8);
   costs.first_section_bits_per_node = first.bits() / first.added;

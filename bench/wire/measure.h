@@ -13,7 +13,8 @@ struct WireCosts {
   double height_bits = 0;          // of that: heights
   double structure_bits = 0;       // which nodes come: answers to questions, radii
   double asked_per_added = 0;      // questions, for each node that comes
-  double framing_bits = 0;         // headers
+  double framing_bits = 0;         // headers: the keyframe's and WebSocket's
+  double framing_share = 0;        // of all bytes down after the first keyframe
   double first_section_bits_per_node = 0, first_section_height_bits = 0, first_section_structure_bits = 0;
   uint64_t first_section_nodes = 0, first_section_bytes = 0;
   double kbit_per_s = 0;  // after the first keyframe
