@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "bench/wire/framing.h"
+
 namespace foreland::test {
 
 namespace {
@@ -35,6 +37,8 @@ void World::loseConnection(size_t client) {
   c.up = Link(c.options.up, seed_ + 7 * ++c.connections);
   c.down = Link(c.options.down, seed_ + 7 * c.connections + 1);
   c.sections.clear();
+  c.poses_counted = {};
+  c.keyframes_counted = {};
 }
 
 void World::connectAgain(size_t client, std::shared_ptr<const terrain::Scene> scene) {
@@ -96,13 +100,18 @@ void World::serve(Client& c, Time now) {
     if (const Status s = proto::validate(c.session.world().hierarchy.grid(), c.session.section()); !s.ok())
       complain(s.error().message);
   }
-  for (Bytes& message : out) c.down.send(std::move(message), now + (computed ? compute_time_ : Duration{}));
+  for (Bytes& message : out) {
+    c.traffic.largest_down = std::max(c.traffic.largest_down, message.size());
+    c.down.send(std::move(message), now + (computed ? compute_time_ : Duration{}));
+  }
+  c.traffic.most_unsent_bytes = std::max(c.traffic.most_unsent_bytes, c.down.unsentBytes(now));
   if (!out.empty()) c.waits_for_drain = true;
 }
 
 void World::receive(Client& c, Time now) {
   const Bytes message = c.down.receive();
   for (uint8_t byte : message) c.hash = (c.hash ^ byte) * 1099511628211ull;
+  countDown(c, message);
   if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok())
     complain("client refuses: " + s.error().message);
   if (!c.viewer.replica()) return;
@@ -130,8 +139,29 @@ void World::frame(Client& c, size_t index, Time now) {
 
 void World::flush(Client& c, Time now) {
   Bytes message;
-  while (c.viewer.takeOutgoing(message))
-    if (c.is_connected) c.up.send(std::move(message), now);
+  while (c.viewer.takeOutgoing(message)) {
+    if (!c.is_connected) continue;
+    countUp(c, message);
+    c.up.send(std::move(message), now);
+  }
+}
+
+void World::countDown(Client& c, const Bytes& message) {
+  Traffic& t = c.traffic;
+  t.framing_down += bench::frameHeaderBytes(message.size(), bench::Direction::kDown);
+  const auto decoded = proto::decodeServerMessage(message, c.keyframes_counted);
+  const auto* keyframe = decoded ? std::get_if<proto::KeyframeMessage>(&*decoded) : nullptr;
+  if (!keyframe) return t.other_down.add(message.size());
+  t.headers.add(message.size() - keyframe->delta.size());
+  t.deltas.add(keyframe->delta.size());
+}
+
+void World::countUp(Client& c, const Bytes& message) {
+  Traffic& t = c.traffic;
+  t.framing_up += bench::frameHeaderBytes(message.size(), bench::Direction::kUp);
+  const auto decoded = proto::decodeClientMessage(message, c.poses_counted);
+  const bool is_pose = decoded && std::holds_alternative<proto::PoseUpdate>(*decoded);
+  (is_pose ? t.poses : t.other_up).add(message.size());
 }
 
 }  // namespace foreland::test

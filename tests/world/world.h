@@ -3,6 +3,7 @@
 // checked.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -22,6 +23,24 @@ struct ClientOptions {
   bool announce_path = false;
   Duration clock_offset;                                // client's clock minus the server's
   std::function<void(client::Viewer&, Time)> at_frame;  // called before each frame
+};
+
+// What has gone over a client's links, message by message as it arrived or was handed over.
+struct Traffic {
+  struct Part {
+    uint64_t messages = 0, bytes = 0;
+    size_t largest = 0;  // after the first
+    void add(size_t size) {
+      if (messages > 0) largest = std::max(largest, size);
+      ++messages;
+      bytes += size;
+    }
+    double mean() const { return static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(messages, 1)); }
+  };
+  Part headers, deltas, other_down;           // down: of keyframes; everything else
+  Part poses, other_up;                       // up
+  uint64_t framing_down = 0, framing_up = 0;  // what carries the messages: bytes of WebSocket
+  size_t most_unsent_bytes = 0, largest_down = 0;
 };
 
 class World {
@@ -44,6 +63,7 @@ class World {
   const server::Session& session(size_t i) const { return clients_[i]->session; }
   // A fingerprint of every byte that has arrived at a client.
   uint64_t bytesHash(size_t i) const { return clients_[i]->hash; }
+  const Traffic& traffic(size_t i) const { return clients_[i]->traffic; }
   // Broken laws, in words; empty if all is well.
   const std::vector<std::string>& complaints() const { return complaints_; }
 
@@ -67,6 +87,9 @@ class World {
     bool has_mesh = false, scene_changed = false;
     uint64_t connections = 1;
     uint64_t hash = 1469598103934665603ull;
+    Traffic traffic;
+    proto::PoseMemory poses_counted;
+    proto::KeyframeMemory keyframes_counted;
     std::map<uint32_t, proto::Section> sections;  // the server's, by keyframe, until the client has it
   };
 
@@ -76,6 +99,8 @@ class World {
   void receive(Client& c, Time now);
   void frame(Client& c, size_t index, Time now);
   void flush(Client& c, Time now);
+  static void countDown(Client& c, const Bytes& message);
+  static void countUp(Client& c, const Bytes& message);
   void complain(const std::string& what) { complaints_.push_back(what); }
 
   std::shared_ptr<const server::World> world_;

@@ -1,0 +1,136 @@
+// The flow of a session in virtual time: what it costs besides the deltas, and that nothing piles up.
+#include <gtest/gtest.h>
+
+#include "server/view/tour.h"
+#include "tests/support/scene.h"
+#include "tests/world/world.h"
+
+namespace foreland::test {
+namespace {
+
+using proto::Predictor;
+using proto::Strategy;
+
+std::shared_ptr<const terrain::Scene> alps() {
+  static const auto scene = makeScene(301, 217, 11);
+  return scene;
+}
+
+ClientOptions flying(const char* tour, double seconds, Strategy strategy = Strategy::kPredict,
+                     Predictor predictor = Predictor::kConstantVelocity) {
+  auto path = server::planTour(*alps(), tour, seconds);
+  CHECK_TRUE(path.ok());
+  ClientOptions c;
+  c.request.lens = {1.0471975511965976, 480, 270};
+  c.request.strategy = strategy;
+  c.request.predictor = predictor;
+  c.path = *path;
+  c.announce_path = predictor == Predictor::kKnownPath;
+  return c;
+}
+
+std::string report(const World& world) {
+  std::string all;
+  for (const std::string& c : world.complaints()) all += c + "\n";
+  return all;
+}
+
+struct Tour {
+  const char* name;
+  Predictor predictor;
+};
+
+class Overhead : public testing::TestWithParam<Tour> {};
+
+TEST_P(Overhead, IsUnder5PercentOf400BytesAKeyframe) {
+  World world(alps(), {}, Duration::milliseconds(4), 41);
+  ClientOptions c = flying(GetParam().name, 60, Strategy::kPredict, GetParam().predictor);
+  c.up.jitter = c.down.jitter = Duration::milliseconds(10);
+  world.addClient(c);
+  world.run(Time::seconds(30));
+  EXPECT_EQ(report(world), "");
+  const Traffic& t = world.traffic(0);
+  ASSERT_GT(t.headers.messages, 140u);
+  // A frame's header is 2 or 4 bytes; a keyframe of 400 bytes has 4.
+  EXPECT_LT((t.headers.mean() + 4) / (t.headers.mean() + 4 + 400), 0.05);
+  EXPECT_LE(t.headers.largest, 32u);
+  EXPECT_LE(t.other_down.messages, 1u) << "besides keyframes there is only the welcome";
+  ASSERT_GT(t.poses.messages, 550u);
+  EXPECT_LE(t.poses.largest, 16u);
+  EXPECT_LE(t.poses.mean(), 8);
+}
+
+INSTANTIATE_TEST_SUITE_P(Flow, Overhead,
+                         testing::Values(Tour{"survey", Predictor::kKnownPath},
+                                         Tour{"canyon", Predictor::kConstantVelocity},
+                                         Tour{"orbit", Predictor::kConstantVelocity},
+                                         Tour{"spin", Predictor::kKnownPath}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+class ReadingNothing : public testing::TestWithParam<LinkOptions::Buffers> {};
+
+// For half a minute nothing is read, while poses go on. Then what waited is read at once, and the flight goes on.
+TEST_P(ReadingNothing, LeavesNothingPiledUpAndComesBackWithinASecond) {
+  const Time begin = Time::seconds(10), end = Time::seconds(40);
+  World world(alps(), {}, Duration::milliseconds(4), 42);
+  ClientOptions c = flying("canyon", 80);
+  c.down.pause_begin = begin;
+  c.down.pause_end = end;
+  c.down.buffers = GetParam();
+  world.addClient(c);
+  Duration worst{};
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    if (now > end + Duration::seconds(1)) worst = std::max(worst, now - view.scene_time);
+  };
+  world.run(begin);
+  const uint32_t before = world.session(0).keyframe().index;
+  world.run(Time{end.us - 1});
+  const uint32_t made = world.session(0).keyframe().index - before;
+  EXPECT_LE(made, GetParam() == LinkOptions::Buffers::kNone ? 1u : 8u) << "of what nobody reads";
+  EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down);
+  world.run(Time::seconds(70));
+  EXPECT_EQ(report(world), "");
+  EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down);
+  EXPECT_GT(world.viewer(0).statistics().keyframes, before + made + 130);
+  EXPECT_LE(worst, Duration::milliseconds(100));
+}
+
+INSTANTIATE_TEST_SUITE_P(Flow, ReadingNothing,
+                         testing::Values(LinkOptions::Buffers::kNone, LinkOptions::Buffers::kEndless),
+                         [](const auto& test) {
+                           return test.param == LinkOptions::Buffers::kEndless ? "Buffered" : "Unbuffered";
+                         });
+
+// What a link of 20 kbit/s carries, stated as a budget: the tolerance rises until the deltas fit, and every keyframe is
+// there in time, though the link takes no more.
+TEST(Flow, At20KilobitsASecondKeyframesStayCurrent) {
+  constexpr double kBytesPerSecond = 2500, kSeconds = 20;
+  constexpr Time kSettled = Time::seconds(45);
+  World world(alps(), {}, Duration::milliseconds(4), 43);
+  ClientOptions c = flying("orbit", 75, Strategy::kPredict, Predictor::kKnownPath);
+  c.request.lens = {1.0471975511965976, 960, 540};
+  c.request.tau_px = 0.5;
+  c.request.max_bytes_per_second = static_cast<uint32_t>(kBytesPerSecond);
+  c.down.latency = Duration::milliseconds(30);
+  c.down.bytes_per_second = kBytesPerSecond;
+  world.addClient(c);
+  Duration worst{};
+  float most_tau_px = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    most_tau_px = std::max(most_tau_px, view.mesh->to.tau_px);
+    if (now > kSettled) worst = std::max(worst, now - view.scene_time);
+  };
+  world.run(kSettled);
+  const uint64_t before = world.viewer(0).statistics().bytes_down;
+  world.run(kSettled + Duration::seconds(kSeconds));
+  EXPECT_EQ(report(world), "");
+  EXPECT_GT(most_tau_px, c.request.tau_px);
+  const auto bytes = static_cast<double>(world.viewer(0).statistics().bytes_down - before);
+  EXPECT_GT(bytes, 0.25 * kSeconds * kBytesPerSecond) << "no load to speak of";
+  EXPECT_LE(bytes, kSeconds * kBytesPerSecond);
+  EXPECT_LE(worst, Duration::milliseconds(400)) << "more than two intervals late";
+  EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down) << "more than one delta waits";
+}
+
+}  // namespace
+}  // namespace foreland::test
