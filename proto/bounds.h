@@ -131,9 +131,6 @@ static_assert(sizeof(NodeRecord) == 8);
 // The middle of an edge, steps.
 inline int32_t middleOf(int32_t a, int32_t b) { return static_cast<int32_t>((int64_t{a} + b) >> 1); }
 
-// Slots come in pages of so many, a tile of the slot order: neighbours share a page.
-inline constexpr Slot kPageSlots = 256;
-
 // Level by level, the spheres of level ground. A node's sphere is about its lattice position at the height of the
 // middle of its edge, which a client knows before it knows the node.
 class SphereLevels {

@@ -27,7 +27,7 @@ Status MeshTopology::numberSlots() {
   uint64_t offset = 0;
   for (int level = 1; level <= max_level_; ++level) {
     level_offset_[level] = static_cast<Slot>(offset);
-    offset += isQuad() ? quad().slotsOfLevel(level) : bisect().slotsOfLevel(level);
+    offset += (slotsOfLevel(level) + kPageSlots - 1) / kPageSlots * kPageSlots;
     if (offset >= kNoSlot)
       return Error{ErrorCode::kLimit, "mesh shape: more than 2^32 nodes; halve the edges of " +
                                           std::to_string(base_.faceCount()) + " faces fewer times than " +

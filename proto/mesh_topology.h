@@ -89,13 +89,37 @@ class MeshTopology {
     if (isQuad()) return level_offset_[quad().level(p)] + static_cast<Slot>(quad().slotInLevel(p));
     return level_offset_[bisect().level(p)] + static_cast<Slot>(bisect().slotInLevel(p));
   }
+  // The same for a node whose level is known.
+  Slot slot(NodeId n, int level) const {
+    const PatchPoint p = patchPointOf(n);
+    return level_offset_[level] + static_cast<Slot>(isQuad() ? quad().slotInLevel(p) : bisect().slotInLevel(p));
+  }
   // The node of a slot, or base vertex 0 if the slot is padding or out of range.
   NodeId node(Slot slot) const {
     if (slot >= slotCount()) return {};
     int level = level_hint_[std::bit_width(slot)];
     while (slot >= level_offset_[level + 1]) ++level;  // levels grow twofold or more, so rarely more than two steps
     const Slot within = slot - level_offset_[level];
-    return isQuad() ? quad().nodeOfSlot(level, within) : bisect().nodeOfSlot(level, within);
+    return within < slotsOfLevel(level) ? nodeWithin(level, within) : NodeId{};
+  }
+
+  // node() for the slots of one page (kPageSlots, which are all of one level), by their place in it; not for padding.
+  class PageNodes {
+   public:
+    NodeId at(uint32_t low) const { return mesh_->nodeWithin(level_, within_ + low); }
+
+   private:
+    friend class MeshTopology;
+    const MeshTopology* mesh_;
+    int level_;
+    Slot within_;
+  };
+  PageNodes pageNodes(int level, Slot first) const {
+    PageNodes page;
+    page.mesh_ = this;
+    page.level_ = level;
+    page.within_ = first - level_offset_[level];
+    return page;
   }
 
   // Where a vertex lies in the parameter domain, in the face that names it. The weights' sum is placeScale().
@@ -110,6 +134,12 @@ class MeshTopology {
 
  private:
   bool isQuad() const { return rule_ == MeshRule::kQuadrisection; }
+  uint64_t slotsOfLevel(int level) const {
+    return isQuad() ? quad().slotsOfLevel(level) : bisect().slotsOfLevel(level);
+  }
+  NodeId nodeWithin(int level, Slot within) const {
+    return isQuad() ? quad().nodeOfSlot(level, within) : bisect().nodeOfSlot(level, within);
+  }
   Status numberSlots();
 
   BaseMesh base_;

@@ -28,6 +28,8 @@ struct NodeId {
 // A node's place in the scene's flat tables and in the canonical order: coarse levels first, neighbours close together.
 using Slot = uint32_t;
 inline constexpr Slot kNoSlot = 0xffffffffu;
+// Slots come in pages of so many, a tile of the slot order: neighbours share a page. A level begins with a page.
+inline constexpr Slot kPageSlots = 256;
 
 // Up to `Capacity` ids without allocation.
 template <int Capacity>

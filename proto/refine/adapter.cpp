@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 
+#include "proto/refine/surface_batch.h"
 #include "proto/refine/terrain_batch.h"
 
 namespace foreland::proto {
@@ -15,7 +15,7 @@ namespace {
 constexpr double kSlackShare = 1 - 0x1p-9;
 constexpr uint32_t kMostSteps = 1u << 15;
 constexpr int kNonePasses = 256;
-constexpr ErrorClass kAnyError{255}, kSomeError{1};
+constexpr ErrorClass kAnyError{255}, kSomeError{1}, kNoError{0};
 
 uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
 
@@ -23,11 +23,10 @@ uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
 
 // Endless if the views cannot be compared.
 template <class Batch>
-Metric::Toll Adapter<Batch>::tollTo(const View& view) const {
+Toll Adapter<Batch>::tollTo(const View& view) const {
   if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0)
     return domain_->metric(*last_).tollTo(*last_, view);
-  constexpr float kEndless = std::numeric_limits<float>::infinity();
-  return {{kEndless, kEndless, kEndless}, {0, 0, 0}};
+  return Toll::endless();
 }
 
 // One adaptation under way.
@@ -53,7 +52,7 @@ class Adapter<Batch>::Step {
     scratch_.homeless.clear();
   }
 
-  bool run(const Metric::Toll& toll) {
+  bool run(const Toll& toll) {
     testDue(toll);
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
@@ -91,7 +90,7 @@ class Adapter<Batch>::Step {
   }
 
   // An entry whose bound settles its test gets a new slack; the others are open.
-  void testDue(const Metric::Toll& toll) {
+  void testDue(const Toll& toll) {
     int level = 1;
     batch_.count = 0;
     frontier_.takeOff(toll, [&](uint32_t number, std::span<const uint32_t> places) {
@@ -188,6 +187,11 @@ class Adapter<Batch>::Step {
         continue;
       }
       q.least = {static_cast<uint8_t>(batch_.least[i])};
+      if (q.least == kNoError) {
+        batch_.bound[i] = kNoError;
+        q.is_active = true;
+        continue;
+      }
       // For addable nodes that have just come, and for leaves that turn round, it may be settled after all.
       if (q.is_active ? q.known >= q.least : q.known < q.least) continue;
       scratch_.questions.push_back(q);
@@ -318,7 +322,7 @@ class Adapter<Batch>::Step {
   Frontier& frontier_;
   const Domain& domain_;
   const typename Domain::Topology& topology_;
-  const Metric metric_;
+  const typename Domain::Metric metric_;
   const size_t max_nodes_;
   NodeSource<Batch>& source_;
   AdaptScratch& scratch_;
@@ -348,7 +352,7 @@ template <class Batch>
 bool Adapter<Batch>::adapt(const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
                            CutDelta& delta) {
   ++steps_;
-  const Metric::Toll toll = tollTo(view);
+  const Toll toll = tollTo(view);
   last_ = view;
   return Step(*this, view, max_nodes, source, scratch, delta).run(toll);
 }
@@ -382,5 +386,6 @@ void Adapter<Batch>::validate() const {
 }
 
 template class Adapter<TerrainBatch>;
+template class Adapter<SurfaceBatch>;
 
 }  // namespace foreland::proto

@@ -104,7 +104,7 @@ class Adapter {
 
  private:
   class Step;
-  Metric::Toll tollTo(const View& view) const;
+  Toll tollTo(const View& view) const;
 
   const Domain* domain_;
   Frontier frontier_;

@@ -95,7 +95,7 @@ void Frontier::unlist(uint32_t number, uint8_t low) {
 namespace {
 
 // Whole vectors: what stands behind the last entry is paid for, too.
-void pay(const Metric::Toll& toll, float* slack, const Entry* entries, size_t vectors) {
+void pay(const Toll& toll, float* slack, const Entry* entries, size_t vectors) {
   const auto [fixed0, fixed1, fixed2] = toll.fixed;
   const auto [per_reach0, per_reach1, per_reach2] = toll.per_reach;
   for (size_t i = 0; i < vectors * EntryPool::kVector; ++i) {
@@ -121,7 +121,7 @@ uint64_t signs(const float* slack) {
 }  // namespace
 
 // A slack of nothing is used up by any toll, for a toll is never nothing.
-uint32_t Frontier::takeOff(const Metric::Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places) {
+uint32_t Frontier::takeOff(const Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places) {
   constexpr uint32_t kVector = EntryPool::kVector;
   float* slack = pool_.slack(page.room);
   pay(toll, slack, pool_.entries(page.room), (page.count + kVector - 1) / kVector);

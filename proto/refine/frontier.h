@@ -78,7 +78,7 @@ class Frontier {
   // Takes the toll of a step off every slack and calls visit(number, places) for each page with entries whose slack is
   // used up: their places in the pool, ascending, which hold until something is listed or unlisted.
   template <class Visit>
-  void takeOff(const Metric::Toll& toll, const Visit& visit) {
+  void takeOff(const Toll& toll, const Visit& visit) {
     std::array<uint32_t, kPageSlots> places;
     for (const PageName& name : order_)
       if (const uint32_t count = takeOff(toll, pages_[name.number], places); count > 0)
@@ -124,7 +124,7 @@ class Frontier {
     while (cells_[at].key != key && cells_[at].page != kNone) at = (at + 1) & mask();
     return at;
   }
-  uint32_t takeOff(const Metric::Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places);
+  uint32_t takeOff(const Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places);
   void grow();
   void erase(uint32_t cell);
   void dropEmpty();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 
+#include "proto/trig.h"
 #include "proto/view.h"
 
 namespace foreland::proto {
@@ -16,7 +17,7 @@ class Frustum {
   // `nearest_m`: no depth is taken to be less.
   Frustum(const View& view, double nearest_m)
       : right_(view.pose.right()), up_(view.pose.up()), forward_(view.pose.forward()), nearest_(nearest_m) {
-    const double tan_y = std::tan(0.5 * view.lens.vertical_fov_rad);
+    const double tan_y = view.lens.tanHalfFov();
     const double tan_x = tan_y * view.lens.width_px / view.lens.height_px;
     cos_x_ = 1 / std::sqrt(1 + tan_x * tan_x);
     sin_x_ = tan_x * cos_x_;
@@ -25,8 +26,8 @@ class Frustum {
     inverse_cos_corner_ = std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
     cos_corner_ = 1 / inverse_cos_corner_;
     const double turn = std::min(view.turn_rad, 1.5);  // beyond it the frustum covers everything in front anyway
-    sin_turn_ = std::sin(turn);
-    cos_turn_ = std::cos(turn);
+    sin_turn_ = sinCos(turn).sin;
+    cos_turn_ = sinCos(turn).cos;
   }
 
   // A place relative to the eye in view coordinates: right, up, depth.
@@ -49,6 +50,7 @@ class Frustum {
     const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;
     return side * cos_turn_ + std::sqrt(std::max(0.0, d2 - side * side)) * sin_turn_;
   }
+  double nearest() const { return nearest_; }  // metres of depth
   // Distance over depth, at most, of a visible point.
   double inverseCosCorner() const { return inverse_cos_corner_; }
 

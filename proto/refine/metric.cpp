@@ -26,20 +26,10 @@ Metric::Metric(const View& view, bool vertical_errors)
   cos_turn_ = sinCos(turn).cos;
 }
 
-namespace {
-
-// Angle between two orientations, rounded up.
-double turnBetween(const glm::dquat& a, const glm::dquat& b) {
-  const glm::dquat d = glm::conjugate(a) * b;
-  return 2 * std::asin(std::min(1.0, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z))) * (1 + 1e-12) + 1e-15;
-}
-
-}  // namespace
-
 // The eye moves first, then turns. Moving by t changes depth by exactly -t.z and side distances by -t.n; turning moves
 // a place by at most angle * distance. A tolerance q times as large acts like depths q times as large: z < K / q is q z
 // < K, and z^2 < K h / q is implied by (q z)^2 < K h for q > 1, and the other way round for q < 1.
-Metric::Toll Metric::tollTo(const View& from, const View& next) const {
+Toll Metric::tollTo(const View& from, const View& next) const {
   const glm::dvec3 move = next.pose.eye - from.pose.eye;
   const double x = glm::dot(move, right_), y = glm::dot(move, up_), z = glm::dot(move, forward_);
   const double moved = glm::length(move), ball = std::fabs(next.ball_m - from.ball_m);
@@ -54,8 +44,7 @@ Metric::Toll Metric::tollTo(const View& from, const View& next) const {
   const double scaled = std::fabs(next.tau_px / from.tau_px - 1);
   Toll toll;
   const auto set = [&](Guard guard, double fixed, double per_reach) {
-    toll.fixed[static_cast<size_t>(guard)] = static_cast<float>(fixed * 1.00001 + 1e-6);
-    toll.per_reach[static_cast<size_t>(guard)] = static_cast<float>(per_reach * 1.00001);
+    toll.set(static_cast<size_t>(guard), fixed, per_reach);
   };
   set(Guard::kSeen, moved + ball, turned + scaled);
   set(Guard::kBeside, beside + ball, turned);

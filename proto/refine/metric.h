@@ -24,6 +24,7 @@
 #include <limits>
 
 #include "proto/bounds.h"
+#include "proto/refine/toll.h"
 #include "proto/view.h"
 
 namespace foreland::proto {
@@ -112,10 +113,6 @@ class Metric {
             std::max(0.0, passed ? passing : failing)};
   }
 
-  // What a change of view takes off each guard: `fixed`, and `per_reach` times the place's distance from the eye.
-  struct Toll {
-    std::array<float, 3> fixed, per_reach;
-  };
   // From the view of this metric to `next`, which has the same lens and kind of error.
   Toll tollTo(const View& from, const View& next) const;
 

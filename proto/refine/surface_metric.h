@@ -29,10 +29,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
 
 #include "proto/refine/frustum.h"
+#include "proto/refine/toll.h"
 #include "proto/surface_bounds.h"
 #include "proto/view.h"
 
@@ -79,6 +81,23 @@ class SurfaceMetric {
     const double seen = std::max(seenRoom(s, interior_), as_silhouette);
     const double room = std::min(std::min(seen, f.front - least_front_), s.side_room);
     return {passes(n), std::fabs(room)};
+  }
+
+  // From the eye, never less than what is promised something.
+  double distance(const SurfaceBounds& n) const {
+    const double x = n.x - eye_.x, y = n.y - eye_.y, z = n.z - eye_.z;
+    return std::max(std::sqrt(x * x + y * y + z * z), frustum_.nearest());
+  }
+  // What a change of view takes off any slack; lens and kind of surface are the same. A tolerance q times as large acts
+  // like depths q times as large, or less.
+  static Toll tollTo(const View& from, const View& next) {
+    const double moved = glm::distance(from.pose.eye, next.pose.eye) + std::fabs(next.ball_m - from.ball_m);
+    const double turned =
+        turnBetween(from.pose.orientation, next.pose.orientation) + std::fabs(next.turn_rad - from.turn_rad);
+    const double scaled = std::fabs(next.tau_px / from.tau_px - 1);
+    Toll toll;
+    for (size_t guard = 0; guard < toll.fixed.size(); ++guard) toll.set(guard, moved, turned + scaled);
+    return toll;
   }
 
   // Parts of the test, for those who want to know which one decides.

@@ -17,6 +17,7 @@ enum class ErrorBound : uint8_t { kSpheroid, kSphere };
 
 struct TerrainDomain {
   using Topology = GridTopology;
+  using Metric = proto::Metric;
 
   GridTopology grid;
   FrameGrid frame;

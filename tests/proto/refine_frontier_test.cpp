@@ -88,7 +88,7 @@ class Pair {
     if (listed_.erase(slot)) frontier_.unlist(page, static_cast<uint8_t>(slot));
   }
   void takeOff() {
-    Metric::Toll toll;
+    Toll toll;
     for (size_t g = 0; g < 3; ++g) {
       toll.fixed[g] = static_cast<float>(1 + rng_.below(50));
       toll.per_reach[g] = rng_.below(2) ? 0 : 0x1p-10f;

@@ -1,0 +1,30 @@
+#include "proto/refine/surface_batch.h"
+
+#include "proto/refine/entry_pool.h"
+
+namespace foreland::proto {
+
+void SurfaceBatch::locate(const SurfaceDomain& domain, const SurfaceMetric& metric) {
+  for (size_t i = 0; i < count; ++i) {
+    bounds_[i] = SurfaceBounds::of(record[i], domain.step_m);
+    distance_[i] = metric.distance(bounds_[i]);
+  }
+}
+
+void SurfaceBatch::findLeast(const SurfaceMetric& metric) {
+  const SurfaceMetric m = metric;  // its own memory
+  for (size_t i = 0; i < count; ++i) least[i] = m.passes(bounds_[i]) ? 0 : 256;
+}
+
+void SurfaceBatch::testWithSlack(const SurfaceMetric& metric, double share) {
+  const SurfaceMetric m = metric;  // its own memory
+  for (size_t i = 0; i < count; ++i) {
+    const SurfaceMetric::Outcome outcome = m.outcome(bounds_[i]);
+    const double safe = outcome.slack_m * share;
+    passes[i] = outcome.passes;
+    slack[i] = static_cast<float>(safe);
+    hold[i] = Entry::hold(static_cast<float>(distance_[i] + safe), 0);
+  }
+}
+
+}  // namespace foreland::proto
