@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "proto/symbols.h"
+
 namespace foreland::proto {
 
 namespace {
@@ -17,61 +19,6 @@ size_t binOf(int x, std::initializer_list<int> edges) {
   return bin;
 }
 
-// Numbers coded with a model; the same code reads and writes. In an encoder `value` is what is coded and returned.
-template <class Coder>
-class Symbols {
- public:
-  Symbols(Coder& coder, DeltaModel& model) : coder_(coder), model_(model) {}
-
-  // 0 .. 2^kBits - 1, as a tree of decisions.
-  template <int kBits, size_t kSize>
-  uint32_t tree(std::array<AdaptiveBit, kSize>& nodes, uint32_t value) {
-    static_assert(kSize >= 1u << kBits);
-    uint32_t at = 1;
-    for (int i = kBits - 1; i >= 0; --i) at = 2 * at + (coder_.code(nodes[at], value >> i & 1) ? 1 : 0);
-    return at - (1u << kBits);
-  }
-  // The same, with the last value saying that eight bits follow.
-  template <int kBits, size_t kSize>
-  uint32_t treeOrByte(std::array<AdaptiveBit, kSize>& nodes, uint32_t value) {
-    constexpr uint32_t kLast = (1u << kBits) - 1;
-    const uint32_t got = tree<kBits>(nodes, std::min(value, kLast));
-    return got < kLast ? got : kLast + coder_.codeEvenly(value - kLast, 8);
-  }
-
-  int32_t number(DeltaModel::Number& n, size_t lean, int32_t value) {
-    const uint32_t magnitude = static_cast<uint32_t>(std::abs(value));
-    const int width = static_cast<int>(std::bit_width(magnitude));
-    int bits = static_cast<int>(tree<4>(n.exponent, static_cast<uint32_t>(std::min(width, 15))));
-    if (bits == 15)
-      while (bits < 31 && coder_.code(model_.escape[static_cast<size_t>(bits)], width > bits)) ++bits;
-    if (bits == 0) return 0;
-    const bool negative = coder_.code(n.sign[lean], value < 0);
-    const uint32_t got = mantissa(n.mantissa[static_cast<size_t>(std::min(bits, 7))], bits - 1, magnitude);
-    return negative ? -static_cast<int32_t>(got) : static_cast<int32_t>(got);
-  }
-
- private:
-  // A leading one and `left` bits, of which the first two have contexts.
-  uint32_t mantissa(std::array<AdaptiveBit, 4>& contexts, int left, uint32_t magnitude) {
-    uint32_t value = 1;
-    for (size_t at = 1; left > 0 && at < 4; --left) {
-      const bool one = coder_.code(contexts[at], magnitude >> (left - 1) & 1);
-      value = 2 * value + (one ? 1 : 0);
-      at = 2 * at + (one ? 1 : 0);
-    }
-    while (left > 0) {
-      const int take = std::min(left, 12);
-      left -= take;
-      value = value << take | coder_.codeEvenly(magnitude >> left & ((1u << take) - 1), take);
-    }
-    return value;
-  }
-
-  Coder& coder_;
-  DeltaModel& model_;
-};
-
 // One level's nodes, one after the other, with the contexts of each.
 template <class Coder, class Nodes>
 class LevelCoder {
@@ -81,7 +28,7 @@ class LevelCoder {
         nodes_(nodes),
         model_(model),
         coder_(coder),
-        symbols_(coder, model),
+        symbols_(coder, model.escape),
         scale_(static_cast<size_t>(std::min((grid_.maxLevel() - level) / 2, 7))),
         steps_per_m_(1 / domain.frame.transform().frame().height_step_m) {}
 
@@ -168,7 +115,7 @@ class LevelCoder {
 RadiusClass DeltaEncoder::radius(Slot first) {
   const double before = coder_.bits();
   const RadiusClass radius = nodes_.at(first).radius();
-  Symbols(coder_, model_).treeOrByte<3>(model_.radius[0], radius.value);
+  Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], radius.value);
   bits_.radii += coder_.bits() - before;
   return radius;
 }
@@ -197,7 +144,7 @@ bool DeltaEncoder::onAdded(int level, std::span<const Slot> slots, std::span<con
 }
 
 RadiusClass DeltaDecoder::radius(Slot) {
-  const uint32_t value = Symbols(coder_, model_).treeOrByte<3>(model_.radius[0], 0);
+  const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], 0);
   return {static_cast<uint8_t>(std::min<uint32_t>(value, RadiusClass::kMost))};
 }
 

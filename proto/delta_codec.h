@@ -18,9 +18,9 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "proto/node_tables.h"
-#include "proto/range_coder.h"
 #include "proto/refine/adapter.h"
 #include "proto/refine/terrain_batch.h"
+#include "proto/symbols.h"
 
 namespace foreland::proto {
 
@@ -31,20 +31,14 @@ using TerrainAdapter = Adapter<TerrainBatch>;
 
 // What both ends have learnt.
 struct DeltaModel {
-  // A signed number: how many bits it has, its sign, its first bits.
-  struct Number {
-    std::array<AdaptiveBit, 16> exponent;
-    std::array<AdaptiveBit, 4> sign;
-    std::array<std::array<AdaptiveBit, 4>, 8> mantissa;
-  };
   static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
 
   std::array<AdaptiveBit, kSizes * 8 * 4> comes;    // nodes new to the frontier
   std::array<AdaptiveBit, kSizes * 4> comes_later;  // others
   std::array<AdaptiveBit, 2 * 4 * 8> stays;         // leaves
-  std::array<Number, kScales * kRatios * 2> height;
+  std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
-  std::array<AdaptiveBit, 32> escape;
+  EscapeModel escape;
 };
 
 // Where a coder's bits went, and for how many.
