@@ -12,22 +12,28 @@
 
 namespace foreland::client {
 
-struct KeyframeMesh {
-  proto::KeyframeHeader from, to;  // from.index == to.index: a still mesh, both positions equal
-  glm::dvec3 origin{0};            // scene frame, metres; positions are relative to it
-
+// Vertices with two positions each, and triangles.
+struct BlendMesh {
   // One entry per vertex. xyz: metres from the origin, along the scene's axes; w: height above the zero surface,
-  // metres.
+  // metres (0 for objects).
   std::vector<glm::vec4> from_positions, to_positions;
   // Unit normals of the two sections' own surfaces, as signed bytes x, y, z, 0.
   std::vector<uint32_t> from_normals, to_normals;
-  // Lattice position: the parameter that a vertex keeps whatever its position is.
+  // The parameter that a vertex keeps whatever its position is: its lattice position.
   std::vector<glm::vec2> places;
-  // Triangles, counter-clockwise seen from above; clipped to the data.
+  // Triangles, counter-clockwise seen from above or outside.
   std::vector<uint32_t> indices;
 
-  uint32_t from_nodes = 0, to_nodes = 0;  // sizes of the two sections
   size_t triangleCount() const { return indices.size() / 3; }
+};
+
+// The terrain, clipped to the data, and all objects.
+struct KeyframeMesh : BlendMesh {
+  proto::KeyframeHeader from, to;  // from.index == to.index: a still mesh, both positions equal
+  glm::dvec3 origin{0};            // scene frame, metres; positions are relative to it
+  BlendMesh objects;
+
+  uint32_t from_nodes = 0, to_nodes = 0;  // sizes of the two sections of the terrain
 };
 
 }  // namespace foreland::client

@@ -3,19 +3,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "client/pack_normal.h"
+
 namespace foreland::client {
-
-namespace {
-
-uint32_t packNormal(const glm::dvec3& n) {
-  const double length = std::sqrt(glm::dot(n, n));
-  const auto byte = [&](double v) {
-    return static_cast<uint32_t>(static_cast<uint8_t>(std::lround(v / length * 127)));
-  };
-  return length > 0 ? byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16 : 127u << 16;
-}
-
-}  // namespace
 
 MeshBuilder::MeshBuilder(const Replica& replica, KeyframeMesh& mesh)
     : replica_(replica),

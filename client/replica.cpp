@@ -24,7 +24,17 @@ Replica::Replica(const proto::Welcome& welcome)
       corner_heights_(std::make_unique<std::vector<int32_t>>(welcome.corner_heights)),
       centre_heights_(std::make_unique<std::vector<int32_t>>(welcome.centre_heights)),
       known_(domain_->grid, {*corner_heights_, *centre_heights_}),
-      adapter_(*domain_) {}
+      adapter_(*domain_),
+      object_set_(std::make_unique<proto::ObjectSet>(
+          std::move(proto::ObjectSet::create(welcome.models, welcome.objects)).value())) {
+  makeObjects();
+}
+
+void Replica::makeObjects() {
+  objects_.clear();
+  for (size_t i = 0; i < object_set_->size(); ++i) objects_.emplace_back(*object_set_, i);
+  if (!objects_.empty()) object_model_ = std::make_unique<proto::SurfaceModel>();
+}
 
 const int32_t* Replica::knownHeight(NodeId v) const {
   const proto::GridTopology& grid = domain_->grid;
@@ -65,6 +75,7 @@ void Replica::startAfresh() {
   fingerprint_ = 0;
   from_ = to_ = {};
   broken_ = false;
+  makeObjects();
 }
 
 namespace {
@@ -89,6 +100,9 @@ std::optional<proto::Resume> Replica::present(uint64_t scene_id) {
   KnownRadii radii(adapter_);
   adapter_ = proto::TerrainAdapter(*domain_, held.slots, radii);
   model_ = {};
+  for (ObjectReplica& object : objects_) object.startAfresh();
+  if (object_model_) *object_model_ = {};
+  fingerprint_ = proto::fingerprint(held.slots);
   proto::Resume resume{scene_id, to_.index, to_.time, fingerprint_, {}};
   proto::encodeSection(domain_->grid, held, resume.section);
   return resume;
@@ -103,8 +117,11 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
     if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
     return refused("its section is not closed, or too large");
   }
+  uint32_t print = fingerprint_ + proto::fingerprint(delta_.added) - proto::fingerprint(delta_.removed);
+  for (ObjectReplica& object : objects_)
+    if (!object.step(proto::viewOf(header), *object_model_, decoder.coder(), scratch, print))
+      return refused("what it has of an object is no delta");
   if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
-  const uint32_t print = fingerprint_ + proto::fingerprint(delta_.added) - proto::fingerprint(delta_.removed);
   if (((print ^ header.fingerprint) & header.fingerprint_mask) != 0)
     return refused("the section that results is not the server's");
   fingerprint_ = print;
@@ -156,6 +173,7 @@ KeyframeMesh Replica::buildMesh() const {
   mesh.from = from_;
   mesh.to = to_;
   MeshBuilder(*this, mesh).run();
+  for (const ObjectReplica& object : objects_) object.appendTo(mesh.objects, mesh.origin);
   return mesh;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/keyframe_mesh.h"
+#include "client/object_replica.h"
 #include "client/slot_table.h"
 #include "proto/delta_codec.h"
 #include "proto/frame_grid.h"
@@ -34,8 +35,8 @@ class Replica {
   // leaves the sections as they were, and every later keyframe is refused: reconnect.
   Status apply(const proto::KeyframeHeader& header, ByteSpan delta);
 
-  // The newest section, to be presented to a server over a new connection; nothing if there is none, or a keyframe
-  // broke it. The next keyframe starts from it, or from nothing.
+  // The newest section of the terrain, to be presented to a server over a new connection; nothing if there is none, or
+  // a keyframe broke it. The next keyframe starts from it, or from nothing. Objects start from nothing.
   std::optional<proto::Resume> present(uint64_t scene_id);
 
   // The mesh between the last two keyframes, origin near the newer one's eye. After the first keyframe: that section,
@@ -48,6 +49,7 @@ class Replica {
   const NodeUnion& nodes() const { return nodes_; }
   const proto::CutDelta& lastDelta() const { return delta_; }  // sorted
   proto::Section section() const;                              // the newest
+  const std::vector<ObjectReplica>& objects() const { return objects_; }
 
   // Height (m) of the newest section's surface at a lattice place inside the data; nothing elsewhere or before a
   // keyframe.
@@ -58,6 +60,7 @@ class Replica {
 
  private:
   void startAfresh();
+  void makeObjects();
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
   void merge();
   void forgetUnknown();
@@ -69,6 +72,9 @@ class Replica {
   proto::TerrainAdapter adapter_;
   proto::DeltaModel model_;  // of all deltas taken
   NodeUnion nodes_;
+  std::unique_ptr<const proto::ObjectSet> object_set_;
+  std::vector<ObjectReplica> objects_;
+  std::unique_ptr<proto::SurfaceModel> object_model_;  // none without objects: it is large
   uint32_t fingerprint_ = 0;
   proto::KeyframeHeader from_, to_;
   proto::CutDelta delta_;

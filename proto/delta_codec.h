@@ -4,6 +4,7 @@
 //   answers  whether a node's error is at least the least that the view shows
 //   heights  of the nodes that come to the section, exact
 //   radii    one for each page of which nothing was known
+// and then the same for each object of the scene (surface_codec.h),
 // each by adaptive range coding, with what both ends know of the node's surroundings as context.
 // docs/decisions/0006 has the measurements.
 //
@@ -43,8 +44,9 @@ struct DeltaModel {
 
 // Where a coder's bits went, and for how many.
 struct DeltaBits {
-  double answers = 0, heights = 0, radii = 0;
+  double answers = 0, heights = 0, radii = 0, objects = 0;
   uint64_t asked = 0, added = 0;
+  uint64_t object_records = 0, object_added = 0;  // nodes of objects that have come to a frontier; to a section
 };
 
 // The server's end: appends a delta to `out` as an adapter steps.
@@ -56,6 +58,8 @@ class DeltaEncoder final : public NodeSource<TerrainBatch> {
   void load(TerrainBatch& batch) override;
   bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
   bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  // For what else the delta has: the nodes of objects.
+  RangeEncoder& coder() { return coder_; }
   // Writes what is left. Nothing may follow the delta's bytes.
   void finish() { coder_.finish(); }
   const DeltaBits& bits() const { return bits_; }
@@ -79,6 +83,7 @@ class DeltaDecoder final : public NodeSource<TerrainBatch> {
   void load(TerrainBatch& batch) override;
   bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
   bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  RangeDecoder& coder() { return coder_; }
   Status finish() const;
 
  private:

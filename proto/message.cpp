@@ -180,6 +180,46 @@ bool readHeights(const flatbuffers::Vector<int32_t>* in, uint64_t expected, std:
   return std::all_of(out.begin(), out.end(), [](int32_t h) { return std::abs(int64_t{h}) <= (1 << 29); });
 }
 
+Result<ObjectModel> modelOf(const fb::Model& m) {
+  ObjectModel model;
+  if (!m.faces() || m.faces()->size() % 3 != 0 || m.faces()->size() / 3 > BaseMesh::kMaxFaces || !m.base() ||
+      m.base()->size() % 3 != 0)
+    return malformed("a model's faces or vertices are not in threes, or too many");
+  model.shape.rule = static_cast<MeshRule>(m.rule());
+  model.shape.halvings = m.halvings();
+  model.shape.vertex_count = m.vertices();
+  for (uint32_t i = 0; i < m.faces()->size(); i += 3)
+    model.shape.faces.push_back({m.faces()->Get(i), m.faces()->Get(i + 1), m.faces()->Get(i + 2)});
+  for (uint32_t i = 0; i < m.base()->size(); i += 3)
+    model.base.emplace_back(m.base()->Get(i), m.base()->Get(i + 1), m.base()->Get(i + 2));
+  model.step_m = m.step_m();
+  return model;
+}
+
+Status readObjects(const fb::Welcome& m, Welcome& out) {
+  if (m.models()) {
+    if (m.models()->size() > ObjectSet::kMaxModels) return malformed("too many models");
+    for (uint32_t i = 0; i < m.models()->size(); ++i) {
+      auto model = modelOf(*m.models()->Get(i));
+      if (!model) return model.error();
+      out.models.push_back(std::move(*model));
+    }
+  }
+  if (m.objects()) {
+    if (m.objects()->size() > ObjectSet::kMaxObjects) return malformed("too many objects");
+    for (size_t i = 0; i < m.objects()->size(); ++i) {
+      const fb::Placement p = structAt(*m.objects(), i);
+      const auto& q = p.orientation();
+      out.objects.push_back({p.model(),
+                             {p.position().x(), p.position().y(), p.position().z()},
+                             glm::dquat(q.w(), q.x(), q.y(), q.z()),
+                             p.scale()});
+    }
+  }
+  if (auto set = ObjectSet::create(out.models, out.objects); !set) return set.error();
+  return {};
+}
+
 Result<ServerMessage> read(const fb::Welcome& m) {
   if (m.protocol() != kProtocolVersion)
     return malformed("the server speaks another protocol version; reload or update");
@@ -204,6 +244,7 @@ Result<ServerMessage> read(const fb::Welcome& m) {
   out.keyframe_interval = {m.keyframe_interval_us()};
   if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0)
     return malformed("the welcome's tolerance or interval is not positive");
+  if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
   return ServerMessage(std::move(out));
 }
 
@@ -255,15 +296,45 @@ Bytes encode(const GroundRequest& m) {
   return finish(b, fb::Body_GroundRequest, fb::CreateGroundRequest(b, m.id, places).Union());
 }
 
+namespace {
+
+flatbuffers::Offset<fb::Model> putModel(Builder& b, const ObjectModel& m) {
+  std::vector<uint32_t> faces;
+  std::vector<int32_t> base;
+  for (const BaseFace& f : m.shape.faces) faces.insert(faces.end(), f.begin(), f.end());
+  for (const glm::ivec3& p : m.base) base.insert(base.end(), {p.x, p.y, p.z});
+  const auto faces_at = b.CreateVector(faces);
+  const auto base_at = b.CreateVector(base);
+  return fb::CreateModel(b, static_cast<uint8_t>(m.shape.rule), m.shape.halvings, m.shape.vertex_count, faces_at,
+                         base_at, m.step_m);
+}
+
+fb::Placement toFb(const ObjectPlacement& p) {
+  const glm::dquat& q = p.orientation;
+  return {fb::Vec3(p.position.x, p.position.y, p.position.z), fb::Quat(q.w, q.x, q.y, q.z), p.scale, p.model};
+}
+
+}  // namespace
+
 Bytes encode(const Welcome& m) {
   Builder b;
+  flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<fb::Model>>> models;
+  flatbuffers::Offset<flatbuffers::Vector<const fb::Placement*>> objects;
+  if (!m.objects.empty()) {
+    std::vector<flatbuffers::Offset<fb::Model>> each;
+    for (const ObjectModel& model : m.models) each.push_back(putModel(b, model));
+    models = b.CreateVector(each);
+    objects = b.CreateVectorOfStructs<fb::Placement>(m.objects.size(),
+                                                     [&](size_t i, fb::Placement* out) { *out = toFb(m.objects[i]); });
+  }
   const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
   const auto frame = putFrame(b, m.frame);
   const auto shape =
       fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x, m.shape.samples_y);
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
-  const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
-                                      corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us));
+  const auto body =
+      fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest, corners,
+                        centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models, objects);
   return finish(b, fb::Body_Welcome, body.Union());
 }
 

@@ -39,6 +39,7 @@
 #include "base/result.h"
 #include "proto/frame.h"
 #include "proto/grid.h"
+#include "proto/objects.h"
 #include "proto/path.h"
 #include "proto/pose.h"
 #include "proto/view.h"
@@ -93,6 +94,8 @@ struct Welcome {
   std::vector<int32_t> centre_heights;  // roots_x * roots_y
   double tau_px = 1;                    // in force
   Duration keyframe_interval;           // in force
+  std::vector<ObjectModel> models;
+  std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
 };
 
 struct TourReply {

@@ -2,6 +2,7 @@
 // they are tested. Immutable; any thread; the topology must outlive it.
 #pragma once
 
+#include "proto/bounds.h"
 #include "proto/mesh_topology.h"
 #include "proto/refine/surface_metric.h"
 

@@ -1,24 +1,36 @@
-// What the refiner reads: one scene's terrain, without the file it comes from. Immutable; shared by all threads.
+// What the refiner reads: one scene's terrain and objects, without the file that they come from. Immutable; shared by
+// all threads.
 #pragma once
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "proto/delta_codec.h"
+#include "proto/objects.h"
 #include "proto/refine/refine.h"
 #include "proto/refine/terrain_domain.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::server {
 
+// The objects of a scene, with the records of their models' nodes by slot. Whoever makes it keeps those alive.
+struct SceneObjects {
+  proto::ObjectSet set;
+  std::vector<std::span<const proto::SurfaceRecord>> records;  // of each model
+
+  std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return records[set.placement(object).model]; }
+};
+
 class Hierarchy {
  public:
   explicit Hierarchy(std::shared_ptr<const terrain::Scene> scene,
-                     proto::ErrorBound bound = proto::ErrorBound::kSpheroid)
-      : scene_(std::move(scene)), domain_(scene_->grid(), scene_->frame(), bound) {}
+                     proto::ErrorBound bound = proto::ErrorBound::kSpheroid, SceneObjects objects = {})
+      : scene_(std::move(scene)), domain_(scene_->grid(), scene_->frame(), bound), objects_(std::move(objects)) {}
 
   const terrain::Scene& scene() const { return *scene_; }
   const proto::TerrainDomain& domain() const { return domain_; }
+  const SceneObjects& objects() const { return objects_; }
   const proto::GridTopology& grid() const { return domain_.grid; }
   const proto::FrameGrid& frame() const { return domain_.frame; }
   std::span<const proto::NodeRecord> nodes() const { return scene_->nodes(); }
@@ -31,6 +43,7 @@ class Hierarchy {
  private:
   std::shared_ptr<const terrain::Scene> scene_;
   proto::TerrainDomain domain_;
+  SceneObjects objects_;
 };
 
 // The section of a view, from scratch (proto/refine/refine.h).

@@ -12,6 +12,12 @@ bool isNear(const proto::View& a, const proto::View& b) {
 
 }  // namespace
 
+SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {
+  const proto::ObjectSet& set = hierarchy.objects().set;
+  for (size_t i = 0; i < set.size(); ++i) objects_.emplace_back(set.domain(i));
+  if (!objects_.empty()) object_model_ = std::make_unique<proto::SurfaceModel>();
+}
+
 void SectionSender::resume(const proto::Section& section, uint32_t keyframe, Time time, uint32_t fingerprint) {
   proto::PlainNodes source = hierarchy_->source();
   adapter_ = proto::TerrainAdapter(hierarchy_->domain(), section.slots, source);
@@ -42,16 +48,43 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   proto::DeltaEncoder encoder(hierarchy_->domain(), table, model_, delta);
   CHECK_TRUE(
       adapter_.adapt(proto::viewOf(keyframe_), hierarchy_->grid().slotCount(), encoder, scratch.adapt, scratch.delta));
-  encoder.finish();
   bits_ = encoder.bits();
-
   keyframe_.fingerprint += proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
+  sendObjects(proto::viewOf(keyframe_), scratch, encoder.coder());
+  encoder.finish();
+
   proto::KeyframeHeader header = keyframe_;
   header.pose = view.pose;  // rounded on its way, once
   const size_t begin = out.size();
   proto::encodeHeader(header, headers_sent_, out);
   header_bytes_ = out.size() - begin;
   out.insert(out.end(), delta.begin(), delta.end());
+}
+
+void SectionSender::sendObjects(const proto::View& view, SendScratch& scratch, proto::RangeEncoder& coder) {
+  const SceneObjects& objects = hierarchy_->objects();
+  const double before = coder.bits();
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    proto::CutDelta& delta = scratch.object_delta;
+    delta.added.clear();
+    delta.removed.clear();
+    const proto::SurfaceDomain& domain = objects.set.domain(i);
+    proto::SurfaceEncoder encoder(domain, objects.set.modelOf(i).base, objects.recordsOf(i), *object_model_, coder);
+    CHECK_TRUE(objects_[i].adapt(objects.set.placement(i).toObject(view), domain.topology().slotCount(), encoder,
+                                 scratch.adapt, delta));
+    keyframe_.fingerprint += proto::fingerprintOf(i, delta);
+    bits_.object_records += encoder.sent();
+    bits_.object_added += delta.added.size();
+  }
+  bits_.objects = coder.bits() - before;
+}
+
+double SectionSender::triangles() const {
+  double triangles = 2.0 * static_cast<double>(adapter_.nodeCount());
+  const proto::ObjectSet& set = hierarchy_->objects().set;
+  for (size_t i = 0; i < objects_.size(); ++i)
+    triangles += set.domain(i).topology().base().faceCount() + 2.0 * static_cast<double>(objects_[i].nodeCount());
+  return triangles;
 }
 
 }  // namespace foreland::server

@@ -13,16 +13,17 @@ namespace foreland::server {
 // What a worker brings; one per worker, reused.
 struct SendScratch {
   proto::AdaptScratch adapt;
-  proto::CutDelta delta;
+  proto::CutDelta delta, object_delta;
   proto::RefineScratch refine;
   proto::Section section;
 };
 
 class SectionSender {
  public:
-  explicit SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {}
+  explicit SectionSender(const Hierarchy& hierarchy);
 
-  // Goes on from a closed section that the viewer presents as that of its keyframe. Nothing has been sent yet.
+  // Goes on from a closed section of the terrain that the viewer presents as that of its keyframe. Nothing has been
+  // sent yet, of objects either.
   void resume(const proto::Section& section, uint32_t keyframe, Time time, uint32_t fingerprint);
 
   // Whether the view's section has at most `max_nodes`. Cost: nothing if it cannot be much larger than the last one,
@@ -36,14 +37,21 @@ class SectionSender {
 
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
   const proto::TerrainAdapter& adapter() const { return adapter_; }
+  const std::vector<proto::SurfaceAdapter>& objects() const { return objects_; }
+  // Of the mesh that the viewer draws, about: two to a node, and the base's.
+  double triangles() const;
   // Of the last one: where its bits went, and how many bytes stand before the delta.
   const proto::DeltaBits& bits() const { return bits_; }
   size_t headerBytes() const { return header_bytes_; }
 
  private:
+  void sendObjects(const proto::View& view, SendScratch& scratch, proto::RangeEncoder& coder);
+
   const Hierarchy* hierarchy_;
   proto::TerrainAdapter adapter_;
   proto::DeltaModel model_;  // of all deltas sent
+  std::vector<proto::SurfaceAdapter> objects_;
+  std::unique_ptr<proto::SurfaceModel> object_model_;  // none without objects: it is large
   proto::KeyframeHeader keyframe_;
   proto::KeyframeMemory headers_sent_;
   proto::DeltaBits bits_;

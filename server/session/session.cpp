@@ -42,7 +42,7 @@ Status Session::take(const proto::ViewRequest& request, Time) {
   if (request_->tau_px == 0) request_->tau_px = options_.tau_px;
   if (request_->keyframe_interval == Duration{}) request_->keyframe_interval = options_.keyframe_interval;
   if (first) {
-    proto::Welcome welcome = welcomeTo(world_->hierarchy.scene());
+    proto::Welcome welcome = welcomeTo(world_->hierarchy);
     welcome.tau_px = request_->tau_px;
     welcome.keyframe_interval = request_->keyframe_interval;
     replies_.push_back(proto::encode(welcome));
@@ -225,7 +225,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   Bytes message;
   sender_.send(view, plan.time_client, scratch.send, message);
   const size_t nodes = sender_.adapter().nodeCount();
-  tolerance_.observe(2.0 * static_cast<double>(nodes), static_cast<double>(message.size()), interval_s);
+  tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
 
   unsent_ = true;

@@ -2,7 +2,8 @@
 
 namespace foreland::server {
 
-proto::Welcome welcomeTo(const terrain::Scene& scene) {
+proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
+  const terrain::Scene& scene = hierarchy.scene();
   proto::Welcome w;
   w.scene_id = scene.id();
   w.title = scene.origin().title;
@@ -13,6 +14,8 @@ proto::Welcome welcomeTo(const terrain::Scene& scene) {
   w.highest = scene.heightRange().highest;
   w.corner_heights.assign(scene.cornerHeights().begin(), scene.cornerHeights().end());
   w.centre_heights.assign(scene.centreHeights().begin(), scene.centreHeights().end());
+  w.models = hierarchy.objects().set.models();
+  w.objects = hierarchy.objects().set.placements();
   return w;
 }
 

@@ -18,8 +18,8 @@ void earliest(std::optional<Time>& best, std::optional<Time> t) {
 }  // namespace
 
 World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
-             uint64_t seed)
-    : world_(std::make_shared<server::World>(std::move(scene))),
+             uint64_t seed, server::SceneObjects objects)
+    : world_(std::make_shared<server::World>(std::move(scene), std::move(objects))),
       options_(options),
       compute_time_(compute_time),
       seed_(seed) {}

@@ -46,7 +46,7 @@ struct Traffic {
 class World {
  public:
   World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
-        uint64_t seed);
+        uint64_t seed, server::SceneObjects objects = {});
 
   size_t addClient(const ClientOptions& options);
   // The client's server dies with its connection, and what was under way is lost; the client flies on.

@@ -1,0 +1,148 @@
+#include "client/object_replica.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "client/pack_normal.h"
+#include "proto/mesh_triangles.h"
+
+namespace foreland::client {
+
+using proto::NodeId;
+using proto::Slot;
+
+// Numbers vertices as the triangles of the union name them. A vertex is a base vertex, a node of either section, or the
+// middle of an edge where a neighbour is split (S 3.6); where it is no node of a section it lies between its endpoints.
+class ObjectReplica::Builder {
+ public:
+  Builder(const ObjectReplica& replica, Vertices& out)
+      : replica_(replica),
+        mesh_(replica.objects_->domain(replica.object_).topology()),
+        model_(replica.objects_->modelOf(replica.object_)),
+        out_(out) {}
+
+  void run() {
+    const auto isInFrom = [this](NodeId n) { return holds(replica_.from_, n); };
+    const auto isInTo = [this](NodeId n) { return holds(replica_.to_, n); };
+    proto::forEachTriangle(
+        mesh_, [&](NodeId n) { return isInFrom(n) || isInTo(n); },
+        [this](NodeId a, NodeId b, NodeId c) {
+          out_.indices.insert(out_.indices.end(), {vertex(a), vertex(b), vertex(c)});
+        });
+    for (auto& normals : normal_) normals.resize(names_.size(), glm::dvec3(0));
+    proto::forEachTriangle(mesh_, isInFrom, [this](NodeId a, NodeId b, NodeId c) { addNormal(0, a, b, c); });
+    proto::forEachTriangle(mesh_, isInTo, [this](NodeId a, NodeId b, NodeId c) { addNormal(1, a, b, c); });
+    finish();
+  }
+
+ private:
+  bool holds(const std::vector<Slot>& section, NodeId n) const {
+    return std::binary_search(section.begin(), section.end(), mesh_.slot(n));
+  }
+
+  uint32_t vertex(NodeId v) {
+    if (const auto it = numbers_.find(v); it != numbers_.end()) return it->second;
+    std::array<uint32_t, 2> ends{};
+    std::array<glm::dvec3, 2> at;
+    if (mesh_.isBase(v)) {
+      at[0] = at[1] = glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
+    } else {
+      const auto [a, b] = mesh_.endpoints(v);
+      ends = {vertex(a), vertex(b)};
+      for (size_t s = 0; s < 2; ++s) {
+        const auto& section = s == 0 ? replica_.from_ : replica_.to_;
+        at[s] = holds(section, v) ? glm::dvec3(replica_.known_.at(mesh_.slot(v)).position) * model_.step_m
+                                  : 0.5 * (out_.position[s][ends[0]] + out_.position[s][ends[1]]);
+      }
+    }
+    for (size_t s = 0; s < 2; ++s) out_.position[s].push_back(at[s]);
+    ends_.push_back(ends);
+    names_.push_back(v);
+    return numbers_[v] = static_cast<uint32_t>(names_.size() - 1);
+  }
+
+  void addNormal(size_t s, NodeId a, NodeId b, NodeId c) {
+    const std::array<uint32_t, 3> corner{numbers_.at(a), numbers_.at(b), numbers_.at(c)};
+    const auto& p = out_.position[s];
+    const glm::dvec3 n = glm::cross(p[corner[1]] - p[corner[0]], p[corner[2]] - p[corner[0]]);
+    for (uint32_t v : corner) normal_[s][v] += n;
+  }
+
+  // Vertices that a section's own triangles do not have take the mean of their ends, which come first.
+  void finish() {
+    const proto::ObjectPlacement& placement = replica_.objects_->placement(replica_.object_);
+    for (size_t s = 0; s < 2; ++s) {
+      out_.normal[s].resize(names_.size());
+      for (size_t v = 0; v < names_.size(); ++v) {
+        glm::dvec3& n = normal_[s][v];
+        if (n == glm::dvec3(0) && !mesh_.isBase(names_[v])) n = normal_[s][ends_[v][0]] + normal_[s][ends_[v][1]];
+        const double length = glm::length(n);
+        if (length > 0) n /= length;
+        out_.normal[s][v] = packNormal(placement.orientation * n);
+      }
+      for (glm::dvec3& p : out_.position[s]) p = placement.toScene(p);
+    }
+  }
+
+  const ObjectReplica& replica_;
+  const proto::MeshTopology& mesh_;
+  const proto::ObjectModel& model_;
+  Vertices& out_;
+  std::unordered_map<NodeId, uint32_t> numbers_;
+  std::vector<NodeId> names_;
+  std::vector<std::array<uint32_t, 2>> ends_;
+  std::array<std::vector<glm::dvec3>, 2> normal_;
+};
+
+ObjectReplica::ObjectReplica(const proto::ObjectSet& objects, size_t object)
+    : objects_(&objects), object_(object), adapter_(objects.domain(object)) {}
+
+bool ObjectReplica::step(const proto::View& view, proto::SurfaceModel& model, proto::RangeDecoder& coder,
+                         proto::AdaptScratch& scratch, uint32_t& fingerprint) {
+  const bool was_still = from_ == to_ && !vertices_.indices.empty();
+  delta_.added.clear();
+  delta_.removed.clear();
+  const proto::SurfaceDomain& domain = objects_->domain(object_);
+  proto::SurfaceDecoder decoder(domain, objects_->modelOf(object_).base, known_, model, coder);
+  if (!adapter_.adapt(objects_->placement(object_).toObject(view), domain.topology().slotCount(), decoder, scratch,
+                      delta_) ||
+      decoder.isBroken())
+    return false;
+  fingerprint += proto::fingerprintOf(object_, delta_);
+  from_ = std::move(to_);
+  to_ = adapter_.section().slots;
+  if (was_still && from_ == to_) return true;
+  vertices_ = {};
+  Builder(*this, vertices_).run();
+  forgetUnknown();
+  return true;
+}
+
+void ObjectReplica::startAfresh() { adapter_ = proto::SurfaceAdapter(objects_->domain(object_)); }
+
+// What is not known any more goes once it is as much as what is.
+void ObjectReplica::forgetUnknown() {
+  if (known_.size() < 4 * (adapter_.nodeCount() + 256)) return;
+  proto::SurfaceRecords kept;
+  const auto keep = [&](Slot slot) {
+    if (const auto it = known_.find(slot); it != known_.end()) kept.insert(*it);
+  };
+  adapter_.forEachKnown(keep);
+  for (Slot slot : to_) keep(slot);
+  known_ = std::move(kept);
+}
+
+void ObjectReplica::appendTo(BlendMesh& mesh, const glm::dvec3& origin) const {
+  const auto first = static_cast<uint32_t>(mesh.from_positions.size());
+  const auto append = [&](const std::vector<glm::dvec3>& from, std::vector<glm::vec4>& to) {
+    for (const glm::dvec3& p : from) to.emplace_back(glm::vec3(p - origin), 0.0f);
+  };
+  append(vertices_.position[0], mesh.from_positions);
+  append(vertices_.position[1], mesh.to_positions);
+  mesh.from_normals.insert(mesh.from_normals.end(), vertices_.normal[0].begin(), vertices_.normal[0].end());
+  mesh.to_normals.insert(mesh.to_normals.end(), vertices_.normal[1].begin(), vertices_.normal[1].end());
+  mesh.places.resize(mesh.from_positions.size(), glm::vec2(0));
+  for (uint32_t v : vertices_.indices) mesh.indices.push_back(first + v);
+}
+
+}  // namespace foreland::client

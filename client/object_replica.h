@@ -1,0 +1,52 @@
+// The client's copy of one object's section, and the part of the mesh between two keyframes that is this object's: the
+// same union of two sections with two positions per vertex as the terrain's (replica.h). One owner; linear in the
+// sections.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <unordered_map>
+#include <vector>
+
+#include "base/result.h"
+#include "client/keyframe_mesh.h"
+#include "proto/objects.h"
+
+namespace foreland::client {
+
+class ObjectReplica {
+ public:
+  // `objects` must outlive it.
+  ObjectReplica(const proto::ObjectSet& objects, size_t object);
+
+  // Steps to a keyframe's view, in the scene's frame; what was `to` becomes `from`. False if the bytes were no delta
+  // for this section. `fingerprint` grows by what has changed.
+  [[nodiscard]] bool step(const proto::View& view, proto::SurfaceModel& model, proto::RangeDecoder& coder,
+                          proto::AdaptScratch& scratch, uint32_t& fingerprint);
+  // The server begins anew with this object; what is shown stays until the next keyframe.
+  void startAfresh();
+
+  // Appends the mesh between the two sections, relative to `origin`.
+  void appendTo(BlendMesh& mesh, const glm::dvec3& origin) const;
+
+  proto::Section section() const { return {to_}; }
+
+ private:
+  // Vertices in the scene's frame, in doubles; made anew when a section changes.
+  struct Vertices {
+    std::array<std::vector<glm::dvec3>, 2> position;
+    std::array<std::vector<uint32_t>, 2> normal;
+    std::vector<uint32_t> indices;
+  };
+  class Builder;
+  void forgetUnknown();
+
+  const proto::ObjectSet* objects_;
+  size_t object_;
+  proto::SurfaceAdapter adapter_;
+  proto::SurfaceRecords known_;
+  std::vector<proto::Slot> from_, to_;  // ascending
+  proto::CutDelta delta_;
+  Vertices vertices_;
+};
+
+}  // namespace foreland::client

@@ -1,0 +1,19 @@
+// A unit normal as signed bytes x, y, z, 0; straight up for one of no length.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace foreland::client {
+
+inline uint32_t packNormal(const glm::dvec3& n) {
+  const double length = std::sqrt(glm::dot(n, n));
+  const auto byte = [&](double v) {
+    return static_cast<uint32_t>(static_cast<uint8_t>(std::lround(v / length * 127)));
+  };
+  return length > 0 ? byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16 : 127u << 16;
+}
+
+}  // namespace foreland::client

@@ -1,0 +1,214 @@
+// Objects on a terrain, from the server's records to the client's mesh: one stream, one clock, no cracks.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "proto/mesh_triangles.h"
+#include "server/view/tour.h"
+#include "terrain/surface/bounds.h"
+#include "terrain/surface/shapes.h"
+#include "tests/support/scene.h"
+#include "tests/world/world.h"
+
+namespace foreland::test {
+namespace {
+
+using proto::MeshRule;
+using proto::NodeId;
+using proto::Section;
+
+struct Models {
+  std::vector<terrain::TrueSurface> surfaces;
+  std::vector<std::vector<proto::SurfaceRecord>> records;
+
+  Models() {
+    surfaces.push_back(*terrain::makeSphere(1, {MeshRule::kQuadrisection, 4, 1e-4}));
+    surfaces.push_back(*terrain::makeTorus({2, 0.8, 4, 3}, {MeshRule::kBisection, 3, 1e-4}));
+    for (const terrain::TrueSurface& s : surfaces) records.push_back(terrain::computeBounds(s, {.threads = 1}));
+  }
+};
+
+const Models& models() {
+  static const Models all;
+  return all;
+}
+
+// In a ring above the middle of the scene.
+server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count) {
+  std::vector<proto::ObjectModel> shapes;
+  for (const terrain::TrueSurface& s : models().surfaces) shapes.push_back({s.topology.shape(), s.step_m, s.base});
+  const proto::FrameGrid frame(scene.frame(), scene.grid().maxX(), scene.grid().maxY());
+  const proto::GridShape& shape = scene.grid().shape();
+  std::vector<proto::ObjectPlacement> placements;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double around = 6.28 * i / count, r = 0.3;
+    const proto::LatticePlace place{shape.samples_x * (0.5 + r * std::cos(around)),
+                                    shape.samples_y * (0.5 + r * std::sin(around)), 900};
+    placements.push_back({i % 2, frame.transform().toScene(place), glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)),
+                          40.0 + 10.0 * (i % 3)});
+  }
+  server::SceneObjects objects{proto::ObjectSet::create(std::move(shapes), std::move(placements)).value(), {}};
+  for (const auto& records : models().records) objects.records.emplace_back(records);
+  return objects;
+}
+
+ClientOptions flying(const terrain::Scene& scene) {
+  ClientOptions c;
+  c.request.lens = {1.0471975511965976, 480, 270};
+  c.request.strategy = proto::Strategy::kPredict;
+  c.request.predictor = proto::Predictor::kKnownPath;
+  c.path = server::planTour(scene, "orbit", 30).value();
+  c.announce_path = true;
+  return c;
+}
+
+std::string report(const World& world) {
+  std::string all;
+  for (const std::string& c : world.complaints()) all += c + "\n";
+  return all;
+}
+
+// p_S(v) as DESIGN section 2 has it, in the scene's frame.
+class Drawn {
+ public:
+  Drawn(const proto::ObjectPlacement& placement, const Section& section)
+      : surface_(models().surfaces[placement.model]), placement_(placement), section_(section) {}
+
+  bool holds(NodeId n) const {
+    return std::binary_search(section_.slots.begin(), section_.slots.end(), surface_.topology.slot(n));
+  }
+  glm::dvec3 at(NodeId v) const { return placement_.toScene(inObject(v)); }
+
+ private:
+  glm::dvec3 inObject(NodeId v) const {
+    if (surface_.topology.isBase(v) || holds(v)) return surface_.position(v);
+    const auto [a, b] = surface_.topology.endpoints(v);
+    return 0.5 * (inObject(a) + inObject(b));
+  }
+
+  const terrain::TrueSurface& surface_;
+  const proto::ObjectPlacement& placement_;
+  const Section& section_;
+};
+
+using Corner = std::array<double, 6>;  // of a triangle: in `from` and in `to`, metres
+using Triangles = std::vector<std::array<Corner, 3>>;
+
+Corner cornerOf(const glm::dvec3& from, const glm::dvec3& to) { return {from.x, from.y, from.z, to.x, to.y, to.z}; }
+
+Triangles expected(const server::SceneObjects& objects, const std::vector<Section>& from,
+                   const std::vector<Section>& to, const glm::dvec3& origin) {
+  Triangles all;
+  for (size_t i = 0; i < objects.set.size(); ++i) {
+    const Drawn a(objects.set.placement(i), from[i]), b(objects.set.placement(i), to[i]);
+    proto::forEachTriangle(
+        objects.set.domain(i).topology(), [&](NodeId n) { return a.holds(n) || b.holds(n); },
+        [&](NodeId p, NodeId q, NodeId r) {
+          std::array<Corner, 3> t;
+          const NodeId names[3] = {p, q, r};
+          for (int k = 0; k < 3; ++k) t[k] = cornerOf(a.at(names[k]) - origin, b.at(names[k]) - origin);
+          all.push_back(t);
+        });
+  }
+  return all;
+}
+
+Triangles drawn(const client::BlendMesh& mesh) {
+  Triangles all;
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    std::array<Corner, 3> t;
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t v = mesh.indices[i + k];
+      t[k] = cornerOf(glm::vec3(mesh.from_positions[v]), glm::vec3(mesh.to_positions[v]));
+    }
+    all.push_back(t);
+  }
+  return all;
+}
+
+// Object by object, face by face; positions of the mesh are floats.
+testing::AssertionResult areNear(const Triangles& a, const Triangles& b) {
+  if (a.size() != b.size()) return testing::AssertionFailure() << a.size() << " triangles, not " << b.size();
+  for (size_t i = 0; i < a.size(); ++i)
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t axis = 0; axis < 6; ++axis)
+        if (!(std::abs(a[i][k][axis] - b[i][k][axis]) <= 0.01))
+          return testing::AssertionFailure() << "triangle " << i << ", corner " << k << ", axis " << axis << ": "
+                                             << a[i][k][axis] << ", not " << b[i][k][axis];
+  return testing::AssertionSuccess();
+}
+
+// Closed surfaces: each edge has two triangles, which run along it in opposite directions.
+uint64_t openEdges(const client::BlendMesh& mesh) {
+  std::map<std::array<uint32_t, 2>, int> runs;
+  for (size_t i = 0; i < mesh.indices.size(); i += 3)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = mesh.indices[i + k], b = mesh.indices[i + (k + 1) % 3];
+      ++runs[{a, b}];
+    }
+  uint64_t open = 0;
+  for (const auto& [edge, count] : runs) {
+    const auto twin = runs.find({edge[1], edge[0]});
+    open += count != 1 || twin == runs.end() || twin->second != 1;
+  }
+  return open;
+}
+
+std::vector<Section> sectionsOf(const client::Viewer& viewer) {
+  std::vector<Section> all;
+  for (const client::ObjectReplica& object : viewer.replica()->objects()) all.push_back(object.section());
+  return all;
+}
+
+TEST(Objects, AreDrawnAsTheTwoSectionsHaveThemAndWithoutCracks) {
+  const auto scene = makeScene(301, 217, 31);
+  const server::SceneObjects objects = objectsIn(*scene, 8);
+  World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 8));
+  world.addClient(flying(*scene));
+  std::map<uint32_t, std::vector<Section>> sections;  // by keyframe
+  uint32_t seen = 0;
+  size_t checked = 0, most = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time) {
+    const auto& replica = *world.viewer(0).replica();
+    sections[replica.newest().index] = sectionsOf(world.viewer(0));
+    if (std::exchange(seen, view.mesh_version) == view.mesh_version) return;
+    EXPECT_EQ(openEdges(view.mesh->objects), 0u);
+    most = std::max(most, view.mesh->objects.triangleCount());
+    if (!sections.contains(view.mesh->from.index) || !sections.contains(view.mesh->to.index)) return;
+    ++checked;
+    ASSERT_TRUE(areNear(drawn(view.mesh->objects), expected(objects, sections[view.mesh->from.index],
+                                                            sections[view.mesh->to.index], view.mesh->origin)));
+  };
+  world.run(Time::seconds(12));
+  EXPECT_EQ(report(world), "");
+  EXPECT_GT(checked, 20u);
+  size_t base = 0;
+  for (size_t i = 0; i < objects.set.size(); ++i)
+    base += objects.set.domain(i).topology().base().faceCount() * (i % 2 == 0 ? 1 : 3);
+  EXPECT_GT(most, 2 * base);
+}
+
+TEST(Objects, GoOnAfterTheConnectionWasLost) {
+  const auto scene = makeScene(301, 217, 32);
+  World world(scene, {}, Duration::milliseconds(4), 2, objectsIn(*scene, 6));
+  world.addClient(flying(*scene));
+  double t = 1;
+  for (int i = 0; i < 8; ++i) {
+    world.run(Time::seconds(t += 0.7));
+    world.loseConnection(0);
+    world.run(Time::seconds(t += 0.1 * (i % 3)));
+    world.connectAgain(0);
+  }
+  world.run(Time::seconds(t + 2));
+  EXPECT_EQ(report(world), "");
+  EXPECT_GT(world.viewer(0).statistics().resumed, 4u);
+  const std::vector<Section> held = sectionsOf(world.viewer(0));
+  size_t nodes = 0;
+  for (const Section& section : held) nodes += section.slots.size();
+  EXPECT_GT(nodes, 0u);
+}
+
+}  // namespace
+}  // namespace foreland::test
