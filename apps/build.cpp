@@ -39,6 +39,7 @@ struct Arguments {
   terrain::OpenOptions open;
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
+  std::vector<std::string> objects;
 };
 
 // One line that is redrawn on a terminal, one line a stage otherwise.
@@ -103,6 +104,10 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
       ->check(apps::isFinite());
   app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several");
   app.add_option("--threads", arguments.threads, "Worker threads; 0 for one a processor")->check(CLI::Range(0u, 1024u));
+  app.add_option("--object", arguments.objects,
+                 "A surface made by `foreland remesh` that stands on the terrain: "
+                 "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable")
+      ->allow_extra_args(false);
   static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
                                                                   {"planar", terrain::FrameChoice::kPlanar},
                                                                   {"geographic", terrain::FrameChoice::kGeographic}};
@@ -175,9 +180,14 @@ int build(const Arguments& arguments) {
   auto source = terrain::openElevation(arguments.inputs, arguments.open);
   if (!source.ok()) return fail(source.error());
   describeInput((*source)->info());
-  const terrain::BuildOptions options{.output = arguments.output,
-                                      .height_step_m = chooseVerticalStep(arguments, (*source)->info()),
-                                      .threads = arguments.threads};
+  terrain::BuildOptions options{.output = arguments.output,
+                                .height_step_m = chooseVerticalStep(arguments, (*source)->info()),
+                                .threads = arguments.threads};
+  for (const std::string& text : arguments.objects) {
+    auto object = terrain::parseObject(text);
+    if (!object.ok()) return fail(object.error());
+    options.objects.push_back(std::move(*object));
+  }
   ProgressLine line;
   const auto report =
       terrain::buildScene(**source, options,

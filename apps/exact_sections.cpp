@@ -12,7 +12,7 @@ namespace {
 class ExactSections {
  public:
   explicit ExactSections(std::shared_ptr<const terrain::Scene> scene)
-      : scene_(std::move(scene)), hierarchy_(scene_), welcome_(server::welcomeTo(*scene_)) {}
+      : scene_(std::move(scene)), hierarchy_(scene_), welcome_(server::welcomeTo(hierarchy_)) {}
 
   std::shared_ptr<const client::KeyframeMesh> at(const bench::SectionRequest& wanted) {
     const proto::View view{wanted.pose, wanted.lens, wanted.tau_px, wanted.ball_m, wanted.turn_rad};

@@ -139,7 +139,9 @@ int main(int argc, char** argv) {
   if (!scene) return fail(scene.error());
   if (Status intact = terrain::verifyChecksums(flags.scene); !intact.ok()) return fail(intact.error());
   const std::string title = (*scene)->origin().title;
-  const auto world = std::make_shared<const server::World>(*scene);
+  auto objects = server::objectsOf(*scene);
+  if (!objects) return fail(objects.error());
+  const auto world = std::make_shared<const server::World>(*scene, std::move(*objects));
 
   const server::ServeOptions options = makeOptions(flags, *listen, **scene);
   if (options.web.empty()) spdlog::warn("the page is not built, so only `foreland fly` can connect; ./demo builds it");

@@ -24,17 +24,19 @@ SEES = {
     "terrain/bounds": ["base", "proto", "terrain", "terrain/store"],
     "terrain/dem": ["base", "proto", "terrain", "terrain/geo"],
     "terrain/surface": ["base", "proto", "terrain"],
-    "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem"],
+    "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem",
+                      "terrain/surface", "terrain/surface_store", "terrain/objects"],
     "terrain/model": ["base", "proto", "terrain"],
     "terrain/compare": ["base", "proto", "terrain"],  # judges the remesher and shares no code with it
     "terrain/surface_store": ["base", "proto", "terrain", "terrain/store", "terrain/surface"],
+    "terrain/objects": ["base", "proto", "terrain", "terrain/store", "terrain/surface", "terrain/surface_store"],
     "terrain/remesh": ["base", "proto", "terrain", "terrain/model", "terrain/compare", "terrain/surface",
                        "terrain/surface_store"],
 }
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
 SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
-               "terrain/surface_store"]
+               "terrain/surface_store", "terrain/objects"]
 SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/sched", "server/session", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]

@@ -123,7 +123,7 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
                             const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
                             uint32_t measure_every) {
   const terrain::Scene& scene = hierarchy.scene();
-  client::Replica replica(server::welcomeTo(scene));
+  client::Replica replica(server::welcomeTo(hierarchy));
   server::SectionSender sender(hierarchy);
   server::SendScratch scratch;
   Truth truth{scene.frame(), scene.grid().shape(), [&scene](uint32_t x, uint32_t y, std::span<int32_t> out) {

@@ -50,7 +50,7 @@ HeldMesh meshHeldFor(const server::Hierarchy& hierarchy, const proto::View& view
   const auto decoded = proto::decodeServerMessage(message);
   CHECK_TRUE(decoded.ok());
   const auto& keyframe = std::get<proto::KeyframeMessage>(*decoded);
-  client::Replica replica(server::welcomeTo(hierarchy.scene()));
+  client::Replica replica(server::welcomeTo(hierarchy));
   CHECK_TRUE(replica.apply(keyframe.header, keyframe.delta).ok());
   takeMesh(replica.buildMesh(), hierarchy.scene().frame().height_step_m, held);
   takeNodes(replica, held);

@@ -45,7 +45,7 @@ void compare(const client::Replica& replica, const server::Hierarchy& hierarchy,
 
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
                       Duration keyframe_interval) {
-  client::Replica replica(server::welcomeTo(hierarchy.scene()));
+  client::Replica replica(server::welcomeTo(hierarchy));
   proto::KeyframeMemory headers;
   WireCosts costs;
   Sum first, rest;

@@ -14,13 +14,17 @@
 
 namespace foreland::server {
 
-// The objects of a scene, with the records of their models' nodes by slot. Whoever makes it keeps those alive.
+// The objects of a scene, with the records of their models' nodes by slot.
 struct SceneObjects {
   proto::ObjectSet set;
   std::vector<std::span<const proto::SurfaceRecord>> records;  // of each model
+  std::shared_ptr<const void> owner;                           // keeps the records
 
   std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return records[set.placement(object).model]; }
 };
+
+// As the scene's file has them; an Error if they are damaged.
+[[nodiscard]] Result<SceneObjects> objectsOf(const std::shared_ptr<const terrain::Scene>& scene);
 
 class Hierarchy {
  public:

@@ -134,6 +134,16 @@ Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
   return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
 }
 
+// Between the four samples around a place; nothing beyond the data.
+std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame, double x, double y) {
+  if (!(x >= 0 && y >= 0 && x <= heights.width - 1.0 && y <= heights.height - 1.0)) return std::nullopt;
+  const auto x0 = std::min(static_cast<uint32_t>(x), heights.width - 2), y0 = std::min(static_cast<uint32_t>(y), heights.height - 2);
+  const double u = x - x0, v = y - y0;
+  const auto at = [&](uint32_t dx, uint32_t dy) { return static_cast<double>(heights.row(y0 + dy)[x0 + dx]); };
+  const double south = (1 - u) * at(0, 0) + u * at(1, 0), north = (1 - u) * at(0, 1) + u * at(1, 1);
+  return ((1 - v) * south + v * north) * frame.height_step_m;
+}
+
 Status checkOptions(const BuildOptions& options) {
   if (!(options.height_step_m > 0) || !std::isfinite(options.height_step_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
@@ -165,7 +175,9 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   const Heights heights{raster.steps(), info.width, info.height};
   proto::Frame frame = info.frame;
   frame.height_step_m = options.height_step_m;
-  auto writer = SceneWriter::create(options.output, {grid->shape(), frame, range, origin});
+  auto objects = makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
+  if (!objects.ok()) return objects.error();
+  auto writer = SceneWriter::create(options.output, {grid->shape(), frame, range, origin, std::move(*objects)});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);
 

@@ -12,6 +12,7 @@
 
 #include "base/result.h"
 #include "terrain/elevation_source.h"
+#include "terrain/objects/placed_objects.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {
@@ -20,6 +21,7 @@ struct BuildOptions {
   std::filesystem::path output;
   double height_step_m = 0.1;  // heights are kept in whole steps: each is moved by at most half of one
   unsigned threads = 0;        // 0: one per processor
+  std::vector<ObjectRequest> objects{};  // that stand on the terrain
 };
 
 // Called on the caller's thread. `report` gets the stage's name and the fraction of it that is done, at least at 0 and

@@ -17,9 +17,9 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 2;
+inline constexpr uint32_t kFormatVersion = 3;
 
-enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kChecksums, kSectionCount };
+enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
 
 // The first page of the file, as it lies there; the rest of the page is zero.
 struct FileHeader {
@@ -41,15 +41,15 @@ struct FileHeader {
   uint64_t slot_count = 0;
   SectionPlace sections[kSectionCount];
 };
-static_assert(sizeof(FileHeader) == 312 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 328 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_step_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
-// Where everything goes for a grid of this shape with `text_bytes` of text.
+// Where everything goes for a grid of this shape with so much text and objects.
 struct FileLayout {
   std::array<SectionPlace, kSectionCount> sections;
   uint64_t file_bytes = 0;
-  static FileLayout of(const proto::GridTopology& grid, uint64_t text_bytes);
+  static FileLayout of(const proto::GridTopology& grid, uint64_t text_bytes, uint64_t object_bytes);
 };
 
 void putFrame(const proto::Frame& frame, FileHeader& header);

@@ -14,6 +14,12 @@
 
 namespace foreland::terrain {
 
+// A section of a file that lies in memory, from the begin of a page on.
+template <class T>
+std::span<const T> sectionOf(ByteSpan file, const SectionPlace& place) {
+  return {reinterpret_cast<const T*>(file.data() + place.offset), place.bytes / sizeof(T)};
+}
+
 class MappedFile {
  public:
   // A regular file of at least a page.
@@ -26,7 +32,7 @@ class MappedFile {
   ByteSpan span() const { return data_; }
   template <class T>
   std::span<const T> section(const SectionPlace& place) const {
-    return {reinterpret_cast<const T*>(data_.data() + place.offset), place.bytes / sizeof(T)};
+    return sectionOf<T>(data_, place);
   }
 
  private:

@@ -26,7 +26,9 @@ Status MappedScene::adopt() {
   if (Status frame = frame_.validate(grid_.maxX(), grid_.maxY()); !frame.ok()) return frame;
   const uint64_t text_bytes = header_.sections[kText].bytes;
   if (text_bytes > kMaxTextBytes) return malformed("its text is too long");
-  const FileLayout layout = FileLayout::of(grid_, text_bytes);
+  const uint64_t object_bytes = header_.sections[kObjects].bytes;
+  if (object_bytes > file_.span().size()) return malformed("its objects are too large");
+  const FileLayout layout = FileLayout::of(grid_, text_bytes, object_bytes);
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
   if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() ||
@@ -42,6 +44,7 @@ Status MappedScene::adopt() {
   nodes_ = file_.section<NodeRecord>(header_.sections[kNodes]);
   corners_ = file_.section<int32_t>(header_.sections[kCorners]);
   centres_ = file_.section<int32_t>(header_.sections[kCentres]);
+  objects_ = file_.section<uint8_t>(header_.sections[kObjects]);
   return {};
 }
 

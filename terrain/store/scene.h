@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/result.h"
 #include "proto/bounds.h"
 #include "proto/frame.h"
@@ -52,6 +53,9 @@ class Scene {
   std::span<const int32_t> cornerHeights() const { return corners_; }
   std::span<const int32_t> centreHeights() const { return centres_; }
 
+  // What terrain/objects reads; empty if there are no objects.
+  ByteSpan objectSection() const { return objects_; }
+
   // Height of any lattice point, node or base vertex, in steps.
   int32_t height(proto::NodeId v) const;
 
@@ -67,6 +71,7 @@ class Scene {
   SceneOrigin origin_;
   std::span<const NodeRecord> nodes_;
   std::span<const int32_t> corners_, centres_;
+  ByteSpan objects_;
 };
 
 }  // namespace foreland::terrain

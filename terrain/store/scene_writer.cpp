@@ -14,7 +14,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
 
-  const FileLayout layout = FileLayout::of(*grid, text.size());
+  const FileLayout layout = FileLayout::of(*grid, text.size(), about.objects.size());
   FileHeader h;
   h.file_bytes = layout.file_bytes;
   const proto::GridShape& s = about.shape;
@@ -30,6 +30,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (!file.ok()) return file.error();
   SceneWriter writer(std::move(file).value(), layout, h);
   std::memcpy(writer.at(kText), text.data(), text.size());
+  if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
   return writer;
 }
 

@@ -22,6 +22,7 @@ class SceneWriter {
     proto::Frame frame;
     HeightRange heights;
     SceneOrigin origin;
+    Bytes objects{};  // the section (terrain/objects)
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 

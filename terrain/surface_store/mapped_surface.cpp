@@ -66,12 +66,20 @@ bool isSurfaceFile(const std::filesystem::path& path) {
 Result<std::shared_ptr<const MappedSurface>> MappedSurface::open(const std::filesystem::path& path) {
   auto file = MappedFile::open(path);
   if (!file.ok()) return file.error();
-  const auto header = readHeader<SurfaceHeader>(file->span(), path);
+  auto owner = std::make_shared<const MappedFile>(std::move(file).value());
+  const ByteSpan bytes = owner->span();
+  return of(bytes, path.string(), std::move(owner));
+}
+
+Result<std::shared_ptr<const MappedSurface>> MappedSurface::of(ByteSpan bytes, const std::string& path,
+                                                               std::shared_ptr<const void> owner) {
+  if (bytes.size() < kPageBytes) return damagedFile(path, "it is cut short");
+  const auto header = readHeader<SurfaceHeader>(bytes, path);
   if (!header.ok()) return header.error();
   for (const auto check : {checkNumbers, checkPlaces})
     if (const Status status = check(*header); !status.ok()) return damagedFile(path, status.error().message);
 
-  const auto faces = file->section<proto::BaseFace>(header->sections[kSurfaceFaces]);
+  const auto faces = sectionOf<proto::BaseFace>(bytes, header->sections[kSurfaceFaces]);
   auto topology = proto::MeshTopology::create({static_cast<proto::MeshRule>(header->rule),
                                                header->halvings,
                                                header->base_vertices,
@@ -79,7 +87,7 @@ Result<std::shared_ptr<const MappedSurface>> MappedSurface::open(const std::file
   if (!topology.ok()) return damagedFile(path, topology.error().message);
   if (topology->slotCount() != header->slot_count) return damagedFile(path, "its sizes contradict each other");
   std::shared_ptr<MappedSurface> surface(
-      new MappedSurface(std::move(file).value(), *header, std::move(topology).value()));
+      new MappedSurface(bytes, std::move(owner), *header, std::move(topology).value()));
   if (contentId(*header, surface->section<uint8_t>(kSurfaceChecksums)) != header->scene_id)
     return damagedFile(path, "its table of checksums is damaged");
   if (Status text = decodeText(surface->section<uint8_t>(kSurfaceText), surface->about_); !text.ok())

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "base/result.h"
 #include "proto/mesh_topology.h"
@@ -19,10 +21,13 @@ namespace foreland::terrain {
 class MappedSurface {
  public:
   static Result<std::shared_ptr<const MappedSurface>> open(const std::filesystem::path& path);
+  // The same of a file's bytes, which `owner` keeps; they begin at a page. Errors call it `name`.
+  static Result<std::shared_ptr<const MappedSurface>> of(ByteSpan bytes, const std::string& name,
+                                                         std::shared_ptr<const void> owner);
 
   const proto::MeshTopology& topology() const { return topology_; }
   const SurfaceHeader& header() const { return header_; }
-  ByteSpan file() const { return file_.span(); }
+  ByteSpan file() const { return bytes_; }
   uint64_t id() const { return header_.scene_id; }  // names this very content
   const SceneOrigin& about() const { return about_; }
   bool isClosed() const;  // no base edge has one face only
@@ -40,14 +45,16 @@ class MappedSurface {
   std::span<const Texel> texels() const { return section<Texel>(kSurfaceTexels); }
 
  private:
-  MappedSurface(MappedFile file, const SurfaceHeader& header, proto::MeshTopology topology)
-      : file_(std::move(file)), header_(header), topology_(std::move(topology)) {}
+  MappedSurface(ByteSpan bytes, std::shared_ptr<const void> owner, const SurfaceHeader& header,
+                proto::MeshTopology topology)
+      : bytes_(bytes), owner_(std::move(owner)), header_(header), topology_(std::move(topology)) {}
   template <class T>
   std::span<const T> section(SurfaceSection kind) const {
-    return file_.section<T>(header_.sections[kind]);
+    return sectionOf<T>(bytes_, header_.sections[kind]);
   }
 
-  MappedFile file_;
+  ByteSpan bytes_;
+  std::shared_ptr<const void> owner_;  // of the bytes
   SurfaceHeader header_;
   proto::MeshTopology topology_;
   SceneOrigin about_;

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "terrain/objects/placed_objects.h"
+#include "terrain/objects/section_bytes.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr double kRadians = 0.017453292519943295;
+
+Error refused(const ObjectRequest& request, const std::string& what) {
+  return {ErrorCode::kInvalidArgument, "object " + request.model.string() + ": " + what};
+}
+
+// Where on the lattice the place lies that a request names.
+glm::dvec2 latticePlace(const proto::Frame& frame, const glm::dvec2& at) {
+  if (frame.kind == proto::FrameKind::kGeographic)
+    return {(at.y * kRadians - frame.longitude0_rad) / frame.longitude_step_rad,
+            (at.x * kRadians - frame.latitude0_rad) / frame.latitude_step_rad};
+  const glm::dvec2 d = at - frame.map_origin_m, x = frame.axis_x_m, y = frame.axis_y_m;
+  const double det = x.x * y.y - x.y * y.x;
+  return frame.anchor + glm::dvec2((d.x * y.y - d.y * y.x) / det, (x.x * d.y - x.y * d.x) / det);
+}
+
+// East, north and up at a point, turned clockwise by the heading.
+glm::dquat standing(const glm::dvec3& up, double heading_rad) {
+  const glm::dvec3 north = glm::normalize(glm::dvec3(0, 1, 0) - up * up.y), east = glm::cross(north, up);
+  const double c = std::cos(heading_rad), s = std::sin(heading_rad);
+  return glm::normalize(glm::quat_cast(glm::dmat3(c * east - s * north, s * east + c * north, up)));
+}
+
+Result<proto::ObjectPlacement> place(const ObjectRequest& request, const MappedSurface& model,
+                                     const proto::FrameTransform& transform,
+                                     const std::function<std::optional<double>(double, double)>& groundAt) {
+  const glm::dvec2 at = latticePlace(transform.frame(), request.at);
+  const std::optional<double> ground = groundAt(at.x, at.y);
+  if (!ground) {
+    const bool is_planar = transform.frame().kind == proto::FrameKind::kPlanar;
+    return refused(request, "(" + std::to_string(request.at.x) + ", " + std::to_string(request.at.y) +
+                                ") lies beyond the data; give " +
+                                (is_planar ? "x and y of the map, in metres" : "latitude and longitude, in degrees"));
+  }
+  const double lowest_m = model.header().low[2] * model.step_m() * request.scale;
+  const glm::dvec3 point = transform.toScene(proto::LatticePlace{at.x, at.y, *ground + request.height_m});
+  const glm::dvec3 up = transform.upAt(point);
+  return proto::ObjectPlacement{0, point - up * lowest_m, standing(up, request.heading_deg * kRadians), request.scale};
+}
+
+StoredPlacement stored(const proto::ObjectPlacement& p) {
+  const glm::dquat& q = p.orientation;
+  return {{p.position.x, p.position.y, p.position.z}, {q.w, q.x, q.y, q.z}, p.scale, p.model, 0};
+}
+
+uint64_t pageAbove(uint64_t bytes) { return (bytes + kPageBytes - 1) / kPageBytes * kPageBytes; }
+
+void put(Bytes& out, uint64_t offset, const void* what, uint64_t bytes) { std::memcpy(out.data() + offset, what, bytes); }
+
+}  // namespace
+
+Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
+                                const std::function<std::optional<double>(double x, double y)>& groundAt) {
+  if (requests.empty()) return Bytes();
+  if (requests.size() > proto::ObjectSet::kMaxObjects)
+    return Error{ErrorCode::kLimit, std::to_string(requests.size()) + " objects; a scene holds at most " +
+                                        std::to_string(proto::ObjectSet::kMaxObjects)};
+  const proto::FrameTransform transform(frame);
+  std::vector<std::shared_ptr<const MappedSurface>> models;
+  std::vector<proto::ObjectPlacement> placements;
+  for (const ObjectRequest& request : requests) {
+    auto surface = MappedSurface::open(request.model);
+    if (!surface.ok()) return surface.error();
+    const auto same = std::find_if(models.begin(), models.end(), [&](const auto& m) { return m->id() == (*surface)->id(); });
+    auto placement = place(request, **surface, transform, groundAt);
+    if (!placement.ok()) return placement.error();
+    placement->model = static_cast<uint32_t>(same - models.begin());
+    if (same == models.end()) models.push_back(*surface);
+    placements.push_back(*placement);
+  }
+  std::vector<proto::ObjectModel> shapes;
+  for (const auto& m : models) shapes.push_back(modelOf(*m));
+  if (auto set = proto::ObjectSet::create(std::move(shapes), placements); !set.ok()) return set.error();
+
+  uint64_t at = sizeof(ObjectSectionStart) + placements.size() * sizeof(StoredPlacement) + models.size() * sizeof(StoredModel);
+  std::vector<StoredModel> table;
+  for (const auto& m : models) {
+    table.push_back({pageAbove(at), m->file().size()});
+    at = table.back().offset + table.back().bytes;
+  }
+  Bytes out(at);
+  const ObjectSectionStart start{static_cast<uint32_t>(models.size()), static_cast<uint32_t>(placements.size())};
+  put(out, 0, &start, sizeof(start));
+  at = sizeof(start);
+  for (const auto& p : placements) {
+    const StoredPlacement s = stored(p);
+    put(out, at, &s, sizeof(s));
+    at += sizeof(s);
+  }
+  put(out, at, table.data(), table.size() * sizeof(StoredModel));
+  for (size_t i = 0; i < models.size(); ++i) put(out, table[i].offset, models[i]->file().data(), table[i].bytes);
+  return out;
+}
+
+}  // namespace foreland::terrain

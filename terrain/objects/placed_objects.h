@@ -1,0 +1,51 @@
+// The objects of a scene file: models, which are whole surface files (terrain/surface_store), and where they stand. A
+// section of the scene file of its own; docs/SCENE_FORMAT.md describes every byte. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <glm/vec2.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "proto/frame.h"
+#include "proto/objects.h"
+#include "terrain/store/scene.h"
+#include "terrain/surface_store/mapped_surface.h"
+
+namespace foreland::terrain {
+
+// An object that is to stand on a terrain.
+struct ObjectRequest {
+  std::filesystem::path model;
+  glm::dvec2 at{0};      // latitude and longitude in degrees; of planar frames the map's x and y in metres
+  double height_m = 0;   // of its lowest point above the ground
+  double heading_deg = 0;  // clockwise from north, of the model's y axis
+  double scale = 1;        // metres to one of the model
+};
+
+// MODEL.fls@A,B[,height[,heading[,scale]]]. An Error says what is wrong and shows the form.
+[[nodiscard]] Result<ObjectRequest> parseObject(const std::string& text);
+
+// The section's bytes, empty without requests. `groundAt` tells the ground's height above the zero surface (m) at a
+// lattice place, and nothing beyond the data. Errors name the object and the way out.
+[[nodiscard]] Result<Bytes> makeObjectSection(
+    const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
+    const std::function<std::optional<double>(double x, double y)>& groundAt);
+
+// What is known of a surface before any node.
+[[nodiscard]] proto::ObjectModel modelOf(const MappedSurface& surface);
+
+struct PlacedObjects {
+  std::vector<std::shared_ptr<const MappedSurface>> models;
+  proto::ObjectSet set;
+};
+
+// Of a scene, which they keep open. An Error if the section is damaged.
+[[nodiscard]] Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene);
+
+}  // namespace foreland::terrain
