@@ -105,7 +105,9 @@ int runRefine(const Arguments& args) {
 int runWire(const Arguments& args) {
   auto scene = terrain::Scene::open(args.scene);
   if (!scene) return fail(scene.error().message);
-  const server::Hierarchy hierarchy(*scene);
+  auto objects = server::objectsOf(*scene);
+  if (!objects) return fail(objects.error().message);
+  const server::Hierarchy hierarchy(*scene, proto::ErrorBound::kSpheroid, std::move(*objects));
   auto path = server::planTour(**scene, args.tour, args.flight.seconds + 1);
   if (!path) return fail(path.error().message);
   const auto views = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
@@ -129,6 +131,10 @@ int runWire(const Arguments& args) {
                                 {"first_section_height_bits", costs.first_section_height_bits},
                                 {"first_section_structure_bits", costs.first_section_structure_bits},
                                 {"kbit_per_s", costs.kbit_per_s},
+                                {"objects", hierarchy.objects().set.size()},
+                                {"object_nodes_added", costs.object_nodes_added},
+                                {"object_records", costs.object_records},
+                                {"bits_per_object_node", costs.bits_per_object_node},
                                 {"encode_mnodes_per_s", costs.encode_mnodes_per_s},
                                 {"decode_mnodes_per_s", costs.decode_mnodes_per_s},
                                 {"send_mnodes_per_s", costs.send_mnodes_per_s},

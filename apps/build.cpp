@@ -104,9 +104,10 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
       ->check(apps::isFinite());
   app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several");
   app.add_option("--threads", arguments.threads, "Worker threads; 0 for one a processor")->check(CLI::Range(0u, 1024u));
-  app.add_option("--object", arguments.objects,
-                 "A surface made by `foreland remesh` that stands on the terrain: "
-                 "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable")
+  app.add_option(
+         "--object", arguments.objects,
+         "A surface made by `foreland remesh` that stands on the terrain: "
+         "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable")
       ->allow_extra_args(false);
   static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
                                                                   {"planar", terrain::FrameChoice::kPlanar},

@@ -73,7 +73,7 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
       ->check(isPositive());
   app.add_option("--texels", arguments.texels,
                  "Intervals of colour along a base edge; by default as fine as the model's colours; 0 for none")
-      ->check(CLI::Range(0u, terrain::AtlasLayout::kMaxPixels));
+      ->check(CLI::Range(0u, proto::AtlasLayout::kMaxPixels));
   app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one a processor")
       ->check(CLI::Range(0u, 1024u));
   app.add_flag("--json", arguments.json, "Print the report as JSON");

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
+#include "proto/atlas_layout.h"
 #include "terrain/remesh/original.h"
 #include "terrain/surface/surface.h"
-#include "terrain/surface_store/atlas_layout.h"
 
 namespace foreland::apps {
 
@@ -21,7 +21,7 @@ struct RemeshReport {
   double to_original = 0, to_surface = 0, tolerance = 0;
   uint64_t flipped = 0;
   double step = 0;
-  terrain::AtlasLayout atlas;
+  proto::AtlasLayout atlas;
   double seconds = 0;
 
   double hausdorff() const { return to_original > to_surface ? to_original : to_surface; }

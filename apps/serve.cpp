@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -125,6 +126,22 @@ server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress
   return options;
 }
 
+// As the page takes them: width and height, then texels row by row.
+std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects) {
+  std::map<std::string, std::string> files;
+  for (size_t i = 0; i < objects.texels.size(); ++i) {
+    const proto::ObjectModel& model = objects.set.models()[i];
+    const auto faces = static_cast<uint32_t>(model.shape.faces.size());
+    const proto::AtlasLayout atlas = proto::AtlasLayout::of(faces, model.atlas_side);
+    if (objects.texels[i].empty()) continue;
+    const uint32_t size[2] = {atlas.width(), atlas.height()};
+    std::string body(reinterpret_cast<const char*>(size), sizeof(size));
+    body.append(reinterpret_cast<const char*>(objects.texels[i].data()), objects.texels[i].size_bytes());
+    files[fmt::format("/models/{}.rgba", i)] = std::move(body);
+  }
+  return files;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -143,7 +160,8 @@ int main(int argc, char** argv) {
   if (!objects) return fail(objects.error());
   const auto world = std::make_shared<const server::World>(*scene, std::move(*objects));
 
-  const server::ServeOptions options = makeOptions(flags, *listen, **scene);
+  server::ServeOptions options = makeOptions(flags, *listen, **scene);
+  options.files = imagesOf(world->hierarchy.objects());
   if (options.web.empty()) spdlog::warn("the page is not built, so only `foreland fly` can connect; ./demo builds it");
   auto running = server::Server::listen(world, options, server::steadyNow);
   if (!running) return fail(running.error());

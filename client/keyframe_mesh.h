@@ -19,7 +19,8 @@ struct BlendMesh {
   std::vector<glm::vec4> from_positions, to_positions;
   // Unit normals of the two sections' own surfaces, as signed bytes x, y, z, 0.
   std::vector<uint32_t> from_normals, to_normals;
-  // The parameter that a vertex keeps whatever its position is: its lattice position.
+  // The parameter that a vertex keeps whatever its position is: its lattice position; of objects its place in the
+  // model's image (proto/atlas_layout.h), so that a vertex on a base edge stands there once for each face.
   std::vector<glm::vec2> places;
   // Triangles, counter-clockwise seen from above or outside.
   std::vector<uint32_t> indices;
@@ -27,11 +28,18 @@ struct BlendMesh {
   size_t triangleCount() const { return indices.size() / 3; }
 };
 
+// The triangles of one object.
+struct ObjectPart {
+  uint32_t first_index, index_count;
+  uint32_t model;
+};
+
 // The terrain, clipped to the data, and all objects.
 struct KeyframeMesh : BlendMesh {
   proto::KeyframeHeader from, to;  // from.index == to.index: a still mesh, both positions equal
   glm::dvec3 origin{0};            // scene frame, metres; positions are relative to it
   BlendMesh objects;
+  std::vector<ObjectPart> object_parts;
 
   uint32_t from_nodes = 0, to_nodes = 0;  // sizes of the two sections of the terrain
 };

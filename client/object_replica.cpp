@@ -19,16 +19,21 @@ class ObjectReplica::Builder {
       : replica_(replica),
         mesh_(replica.objects_->domain(replica.object_).topology()),
         model_(replica.objects_->modelOf(replica.object_)),
+        atlas_(replica.objects_->atlasOf(replica.object_)),
+        scale_(mesh_.placeScale()),
         out_(out) {}
 
   void run() {
     const auto isInFrom = [this](NodeId n) { return holds(replica_.from_, n); };
     const auto isInTo = [this](NodeId n) { return holds(replica_.to_, n); };
-    proto::forEachTriangle(
-        mesh_, [&](NodeId n) { return isInFrom(n) || isInTo(n); },
-        [this](NodeId a, NodeId b, NodeId c) {
-          out_.indices.insert(out_.indices.end(), {vertex(a), vertex(b), vertex(c)});
-        });
+    const auto isInEither = [&](NodeId n) { return isInFrom(n) || isInTo(n); };
+    for (uint32_t face = 0; face < mesh_.base().faceCount(); ++face) {
+      corners_.clear();
+      const auto draw = [&](NodeId a, NodeId b, NodeId c) {
+        for (NodeId v : {a, b, c}) out_.indices.push_back(corner(face, v));
+      };
+      proto::forEachTriangleOf(mesh_, face, isInEither, draw);
+    }
     for (auto& normals : normal_) normals.resize(names_.size(), glm::dvec3(0));
     proto::forEachTriangle(mesh_, isInFrom, [this](NodeId a, NodeId b, NodeId c) { addNormal(0, a, b, c); });
     proto::forEachTriangle(mesh_, isInTo, [this](NodeId a, NodeId b, NodeId c) { addNormal(1, a, b, c); });
@@ -61,6 +66,18 @@ class ObjectReplica::Builder {
     return numbers_[v] = static_cast<uint32_t>(names_.size() - 1);
   }
 
+  // The vertex as the face has it.
+  uint32_t corner(uint32_t face, NodeId v) {
+    const auto [at, is_new] = corners_.try_emplace(v, static_cast<uint32_t>(out_.corners.size()));
+    if (is_new) {
+      const proto::MeshPlace place = mesh_.placeIn(face, v);
+      const glm::dvec3 weights(place.weights[0], place.weights[1], place.weights[2]);
+      out_.corners.push_back(
+          {vertex(v), atlas_.side > 0 ? glm::vec2(atlas_.coordinates(face, weights / scale_)) : glm::vec2(0)});
+    }
+    return at->second;
+  }
+
   void addNormal(size_t s, NodeId a, NodeId b, NodeId c) {
     const std::array<uint32_t, 3> corner{numbers_.at(a), numbers_.at(b), numbers_.at(c)};
     const auto& p = out_.position[s];
@@ -87,7 +104,10 @@ class ObjectReplica::Builder {
   const ObjectReplica& replica_;
   const proto::MeshTopology& mesh_;
   const proto::ObjectModel& model_;
+  const proto::AtlasLayout atlas_;
+  const double scale_;
   Vertices& out_;
+  std::unordered_map<NodeId, uint32_t> corners_;  // of the face at hand
   std::unordered_map<NodeId, uint32_t> numbers_;
   std::vector<NodeId> names_;
   std::vector<std::array<uint32_t, 2>> ends_;
@@ -132,17 +152,19 @@ void ObjectReplica::forgetUnknown() {
   known_ = std::move(kept);
 }
 
-void ObjectReplica::appendTo(BlendMesh& mesh, const glm::dvec3& origin) const {
-  const auto first = static_cast<uint32_t>(mesh.from_positions.size());
-  const auto append = [&](const std::vector<glm::dvec3>& from, std::vector<glm::vec4>& to) {
-    for (const glm::dvec3& p : from) to.emplace_back(glm::vec3(p - origin), 0.0f);
-  };
-  append(vertices_.position[0], mesh.from_positions);
-  append(vertices_.position[1], mesh.to_positions);
-  mesh.from_normals.insert(mesh.from_normals.end(), vertices_.normal[0].begin(), vertices_.normal[0].end());
-  mesh.to_normals.insert(mesh.to_normals.end(), vertices_.normal[1].begin(), vertices_.normal[1].end());
-  mesh.places.resize(mesh.from_positions.size(), glm::vec2(0));
-  for (uint32_t v : vertices_.indices) mesh.indices.push_back(first + v);
+void ObjectReplica::appendTo(KeyframeMesh& mesh) const {
+  BlendMesh& out = mesh.objects;
+  const auto first = static_cast<uint32_t>(out.from_positions.size());
+  for (const Vertices::Corner& c : vertices_.corners) {
+    out.from_positions.emplace_back(glm::vec3(vertices_.position[0][c.vertex] - mesh.origin), 0.0f);
+    out.to_positions.emplace_back(glm::vec3(vertices_.position[1][c.vertex] - mesh.origin), 0.0f);
+    out.from_normals.push_back(vertices_.normal[0][c.vertex]);
+    out.to_normals.push_back(vertices_.normal[1][c.vertex]);
+    out.places.push_back(c.place);
+  }
+  mesh.object_parts.push_back({static_cast<uint32_t>(out.indices.size()),
+                               static_cast<uint32_t>(vertices_.indices.size()), objects_->placement(object_).model});
+  for (uint32_t v : vertices_.indices) out.indices.push_back(first + v);
 }
 
 }  // namespace foreland::client

@@ -3,6 +3,8 @@
 // sections.
 #pragma once
 
+#include <array>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <unordered_map>
 #include <vector>
@@ -25,8 +27,8 @@ class ObjectReplica {
   // The server begins anew with this object; what is shown stays until the next keyframe.
   void startAfresh();
 
-  // Appends the mesh between the two sections, relative to `origin`.
-  void appendTo(BlendMesh& mesh, const glm::dvec3& origin) const;
+  // Appends the mesh between the two sections to the objects'.
+  void appendTo(KeyframeMesh& mesh) const;
 
   proto::Section section() const { return {to_}; }
 
@@ -35,6 +37,12 @@ class ObjectReplica {
   struct Vertices {
     std::array<std::vector<glm::dvec3>, 2> position;
     std::array<std::vector<uint32_t>, 2> normal;
+    // What is drawn: vertices with a place in the image, and triangles of them.
+    struct Corner {
+      uint32_t vertex;
+      glm::vec2 place;
+    };
+    std::vector<Corner> corners;
     std::vector<uint32_t> indices;
   };
   class Builder;

@@ -173,7 +173,7 @@ KeyframeMesh Replica::buildMesh() const {
   mesh.from = from_;
   mesh.to = to_;
   MeshBuilder(*this, mesh).run();
-  for (const ObjectReplica& object : objects_) object.appendTo(mesh.objects, mesh.origin);
+  for (const ObjectReplica& object : objects_) object.appendTo(mesh);
   return mesh;
 }
 

@@ -21,6 +21,7 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
   if (model.base.size() != topology.baseVertexCount())
     return refuse(std::to_string(model.base.size()) + " positions for " + std::to_string(topology.baseVertexCount()) +
                   " base vertices");
+  if (model.atlas_side > AtlasLayout::kMaxPixels) return refuse("an image that is too large");
   for (size_t v = 0; v < model.base.size(); ++v)
     if (!isPosition(model.base[v])) return refuse("base vertex " + std::to_string(v) + " is too far away");
   return {};

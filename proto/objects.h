@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "proto/atlas_layout.h"
 #include "proto/refine/surface_domain.h"
 #include "proto/section.h"
 #include "proto/surface_codec.h"
@@ -20,6 +21,7 @@ struct ObjectModel {
   MeshShape shape;
   double step_m = 0.001;
   std::vector<glm::ivec3> base;  // steps; of all vertices that stand before the nodes
+  uint32_t atlas_side = 0;       // of the image of its colours (atlas_layout.h); 0: there is none
   bool operator==(const ObjectModel&) const = default;
 };
 
@@ -51,6 +53,9 @@ class ObjectSet {
   const ObjectPlacement& placement(size_t object) const { return placements_[object]; }
   const ObjectModel& modelOf(size_t object) const { return models_[placements_[object].model]; }
   const SurfaceDomain& domain(size_t object) const { return domains_[object]; }
+  AtlasLayout atlasOf(size_t object) const {
+    return AtlasLayout::of(domains_[object].topology().base().faceCount(), modelOf(object).atlas_side);
+  }
 
  private:
   std::vector<ObjectModel> models_;

@@ -12,8 +12,9 @@ namespace {
 struct Sum {
   double height_bits = 0, structure_bits = 0, framing_bits = 0, asked = 0, added = 0, removed = 0;
   double encode_s = 0, send_s = 0, decode_s = 0;
+  double object_bits = 0, object_records = 0, object_added = 0;
 
-  double bits() const { return height_bits + structure_bits + framing_bits; }
+  double bits() const { return height_bits + structure_bits + framing_bits; }  // the terrain's
   double changed() const { return added + removed; }
 };
 
@@ -48,7 +49,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
   client::Replica replica(server::welcomeTo(hierarchy));
   proto::KeyframeMemory headers;
   WireCosts costs;
-  Sum first, rest;
+  Sum first, rest, all;
   for (size_t i = 0; i < flight.size(); ++i) {
     const RecordedKeyframe& k = flight[i];
     Sum& sum = i == 0 ? first : rest;
@@ -57,7 +58,12 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
     const size_t header_bytes = k.message.size() - k.delta_bytes;
     sum.framing_bits += 8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
     sum.height_bits += k.bits.heights;
-    sum.structure_bits += 8.0 * static_cast<double>(k.delta_bytes) - k.bits.heights;
+    sum.structure_bits += 8.0 * static_cast<double>(k.delta_bytes) - k.bits.heights - k.bits.objects;
+    for (Sum* s : {&sum, &all}) {
+      s->object_bits += k.bits.objects;
+      s->object_records += static_cast<double>(k.bits.object_records);
+      s->object_added += static_cast<double>(k.bits.object_added);
+    }
     sum.asked += static_cast<double>(k.bits.asked);
     sum.encode_s += std::max(0.0, k.send_s - k.adapt_s);
     sum.send_s += k.send_s;
@@ -79,7 +85,10 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
   costs.first_section_bits_per_node = first.bits() / first.added;
   costs.first_section_height_bits = first.height_bits / first.added;
   costs.first_section_structure_bits = first.structure_bits / first.added;
-  costs.kbit_per_s = 1e-3 * rest.bits() / (keyframes * keyframe_interval.toSeconds());
+  costs.object_nodes_added = static_cast<uint64_t>(all.object_added);
+  costs.object_records = static_cast<uint64_t>(all.object_records);
+  if (all.object_added > 0) costs.bits_per_object_node = all.object_bits / all.object_added;
+  costs.kbit_per_s = 1e-3 * (rest.bits() + rest.object_bits) / (keyframes * keyframe_interval.toSeconds());
   costs.encode_mnodes_per_s = 1e-6 * rest.changed() / rest.encode_s;
   costs.send_mnodes_per_s = 1e-6 * rest.changed() / rest.send_s;
   costs.decode_mnodes_per_s = 1e-6 * rest.changed() / rest.decode_s;

@@ -82,6 +82,16 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.from_index = mesh.from.index;
   out.to_index = mesh.to.index;
   out.tau_px = mesh.to.tau_px;
+  out.object_vertex_count = static_cast<uint32_t>(mesh.objects.to_positions.size());
+  out.object_index_count = static_cast<uint32_t>(mesh.objects.indices.size());
+  out.object_from_positions = addressOf(mesh.objects.from_positions.data());
+  out.object_to_positions = addressOf(mesh.objects.to_positions.data());
+  out.object_from_normals = addressOf(mesh.objects.from_normals.data());
+  out.object_to_normals = addressOf(mesh.objects.to_normals.data());
+  out.object_places = addressOf(mesh.objects.places.data());
+  out.object_indices = addressOf(mesh.objects.indices.data());
+  out.object_parts = addressOf(mesh.object_parts.data());
+  out.object_part_count = static_cast<uint32_t>(mesh.object_parts.size());
 }
 
 // Corners and centres of the roots that lie inside the data: all of the relief that is known before the first keyframe.

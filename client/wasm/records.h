@@ -39,9 +39,21 @@ struct FrameRecord {
   uint32_t from_index;  // keyframes
   uint32_t to_index;
   float tau_px;  // in force at the newer keyframe
+  // The same arrays of the objects, whose positions have no height.
+  uint32_t object_vertex_count;
+  uint32_t object_index_count;
+  Address object_from_positions;
+  Address object_to_positions;
+  Address object_from_normals;
+  Address object_to_normals;
+  Address object_places;  // float u, v in the model's image, from its upper left corner
+  Address object_indices;
+  Address object_parts;  // uint32 first index, number of indices, model
+  uint32_t object_part_count;
 };
 static_assert(offsetof(FrameRecord, origin) == 56 && offsetof(FrameRecord, to_pose) == 104 &&
-              offsetof(FrameRecord, weight) == 160 && sizeof(FrameRecord) == 216);
+              offsetof(FrameRecord, weight) == 160 && offsetof(FrameRecord, object_vertex_count) == 216 &&
+              sizeof(FrameRecord) == 256);
 
 struct WelcomeRecord {
   double low[3];  // box around the data, scene frame, metres

@@ -63,7 +63,7 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
   if (*path == kViewerPath)
     return textReply(426, "This address speaks WebSocket. Open / in a browser, or use: foreland fly ws://HOST:PORT");
   if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request.if_none_match);
-  if (*path == "/" && site.files.empty())
+  if (*path == "/")
     return textReply(404,
                      "The server runs, but it was started without the page (--web). "
                      "Viewers can connect by WebSocket: foreland fly ws://HOST:PORT");

@@ -191,6 +191,8 @@ Result<std::unique_ptr<Server>> Server::listen(std::shared_ptr<const World> worl
     if (!loaded) return loaded.error();
     files = std::move(*loaded);
   }
+  for (auto& [path, body] : options.files) files.add(path, std::move(body));
+  options.files.clear();
   auto impl = std::make_unique<Impl>(std::move(world), std::move(options), std::move(files), std::move(clock));
   if (Status status = impl->listen(); !status.ok()) return status.error();
   impl->start();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -25,7 +26,9 @@ struct ServeOptions {
   size_t threads = 2;
   SessionOptions session;
   HostLimits limits;
-  std::filesystem::path web;              // empty: no page
+  std::filesystem::path web;  // empty: no page
+  // Further files, by path: the images of the scene's models, as the page asks for them.
+  std::map<std::string, std::string> files;
   size_t max_connections = 1024;          // further ones are closed at once
   size_t max_unread_messages = 64;        // a viewer that leaves more replies unread is refused
   size_t send_buffer_bytes = 128u << 10;  // of the system, per viewer; small, so that a slow link is noticed soon

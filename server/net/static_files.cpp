@@ -97,6 +97,13 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
   return result;
 }
 
+void StaticFiles::add(std::string path, std::string body) {
+  auto shared = std::make_shared<const std::string>(std::move(body));
+  const std::string etag = etagOf(*shared);
+  std::string type = contentType(path), cache = cacheControl(path);
+  files_[std::move(path)] = {std::move(shared), std::move(type), std::move(cache), etag};
+}
+
 const StaticFile* StaticFiles::find(std::string_view path) const {
   if (path.empty() || path.front() != '/') return nullptr;
   auto found = files_.find(path);

@@ -31,11 +31,12 @@ class StaticFiles {
   // the limits.
   static Result<StaticFiles> load(const std::filesystem::path& directory);
 
+  // A file that is not the page's own.
+  void add(std::string path, std::string body);
+
   // `path` as in a URL, percent-encoding undone, without the query: "/", "/assets/a.js". A folder's path finds its
   // index.html. Nothing if there is no such file. The pointer lives as long as this.
   const StaticFile* find(std::string_view path) const;
-
-  bool empty() const { return files_.empty(); }
 
  private:
   std::map<std::string, StaticFile, std::less<>> files_;  // by path with a leading slash

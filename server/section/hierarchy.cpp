@@ -8,8 +8,12 @@ Result<SceneObjects> objectsOf(const std::shared_ptr<const terrain::Scene>& scen
   auto placed = terrain::readObjects(scene);
   if (!placed.ok()) return placed.error();
   SceneObjects objects;
-  for (const auto& model : placed->models) objects.records.push_back(model->nodes());
-  objects.owner = std::make_shared<const std::vector<std::shared_ptr<const terrain::MappedSurface>>>(std::move(placed->models));
+  for (const auto& model : placed->models) {
+    objects.records.push_back(model->nodes());
+    objects.texels.push_back(model->texels());
+  }
+  objects.owner =
+      std::make_shared<const std::vector<std::shared_ptr<const terrain::MappedSurface>>>(std::move(placed->models));
   objects.set = std::move(placed->set);
   return objects;
 }

@@ -137,7 +137,8 @@ Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
 // Between the four samples around a place; nothing beyond the data.
 std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame, double x, double y) {
   if (!(x >= 0 && y >= 0 && x <= heights.width - 1.0 && y <= heights.height - 1.0)) return std::nullopt;
-  const auto x0 = std::min(static_cast<uint32_t>(x), heights.width - 2), y0 = std::min(static_cast<uint32_t>(y), heights.height - 2);
+  const auto x0 = std::min(static_cast<uint32_t>(x), heights.width - 2),
+             y0 = std::min(static_cast<uint32_t>(y), heights.height - 2);
   const double u = x - x0, v = y - y0;
   const auto at = [&](uint32_t dx, uint32_t dy) { return static_cast<double>(heights.row(y0 + dy)[x0 + dx]); };
   const double south = (1 - u) * at(0, 0) + u * at(1, 0), north = (1 - u) * at(0, 1) + u * at(1, 1);
@@ -175,7 +176,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   const Heights heights{raster.steps(), info.width, info.height};
   proto::Frame frame = info.frame;
   frame.height_step_m = options.height_step_m;
-  auto objects = makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
+  auto objects =
+      makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
   if (!objects.ok()) return objects.error();
   auto writer = SceneWriter::create(options.output, {grid->shape(), frame, range, origin, std::move(*objects)});
   if (!writer.ok()) return writer.error();

@@ -19,8 +19,8 @@ namespace foreland::terrain {
 
 struct BuildOptions {
   std::filesystem::path output;
-  double height_step_m = 0.1;  // heights are kept in whole steps: each is moved by at most half of one
-  unsigned threads = 0;        // 0: one per processor
+  double height_step_m = 0.1;            // heights are kept in whole steps: each is moved by at most half of one
+  unsigned threads = 0;                  // 0: one per processor
   std::vector<ObjectRequest> objects{};  // that stand on the terrain
 };
 

@@ -58,7 +58,9 @@ StoredPlacement stored(const proto::ObjectPlacement& p) {
 
 uint64_t pageAbove(uint64_t bytes) { return (bytes + kPageBytes - 1) / kPageBytes * kPageBytes; }
 
-void put(Bytes& out, uint64_t offset, const void* what, uint64_t bytes) { std::memcpy(out.data() + offset, what, bytes); }
+void put(Bytes& out, uint64_t offset, const void* what, uint64_t bytes) {
+  std::memcpy(out.data() + offset, what, bytes);
+}
 
 }  // namespace
 
@@ -74,7 +76,8 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
   for (const ObjectRequest& request : requests) {
     auto surface = MappedSurface::open(request.model);
     if (!surface.ok()) return surface.error();
-    const auto same = std::find_if(models.begin(), models.end(), [&](const auto& m) { return m->id() == (*surface)->id(); });
+    const auto same =
+        std::find_if(models.begin(), models.end(), [&](const auto& m) { return m->id() == (*surface)->id(); });
     auto placement = place(request, **surface, transform, groundAt);
     if (!placement.ok()) return placement.error();
     placement->model = static_cast<uint32_t>(same - models.begin());
@@ -85,7 +88,8 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
   for (const auto& m : models) shapes.push_back(modelOf(*m));
   if (auto set = proto::ObjectSet::create(std::move(shapes), placements); !set.ok()) return set.error();
 
-  uint64_t at = sizeof(ObjectSectionStart) + placements.size() * sizeof(StoredPlacement) + models.size() * sizeof(StoredModel);
+  uint64_t at =
+      sizeof(ObjectSectionStart) + placements.size() * sizeof(StoredPlacement) + models.size() * sizeof(StoredModel);
   std::vector<StoredModel> table;
   for (const auto& m : models) {
     table.push_back({pageAbove(at), m->file().size()});

@@ -22,8 +22,8 @@ namespace foreland::terrain {
 // An object that is to stand on a terrain.
 struct ObjectRequest {
   std::filesystem::path model;
-  glm::dvec2 at{0};      // latitude and longitude in degrees; of planar frames the map's x and y in metres
-  double height_m = 0;   // of its lowest point above the ground
+  glm::dvec2 at{0};        // latitude and longitude in degrees; of planar frames the map's x and y in metres
+  double height_m = 0;     // of its lowest point above the ground
   double heading_deg = 0;  // clockwise from north, of the model's y axis
   double scale = 1;        // metres to one of the model
 };
@@ -33,9 +33,8 @@ struct ObjectRequest {
 
 // The section's bytes, empty without requests. `groundAt` tells the ground's height above the zero surface (m) at a
 // lattice place, and nothing beyond the data. Errors name the object and the way out.
-[[nodiscard]] Result<Bytes> makeObjectSection(
-    const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
-    const std::function<std::optional<double>(double x, double y)>& groundAt);
+[[nodiscard]] Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
+                                              const std::function<std::optional<double>(double x, double y)>& groundAt);
 
 // What is known of a surface before any node.
 [[nodiscard]] proto::ObjectModel modelOf(const MappedSurface& surface);

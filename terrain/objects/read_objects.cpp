@@ -21,7 +21,10 @@ T readAt(ByteSpan bytes, uint64_t offset) {
 }  // namespace
 
 proto::ObjectModel modelOf(const MappedSurface& surface) {
-  return {surface.topology().shape(), surface.step_m(), {surface.basePositions().begin(), surface.basePositions().end()}};
+  return {surface.topology().shape(),
+          surface.step_m(),
+          {surface.basePositions().begin(), surface.basePositions().end()},
+          surface.atlas().side};
 }
 
 Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
@@ -41,6 +44,9 @@ Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
       return damaged("model " + std::to_string(i) + " is not where it belongs");
     auto surface = MappedSurface::of(bytes.subspan(place.offset, place.bytes), "model " + std::to_string(i), scene);
     if (!surface.ok()) return surface.error();
+    const proto::AtlasLayout atlas = (*surface)->atlas();
+    if (atlas.side > 0 && atlas != proto::AtlasLayout::of(atlas.faces, atlas.side))
+      return damaged("model " + std::to_string(i) + " has an image that is laid out in another way");
     models.push_back(modelOf(**surface));
     objects.models.push_back(std::move(*surface));
   }

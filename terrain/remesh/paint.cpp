@@ -76,7 +76,7 @@ class OriginalColours {
 
 class Painter {
  public:
-  Painter(const Palette& palette, const Original& original, const Remeshed& remeshed, const AtlasLayout& atlas)
+  Painter(const Palette& palette, const Original& original, const Remeshed& remeshed, const proto::AtlasLayout& atlas)
       : colours_(palette, original),
         original_(original),
         remeshed_(remeshed),
@@ -172,8 +172,8 @@ uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t b
   }
   uint32_t side = static_cast<uint32_t>(std::clamp(std::ceil(std::sqrt(2 * texels / base_faces)), 4.0, 4096.0));
   const auto fits = [&] {
-    const AtlasLayout atlas = AtlasLayout::of(base_faces, side);
-    return std::max(atlas.width(), atlas.height()) <= AtlasLayout::kMaxPixels;
+    const proto::AtlasLayout atlas = proto::AtlasLayout::of(base_faces, side);
+    return std::max(atlas.width(), atlas.height()) <= proto::AtlasLayout::kMaxPixels;
   };
   while (side > 4 && !fits()) side = side * 9 / 10;
   return side;
@@ -181,10 +181,11 @@ uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t b
 
 Result<Painted> paint(const Palette& palette, const Original& original, const Remeshed& remeshed, uint32_t side,
                       unsigned threads) {
-  const AtlasLayout atlas = AtlasLayout::of(static_cast<uint32_t>(remeshed.base_faces.size()), side);
-  if (std::max(atlas.width(), atlas.height()) > AtlasLayout::kMaxPixels)
+  const proto::AtlasLayout atlas = proto::AtlasLayout::of(static_cast<uint32_t>(remeshed.base_faces.size()), side);
+  if (std::max(atlas.width(), atlas.height()) > proto::AtlasLayout::kMaxPixels)
     return Error{ErrorCode::kLimit, std::to_string(side) + " texels along a base edge make an image of more than " +
-                                        std::to_string(AtlasLayout::kMaxPixels) + " pixels a side; ask for fewer"};
+                                        std::to_string(proto::AtlasLayout::kMaxPixels) +
+                                        " pixels a side; ask for fewer"};
   return Painter(palette, original, remeshed, atlas).run(threads);
 }
 

@@ -1,5 +1,5 @@
 // Colours of a model, carried to the base faces of its remesh: one image for all
-// (terrain/surface_store/atlas_layout.h). Textures and vertex colours are looked up where the original lies under each
+// (proto/atlas_layout.h). Textures and vertex colours are looked up where the original lies under each
 // texel, so seams of the model's own texture coordinates do no harm. The result does not depend on the number of
 // threads.
 #pragma once
@@ -29,10 +29,10 @@ struct Palette {
 [[nodiscard]] uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t base_faces);
 
 struct Painted {
-  AtlasLayout atlas;
+  proto::AtlasLayout atlas;
   std::vector<Texel> texels;
 };
-// `side` is at least 1. Error: an image beyond AtlasLayout::kMaxPixels a side.
+// `side` is at least 1. Error: an image beyond proto::AtlasLayout::kMaxPixels a side.
 [[nodiscard]] Result<Painted> paint(const Palette& palette, const Original& original, const Remeshed& remeshed,
                                     uint32_t side, unsigned threads);
 

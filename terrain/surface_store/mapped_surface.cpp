@@ -27,11 +27,11 @@ Status checkNumbers(const SurfaceHeader& h) {
   if (!(h.step_m > 0) || !std::isfinite(h.step_m)) return malformed("its step is no positive number");
   for (int axis = 0; axis < 3; ++axis)
     if (h.low[axis] > h.high[axis]) return malformed("its box is empty");
-  if (h.atlas_side > AtlasLayout::kMaxPixels || h.atlas_columns > AtlasLayout::kMaxPixels ||
+  if (h.atlas_side > proto::AtlasLayout::kMaxPixels || h.atlas_columns > proto::AtlasLayout::kMaxPixels ||
       (h.atlas_side == 0) != (h.atlas_columns == 0))
     return malformed("its image has an impossible size");
-  const AtlasLayout atlas{h.base_faces, h.atlas_side, h.atlas_columns};
-  if (atlas.width() > AtlasLayout::kMaxPixels || atlas.height() > AtlasLayout::kMaxPixels)
+  const proto::AtlasLayout atlas{h.base_faces, h.atlas_side, h.atlas_columns};
+  if (atlas.width() > proto::AtlasLayout::kMaxPixels || atlas.height() > proto::AtlasLayout::kMaxPixels)
     return malformed("its image has an impossible size");
   return {};
 }

@@ -41,7 +41,7 @@ class MappedSurface {
     return topology_.isBase(v) ? basePositions()[proto::baseVertexOf(v)] : nodes()[topology_.slot(v)].position;
   }
 
-  AtlasLayout atlas() const { return {header_.base_faces, header_.atlas_side, header_.atlas_columns}; }
+  proto::AtlasLayout atlas() const { return {header_.base_faces, header_.atlas_side, header_.atlas_columns}; }
   std::span<const Texel> texels() const { return section<Texel>(kSurfaceTexels); }
 
  private:

@@ -10,7 +10,7 @@ uint64_t storedVertices(const SurfaceHeader& header) {
 }
 
 uint64_t placeSurface(SurfaceHeader& header, uint64_t text_bytes) {
-  const AtlasLayout atlas{header.base_faces, header.atlas_side, header.atlas_columns};
+  const proto::AtlasLayout atlas{header.base_faces, header.atlas_side, header.atlas_columns};
   const std::array<uint64_t, kSurfaceChecksums> bytes{
       text_bytes, sizeof(proto::BaseFace) * uint64_t{header.base_faces}, sizeof(glm::ivec3) * storedVertices(header),
       sizeof(proto::SurfaceRecord) * header.slot_count, sizeof(Texel) * uint64_t{atlas.width()} * atlas.height()};

@@ -8,10 +8,10 @@
 #include <type_traits>
 
 #include "base/result.h"
+#include "proto/atlas_layout.h"
 #include "proto/mesh_topology.h"
 #include "proto/surface_bounds.h"
 #include "terrain/store/sections.h"
-#include "terrain/surface_store/atlas_layout.h"
 
 namespace foreland::terrain {
 

@@ -17,7 +17,7 @@ struct SurfaceContent {
   const TrueSurface& surface;
   std::span<const proto::SurfaceRecord> records;  // by slot (terrain/surface/bounds.h)
   proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
-  AtlasLayout atlas{};              // without an image if there are no colours
+  proto::AtlasLayout atlas{};       // without an image if there are no colours
   std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top
   SceneOrigin about{};
 };

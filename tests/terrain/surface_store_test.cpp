@@ -19,7 +19,7 @@ namespace {
 struct Made {
   TrueSurface surface;
   std::vector<proto::SurfaceRecord> records;
-  AtlasLayout atlas;
+  proto::AtlasLayout atlas;
   std::vector<Texel> texels;
   SceneOrigin about{"made", {}, {"one", "two"}, 0};
 
@@ -37,7 +37,7 @@ Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t hal
                              corners, [&](proto::NodeId, const glm::dvec3& middle) {
                                return middle + 0.02 * glm::dvec3(rng.uniform(), rng.uniform(), rng.uniform());
                              });
-  Made made{std::move(surface).value(), {}, AtlasLayout::of(static_cast<uint32_t>(base.faces.size()), 6), {}};
+  Made made{std::move(surface).value(), {}, proto::AtlasLayout::of(static_cast<uint32_t>(base.faces.size()), 6), {}};
   made.records = computeBounds(made.surface, {.threads = 1});
   made.texels.resize(uint64_t{made.atlas.width()} * made.atlas.height());
   for (Texel& texel : made.texels) texel = static_cast<Texel>(rng.next());
@@ -185,10 +185,10 @@ TEST_F(SurfaceFile, VerifyNamesPaddingThatIsNotZeroAndBoundsThatDoNotHold) {
   EXPECT_NE(faults().find("slot 0 has a bound that is no number"), std::string::npos);
 }
 
-TEST(AtlasLayout, PixelsOfFacesAreTheirOwn) {
+TEST(proto::AtlasLayout, PixelsOfFacesAreTheirOwn) {
   for (const uint32_t faces : {1u, 2u, 7u, 200u})
     for (const uint32_t side : {1u, 4u, 17u}) {
-      const AtlasLayout atlas = AtlasLayout::of(faces, side);
+      const proto::AtlasLayout atlas = proto::AtlasLayout::of(faces, side);
       std::vector<uint32_t> owner(uint64_t{atlas.width()} * atlas.height(), faces);
       const auto last = static_cast<int32_t>(side);
       for (uint32_t face = 0; face < faces; ++face)
@@ -204,8 +204,8 @@ TEST(AtlasLayout, PixelsOfFacesAreTheirOwn) {
     }
 }
 
-TEST(AtlasLayout, CoordinatesFallOnTexelCentres) {
-  const AtlasLayout atlas = AtlasLayout::of(9, 8);
+TEST(proto::AtlasLayout, CoordinatesFallOnTexelCentres) {
+  const proto::AtlasLayout atlas = proto::AtlasLayout::of(9, 8);
   for (uint32_t face = 0; face < 9; ++face)
     for (int32_t j = 0; j <= 8; ++j)
       for (int32_t i = 0; i + j <= 8; ++i) {

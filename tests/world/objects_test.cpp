@@ -49,7 +49,8 @@ server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count) {
     placements.push_back({i % 2, frame.transform().toScene(place), glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)),
                           40.0 + 10.0 * (i % 3)});
   }
-  server::SceneObjects objects{proto::ObjectSet::create(std::move(shapes), std::move(placements)).value(), {}};
+  server::SceneObjects objects;
+  objects.set = proto::ObjectSet::create(std::move(shapes), std::move(placements)).value();
   for (const auto& records : models().records) objects.records.emplace_back(records);
   return objects;
 }
@@ -142,12 +143,15 @@ testing::AssertionResult areNear(const Triangles& a, const Triangles& b) {
 
 // Closed surfaces: each edge has two triangles, which run along it in opposite directions.
 uint64_t openEdges(const client::BlendMesh& mesh) {
-  std::map<std::array<uint32_t, 2>, int> runs;
+  // A vertex on a base edge stands there once for each face, at the very same places.
+  using Place = std::array<float, 6>;
+  const auto at = [&](uint32_t v) {
+    const glm::vec4 p = mesh.from_positions[v], q = mesh.to_positions[v];
+    return Place{p.x, p.y, p.z, q.x, q.y, q.z};
+  };
+  std::map<std::array<Place, 2>, int> runs;
   for (size_t i = 0; i < mesh.indices.size(); i += 3)
-    for (size_t k = 0; k < 3; ++k) {
-      const uint32_t a = mesh.indices[i + k], b = mesh.indices[i + (k + 1) % 3];
-      ++runs[{a, b}];
-    }
+    for (size_t k = 0; k < 3; ++k) { ++runs[{at(mesh.indices[i + k]), at(mesh.indices[i + (k + 1) % 3])}]; }
   uint64_t open = 0;
   for (const auto& [edge, count] : runs) {
     const auto twin = runs.find({edge[1], edge[0]});

@@ -13,6 +13,7 @@ import { Readout } from './readout';
 import { kLens, type Address, type Settings, type Tour } from './settings';
 import { Sky } from './sky';
 import { startView } from './start_view';
+import { ObjectMesh } from './object_mesh';
 import { TerrainMesh } from './terrain_mesh';
 import { Tours } from './tours';
 
@@ -32,6 +33,7 @@ export class App {
   private readonly sky = new Sky(this.up);
   private readonly frozen_view = new FrozenView();
   private readonly terrain: TerrainMesh;
+  private readonly objects: ObjectMesh;
   private readonly controls = new Controls(this.canvas);
   private readonly readout = new Readout(byId('readout'));
   private readonly prediction = new PredictionCheck();
@@ -52,7 +54,8 @@ export class App {
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
     this.terrain = new TerrainMesh(this.renderer, this.up);
-    this.scene.add(this.sky.object, this.terrain.object, this.frozen_view.object);
+    this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, modelsOf(address.server));
+    this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
     this.resize();
     this.viewer = new Viewer(core, this.request());
     this.tours = new Tours(byId('tours'), (tour) => this.chooseTour(tour));
@@ -84,6 +87,8 @@ export class App {
       frames: this.frames,
       mesh_version: this.terrain.version,
       triangles: this.terrain.triangles,
+      object_triangles: this.objects.triangles,
+      object_images: this.objects.images,
       nodes: this.mesh?.to_nodes ?? 0,
       tau_px: this.mesh?.tau_px ?? 0,
       touring: this.tours.isFlying,
@@ -258,6 +263,7 @@ export class App {
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
     const mesh = this.viewer.mesh();
     this.terrain.upload(mesh);
+    this.objects.upload(mesh);
     this.prediction.expect(mesh.to_time_ms, mesh.to_pose.eye);
     const { triangles, vertices, to_nodes, tau_px, to_time_ms, version } = mesh; // the arrays do not outlive this frame
     this.mesh = { triangles, vertices, to_nodes, tau_px, to_time_ms, version };
@@ -270,6 +276,7 @@ export class App {
     this.camera.updateMatrixWorld();
     this.sky.update(this.camera);
     this.terrain.place(frame.weight, pose.eye, place?.height_m ?? pose.eye[2]);
+    this.objects.placeFrom(pose.eye);
     this.frozen_view.place(pose.eye);
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
@@ -304,4 +311,9 @@ export class App {
       set_speed_mps: this.controls.speed_mps,
     });
   }
+}
+
+// Where a server has its models' images: beside the address that viewers connect to.
+function modelsOf(server: string): URL {
+  return new URL('models/', server.replace(/^ws/, 'http'));
 }

@@ -37,6 +37,19 @@ export interface Mesh {
   from_normals: Int8Array;
   to_normals: Int8Array;
   indices: Uint32Array;
+  objects: ObjectArrays;
+}
+
+// The same of all objects; `places` in their models' images, `parts` of each: first index, number of indices, model.
+export interface ObjectArrays {
+  vertices: number;
+  from_positions: Float32Array;
+  to_positions: Float32Array;
+  from_normals: Int8Array;
+  to_normals: Int8Array;
+  places: Float32Array;
+  indices: Uint32Array;
+  parts: Uint32Array;
 }
 
 export interface Frame {
@@ -221,6 +234,16 @@ export class Viewer {
       to_nodes: u32(200),
       to_index: u32(208),
       tau_px: view.getFloat32(at + 212, true),
+      objects: {
+        vertices: u32(216),
+        from_positions: new Float32Array(memory, u32(224), 4 * u32(216)),
+        to_positions: new Float32Array(memory, u32(228), 4 * u32(216)),
+        from_normals: new Int8Array(memory, u32(232), 4 * u32(216)),
+        to_normals: new Int8Array(memory, u32(236), 4 * u32(216)),
+        places: new Float32Array(memory, u32(240), 2 * u32(216)),
+        indices: new Uint32Array(memory, u32(244), u32(220)),
+        parts: new Uint32Array(memory, u32(248), 3 * u32(252)),
+      },
     };
   }
 

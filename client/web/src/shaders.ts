@@ -59,8 +59,31 @@ void main() {
 }
 `;
 
-export const kTerrainFragment = kHead + kAtmosphere + /* glsl */ `
+// Light on whatever stands in the scene, and the haze before it.
+const kLight = /* glsl */ `
 in vec3 v_from_eye;
+uniform vec2 u_heights;       // lowest, highest ground
+uniform float u_haze;         // optical depth per metre at the lowest ground; 0: none
+uniform float u_haze_height;  // over which it falls to 1 / e
+uniform float u_eye_height;
+
+vec3 lit(vec3 albedo, vec3 normal) {
+  float sunlight = max(dot(normal, u_sun), 0.0);
+  float openness = 0.5 + 0.5 * dot(normal, u_up);
+  vec3 skylight = mix(vec3(0.09, 0.08, 0.07), vec3(0.17, 0.24, 0.36), openness);
+  return albedo * (vec3(2.15, 1.92, 1.56) * sunlight + skylight);
+}
+
+// Optical depth through haze that thins exponentially with height (exact along the ray).
+float hazeAlong(float distance_m) {
+  float rise = dot(v_from_eye, u_up) / u_haze_height;
+  float mean = abs(rise) < 1e-3 ? 1.0 : (1.0 - exp(-rise)) / rise;
+  float at_eye = exp(-clamp((u_eye_height - u_heights.x) / u_haze_height, -2.0, 20.0));
+  return u_haze * distance_m * at_eye * mean;
+}
+`;
+
+export const kTerrainFragment = kHead + kAtmosphere + kLight + /* glsl */ `
 in vec3 v_normal;
 in vec3 v_place;
 out vec4 o_colour;
@@ -68,13 +91,9 @@ out vec4 o_colour;
 uniform vec3 u_palette[6];    // from the lowest ground to the highest
 uniform vec3 u_rock;
 uniform vec3 u_snow;
-uniform vec2 u_heights;       // lowest, highest
 uniform vec2 u_origin_tile;   // the mesh's origin, modulo a whole number of noise periods
 uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
 uniform float u_contour_m;    // 0: none
-uniform float u_haze;         // optical depth per metre at the lowest ground; 0: none
-uniform float u_haze_height;  // over which it falls to 1 / e
-uniform float u_eye_height;
 uniform float u_pixel_rad;    // how much a pixel sees
 
 float hash(ivec2 p) {
@@ -135,21 +154,6 @@ vec3 groundColour(vec3 normal, float pixel_m) {
   return mix(colour, u_snow, snow);
 }
 
-vec3 lit(vec3 albedo, vec3 normal) {
-  float sunlight = max(dot(normal, u_sun), 0.0);
-  float openness = 0.5 + 0.5 * dot(normal, u_up);
-  vec3 skylight = mix(vec3(0.09, 0.08, 0.07), vec3(0.17, 0.24, 0.36), openness);
-  return albedo * (vec3(2.15, 1.92, 1.56) * sunlight + skylight);
-}
-
-// Optical depth through haze that thins exponentially with height (exact along the ray).
-float hazeAlong(float distance_m) {
-  float rise = dot(v_from_eye, u_up) / u_haze_height;
-  float mean = abs(rise) < 1e-3 ? 1.0 : (1.0 - exp(-rise)) / rise;
-  float at_eye = exp(-clamp((u_eye_height - u_heights.x) / u_haze_height, -2.0, 20.0));
-  return u_haze * distance_m * at_eye * mean;
-}
-
 void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
@@ -158,6 +162,34 @@ void main() {
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
   vec3 colour = lit(groundColour(normal, pixel_m), normal);
   if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_place.z));
+  if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
+  o_colour = vec4(toScreen(colour), 1.0);
+}
+`;
+
+export const kObjectVertex = kHead + kInterpolation + /* glsl */ `
+in vec2 place;  // in the model's image
+out vec3 v_from_eye;
+out vec3 v_normal;
+out vec2 v_place;
+void main() {
+  vec4 p = mix(from_position, to_position, u_weight);
+  v_from_eye = p.xyz + u_origin;
+  v_normal = mix(from_normal, to_normal, u_weight);
+  v_place = place;
+  gl_Position = projectionMatrix * (modelViewMatrix * vec4(p.xyz, 1.0));
+}
+`;
+
+export const kObjectFragment = kHead + kAtmosphere + kLight + /* glsl */ `
+in vec3 v_normal;
+in vec2 v_place;
+uniform sampler2D u_image;  // sRGB
+out vec4 o_colour;
+void main() {
+  float distance_m = length(v_from_eye);
+  vec3 direction = v_from_eye / distance_m;
+  vec3 colour = lit(pow(texture(u_image, v_place).rgb, vec3(2.2)), normalize(v_normal));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
 }

@@ -1,6 +1,7 @@
 // The keyframe mesh on the graphics card. Buffers are filled when the mesh changes, straight from the client core's memory;
 // between keyframes only one number changes, the weight.
 import * as THREE from 'three';
+import { bindBlend, blendChannels, channel, fill, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
 import type { Mesh, Welcome } from './core';
 import { kTerrainFragment, kTerrainVertex, kWireFragment, kWireVertex } from './shaders';
 import { kSun } from './sky';
@@ -9,18 +10,15 @@ const kPalette = ['#3b5238', '#546945', '#7d7c55', '#826b52', '#6f635a', '#98938
 const kRock = '#5c554f';
 const kSnow = '#d9e2ec';
 
-interface Channel {
-  buffer: WebGLBuffer;
-  attribute: THREE.GLBufferAttribute;
-}
-
 export class TerrainMesh {
   readonly object = new THREE.Group();
   private readonly surface_geometry = new THREE.BufferGeometry();
   private readonly wire_geometry = new THREE.BufferGeometry();
   private readonly wire: THREE.LineSegments;
-  private readonly channels: Record<'from_position' | 'to_position' | 'from_normal' | 'to_normal' | 'index' | 'wire_index', Channel>;
-  private readonly uniforms: Record<string, THREE.IUniform>;
+  private readonly channels: BlendChannels;
+  private readonly index: Channel;
+  private readonly wire_index: Channel;
+  readonly uniforms: Record<string, THREE.IUniform>;
   private origin = new THREE.Vector3();
   private noise_period_m = 1;
   private wire_version = 0;
@@ -31,25 +29,16 @@ export class TerrainMesh {
 
   constructor(private readonly renderer: THREE.WebGLRenderer, up: THREE.Vector3) {
     const gl = renderer.getContext() as WebGL2RenderingContext;
-    const channel = (type: number, items: number, bytes: 1 | 2 | 4): Channel => {
-      const buffer = gl.createBuffer()!;
-      return { buffer, attribute: new THREE.GLBufferAttribute(buffer, type, items, bytes, 0) };
-    };
-    this.channels = {
-      from_position: channel(gl.FLOAT, 4, 4),
-      to_position: channel(gl.FLOAT, 4, 4),
-      from_normal: channel(gl.BYTE, 4, 1),
-      to_normal: channel(gl.BYTE, 4, 1),
-      index: channel(gl.UNSIGNED_INT, 1, 4),
-      wire_index: channel(gl.UNSIGNED_INT, 1, 4),
-    };
+    this.channels = blendChannels(gl);
+    this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
+    this.wire_index = channel(gl, gl.UNSIGNED_INT, 1, 4);
     this.uniforms = terrainUniforms(up);
     const lines = shader(kWireVertex, kWireFragment, this.uniforms);
     Object.assign(lines, { transparent: true, depthWrite: false });
     this.wire = new THREE.LineSegments(this.wire_geometry, lines);
     const surface = new THREE.Mesh(this.surface_geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
-    this.bindGeometry(this.surface_geometry, this.channels.index);
-    this.bindGeometry(this.wire_geometry, this.channels.wire_index);
+    bindBlend(this.surface_geometry, this.channels, this.index);
+    bindBlend(this.wire_geometry, this.channels, this.wire_index);
     for (const part of [surface, this.wire]) part.frustumCulled = false; // the server culls
     this.object.add(surface, this.wire);
     this.object.visible = false;
@@ -79,12 +68,7 @@ export class TerrainMesh {
   upload(mesh: Mesh): void {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
-    const c = this.channels;
-    fill(gl, gl.ARRAY_BUFFER, c.from_position, mesh.from_positions, mesh.vertices);
-    fill(gl, gl.ARRAY_BUFFER, c.to_position, mesh.to_positions, mesh.vertices);
-    fill(gl, gl.ARRAY_BUFFER, c.from_normal, mesh.from_normals, mesh.vertices);
-    fill(gl, gl.ARRAY_BUFFER, c.to_normal, mesh.to_normals, mesh.vertices);
-    fill(gl, gl.ELEMENT_ARRAY_BUFFER, c.index, mesh.indices, mesh.indices.length);
+    fillBlend(gl, this.channels, this.index, mesh);
     this.origin.fromArray(mesh.origin);
     this.version = mesh.version;
     this.triangles = mesh.triangles;
@@ -121,22 +105,9 @@ export class TerrainMesh {
   private uploadWire(mesh: Mesh): void {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     const lines = edgesOf(mesh.indices);
-    fill(gl, gl.ELEMENT_ARRAY_BUFFER, this.channels.wire_index, lines, lines.length);
+    fill(gl, gl.ELEMENT_ARRAY_BUFFER, this.wire_index, lines, lines.length);
     this.wire_version = mesh.version;
   }
-
-  private bindGeometry(geometry: THREE.BufferGeometry, index: Channel): void {
-    for (const name of ['from_position', 'to_position', 'from_normal', 'to_normal'] as const) {
-      geometry.setAttribute(name, this.channels[name].attribute as unknown as THREE.BufferAttribute);
-    }
-    geometry.setIndex(index.attribute as unknown as THREE.BufferAttribute);
-  }
-}
-
-function fill(gl: WebGL2RenderingContext, target: number, channel: Channel, data: ArrayBufferView, count: number): void {
-  gl.bindBuffer(target, channel.buffer);
-  gl.bufferData(target, data, gl.DYNAMIC_DRAW);
-  channel.attribute.setCount(count);
 }
 
 // Each inner edge is in two triangles, in opposite directions: it is drawn by the one in which it rises.
@@ -174,10 +145,6 @@ function terrainUniforms(up: THREE.Vector3): Record<string, THREE.IUniform> {
     u_far: { value: 1 },
     u_pixel_rad: { value: 1e-3 },
   };
-}
-
-function shader(vertexShader: string, fragmentShader: string, uniforms: Record<string, THREE.IUniform>): THREE.RawShaderMaterial {
-  return new THREE.RawShaderMaterial({ glslVersion: THREE.GLSL3, vertexShader, fragmentShader, uniforms });
 }
 
 // 1, 2 or 5 times a power of ten, at least `value`.

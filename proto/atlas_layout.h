@@ -17,7 +17,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-namespace foreland::terrain {
+namespace foreland::proto {
 
 struct AtlasLayout {
   uint32_t faces = 0;    // of the base
@@ -56,4 +56,4 @@ struct AtlasLayout {
   bool operator==(const AtlasLayout&) const = default;
 };
 
-}  // namespace foreland::terrain
+}  // namespace foreland::proto

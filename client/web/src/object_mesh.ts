@@ -1,0 +1,85 @@
+// The scene's objects on the graphics card: blended between two keyframes as the terrain is, by the same weight, each in the
+// colours of its model's image.
+import * as THREE from 'three';
+import { bindBlend, blendChannels, channel, fill, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
+import type { Mesh } from './core';
+import { kObjectFragment, kObjectVertex } from './shaders';
+
+const kPlain: [number, number, number, number] = [196, 178, 150, 255]; // of models without an image
+
+export class ObjectMesh {
+  readonly object: THREE.Mesh;
+  private readonly geometry = new THREE.BufferGeometry();
+  private readonly channels: BlendChannels;
+  private readonly place: Channel;
+  private readonly index: Channel;
+  private readonly materials: THREE.RawShaderMaterial[] = [];
+  private readonly origin = new THREE.Vector3();
+  triangles = 0;
+  images = 0; // that have been loaded
+
+  // `uniforms` are the terrain's: weight, eye, light and haze.
+  constructor(
+    private readonly renderer: THREE.WebGLRenderer,
+    private readonly uniforms: Record<string, THREE.IUniform>,
+    private readonly models: URL,
+  ) {
+    const gl = renderer.getContext() as WebGL2RenderingContext;
+    this.channels = blendChannels(gl);
+    this.place = channel(gl, gl.FLOAT, 2, 4);
+    this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
+    bindBlend(this.geometry, this.channels, this.index);
+    this.geometry.setAttribute('place', this.place.attribute as unknown as THREE.BufferAttribute);
+    this.object = new THREE.Mesh(this.geometry, this.materials);
+    this.object.frustumCulled = false;
+    this.object.visible = false;
+  }
+
+  upload(mesh: Mesh): void {
+    const { objects } = mesh;
+    this.triangles = objects.indices.length / 3;
+    this.object.visible = this.triangles > 0;
+    if (!this.object.visible) return;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
+    fillBlend(gl, this.channels, this.index, objects);
+    fill(gl, gl.ARRAY_BUFFER, this.place, objects.places, objects.vertices);
+    this.geometry.clearGroups();
+    for (let i = 0; i < objects.parts.length; i += 3) {
+      const [first, count, model] = [objects.parts[i]!, objects.parts[i + 1]!, objects.parts[i + 2]!];
+      this.geometry.addGroup(first, count, model);
+      while (this.materials.length <= model) this.materials.push(this.materialOf(this.materials.length));
+    }
+    this.origin.fromArray(mesh.origin);
+  }
+
+  placeFrom(eye: readonly number[]): void {
+    this.object.position.set(this.origin.x - eye[0]!, this.origin.y - eye[1]!, this.origin.z - eye[2]!);
+  }
+
+  // Plain until its image is there; a model without one has none to be found.
+  private materialOf(model: number): THREE.RawShaderMaterial {
+    const image = { value: textureOf(new Uint8Array(kPlain), 1, 1) };
+    void this.load(model, image);
+    return shader(kObjectVertex, kObjectFragment, { ...this.uniforms, u_image: image });
+  }
+
+  private async load(model: number, image: { value: THREE.Texture }): Promise<void> {
+    const reply = await fetch(new URL(`${model}.rgba`, this.models)).catch(() => null);
+    if (!reply?.ok) return;
+    const bytes = new Uint8Array(await reply.arrayBuffer());
+    if (bytes.length < 8) return;
+    const [width, height] = new Uint32Array(bytes.buffer, 0, 2) as unknown as [number, number];
+    if (width === 0 || bytes.length !== 8 + 4 * width * height) return;
+    image.value = textureOf(bytes.subarray(8), width, height);
+    ++this.images;
+  }
+}
+
+// The first row is the upper one, as texture coordinates count. Bilinear: images have gutters for that, and no more.
+function textureOf(texels: Uint8Array<ArrayBuffer>, width: number, height: number): THREE.Texture {
+  const texture = new THREE.DataTexture(texels, width, height, THREE.RGBAFormat, THREE.UnsignedByteType);
+  texture.magFilter = texture.minFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}

@@ -1,0 +1,108 @@
+// Objects in a scene's file: what is asked for is what is read, they stand on the ground, and damage is found.
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "proto/frame_grid.h"
+#include "terrain/objects/placed_objects.h"
+#include "terrain/surface/bounds.h"
+#include "terrain/surface/shapes.h"
+#include "terrain/surface_store/write_surface.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+namespace {
+
+using terrain::ObjectRequest;
+using terrain::parseObject;
+
+// A sphere of radius 2 about the origin.
+std::string writeSphere(const TemporaryFolder& folder) {
+  const terrain::TrueSurface sphere = *terrain::makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+  const auto records = terrain::computeBounds(sphere, {.threads = 1});
+  const std::string path = folder / "sphere.fls";
+  EXPECT_TRUE(terrain::writeSurface(path, {.surface = sphere, .records = records}).ok());
+  return path;
+}
+
+TEST(ObjectFlag, IsReadWithAndWithoutWhatMayBeLeftOut) {
+  const auto all = parseObject("a@b/m.fls@46.5,-8.25,3,90,1.5");
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ(all->model, "a@b/m.fls");
+  EXPECT_EQ(all->at, glm::dvec2(46.5, -8.25));
+  EXPECT_EQ(all->height_m, 3);
+  EXPECT_EQ(all->heading_deg, 90);
+  EXPECT_EQ(all->scale, 1.5);
+  const auto least = parseObject("m.fls@1,2");
+  ASSERT_TRUE(least.ok());
+  EXPECT_EQ(least->height_m, 0);
+  EXPECT_EQ(least->heading_deg, 0);
+  EXPECT_EQ(least->scale, 1);
+  for (const char* wrong : {"m.fls", "@1,2", "m.fls@1", "m.fls@1,", "m.fls@1,x", "m.fls@1,2,3,4,5,6", "m.fls@nan,2",
+                            "m.fls@1,2,0,0,0", "m.fls@1,2,0,0,-1", "m.fls@1,2 "})
+    EXPECT_FALSE(parseObject(wrong).ok()) << wrong;
+}
+
+class PlacedObjects : public testing::TestWithParam<proto::FrameKind> {};
+
+TEST_P(PlacedObjects, StandOnTheGroundTurnedAndScaled) {
+  const TemporaryFolder folder;
+  const std::string model = writeSphere(folder), path = folder / "land.fls";
+  FormulaSource source(129, 97, hills(5), GetParam());
+  const proto::Frame& frame = source.info().frame;
+  const proto::FrameTransform transform(frame);
+  std::vector<ObjectRequest> requests;
+  std::vector<glm::dvec2> places;
+  for (int i = 0; i < 5; ++i) {
+    places.emplace_back(10 + 20 * i, 80 - 15 * i);
+    const auto point = transform.toScene(proto::LatticePlace{places.back().x, places.back().y, 0});
+    glm::dvec2 at = frame.map_origin_m + glm::dvec2(point);
+    if (GetParam() == proto::FrameKind::kGeographic) {
+      const proto::Geodetic g = transform.toGeodetic(point);
+      at = glm::dvec2(g.latitude_rad, g.longitude_rad) * 57.29577951308232;
+    }
+    requests.push_back({model, at, 0.5 * i, 30.0 * i, 1.0 + i});
+  }
+  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_step_m = 0.1, .objects = requests}).ok());
+  const auto scene = terrain::Scene::open(path);
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  const auto objects = terrain::readObjects(*scene);
+  ASSERT_TRUE(objects.ok()) << objects.error().message;
+  ASSERT_EQ(objects->set.size(), 5u);
+  ASSERT_EQ(objects->models.size(), 1u) << "the same model is stored once";
+  for (size_t i = 0; i < 5; ++i) {
+    const proto::ObjectPlacement& p = objects->set.placement(i);
+    const double ground_m =
+        (*scene)->height(proto::NodeId::at(static_cast<uint32_t>(places[i].x), static_cast<uint32_t>(places[i].y))) *
+        0.1;
+    const glm::dvec3 foot =
+        transform.toScene(proto::LatticePlace{places[i].x, places[i].y, ground_m + requests[i].height_m});
+    const glm::dvec3 up = transform.upAt(foot);
+    EXPECT_LT(glm::distance(p.toScene({0, 0, -2}), foot), 0.01) << i;
+    EXPECT_LT(glm::distance(p.toScene({0, 0, 1}) - p.position, up * requests[i].scale), 1e-6) << i;
+    const glm::dvec3 ahead = p.orientation * glm::dvec3(0, 1, 0);
+    const double heading = std::atan2(ahead.x, ahead.y) * 57.29577951308232;
+    EXPECT_NEAR(heading, requests[i].heading_deg, 1) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, PlacedObjects,
+                         testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+
+TEST(PlacedObjects, AreRefusedBeyondTheDataOrWithoutAModel) {
+  const TemporaryFolder folder;
+  const std::string model = writeSphere(folder), path = folder / "land.fls";
+  FormulaSource source(65, 65, hills(6));
+  const auto built = [&](const ObjectRequest& request) {
+    return terrain::buildScene(source, {.output = path, .height_step_m = 0.1, .objects = {request}});
+  };
+  const auto beyond = built({model, {1e7, 1e7}});
+  ASSERT_FALSE(beyond.ok());
+  EXPECT_NE(beyond.error().message.find("sphere.fls"), std::string::npos) << beyond.error().message;
+  EXPECT_NE(beyond.error().message.find("beyond the data"), std::string::npos) << beyond.error().message;
+  EXPECT_FALSE(built({folder / "none.fls", {0, 0}}).ok());
+  EXPECT_FALSE(std::filesystem::exists(path)) << "nothing half-made stays";
+}
+
+}  // namespace
+}  // namespace foreland::test
