@@ -2,7 +2,7 @@
 // profile. The programs are those of FORELAND_BIN (default build/release/bin), the page is dist/.
 import { execFile, spawn } from 'node:child_process';
 import { existsSync } from 'node:fs';
-import { mkdtemp, rm } from 'node:fs/promises';
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -40,6 +40,46 @@ export async function makeScene(folder, { size = 513, spacing_m = 30, seed = 7 }
   await run(foreland, ['synth', '-o', raster, '--size', `${size}`, '--spacing', `${spacing_m}`, '--seed', `${seed}`]);
   await run(foreland, ['build', raster, '-o', scene]);
   return scene;
+}
+
+// A scene with `count` rings of many colours on its ground.
+export async function makeSceneWithObjects(folder, count) {
+  const foreland = join(bin, 'foreland');
+  const raster = join(folder, 'Ground.tif');
+  const model = join(folder, 'ring.obj');
+  const surface = join(folder, 'ring.fls');
+  const scene = join(folder, 'objects.fls');
+  await writeFile(model, ringObj(48, 24));
+  await run(foreland, ['remesh', model, '-o', surface, '--levels', '4', '--base-triangles', '96']);
+  await run(foreland, ['synth', '-o', raster, '--size', '257', '--spacing', '30', '--seed', '9']);
+  const about = JSON.parse((await run(foreland, ['build', raster, '-o', scene]).then(() => run(foreland, ['info', scene, '--json']))).stdout);
+  const [x0, y0] = about.frame.origin.map_m.map((v, i) => v - about.frame.origin.lattice[i] * 30);
+  const objects = [];
+  for (let i = 0; i < count; ++i) {
+    const [column, row] = [i % 10, Math.floor(i / 10)];
+    const place = [x0 + (column + 0.5) * 768, y0 + (row + 0.5) * 768 * (10 / Math.ceil(count / 10))];
+    objects.push('--object', `${surface}@${place.map((v) => v.toFixed(1)).join(',')},20,${37 * i},120`);
+  }
+  await run(foreland, ['build', raster, '-o', scene, ...objects]);
+  return scene;
+}
+
+// A torus of radius 1 with a colour for each vertex, as OBJ, standing upright.
+function ringObj(around, across) {
+  const lines = [];
+  for (let i = 0; i < around; ++i) {
+    for (let j = 0; j < across; ++j) {
+      const [a, b] = [(2 * Math.PI * i) / around, (2 * Math.PI * j) / across];
+      const r = 1 + 0.35 * Math.cos(b);
+      const colour = [0, 2, 4].map((shift) => (0.5 + 0.5 * Math.cos(a + shift)).toFixed(3));
+      lines.push(`v ${(r * Math.cos(a)).toFixed(6)} ${(0.35 * Math.sin(b)).toFixed(6)} ${(r * Math.sin(a)).toFixed(6)} ${colour.join(' ')}`);
+    }
+  }
+  const at = (i, j) => (i % around) * across + (j % across) + 1;
+  for (let i = 0; i < around; ++i) {
+    for (let j = 0; j < across; ++j) lines.push(`f ${at(i, j)} ${at(i, j + 1)} ${at(i + 1, j + 1)} ${at(i + 1, j)}`);
+  }
+  return lines.join('\n') + '\n';
 }
 
 // Resolves when the server says where it listens. Port 0 takes a free one.

@@ -4,7 +4,7 @@ import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import {
-  changedShare, makeFolder, makeScene, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
+  changedShare, makeFolder, makeScene, makeSceneWithObjects, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
 } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
@@ -201,12 +201,34 @@ async function pinch(page) {
   await touch('touchEnd', null);
 }
 
-// It goes to docs/images only when asked for, so that a test run leaves the checkout as it was.
+test('fifty objects fly by, each in the colours of its model', kTest, async () => {
+  const crowded = await startServer(await makeSceneWithObjects(folder.folder, 50));
+  const { page, complaints, close } = await openPage(browser, { width: 1280, height: 720 });
+  try {
+    await page.goto(new URL('?sharpness=1&tour=orbit', crowded.url).href);
+    await untilTerrain(page);
+    const before_ = await until(page, (s) => s.object_images === 1 && s.touring);
+    const after_ = await until(page, (s, n) => s.keyframes >= n, before_.keyframes + 15);
+    assert.ok(after_.object_triangles > 50 * 96, `${after_.object_triangles} triangles of 50 objects`);
+    assert.ok(after_.mesh_version > before_.mesh_version);
+    await save(page, 'objects.png');
+    assert.deepEqual(complaints, []);
+  } finally {
+    await close();
+    await crowded.stop();
+  }
+});
+
+// Pictures go to docs/images only when asked for, so that a test run leaves the checkout as it was.
 test('the picture for the README', kTest, () =>
   visit('', async (page) => {
     await until(page, (s) => s.keyframes > 30);
-    await page.locator('#hint').evaluate((hint) => (hint.hidden = true));
-    const to = process.env.FORELAND_SCREENSHOT === '1' ? join(root, 'docs/images') : folder.folder;
-    await mkdir(to, { recursive: true });
-    await page.screenshot({ path: join(to, 'viewer.png') });
+    await save(page, 'viewer.png');
   }, { width: 1280, height: 720, sharpness: 1 }));
+
+async function save(page, name) {
+  await page.locator('#hint').evaluate((hint) => (hint.hidden = true));
+  const to = process.env.FORELAND_SCREENSHOT === '1' ? join(root, 'docs/images') : folder.folder;
+  await mkdir(to, { recursive: true });
+  await page.screenshot({ path: join(to, name) });
+}
