@@ -71,8 +71,10 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "--step", arguments.step,
          "Positions are whole multiples of so many of the model's units; by default about a millionth of its size")
       ->check(isPositive());
-  app.add_option("--texels", arguments.texels,
-                 "Intervals of colour along a base edge; by default as fine as the model's colours; 0 for none")
+  app.add_option(
+         "--texels", arguments.texels,
+         "Intervals of colour along a base edge, rounded up to a multiple of four; by default as fine as the model's "
+         "colours; 0 for none")
       ->check(CLI::Range(0u, proto::AtlasLayout::kMaxPixels));
   app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one a processor")
       ->check(CLI::Range(0u, 1024u));

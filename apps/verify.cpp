@@ -28,6 +28,9 @@ int report(const std::string& path, const Checks& checks, const terrain::VerifyR
   std::printf("%" PRIu64 " base vertices: %s\n", found.base_vertices, checks.base);
   std::printf("%" PRIu64 " nodes: %s\n", found.nodes, checks.nodes);
   std::printf("%" PRIu64 " unused slots: zero\n", found.padding);
+  if (found.texels > 0)
+    std::printf("%" PRIu64 " texels: the same on both sides of base edges, gutters as neighbours have them\n",
+                found.texels);
   if (found.sound()) {
     std::printf("%s: sound\n", path.c_str());
     return 0;

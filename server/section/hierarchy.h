@@ -18,8 +18,8 @@ namespace foreland::server {
 struct SceneObjects {
   proto::ObjectSet set;
   std::vector<std::span<const proto::SurfaceRecord>> records;  // of each model
-  std::vector<std::span<const uint32_t>> texels;               // of each model's image (AtlasLayout); empty: none
-  std::shared_ptr<const void> owner;                           // keeps all of that
+  std::vector<std::span<const uint32_t>> texels;  // of each model's image (proto::AtlasLayout); empty: none
+  std::shared_ptr<const void> owner;              // keeps all of that
 
   std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return records[set.placement(object).model]; }
 };

@@ -1,7 +1,6 @@
 #include "terrain/remesh/paint.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
@@ -10,6 +9,7 @@
 
 #include "terrain/parallel.h"
 #include "terrain/remesh/under.h"
+#include "terrain/surface_store/sew_atlas.h"
 
 namespace foreland::terrain {
 
@@ -24,7 +24,6 @@ Texel toTexel(const dvec4& colour) {
   for (int k = 0; k < 4; ++k) texel |= static_cast<Texel>(std::lround(std::clamp(colour[k], 0.0, 255.0))) << (8 * k);
   return texel;
 }
-dvec4 toVector(Texel texel) { return toVector(std::bit_cast<Colour>(texel)); }
 
 // Bilinear; the image repeats, as models expect. (0, 0) is its lower left corner.
 dvec4 sample(const Image& image, const glm::dvec2& at) {
@@ -88,14 +87,10 @@ class Painter {
   }
 
   Painted run(unsigned threads) {
-    const auto all = [](uint64_t) { return true; };
-    const uint32_t faces = mesh_.faceCount();
     parallelFor(
-        faces, threads, [&](uint64_t f, unsigned) { fill(static_cast<uint32_t>(f)); }, all);
-    for (uint32_t f = 0; f < faces; ++f)
-      for (uint32_t k = 0; k < 3; ++k) shareEdge(3 * f + k);
-    parallelFor(
-        faces, threads, [&](uint64_t f, unsigned) { pad(static_cast<uint32_t>(f)); }, all);
+        mesh_.faceCount(), threads, [&](uint64_t f, unsigned) { fill(static_cast<uint32_t>(f)); },
+        [](uint64_t) { return true; });
+    sewAtlas(painted_.atlas, mesh_, painted_.texels, threads);
     return std::move(painted_);
   }
 
@@ -110,35 +105,6 @@ class Painter {
         const dvec3 weights = dvec3(side_ - i - j, i, j) / double(side_);
         texel(face, i, j) = toTexel(colours_.at(placeUnder(original_, remeshed_, face, weights)));
       }
-  }
-
-  // Texel number `step` of the half-edge's side of its face.
-  Texel& onSide(proto::HalfEdge h, int32_t step) {
-    const int32_t back = side_ - step;
-    if (h % 3 == 0) return texel(h / 3, step, 0);
-    return h % 3 == 1 ? texel(h / 3, back, step) : texel(h / 3, 0, back);
-  }
-  // Two faces show the same along their edge: what the first of them has. At a vertex, what one of its faces has.
-  void shareEdge(proto::HalfEdge h) {
-    if (!mesh_.isFirst(h))
-      for (int32_t step = 1; step < side_; ++step) onSide(h, step) = onSide(mesh_.twin(h), side_ - step);
-    onSide(h, 0) = onSide(mesh_.leaving(mesh_.vertex(h)), 0);
-  }
-
-  // The gutter. Beyond the slanting side, what makes a square of four texels linear.
-  void pad(uint32_t face) {
-    for (int32_t i = 0; i <= side_; ++i) {
-      texel(face, i, -1) = texel(face, i, 0);
-      texel(face, -1, i) = texel(face, 0, i);
-    }
-    texel(face, -1, -1) = texel(face, 0, 0);
-    for (int32_t i = 1; i <= side_; ++i) {
-      const int32_t j = side_ + 1 - i;
-      texel(face, i, j) = toTexel(toVector(texel(face, i - 1, j)) + toVector(texel(face, i, j - 1)) -
-                                  toVector(texel(face, i - 1, j - 1)));
-    }
-    for (const auto& [i, j] : {std::pair(side_ + 1, 0), std::pair(side_ + 1, -1)})
-      texel(face, i, j) = texel(face, side_, 0), texel(face, j, i) = texel(face, 0, side_);
   }
 
   OriginalColours colours_;

@@ -32,7 +32,8 @@ struct Painted {
   proto::AtlasLayout atlas;
   std::vector<Texel> texels;
 };
-// `side` is at least 1. Error: an image beyond proto::AtlasLayout::kMaxPixels a side.
+// `side` is at least 1 and rounded up as proto::AtlasLayout::of does. Error: an image beyond
+// proto::AtlasLayout::kMaxPixels a side.
 [[nodiscard]] Result<Painted> paint(const Palette& palette, const Original& original, const Remeshed& remeshed,
                                     uint32_t side, unsigned threads);
 

@@ -16,6 +16,7 @@ struct VerifyReport {
   uint64_t nodes = 0;    // nodes whose invariants were checked
   uint64_t padding = 0;  // unused slots, all of which must be zero
   uint64_t base_vertices = 0;
+  uint64_t texels = 0;  // of a surface's image
   uint64_t faults = 0;
   std::vector<std::string> first_faults;  // a sentence each, the same ones for any number of threads
   bool sound() const { return faults == 0; }

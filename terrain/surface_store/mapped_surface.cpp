@@ -28,7 +28,7 @@ Status checkNumbers(const SurfaceHeader& h) {
   for (int axis = 0; axis < 3; ++axis)
     if (h.low[axis] > h.high[axis]) return malformed("its box is empty");
   if (h.atlas_side > proto::AtlasLayout::kMaxPixels || h.atlas_columns > proto::AtlasLayout::kMaxPixels ||
-      (h.atlas_side == 0) != (h.atlas_columns == 0))
+      h.atlas_side % proto::AtlasLayout::kUnit != 0 || (h.atlas_side == 0) != (h.atlas_columns == 0))
     return malformed("its image has an impossible size");
   const proto::AtlasLayout atlas{h.base_faces, h.atlas_side, h.atlas_columns};
   if (atlas.width() > proto::AtlasLayout::kMaxPixels || atlas.height() > proto::AtlasLayout::kMaxPixels)

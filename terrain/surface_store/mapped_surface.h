@@ -63,8 +63,8 @@ class MappedSurface {
 // Whether the file begins as a surface's does. False if it cannot be read.
 [[nodiscard]] bool isSurfaceFile(const std::filesystem::path& path);
 
-// Checks every block's checksum and the invariants of the nodes, reading the whole file once. Error: it could not be
-// opened as a surface. Uses threads of its own while it runs.
+// Checks every block's checksum and the invariants of the nodes and of the image, reading the whole file once. Error:
+// it could not be opened as a surface. Uses threads of its own while it runs.
 [[nodiscard]] Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads = 0);
 
 }  // namespace foreland::terrain

@@ -16,7 +16,7 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSurfaceMagic{'F', 'O', 'R', 'E', 'S', 'U', 'R', 'F'};
-inline constexpr uint32_t kSurfaceVersion = 1;
+inline constexpr uint32_t kSurfaceVersion = 2;
 
 using Texel = uint32_t;  // red, green, blue, alpha, from the lowest byte; sRGB
 

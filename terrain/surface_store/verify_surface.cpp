@@ -9,6 +9,7 @@
 #include "terrain/store/faults.h"
 #include "terrain/surface/error_shape.h"
 #include "terrain/surface_store/mapped_surface.h"
+#include "terrain/surface_store/sew_atlas.h"
 
 namespace foreland::terrain {
 
@@ -104,9 +105,12 @@ Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned t
   for (size_t v = 0; v < surface.basePositions().size(); ++v)
     if (!check.isInBox(surface.basePositions()[v]))
       values.add(0, "base vertex " + std::to_string(v) + " lies outside the surface's box");
+  if (const auto seam = findSeam(surface.atlas(), surface.topology().base(), surface.texels(), threads))
+    values.add(surface.topology().slotCount(), *seam);
   VerifyReport report;
   report.blocks = blockCount(checksums);
   report.base_vertices = surface.basePositions().size();
+  report.texels = surface.texels().size();
   report.nodes = checkNodes(check, surface.topology().slotCount(), threads);
   report.padding = surface.topology().slotCount() - report.nodes;
   report.faults = blocks.count() + values.count();

@@ -18,7 +18,7 @@ struct SurfaceContent {
   std::span<const proto::SurfaceRecord> records;  // by slot (terrain/surface/bounds.h)
   proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
   proto::AtlasLayout atlas{};       // without an image if there are no colours
-  std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top
+  std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top, sewn
   SceneOrigin about{};
 };
 

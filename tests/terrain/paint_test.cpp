@@ -26,18 +26,22 @@ Colour colourOf(const dvec3& p) {
           static_cast<uint8_t>(std::lround(127.5 * (1 + n.z))), 255};
 }
 
-// As a graphics card filters: bilinear between the centres of four pixels.
-std::array<double, 4> filtered(const Painted& painted, const glm::dvec2& coordinates) {
-  const double x = coordinates.x * painted.atlas.width() - 0.5, y = coordinates.y * painted.atlas.height() - 0.5;
-  const double left = std::floor(x), top = std::floor(y), u = x - left, v = y - top;
+// As a graphics card filters: bilinear between the centres of four pixels. `at` in pixels.
+std::array<double, 4> filtered(const std::vector<Texel>& texels, uint32_t width, const glm::dvec2& at) {
+  const double left = std::floor(at.x - 0.5), top = std::floor(at.y - 0.5), u = at.x - 0.5 - left, v = at.y - 0.5 - top;
   std::array<double, 4> sum{};
   for (int dy : {0, 1})
     for (int dx : {0, 1}) {
       const auto column = static_cast<uint64_t>(left + dx), row = static_cast<uint64_t>(top + dy);
-      const auto colour = std::bit_cast<Colour>(painted.texels[row * painted.atlas.width() + column]);
+      const auto colour = std::bit_cast<Colour>(texels[row * width + column]);
       for (size_t k = 0; k < 4; ++k) sum[k] += (dx ? u : 1 - u) * (dy ? v : 1 - v) * colour[k];
     }
   return sum;
+}
+
+std::array<double, 4> filtered(const Painted& painted, const glm::dvec2& coordinates) {
+  const glm::dvec2 size(painted.atlas.width(), painted.atlas.height());
+  return filtered(painted.texels, painted.atlas.width(), coordinates * size);
 }
 
 struct Sphere {
@@ -95,6 +99,55 @@ TEST(Paint, BothFacesOfAnEdgeShowTheSameAlongIt) {
       for (size_t k = 0; k < 4; ++k) most = std::max(most, std::fabs(a[k] - b[k]));
     }
   EXPECT_LE(most, 0.5);  // gutters are rounded to whole numbers
+}
+
+// The image at half its size, as graphics cards make it.
+std::vector<Texel> halved(const std::vector<Texel>& texels, uint32_t width) {
+  std::vector<Texel> half;
+  for (size_t row = 0; row + width < texels.size(); row += 2 * width)
+    for (size_t at = row; at < row + width; at += 2) {
+      Colour mean{};
+      for (size_t k = 0; k < 4; ++k) {
+        int sum = 2;
+        for (const size_t pixel : {at, at + 1, at + width, at + width + 1})
+          sum += std::bit_cast<Colour>(texels[pixel])[k];
+        mean[k] = static_cast<uint8_t>(sum / 4);
+      }
+      half.push_back(std::bit_cast<Texel>(mean));
+    }
+  return half;
+}
+
+// Nothing of another part of the image shows, at any of its sizes, in the middle of faces or along their edges.
+TEST(Paint, SmallerImagesShowTheColoursOfThePlace) {
+  constexpr uint64_t kSeed = 23;
+  SCOPED_TRACE(kSeed);
+  Rng rng(kSeed);
+  const Sphere sphere;
+  const std::vector<Image> none;
+  const auto painted = paint({sphere.model, none}, sphere.original, sphere.remeshed, 32, 2);
+  ASSERT_TRUE(painted.ok());
+  const glm::dvec2 size(painted->atlas.width(), painted->atlas.height());
+  std::vector<Texel> texels = painted->texels;
+  for (uint32_t halvings = 0; halvings <= proto::AtlasLayout::kHalvings; ++halvings) {
+    const uint32_t width = painted->atlas.width() >> halvings;
+    for (uint32_t face = 0; face < sphere.remeshed.base_faces.size(); ++face)
+      for (int i = 0; i < 200; ++i) {
+        const double u = rng.uniform(), v = i % 2 == 0 ? 0 : rng.uniform() * (1 - u);
+        dvec3 weights(1 - u - v, u, v);
+        if (i % 3 == 0) weights = {weights.z, weights.x, weights.y};
+        if (i % 3 == 1) weights = {weights.y, weights.z, weights.x};
+        const LatticeCell cell = sphere.remeshed.lattice.cellAt(face, weights);
+        dvec3 place(0);
+        for (int k = 0; k < 3; ++k)
+          place += cell.weights[k] * sphere.remeshed.positions[cell.vertices[static_cast<size_t>(k)]];
+        const auto found =
+            filtered(texels, width, painted->atlas.coordinates(face, weights) * size / double(1u << halvings));
+        const Colour expected = colourOf(place);
+        for (size_t k = 0; k < 4; ++k) ASSERT_NEAR(found[k], expected[k], 4 << halvings) << face;
+      }
+    texels = halved(texels, width);
+  }
 }
 
 TEST(Paint, DoesNotDependOnThreads) {

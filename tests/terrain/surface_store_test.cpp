@@ -8,6 +8,7 @@
 #include "terrain/store/scene.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface_store/mapped_surface.h"
+#include "terrain/surface_store/sew_atlas.h"
 #include "terrain/surface_store/write_surface.h"
 #include "tests/support/base_meshes.h"
 #include "tests/support/files.h"
@@ -41,6 +42,7 @@ Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t hal
   made.records = computeBounds(made.surface, {.threads = 1});
   made.texels.resize(uint64_t{made.atlas.width()} * made.atlas.height());
   for (Texel& texel : made.texels) texel = static_cast<Texel>(rng.next());
+  sewAtlas(made.atlas, made.surface.topology.base(), made.texels, 1);
   return made;
 }
 
@@ -183,37 +185,8 @@ TEST_F(SurfaceFile, VerifyNamesPaddingThatIsNotZeroAndBoundsThatDoNotHold) {
   EXPECT_NE(faults().find("slot 0 has a cone of normals that does not hold that of its child"), std::string::npos);
   made.records[0] = whole, made.records[0].radius.bits = 0xffff;
   EXPECT_NE(faults().find("slot 0 has a bound that is no number"), std::string::npos);
-}
-
-TEST(proto::AtlasLayout, PixelsOfFacesAreTheirOwn) {
-  for (const uint32_t faces : {1u, 2u, 7u, 200u})
-    for (const uint32_t side : {1u, 4u, 17u}) {
-      const proto::AtlasLayout atlas = proto::AtlasLayout::of(faces, side);
-      std::vector<uint32_t> owner(uint64_t{atlas.width()} * atlas.height(), faces);
-      const auto last = static_cast<int32_t>(side);
-      for (uint32_t face = 0; face < faces; ++face)
-        for (int32_t j = -1; j <= last + 1; ++j)
-          for (int32_t i = -1; i <= last + 1 && i + j <= last + 1; ++i) {
-            const glm::ivec2 p = atlas.pixel(face, i, j);
-            ASSERT_TRUE(p.x >= 0 && p.y >= 0 && p.x < static_cast<int32_t>(atlas.width()) &&
-                        p.y < static_cast<int32_t>(atlas.height()));
-            uint32_t& taken = owner[static_cast<uint64_t>(p.y) * atlas.width() + static_cast<uint64_t>(p.x)];
-            ASSERT_TRUE(taken == faces || taken == face);
-            taken = face;
-          }
-    }
-}
-
-TEST(proto::AtlasLayout, CoordinatesFallOnTexelCentres) {
-  const proto::AtlasLayout atlas = proto::AtlasLayout::of(9, 8);
-  for (uint32_t face = 0; face < 9; ++face)
-    for (int32_t j = 0; j <= 8; ++j)
-      for (int32_t i = 0; i + j <= 8; ++i) {
-        const glm::dvec2 at = atlas.coordinates(face, glm::dvec3(8 - i - j, i, j) / 8.0);
-        const glm::dvec2 pixel = glm::dvec2(atlas.pixel(face, i, j)) + 0.5;
-        EXPECT_NEAR(at.x * atlas.width(), pixel.x, 1e-9);
-        EXPECT_NEAR(at.y * atlas.height(), pixel.y, 1e-9);
-      }
+  made.records[0] = whole, made.texels[3] ^= 1;
+  EXPECT_EQ(faults(), "pixel (3, 0) of the image is not what base face 0 must have there\n");
 }
 
 }  // namespace
