@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "bench/oracle/oracle_eye.h"
 
 namespace foreland::bench {
 
@@ -29,27 +30,6 @@ std::optional<glm::dvec3> positionAt(const DrawnTriangle& t, const Weights& at) 
           static_cast<double>(w) * t.positions[2]) /
          static_cast<double>(u + v + w);
 }
-
-struct Eye {
-  glm::dvec3 at, right, up, forward;
-  double focal, half_width, half_height;
-
-  Eye(const proto::Pose& pose, const proto::Lens& lens)
-      : at(pose.eye),
-        right(pose.right()),
-        up(pose.up()),
-        forward(pose.forward()),
-        focal(lens.focalPx()),
-        half_width(0.5 * lens.width_px),
-        half_height(0.5 * lens.height_px) {}
-  double depth(const glm::dvec3& p) const { return glm::dot(p - at, forward); }
-  glm::dvec2 project(const glm::dvec3& p) const {
-    return glm::dvec2(glm::dot(p - at, right), glm::dot(p - at, up)) * (focal / depth(p));
-  }
-  bool sees(const glm::dvec2& pixel) const {
-    return std::fabs(pixel.x) <= half_width && std::fabs(pixel.y) <= half_height;
-  }
-};
 
 }  // namespace
 
@@ -97,7 +77,7 @@ std::vector<SurfaceOracle::Side> SurfaceOracle::sides(const glm::dvec3& eye) con
 
 SurfaceJudgement SurfaceOracle::judge(std::span<const DrawnTriangle> drawn, const proto::Pose& pose,
                                       const proto::Lens& lens, double near_m) const {
-  const Eye eye(pose, lens);
+  const OracleEye eye(pose, lens);
   const auto positions = drawnPositions(drawn);
   const std::vector<Side> side = sides(pose.eye);
   SurfaceJudgement result;
@@ -111,13 +91,9 @@ SurfaceJudgement SurfaceOracle::judge(std::span<const DrawnTriangle> drawn, cons
     }
     const double px = eye.depth(*positions[v]) > 0 ? glm::length(eye.project(*positions[v]) - eye.project(truth))
                                                    : std::numeric_limits<double>::infinity();
-    SurfaceErrors& errors = side[v] == Side::kSilhouette ? result.silhouette : result.interior;
-    errors.max_px = std::max(errors.max_px, px);
-    errors.rms_px += px * px;
-    ++errors.vertices;
+    (side[v] == Side::kSilhouette ? result.silhouette : result.interior).add(px);
   }
-  for (SurfaceErrors* errors : {&result.silhouette, &result.interior})
-    if (errors->vertices > 0) errors->rms_px = std::sqrt(errors->rms_px / static_cast<double>(errors->vertices));
+  for (SurfaceErrors* errors : {&result.silhouette, &result.interior}) errors->finish();
   return result;
 }
 

@@ -1,6 +1,6 @@
 // What a camera may see of a sphere while its eye stays near and it turns a little: how near its points may come, and
 // whether any lies between the side planes. Both are 1-Lipschitz in the sphere's place and grow (nearer, more inside)
-// with its radius. Immutable; any thread.
+// with its radius; so is how far aside its middle may come. Immutable; any thread.
 #pragma once
 
 #include <algorithm>
@@ -43,6 +43,11 @@ class Frustum {
     const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
     const double z = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
     return std::max(std::max(z - radius, (distance - radius) * cos_corner_), nearest_);
+  }
+  // How far from the axis the sphere's middle comes, at most, while it is in front.
+  [[gnu::always_inline]] double mostAside(const Place& p) const {
+    const double rho = std::sqrt(p.x * p.x + p.y * p.y), distance = std::sqrt(rho * rho + p.z * p.z);
+    return p.z * cos_turn_ - rho * sin_turn_ > 0 ? rho * cos_turn_ + p.z * sin_turn_ : distance;
   }
   // Signed distance to the nearest side plane, positive inside, when it turns to be the best it can.
   [[gnu::always_inline]] double sideDistance(const Place& p) const {

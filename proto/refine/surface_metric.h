@@ -15,11 +15,13 @@
 // which are S's conditions (4) and (5), multiplied out and made safe for perspective. (Hoppe's shape: max(a h, b d).)
 // With z_min the least depth of a visible point, as in metric.h, the node is needed if
 //     f B > tolerance z_min^2    and    f |e| / cos(corner) > tolerance z_min
-// the latter since |p| <= z / cos(corner) where p is visible.
+// the latter since |p| <= z / cos(corner) where p is visible. B takes the middle to be far aside and its sphere's
+// points to be near at once; so, with l the middle's distance from the axis, hypot(z_min, l + R) |e| stands for it
+// where it is less: |p| / z of a visible point is at most hypot(z_min, l + R) / z_min.
 //
-// All of this changes by no more than the eye moves (B by |e| times as much), so an outcome can say how much motion it
-// is sure to survive; turning by an angle counts as moving by it times the distance. The basis of adaptation by slack
-// (adapter.h).
+// All of this changes by no more than the eye moves (B by sqrt(2) |e| times as much), so an outcome can say how much
+// motion it is sure to survive; turning by an angle counts as moving by it times the distance. The basis of adaptation
+// by slack (adapter.h).
 //
 // front, -back, B, |e| only grow and z_min only shrinks when sphere, cone, bulge and shape grow; a parent's hold its
 // children's with 1e-6 of the object's size to spare (terrain/surface/bounds.h), far more than rounding here, which is
@@ -125,7 +127,9 @@ class SurfaceMetric {
     s.h = std::sqrt(std::max(0.0, d2 - s.g * s.g));
     s.z = frustum_.leastDepth(place, R);
     s.longest = std::max(n.along, n.across);
-    s.B = errorAcross(n, s.g, s.h, std::sqrt(d2)) + s.longest * R;
+    const double aside = frustum_.mostAside(place) + R;
+    s.B = std::min(errorAcross(n, s.g, s.h, std::sqrt(d2)) + s.longest * R,
+                   s.longest * std::sqrt(s.z * s.z + aside * aside));
     s.side_room = frustum_.sideDistance(place) + R;
     return s;
   }
@@ -134,9 +138,9 @@ class SurfaceMetric {
     const double across = h * n.sin_cone + n.bulge + ball_;
     return {across + along, across - along};
   }
-  // Until z + x reaches |e| / (tolerance cos(corner)), or tolerance (z + x)^2 reaches B - |e| x.
+  // Until z + x reaches |e| / (tolerance cos(corner)), or tolerance (z + x)^2 reaches B - kRate |e| x.
   [[gnu::always_inline]] double seenRoom(const Seen& s, double tolerance) const {
-    const double b = 2 * tolerance * s.z + s.longest, c = s.B - tolerance * s.z * s.z;
+    const double b = 2 * tolerance * s.z + kRate * s.longest, c = s.B - tolerance * s.z * s.z;
     const double across = 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * tolerance * c)));
     return std::min(s.longest * frustum_.inverseCosCorner() / tolerance - s.z, across);
   }
@@ -145,6 +149,8 @@ class SurfaceMetric {
     const double ah = n.along * h, bg = n.across * g, bd = n.across * d;
     return std::max(std::sqrt(ah * ah + end_on_ * (bg * bg)), bd);
   }
+
+  static constexpr double kRate = 1.4142135623730952;  // of B, as a share of |e|, by motion
 
   Frustum frustum_;
   glm::dvec3 eye_;

@@ -118,8 +118,9 @@ class BoundsPass {
       const Extent error = missing.extent(all.normal);
       all.errors.push_back(error);
       const double drawn = std::hypot(error.along, error.across);
-      all.radius = std::max(all.radius, glm::length(full_.position(vertex) - all.position) + drawn);
       for (uint32_t t : full_.trianglesAt(vertex)) {
+        for (uint32_t corner : full_.triangles()[t])
+          all.radius = std::max(all.radius, glm::length(full_.position(corner) - all.position) + drawn);
         const glm::dvec3& normal = full_.normal(t);
         if (normal == glm::dvec3(0)) continue;
         all.least_cosine = std::min(all.least_cosine, glm::dot(normal, all.normal));

@@ -1,8 +1,8 @@
 // The bounds of every node of a surface (S 3.3; DESIGN section 3), exact over the full-resolution surface and
 // saturated. With V(n) the vertices where the node's hat function is not zero:
 //
-//   radius   the sphere about the node holds V(n), where it truly is and wherever a section without the node may draw
-//            it, and its children's spheres
+//   radius   the sphere about the node holds the full-resolution triangles at V(n), where they truly are and moved by
+//            any error of their vertex in V(n), and its children's spheres
 //   cone     about the node's normal, holds the normals of all full-resolution triangles at V(n), and its children's cones
 //   bulge    the planes of those triangles pass no farther from the node, and so do all planes that a child allows: with a
 //            sphere's worth of room for each triangle (S 3.3.2), a support seems to turn away later than it does
@@ -17,8 +17,10 @@
 // way, as on the sphere, this is equation 2. By bisection the triangle that is drawn instead has true corners, and
 // equation 2 is exact.
 //
-// So every vertex's error is held by the shape of some missing node whose support holds the vertex, which is what the
-// screen tests (proto/refine/surface_metric.h) need; and all of it nests from child to parent, so they are monotone.
+// So every vertex's error is held by the shape of some missing node whose support holds the vertex. A point of a
+// triangle is off by a mean of the errors of its three vertices; three missing nodes hold those, and their spheres the
+// triangle, so what the screen tests (proto/refine/surface_metric.h) say of each error at that point holds for the
+// mean: texels are as safe as vertices. All of it nests from child to parent, so the tests are monotone.
 #pragma once
 
 #include <functional>
