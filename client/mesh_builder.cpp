@@ -27,7 +27,7 @@ void MeshBuilder::placeBase() {
   const proto::GridShape& shape = grid_.shape();
   const uint32_t corners = (shape.roots_x + 1) * (shape.roots_y + 1), size = grid_.rootSize();
   first_node_ = corners + shape.roots_x * shape.roots_y;
-  const size_t count = first_node_ + nodes_.slots.size();
+  const size_t count = first_node_ + nodes_.size();
   for (int s = 0; s < 2; ++s) {
     position_[s].resize(count);
     normal_[s].assign(count, glm::dvec3(0));
@@ -55,7 +55,7 @@ void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
   const uint32_t centre = row * (shape.roots_y + 1) + root_y * shape.roots_x + root_x;
   const int32_t half = static_cast<int32_t>(grid_.rootSize() / 2), levels = grid_.maxLevel();
   const int32_t x = static_cast<int32_t>(root_x) * 2 * half + half, y = static_cast<int32_t>(root_y) * 2 * half + half;
-  const uint8_t both = NodeUnion::kInFrom | NodeUnion::kInTo;
+  const uint8_t both = HeldNodes::kInFrom | HeldNodes::kInTo;
   visit({{x, y - half}, {half, 0}, sw, se, centre, levels, both});
   visit({{x + half, y}, {0, half}, se, ne, centre, levels, both});
   visit({{x, y + half}, {-half, 0}, ne, nw, centre, levels, both});
@@ -63,15 +63,14 @@ void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
 }
 
 void MeshBuilder::visit(const Triangle& t) {
-  uint32_t node = SlotTable::kAbsent;
+  HeldNodes::Row::Found node;
   if (t.levels > 0)
-    node = nodes_.index.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
-  const uint8_t split = node == SlotTable::kAbsent ? 0 : nodes_.in[node];
-  for (uint8_t section : {NodeUnion::kInFrom, NodeUnion::kInTo})
-    if ((t.live & section) && !(split & section)) addNormal(section, t);
-  if (node == SlotTable::kAbsent) return emit(t.a, t.b, t.apex);
+    node = nodes_.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
+  for (uint8_t section : {HeldNodes::kInFrom, HeldNodes::kInTo})
+    if ((t.live & section) && !(node.in & section)) addNormal(section, t);
+  if (node.in == 0) return emit(t.a, t.b, t.apex);
   const uint32_t v = splitVertex(t, node);
-  const uint8_t live = t.live & split;
+  const uint8_t live = t.live & node.in;
   const Lattice rot{-t.d.y, t.d.x};
   const Lattice in{(rot.x - t.d.x) / 2, (rot.y - t.d.y) / 2}, on{(rot.x + t.d.x) / 2, (rot.y + t.d.y) / 2};
   visit({{t.m.x + in.x, t.m.y + in.y}, {-on.x, -on.y}, t.apex, t.a, v, t.levels - 1, live});
@@ -79,24 +78,23 @@ void MeshBuilder::visit(const Triangle& t) {
 }
 
 // The vertex of a node, placed when the first of its triangles gets there.
-uint32_t MeshBuilder::splitVertex(const Triangle& t, uint32_t node) {
-  const uint32_t v = first_node_ + node;
+uint32_t MeshBuilder::splitVertex(const Triangle& t, const HeldNodes::Row::Found& node) {
+  const uint32_t v = first_node_ + node.position;
   if (endpoints_[v][0] != kUnset) return v;
   endpoints_[v] = {t.a, t.b};
   mesh_.places[v] = {static_cast<float>(t.m.x), static_cast<float>(t.m.y)};
   const proto::NodeId id = proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y));
-  const int32_t height = nodes_.heights[node];
-  const double height_m = height * replica_.frameGrid().transform().frame().height_step_m;
-  const glm::dvec4 own(replica_.frameGrid().position(id, height), height_m);
+  const double height_m = node.height * replica_.frameGrid().transform().frame().height_step_m;
+  const glm::dvec4 own(replica_.frameGrid().position(id, node.height), height_m);
   for (int s = 0; s < 2; ++s)
-    position_[s][v] = nodes_.in[node] & (s == 0 ? NodeUnion::kInFrom : NodeUnion::kInTo)
+    position_[s][v] = node.in & (s == 0 ? HeldNodes::kInFrom : HeldNodes::kInTo)
                           ? own
                           : 0.5 * (position_[s][t.a] + position_[s][t.b]);
   return v;
 }
 
 void MeshBuilder::addNormal(uint8_t section, const Triangle& t) {
-  const int s = section == NodeUnion::kInFrom ? 0 : 1;
+  const int s = section == HeldNodes::kInFrom ? 0 : 1;
   const glm::dvec3 a(position_[s][t.a]);
   const glm::dvec3 n = glm::cross(glm::dvec3(position_[s][t.b]) - a, glm::dvec3(position_[s][t.apex]) - a);
   for (uint32_t v : {t.a, t.b, t.apex}) normal_[s][v] += n;
@@ -175,10 +173,8 @@ void MeshBuilder::writePositions() {
     for (const glm::dvec4& p : position_[s])
       out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
   }
-  for (uint8_t in : nodes_.in) {
-    mesh_.from_nodes += (in & NodeUnion::kInFrom) ? 1 : 0;
-    mesh_.to_nodes += (in & NodeUnion::kInTo) ? 1 : 0;
-  }
+  mesh_.from_nodes = nodes_.fromCount();
+  mesh_.to_nodes = nodes_.toCount();
 }
 
 }  // namespace foreland::client

@@ -25,7 +25,7 @@ class MeshBuilder {
   struct Lattice {
     int32_t x, y;
   };
-  // A triangle: edge a = m - d, b = m + d, apex m + rot(d). `live` says in which sections (NodeUnion bits) it is a
+  // A triangle: edge a = m - d, b = m + d, apex m + rot(d). `live` says in which sections (HeldNodes::in) it is a
   // triangle.
   struct Triangle {
     Lattice m, d;
@@ -37,7 +37,7 @@ class MeshBuilder {
   void placeBase();
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
-  uint32_t splitVertex(const Triangle& t, uint32_t node);
+  uint32_t splitVertex(const Triangle& t, const HeldNodes::Row::Found& node);
   void addNormal(uint8_t section, const Triangle& t);
   void emit(uint32_t a, uint32_t b, uint32_t c);
   void clip(std::array<uint32_t, 3> corners);
@@ -48,7 +48,7 @@ class MeshBuilder {
 
   const Replica& replica_;
   const proto::GridTopology& grid_;
-  const NodeUnion& nodes_;
+  const HeldNodes::Row nodes_;
   KeyframeMesh& mesh_;
   glm::vec2 limit_;
   uint32_t first_node_ = 0;                          // vertices before it are base vertices

@@ -23,8 +23,8 @@ Replica::Replica(const proto::Welcome& welcome)
                                                      welcome.frame)),
       corner_heights_(std::make_unique<std::vector<int32_t>>(welcome.corner_heights)),
       centre_heights_(std::make_unique<std::vector<int32_t>>(welcome.centre_heights)),
-      known_(domain_->grid, {*corner_heights_, *centre_heights_}),
       adapter_(*domain_),
+      nodes_(domain_->grid, {*corner_heights_, *centre_heights_}),
       object_set_(std::make_unique<proto::ObjectSet>(
           std::move(proto::ObjectSet::create(welcome.models, welcome.objects)).value())) {
   makeObjects();
@@ -36,17 +36,10 @@ void Replica::makeObjects() {
   if (!objects_.empty()) object_model_ = std::make_unique<proto::SurfaceModel>();
 }
 
-const int32_t* Replica::knownHeight(NodeId v) const {
+std::optional<int32_t> Replica::knownHeight(NodeId v) const {
   const proto::GridTopology& grid = domain_->grid;
-  if (!grid.contains(v)) return nullptr;
-  if (grid.isBase(v)) {
-    const uint32_t k = grid.shape().root_log2, rx = v.x() >> k, ry = v.y() >> k;
-    const bool corner = (v.x() & (grid.rootSize() - 1)) == 0;
-    return corner ? &(*corner_heights_)[ry * (grid.shape().roots_x + 1) + rx]
-                  : &(*centre_heights_)[ry * grid.shape().roots_x + rx];
-  }
-  const uint32_t i = nodes_.index.find(grid.slot(v));
-  return i == SlotTable::kAbsent ? nullptr : &nodes_.heights[i];
+  if (!grid.contains(v) || (!grid.isBase(v) && nodes_.in(grid.slot(v)) == 0)) return std::nullopt;
+  return nodes_.records().height(v);
 }
 
 Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
@@ -59,19 +52,18 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
     broken_ = true;
     return s;
   }
-  merge();
+  nodes_.step(delta_);
+  nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
   from_ = to_.index == 0 ? header : to_;
   to_ = header;
-  forgetUnknown();
   return {};
 }
 
 // The server does not go on from the section that was presented.
 void Replica::startAfresh() {
   adapter_ = proto::TerrainAdapter(*domain_);
-  known_ = proto::SparseNodes(domain_->grid, {*corner_heights_, *centre_heights_});
+  nodes_ = HeldNodes(domain_->grid, {*corner_heights_, *centre_heights_});
   model_ = {};
-  nodes_ = {};
   fingerprint_ = 0;
   from_ = to_ = {};
   broken_ = false;
@@ -111,9 +103,8 @@ std::optional<proto::Resume> Replica::present(uint64_t scene_id) {
 Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   delta_.added.clear();
   delta_.removed.clear();
-  proto::AdaptScratch scratch;
-  proto::DeltaDecoder decoder(*domain_, known_, model_, bytes);
-  if (!adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch, delta_)) {
+  proto::DeltaDecoder decoder(*domain_, nodes_.records(), model_, bytes);
+  if (!adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_)) {
     if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
     return refused("its section is not closed, or too large");
   }
@@ -128,46 +119,6 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   return {};
 }
 
-// The union of the newest section and the one before; `to` becomes `from`.
-void Replica::merge() {
-  NodeUnion next;
-  const size_t size = nodes_.slots.size() + delta_.added.size();
-  next.slots.reserve(size);
-  next.heights.reserve(size);
-  next.in.reserve(size);
-  const auto push = [&](Slot slot, int32_t height, uint8_t in) {
-    next.slots.push_back(slot);
-    next.heights.push_back(height);
-    next.in.push_back(in);
-  };
-  size_t a = 0, r = 0;
-  const auto pushAdded = [&] {
-    push(delta_.added[a], known_.at(delta_.added[a]).height(), NodeUnion::kInTo);
-    ++a;
-  };
-  for (size_t i = 0; i < nodes_.slots.size(); ++i) {
-    if (!(nodes_.in[i] & NodeUnion::kInTo)) continue;
-    const Slot slot = nodes_.slots[i];
-    while (a < delta_.added.size() && delta_.added[a] < slot) pushAdded();
-    const bool goes = r < delta_.removed.size() && delta_.removed[r] == slot;
-    if (goes) ++r;
-    push(slot, nodes_.heights[i], goes ? NodeUnion::kInFrom : NodeUnion::kInFrom | NodeUnion::kInTo);
-  }
-  while (a < delta_.added.size()) pushAdded();
-  next.index.build(next.slots);
-  nodes_ = std::move(next);
-}
-
-// What is not known any more goes once it is as much as what is.
-void Replica::forgetUnknown() {
-  if (known_.size() < 4 * (adapter_.nodeCount() + 1024)) return;
-  proto::SparseNodes kept(domain_->grid, {*corner_heights_, *centre_heights_});
-  adapter_.forEachKnown([&](Slot slot) {
-    if (known_.has(slot)) kept.make(slot) = known_.at(slot);
-  });
-  known_ = std::move(kept);
-}
-
 KeyframeMesh Replica::buildMesh() const {
   KeyframeMesh mesh;
   mesh.from = from_;
@@ -175,13 +126,6 @@ KeyframeMesh Replica::buildMesh() const {
   MeshBuilder(*this, mesh).run();
   for (const ObjectReplica& object : objects_) object.appendTo(mesh);
   return mesh;
-}
-
-proto::Section Replica::section() const {
-  proto::Section section;
-  for (size_t i = 0; i < nodes_.slots.size(); ++i)
-    if (nodes_.in[i] & NodeUnion::kInTo) section.slots.push_back(nodes_.slots[i]);
-  return section;
 }
 
 std::optional<double> Replica::heightAt(double x, double y) const {
@@ -199,8 +143,7 @@ std::optional<double> Replica::heightAt(double x, double y) const {
       steep ? glm::dvec2(cx, y < cy ? cy - half : cy + half) : glm::dvec2(x > cx ? cx + half : cx - half, cy);
   const auto vertex = [](glm::dvec2 p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); };
   for (int level = 1; level <= grid.maxLevel(); ++level) {
-    const uint32_t i = nodes_.index.find(grid.slot(vertex(m)));
-    if (i == SlotTable::kAbsent || !(nodes_.in[i] & NodeUnion::kInTo)) break;
+    if (!(nodes_.in(grid.slot(vertex(m))) & HeldNodes::kInTo)) break;
     const glm::dvec2 rot(-d.y, d.x);
     const bool toward_b = glm::dot(glm::dvec2(x, y) - m, d) > 0;
     const glm::dvec2 in = (rot - d) / 2.0, on = (rot + d) / 2.0;
@@ -209,7 +152,7 @@ std::optional<double> Replica::heightAt(double x, double y) const {
   }
   const glm::dvec2 rot(-d.y, d.x), offset = glm::dvec2(x, y) - m;
   const double length2 = glm::dot(d, d), along = glm::dot(offset, d) / length2, up = glm::dot(offset, rot) / length2;
-  const int32_t *a = knownHeight(vertex(m - d)), *b = knownHeight(vertex(m + d)), *apex = knownHeight(vertex(m + rot));
+  const auto a = knownHeight(vertex(m - d)), b = knownHeight(vertex(m + d)), apex = knownHeight(vertex(m + rot));
   if (!a || !b || !apex) return std::nullopt;
   const double steps = 0.5 * (1 - along - up) * *a + 0.5 * (1 + along - up) * *b + up * *apex;
   return steps * domain_->frame.transform().frame().height_step_m;

@@ -7,24 +7,14 @@
 #include <optional>
 #include <vector>
 
+#include "client/held_nodes.h"
 #include "client/keyframe_mesh.h"
 #include "client/object_replica.h"
-#include "client/slot_table.h"
 #include "proto/delta_codec.h"
 #include "proto/frame_grid.h"
 #include "proto/message.h"
 
 namespace foreland::client {
-
-// The nodes of the last two sections together, by ascending slot, and which of the two each belongs to.
-struct NodeUnion {
-  static constexpr uint8_t kInFrom = 1, kInTo = 2;
-
-  std::vector<proto::Slot> slots;
-  std::vector<int32_t> heights;  // steps
-  std::vector<uint8_t> in;       // kInFrom | kInTo
-  SlotTable index;               // slot to position in the arrays above
-};
 
 class Replica {
  public:
@@ -46,38 +36,36 @@ class Replica {
   const proto::GridTopology& grid() const { return domain_->grid; }
   const proto::FrameGrid& frameGrid() const { return domain_->frame; }
   const proto::KeyframeHeader& newest() const { return to_; }
-  const NodeUnion& nodes() const { return nodes_; }
+  const HeldNodes& nodes() const { return nodes_; }
   const proto::CutDelta& lastDelta() const { return delta_; }  // sorted
-  proto::Section section() const;                              // the newest
+  proto::Section section() const { return nodes_.newest(); }
   const std::vector<ObjectReplica>& objects() const { return objects_; }
 
   // Height (m) of the newest section's surface at a lattice place inside the data; nothing elsewhere or before a
   // keyframe.
   std::optional<double> heightAt(double x, double y) const;
 
-  // Height in steps of a vertex that the replica holds (base, or node of either section), or nullptr.
-  const int32_t* knownHeight(proto::NodeId v) const;
+  // Height in steps of a vertex that the replica holds (base, or node of either section), or nothing.
+  std::optional<int32_t> knownHeight(proto::NodeId v) const;
 
  private:
   void startAfresh();
   void makeObjects();
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
-  void merge();
-  void forgetUnknown();
 
   // Behind pointers, for the adapter refers to them and replicas move.
   std::unique_ptr<const proto::TerrainDomain> domain_;
   std::unique_ptr<const std::vector<int32_t>> corner_heights_, centre_heights_;
-  proto::SparseNodes known_;  // the newest section's nodes and those that can be added to it
   proto::TerrainAdapter adapter_;
   proto::DeltaModel model_;  // of all deltas taken
-  NodeUnion nodes_;
+  HeldNodes nodes_;          // and those that can be added to the newest section
   std::unique_ptr<const proto::ObjectSet> object_set_;
   std::vector<ObjectReplica> objects_;
   std::unique_ptr<proto::SurfaceModel> object_model_;  // none without objects: it is large
   uint32_t fingerprint_ = 0;
   proto::KeyframeHeader from_, to_;
   proto::CutDelta delta_;
+  proto::AdaptScratch scratch_;
   bool broken_ = false;
 };
 

@@ -2,6 +2,8 @@
 // give a vertex's height, base vertices included.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -36,52 +38,84 @@ class DenseNodes {
   const NodeRecord* nodes_;
 };
 
-// Some nodes of a scene: open addressing, grows as it fills. One owner.
+// Some nodes of a scene, in blocks of slots that follow one another: neighbours share a block, and a block is found by
+// one probe of a table that holds blocks only. Grows as it fills; forgets whole blocks. One owner.
 class SparseNodes {
  public:
+  static constexpr Slot kBlockSlots = 64;
+
   SparseNodes(const GridTopology& grid, BaseHeights base) : grid_(&grid), base_(base), cells_(64) {}
 
-  // A record of zeros if the node is not there.
-  const NodeRecord& at(Slot slot) const { return cells_[probe(slot)].record; }
-  bool has(Slot slot) const { return cells_[probe(slot)].slot == slot; }
+  // A record of zeros, or one that was there before, if the node is not there.
+  const NodeRecord& at(Slot slot) const { return records_[place(block(slot), slot)]; }
   int32_t height(NodeId v) const { return grid_->isBase(v) ? base_.at(*grid_, v) : at(grid_->slot(v)).height(); }
-  size_t size() const { return count_; }
-
   // The node's record, made if it is not there; valid until the next call.
   NodeRecord& make(Slot slot) {
-    size_t cell = probe(slot);
-    if (cells_[cell].slot == slot) return cells_[cell].record;
-    if (2 * ++count_ > cells_.size()) {
-      grow();
-      cell = probe(slot);
+    uint32_t number = block(slot);
+    if (number == kNone) number = makeBlock(slot / kBlockSlots);
+    return records_[place(number, slot)];
+  }
+
+  // Blocks have numbers from 1 on; kNone if the slot's is not there.
+  static constexpr uint32_t kNone = 0;
+  uint32_t block(Slot slot) const { return cells_[probe(slot / kBlockSlots)].block; }
+  // One past the largest number.
+  uint32_t blockCount() const { return static_cast<uint32_t>(keys_.size()); }
+  Slot first(uint32_t number) const { return keys_[number] * kBlockSlots; }
+  // Of a slot of a block that is there.
+  const NodeRecord& at(uint32_t number, Slot slot) const { return records_[place(number, slot)]; }
+
+  // Forgets the blocks but those of which keep(number) is true, which is asked once of each, ascending. These get the
+  // numbers from 1 on.
+  template <class Keep>
+  void retain(const Keep& keep) {
+    uint32_t kept = 1;
+    for (uint32_t number = 1; number < blockCount(); ++number) {
+      if (!keep(number)) continue;
+      keys_[kept] = keys_[number];
+      std::copy_n(records_.begin() + static_cast<std::ptrdiff_t>(place(number, 0)), kBlockSlots,
+                  records_.begin() + static_cast<std::ptrdiff_t>(place(kept++, 0)));
     }
-    cells_[cell].slot = slot;
-    return cells_[cell].record;
+    keys_.resize(kept);
+    records_.resize(place(kept, 0));
+    keys_.shrink_to_fit();
+    records_.shrink_to_fit();
+    index(std::bit_ceil(size_t{64} + 2 * kept));
   }
 
  private:
   struct Cell {
-    Slot slot = kNoSlot;
-    NodeRecord record;
+    uint32_t key = 0, block = kNone;
   };
-  size_t probe(Slot slot) const {
+  static size_t place(uint32_t number, Slot slot) { return size_t{number} * kBlockSlots + slot % kBlockSlots; }
+  // The cell of a key, or the empty one where it would be.
+  size_t probe(uint32_t key) const {
     const size_t mask = cells_.size() - 1;
-    const uint32_t h = slot * 0x9e3779b1u;
+    const uint32_t h = key * 0x9e3779b1u;
     size_t at = (h ^ (h >> 15)) & mask;
-    while (cells_[at].slot != slot && cells_[at].slot != kNoSlot) at = (at + 1) & mask;
+    while (cells_[at].key != key && cells_[at].block != kNone) at = (at + 1) & mask;
     return at;
   }
-  void grow() {
-    std::vector<Cell> old(2 * cells_.size());
-    old.swap(cells_);
-    for (const Cell& cell : old)
-      if (cell.slot != kNoSlot) cells_[probe(cell.slot)] = cell;
+  uint32_t makeBlock(uint32_t key) {
+    const uint32_t number = blockCount();
+    keys_.push_back(key);
+    records_.resize(place(number + 1, 0));
+    if (2 * keys_.size() > cells_.size())
+      index(2 * cells_.size());
+    else
+      cells_[probe(key)] = {key, number};
+    return number;
+  }
+  void index(size_t cells) {
+    cells_.assign(cells, {});
+    for (uint32_t number = 1; number < blockCount(); ++number) cells_[probe(keys_[number])] = {keys_[number], number};
   }
 
   const GridTopology* grid_;
   BaseHeights base_;
-  std::vector<Cell> cells_;  // a power of two
-  size_t count_ = 0;
+  std::vector<Cell> cells_;        // a power of two, open addressing; an empty cell's key says nothing
+  std::vector<uint32_t> keys_{0};  // slot / kBlockSlots, by number; of kNone nothing
+  std::vector<NodeRecord> records_ = std::vector<NodeRecord>(kBlockSlots);  // by number; those of kNone are zeros
 };
 
 }  // namespace foreland::proto

@@ -32,14 +32,12 @@ double decodeSeconds(client::Replica& replica, proto::KeyframeMemory& headers, c
 
 // Both ends must hold the same, heights included.
 void compare(const client::Replica& replica, const server::Hierarchy& hierarchy, size_t nodes) {
-  const client::NodeUnion& held = replica.nodes();
-  size_t count = 0;
-  for (size_t i = 0; i < held.slots.size(); ++i) {
-    if (!(held.in[i] & client::NodeUnion::kInTo)) continue;
-    CHECK_EQ(held.heights[i], hierarchy.nodes()[held.slots[i]].height());
-    ++count;
+  const proto::Section held = replica.section();
+  CHECK_EQ(held.slots.size(), nodes);
+  for (proto::Slot slot : held.slots) {
+    CHECK_TRUE(replica.nodes().in(slot)&client::HeldNodes::kInTo);
+    CHECK_EQ(replica.nodes().records().at(slot).height(), hierarchy.nodes()[slot].height());
   }
-  CHECK_EQ(count, nodes);
 }
 
 }  // namespace

@@ -90,12 +90,8 @@ class Adapter {
   bool contains(Slot slot) const { return frontier_.isActive(slot); }
   // Of the page of a node of the section.
   RadiusClass radius(Slot slot) const { return frontier_.radius(slot); }
-  // Calls visit(slot) for each node of the section and of its frontier, some twice.
-  template <class Visit>
-  void forEachKnown(const Visit& visit) const {
-    frontier_.forEachActive(visit);
-    frontier_.forEachListed(visit);
-  }
+  // Whether any of the 64 slots from `first` on, a multiple of 64, is of the section or its frontier.
+  bool knowsBlock(Slot first) const { return frontier_.hasAnyOf64(first); }
   size_t bytes() const { return frontier_.bytes(); }  // of this session's state
   size_t frontierSize() const { return frontier_.entryCount(); }
   uint64_t testCount() const { return tests_; }  // since the start

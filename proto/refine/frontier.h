@@ -57,6 +57,11 @@ class Frontier {
     const uint32_t number = find(slot);
     return number != kNone && pages_[number].listed.has(static_cast<uint8_t>(slot));
   }
+  // Active or listed, from `first` on, a multiple of 64.
+  bool hasAnyOf64(Slot first) const {
+    const uint32_t number = find(first), word = first % kPageSlots / 64;
+    return number != kNone && (pages_[number].active.words[word] | pages_[number].listed.words[word]) != 0;
+  }
   // Of the slot's page, which must be there.
   RadiusClass radius(Slot slot) const { return pages_[find(slot)].radius; }
 

@@ -1,0 +1,49 @@
+#include "client/held_nodes.h"
+
+#include <algorithm>
+
+namespace foreland::client {
+
+uint32_t HeldNodes::changedBlock(proto::Slot slot) {
+  const uint32_t block = records_.block(slot);
+  if (changed_.empty() || changed_.back() != block) changed_.push_back(block);
+  return block;
+}
+
+void HeldNodes::step(const proto::CutDelta& delta) {
+  sets_.resize(records_.blockCount());
+  for (uint32_t block : changed_) sets_[block].from = sets_[block].to;
+  changed_.clear();
+  const auto bit = [](proto::Slot slot) { return uint64_t{1} << (slot % proto::SparseNodes::kBlockSlots); };
+  for (proto::Slot slot : delta.removed) sets_[changedBlock(slot)].to &= ~bit(slot);
+  for (proto::Slot slot : delta.added) sets_[changedBlock(slot)].to |= bit(slot);
+}
+
+std::vector<uint32_t> HeldNodes::blocksInOrder() const {
+  std::vector<uint32_t> blocks;
+  for (uint32_t block = 1; block < sets_.size(); ++block)
+    if ((sets_[block].from | sets_[block].to) != 0) blocks.push_back(block);
+  std::sort(blocks.begin(), blocks.end(),
+            [this](uint32_t a, uint32_t b) { return records_.first(a) < records_.first(b); });
+  return blocks;
+}
+
+proto::Section HeldNodes::newest() const {
+  proto::Section section;
+  for (uint32_t block : blocksInOrder())
+    for (uint64_t left = sets_[block].to; left != 0; left &= left - 1)
+      section.slots.push_back(records_.first(block) + static_cast<uint32_t>(std::countr_zero(left)));
+  return section;
+}
+
+HeldNodes::Row::Row(const HeldNodes& nodes) : nodes_(nodes), begin_(nodes.sets_.size()) {
+  for (uint32_t block : nodes.blocksInOrder()) {
+    const Sets sets = nodes.sets_[block];
+    begin_[block] = size_;
+    size_ += static_cast<uint32_t>(std::popcount(sets.from | sets.to));
+    from_count_ += static_cast<uint32_t>(std::popcount(sets.from));
+    to_count_ += static_cast<uint32_t>(std::popcount(sets.to));
+  }
+}
+
+}  // namespace foreland::client
