@@ -23,9 +23,13 @@ size_t binOf(int x, std::initializer_list<int> edges) {
 template <class Coder, class Nodes>
 class LevelCoder {
  public:
-  LevelCoder(const TerrainDomain& domain, const Nodes& nodes, DeltaModel& model, Coder& coder, int level)
+  LevelCoder(const TerrainDomain& domain, const Nodes& nodes, DeltaModel& model, Coder& coder, AskedNodes& asked,
+             int level)
       : grid_(domain.grid),
+        names_(grid_, level),
+        level_(level),
         nodes_(nodes),
+        asked_(asked),
         model_(model),
         coder_(coder),
         symbols_(coder, model.escape),
@@ -39,7 +43,7 @@ class LevelCoder {
       const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
       return coder_.code(model_.stays[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], answer);
     }
-    const Surroundings around(*this, grid_.node(q.slot));
+    const Surroundings around = Surroundings::of(grid_, nodes_, names_.at(q.slot), level_);
     const size_t size = static_cast<size_t>(std::clamp(halfOctaves(around.expected() / stepsOf(q.least)) + 8, 0, 15));
     bool got;
     if (q.is_new) {
@@ -49,51 +53,27 @@ class LevelCoder {
       const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 3);
       got = coder_.code(model_.comes_later[size * 4 + width], answer);
     }
+    if (got) asked_.keep(around);
     return got;
   }
 
-  // `passed` is the least class that showed the node. An encoder passes the height, a decoder gets it.
+  // Of all nodes that come, in order. `passed` is the least class that showed the node. An encoder passes the height, a
+  // decoder gets it.
   int32_t codeHeight(Slot slot, ErrorClass passed, int32_t height) {
-    const Surroundings around(*this, grid_.node(slot));
+    const Surroundings* known = asked_.take();
+    const Surroundings around = known ? *known : Surroundings::of(grid_, nodes_, names_.at(slot), level_);
     const double least = stepsOf(passed), expected = around.expected();
     const size_t scale = static_cast<size_t>(
         std::clamp(halfOctaves(std::max(least, expected)) + 4, 0, static_cast<int>(DeltaModel::kScales) - 1));
     const size_t ratio = binOf(halfOctaves(expected / least), {-2, 0, 2});
-    const bool leans = 2.0 * static_cast<double>(std::abs(around.twist)) >= least;
+    const bool leans = 2.0 * std::abs(around.twist) >= least;
     auto& number = model_.height[(scale * DeltaModel::kRatios + ratio) * 2 + (leans ? 1 : 0)];
-    const int64_t guess = around.middle + (around.twist >> 3);
+    const int32_t guess = around.middle + (around.twist >> 3);
     const size_t lean = !leans ? 0 : around.twist < 0 ? 1 : 2;
-    return inRange(guess + symbols_.number(number, lean, static_cast<int32_t>(height - guess)));
+    return inRange(int64_t{guess} + symbols_.number(number, lean, height - guess));
   }
 
  private:
-  // What is known around a node whose parents are there.
-  struct Surroundings {
-    int32_t middle;     // of the edge's ends
-    int64_t twist = 0;  // sum of the triangles' apexes minus that of the ends
-    int64_t bends = 0;  // sum of the parents' displacements' sizes
-
-    Surroundings(const LevelCoder& coder, NodeId n) {
-      const auto [a, b] = coder.grid_.endpoints(n);
-      const int64_t ends = int64_t{coder.nodes_.height(a)} + coder.nodes_.height(b);
-      middle = static_cast<int32_t>(ends >> 1);
-      const auto apexes = coder.grid_.apexes(n);
-      for (NodeId apex : apexes) {
-        if (coder.grid_.isBase(apex)) {
-          twist += coder.nodes_.height(apex);
-          continue;
-        }
-        const NodeRecord& record = coder.nodes_.at(coder.grid_.slot(apex));
-        twist += record.height();
-        bends += std::abs(record.displacement());
-      }
-      if (apexes.count == 1) twist *= 2, bends *= 2;
-      twist -= ends;
-    }
-    // A guess at the error, steps.
-    double expected() const { return 0.25 * static_cast<double>(2 * bends + std::abs(twist)) + 0.25; }
-  };
-
   double stepsOf(ErrorClass c) const { return static_cast<double>(c.metres()) * steps_per_m_; }
   // Hostile bytes only are not.
   static int32_t inRange(int64_t height) {
@@ -101,7 +81,10 @@ class LevelCoder {
   }
 
   const GridTopology& grid_;
+  LevelNodes names_;
+  int level_;
   const Nodes& nodes_;
+  AskedNodes& asked_;
   DeltaModel& model_;
   Coder& coder_;
   Symbols<Coder> symbols_;
@@ -126,7 +109,7 @@ void DeltaEncoder::load(TerrainBatch& batch) {
 
 bool DeltaEncoder::answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) {
   const double before = coder_.bits();
-  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, level);
+  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
   for (size_t i = 0; i < questions.size(); ++i)
     answers[i] = level_coder.codeAnswer(questions[i], nodes_.at(questions[i].slot).error() >= questions[i].least);
   bits_.answers += coder_.bits() - before;
@@ -136,10 +119,11 @@ bool DeltaEncoder::answer(int level, std::span<const Question> questions, std::s
 
 bool DeltaEncoder::onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) {
   const double before = coder_.bits();
-  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, level);
+  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
   for (size_t i = 0; i < slots.size(); ++i) level_coder.codeHeight(slots[i], passed[i], nodes_.at(slots[i]).height());
   bits_.heights += coder_.bits() - before;
   bits_.added += slots.size();
+  asked_.clear();
   return true;
 }
 
@@ -149,9 +133,10 @@ RadiusClass DeltaDecoder::radius(Slot) {
 }
 
 // Until it comes, a node is known by the middle of its edge.
-void DeltaDecoder::onAddable(int, std::span<const Slot> slots) {
+void DeltaDecoder::onAddable(int level, std::span<const Slot> slots) {
+  LevelNodes names(domain_.grid, level);
   for (Slot slot : slots) {
-    const auto [a, b] = domain_.grid.endpoints(domain_.grid.node(slot));
+    const auto [a, b] = domain_.grid.endpoints(names.at(slot));
     nodes_.make(slot) = NodeRecord::of(middleOf(nodes_.height(a), nodes_.height(b)), 0, {}, {});
   }
 }
@@ -161,7 +146,7 @@ void DeltaDecoder::load(TerrainBatch& batch) {
 }
 
 bool DeltaDecoder::answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) {
-  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, level);
+  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
   for (size_t i = 0; i < questions.size(); ++i) {
     answers[i] = level_coder.codeAnswer(questions[i], false);
     if (coder_.overrun()) return false;
@@ -170,7 +155,7 @@ bool DeltaDecoder::answer(int level, std::span<const Question> questions, std::s
 }
 
 bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) {
-  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, level);
+  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
   for (size_t i = 0; i < slots.size(); ++i) {
     const int32_t height = level_coder.codeHeight(slots[i], passed[i], 0);
     if (std::abs(height) > kMaxHeight) absurd_ = true;
@@ -178,6 +163,7 @@ bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<con
     NodeRecord& record = nodes_.make(slots[i]);
     record = NodeRecord::of(height, height - record.middle(), {}, {});
   }
+  asked_.clear();
   return true;
 }
 

@@ -14,6 +14,7 @@
 // section held. One owner of a model; otherwise pure; any thread. Portable to WebAssembly.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "base/bytes.h"
@@ -21,6 +22,7 @@
 #include "proto/node_tables.h"
 #include "proto/refine/adapter.h"
 #include "proto/refine/terrain_batch.h"
+#include "proto/surroundings.h"
 #include "proto/symbols.h"
 
 namespace foreland::proto {
@@ -40,6 +42,26 @@ struct DeltaModel {
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;
+};
+
+// What was found around the nodes whose answer was yes, until their heights are coded; in order, of one level, as many
+// as there is room for.
+class AskedNodes {
+ public:
+  void keep(const Surroundings& around) {
+    if (count_ < around_.size()) around_[count_] = around;
+    ++count_;
+  }
+  // Of the next, if it was kept.
+  const Surroundings* take() {
+    const size_t next = taken_++;
+    return next < std::min(count_, around_.size()) ? &around_[next] : nullptr;
+  }
+  void clear() { count_ = taken_ = 0; }
+
+ private:
+  std::array<Surroundings, 1024> around_;
+  size_t count_ = 0, taken_ = 0;
 };
 
 // Where a coder's bits went, and for how many.
@@ -69,6 +91,7 @@ class DeltaEncoder final : public NodeSource<TerrainBatch> {
   const DenseNodes& nodes_;
   DeltaModel& model_;
   RangeEncoder coder_;
+  AskedNodes asked_;
   DeltaBits bits_;
 };
 
@@ -91,6 +114,7 @@ class DeltaDecoder final : public NodeSource<TerrainBatch> {
   SparseNodes& nodes_;
   DeltaModel& model_;
   RangeDecoder coder_;
+  AskedNodes asked_;
   bool absurd_ = false;
 };
 
