@@ -14,6 +14,8 @@
 #include "bench/sections/measure.h"
 #include "bench/wire/measure.h"
 #include "bench/wire/peer_report.h"
+#include "bench/wire/wasm_decoder.h"
+#include "server/session/world.h"
 #include "server/view/tour.h"
 
 namespace foreland {
@@ -24,6 +26,7 @@ struct Arguments {
   bench::FlightOptions flight;
   uint32_t frames_per_second = 60, measure_every = 6;
   bench::PeerOptions peers{.quantized_mesh = bench::peerSources()};
+  std::filesystem::path wasm_decoder = bench::wasmDecoderPath();
   bool json = false, errors = true, with_peers = true;
 };
 
@@ -102,6 +105,29 @@ int runRefine(const Arguments& args) {
   return 0;
 }
 
+// The flight decoded in WebAssembly; null, with the reason, where that cannot be.
+Result<nlohmann::ordered_json> wasmReport(const Arguments& args, const terrain::Scene& scene,
+                                          const std::vector<bench::RecordedKeyframe>& flight,
+                                          const bench::WireCosts& costs) {
+  proto::Welcome welcome = server::welcomeTo(scene);
+  welcome.tau_px = args.flight.tau_px;
+  welcome.keyframe_interval = args.flight.keyframe_interval;
+  const auto times = bench::decodeInWasm(args.wasm_decoder, welcome, flight);
+  nlohmann::ordered_json report{{"decode_wasm_mnodes_per_s", nullptr}, {"first_decode_wasm_mnodes_per_s", nullptr}};
+  if (!times && times.error().code != ErrorCode::kNotFound) return times.error();
+  if (!times) {
+    report["decode_wasm_skipped"] = times.error().message;
+    return report;
+  }
+  if (times->digest != costs.digest)
+    return Error{ErrorCode::kMalformed, "decoding in WebAssembly ends in another section, or in other heights"};
+  const double changed = static_cast<double>(costs.nodes_added + costs.nodes_removed);
+  report["decode_wasm_mnodes_per_s"] = 1e-6 * changed / times->rest_s;
+  report["first_decode_wasm_mnodes_per_s"] = 1e-6 * static_cast<double>(costs.first_section_nodes) / times->first_s;
+  report["node"] = times->node;
+  return report;
+}
+
 int runWire(const Arguments& args) {
   auto scene = terrain::Scene::open(args.scene);
   if (!scene) return fail(scene.error().message);
@@ -137,11 +163,17 @@ int runWire(const Arguments& args) {
                                 {"bits_per_object_node", costs.bits_per_object_node},
                                 {"encode_mnodes_per_s", costs.encode_mnodes_per_s},
                                 {"decode_mnodes_per_s", costs.decode_mnodes_per_s},
+                                {"decode_beyond_adaptation_mnodes_per_s", costs.decode_beyond_adaptation_mnodes_per_s},
                                 {"send_mnodes_per_s", costs.send_mnodes_per_s},
                                 {"first_encode_mnodes_per_s", costs.first_encode_mnodes_per_s},
                                 {"first_decode_mnodes_per_s", costs.first_decode_mnodes_per_s},
                                 {"encode_ms", costs.encode_ms},
                                 {"decode_ms", costs.decode_ms}};
+  const auto wasm = wasmReport(args, **scene, flight, costs);
+  if (!wasm) return fail(wasm.error().message);
+  report.update(*wasm);
+  if (report.contains("decode_wasm_skipped"))
+    std::cerr << "foreland bench: WebAssembly skipped: " << report["decode_wasm_skipped"].get<std::string>() << "\n";
   if (args.with_peers) {
     auto peers = bench::peersReport(hierarchy, views, args.peers);
     if (!peers) return fail(peers.error().message);
@@ -190,6 +222,7 @@ int main(int argc, char** argv) {
   wire->add_option("--peer-samples", args.peers.samples, "meshes in flight that the other codecs get")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  wire->add_option("--wasm-decoder", args.wasm_decoder, "module of the wasm preset that decodes");
   wire->add_option("--quantized-mesh", args.peers.quantized_mesh, "folder of decode.mjs and its node_modules");
   wire->add_flag("!--no-peers", args.with_peers, "leave out the other codecs");
   apps::SurfaceArguments surface_args;

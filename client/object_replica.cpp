@@ -11,6 +11,10 @@ namespace foreland::client {
 using proto::NodeId;
 using proto::Slot;
 
+namespace {
+constexpr Slot kBlock = 64;  // of Adapter::knowsBlock
+}
+
 // Numbers vertices as the triangles of the union name them. A vertex is a base vertex, a node of either section, or the
 // middle of an edge where a neighbour is split (S 3.6); where it is no node of a section it lies between its endpoints.
 class ObjectReplica::Builder {
@@ -144,11 +148,9 @@ void ObjectReplica::startAfresh() { adapter_ = proto::SurfaceAdapter(objects_->d
 void ObjectReplica::forgetUnknown() {
   if (known_.size() < 4 * (adapter_.nodeCount() + 256)) return;
   proto::SurfaceRecords kept;
-  const auto keep = [&](Slot slot) {
-    if (const auto it = known_.find(slot); it != known_.end()) kept.insert(*it);
-  };
-  adapter_.forEachKnown(keep);
-  for (Slot slot : to_) keep(slot);
+  for (const auto& [slot, record] : known_)
+    if (adapter_.knowsBlock(slot / kBlock * kBlock) || std::binary_search(from_.begin(), from_.end(), slot))
+      kept[slot] = record;
   known_ = std::move(kept);
 }
 

@@ -110,7 +110,7 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   }
   uint32_t print = fingerprint_ + proto::fingerprint(delta_.added) - proto::fingerprint(delta_.removed);
   for (ObjectReplica& object : objects_)
-    if (!object.step(proto::viewOf(header), *object_model_, decoder.coder(), scratch, print))
+    if (!object.step(proto::viewOf(header), *object_model_, decoder.coder(), scratch_, print))
       return refused("what it has of an object is no delta");
   if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
   if (((print ^ header.fingerprint) & header.fingerprint_mask) != 0)

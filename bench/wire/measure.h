@@ -25,9 +25,11 @@ struct WireCosts {
   // Millions of nodes that come or go per second of one thread's processor time, the first section apart.
   // Encoding is what sending takes beyond adaptation alone; decoding includes the adaptation that it steps.
   double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;
-  double send_mnodes_per_s = 0;  // adaptation and encoding together
+  double decode_beyond_adaptation_mnodes_per_s = 0;  // decoding less adaptation alone, as encoding is counted
+  double send_mnodes_per_s = 0;                      // adaptation and encoding together
   double first_encode_mnodes_per_s = 0, first_decode_mnodes_per_s = 0;
   double encode_ms = 0, decode_ms = 0;  // means per keyframe
+  uint32_t digest = 0;                  // of the last section (digest.h)
 };
 // Whole messages, as a session sends them. Checks that both ends hold the same section and heights.
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,

@@ -17,7 +17,7 @@ namespace foreland::bench {
 namespace {
 
 using proto::MeshRule;
-using terrain::AtlasLayout;
+using proto::AtlasLayout;
 using terrain::TrueSurface;
 
 constexpr proto::Lens kLens{1.0471975511965976, 640, 480};

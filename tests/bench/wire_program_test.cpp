@@ -44,6 +44,21 @@ TEST_F(WireProgram, ComparesWithOthersOnTheSameMeshes) {
   EXPECT_GT(peers.at("first_section_half_tau").at("vertices"), peers.at("first_section").at("vertices"));
 }
 
+TEST_F(WireProgram, SaysWhyNothingIsDecodedInWebAssembly) {
+  const nlohmann::json wire = report({"--no-peers", "--wasm-decoder", folder_ / "none.wasm"});
+  EXPECT_TRUE(wire.at("decode_wasm_mnodes_per_s").is_null());
+  EXPECT_NE(wire.at("decode_wasm_skipped").get<std::string>().find("none.wasm is not built"), std::string::npos);
+  EXPECT_GT(wire.at("decode_mnodes_per_s"), 0);
+}
+
+// It fails if it ends with other nodes or heights than the client does that is compiled for this machine.
+TEST_F(WireProgram, DecodesInWebAssembly) {
+  const nlohmann::json wire = report({"--no-peers"});
+  if (wire.contains("decode_wasm_skipped")) GTEST_SKIP() << wire.at("decode_wasm_skipped");
+  EXPECT_GT(wire.at("decode_wasm_mnodes_per_s"), 0);
+  EXPECT_GT(wire.at("first_decode_wasm_mnodes_per_s"), 0);
+}
+
 TEST_F(WireProgram, LeavesTheOthersOut) { EXPECT_FALSE(report({"--no-peers"}).contains("peers")); }
 
 }  // namespace

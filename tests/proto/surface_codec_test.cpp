@@ -58,12 +58,12 @@ TEST_P(SurfaceCodec, GivesTheClientTheServersSectionAndItsRecords) {
       CutDelta sent, got;
       ASSERT_TRUE(ends.step(view, sent, got)) << named.name << ", seed " << seed << ", step " << i;
       ASSERT_EQ(got, sent) << named.name << ", seed " << seed << ", step " << i;
-      ends.client.forEachKnown([&](Slot slot) {
-        const SurfaceRecord &a = ends.held.at(slot), &b = ends.records[slot];
+      for (const auto& [slot, a] : ends.held) {
+        const SurfaceRecord& b = ends.records[slot];
         ASSERT_TRUE(a.position == b.position && a.radius == b.radius && a.error_along == b.error_along &&
                     a.error_across == b.error_across && a.cone_sine == b.cone_sine && a.bulge == b.bulge &&
                     a.normal == b.normal);
-      });
+      }
     }
   }
 }
