@@ -7,6 +7,7 @@
 
 #include "bench/surfaces/draw.h"
 #include "bench/timing.h"
+#include "proto/surface_nodes.h"
 
 namespace foreland::bench {
 
@@ -87,13 +88,32 @@ SurfaceBench::SurfaceBench(const terrain::TrueSurface& surface, proto::ErrorShap
   bounds_seconds_ = threadSeconds() - begin;
 }
 
+proto::SurfaceDomain SurfaceBench::domain(const SurfaceSession& session) const {
+  return {.mesh = &surface_.topology,
+          .step_m = surface_.step_m,
+          .interior_per_tau = session.interior_px / session.silhouette_px,
+          .nearest_m = nearest_m_,
+          .is_closed = full_.is_closed,
+          .shape = shape_};
+}
+
 PlainSection SurfaceBench::refine(const SurfaceSession& session, const proto::Pose& pose, double scale) const {
-  const proto::View view{pose, session.lens, scale * session.silhouette_px};
-  const proto::SurfaceMetric metric(view, {.interior_px = scale * session.interior_px,
-                                           .nearest_m = nearest_m_,
-                                           .is_closed = full_.is_closed,
-                                           .shape = shape_});
-  return plainRefine(surface_, records_, metric);
+  return plainRefine(surface_, records_, domain(session).metric({pose, session.lens, scale * session.silhouette_px}));
+}
+
+double SurfaceBench::adapt(const SurfaceSession& session, const proto::Pose& pose,
+                           proto::SurfaceAdapter& adapter) const {
+  proto::PlainSurfaceNodes source(records_);
+  proto::AdaptScratch scratch;
+  proto::CutDelta delta;
+  const double begin = threadSeconds();
+  CHECK_TRUE(adapter.adapt({pose, session.lens, session.silhouette_px}, surface_.topology.slotCount(), source, scratch,
+                           delta));
+  const double ms = 1e3 * (threadSeconds() - begin);
+  const PlainSection expected = refine(session, pose, 1);
+  CHECK_EQ(adapter.nodeCount(), expected.nodes);
+  for (proto::Slot slot : adapter.section().slots) CHECK_TRUE(expected.active[slot] != 0);
+  return ms;
 }
 
 FrameCost SurfaceBench::measure(const SurfaceSession& session, const proto::Pose& pose) const {

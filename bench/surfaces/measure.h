@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/surfaces/plain.h"
+#include "proto/surface_codec.h"
 #include "terrain/surface/bounds.h"
 
 namespace foreland::bench {
@@ -48,6 +49,11 @@ class SurfaceBench {
     double scale = 1, faces = 0;
   };
   AtEqualError atEqualError(const SurfaceSession& session, const std::vector<proto::Pose>& poses, double share) const;
+
+  // The same section by the adapter that sessions have, which goes from pose to pose; the milliseconds of this step.
+  // CHECKs that it is what refinement from scratch gives.
+  double adapt(const SurfaceSession& session, const proto::Pose& pose, proto::SurfaceAdapter& adapter) const;
+  proto::SurfaceDomain domain(const SurfaceSession& session) const;
 
   size_t fullFaces() const { return full_.triangles.size(); }
   double boundsSeconds() const { return bounds_seconds_; }

@@ -52,12 +52,15 @@ struct Session {
   std::vector<size_t> faces;
   double mean_faces = 0, silhouette_error_px = 0, interior_error_px = 0;
   uint64_t uncovered = 0;
-  std::vector<double> refine_ms, full_draw_ms, draw_ms;
+  std::vector<double> refine_ms, adapt_ms, full_draw_ms, draw_ms;
 };
 
 Session replay(const SurfaceBench& bench, const SurfaceSession& session, const std::vector<proto::Pose>& poses) {
   Session all;
+  const proto::SurfaceDomain domain = bench.domain(session);
+  proto::SurfaceAdapter adapter(domain);
   for (const proto::Pose& pose : poses) {
+    all.adapt_ms.push_back(bench.adapt(session, pose, adapter));
     const FrameCost cost = bench.measure(session, pose);
     all.faces.push_back(cost.faces);
     all.mean_faces += static_cast<double>(cost.faces) / static_cast<double>(poses.size());
@@ -117,7 +120,7 @@ ordered_json surfaceReport(const terrain::TrueSurface& surface, const SurfaceSes
   ordered_json by_disc = ordered_json::array();
   for (double disc : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0}) by_disc.push_back(atDisc(surface, bench, session, disc));
   const Session all = replay(bench, session, poses);
-  const double refine_ms = median(all.refine_ms), full_draw_ms = median(all.full_draw_ms);
+  const double refine_ms = median(all.refine_ms), adapt_ms = median(all.adapt_ms), full_draw_ms = median(all.full_draw_ms);
   return {{"base_faces", surface.topology.base().faceCount()},
           {"full_faces", bench.fullFaces()},
           {"silhouette_px", session.silhouette_px},
@@ -137,6 +140,8 @@ ordered_json surfaceReport(const terrain::TrueSurface& surface, const SurfaceSes
           {"full_draw_ms", full_draw_ms},
           {"draw_ms", median(all.draw_ms)},
           {"refine_share_of_full_draw", refine_ms / full_draw_ms},
+          {"adapt_ms", adapt_ms},
+          {"adapt_share_of_full_draw", adapt_ms / full_draw_ms},
           {"bounds_s", bench.boundsSeconds()}};
 }
 

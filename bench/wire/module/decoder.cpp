@@ -15,6 +15,7 @@ namespace {
 struct Decoder {
   Bytes stream;
   std::optional<client::Replica> replica;
+  proto::KeyframeMemory headers;
   std::optional<proto::ServerMessage> message;
 };
 
@@ -35,10 +36,13 @@ FORELAND_EXPORT(decoder_buffer) uint8_t* buffer(uint32_t size) {
 FORELAND_EXPORT(decoder_read) uint32_t read(uint32_t begin, uint32_t size) {
   Decoder& d = decoder();
   if (begin > d.stream.size() || size > d.stream.size() - begin) return 0;
-  auto message = proto::decodeServerMessage(ByteSpan(d.stream).subspan(begin, size));
+  auto message = proto::decodeServerMessage(ByteSpan(d.stream).subspan(begin, size), d.headers);
   if (!message.ok()) return 0;
   d.message = std::move(message).value();
-  if (const auto* welcome = std::get_if<proto::Welcome>(&*d.message)) d.replica.emplace(*welcome);
+  if (const auto* welcome = std::get_if<proto::Welcome>(&*d.message)) {
+    d.replica.emplace(*welcome);
+    d.headers = {};
+  }
   return 1;
 }
 
