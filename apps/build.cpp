@@ -90,8 +90,10 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
       ->required();
   app.add_option("-o,--output", arguments.output, "The scene file to write")->required();
   app.add_option("--nodata", arguments.open.nodata, "The value that means 'no data', instead of the file's own");
-  app.add_option("--vertical-step", arguments.vertical_step_m,
-                 "Metres per step of a stored height; by default 0.1, finer for samples closer than 2 m")
+  app.add_option(
+         "--vertical-step", arguments.vertical_step_m,
+         "Metres per step of a stored height; by default 1, 0.5 or 0.25 if all heights are multiples of it, else "
+         "0.1, and finer for samples closer than 2 m")
       ->check(CLI::Validator(
           [](const std::string& text) {
             double step_m = 0;
@@ -183,7 +185,8 @@ int build(const Arguments& arguments) {
   describeInput((*source)->info());
   terrain::BuildOptions options{.output = arguments.output,
                                 .height_step_m = chooseVerticalStep(arguments, (*source)->info()),
-                                .threads = arguments.threads};
+                                .threads = arguments.threads,
+                                .widen_step = !arguments.vertical_step_m};
   for (const std::string& text : arguments.objects) {
     auto object = terrain::parseObject(text);
     if (!object.ok()) return fail(object.error());

@@ -1,5 +1,6 @@
 #include "terrain/build/build.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -73,6 +74,23 @@ Status fill(Raster& raster, const ElevationInfo& info, SceneOrigin& origin) {
   origin.voids_filled = voids.samples;
   if (!voids.note.empty()) origin.notes.push_back(voids.note);
   return {};
+}
+
+// The step that the heights, voids among them, allow.
+double stepFor(std::span<const float> metres, const BuildOptions& options, SceneOrigin& origin) {
+  if (!options.widen_step) return options.height_step_m;
+  for (const double step : {1.0, 0.5, 0.25}) {
+    if (step <= options.height_step_m) break;
+    const auto fits = [&](float h) { return !std::isfinite(h) || std::remainder(double{h}, step) == 0; };
+    if (!std::all_of(metres.begin(), metres.end(), fits)) continue;
+    origin.notes.push_back("all heights are multiples of " +
+                           std::string(step == 1     ? "1"
+                                       : step == 0.5 ? "0.5"
+                                                     : "0.25") +
+                           " m, and are kept in steps of it");
+    return step;
+  }
+  return options.height_step_m;
 }
 
 // Corners and centres of the roots.
@@ -167,15 +185,16 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
 
   progress.report("filling voids", 0);
   SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
+  const double step_m = stepFor(raster.metres(), options, origin);
   if (Status status = fill(raster, info, origin); !status.ok()) return status.error();
   progress.report("filling voids", 1);
 
   HeightRange range;
-  if (Status status = raster.quantise(options.height_step_m, range); !status.ok())
+  if (Status status = raster.quantise(step_m, range); !status.ok())
     return Error{status.error().code, info.title + ": " + status.error().message};
   const Heights heights{raster.steps(), info.width, info.height};
   proto::Frame frame = info.frame;
-  frame.height_step_m = options.height_step_m;
+  frame.height_step_m = step_m;
   auto objects =
       makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
   if (!objects.ok()) return objects.error();
@@ -195,12 +214,13 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                      .samples = samples,
                      .voids_filled = origin.voids_filled,
                      .notes = origin.notes,
+                     .height_step_m = step_m,
                      .levels = grid->maxLevel(),
                      .nodes = nodeCount(*grid),
                      .file_bytes = writer->fileBytes(),
                      .scene_id = *id,
-                     .lowest_m = range.lowest * options.height_step_m,
-                     .highest_m = range.highest * options.height_step_m};
+                     .lowest_m = range.lowest * step_m,
+                     .highest_m = range.highest * step_m};
 }
 
 }  // namespace foreland::terrain

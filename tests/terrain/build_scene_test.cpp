@@ -55,6 +55,33 @@ TEST(Build, FillsVoidsAndCountsThem) {
   EXPECT_LE((*scene)->heightRange().highest, 1290);
 }
 
+// What is whole in the data stays whole, and not a sample is moved; one sample between the steps forbids it.
+TEST(Build, WidensTheStepToWhatAllHeightsAreMultiplesOf) {
+  const test::TemporaryFolder folder;
+  for (const auto& [unit, odd, step] : {std::tuple{1.0, 0.0, 1.0},
+                                        {0.5, 0.0, 0.5},
+                                        {0.75, 0.0, 0.25},
+                                        {1.0, 0.3, 0.1},
+                                        {1.0, 0.5, 0.5},
+                                        {1.7, 0.0, 0.1}}) {
+    test::FormulaSource source(40, 33, [&](uint32_t x, uint32_t y) {
+      if (x == 7 && y > 4) return nan();
+      return unit * std::floor(300 * std::sin(0.3 * x + 0.2 * y)) + (x == 12 && y == 9 ? odd : 0);
+    });
+    const auto report = buildScene(source, {.output = folder / "a.fls", .widen_step = true});
+    ASSERT_TRUE(report.ok());
+    EXPECT_EQ(report->height_step_m, step) << unit << " " << odd;
+    EXPECT_EQ(report->notes.size(), step > 0.1 ? 2u : 1u);
+    const auto scene = Scene::open(folder / "a.fls");
+    ASSERT_TRUE(scene.ok());
+    EXPECT_EQ((*scene)->frame().height_step_m, step);
+    EXPECT_TRUE(verifyScene(folder / "a.fls")->sound());
+    const auto kept = buildScene(source, {.output = folder / "b.fls"});
+    EXPECT_EQ(kept->height_step_m, 0.1);
+    EXPECT_NEAR(report->highest_m, kept->highest_m, unit == 1.7 ? 0.1 : 0.051);
+  }
+}
+
 TEST(Build, NothingButVoidsIsAnError) {
   const test::TemporaryFolder folder;
   test::FormulaSource source(9, 9, [](uint32_t, uint32_t) { return nan(); });
