@@ -50,8 +50,8 @@ class LevelCoder {
       got = coder_.code(model_.comes[(size * 8 + scale_) * 4 + before_], answer);
       before_ = (2 * before_ + (got ? 1 : 0)) & 3;
     } else {
-      const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 3);
-      got = coder_.code(model_.comes_later[size * 4 + width], answer);
+      const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);
+      got = coder_.code(model_.comes_later[(size * 8 + width) * 8 + scale_], answer);
     }
     if (got) asked_.keep(around);
     return got;
@@ -66,10 +66,10 @@ class LevelCoder {
     const size_t scale = static_cast<size_t>(
         std::clamp(halfOctaves(std::max(least, expected)) + 4, 0, static_cast<int>(DeltaModel::kScales) - 1));
     const size_t ratio = binOf(halfOctaves(expected / least), {-2, 0, 2});
-    const bool leans = 2.0 * std::abs(around.twist) >= least;
+    const bool leans = 2.0 * std::abs(around.curve()) >= least;
     auto& number = model_.height[(scale * DeltaModel::kRatios + ratio) * 2 + (leans ? 1 : 0)];
-    const int32_t guess = around.middle + (around.twist >> 3);
-    const size_t lean = !leans ? 0 : around.twist < 0 ? 1 : 2;
+    const int32_t guess = around.guess();
+    const size_t lean = !leans ? 0 : around.curve() < 0 ? 1 : 2;
     return inRange(int64_t{guess} + symbols_.number(number, lean, height - guess));
   }
 

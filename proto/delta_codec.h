@@ -36,9 +36,9 @@ using TerrainAdapter = Adapter<TerrainBatch>;
 struct DeltaModel {
   static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
 
-  std::array<AdaptiveBit, kSizes * 8 * 4> comes;    // nodes new to the frontier
-  std::array<AdaptiveBit, kSizes * 4> comes_later;  // others
-  std::array<AdaptiveBit, 2 * 4 * 8> stays;         // leaves
+  std::array<AdaptiveBit, kSizes * 8 * 4> comes;        // nodes new to the frontier
+  std::array<AdaptiveBit, kSizes * 8 * 8> comes_later;  // others
+  std::array<AdaptiveBit, 2 * 4 * 8> stays;             // leaves
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;

@@ -12,19 +12,25 @@ namespace foreland::proto {
 
 // Steps. Heights are within kMaxHeight + 1, so that no sum overflows.
 struct Surroundings {
-  int32_t middle = 0;  // of the edge's ends
-  int32_t twist = 0;   // sum of the triangles' apexes minus that of the ends
-  int32_t bends = 0;   // sum of the parents' displacements' sizes
+  int32_t ends = 0;      // sum of the edge's ends
+  int32_t twist = 0;     // sum of the triangles' apexes minus that of the ends
+  int32_t bends = 0;     // sum of the parents' displacements' sizes
+  int32_t together = 0;  // sum of the parents' displacements
 
   // A guess at the error.
   double expected() const { return 0.25 * static_cast<double>(2 * int64_t{bends} + std::abs(twist)) + 0.25; }
+
+  // Four times the displacement that a quadratic surface would have; real ones have three quarters of it.
+  int32_t curve() const { return twist + together; }
+  // At the height.
+  int32_t guess() const { return (8 * ends + 3 * curve() + 8) >> 4; }
 
   // Of a node of a level. `nodes` is a table of node_tables.h.
   template <class Nodes>
   static Surroundings of(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
     Surroundings around;
     const auto [a, b] = grid.endpoints(n);
-    const int32_t ends = nodes.height(a) + nodes.height(b);
+    around.ends = nodes.height(a) + nodes.height(b);
     const auto apexes = grid.apexes(n);
     for (NodeId apex : apexes) {
       if (level == 1) {  // the centres of roots
@@ -34,10 +40,10 @@ struct Surroundings {
       const NodeRecord& record = nodes.at(grid.slot(apex, level - 1));
       around.twist += record.height();
       around.bends += std::abs(record.displacement());
+      around.together += record.displacement();
     }
-    if (apexes.count == 1) around.twist *= 2, around.bends *= 2;
-    around.twist -= ends;
-    around.middle = ends >> 1;
+    if (apexes.count == 1) around.twist *= 2, around.bends *= 2, around.together *= 2;
+    around.twist -= around.ends;
     return around;
   }
 };

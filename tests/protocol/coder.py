@@ -22,7 +22,7 @@ class Model:
 
     def __init__(self):
         self.comes = [[contexts(4) for _ in range(8)] for _ in range(16)]
-        self.comes_later = [contexts(4) for _ in range(16)]
+        self.comes_later = [[contexts(8) for _ in range(8)] for _ in range(16)]
         self.stays = [[contexts(8) for _ in range(4)] for _ in range(2)]
         self.height = [[[Number() for _ in range(2)] for _ in range(4)] for _ in range(28)]
         self.escape = contexts(32)
@@ -102,11 +102,12 @@ class DeltaDecoder:
     def surroundings(self, n):
         ends = sum(self.height_of(*v) for v in n.endpoints)
         twist = sum(self.height_of(*v) for v in n.apexes)
-        bends = sum(abs(self.displacement_of(*v)) for v in n.apexes)
+        displacements = [self.displacement_of(*v) for v in n.apexes]
         if len(n.apexes) == 1:
-            twist, bends = 2 * twist, 2 * bends
+            twist, displacements = 2 * twist, 2 * displacements
         twist -= ends
-        return ends >> 1, twist, 0.25 * (2 * bends + abs(twist)) + 0.25
+        curve, bends = twist + sum(displacements), sum(map(abs, displacements))
+        return ends, curve, 0.25 * (2 * bends + abs(twist)) + 0.25
 
     def answer_of_leaf(self, n, is_new, bound, least):
         own = abs(self.displacement_of(n.x, n.y)) + 0.25
@@ -115,22 +116,22 @@ class DeltaDecoder:
 
     def answer_of_addable(self, n, is_new, bound, least):
         size = keep(half(self.surroundings(n)[2] / self.steps[least]) + 8, 0, 15)
-        if not is_new:
-            return self.coder.bit(self.model.comes_later[size][min(bound - least, 3)])
         scale = min((self.grid.last_level - n.level) >> 1, 7)
+        if not is_new:
+            return self.coder.bit(self.model.comes_later[size][min(bound - least, 7)][scale])
         answer = self.coder.bit(self.model.comes[size][scale][self.before])
         self.before = (2 * self.before + answer) & 3
         return answer
 
     def height(self, n, least):
-        middle, twist, expected = self.surroundings(n)
+        ends, curve, expected = self.surroundings(n)
         steps = self.steps[least]
         scale = keep(half(max(steps, expected)) + 4, 0, 27)
         at = half(expected / steps)
-        leans = 1 if 2 * abs(twist) >= steps else 0
-        sign = 0 if not leans else 1 if twist < 0 else 2
+        leans = 1 if 2 * abs(curve) >= steps else 0
+        sign = 0 if not leans else 1 if curve < 0 else 2
         contexts_of = self.model.height[scale][sum(edge <= at for edge in (-2, 0, 2))][leans]
-        height = middle + (twist >> 3) + self.number(contexts_of, sign)
+        height = ((8 * ends + 3 * curve + 8) >> 4) + self.number(contexts_of, sign)
         require(abs(height) <= MOST_HEIGHT, "an absurd height")
         return height
 
