@@ -120,7 +120,8 @@ ordered_json surfaceReport(const terrain::TrueSurface& surface, const SurfaceSes
   ordered_json by_disc = ordered_json::array();
   for (double disc : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0}) by_disc.push_back(atDisc(surface, bench, session, disc));
   const Session all = replay(bench, session, poses);
-  const double refine_ms = median(all.refine_ms), adapt_ms = median(all.adapt_ms), full_draw_ms = median(all.full_draw_ms);
+  const double refine_ms = median(all.refine_ms), adapt_ms = median(all.adapt_ms),
+               full_draw_ms = median(all.full_draw_ms);
   return {{"base_faces", surface.topology.base().faceCount()},
           {"full_faces", bench.fullFaces()},
           {"silhouette_px", session.silhouette_px},

@@ -12,6 +12,9 @@
 // of what comes and what goes (delta_codec.h). A node that leaves the frontier is forgotten: what is known is a matter
 // of the section and of the views since.
 //
+// Terrain and surfaces share it: a Batch says how nodes are tested (terrain_batch.h, surface_batch.h), its Domain how
+// they are named. A surface's records settle every test, so of it no questions are asked.
+//
 // One owner (a session, a replica). No allocation once grown to the section's size.
 #pragma once
 
@@ -43,7 +46,7 @@ class NodeSource {
   virtual RadiusClass radius(Slot first) = 0;
   // Nodes of a level that have come to the frontier, ascending; before anything else is asked of them.
   virtual void onAddable(int, std::span<const Slot>) {}
-  // Fills in the heights of the batch's spheres.
+  // Fills in what the batch's tests take: the heights of spheres, or records.
   virtual void load(Batch& batch) = 0;
   // Questions about nodes of one level, ascending. False stops the step.
   virtual bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) = 0;

@@ -16,8 +16,8 @@
 namespace foreland::bench {
 namespace {
 
-using proto::MeshRule;
 using proto::AtlasLayout;
+using proto::MeshRule;
 using terrain::TrueSurface;
 
 constexpr proto::Lens kLens{1.0471975511965976, 640, 480};
