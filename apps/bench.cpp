@@ -106,10 +106,10 @@ int runRefine(const Arguments& args) {
 }
 
 // The flight decoded in WebAssembly; null, with the reason, where that cannot be.
-Result<nlohmann::ordered_json> wasmReport(const Arguments& args, const terrain::Scene& scene,
+Result<nlohmann::ordered_json> wasmReport(const Arguments& args, const server::Hierarchy& hierarchy,
                                           const std::vector<bench::RecordedKeyframe>& flight,
                                           const bench::WireCosts& costs) {
-  proto::Welcome welcome = server::welcomeTo(scene);
+  proto::Welcome welcome = server::welcomeTo(hierarchy);
   welcome.tau_px = args.flight.tau_px;
   welcome.keyframe_interval = args.flight.keyframe_interval;
   const auto times = bench::decodeInWasm(args.wasm_decoder, welcome, flight);
@@ -169,7 +169,7 @@ int runWire(const Arguments& args) {
                                 {"first_decode_mnodes_per_s", costs.first_decode_mnodes_per_s},
                                 {"encode_ms", costs.encode_ms},
                                 {"decode_ms", costs.decode_ms}};
-  const auto wasm = wasmReport(args, **scene, flight, costs);
+  const auto wasm = wasmReport(args, hierarchy, flight, costs);
   if (!wasm) return fail(wasm.error().message);
   report.update(*wasm);
   if (report.contains("decode_wasm_skipped"))

@@ -10,7 +10,7 @@
 
 #include "bench/surfaces/plain.h"
 #include "terrain/surface/bounds.h"
-#include "terrain/surface_store/atlas_layout.h"
+#include "proto/atlas_layout.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::bench {
