@@ -9,8 +9,8 @@
 #include <string>
 
 #include "bench/surfaces/plain.h"
-#include "terrain/surface/bounds.h"
 #include "proto/atlas_layout.h"
+#include "terrain/surface/bounds.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::bench {
