@@ -11,8 +11,9 @@ constexpr double kMiddle = 0.9;         // of the budget: where triangles are st
 constexpr double kTrianglePower = 1.2;  // triangles fall as tau^-1.2
 constexpr double kShare = 0.5;          // of the distance, per keyframe
 constexpr double kLargestStep = 0.08;   // of log tau, per keyframe
-constexpr double kBytesRise = 0.06, kBytesFall = 0.01, kBytesLow = 0.7;
-constexpr double kMemory_s = 2;  // of the byte rate
+constexpr double kBytesRise = 0.06, kBytesLow = 0.7;
+constexpr double kBytesFall = 0.01;  // at kBytesLow; at less the more, as it costs less
+constexpr double kMemory_s = 2;      // of the byte rate
 
 }  // namespace
 
@@ -23,7 +24,9 @@ double ToleranceControl::next(double wanted_px, const Budget& budget) {
     by_triangles = kShare * std::log(triangles_ / (kMiddle * budget.triangles)) / kTrianglePower;
   if (budget.bytes_per_second > 0) {
     const double load = bytes_per_s_ / budget.bytes_per_second;
-    by_bytes = load > 1 ? std::min(kBytesRise, std::log(load)) : load > kBytesLow ? 0 : -kBytesFall;
+    by_bytes = load > 1           ? std::min(kBytesRise, std::log(load))
+               : load > kBytesLow ? 0
+                                  : -kBytesFall * kBytesLow / std::max(load, kBytesFall);
   }
   const double step = std::clamp(std::max(by_triangles, by_bytes), -kLargestStep, kLargestStep);
   tau_px_ = std::max(wanted_px, tau_px_ * std::exp(step));

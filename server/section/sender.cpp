@@ -1,5 +1,7 @@
 #include "server/section/sender.h"
 
+#include <algorithm>
+
 namespace foreland::server {
 
 namespace {
@@ -30,6 +32,13 @@ bool SectionSender::fits(const proto::View& view, size_t max_nodes, SendScratch&
   if (keyframe_.index > 0 && 2 * adapter_.nodeCount() < max_nodes && isNear(proto::viewOf(keyframe_), view))
     return true;
   return refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section);
+}
+
+size_t SectionSender::countAdded(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
+  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section)) return max_nodes;
+  const auto& slots = scratch.section.slots;
+  return static_cast<size_t>(
+      std::count_if(slots.begin(), slots.end(), [&](proto::Slot slot) { return !adapter_.contains(slot); }));
 }
 
 void SectionSender::send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out) {

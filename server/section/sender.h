@@ -30,6 +30,10 @@ class SectionSender {
   // else one refinement from scratch.
   [[nodiscard]] bool fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
+  // How many nodes of the view's section the viewer does not hold; `max_nodes` if the section has more than that. Cost:
+  // one refinement from scratch.
+  [[nodiscard]] size_t countAdded(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
+
   // Appends the keyframe for `view` to `out` and stands there: at the view as the viewer decodes it
   // (proto::asSentInHeader; tolerance as a float; ball and turn as short floats, no smaller), which is in keyframe().
   // What changed is in scratch.delta, in no order.

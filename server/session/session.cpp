@@ -13,6 +13,10 @@ namespace {
 
 constexpr Sweep kPoseRounding{0.01, 4e-4};
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
+// Where bytes are limited: what a node that comes costs, how much coarser is tried next, up to where, and how long the
+// first section may take.
+constexpr double kBitsOfNode = 10, kCoarser = 1.3, kCoarsest_px = 200;
+constexpr Duration kFirstThrough = Duration::seconds(1);
 
 }  // namespace
 
@@ -214,7 +218,16 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
       static_cast<float>(tolerance_.next(request_->tau_px, {request_->max_triangles, request_->max_bytes_per_second}));
   const double factor = request_->max_triangles > 0 ? 1.15 : 2;
   while (!sender_.fits(view, mostNodes(), scratch.send)) view.tau_px = static_cast<float>(view.tau_px * factor);
+  while (!isThroughInTime(view, scratch)) view.tau_px = static_cast<float>(view.tau_px * kCoarser);
   tolerance_.force(view.tau_px);
+}
+
+// A delta that takes the link longer than an interval makes this keyframe late, and the next ones.
+bool Session::isThroughInTime(const proto::View& view, SessionScratch& scratch) const {
+  if (request_->max_bytes_per_second == 0 || view.tau_px >= kCoarsest_px) return true;
+  const Duration allowed = isFirst() ? kFirstThrough : request_->keyframe_interval;
+  const double nodes = 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
+  return static_cast<double>(sender_.countAdded(view, mostNodes(), scratch.send)) <= nodes;
 }
 
 void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {

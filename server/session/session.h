@@ -104,6 +104,7 @@ class Session {
   std::optional<Due> prefetchDue() const;
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
+  bool isThroughInTime(const proto::View& view, SessionScratch& scratch) const;
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
