@@ -8,24 +8,32 @@ namespace foreland::client {
 
 namespace {
 
-constexpr size_t kLatencies = 16;
+constexpr size_t kRecent = 16;
 constexpr Duration kLatencyMargin = Duration::milliseconds(10);
 constexpr Duration kLambdaFall = Duration::milliseconds(2);  // a keyframe
 
 }  // namespace
 
+Duration Timeline::intervalOf(const KeyframeMesh& mesh) {
+  const Duration interval = mesh.to.time - mesh.from.time;
+  if (mesh.from.index == mesh.to.index) return interval;
+  intervals_.push_back(interval);
+  if (intervals_.size() > kRecent) intervals_.pop_front();
+  return std::min(interval, *std::min_element(intervals_.begin(), intervals_.end()) + kLongestDelay);
+}
+
 // The worst recent latency beyond the keyframe's own time, outages apart; it falls a little at a time, so that t_d
 // glides when the link gets better.
 void Timeline::updateLambda(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
-  if (latencies_.size() > kLatencies) latencies_.pop_front();
+  if (latencies_.size() > kRecent) latencies_.pop_front();
   const Duration wanted = std::max(Duration{}, slowestUsual(latencies_) + kLatencyMargin);
   lambda_ = std::max(wanted, lambda_ - kLambdaFall);
 }
 
 Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
   const bool first = entries_.empty(), predicted = strategy == proto::Strategy::kPredict;
-  const Duration interval = mesh->to.time - mesh->from.time;
+  const Duration interval = intervalOf(*mesh);
   // Judged by the delay in force while it was awaited; a still mesh is awaited by nobody.
   const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + lambda_));
   if (predicted) {

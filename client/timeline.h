@@ -2,7 +2,8 @@
 // shown during an interval of the client's clock that begins where the previous one ends, so what is drawn never jumps:
 //   predict          from from.time to to.time: geometry and clock agree, nothing is delayed
 //   delay, current   the same, later by T + lambda: T is the keyframe interval of the paper's formula for t_d, and lambda is what the
-//                    link and the server add to it (0 in the paper, where the server is the client)
+//                    link and the server add to it (0 in the paper, where the server is the client); T is at most kLongestDelay
+//                    (base/latency.h) above the shortest recent one, so an outage is caught up with, not shown at length
 // A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend.
 // One owner; times are the client's clock.
 #pragma once
@@ -27,6 +28,7 @@ class Timeline {
   // Shows nothing until the next mesh comes; versions go on.
   void clear() {
     entries_.clear();
+    intervals_.clear();
     latencies_.clear();
   }
 
@@ -45,9 +47,12 @@ class Timeline {
     Time begin, end;  // the client's clock
     uint32_t version;
   };
+  // T of the mesh.
+  Duration intervalOf(const KeyframeMesh& mesh);
   void updateLambda(const KeyframeMesh& mesh, Time arrival);
 
   std::deque<Entry> entries_;
+  std::deque<Duration> intervals_;  // of recent meshes
   std::deque<Duration> latencies_;  // arrival - to.time of recent keyframes
   Duration lambda_;
   uint32_t next_version_ = 1;
