@@ -23,10 +23,10 @@
 // motion it is sure to survive; turning by an angle counts as moving by it times the distance. The basis of adaptation
 // by slack (adapter.h).
 //
-// front, -back, B, |e| only grow and z_min only shrinks when sphere, cone, bulge and shape grow; a parent's hold its
-// children's with 1e-6 of the object's size to spare (terrain/surface/bounds.h), far more than rounding here, which is
-// below 1e-11 of it wherever the error could be seen. So if a node passes, so do its parents. Element by element,
-// without branches, for loops that vectorise. Immutable; any thread.
+// front, -back, B / z_min^2, |e| only grow and z_min only shrinks when sphere, cone, bulge and shape grow; a parent's
+// hold its children's with 1e-6 of the object's size to spare (terrain/surface/bounds.h), far more than rounding here,
+// which is below 1e-11 of it wherever the error could be seen. So if a node passes, so do its parents. Element by
+// element, without branches, for loops that vectorise. Immutable; any thread.
 #pragma once
 
 #include <algorithm>

@@ -151,7 +151,7 @@ Result<Painted> paint(const Palette& palette, const Original& original, const Re
   if (std::max(atlas.width(), atlas.height()) > proto::AtlasLayout::kMaxPixels)
     return Error{ErrorCode::kLimit, std::to_string(side) + " texels along a base edge make an image of more than " +
                                         std::to_string(proto::AtlasLayout::kMaxPixels) +
-                                        " pixels a side; ask for fewer"};
+                                        " pixels a side; ask for fewer, or for none"};
   return Painter(palette, original, remeshed, atlas).run(threads);
 }
 
