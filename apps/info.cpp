@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/info_objects.h"
 #include "apps/info_surface.h"
 #include "terrain/store/scene.h"
 
@@ -126,20 +127,29 @@ int fail(const Error& error) {
 int showSurface(const std::string& path, bool json) {
   const auto surface = terrain::MappedSurface::open(path);
   if (!surface.ok()) return fail(surface.error());
-  if (json)
-    printJson(apps::describeSurface(path, **surface));
-  else
+  if (json) {
+    ordered_json about{{"file", path}, {"kind", "surface"}};
+    about.update(apps::describeSurface(**surface));
+    printJson(about);
+  } else {
     apps::printSurface(path, **surface);
+  }
   return 0;
 }
 
 int showTerrain(const std::string& path, bool json) {
   const auto scene = terrain::Scene::open(path);
   if (!scene.ok()) return fail(scene.error());
-  if (json)
-    printJson(describe(path, **scene));
-  else
+  const auto objects = terrain::readObjects(*scene);
+  if (!objects.ok()) return fail({objects.error().code, path + ": " + objects.error().message});
+  if (json) {
+    ordered_json about = describe(path, **scene);
+    about["objects"] = apps::describeObjects(*objects);
+    printJson(about);
+  } else {
     print(path, **scene);
+    apps::printObjects(*objects);
+  }
   return 0;
 }
 

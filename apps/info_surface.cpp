@@ -37,12 +37,10 @@ Summary summarise(const terrain::MappedSurface& surface) {
 
 }  // namespace
 
-ordered_json describeSurface(const std::string& path, const terrain::MappedSurface& surface) {
+ordered_json describeSurface(const terrain::MappedSurface& surface) {
   const Summary s = summarise(surface);
   const proto::BaseMesh& base = surface.topology().base();
   ordered_json about;
-  about["file"] = path;
-  about["kind"] = "surface";
   about["title"] = surface.about().title;
   about["id"] = s.id;
   about["base"] = {{"vertices", base.vertexCount()},

@@ -8,7 +8,7 @@
 
 namespace foreland::apps {
 
-nlohmann::ordered_json describeSurface(const std::string& path, const terrain::MappedSurface& surface);
+nlohmann::ordered_json describeSurface(const terrain::MappedSurface& surface);
 void printSurface(const std::string& path, const terrain::MappedSurface& surface);
 
 }  // namespace foreland::apps

@@ -1,9 +1,11 @@
-// foreland-verify: checks a scene or surface file and says what it checked. Exit codes: 0 sound, 2 damaged or neither.
+// foreland-verify: checks a scene, its objects too, or a surface file and says what it checked. Exit codes: 0 sound, 2
+// damaged or neither.
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
 #include <string>
 
+#include "terrain/objects/placed_objects.h"
 #include "terrain/store/verify.h"
 #include "terrain/surface_store/mapped_surface.h"
 
@@ -22,8 +24,7 @@ constexpr Checks kTerrainChecks{
 constexpr Checks kSurfaceChecks{"positions within the surface's box",
                                 "positions within the box, spheres, cones and error shapes hold the children's"};
 
-int report(const std::string& path, const Checks& checks, const terrain::VerifyReport& found) {
-  std::printf("header, sizes and table of checksums agree\n");
+void printChecks(const Checks& checks, const terrain::VerifyReport& found) {
   std::printf("%" PRIu64 " blocks: contents against their checksums\n", found.blocks);
   std::printf("%" PRIu64 " base vertices: %s\n", found.base_vertices, checks.base);
   std::printf("%" PRIu64 " nodes: %s\n", found.nodes, checks.nodes);
@@ -31,15 +32,56 @@ int report(const std::string& path, const Checks& checks, const terrain::VerifyR
   if (found.texels > 0)
     std::printf("%" PRIu64 " texels: the same on both sides of base edges, gutters as neighbours have them\n",
                 found.texels);
-  if (found.sound()) {
+}
+
+// How many there are; the first ones named.
+uint64_t printFaults(const std::string& where, const terrain::VerifyReport& found) {
+  for (const std::string& fault : found.first_faults)
+    std::fprintf(stderr, "foreland verify: %s: %s\n", where.c_str(), fault.c_str());
+  return found.faults;
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland verify: %s\n", error.message.c_str());
+  return 2;
+}
+
+int conclude(const std::string& path, uint64_t faults) {
+  if (faults == 0) {
     std::printf("%s: sound\n", path.c_str());
     return 0;
   }
-  for (const std::string& fault : found.first_faults)
-    std::fprintf(stderr, "foreland verify: %s: %s\n", path.c_str(), fault.c_str());
   std::fprintf(stderr, "foreland verify: %s: %" PRIu64 " faults; build or copy the scene again\n", path.c_str(),
-               found.faults);
+               faults);
   return 2;
+}
+
+int verifySurface(const std::string& path, unsigned threads) {
+  const auto found = terrain::verifySurface(path, threads);
+  if (!found.ok()) return fail(found.error());
+  std::printf("header, sizes and table of checksums agree\n");
+  printChecks(kSurfaceChecks, *found);
+  return conclude(path, printFaults(path, *found));
+}
+
+int verifyScene(const std::string& path, unsigned threads) {
+  const auto found = terrain::verifyScene(path, threads);
+  if (!found.ok()) return fail(found.error());
+  std::printf("header, sizes and table of checksums agree\n");
+  printChecks(kTerrainChecks, *found);
+  uint64_t faults = printFaults(path, *found);
+  const auto objects = terrain::verifyObjects(path, threads);
+  if (!objects.ok()) return fail(objects.error());
+  if (objects->objects > 0)
+    std::printf("%" PRIu64 " objects: each of a model, turned by a rotation, places and scales within bounds\n",
+                objects->objects);
+  for (size_t i = 0; i < objects->models.size(); ++i) {
+    const std::string name = "model " + std::to_string(i);
+    std::printf("%s: header, sizes and table of checksums agree\n", name.c_str());
+    printChecks(kSurfaceChecks, objects->models[i]);
+    faults += printFaults(path + ": " + name, objects->models[i]);
+  }
+  return conclude(path, faults);
 }
 
 }  // namespace
@@ -53,11 +95,5 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
-  const bool is_surface = terrain::isSurfaceFile(path);
-  const auto found = is_surface ? terrain::verifySurface(path, threads) : terrain::verifyScene(path, threads);
-  if (!found.ok()) {
-    std::fprintf(stderr, "foreland verify: %s\n", found.error().message.c_str());
-    return 2;
-  }
-  return report(path, is_surface ? kSurfaceChecks : kTerrainChecks, *found);
+  return terrain::isSurfaceFile(path) ? verifySurface(path, threads) : verifyScene(path, threads);
 }

@@ -47,4 +47,13 @@ struct PlacedObjects {
 // Of a scene, which they keep open. An Error if the section is damaged.
 [[nodiscard]] Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene);
 
+struct ObjectsReport {
+  uint64_t objects = 0;
+  std::vector<VerifyReport> models;  // in the scene's order
+};
+
+// Reads them and checks each model as verifySurface does. An Error as of readObjects, or if the scene cannot be opened;
+// it names the file. Uses threads of its own while it runs.
+[[nodiscard]] Result<ObjectsReport> verifyObjects(const std::filesystem::path& path, unsigned threads = 0);
+
 }  // namespace foreland::terrain

@@ -66,5 +66,7 @@ class MappedSurface {
 // Checks every block's checksum and the invariants of the nodes and of the image, reading the whole file once. Error:
 // it could not be opened as a surface. Uses threads of its own while it runs.
 [[nodiscard]] Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads = 0);
+// The same of one that is open, wherever its bytes lie.
+[[nodiscard]] VerifyReport verifySurface(const MappedSurface& surface, unsigned threads = 0);
 
 }  // namespace foreland::terrain

@@ -95,9 +95,12 @@ uint64_t checkNodes(const SurfaceCheck& check, proto::Slot slots, unsigned threa
 }  // namespace
 
 Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads) {
-  const auto opened = MappedSurface::open(path);
-  if (!opened.ok()) return opened.error();
-  const MappedSurface& surface = **opened;
+  const auto surface = MappedSurface::open(path);
+  if (!surface.ok()) return surface.error();
+  return verifySurface(**surface, threads);
+}
+
+VerifyReport verifySurface(const MappedSurface& surface, unsigned threads) {
   Faults blocks, values;
   const SectionPlace& checksums = surface.header().sections[kSurfaceChecksums];
   checkBlocks(surface.file(), checksums, threads, blocks);

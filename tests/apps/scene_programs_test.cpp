@@ -6,6 +6,7 @@
 
 #include "tests/apps/expect_refusal.h"
 #include "tests/support/scene.h"
+#include "tests/support/surface_file.h"
 
 namespace foreland::test {
 namespace {
@@ -19,18 +20,33 @@ class ScenePrograms : public testing::Test {
     const auto report = terrain::buildScene(source, {scene(), 0.1, 1});
     ASSERT_TRUE(report.ok()) << report.error().message;
   }
+  std::string model() const { return folder_ / "sphere.fls"; }
+  // The same terrain with the model standing in three places.
+  std::string withObjects() const {
+    const std::string path = folder_ / "objects.fls";
+    FormulaSource source(65, 65, hills(1), proto::FrameKind::kGeographic);
+    std::vector<terrain::ObjectRequest> requests;
+    for (const double step : {0.01, 0.02, 0.03}) requests.push_back({model(), {46 + step, 8 + step}});
+    const auto report =
+        terrain::buildScene(source, {.output = path, .height_step_m = 0.1, .threads = 1, .objects = requests});
+    EXPECT_TRUE(report.ok()) << report.error().message;
+    return path;
+  }
   std::string scene() const { return folder_ / "scene.fls"; }
   // A copy with one bit of the byte at `share` of its length turned over.
   std::string flipped(double share) const {
     const fs::path copy = folder_ / "flipped.fls";
     fs::copy_file(scene(), copy, fs::copy_options::overwrite_existing);
-    std::fstream file(copy, std::ios::in | std::ios::out | std::ios::binary);
-    const auto at = static_cast<std::streamoff>(share * static_cast<double>(fs::file_size(copy)));
+    flip(copy, share);
+    return copy;
+  }
+  static void flip(const fs::path& path, double share) {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    const auto at = static_cast<std::streamoff>(share * static_cast<double>(fs::file_size(path)));
     file.seekg(at);
     const char byte = static_cast<char>(file.get() ^ 0x10);
     file.seekp(at);
     file.put(byte);
-    return copy;
   }
 
   TemporaryFolder folder_;
@@ -66,6 +82,43 @@ TEST_F(ScenePrograms, VerifyFindsAFlippedByteAnywhere) {
     const std::string file = flipped(share);
     expectRefusal("verify", {file}, {file});
   }
+}
+
+TEST_F(ScenePrograms, InfoTellsTheObjects) {
+  writeSphere(model());
+  const std::string path = withObjects();
+  const Outcome outcome = runProgram("info", {path, "--json"}, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(outcome.exit_code, 0);
+  const auto json = nlohmann::json::parse(outcome.output, nullptr, false);
+  ASSERT_FALSE(json.is_discarded()) << outcome.output;
+  EXPECT_EQ(json["title"], "formula");
+  EXPECT_EQ(json["objects"]["count"], 3);
+  ASSERT_EQ(json["objects"]["models"].size(), 1u);
+  const auto& sphere = json["objects"]["models"][0];
+  EXPECT_EQ(sphere["title"], "sphere");
+  EXPECT_EQ(sphere["placed"], 3);
+  EXPECT_EQ(sphere["base"]["triangles"], 8);
+  EXPECT_EQ(sphere["levels"], 3);
+  EXPECT_EQ(sphere["full_triangles"], 512);
+  const Outcome people = runProgram("info", {path});
+  EXPECT_EQ(people.exit_code, 0);
+  for (const char* words : {"3 of 1 model", "sphere: 3 placed; 8 base triangles, quadrisection, 3 levels, 512"})
+    EXPECT_NE(people.output.find(words), std::string::npos) << words << " is not in: " << people.output;
+  const Outcome without = runProgram("info", {scene(), "--json"}, {.streams = Streams::kOutputOnly});
+  EXPECT_EQ(nlohmann::json::parse(without.output, nullptr, false)["objects"]["count"], 0);
+}
+
+TEST_F(ScenePrograms, VerifyChecksTheModelsToo) {
+  writeSphere(model());
+  const std::string path = withObjects();
+  const Outcome sound = runProgram("verify", {path});
+  EXPECT_EQ(sound.exit_code, 0) << sound.output;
+  for (const std::string& words : {std::string("3 objects"), std::string("model 0: header"), path + ": sound"})
+    EXPECT_NE(sound.output.find(words), std::string::npos) << words << " is not in: " << sound.output;
+  // A model that was damaged before the scene was built: the scene's own checksums know nothing of it.
+  flip(model(), 0.7);
+  withObjects();
+  expectRefusal("verify", {path}, {path + ": model 0: block 0", "build or copy"});
 }
 
 TEST_F(ScenePrograms, WhatIsNoSceneIsRefused) {

@@ -5,10 +5,8 @@
 
 #include "proto/frame_grid.h"
 #include "terrain/objects/placed_objects.h"
-#include "terrain/surface/bounds.h"
-#include "terrain/surface/shapes.h"
-#include "terrain/surface_store/write_surface.h"
 #include "tests/support/scene.h"
+#include "tests/support/surface_file.h"
 
 namespace foreland::test {
 namespace {
@@ -16,12 +14,9 @@ namespace {
 using terrain::ObjectRequest;
 using terrain::parseObject;
 
-// A sphere of radius 2 about the origin.
 std::string writeSphere(const TemporaryFolder& folder) {
-  const terrain::TrueSurface sphere = *terrain::makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
-  const auto records = terrain::computeBounds(sphere, {.threads = 1});
   const std::string path = folder / "sphere.fls";
-  EXPECT_TRUE(terrain::writeSurface(path, {.surface = sphere, .records = records}).ok());
+  test::writeSphere(path);
   return path;
 }
 

@@ -1,0 +1,21 @@
+// A surface's file, through the real bounds and the real writer.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "terrain/surface/bounds.h"
+#include "terrain/surface/shapes.h"
+#include "terrain/surface_store/write_surface.h"
+
+namespace foreland::test {
+
+// A sphere of radius 2 about the origin: an octahedron halved three times.
+inline void writeSphere(const std::string& path) {
+  const terrain::TrueSurface sphere = *terrain::makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+  const auto records = terrain::computeBounds(sphere, {.threads = 1});
+  EXPECT_TRUE(terrain::writeSurface(path, {.surface = sphere, .records = records, .about = {"sphere", {}, {}}}).ok());
+}
+
+}  // namespace foreland::test
