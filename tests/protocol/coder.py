@@ -86,12 +86,33 @@ def keep(v, least, most):
     return min(max(v, least), most)
 
 
+def read_number(coder, c, sign, escape):
+    """With the contexts `c` of a number and one of its signs."""
+    width = coder.tree(4, c.exponent)
+    if width == 15:
+        while width < 31 and coder.bit(escape[width]):
+            width += 1
+    if width == 0:
+        return 0
+    is_negative = coder.bit(c.sign[sign])
+    mantissa, left, size = c.mantissa[min(width, 7)], width - 1, 1
+    for at in (1, None):
+        if left > 0:
+            size = 2 * size + coder.bit(mantissa[at or size])
+            left -= 1
+    while left > 0:
+        take = min(left, 12)
+        left -= take
+        size = size << take | coder.even(take)
+    return -size if is_negative else size
+
+
 class DeltaDecoder:
     """Reads answers, heights and radii. `height_of(x, y)` and `displacement_of(x, y)` tell what is held: the latter 0 of base
     vertices."""
 
-    def __init__(self, data, model, grid, height_step_m, height_of, displacement_of):
-        self.coder, self.model, self.grid = RangeDecoder(data), model, grid
+    def __init__(self, coder, model, grid, height_step_m, height_of, displacement_of):
+        self.coder, self.model, self.grid = coder, model, grid
         self.height_of, self.displacement_of = height_of, displacement_of
         self.steps = [m * (1 / height_step_m) for m in ERROR_M]
         self.before = 0
@@ -131,28 +152,9 @@ class DeltaDecoder:
         leans = 1 if 2 * abs(curve) >= steps else 0
         sign = 0 if not leans else 1 if curve < 0 else 2
         contexts_of = self.model.height[scale][sum(edge <= at for edge in (-2, 0, 2))][leans]
-        height = ((8 * ends + 3 * curve + 8) >> 4) + self.number(contexts_of, sign)
+        height = ((8 * ends + 3 * curve + 8) >> 4) + read_number(self.coder, contexts_of, sign, self.model.escape)
         require(abs(height) <= MOST_HEIGHT, "an absurd height")
         return height
-
-    def number(self, c, sign):
-        width = self.coder.tree(4, c.exponent)
-        if width == 15:
-            while width < 31 and self.coder.bit(self.model.escape[width]):
-                width += 1
-        if width == 0:
-            return 0
-        is_negative = self.coder.bit(c.sign[sign])
-        mantissa, left, size = c.mantissa[min(width, 7)], width - 1, 1
-        for at in (1, None):
-            if left > 0:
-                size = 2 * size + self.coder.bit(mantissa[at or size])
-                left -= 1
-        while left > 0:
-            take = min(left, 12)
-            left -= take
-            size = size << take | self.coder.even(take)
-        return -size if is_negative else size
 
     def radius(self):
         value = self.coder.tree(3, self.model.radius)

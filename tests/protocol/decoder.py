@@ -5,7 +5,8 @@
     decoder.py STREAM EXPECTED     compares the lines with those of the file; exits 1 at the first that differs
 
 A line: index, nodes of the section, nodes added, nodes removed, fingerprint, CRC-32 of the slots, CRC-32 of their heights, CRC-32 of
-what the refinement test makes of them, so that the arithmetic is compared to the last bit. README.md has the layout of both files.
+what the refinement test makes of them, so that the arithmetic is compared to the last bit; then the same of all objects, if there
+are any. README.md has the layout of both files.
 Only Python's standard library is used.
 """
 
@@ -14,7 +15,8 @@ import sys
 import zlib
 
 import wire
-from coder import read_section
+from coder import RangeDecoder, read_section
+from objects import Objects
 from section import Section
 from terrain import Frame, Grid
 from wire import ProtocolError, require
@@ -93,22 +95,36 @@ class Session:
         require(fields["tau_px"] > 0 and fields["keyframe_interval_us"] > 0, "no tolerance, or no interval")
         frame = Frame(fields["frame"], grid.max_x, grid.max_y)
         self.empty = lambda: Section(grid, frame, corners, centres)
+        keys = "position", "orientation", "scale", "model"
+        placements = [dict(zip(keys, (p[:3], p[3:7], p[7], p[8]))) for p in fields["objects"] or []]
+        self.objects = Objects(fields["models"] or [], placements)
         self.scene_id, self.is_welcome = fields["scene_id"], True
 
     def take(self, keyframe):
         require(self.is_welcome, "a keyframe before the welcome")
         if keyframe.base == 0:
             self.section = self.empty()
+            self.objects.begin_anew()
         require(keyframe.base in (0, self.held), "a keyframe from another one than is held")
-        added, removed = self.section.step(keyframe.view, keyframe.delta)
-        require(self.section.fingerprint & keyframe.mask == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
+        coder = RangeDecoder(keyframe.delta)
+        added, removed = self.section.step(keyframe.view, coder)
+        self.objects.step(keyframe.view, coder)
+        coder.finish()
+        fingerprint = self.section.fingerprint + self.objects.fingerprint() & 0xFFFFFFFF
+        require(fingerprint & keyframe.mask == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
         self.held = self.taken = keyframe.index
         heights = self.section.heights
         slots = sorted(heights)
         packed = [struct.pack(f"<{len(slots)}I", *slots), struct.pack(f"<{len(slots)}i", *(heights[s] for s in slots)),
                   b"".join(self.section.tests())]
-        sums = " ".join(f"{zlib.crc32(data):08x}" for data in packed)
-        return f"{keyframe.index} {len(slots)} {added} {removed} {self.section.fingerprint:08x} {sums}"
+        line = f"{keyframe.index} {len(slots)} {added} {removed} {fingerprint:08x} {sums_of(packed)}"
+        if self.objects.sections:
+            line += f" {' '.join(map(str, self.objects.counts()))} {sums_of(self.objects.packed())}"
+        return line
+
+
+def sums_of(packed):
+    return " ".join(f"{zlib.crc32(data):08x}" for data in packed)
 
 
 FROM_CLIENT, FROM_SERVER, NEW_CONNECTION = 0, 1, 2

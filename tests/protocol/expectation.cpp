@@ -1,5 +1,6 @@
 #include "tests/protocol/expectation.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdio>
 
@@ -61,33 +62,135 @@ uint32_t testsCrc(const server::Hierarchy& h, const proto::Section& section, con
   return crc.value();
 }
 
-}  // namespace
+// An object's records and their test at a view.
+struct SurfaceTable {
+  const proto::SurfaceDomain& domain;
+  std::span<const proto::SurfaceRecord> records;
+  proto::SurfaceMetric metric;
 
-proto::Section sectionOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe) {
-  proto::RefineScratch scratch;
+  SurfaceTable(const server::Hierarchy& h, size_t object, const proto::View& view)
+      : domain(h.objects().set.domain(object)),
+        records(h.objects().recordsOf(object)),
+        metric(domain.metric(h.objects().set.placement(object).toObject(view))) {}
+  proto::SurfaceBounds bounds(proto::Slot slot) const { return proto::SurfaceBounds::of(records[slot], domain.step_m); }
+};
+
+// What it makes of an object's: front and back; and of some nodes the least radius that meets the view, and the least
+// error across that passes without one along.
+void addTests(const SurfaceTable& object, const proto::Section& section, Crc& crc) {
+  for (proto::Slot slot : section.slots) {
+    const proto::SurfaceBounds n = object.bounds(slot);
+    const auto facing = object.metric.facing(n);
+    crc.add(facing.front);
+    crc.add(facing.back);
+    if (slot % 8 != 0) continue;
+    proto::SurfaceBounds changed = n;
+    crc.add(leastNumber([&](double radius_m) {
+      changed.radius = radius_m;
+      return object.metric.meetsFrustum(changed);
+    }));
+    changed = n;
+    changed.along = 0;
+    crc.add(leastNumber([&](double error_m) {
+      changed.across = error_m;
+      return object.metric.passes(changed);
+    }));
+  }
+}
+
+// A node is in the section if it passes and its parents are there, which have lower slots.
+proto::Section sectionOf(const SurfaceTable& object) {
+  const proto::MeshTopology& mesh = object.domain.topology();
+  std::vector<bool> is_in(mesh.slotCount());
   proto::Section section;
-  CHECK_TRUE(refine(hierarchy, proto::viewOf(keyframe), hierarchy.grid().slotCount(), scratch, section));
+  for (proto::Slot slot = 0; slot < mesh.slotCount(); ++slot) {
+    const proto::NodeId n = mesh.node(slot);
+    if (mesh.isBase(n)) continue;
+    const auto parents = mesh.parents(n);
+    is_in[slot] = std::all_of(parents.begin(), parents.end(), [&](proto::NodeId p) { return is_in[mesh.slot(p)]; }) &&
+                  object.metric.passes(object.bounds(slot));
+    if (is_in[slot]) section.slots.push_back(slot);
+  }
   return section;
 }
 
-std::string expectedLine(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe,
-                         const proto::Section& before) {
-  const proto::Section section = sectionOf(hierarchy, keyframe);
+void addRecord(const proto::SurfaceRecord& r, Crc& crc) {
+  for (int axis = 0; axis < 3; ++axis) crc.add(static_cast<uint32_t>(r.position[axis]));
+  crc.add(r.radius.bits | static_cast<uint32_t>(r.error_along.bits) << 16);
+  crc.add(r.error_across.bits | static_cast<uint32_t>(r.cone_sine.root) << 16 |
+          static_cast<uint32_t>(r.bulge.root) << 24);
+  crc.add(static_cast<uint16_t>(r.normal.x) | static_cast<uint32_t>(static_cast<uint16_t>(r.normal.y)) << 16);
+}
+
+std::string terrainColumns(const server::Hierarchy& hierarchy, const proto::View& view, const Sections& before,
+                           const Sections& now) {
   proto::CutDelta delta;
-  proto::diff(before, section, delta);
+  proto::diff(before.terrain, now.terrain, delta);
   Crc slots, heights;
-  for (proto::Slot slot : section.slots) {
+  for (proto::Slot slot : now.terrain.slots) {
     slots.add(slot);
     heights.add(static_cast<uint32_t>(hierarchy.nodes()[slot].height()));
   }
-  const proto::Metric metric = hierarchy.domain().metric(proto::viewOf(keyframe));
-  const uint32_t tests = hierarchy.domain().isPlanar() ? testsCrc<proto::PlanarPlaces>(hierarchy, section, metric)
-                                                       : testsCrc<proto::CurvedPlaces>(hierarchy, section, metric);
-  char line[120];
-  std::snprintf(line, sizeof(line), "%u %zu %zu %zu %08x %08x %08x %08x\n", keyframe.index, section.slots.size(),
-                delta.added.size(), delta.removed.size(), proto::fingerprint(section.slots), slots.value(),
-                heights.value(), tests);
-  return line;
+  const proto::Metric metric = hierarchy.domain().metric(view);
+  const uint32_t tests = hierarchy.domain().isPlanar() ? testsCrc<proto::PlanarPlaces>(hierarchy, now.terrain, metric)
+                                                       : testsCrc<proto::CurvedPlaces>(hierarchy, now.terrain, metric);
+  char text[120];
+  std::snprintf(text, sizeof(text), "%zu %zu %zu %08x %08x %08x %08x", now.terrain.slots.size(), delta.added.size(),
+                delta.removed.size(), now.fingerprint(), slots.value(), heights.value(), tests);
+  return text;
+}
+
+std::string objectColumns(const server::Hierarchy& hierarchy, const proto::View& view, const Sections& before,
+                          const Sections& now) {
+  size_t nodes = 0, added = 0, removed = 0;
+  Crc slots, records, tests;
+  for (size_t i = 0; i < now.objects.size(); ++i) {
+    const SurfaceTable object(hierarchy, i, view);
+    const proto::Section& section = now.objects[i];
+    proto::CutDelta delta;
+    proto::diff(before.objects[i], section, delta);
+    nodes += section.slots.size();
+    added += delta.added.size();
+    removed += delta.removed.size();
+    slots.add(static_cast<uint32_t>(section.slots.size()));
+    for (proto::Slot slot : section.slots) {
+      slots.add(slot);
+      addRecord(object.records[slot], records);
+    }
+    addTests(object, section, tests);
+  }
+  char text[120];
+  std::snprintf(text, sizeof(text), " %zu %zu %zu %08x %08x %08x", nodes, added, removed, slots.value(),
+                records.value(), tests.value());
+  return text;
+}
+
+}  // namespace
+
+uint32_t Sections::fingerprint() const {
+  uint32_t sum = proto::fingerprint(terrain.slots);
+  for (size_t i = 0; i < objects.size(); ++i)
+    sum += (2 * static_cast<uint32_t>(i) + 3) * proto::fingerprint(objects[i].slots);
+  return sum;
+}
+
+Sections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe) {
+  proto::RefineScratch scratch;
+  Sections sections(hierarchy);
+  const proto::View view = proto::viewOf(keyframe);
+  CHECK_TRUE(refine(hierarchy, view, hierarchy.grid().slotCount(), scratch, sections.terrain));
+  for (size_t i = 0; i < sections.objects.size(); ++i)
+    sections.objects[i] = sectionOf(SurfaceTable(hierarchy, i, view));
+  return sections;
+}
+
+std::string expectedLine(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe,
+                         const Sections& before) {
+  const Sections now = sectionsOf(hierarchy, keyframe);
+  const proto::View view = proto::viewOf(keyframe);
+  std::string line = std::to_string(keyframe.index) + ' ' + terrainColumns(hierarchy, view, before, now);
+  if (!now.objects.empty()) line += objectColumns(hierarchy, view, before, now);
+  return line + '\n';
 }
 
 }  // namespace foreland::test

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "proto/message.h"
 #include "proto/section.h"
@@ -10,11 +11,20 @@
 
 namespace foreland::test {
 
-// The section of a keyframe's view.
-proto::Section sectionOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe);
+// The terrain's section and those of all objects.
+struct Sections {
+  proto::Section terrain;
+  std::vector<proto::Section> objects;
 
-// The line of NAME.expected (README.md); `before` is the section that the viewer held.
+  explicit Sections(const server::Hierarchy& hierarchy) : objects(hierarchy.objects().set.size()) {}  // empty
+  uint32_t fingerprint() const;
+};
+
+// The sections of a keyframe's view.
+Sections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe);
+
+// The line of NAME.expected (README.md); `before` are the sections that the viewer held.
 std::string expectedLine(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe,
-                         const proto::Section& before);
+                         const Sections& before);
 
 }  // namespace foreland::test

@@ -21,10 +21,13 @@ enum class Record : uint8_t { kFromClient = 0, kFromServer = 1, kNewConnection =
 class Recorder {
  public:
   explicit Recorder(const Script& script)
-      : script_(script), world_(std::make_shared<server::World>(script.scene)), cues_(script.cues) {
+      : script_(script), world_(script.world), cues_(script.cues), sections_(world_->hierarchy) {
     golden_.name = script.name;
     for (char c : std::string("FLSTREAM")) golden_.stream.push_back(static_cast<uint8_t>(c));
-    golden_.expected = "# keyframe nodes added removed fingerprint slots_crc heights_crc tests_crc\n";
+    golden_.expected = "# keyframe nodes added removed fingerprint slots_crc heights_crc tests_crc";
+    if (!sections_.objects.empty())
+      golden_.expected += " object_nodes added removed slots_crc records_crc object_tests_crc";
+    golden_.expected += '\n';
   }
 
   GoldenFlight run() {
@@ -91,17 +94,20 @@ class Recorder {
     c.is_greeted = true;
     if (!packet.keyframe) return;
     const proto::KeyframeHeader& keyframe = *packet.keyframe;
-    const bool goes_on = held_ && keyframe.base_index > 0;
-    golden_.expected += expectedLine(world_->hierarchy, keyframe, goes_on ? section_ : proto::Section{});
+    if (!held_ || keyframe.base_index == 0) sections_ = Sections(world_->hierarchy);
+    if (c.received_keyframe == 0) sections_.objects = Sections(world_->hierarchy).objects;  // they begin from nothing
+    golden_.expected += expectedLine(world_->hierarchy, keyframe, sections_);
     held_ = keyframe;
-    section_ = sectionOf(world_->hierarchy, keyframe);
+    sections_ = sectionsOf(world_->hierarchy, keyframe);
     c.received_keyframe = keyframe.index;
     c.received_at = now_ + script_.clock_offset;
   }
 
   void present(Connection& c) {
-    proto::Resume resume{script_.scene->id(), held_->index, held_->time, proto::fingerprint(section_.slots), {}};
-    proto::encodeSection(script_.scene->grid(), section_, resume.section);
+    const server::Hierarchy& hierarchy = world_->hierarchy;
+    const proto::Section& section = sections_.terrain;
+    proto::Resume resume{hierarchy.scene().id(), held_->index, held_->time, proto::fingerprint(section.slots), {}};
+    proto::encodeSection(hierarchy.grid(), section, resume.section);
     up(c, proto::encode(resume));
   }
 
@@ -135,7 +141,9 @@ class Recorder {
     if (c.session.statistics().keyframes == before) return;
     c.down.back().keyframe = c.session.keyframe();
     c.drained_at = now_ + kDrain;
-    CHECK_TRUE(sectionOf(world_->hierarchy, c.session.keyframe()) == c.session.section());
+    const Sections exact = sectionsOf(world_->hierarchy, c.session.keyframe());
+    CHECK_TRUE(exact.terrain == c.session.section());
+    CHECK_EQ(exact.fingerprint(), c.session.keyframe().fingerprint);  // so objects' sections are exact, too
   }
 
   void record(Record what, const Bytes& message) {
@@ -155,7 +163,7 @@ class Recorder {
   std::unique_ptr<Connection> connection_;
   bool is_over_ = false;
   std::optional<proto::KeyframeHeader> held_;  // by the viewer
-  proto::Section section_;                     // of it
+  Sections sections_;                          // of it
 };
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "proto/message.h"
+#include "terrain/surface/bounds.h"
 #include "tests/support/scene.h"
+#include "tests/support/surfaces.h"
 
 namespace foreland::test {
 
@@ -29,7 +31,7 @@ double country(uint32_t x, uint32_t y, double mesa_m) {
   return metres + (x > 90 && x < 110 && y > 40 && y < 75 ? mesa_m : 0);
 }
 
-std::shared_ptr<const terrain::Scene> sceneOf(proto::FrameKind kind) {
+std::shared_ptr<const server::World> worldOf(proto::FrameKind kind) {
   const bool planar = kind == proto::FrameKind::kPlanar;
   FormulaSource source(
       planar ? 180 : 150, planar ? 130 : 140,
@@ -40,7 +42,40 @@ std::shared_ptr<const terrain::Scene> sceneOf(proto::FrameKind kind) {
     frame.axis_y_m = {-2.25, 10};
   }
   source.info().title = planar ? "planar" : "geographic";
-  return makeScene(source, planar ? 0.005 : 0.25);
+  return std::make_shared<server::World>(makeScene(source, planar ? 0.005 : 0.25));
+}
+
+// Closed, smooth, by quadrisection; with borders, a little rough, by bisection.
+struct Models {
+  std::vector<terrain::TrueSurface> surfaces;
+  std::vector<std::vector<proto::SurfaceRecord>> records;
+
+  Models() {
+    surfaces.push_back(*terrain::makeSphere(1, {proto::MeshRule::kQuadrisection, 4, 1e-6}));
+    for (const NamedBase& b : baseMeshes())
+      if (b.name == "ShuffledTube") surfaces.push_back(roughSurface(b, proto::MeshRule::kBisection, 3, 0.02, 7));
+    for (const terrain::TrueSurface& s : surfaces) records.push_back(terrain::computeBounds(s, {.threads = 1}));
+  }
+};
+
+// Two of the one, one of the other, over low hills.
+std::shared_ptr<const server::World> worldWithObjects() {
+  FormulaSource source(65, 65, [](uint32_t x, uint32_t y) { return 0.15 * country(x, y, 0); });
+  source.info().title = "objects";
+  const auto models = std::make_shared<Models>();
+  server::SceneObjects objects;
+  std::vector<proto::ObjectModel> shapes;
+  for (size_t i = 0; i < models->surfaces.size(); ++i) {
+    const terrain::TrueSurface& s = models->surfaces[i];
+    shapes.push_back({s.topology.shape(), s.step_m, s.base});
+    objects.records.emplace_back(models->records[i]);
+  }
+  objects.set = proto::ObjectSet::create(std::move(shapes), {{0, {40, 30, 200}, {0.5, 0.5, -0.1, 0.7}, 30},
+                                                             {0, {-20, 160, 230}, {1, 0, 0, 0}, 50},
+                                                             {1, {-110, -10, 235}, {0.1, -0.7, 0.5, 0.5}, 40}})
+                    .value();
+  objects.owner = models;
+  return std::make_shared<server::World>(makeScene(source), std::move(objects));
 }
 
 proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strategy strategy,
@@ -53,7 +88,7 @@ proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strate
 Script planarScript() {
   using enum proto::Predictor;
   constexpr auto kPredict = proto::Strategy::kPredict;
-  Script s{"planar", sceneOf(proto::FrameKind::kPlanar), {}, {}, at(1000)};
+  Script s{"planar", worldOf(proto::FrameKind::kPlanar), {}, {}, at(1000)};
   s.route = {{at(0), {-600, -400, 900}, {1, 0.5, -0.4}},    {at(3), {-300, -200, 800}, {1, 0.6, -0.5}},
              {at(4.5), {-150, -100, 780}, {-0.2, 1, -0.5}}, {at(6), {-150, 50, 900}, {-0.4, 1, -0.9}},
              {at(8), {100, 150, 1500}, {0.3, 0.3, -1}},     {at(10), {300, 0, 700}, {-1, -0.1, -0.2}}};
@@ -79,7 +114,7 @@ Script planarScript() {
 Script geographicScript() {
   using enum proto::Strategy;
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
-  Script s{"geographic", sceneOf(proto::FrameKind::kGeographic), {}, {}, at(-3.25)};
+  Script s{"geographic", worldOf(proto::FrameKind::kGeographic), {}, {}, at(-3.25)};
   s.route = {{at(0), {-2500, -3000, 1200}, {0.4, 1, -0.3}},
              {at(3), {-2400, -1800, 900}, {0.8, 1, -0.2}},
              {at(5), {-1200, 0, 1000}, {1, -0.3, -0.4}},
@@ -95,6 +130,24 @@ Script geographicScript() {
   return s;
 }
 
+// By objects and about them; another tolerance, a connection lost and the terrain's section presented, another lens.
+Script objectsScript() {
+  constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
+  constexpr auto kPredict = proto::Strategy::kPredict;
+  Script s{"objects", worldWithObjects(), {}, {}, at(50)};
+  s.route = {{at(0), {-300, -260, 320}, {1, 0.9, -0.3}},
+             {at(2), {-100, -80, 260}, {1, 0.8, -0.3}},
+             {at(3), {-30, -20, 230}, {1, 0.4, -0.2}},
+             {at(4.5), {150, 100, 260}, {-1, -0.5, -0.4}}};
+  const Bytes closer = proto::encode(request({1.0, 320, 240}, 3, kPredict, kVelocity));
+  s.cues = {{at(0), proto::encode(request({1.0, 320, 240}, 5, kPredict, kVelocity)), Cue::What::kConnect},
+            {at(1.3), closer},
+            {at(2.21), {}, Cue::What::kDisconnect},
+            {at(2.6), closer, Cue::What::kConnect},
+            {at(3.5), proto::encode(request({0.7, 300, 300}, 4, kPredict, kVelocity))}};
+  return s;
+}
+
 }  // namespace
 
 proto::Pose Script::poseAt(Duration t) const {
@@ -105,6 +158,6 @@ proto::Pose Script::poseAt(Duration t) const {
   return {a.eye + (b.eye - a.eye) * u, proto::lookAlong(a.ahead + (b.ahead - a.ahead) * u, {0, 0, 1})};
 }
 
-std::vector<Script> goldenScripts() { return {planarScript(), geographicScript()}; }
+std::vector<Script> goldenScripts() { return {planarScript(), geographicScript(), objectsScript()}; }
 
 }  // namespace foreland::test

@@ -11,7 +11,7 @@
 #include "base/time.h"
 #include "proto/pose.h"
 #include "server/session/session.h"
-#include "terrain/store/scene.h"
+#include "server/session/world.h"
 
 namespace foreland::test {
 
@@ -32,7 +32,7 @@ struct Cue {
 
 struct Script {
   std::string name;
-  std::shared_ptr<const terrain::Scene> scene;
+  std::shared_ptr<const server::World> world;
   std::vector<Waypoint> route;
   std::deque<Cue> cues;
   Duration clock_offset;  // the viewer's clock minus the server's

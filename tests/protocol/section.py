@@ -49,23 +49,28 @@ class Test:
     """Section 9, of one view."""
 
     def __init__(self, frame, view):
-        self.frame, self.eye = frame, view.pose.eye
-        self.right, self.up, self.forward = (rotate(view.pose.orientation, v) for v in ((1, 0, 0), (0, 1, 0), (0, 0, -1)))
-        sin_f, cos_f = sin_cos(0.5 * view.fov)
-        tan_y = sin_f / cos_f
-        tan_x = tan_y * view.width / view.height
-        self.cos_x, self.cos_y = 1 / math.sqrt(1 + tan_x * tan_x), 1 / math.sqrt(1 + tan_y * tan_y)
-        self.sin_x, self.sin_y = tan_x * self.cos_x, tan_y * self.cos_y
-        self.corner = math.sqrt(1 + tan_x * tan_x + tan_y * tan_y)
-        self.cos_corner = 1 / self.corner
-        self.scale = 0.5 * view.height / tan_y / view.tau
-        self.ball = view.ball
-        self.sin_w, self.cos_w = sin_cos(min(view.turn, 1.5))
+        self.frame = frame
+        self.see(view.pose.eye, view.pose.orientation, view)
+        self.scale = 0.5 * view.height / self.tan_y / view.tau
         if frame.is_planar:
             a, b, h = (*frame.axis_x_m, 0.0), (*frame.axis_y_m, 0.0), (0.0, 0.0, frame.height_step_m)
             o = tuple(-frame.anchor[0] * a[i] - frame.anchor[1] * b[i] - self.eye[i] for i in range(3))
             rows = self.right, self.up, self.forward, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
             self.rows = [(dot(r, a), dot(r, b), dot(r, h), dot(r, o)) for r in rows]
+
+    def see(self, eye, orientation, view):
+        """From there, with the lens, ball and turn of the view."""
+        self.eye = eye
+        self.right, self.up, self.forward = (rotate(orientation, v) for v in ((1, 0, 0), (0, 1, 0), (0, 0, -1)))
+        sin_f, cos_f = sin_cos(0.5 * view.fov)
+        self.tan_y = tan_y = sin_f / cos_f
+        tan_x = tan_y * view.width / view.height
+        self.cos_x, self.cos_y = 1 / math.sqrt(1 + tan_x * tan_x), 1 / math.sqrt(1 + tan_y * tan_y)
+        self.sin_x, self.sin_y = tan_x * self.cos_x, tan_y * self.cos_y
+        self.corner = math.sqrt(1 + tan_x * tan_x + tan_y * tan_y)
+        self.cos_corner = 1 / self.corner
+        self.ball = view.ball
+        self.sin_w, self.cos_w = sin_cos(min(view.turn, 1.5))
 
     def place(self, sphere):
         x, y, middle, position, _ = sphere
@@ -75,17 +80,22 @@ class Test:
         p = position[0] - self.eye[0], position[1] - self.eye[1], position[2] - self.eye[2]
         return dot(p, self.right), dot(p, self.up), dot(p, self.forward), math.sqrt(p[0] * p[0] + p[1] * p[1])
 
+    def facing(self, x, y, z):
+        side = min(z * self.sin_x - abs(x) * self.cos_x, z * self.sin_y - abs(y) * self.cos_y)
+        return side * self.cos_w + math.sqrt(max(0.0, (x * x + y * y + z * z) - side * side)) * self.sin_w
+
+    def depth(self, x, y, z, R, nearest):
+        rho2 = x * x + y * y
+        d = math.sqrt(rho2 + z * z)
+        return max((z * self.cos_w - math.sqrt(rho2) * self.sin_w) - R, (d - R) * self.cos_corner, nearest)
+
     def of(self, place, radius):
         """passes(error in metres) for a sphere, or None if it is out of view, so that no error passes."""
         x, y, z, h = place
         R = radius + self.ball
-        rho2 = x * x + y * y
-        d = math.sqrt(rho2 + z * z)
-        side = min(z * self.sin_x - abs(x) * self.cos_x, z * self.sin_y - abs(y) * self.cos_y)
-        facing = side * self.cos_w + math.sqrt(max(0.0, (rho2 + z * z) - side * side)) * self.sin_w
-        if not facing + R >= 0:
+        if not self.facing(x, y, z) + R >= 0:
             return None
-        depth = max((z * self.cos_w - math.sqrt(rho2) * self.sin_w) - R, (d - R) * self.cos_corner, 0.1)
+        depth = self.depth(x, y, z, R, 0.1)
 
         def passes(error):
             K = error * self.scale
@@ -187,10 +197,10 @@ class Section:
 
     # ---- the step
 
-    def step(self, view, delta):
+    def step(self, view, coder):
         """To the section of `view`; returns how many nodes came and went."""
         self.test = Test(self.frame, view)
-        self.delta = DeltaDecoder(delta, self.model, self.grid, self.frame.height_step_m, self.height_of, self.displacement_of)
+        self.delta = DeltaDecoder(coder, self.model, self.grid, self.frame.height_step_m, self.height_of, self.displacement_of)
         levels = range(1, self.grid.last_level + 1)
         going, coming = {level: {} for level in levels}, {level: {} for level in levels}  # slot to: is it new?
         for slot, bound in self.bounds.items():
@@ -205,7 +215,6 @@ class Section:
         if self.is_first:
             self.seed(arriving)
         added = sum(self.add(level, coming[level], arriving) for level in levels)
-        self.delta.coder.finish()
         self.forget()
         return added, removed
 

@@ -59,6 +59,7 @@ STRUCTS = {
     "CameraPose": ["double"] * 7,
     "Lens": ["double", "uint", "uint"],
     "Geodetic": ["double"] * 3,
+    "Placement": ["double"] * 8 + ["uint"],
 }
 TABLES = {
     "Frame": [("kind", "ubyte"), ("height_step_m", "double"), ("anchor", "Vec2"), ("axis_x_m", "Vec2"), ("axis_y_m", "Vec2"),
@@ -71,9 +72,12 @@ TABLES = {
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("places", "[Vec2]")],
+    "Model": [("rule", "ubyte"), ("halvings", "uint"), ("vertices", "uint"), ("faces", "[uint]"), ("base", "[int]"),
+              ("step_m", "double"), ("atlas_side", "uint")],
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
-                ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint")],
+                ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
+                ("objects", "[Placement]")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],
@@ -109,7 +113,11 @@ class FlatBuffer:
         return tuple(values)
 
     def size(self, kind):
-        return sum(struct.calcsize(NUMBERS[k]) for k in STRUCTS.get(kind, [kind]))
+        """In a vector: of a number, a struct, or the offset of a table."""
+        if kind in TABLES:
+            return 4
+        sizes = [struct.calcsize(NUMBERS[k]) for k in STRUCTS.get(kind, [kind])]
+        return (sum(sizes) + max(sizes) - 1) // max(sizes) * max(sizes)
 
     def value(self, kind, at):
         if kind in NUMBERS:

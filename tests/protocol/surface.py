@@ -1,0 +1,361 @@
+"""Models: how the vertices of a surface are named and numbered, what is known of a node, and its test: section 15 of
+docs/PROTOCOL.md. A vertex is the number of a base vertex, or the name (patch, x, y) of a node."""
+
+import math
+import struct
+
+from section import Test, dot, rotate
+from wire import require
+
+
+class BaseMesh:
+    def __init__(self, vertices, corners):
+        require(0 < len(corners) <= 3 << 20 and len(corners) % 3 == 0 and vertices <= 1 << 20, "a base mesh of no size")
+        self.vertices, self.corners = vertices, corners
+        self.faces = len(corners) // 3
+        require(all(v < vertices for v in corners) and len(set(corners)) == vertices, "vertices in no face, or of none")
+        require(all(len(set(corners[i:i + 3])) == 3 for i in range(0, len(corners), 3)), "a vertex twice in a face")
+        runs = {}
+        for h in range(len(corners)):
+            ends = corners[h], corners[self.next(h)]
+            require(ends not in runs, "an edge that two faces run along in one way")
+            runs[ends] = h
+        self.twin = [runs.get((corners[self.next(h)], corners[h])) for h in range(len(corners))]
+        self.is_closed = None not in self.twin
+        self.check_fans()
+        self.first = [h for h in range(len(corners)) if self.twin[h] is None or self.twin[h] > h]
+        self.edge = [0] * len(corners)
+        for number, h in enumerate(self.first):
+            self.edge[h] = number
+            if self.twin[h] is not None:
+                self.edge[self.twin[h]] = number
+
+    @staticmethod
+    def next(h):
+        return h - 2 if h % 3 == 2 else h + 1
+
+    @staticmethod
+    def previous(h):
+        return h + 2 if h % 3 == 0 else h - 1
+
+    def check_fans(self):
+        faces_at, start = {}, {}
+        for h, v in enumerate(self.corners):
+            faces_at[v] = faces_at.get(v, 0) + 1
+            if v not in start or self.twin[h] is None:
+                start[v] = h
+        for v, begin in start.items():
+            h, met = begin, 0
+            while h is not None and (met == 0 or h != begin):
+                met, h = met + 1, self.twin[self.previous(h)]
+            require(met == faces_at[v], "faces that hang together in a point only")
+
+
+def scale_log2(x, y):
+    both = x | y
+    return (both & -both).bit_length() - 1
+
+
+class Quadrisection:
+    def __init__(self, mesh, k):
+        self.mesh, self.k, self.size = mesh, k, 1 << k
+        self.last_level = k
+        self.base_vertices = mesh.vertices
+
+    def slots_of(self, level):
+        m = 1 << (level - 1)
+        return self.mesh.faces * 3 * (m * (m + 1) // 2)
+
+    def on_half_edge(self, h, r):
+        return (h // 3, *[(r, 0), (self.size - r, r), (0, self.size - r)][h % 3])
+
+    def half_edge_of(self, f, x, y):
+        """The half-edge that the point is on, and where; None inside."""
+        if y == 0 and x < self.size:
+            return 3 * f, x
+        if x + y == self.size and x > 0:
+            return 3 * f + 1, y
+        return (3 * f + 2, self.size - y) if x == 0 else None
+
+    def places(self, f, x, y):
+        """Of a point that is no corner: on its own face, and on the neighbour."""
+        places, on = [(f, x, y)], self.half_edge_of(f, x, y)
+        if on and self.mesh.twin[on[0]] is not None:
+            places.append(self.on_half_edge(self.mesh.twin[on[0]], self.size - on[1]))
+        return places
+
+    def is_inside(self, x, y):
+        return x >= 0 and y >= 0 and x + y <= self.size
+
+    def name(self, f, x, y):
+        corners = {(0, 0): 0, (self.size, 0): 1, (0, self.size): 2}
+        if (x, y) in corners:
+            return self.mesh.corners[3 * f + corners[x, y]]
+        return min(self.places(f, x, y))
+
+    def level(self, n):
+        return self.k - scale_log2(n[1], n[2])
+
+    def endpoints(self, n):
+        f, x, y = n
+        t = scale_log2(x, y)
+        s = 1 << t
+        odd_x, odd_y = x >> t & 1, y >> t & 1
+        dx, dy = (s if odd_x else 0), (-s if odd_x and odd_y else s if odd_y else 0)
+        return [self.name(f, x - dx, y - dy), self.name(f, x + dx, y + dy)]
+
+    def parents(self, n):
+        return [e for e in self.endpoints(n) if isinstance(e, tuple) and self.level(e) == self.level(n) - 1]
+
+    def children(self, n):
+        t = scale_log2(n[1], n[2])
+        if t == 0:
+            return []
+        h, names = 1 << (t - 1), set()
+        for f, x, y in self.places(*n):
+            for dx, dy in ((h, 0), (-h, 0), (0, h), (0, -h), (h, -h), (-h, h)):
+                if self.is_inside(x + dx, y + dy):
+                    names.add(self.name(f, x + dx, y + dy))
+        return sorted(names)
+
+    def slot_in_level(self, n):
+        f, x, y = n
+        t = scale_log2(x, y)
+        m = 1 << (self.level(n) - 1)
+        column, row = x >> (t + 1), y >> (t + 1)
+        cell = row * (m + 1) + column if row < (m + 1) >> 1 else (m - 1 - row) * (m + 1) + row + 1 + column
+        odd_x, odd_y = x >> t & 1, y >> t & 1
+        return 3 * f * (m * (m + 1) // 2) + 3 * cell + (2 if odd_x and odd_y else 1 if odd_y else 0)
+
+    def first_level(self):
+        s = self.size >> 1
+        return sorted({self.name(f, x, y) for f in range(self.mesh.faces) for x, y in ((s, 0), (0, s), (s, s))})
+
+
+def morton(u, v):
+    return sum((u >> i & 1) << 2 * i | (v >> i & 1) << (2 * i + 1) for i in range(16))
+
+
+class Bisection:
+    def __init__(self, mesh, k):
+        self.mesh, self.k, self.size = mesh, k, 1 << k
+        self.last_level = 2 * k
+        self.base_vertices = mesh.vertices + mesh.faces
+
+    def slots_of(self, level):
+        c = (level - 1) // 2
+        return (len(self.mesh.first) << 2 * c) * (1 if level & 1 else 2)
+
+    def is_inside(self, e, x, y):
+        if not (0 <= x <= self.size and 0 <= y <= self.size):
+            return False
+        return x <= y or self.mesh.twin[self.mesh.first[e]] is not None
+
+    def name(self, e, x, y):
+        if 0 < y < self.size:
+            return e, x, y
+        first = self.mesh.first[e]
+        h, r = (self.mesh.twin[first], x) if y == 0 else (first, self.size - x)
+        if r == 0:
+            return self.mesh.corners[first if y == 0 else self.mesh.next(first)]
+        if r == self.size:
+            return self.mesh.vertices + h // 3
+        after = self.mesh.next(h)
+        edge = self.mesh.edge[after]
+        return (edge, 0, r) if self.mesh.first[edge] == after else (edge, self.size, self.size - r)
+
+    def places(self, e, x, y):
+        """On its own square, and on a second one."""
+        places = [(e, x, y)]
+        if x in (0, self.size):
+            first = self.mesh.first[e]
+            b, r = (self.mesh.previous(first), y) if x == 0 else (self.mesh.previous(self.mesh.twin[first]), self.size - y)
+            edge = self.mesh.edge[b]
+            places.append((edge, self.size - r, self.size) if self.mesh.first[edge] == b else (edge, r, 0))
+        return places
+
+    @staticmethod
+    def is_centre(x, y, t):
+        return x >> t & y >> t & 1
+
+    def level(self, n):
+        t = scale_log2(n[1], n[2])
+        return 2 * (self.k - 1 - t) + (1 if self.is_centre(n[1], n[2], t) else 2)
+
+    def along(self, x, y, t):
+        """From a node to an end of its edge, and to where its triangles' other corners are."""
+        s = 1 << t
+        if not self.is_centre(x, y, t):
+            return ((0, s), (s, 0)) if y >> t & 1 else ((s, 0), (0, s))
+        rises = ((x >> (t + 1)) + (y >> (t + 1))) % 2 == 0
+        return ((s, s), (s, -s)) if rises else ((s, -s), (s, s))
+
+    def inside(self, e, points):
+        return [self.name(e, x, y) for x, y in points if self.is_inside(e, x, y)]
+
+    def endpoints(self, n):
+        e, x, y = n
+        dx, dy = self.along(x, y, scale_log2(x, y))[0]
+        return [self.name(e, x - dx, y - dy), self.name(e, x + dx, y + dy)]
+
+    def parents(self, n):
+        t = scale_log2(n[1], n[2])
+        if self.is_centre(n[1], n[2], t) and t == self.k - 1:
+            return []
+        names = set()
+        for e, x, y in [n] if self.is_centre(n[1], n[2], t) else self.places(*n):
+            dx, dy = self.along(x, y, t)[1]
+            names.update(self.inside(e, [(x - dx, y - dy), (x + dx, y + dy)]))
+        return sorted(names)
+
+    def children(self, n):
+        e, x, y = n
+        t = scale_log2(x, y)
+        s, h = 1 << t, 1 << t >> 1
+        if self.is_centre(x, y, t):
+            return self.inside(e, [(x - s, y), (x + s, y), (x, y - s), (x, y + s)])
+        names = set()
+        for e, x, y in self.places(*n) if t > 0 else []:
+            names.update(self.inside(e, [(x + dx, y + dy) for dx in (-h, h) for dy in (-h, h)]))
+        return sorted(names)
+
+    def slot_in_level(self, n):
+        e, x, y = n
+        t = scale_log2(x, y)
+        cells = e << 2 * (self.k - 1 - t)
+        if self.is_centre(x, y, t):
+            return cells + morton(x >> (t + 1), y >> (t + 1))
+        if x == self.size:
+            return 2 * (cells + morton(y >> (t + 1), 0)) + 1
+        return 2 * (cells + morton(x >> (t + 1), y >> (t + 1))) + (0 if y >> t & 1 else 1)
+
+    def first_level(self):
+        return [(e, self.size >> 1, self.size >> 1) for e in range(len(self.mesh.first))]
+
+
+class Node:
+    """Endpoints are vertices; parents and children are nodes' slots."""
+
+    __slots__ = ("name", "slot", "level", "endpoints", "parents", "children")
+
+
+class Surface:
+    """Of a welcome's model: what is known before any node."""
+
+    def __init__(self, model):
+        k = model["halvings"]
+        require(model["rule"] in (0, 1) and 1 <= k <= 15, "a rule that is unknown, or no halvings")
+        require(0 < model["step_m"] <= 1e6 and model["atlas_side"] <= 1 << 14, "a step or an image of no size")
+        self.mesh = BaseMesh(model["vertices"], model["faces"] or [])
+        self.rule = (Bisection if model["rule"] else Quadrisection)(self.mesh, k)
+        numbers = model["base"] or []
+        require(len(numbers) == 3 * self.rule.base_vertices and all(abs(v) <= 1 << 28 for v in numbers),
+                "base vertices that do not fit")
+        self.base = [tuple(numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+        self.step_m, self.is_closed, self.last_level = model["step_m"], self.mesh.is_closed, self.rule.last_level
+        self.offset = [0, 0]
+        for level in range(1, self.last_level + 1):
+            self.offset.append(self.offset[-1] + (self.rule.slots_of(level) + 255) // 256 * 256)
+        require(self.offset[-1] <= 1 << 26, "too many slots")
+        self.nodes, self.first_level = {}, []
+        self.first_level = [self.make(n) for n in self.rule.first_level()]
+
+    def slot(self, name):
+        return self.offset[self.rule.level(name)] + self.rule.slot_in_level(name)
+
+    def make(self, name):
+        """The slot of a node, which can be looked up from now on."""
+        slot = self.slot(name)
+        if slot not in self.nodes:
+            n = self.nodes[slot] = Node()
+            n.name, n.slot, n.level = name, slot, self.rule.level(name)
+            n.endpoints = self.rule.endpoints(name)
+            n.parents = [self.slot(p) for p in self.rule.parents(name)]
+            n.children = None
+        return slot
+
+    def children(self, slot):
+        n = self.nodes[slot]
+        if n.children is None:
+            n.children = [self.make(c) for c in self.rule.children(n.name)]
+        return n.children
+
+
+class Record:
+    """As it is sent, in the order in which it is."""
+
+    __slots__ = ("position", "normal", "radius", "along", "across", "cone", "bulge")
+
+
+def metres_of(bits):
+    return struct.unpack("<f", struct.pack("<I", bits << 15))[0]
+
+
+class Bounds:
+    """A record, decoded."""
+
+    def __init__(self, record, step_m):
+        self.position = tuple(v * step_m for v in record.position)
+        u, v = record.normal[0] / 32767, record.normal[1] / 32767
+        w = 1 - abs(u) - abs(v)
+        fold = max(-w, 0.0)
+        u, v = u - math.copysign(fold, u), v - math.copysign(fold, v)
+        inverse = 1 / math.sqrt(u * u + v * v + w * w)
+        self.normal = u * inverse, v * inverse, w * inverse
+        self.radius, self.along, self.across = metres_of(record.radius), metres_of(record.along), metres_of(record.across)
+        self.cone = record.cone * record.cone / 65025
+        self.q = record.bulge * record.bulge / 65025 * self.radius
+
+
+def product(a, b):
+    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3], a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
+
+
+class SurfaceTest(Test):
+    """Of one view of an object; section 9's view, in the model's frame."""
+
+    def __init__(self, surface, placement, view):
+        position, (w, x, y, z), scale = placement["position"], placement["orientation"], placement["scale"]
+        back = w, -x, -y, -z
+        offset = tuple(a - b for a, b in zip(view.pose.eye, position))
+        self.see(tuple(v / scale for v in rotate(back, offset)), product(back, view.pose.orientation), view)
+        self.ball = view.ball / scale
+        self.nearest = 0.1 / scale
+        focal = 0.5 * view.height / self.tan_y
+        self.silhouette, self.interior = view.tau / focal, 7 * view.tau / focal
+        self.is_closed = surface.is_closed
+
+    def seen(self, n):
+        """g, h, front, back, and the offset from the eye with its squared length."""
+        o = tuple(p - e for p, e in zip(n.position, self.eye))
+        d2 = o[0] * o[0] + o[1] * o[1] + o[2] * o[2]
+        g = -(n.normal[0] * o[0] + n.normal[1] * o[1] + n.normal[2] * o[2])
+        h = math.sqrt(max(0.0, d2 - g * g))
+        ahead = g * math.sqrt(max(0.0, 1 - n.cone * n.cone))
+        beside = h * n.cone + n.q + self.ball
+        return g, h, beside + ahead, beside - ahead, o, d2
+
+    def place_of(self, o):
+        return dot(o, self.right), dot(o, self.up), dot(o, self.forward)
+
+    def aside(self, x, y, z):
+        rho = math.sqrt(x * x + y * y)
+        return rho * self.cos_w + z * self.sin_w if z * self.cos_w - rho * self.sin_w > 0 else math.sqrt(rho * rho + z * z)
+
+    def meets_frustum(self, n, radius):
+        return self.facing(*self.place_of(self.seen(n)[4])) + (radius + self.ball) >= 0
+
+    def passes(self, n):
+        g, h, front, back, o, d2 = self.seen(n)
+        place = self.place_of(o)
+        R = n.radius + self.ball
+        depth = self.depth(*place, R, self.nearest)
+        longest = max(n.along, n.across)
+        ah, bg = n.along * h, n.across * g
+        aside = self.aside(*place) + R
+        B = min(max(math.sqrt(ah * ah + bg * bg), n.across * math.sqrt(d2)) + longest * R,
+                longest * math.sqrt(depth * depth + aside * aside))
+        tolerance = self.silhouette if front > 0 and back > 0 else self.interior
+        return (self.facing(*place) + R >= 0 and B > tolerance * depth * depth and longest * self.corner > tolerance * depth and
+                (front > 0 or not self.is_closed))
