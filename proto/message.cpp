@@ -13,6 +13,7 @@ namespace {
 
 constexpr size_t kMaxNameBytes = 64;
 constexpr size_t kMaxTextBytes = 64 << 10;
+constexpr size_t kMaxNesting = 16, kMaxTables = ObjectSet::kMaxModels + 16;  // of a FlatBuffer
 
 // ---- names
 
@@ -75,7 +76,8 @@ const fb::Control* verified(ByteSpan bytes, std::vector<uint64_t>& aligned) {
   const ByteSpan body = bytes.subspan(1);
   aligned.resize((body.size() + 7) / 8);
   std::memcpy(aligned.data(), body.data(), body.size());
-  flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(aligned.data()), body.size(), 16, 1000);
+  flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(aligned.data()), body.size(), kMaxNesting,
+                                 kMaxTables);
   if (!fb::VerifyControlBuffer(verifier)) return nullptr;
   const fb::Control* control = fb::GetControl(aligned.data());
   return control->body() ? control : nullptr;  // the verifier lets a typed union without a table pass

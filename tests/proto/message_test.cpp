@@ -74,6 +74,40 @@ TEST(Message, ControlMessagesRoundTrip) {
   EXPECT_EQ(std::get<Refusal>(*decodeServerMessage(encode(Refusal{"no"}))).message, "no");
 }
 
+TEST(Message, AWelcomeTellsAsManyModelsAndObjectsAsASceneHolds) {
+  Welcome sent;
+  sent.shape = {1, 1, 1, 2, 2};
+  sent.frame.axis_x_m = {1, 0};
+  sent.frame.axis_y_m = {0, 1};
+  sent.keyframe_interval = Duration::milliseconds(200);
+  sent.corner_heights.resize(4);
+  sent.centre_heights.resize(1);
+  ObjectModel model;
+  model.shape.vertex_count = 3;
+  model.shape.faces.push_back({0, 1, 2});
+  model.base = {{0, 0, 0}, {4, 0, 0}, {0, -4, 2}};
+  model.atlas_side = 7;
+  sent.models.resize(ObjectSet::kMaxModels, model);
+  Rng rng(6);
+  for (uint32_t i = 0; i < ObjectSet::kMaxObjects; ++i) {
+    const Pose pose = somePose(rng);
+    sent.objects.push_back({i % 1024, pose.eye, pose.orientation, 0.5 + i});
+  }
+  const auto message = decodeServerMessage(encode(sent));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  const auto& got = std::get<Welcome>(*message);
+  EXPECT_TRUE(got.models == sent.models);
+  ASSERT_EQ(got.objects.size(), sent.objects.size());
+  for (size_t i = 0; i < got.objects.size(); ++i) {
+    EXPECT_EQ(got.objects[i].model, sent.objects[i].model);
+    EXPECT_EQ(got.objects[i].position, sent.objects[i].position);
+    EXPECT_EQ(got.objects[i].orientation, sent.objects[i].orientation);
+    EXPECT_EQ(got.objects[i].scale, sent.objects[i].scale);
+  }
+  sent.models.push_back(sent.models.front());
+  EXPECT_FALSE(decodeServerMessage(encode(sent)).ok());
+}
+
 TEST(Message, AbsurdValuesAreRefused) {
   for (double tau : {-1.0, 1e-9, 1e9, std::nan("")}) {
     ViewRequest request;
