@@ -142,7 +142,16 @@ void DeltaDecoder::onAddable(int level, std::span<const Slot> slots) {
 }
 
 void DeltaDecoder::load(TerrainBatch& batch) {
-  for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_.at(batch.slot[i]).middle();
+  Slot block = kNoSlot;
+  const NodeRecord* records = nullptr;
+  for (size_t i = 0; i < batch.count; ++i) {
+    const Slot slot = batch.slot[i];
+    if (slot / SparseNodes::kBlockSlots != block) {
+      block = slot / SparseNodes::kBlockSlots;
+      records = &nodes_.at(block * SparseNodes::kBlockSlots);
+    }
+    batch.height[i] = records[slot % SparseNodes::kBlockSlots].middle();
+  }
 }
 
 bool DeltaDecoder::answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) {

@@ -129,6 +129,13 @@ class GridTopology {
     return result;
   }
 
+  // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
+  template <class IsThere>
+  bool hasOtherParent(NodeId child, NodeId n, const IsThere& isThere) const {
+    const NodeId other = NodeId::at(2 * child.x() - n.x(), 2 * child.y() - n.y());  // they lie on both sides of it
+    return !contains(other) || isThere(other);
+  }
+
   // Bijection between nodes and (some of the) slots. `n` is a node inside the grid.
   Slot slot(NodeId n) const {
     const uint32_t t = scaleLog2(n), cx = n.x() >> (t + 1), cy = n.y() >> (t + 1);

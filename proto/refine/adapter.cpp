@@ -291,7 +291,8 @@ class Adapter<Batch>::Step {
     forEach(level, candidates, [&](const Candidate&, NodeId n) {
       for (NodeId parent : topology_.parents(n)) unlist(topology_.slot(parent, level - 1));
       for (NodeId child : topology_.children(n))
-        if (hasItsParents(child, level + 1)) welcome(topology_.slot(child, level + 1), scratch_.homeless);
+        if (topology_.hasOtherParent(child, n, [&](NodeId other) { return isActive(topology_.slot(other, level)); }))
+          welcome(topology_.slot(child, level + 1), scratch_.homeless);
     });
     return true;
   }

@@ -23,7 +23,7 @@ bool isBefore(const Frontier::PageName& a, const Frontier::PageName& b) { return
 
 uint32_t Frontier::makePage(Slot slot, RadiusClass radius) {
   const uint32_t key = slot >> 8;
-  if (4 * (order_.size() + fresh_.size() + 1) > 3 * cells_.size()) grow();
+  if (2 * (order_.size() + fresh_.size() + 1) > cells_.size()) grow();
   const uint32_t cell = probe(key);
   CHECK_EQ(cells_[cell].page, kNone);
   if (free_.empty()) {
