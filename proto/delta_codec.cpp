@@ -36,25 +36,20 @@ class LevelCoder {
         scale_(static_cast<size_t>(std::min((grid_.maxLevel() - level) / 2, 7))),
         steps_per_m_(1 / domain.frame.transform().frame().height_step_m) {}
 
-  bool codeAnswer(const Question& q, bool answer) {
-    if (q.is_active) {
-      const double own = std::abs(nodes_.at(q.slot).displacement()) + 0.25;
-      const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / stepsOf(q.least)) + 5, 0, 7));
-      const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
-      return coder_.code(model_.stays[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], answer);
+  // An encoder passes the answers, a decoder gets them. What is known around some nodes is looked up before the first of
+  // them is coded, for look-ups wait for memory side by side and coding goes step by step.
+  void codeAnswers(std::span<const Question> questions, std::span<uint8_t> answers) {
+    constexpr size_t kAhead = 64;
+    std::array<Context, kAhead> contexts;
+    std::array<uint8_t, kAhead> got;
+    for (size_t begin = 0; begin < questions.size(); begin += kAhead) {
+      const size_t count = std::min(kAhead, questions.size() - begin);
+      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(questions[begin + i]);
+      for (size_t i = 0; i < count; ++i) got[i] = codeAnswer(contexts[i], answers[begin + i] != 0) ? 1 : 0;
+      for (size_t i = 0; i < count; ++i)
+        if (got[i] && !questions[begin + i].is_active) asked_.keep(contexts[i].around);
+      std::copy_n(got.begin(), count, answers.begin() + static_cast<std::ptrdiff_t>(begin));
     }
-    const Surroundings around = Surroundings::of(grid_, nodes_, names_.at(q.slot), level_);
-    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(around.expected() / stepsOf(q.least)) + 8, 0, 15));
-    bool got;
-    if (q.is_new) {
-      got = coder_.code(model_.comes[(size * 8 + scale_) * 4 + before_], answer);
-      before_ = (2 * before_ + (got ? 1 : 0)) & 3;
-    } else {
-      const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);
-      got = coder_.code(model_.comes_later[(size * 8 + width) * 8 + scale_], answer);
-    }
-    if (got) asked_.keep(around);
-    return got;
   }
 
   // Of all nodes that come, in order. `passed` is the least class that showed the node. An encoder passes the height, a
@@ -74,6 +69,31 @@ class LevelCoder {
   }
 
  private:
+  // Of an answer: a bit, or four by the last two answers.
+  struct Context {
+    AdaptiveBit* bits;
+    bool has_before;
+    Surroundings around;  // unless the node is active
+  };
+  Context contextOf(const Question& q) {
+    if (q.is_active) {
+      const double own = std::abs(nodes_.at(q.slot).displacement()) + 0.25;
+      const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / stepsOf(q.least)) + 5, 0, 7));
+      const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
+      return {&model_.stays[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
+    }
+    const Surroundings around = Surroundings::of(grid_, nodes_, names_.at(q.slot), level_);
+    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(around.expected() / stepsOf(q.least)) + 8, 0, 15));
+    if (q.is_new) return {&model_.comes[(size * 8 + scale_) * 4], true, around};
+    const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);
+    return {&model_.comes_later[(size * 8 + width) * 8 + scale_], false, around};
+  }
+  bool codeAnswer(const Context& context, bool answer) {
+    const bool got = coder_.code(context.bits[context.has_before ? before_ : 0], answer);
+    if (context.has_before) before_ = (2 * before_ + (got ? 1 : 0)) & 3;
+    return got;
+  }
+
   double stepsOf(ErrorClass c) const { return static_cast<double>(c.metres()) * steps_per_m_; }
   // Hostile bytes only are not.
   static int32_t inRange(int64_t height) {
@@ -111,7 +131,8 @@ bool DeltaEncoder::answer(int level, std::span<const Question> questions, std::s
   const double before = coder_.bits();
   LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
   for (size_t i = 0; i < questions.size(); ++i)
-    answers[i] = level_coder.codeAnswer(questions[i], nodes_.at(questions[i].slot).error() >= questions[i].least);
+    answers[i] = nodes_.at(questions[i].slot).error() >= questions[i].least ? 1 : 0;
+  level_coder.codeAnswers(questions, answers);
   bits_.answers += coder_.bits() - before;
   bits_.asked += questions.size();
   return true;
@@ -141,26 +162,20 @@ void DeltaDecoder::onAddable(int level, std::span<const Slot> slots) {
   }
 }
 
+// The records are asked for before the first is read.
 void DeltaDecoder::load(TerrainBatch& batch) {
-  Slot block = kNoSlot;
-  const NodeRecord* records = nullptr;
+  std::array<const NodeRecord*, TerrainBatch::kSize> records;
   for (size_t i = 0; i < batch.count; ++i) {
-    const Slot slot = batch.slot[i];
-    if (slot / SparseNodes::kBlockSlots != block) {
-      block = slot / SparseNodes::kBlockSlots;
-      records = &nodes_.at(block * SparseNodes::kBlockSlots);
-    }
-    batch.height[i] = records[slot % SparseNodes::kBlockSlots].middle();
+    records[i] = &nodes_.at(batch.slot[i]);
+    __builtin_prefetch(records[i]);
   }
+  for (size_t i = 0; i < batch.count; ++i) batch.height[i] = records[i]->middle();
 }
 
 bool DeltaDecoder::answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) {
   LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
-  for (size_t i = 0; i < questions.size(); ++i) {
-    answers[i] = level_coder.codeAnswer(questions[i], false);
-    if (coder_.overrun()) return false;
-  }
-  return true;
+  level_coder.codeAnswers(questions, answers);
+  return !coder_.overrun();
 }
 
 bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) {

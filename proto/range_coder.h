@@ -82,7 +82,7 @@ class RangeDecoder {
     else
       code_ -= bound, range_ -= bound;
     bit.learn(value);
-    normalize();
+    if (range_ < (1u << 24)) readByte();  // a decision takes 7 bits at most
     return value;
   }
   uint32_t codeEvenly(uint32_t, int count) {
@@ -90,7 +90,7 @@ class RangeDecoder {
     uint32_t value = code_ / range_;
     if (value >> count != 0) value = (1u << count) - 1;  // hostile bytes only
     code_ -= value * range_;
-    normalize();
+    while (range_ < (1u << 24)) readByte();
     return value;
   }
 
@@ -100,11 +100,9 @@ class RangeDecoder {
   static constexpr size_t kSlack = 4;
 
  private:
-  void normalize() {
-    while (range_ < (1u << 24)) {
-      code_ = code_ << 8 | next();
-      range_ <<= 8;
-    }
+  void readByte() {
+    code_ = code_ << 8 | next();
+    range_ <<= 8;
   }
   uint8_t next() { return at_ < bytes_.size() ? bytes_[at_++] : (++at_, uint8_t{0}); }
 
