@@ -25,6 +25,7 @@ struct Arguments {
   std::string scene, tour = "survey", martini = bench::martiniSources();
   bench::FlightOptions flight;
   uint32_t frames_per_second = 60, measure_every = 6;
+  double triangles = 0;  // 0: as many as the tolerance takes
   bench::PeerOptions peers{.quantized_mesh = bench::peerSources()};
   std::filesystem::path wasm_decoder = bench::wasmDecoderPath();
   bool json = false, errors = true, with_peers = true;
@@ -43,12 +44,22 @@ void print(const nlohmann::ordered_json& report, bool json) {
   for (const auto& [key, value] : report.items()) std::cout << key << "  " << value << "\n";
 }
 
-int runSections(const Arguments& args) {
+// The tolerance that the flight is to be measured with.
+Result<double> tauOf(const Arguments& args, const server::Hierarchy& hierarchy, const proto::Path& path) {
+  if (args.triangles == 0) return args.flight.tau_px;
+  return bench::tauForTriangles(hierarchy, bench::keyframeViews(path, args.flight, bench::Promise::kEveryFrame),
+                                args.triangles);
+}
+
+int runSections(Arguments args) {
   auto scene = terrain::Scene::open(args.scene);
   if (!scene) return fail(scene.error().message);
   const server::Hierarchy hierarchy(*scene), isotropic(*scene, proto::ErrorBound::kSphere);
   auto path = server::planTour(**scene, args.tour, args.flight.seconds + 1);
   if (!path) return fail(path.error().message);
+  const auto tau_px = tauOf(args, hierarchy, *path);
+  if (!tau_px) return fail(tau_px.error().message);
+  args.flight.tau_px = *tau_px;
   const auto plain = bench::keyframeViews(*path, args.flight, bench::Promise::kKeyframesOnly);
   const auto promised = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
 
@@ -213,6 +224,9 @@ int main(int argc, char** argv) {
   sections->add_option("--measure-every", args.measure_every, "put every n-th shown frame before the oracle")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  sections->add_option("--triangles", args.triangles, "in the mean, whatever tolerance that takes; instead of --tau")
+      ->check(CLI::Range(100.0, 1e8) & apps::isFinite())
+      ->excludes("--tau");
   sections->add_flag("!--no-errors", args.errors, "leave out the oracle; costs only");
   CLI::App* refine = app.add_subcommand("refine", "refinement from scratch, beside MARTINI on the same heights");
   addFlightOptions(*refine, args, interval_ms);

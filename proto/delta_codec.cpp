@@ -36,8 +36,8 @@ class LevelCoder {
         scale_(static_cast<size_t>(std::min((grid_.maxLevel() - level) / 2, 7))),
         steps_per_m_(1 / domain.frame.transform().frame().height_step_m) {}
 
-  // An encoder passes the answers, a decoder gets them. What is known around some nodes is looked up before the first of
-  // them is coded, for look-ups wait for memory side by side and coding goes step by step.
+  // An encoder passes the answers, a decoder gets them. What is known around some nodes is looked up before the first
+  // of them is coded, for look-ups wait for memory side by side and coding goes step by step.
   void codeAnswers(std::span<const Question> questions, std::span<uint8_t> answers) {
     constexpr size_t kAhead = 64;
     std::array<Context, kAhead> contexts;

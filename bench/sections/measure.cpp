@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "bench/allocation_count.h"
@@ -93,6 +94,24 @@ double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<proto
     total += static_cast<double>(proto::triangleCount(hierarchy.grid(), section));
   }
   return total / static_cast<double>(views.size());
+}
+
+Result<double> tauForTriangles(const server::Hierarchy& hierarchy, std::vector<proto::View> views, double triangles) {
+  constexpr size_t kMostViews = 40;
+  const size_t step = views.size() / kMostViews + 1;
+  std::vector<proto::View> sample;
+  for (size_t i = 0; i < views.size(); i += step) sample.push_back(views[i]);
+  const auto with = [&](double tau_px) {
+    for (proto::View& view : sample) view.tau_px = tau_px;
+    return meanTriangles(hierarchy, sample);
+  };
+  double low = 0.01, high = 1000;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = std::sqrt(low * high), got = with(middle);
+    if (std::fabs(got - triangles) <= 0.01 * triangles) return middle;
+    (got > triangles ? low : high) = middle;
+  }
+  return Error{ErrorCode::kInvalidArgument, "no tolerance gives so many triangles in the mean; ask for more or fewer"};
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/result.h"
 #include "bench/sections/flight_views.h"
 #include "server/section/hierarchy.h"
 
@@ -26,6 +27,10 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
 
 // Mean triangles over the views.
 double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views);
+
+// The tolerance (px) with which the views have so many triangles in the mean, to 1 %, so that scenes can be compared at
+// equal work. By bisection over a sample of the views. An Error if no tolerance from 0.01 to 1000 px does.
+Result<double> tauForTriangles(const server::Hierarchy& hierarchy, std::vector<proto::View> views, double triangles);
 
 struct SectionErrors {
   double max_error_px_keyframes = 0, max_error_px_frames = 0;
