@@ -76,6 +76,9 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
   for (const ObjectRequest& request : requests) {
     auto surface = MappedSurface::open(request.model);
     if (!surface.ok()) return surface.error();
+    if ((*surface)->errorShape() != proto::ErrorShape::kSpheroid)
+      return refused(request,
+                     "its bounds are Hoppe's shapes, which are for comparison; make it anew by foreland remesh");
     const auto same =
         std::find_if(models.begin(), models.end(), [&](const auto& m) { return m->id() == (*surface)->id(); });
     auto placement = place(request, **surface, transform, groundAt);

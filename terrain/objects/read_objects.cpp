@@ -47,6 +47,8 @@ Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
     const proto::AtlasLayout atlas = (*surface)->atlas();
     if (atlas.side > 0 && atlas != proto::AtlasLayout::of(atlas.faces, atlas.side))
       return damaged("model " + std::to_string(i) + " has an image that is laid out in another way");
+    if ((*surface)->errorShape() != proto::ErrorShape::kSpheroid)
+      return damaged("model " + std::to_string(i) + " has bounds of another kind");
     models.push_back(modelOf(**surface));
     objects.models.push_back(std::move(*surface));
   }
