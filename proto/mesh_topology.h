@@ -83,6 +83,14 @@ class MeshTopology {
     return isQuad() ? quad().children(patchPointOf(n)) : bisect().children(patchPointOf(n));
   }
 
+  // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
+  template <class IsThere>
+  bool hasOtherParent(NodeId child, NodeId n, const IsThere& isThere) const {
+    for (NodeId parent : parents(child))
+      if (parent != n && !isThere(parent)) return false;
+    return true;
+  }
+
   // Bijection between nodes and (some of the) slots.
   Slot slot(NodeId n) const {
     const PatchPoint p = patchPointOf(n);
