@@ -30,8 +30,8 @@ class SectionSender {
   // else one refinement from scratch.
   [[nodiscard]] bool fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
-  // How many nodes of the view's section the viewer does not hold; `max_nodes` if the section has more than that. Cost:
-  // one refinement from scratch.
+  // How many nodes of the terrain's section for the view the viewer does not hold, objects' not counted; `max_nodes` if
+  // the section has more than that. Cost: one refinement from scratch.
   [[nodiscard]] size_t countAdded(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
   // Appends the keyframe for `view` to `out` and stands there: at the view as the viewer decodes it
