@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "client/pack_normal.h"
+#include "client/settle_normals.h"
 
 namespace foreland::client {
 
@@ -32,7 +33,7 @@ void MeshBuilder::placeBase() {
     position_[s].resize(count);
     normal_[s].assign(count, glm::dvec3(0));
   }
-  endpoints_.assign(count, {kUnset, kUnset});
+  endpoints_.assign(count, {kNoEnd, kNoEnd});
   mesh_.places.resize(count);
   mesh_.indices.reserve(6 * count);
   const double step = replica_.frameGrid().transform().frame().height_step_m;
@@ -80,7 +81,7 @@ void MeshBuilder::visit(const Triangle& t) {
 // The vertex of a node, placed when the first of its triangles gets there.
 uint32_t MeshBuilder::splitVertex(const Triangle& t, const HeldNodes::Row::Found& node) {
   const uint32_t v = first_node_ + node.position;
-  if (endpoints_[v][0] != kUnset) return v;
+  if (endpoints_[v][0] != kNoEnd) return v;
   endpoints_[v] = {t.a, t.b};
   mesh_.places[v] = {static_cast<float>(t.m.x), static_cast<float>(t.m.y)};
   const proto::NodeId id = proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y));
@@ -148,20 +149,12 @@ uint32_t MeshBuilder::cut(uint32_t inside, uint32_t outside, int axis) {
   return it->second;
 }
 
-// Vertices outside a section lie in the inside of an edge there and take the mean of its ends; ends come first.
 void MeshBuilder::finishNormals() {
-  mesh_.from_normals.resize(mesh_.places.size());
-  mesh_.to_normals.resize(mesh_.places.size());
   for (int s = 0; s < 2; ++s) {
+    settleNormals(endpoints_, normal_[s]);
     auto& packed = s == 0 ? mesh_.from_normals : mesh_.to_normals;
-    for (size_t v = 0; v < normal_[s].size(); ++v) {
-      glm::dvec3& n = normal_[s][v];
-      if (n == glm::dvec3(0) && endpoints_[v][0] != kUnset)
-        n = normal_[s][endpoints_[v][0]] + normal_[s][endpoints_[v][1]];
-      const double length = std::sqrt(glm::dot(n, n));
-      if (length > 0) n /= length;
-      packed[v] = packNormal(n);
-    }
+    packed.reserve(normal_[s].size());
+    for (const glm::dvec3& n : normal_[s]) packed.push_back(packNormal(n));
   }
 }
 

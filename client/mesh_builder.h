@@ -20,8 +20,6 @@ class MeshBuilder {
   void run();
 
  private:
-  static constexpr uint32_t kUnset = 0xffffffffu;
-
   struct Lattice {
     int32_t x, y;
   };

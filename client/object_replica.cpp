@@ -4,16 +4,14 @@
 #include <glm/geometric.hpp>
 
 #include "client/pack_normal.h"
+#include "client/settle_normals.h"
 #include "proto/mesh_triangles.h"
+#include "proto/node_tables.h"
 
 namespace foreland::client {
 
 using proto::NodeId;
 using proto::Slot;
-
-namespace {
-constexpr Slot kBlock = 64;  // of Adapter::knowsBlock
-}
 
 // Numbers vertices as the triangles of the union name them. A vertex is a base vertex, a node of either section, or the
 // middle of an edge where a neighbour is split (S 3.6); where it is no node of a section it lies between its endpoints.
@@ -38,7 +36,7 @@ class ObjectReplica::Builder {
       };
       proto::forEachTriangleOf(mesh_, face, isInEither, draw);
     }
-    for (auto& normals : normal_) normals.resize(names_.size(), glm::dvec3(0));
+    for (auto& normals : normal_) normals.resize(ends_.size(), glm::dvec3(0));
     proto::forEachTriangle(mesh_, isInFrom, [this](NodeId a, NodeId b, NodeId c) { addNormal(0, a, b, c); });
     proto::forEachTriangle(mesh_, isInTo, [this](NodeId a, NodeId b, NodeId c) { addNormal(1, a, b, c); });
     finish();
@@ -51,7 +49,7 @@ class ObjectReplica::Builder {
 
   uint32_t vertex(NodeId v) {
     if (const auto it = numbers_.find(v); it != numbers_.end()) return it->second;
-    std::array<uint32_t, 2> ends{};
+    std::array<uint32_t, 2> ends{kNoEnd, kNoEnd};
     std::array<glm::dvec3, 2> at;
     if (mesh_.isBase(v)) {
       at[0] = at[1] = glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
@@ -66,8 +64,7 @@ class ObjectReplica::Builder {
     }
     for (size_t s = 0; s < 2; ++s) out_.position[s].push_back(at[s]);
     ends_.push_back(ends);
-    names_.push_back(v);
-    return numbers_[v] = static_cast<uint32_t>(names_.size() - 1);
+    return numbers_[v] = static_cast<uint32_t>(ends_.size() - 1);
   }
 
   // The vertex as the face has it.
@@ -89,18 +86,11 @@ class ObjectReplica::Builder {
     for (uint32_t v : corner) normal_[s][v] += n;
   }
 
-  // Vertices that a section's own triangles do not have take the mean of their ends, which come first.
   void finish() {
     const proto::ObjectPlacement& placement = replica_.objects_->placement(replica_.object_);
     for (size_t s = 0; s < 2; ++s) {
-      out_.normal[s].resize(names_.size());
-      for (size_t v = 0; v < names_.size(); ++v) {
-        glm::dvec3& n = normal_[s][v];
-        if (n == glm::dvec3(0) && !mesh_.isBase(names_[v])) n = normal_[s][ends_[v][0]] + normal_[s][ends_[v][1]];
-        const double length = glm::length(n);
-        if (length > 0) n /= length;
-        out_.normal[s][v] = packNormal(placement.orientation * n);
-      }
+      settleNormals(ends_, normal_[s]);
+      for (const glm::dvec3& n : normal_[s]) out_.normal[s].push_back(packNormal(placement.orientation * n));
       for (glm::dvec3& p : out_.position[s]) p = placement.toScene(p);
     }
   }
@@ -113,8 +103,7 @@ class ObjectReplica::Builder {
   Vertices& out_;
   std::unordered_map<NodeId, uint32_t> corners_;  // of the face at hand
   std::unordered_map<NodeId, uint32_t> numbers_;
-  std::vector<NodeId> names_;
-  std::vector<std::array<uint32_t, 2>> ends_;
+  std::vector<std::array<uint32_t, 2>> ends_;  // of each vertex's edge
   std::array<std::vector<glm::dvec3>, 2> normal_;
 };
 
@@ -149,7 +138,8 @@ void ObjectReplica::forgetUnknown() {
   if (known_.size() < 4 * (adapter_.nodeCount() + 256)) return;
   proto::SurfaceRecords kept;
   for (const auto& [slot, record] : known_)
-    if (adapter_.knowsBlock(slot / kBlock * kBlock) || std::binary_search(from_.begin(), from_.end(), slot))
+    if (adapter_.knowsBlock(slot - slot % proto::SparseNodes::kBlockSlots) ||
+        std::binary_search(from_.begin(), from_.end(), slot))
       kept[slot] = record;
   known_ = std::move(kept);
 }
