@@ -37,12 +37,6 @@ ClientOptions flying(const terrain::Scene& scene, const char* tour, Strategy str
   return c;
 }
 
-std::string report(const World& world) {
-  std::string all;
-  for (const std::string& c : world.complaints()) all += c + "\n";
-  return all;
-}
-
 struct Case {
   Strategy strategy;
   Predictor predictor;
@@ -68,7 +62,7 @@ TEST_P(EveryStrategy, KeepsTheLawsOnAGoodLink) {
     cracks += bench::findCracks(*view.mesh, scene->grid().shape()).cracks;
   };
   world.run(Time::seconds(12));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_EQ(cracks, 0u);
   EXPECT_GT(frames, 650u);
   EXPECT_GE(world.viewer(0).statistics().keyframes, 55u);
@@ -100,7 +94,7 @@ TEST(World, ErrorAtEachKeyframeIsAtMostTau) {
     worst_px = std::max(worst_px, error.max_px);
   };
   world.run(Time::seconds(10));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_GT(worst_px, 0.2) << "a bound that is never approached is not tested";
 }
 
@@ -118,7 +112,7 @@ TEST(World, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
       EXPECT_LE(error.max_px, 1 + 1e-4) << tour << " at " << now.toSeconds() << " s";
     };
     world.run(Time::seconds(5));
-    EXPECT_EQ(report(world), "");
+    EXPECT_EQ(world.report(), "");
     EXPECT_EQ(world.viewer(0).statistics().frames_outside, 0u) << tour;
   }
 }
@@ -136,7 +130,7 @@ TEST(World, FramesOutsideThePromiseAreCounted) {
   world.run(Time::seconds(8));
   EXPECT_GT(world.viewer(0).statistics().frames_outside, 5u);
   EXPECT_LT(world.viewer(0).statistics().frames_outside, 60u);
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
 }
 
 TEST(World, TheSameSeedGivesTheSameBytes) {
@@ -147,7 +141,7 @@ TEST(World, TheSameSeedGivesTheSameBytes) {
     c.up.jitter = c.down.jitter = Duration::milliseconds(30);
     world.addClient(c);
     world.run(Time::seconds(10));
-    EXPECT_EQ(report(world), "");
+    EXPECT_EQ(world.report(), "");
     return world.bytesHash(0);
   };
   EXPECT_EQ(fly(5), fly(5));
@@ -168,7 +162,7 @@ TEST(World, SeveralViewersOnBadLinksEachHoldTheServersSection) {
     world.addClient(c);
   }
   world.run(Time::seconds(40));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   for (size_t i = 0; i < 4; ++i) EXPECT_GT(world.viewer(i).statistics().keyframes, 80u) << i;
 }
 
@@ -185,7 +179,7 @@ TEST(World, ASlowLinkGetsFewerKeyframesAndStaysCurrent) {
     if (now > first + Duration::milliseconds(10'000)) worst = std::max(worst, now - view.scene_time);
   };
   world.run(Time::seconds(60));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_GT(world.session(0).statistics().skipped_keyframes, 0u);
   EXPECT_LT(worst, Duration::milliseconds(3000)) << "what is shown falls ever further behind";
 }
@@ -213,7 +207,7 @@ TEST(World, ATriangleBudgetIsKeptAndAStepOfItSettlesWithoutOscillation) {
     EXPECT_LE(view.mesh->triangleCount(), kSmall) << now.toSeconds();
   };
   world.run(Time::seconds(20));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   ASSERT_GT(taus.size(), 50u);
   // On a circle around a summit the view changes slowly; a control that swings would turn many times.
   int turns = 0;
@@ -237,7 +231,7 @@ TEST(World, AByteBudgetIsKeptOnceItHasSettled) {
   world.run(Time::seconds(15));
   const uint64_t before = world.viewer(0).statistics().bytes_down;
   world.run(Time::seconds(45));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_LE((world.viewer(0).statistics().bytes_down - before) / 30.0, 600 * 1.1);
   EXPECT_GT(most_tau_px, 0.5);
 }
@@ -269,7 +263,7 @@ TEST(World, StrategiesSwitchInFlightWithoutAJump) {
     last_weight = view.weight;
   };
   world.run(Time::seconds(30));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
 }
 
 }  // namespace

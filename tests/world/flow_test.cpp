@@ -29,12 +29,6 @@ ClientOptions flying(const char* tour, double seconds, Strategy strategy = Strat
   return c;
 }
 
-std::string report(const World& world) {
-  std::string all;
-  for (const std::string& c : world.complaints()) all += c + "\n";
-  return all;
-}
-
 struct Tour {
   const char* name;
   Predictor predictor;
@@ -48,7 +42,7 @@ TEST_P(Overhead, IsUnder5PercentOf400BytesAKeyframe) {
   c.up.jitter = c.down.jitter = Duration::milliseconds(10);
   world.addClient(c);
   world.run(Time::seconds(30));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   const Traffic& t = world.traffic(0);
   ASSERT_GT(t.headers.messages, 140u);
   // A frame's header is 2 or 4 bytes; a keyframe of 400 bytes has 4.
@@ -97,7 +91,7 @@ TEST_P(ReadingNothing, LeavesNothingPiledUpAndComesBackInSeconds) {
   EXPECT_LE(made, buffered ? 8u : 1u) << "of what nobody reads";
   EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down);
   world.run(Time::seconds(70));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down);
   EXPECT_GT(world.viewer(0).statistics().keyframes, before + made + 130);
   EXPECT_LE(worst, Duration::milliseconds(predicts ? 100 : 600));
@@ -136,7 +130,7 @@ TEST_P(SlowLink, KeyframesStayCurrentAt20KilobitsASecond) {
     if (now > kBegun) worst = std::max(worst, now - view.scene_time);
   };
   world.run(kBegun + Duration::seconds(kSeconds));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_GT(most_tau_px, 4 * c.request.tau_px);
   EXPECT_LT(least_tau_px, 0.5 * most_tau_px);
   EXPECT_GT(world.viewer(0).statistics().bytes_down, 0.2 * kSeconds * kBytesPerSecond) << "no load to speak of";

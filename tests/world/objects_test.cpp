@@ -6,7 +6,6 @@
 #include <map>
 
 #include "proto/mesh_triangles.h"
-#include "server/view/tour.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface/shapes.h"
 #include "tests/support/scene.h"
@@ -53,22 +52,6 @@ server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count) {
   objects.set = proto::ObjectSet::create(std::move(shapes), std::move(placements)).value();
   for (const auto& records : models().records) objects.records.emplace_back(records);
   return objects;
-}
-
-ClientOptions flying(const terrain::Scene& scene) {
-  ClientOptions c;
-  c.request.lens = {1.0471975511965976, 480, 270};
-  c.request.strategy = proto::Strategy::kPredict;
-  c.request.predictor = proto::Predictor::kKnownPath;
-  c.path = server::planTour(scene, "orbit", 30).value();
-  c.announce_path = true;
-  return c;
-}
-
-std::string report(const World& world) {
-  std::string all;
-  for (const std::string& c : world.complaints()) all += c + "\n";
-  return all;
 }
 
 // p_S(v) as DESIGN section 2 has it, in the scene's frame.
@@ -170,7 +153,7 @@ TEST(Objects, AreDrawnAsTheTwoSectionsHaveThemAndWithoutCracks) {
   const auto scene = makeScene(301, 217, 31);
   const server::SceneObjects objects = objectsIn(*scene, 8);
   World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 8));
-  world.addClient(flying(*scene));
+  world.addClient(onKnownTour(*scene, "orbit", 30));
   std::map<uint32_t, std::vector<Section>> sections;  // by keyframe
   uint32_t seen = 0;
   size_t checked = 0, most = 0;
@@ -186,7 +169,7 @@ TEST(Objects, AreDrawnAsTheTwoSectionsHaveThemAndWithoutCracks) {
                                                             sections[view.mesh->to.index], view.mesh->origin)));
   };
   world.run(Time::seconds(12));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_GT(checked, 20u);
   size_t base = 0;
   for (size_t i = 0; i < objects.set.size(); ++i)
@@ -197,7 +180,7 @@ TEST(Objects, AreDrawnAsTheTwoSectionsHaveThemAndWithoutCracks) {
 TEST(Objects, GoOnAfterTheConnectionWasLost) {
   const auto scene = makeScene(301, 217, 32);
   World world(scene, {}, Duration::milliseconds(4), 2, objectsIn(*scene, 6));
-  world.addClient(flying(*scene));
+  world.addClient(onKnownTour(*scene, "orbit", 30));
   double t = 1;
   for (int i = 0; i < 8; ++i) {
     world.run(Time::seconds(t += 0.7));
@@ -206,7 +189,7 @@ TEST(Objects, GoOnAfterTheConnectionWasLost) {
     world.connectAgain(0);
   }
   world.run(Time::seconds(t + 2));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_GT(world.viewer(0).statistics().resumed, 4u);
   const std::vector<Section> held = sectionsOf(world.viewer(0));
   size_t nodes = 0;

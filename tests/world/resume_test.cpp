@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "bench/oracle/crack_checker.h"
-#include "server/view/tour.h"
 #include "tests/support/scene.h"
 #include "tests/world/world.h"
 
@@ -11,27 +10,11 @@ namespace {
 
 std::shared_ptr<const terrain::Scene> hillsOf(uint64_t seed) { return makeScene(301, 217, seed); }
 
-ClientOptions flying(const terrain::Scene& scene) {
-  ClientOptions c;
-  c.request.lens = {1.0471975511965976, 480, 270};
-  c.request.strategy = proto::Strategy::kPredict;
-  c.request.predictor = proto::Predictor::kKnownPath;
-  c.path = server::planTour(scene, "survey", 60).value();
-  c.announce_path = true;
-  return c;
-}
-
-std::string report(const World& world) {
-  std::string all;
-  for (const std::string& c : world.complaints()) all += c + "\n";
-  return all;
-}
-
 TEST(Resume, GoesOnFromTheSectionAfterASecondOrAnHour) {
   const auto scene = hillsOf(11);
   for (double outage_s : {0.01, 1.0, 3600.0}) {
     World world(scene, {}, Duration::milliseconds(4), 1);
-    world.addClient(flying(*scene));
+    world.addClient(onKnownTour(*scene, "survey", 60));
     uint64_t cracks = 0;
     uint32_t checked = 0;
     world.on_frame = [&](size_t, const client::FrameView& view, Time) {
@@ -45,7 +28,7 @@ TEST(Resume, GoesOnFromTheSectionAfterASecondOrAnHour) {
     const uint32_t keyframes = world.viewer(0).statistics().keyframes;
     world.connectAgain(0);
     world.run(Time::seconds(4 + outage_s));
-    EXPECT_EQ(report(world), "") << outage_s;
+    EXPECT_EQ(world.report(), "") << outage_s;
     EXPECT_EQ(cracks, 0u);
     EXPECT_EQ(world.viewer(0).statistics().resumed, 1u) << outage_s;
     EXPECT_EQ(world.viewer(0).statistics().started_afresh, 0u) << outage_s;
@@ -57,7 +40,7 @@ TEST(Resume, GoesOnFromTheSectionAfterASecondOrAnHour) {
 TEST(Resume, LosesTheConnectionAgainAndAgain) {
   const auto scene = hillsOf(12);
   World world(scene, {}, Duration::milliseconds(4), 2);
-  world.addClient(flying(*scene));
+  world.addClient(onKnownTour(*scene, "survey", 60));
   double t = 1;
   for (int i = 0; i < 20; ++i) {
     world.run(Time::seconds(t += 0.13 * (1 + i % 5)));
@@ -66,7 +49,7 @@ TEST(Resume, LosesTheConnectionAgainAndAgain) {
     world.connectAgain(0);
   }
   world.run(Time::seconds(t + 2));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   const client::ViewerStatistics& s = world.viewer(0).statistics();
   EXPECT_GT(s.resumed, 10u);
   EXPECT_EQ(s.started_afresh, 0u);
@@ -75,13 +58,13 @@ TEST(Resume, LosesTheConnectionAgainAndAgain) {
 TEST(Resume, StartsAfreshOnAnotherScene) {
   const auto scene = hillsOf(13), other = hillsOf(14);
   World world(scene, {}, Duration::milliseconds(4), 3);
-  world.addClient(flying(*scene));
+  world.addClient(onKnownTour(*scene, "survey", 60));
   world.run(Time::seconds(3));
   world.loseConnection(0);
   world.run(Time::seconds(3.5));
   world.connectAgain(0, other);
   world.run(Time::seconds(6));
-  EXPECT_EQ(report(world), "");
+  EXPECT_EQ(world.report(), "");
   EXPECT_EQ(world.viewer(0).welcome()->scene_id, other->id());
   EXPECT_EQ(world.viewer(0).statistics().resumed, 0u);
   EXPECT_EQ(world.viewer(0).statistics().started_afresh, 1u);

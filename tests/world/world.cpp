@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/view/tour.h"
+
 #include "bench/wire/framing.h"
 
 namespace foreland::test {
@@ -16,6 +18,16 @@ void earliest(std::optional<Time>& best, std::optional<Time> t) {
 }
 
 }  // namespace
+
+ClientOptions onKnownTour(const terrain::Scene& scene, const std::string& tour, double seconds) {
+  ClientOptions c;
+  c.request.lens = {1.0471975511965976, 480, 270};
+  c.request.strategy = proto::Strategy::kPredict;
+  c.request.predictor = proto::Predictor::kKnownPath;
+  c.path = server::planTour(scene, tour, seconds).value();
+  c.announce_path = true;
+  return c;
+}
 
 World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
              uint64_t seed, server::SceneObjects objects)
@@ -162,6 +174,12 @@ void World::countUp(Client& c, const Bytes& message) {
   const auto decoded = proto::decodeClientMessage(message, c.poses_counted);
   const bool is_pose = decoded && std::holds_alternative<proto::PoseUpdate>(*decoded);
   (is_pose ? t.poses : t.other_up).add(message.size());
+}
+
+std::string World::report() const {
+  std::string all;
+  for (const std::string& c : complaints_) all += c + "\n";
+  return all;
 }
 
 }  // namespace foreland::test

@@ -43,6 +43,9 @@ struct Traffic {
   size_t most_unsent_bytes = 0, largest_down = 0;
 };
 
+// Predicts along a tour that it announces, on a small screen.
+ClientOptions onKnownTour(const terrain::Scene& scene, const std::string& tour, double seconds);
+
 class World {
  public:
   World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
@@ -66,6 +69,8 @@ class World {
   const Traffic& traffic(size_t i) const { return clients_[i]->traffic; }
   // Broken laws, in words; empty if all is well.
   const std::vector<std::string>& complaints() const { return complaints_; }
+  // The same, a line each.
+  std::string report() const;
 
  private:
   struct Client {
