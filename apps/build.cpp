@@ -15,10 +15,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "apps/options.h"
+#include "apps/output_file.h"
 #include "terrain/build/build.h"
 #include "terrain/dem/open.h"
 #include "terrain/geo/geodesy.h"
@@ -133,16 +133,9 @@ int fail(const Error& error) {
 
 // Before hours are spent on what cannot be written.
 Status checkOutput(const Arguments& arguments) {
-  std::error_code failed;
-  const std::filesystem::path& output = arguments.output;
-  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
-  if (std::filesystem::is_directory(output, failed))
-    return Error{ErrorCode::kInvalidArgument, output.string() + ": a directory; name the scene file in it"};
-  if (!std::filesystem::is_directory(folder, failed))
-    return Error{ErrorCode::kNotFound, output.string() + ": there is no directory " + folder.string()};
+  if (Status s = apps::checkOutput(arguments.output, "scene file"); !s.ok()) return s;
   for (const std::filesystem::path& input : arguments.inputs)
-    if (std::filesystem::equivalent(input, output, failed))
-      return Error{ErrorCode::kInvalidArgument, output.string() + ": is one of the inputs; name another file with -o"};
+    if (Status s = apps::checkApart(arguments.output, input, "one of the inputs"); !s.ok()) return s;
   return {};
 }
 

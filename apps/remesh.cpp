@@ -9,9 +9,9 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <system_error>
 
 #include "apps/options.h"
+#include "apps/output_file.h"
 #include "apps/remesh_report.h"
 #include "terrain/model/png.h"
 #include "terrain/model/read_model.h"
@@ -87,16 +87,8 @@ int fail(const Error& error) {
 }
 
 Status checkOutput(const Arguments& arguments) {
-  std::error_code failed;
-  const std::filesystem::path& output = arguments.output;
-  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
-  if (std::filesystem::is_directory(output, failed))
-    return Error{ErrorCode::kInvalidArgument, output.string() + ": a directory; name the surface file in it"};
-  if (!std::filesystem::is_directory(folder, failed))
-    return Error{ErrorCode::kNotFound, output.string() + ": there is no directory " + folder.string()};
-  if (std::filesystem::equivalent(arguments.input, output, failed))
-    return Error{ErrorCode::kInvalidArgument, output.string() + ": is the model; name another file with -o"};
-  return {};
+  if (Status s = apps::checkOutput(arguments.output, "surface file"); !s.ok()) return s;
+  return apps::checkApart(arguments.output, arguments.input, "the model");
 }
 
 // Textures that cannot be read are noted, and the material's own colour stands for them.
