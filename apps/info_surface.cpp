@@ -26,7 +26,7 @@ Summary summarise(const terrain::MappedSurface& surface) {
   char id[17];
   std::snprintf(id, sizeof(id), "%016" PRIx64, surface.id());
   Summary s{.id = id, .rule = is_quad ? "quadrisection" : "bisection", .low = {}, .high = {}};
-  for (uint32_t e = 0; e < base.edgeCount(); ++e) s.border_edges += base.twin(base.first(e)) == proto::kNoHalfEdge;
+  s.border_edges = base.borderEdgeCount();
   terrain::forEachNode(topology, [&](proto::NodeId, proto::Slot) { ++s.nodes; });
   // Each halving of all edges makes four of a triangle; bisection begins with three for each face.
   s.full_triangles = (uint64_t{base.faceCount()} * (is_quad ? 1 : 3)) << (2 * topology.halvings());

@@ -33,6 +33,9 @@ class BaseMesh {
   uint32_t vertexCount() const { return static_cast<uint32_t>(leaving_.size()); }
   uint32_t faceCount() const { return static_cast<uint32_t>(faces_.size()); }
   uint32_t edgeCount() const { return static_cast<uint32_t>(first_.size()); }
+  // Edges of one face: those of two have two half-edges.
+  uint32_t borderEdgeCount() const { return 2 * edgeCount() - 3 * faceCount(); }
+  bool isClosed() const { return borderEdgeCount() == 0; }
   const std::vector<BaseFace>& faces() const { return faces_; }
 
   static uint32_t face(HalfEdge h) { return h / 3; }

@@ -27,12 +27,6 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
   return {};
 }
 
-bool isClosed(const BaseMesh& mesh) {
-  for (HalfEdge h = 0; h < 3 * mesh.faceCount(); ++h)
-    if (mesh.twin(h) == kNoHalfEdge) return false;
-  return true;
-}
-
 }  // namespace
 
 View ObjectPlacement::toObject(const View& view) const {
@@ -66,7 +60,7 @@ Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector
     set.domains_.push_back({.mesh = &topology,
                             .step_m = models[p.model].step_m,
                             .nearest_m = 0.1 / p.scale,
-                            .is_closed = isClosed(topology.base())});
+                            .is_closed = topology.base().isClosed()});
   }
   set.models_ = std::move(models);
   set.placements_ = std::move(placements);

@@ -134,8 +134,7 @@ SurfaceTruth truthOf(const terrain::TrueSurface& surface) {
       [&](NodeId a, NodeId b, NodeId c) {
         truth.triangles.push_back({vertex(a), vertex(b), vertex(c)});
       });
-  for (proto::HalfEdge h = 0; h < 3 * mesh.base().faceCount(); ++h)
-    truth.is_closed = truth.is_closed && mesh.base().twin(h) != proto::kNoHalfEdge;
+  truth.is_closed = mesh.base().isClosed();
   return truth;
 }
 

@@ -76,9 +76,8 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
   for (const ObjectRequest& request : requests) {
     auto surface = MappedSurface::open(request.model);
     if (!surface.ok()) return surface.error();
-    if ((*surface)->errorShape() != proto::ErrorShape::kSpheroid)
-      return refused(request,
-                     "its bounds are Hoppe's shapes, which are for comparison; make it anew by foreland remesh");
+    if (Status s = checkModel(**surface); !s.ok())
+      return refused(request, s.error().message + "; make it anew by foreland remesh");
     const auto same =
         std::find_if(models.begin(), models.end(), [&](const auto& m) { return m->id() == (*surface)->id(); });
     auto placement = place(request, **surface, transform, groundAt);

@@ -36,6 +36,8 @@ struct ObjectRequest {
 [[nodiscard]] Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
                                               const std::function<std::optional<double>(double x, double y)>& groundAt);
 
+// Whether sessions can stream a surface: its bounds are spheroids, its image is laid out as AtlasLayout::of does.
+[[nodiscard]] Status checkModel(const MappedSurface& surface);
 // What is known of a surface before any node.
 [[nodiscard]] proto::ObjectModel modelOf(const MappedSurface& surface);
 

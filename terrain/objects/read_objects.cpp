@@ -20,6 +20,16 @@ T readAt(ByteSpan bytes, uint64_t offset) {
 
 }  // namespace
 
+Status checkModel(const MappedSurface& surface) {
+  const auto unfit = [](const char* what) { return Error{ErrorCode::kUnsupported, what}; };
+  const proto::AtlasLayout atlas = surface.atlas();
+  if (surface.errorShape() != proto::ErrorShape::kSpheroid)
+    return unfit("its bounds are Hoppe's shapes, which are for comparison");
+  if (atlas.side > 0 && atlas != proto::AtlasLayout::of(atlas.faces, atlas.side))
+    return unfit("its image is laid out in another way");
+  return {};
+}
+
 proto::ObjectModel modelOf(const MappedSurface& surface) {
   return {surface.topology().shape(),
           surface.step_m(),
@@ -44,11 +54,8 @@ Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
       return damaged("model " + std::to_string(i) + " is not where it belongs");
     auto surface = MappedSurface::of(bytes.subspan(place.offset, place.bytes), "model " + std::to_string(i), scene);
     if (!surface.ok()) return surface.error();
-    const proto::AtlasLayout atlas = (*surface)->atlas();
-    if (atlas.side > 0 && atlas != proto::AtlasLayout::of(atlas.faces, atlas.side))
-      return damaged("model " + std::to_string(i) + " has an image that is laid out in another way");
-    if ((*surface)->errorShape() != proto::ErrorShape::kSpheroid)
-      return damaged("model " + std::to_string(i) + " has bounds of another kind");
+    if (Status s = checkModel(**surface); !s.ok())
+      return damaged("model " + std::to_string(i) + ": " + s.error().message);
     models.push_back(modelOf(**surface));
     objects.models.push_back(std::move(*surface));
   }

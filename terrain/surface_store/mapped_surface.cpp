@@ -49,13 +49,6 @@ Status checkPlaces(const SurfaceHeader& header) {
 
 }  // namespace
 
-bool MappedSurface::isClosed() const {
-  const proto::BaseMesh& base = topology_.base();
-  for (uint32_t e = 0; e < base.edgeCount(); ++e)
-    if (base.twin(base.first(e)) == proto::kNoHalfEdge) return false;
-  return true;
-}
-
 bool isSurfaceFile(const std::filesystem::path& path) {
   std::array<char, 8> magic{};
   std::error_code failed;

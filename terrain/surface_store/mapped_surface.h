@@ -30,7 +30,6 @@ class MappedSurface {
   ByteSpan file() const { return bytes_; }
   uint64_t id() const { return header_.scene_id; }  // names this very content
   const SceneOrigin& about() const { return about_; }
-  bool isClosed() const;  // no base edge has one face only
 
   double step_m() const { return header_.step_m; }
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }

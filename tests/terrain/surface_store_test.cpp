@@ -83,7 +83,7 @@ TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
         ASSERT_TRUE(read.ok()) << read.error().message;
         EXPECT_EQ((*read)->id(), *id);
         EXPECT_EQ((*read)->topology().shape(), made.surface.topology.shape());
-        EXPECT_EQ((*read)->isClosed(), base.closed);
+        EXPECT_EQ((*read)->topology().base().isClosed(), base.closed);
         EXPECT_EQ((*read)->step_m(), 0.001);
         EXPECT_TRUE(std::ranges::equal((*read)->basePositions(), made.surface.base));
         forEachNode(made.surface.topology,
