@@ -35,13 +35,14 @@ class Adapter<Batch>::Step {
  public:
   using Candidate = AdaptScratch::Candidate;
 
-  Step(Adapter& adapter, const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
-       CutDelta& delta)
+  Step(Adapter& adapter, const View& view, const Toll& toll, size_t max_nodes, NodeSource<Batch>& source,
+       AdaptScratch& scratch, CutDelta& delta)
       : a_(adapter),
         frontier_(adapter.frontier_),
         domain_(*adapter.domain_),
         topology_(domain_.topology()),
         metric_(domain_.metric(view)),
+        toll_(toll),
         max_nodes_(max_nodes),
         source_(source),
         scratch_(scratch),
@@ -52,8 +53,8 @@ class Adapter<Batch>::Step {
     scratch_.homeless.clear();
   }
 
-  bool run(const Toll& toll) {
-    testDue(toll);
+  bool run() {
+    testDue();
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
@@ -85,15 +86,15 @@ class Adapter<Batch>::Step {
   }
 
   void test() {
-    batch_.testWithSlack(metric_, kSlackShare);
+    batch_.testWithSlack(metric_, toll_, kSlackShare);
     a_.tests_ += batch_.count;
   }
 
   // An entry whose bound settles its test gets a new slack; the others are open.
-  void testDue(const Toll& toll) {
+  void testDue() {
     int level = 1;
     batch_.count = 0;
-    frontier_.takeOff(toll, [&](uint32_t number, std::span<const uint32_t> places) {
+    frontier_.takeOff(toll_, [&](uint32_t number, std::span<const uint32_t> places) {
       const Frontier::Page& page = frontier_.page(number);
       while (page.first() >= begin(level + 1)) ++level;
       const auto nodes = topology_.pageNodes(level, page.first());
@@ -324,6 +325,7 @@ class Adapter<Batch>::Step {
   const Domain& domain_;
   const typename Domain::Topology& topology_;
   const typename Domain::Metric metric_;
+  const Toll toll_;
   const size_t max_nodes_;
   NodeSource<Batch>& source_;
   AdaptScratch& scratch_;
@@ -355,7 +357,7 @@ bool Adapter<Batch>::adapt(const View& view, size_t max_nodes, NodeSource<Batch>
   ++steps_;
   const Toll toll = tollTo(view);
   last_ = view;
-  return Step(*this, view, max_nodes, source, scratch, delta).run(toll);
+  return Step(*this, view, toll, max_nodes, source, scratch, delta).run();
 }
 
 template <class Batch>

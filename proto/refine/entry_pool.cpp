@@ -1,7 +1,5 @@
 #include "proto/refine/entry_pool.h"
 
-#include <limits>
-
 namespace foreland::proto {
 
 namespace {
@@ -41,6 +39,7 @@ void EntryPool::erase(Room& room, uint32_t count, uint32_t at) {
   std::copy(s + at + 1, s + count, s + at);
   std::copy(e + at + 1, e + count, e + at);
   const uint32_t left = count - 1;
+  s[left] = kEndless;
   if (left == 0 || (room.size > 1 && 2 * left <= kSizes[room.size])) move(room, left, sizeFor(left + left / 4));
 }
 
@@ -50,7 +49,7 @@ void EntryPool::move(Room& room, uint32_t count, uint8_t size) {
   if (size != 0) {
     next = take(size);
     if (count < kSizes[room.size] && next.size >= room.size) return give(next);  // no smaller one to be had
-    std::copy_n(slack(room), count, slack(next));
+    std::fill(std::copy_n(slack(room), count, slack(next)), slack(next) + kSizes[next.size], kEndless);
     std::copy_n(entries(room), count, entries(next));
   }
   if (room.size != 0) give(room);
@@ -60,7 +59,7 @@ void EntryPool::move(Room& room, uint32_t count, uint8_t size) {
 EntryPool::Room EntryPool::copy(const EntryPool& from, const Room& room, uint32_t count) {
   if (count == 0) return {};
   const Room to = take(sizeFor(count));
-  std::copy_n(from.slack_.data() + room.first, count, slack(to));
+  std::fill(std::copy_n(from.slack_.data() + room.first, count, slack(to)), slack(to) + kSizes[to.size], kEndless);
   std::copy_n(from.entries(room), count, entries(to));
   return to;
 }
@@ -80,7 +79,7 @@ EntryPool::Room EntryPool::find(uint8_t size) {
     return room;
   }
   const Room room{static_cast<uint32_t>(slack_.size()), size};
-  resizeByEighths(slack_, slack_.size() + kSizes[size], std::numeric_limits<float>::max());
+  resizeByEighths(slack_, slack_.size() + kSizes[size], kEndless);
   resizeByEighths(entries_, entries_.size() + kSizes[size], Entry{});
   return room;
 }

@@ -1,13 +1,14 @@
 // Where a frontier's entries live: in rooms of one pool, a room for each page that has entries, in two columns, so that
 // a step's toll is one pass of vector instructions over each. Rooms come in few sizes, all multiples of a vector, so
-// those that are given back are of use to others. One owner; grows by an eighth at a time, for a session's memory is
-// counted.
+// those that are given back are of use to others; a slack behind a room's last entry is endless. One owner; grows by an
+// eighth at a time, for a session's memory is counted.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "proto/bounds.h"
@@ -46,7 +47,8 @@ class EntryPool {
     entries_.reserve(entries);
   }
 
-  static constexpr uint32_t kVector = 8;  // entries that are worked on at once
+  static constexpr uint32_t kVector = 8;                                // entries that are worked on at once
+  static constexpr float kEndless = std::numeric_limits<float>::max();  // no toll takes anything off it
   // Entries by size of room; 0 stands for no room.
   static constexpr std::array<uint16_t, 11> kSizes{0, 8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
 
@@ -62,6 +64,11 @@ class EntryPool {
   Entry& entryAt(uint32_t place) { return entries_[place]; }
   const Entry& entryAt(uint32_t place) const { return entries_[place]; }
 
+  // The room is wanted soon.
+  void prefetch(const Room& room) const {
+    __builtin_prefetch(slack_.data() + room.first);
+    __builtin_prefetch(entries_.data() + room.first);
+  }
   // Room for `wanted`, of which `count` are there.
   void reserve(Room& room, uint32_t count, uint32_t wanted);
   // Puts an entry at place `at` of `count`, or takes it out.

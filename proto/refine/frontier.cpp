@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "base/check.h"
 
@@ -94,16 +95,20 @@ void Frontier::unlist(uint32_t number, uint8_t low) {
 
 namespace {
 
-// Whole vectors: what stands behind the last entry is paid for, too.
-void pay(const Toll& toll, float* slack, const Entry* entries, size_t vectors) {
-  const auto [fixed0, fixed1, fixed2] = toll.fixed;
-  const auto [per_reach0, per_reach1, per_reach2] = toll.per_reach;
+// Pays for whole vectors. Whether any slack is below zero.
+bool pay(const Toll& toll, float* slack, const Entry* entries, size_t vectors) {
+  const auto [fixed0, fixed1, fixed2, fixed3] = toll.fixed;
+  const auto [per_reach0, per_reach1, per_reach2, per_reach3] = toll.per_reach;
+  uint32_t signs = 0;
   for (size_t i = 0; i < vectors * EntryPool::kVector; ++i) {
-    const uint32_t guard = entries[i].guard();
-    const float fixed = guard == 0 ? fixed0 : guard == 1 ? fixed1 : fixed2;
-    const float per_reach = guard == 0 ? per_reach0 : guard == 1 ? per_reach1 : per_reach2;
-    slack[i] -= fixed + per_reach * entries[i].reach();
+    const uint32_t g = entries[i].guard();
+    const float fixed = g == 0 ? fixed0 : g == 1 ? fixed1 : g == 2 ? fixed2 : fixed3;
+    const float per_reach = g == 0 ? per_reach0 : g == 1 ? per_reach1 : g == 2 ? per_reach2 : per_reach3;
+    const float left = slack[i] - (fixed + per_reach * entries[i].reach());
+    signs |= std::bit_cast<uint32_t>(left);
+    slack[i] = left;
   }
+  return (signs & 0x80000000) != 0;
 }
 
 // Of a vector of slacks, those below zero: bit i for entry 2 i, bit 32 + i for entry 2 i + 1.
@@ -123,15 +128,17 @@ uint64_t signs(const float* slack) {
 // A slack of nothing is used up by any toll, for a toll is never nothing.
 uint32_t Frontier::takeOff(const Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places) {
   constexpr uint32_t kVector = EntryPool::kVector;
+  if (toll.isEndless()) {
+    std::iota(places.begin(), places.begin() + page.count, page.room.first);
+    return page.count;
+  }
   float* slack = pool_.slack(page.room);
-  pay(toll, slack, pool_.entries(page.room), (page.count + kVector - 1) / kVector);
+  if (!pay(toll, slack, pool_.entries(page.room), (page.count + kVector - 1) / kVector)) return 0;
   uint32_t count = 0;
   for (uint32_t begin = 0; begin < page.count; begin += kVector)
     for (uint64_t left = signs(slack + begin); left != 0; left &= left - 1) {
       const uint32_t bit = static_cast<uint32_t>(std::countr_zero(left));
-      const uint32_t at = begin + 2 * (bit & 31) + (bit >> 5);
-      places[count] = page.room.first + at;
-      count += at < page.count ? 1 : 0;
+      places[count++] = page.room.first + begin + 2 * (bit & 31) + (bit >> 5);
     }
   return count;
 }

@@ -84,10 +84,15 @@ class Frontier {
   // used up: their places in the pool, ascending, which hold until something is listed or unlisted.
   template <class Visit>
   void takeOff(const Toll& toll, const Visit& visit) {
+    constexpr size_t kSoon = 8;  // pages
     std::array<uint32_t, kPageSlots> places;
-    for (const PageName& name : order_)
-      if (const uint32_t count = takeOff(toll, pages_[name.number], places); count > 0)
-        visit(name.number, std::span<const uint32_t>(places.data(), count));
+    for (size_t i = 0; i < order_.size(); ++i) {
+      if (i + 2 * kSoon < order_.size()) __builtin_prefetch(&pages_[order_[i + 2 * kSoon].number]);
+      if (i + kSoon < order_.size()) pool_.prefetch(pages_[order_[i + kSoon].number].room);
+      const uint32_t number = order_[i].number;
+      if (const uint32_t count = takeOff(toll, pages_[number], places); count > 0)
+        visit(number, std::span<const uint32_t>(places.data(), count));
+    }
   }
   const Entry& entryAt(uint32_t place) const { return pool_.entryAt(place); }
   void renew(uint32_t place, float slack, uint16_t hold) {

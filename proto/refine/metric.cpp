@@ -7,7 +7,12 @@
 namespace foreland::proto {
 
 Metric::Metric(const View& view, bool vertical_errors)
-    : eye_(view.pose.eye), right_(view.pose.right()), up_(view.pose.up()), forward_(view.pose.forward()) {
+    : eye_(view.pose.eye),
+      right_(view.pose.right()),
+      up_(view.pose.up()),
+      forward_(view.pose.forward()),
+      level_(forward_.x, forward_.y, 0),
+      ahead_(glm::dot(right_, level_), glm::dot(up_, level_), glm::dot(forward_, level_)) {
   const double tan_y = view.lens.tanHalfFov();
   const double tan_x = tan_y * view.lens.width_px / view.lens.height_px;
   cos_x_ = 1 / std::sqrt(1 + tan_x * tan_x);
@@ -24,6 +29,8 @@ Metric::Metric(const View& view, bool vertical_errors)
   const double turn = std::min(view.turn_rad, 1.5);  // beyond it the frustum covers everything in front anyway
   sin_turn_ = sinCos(turn).sin;
   cos_turn_ = sinCos(turn).cos;
+  sinking_ = std::max(0.0, glm::length(level_) * cos_turn_ - sin_turn_);
+  per_sinking2_ = 1 / (sinking_ * sinking_ + 1e-300);
 }
 
 // The eye moves first, then turns. Moving by t changes depth by exactly -t.z and side distances by -t.n; turning moves
@@ -34,7 +41,6 @@ Toll Metric::tollTo(const View& from, const View& next) const {
   const double x = glm::dot(move, right_), y = glm::dot(move, up_), z = glm::dot(move, forward_);
   const double moved = glm::length(move), ball = std::fabs(next.ball_m - from.ball_m);
   const double swept = std::sqrt(x * x + y * y) * sin_turn_;
-  const double retreat = std::max(0.0, -z * cos_turn_ + swept) + ball;
   // Side planes look inward: (-+cos, 0, sin) and (0, -+cos, sin).
   const double beside =
       std::max(0.0, std::max(std::fabs(x) * cos_x_ - z * sin_x_, std::fabs(y) * cos_y_ - z * sin_y_)) +
@@ -42,13 +48,21 @@ Toll Metric::tollTo(const View& from, const View& next) const {
   const double turned =
       turnBetween(from.pose.orientation, next.pose.orientation) + std::fabs(next.turn_rad - from.turn_rad);
   const double scaled = std::fabs(next.tau_px / from.tau_px - 1);
+
+  const double level = std::max(glm::length(level_), 1e-9), ahead = std::max(0.0, glm::dot(move, level_) / level);
+  const double aside = glm::length(glm::dvec2(move) - glm::dvec2(level_) * (ahead / level));
+  const double nearer = std::max(z * cos_turn_ + swept, moved * cos_corner_);
+  const double rising = std::max(0.0, swept - z * cos_turn_ + sinking_ * ahead);
   Toll toll;
   const auto set = [&](Guard guard, double fixed, double per_reach) {
     toll.set(static_cast<size_t>(guard), fixed, per_reach);
   };
-  set(Guard::kSeen, moved + ball, turned + scaled);
+  set(Guard::kMotion, moved + ball, turned + scaled);
   set(Guard::kBeside, beside + ball, turned);
-  set(Guard::kPasses, moved + ball + kRetreat * retreat, (1 + kRetreat) * turned + (1 + kRetreat) * scaled);
+  set(Guard::kAhead, std::max(nearer, ahead * level) + kStray * (std::max(0.0, nearer - ahead) + aside + ball),
+      kStray * (turned + scaled));
+  set(Guard::kOnward, ahead + std::fabs(move.z) + kOnwardStray * (aside + rising + ball),
+      kOnwardStray * (turned + scaled));
   return toll;
 }
 

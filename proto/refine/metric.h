@@ -70,47 +70,73 @@ class Metric {
     return sideDistance(p) + R >= 0 ? least : std::numeric_limits<double>::infinity();
   }
 
-  // What must not happen for an outcome of passes() to stand, and how much of it may: the basis of adapt.h.
-  //   kSeen     the node fails because it would not be seen: until the place moves by `slack`
+  // How far the camera may move for an outcome of passes() to stand: the basis of adapter.h. A guard says how motion
+  // counts; the camera goes ahead (on the level, to where it looks), up or down, and aside.
+  //   kMotion   it stands until the motion reaches `slack`
   //   kBeside   it fails because it lies beside the frustum: until a side plane nears it by `slack`
-  //   kPasses   it passes: until motion plus kRetreat times the growth of its depth reaches `slack`
-  enum class Guard : uint8_t { kSeen = 0, kPasses = 1, kBeside = 2 };
+  //   kAhead    it fails because it would not be seen: until the way nearer to it plus kStray times any other motion
+  //             reaches `slack`
+  //   kOnward   it passes: until the way ahead, up and down plus kOnwardStray times any other motion and the growth of
+  //             depth reaches `slack`
+  enum class Guard : uint8_t { kMotion = 0, kBeside = 1, kAhead = 2, kOnward = 3 };
   struct Outcome {
     Guard guard;
     double slack;  // metres, 0 or more, never too much
   };
-  static constexpr double kRetreat = 4;
+  static constexpr double kStray = 3, kOnwardStray = 12;
 
   // Depth, horizontal and side distance change by at most the motion s (they are 1-Lipschitz). What passes does so
   // until
   //   z + s reaches K / cos(corner), (z + s)^2 reaches K (h + R - s), or the sphere leaves the frustum;
   // and what fails does so until all the conditions that fail can hold, so any one of them may stand guard.
-  // A camera that flies ahead brings nothing farther away. So what passes is also held to this: motion s and growth of
-  // depth a with s + 4 a <= slack change (z + a)^2 < K (h + R - s) at most at (s, 0) or (0, s / 4). Depth must then
-  // stay the first term of z_min.
-  [[gnu::always_inline]] Outcome outcome(const Place& p, double radius_m, double error_m) const {
+  //
+  // kAhead. Let q = sqrt(K (h + R)); the node fails since z > q. Going ahead by a takes at most a off z and at least
+  // t a off h while the angle to straight ahead has a cosine of t or more; any other motion s takes s off z and
+  // adds s to h. sqrt is concave, so z - q falls by at most (1 - t K / 2q) a + (1 + K / 2q) s, and (what lies straight
+  // ahead) - t h by at most a + (1 + t) s. The t is taken that leaves room for twice the gap.
+  //
+  // kOnward. Let z = max(z1, z2), the first term and the corner's. Going ahead by a takes at least a `sinking` off z1,
+  // adds nothing to z2 while the node lies ahead, and takes at most a off h; up and down by v changes no h, and z2 by
+  // less than v. Both conditions, K (h + R) > z1^2 and K (h + R) > z2^2, are concave in all motions, so they hold
+  // between them and none if they hold at each alone.
+  //
+  // Of those that may stand guard the one is taken that lasts longest at this pace.
+  [[gnu::always_inline]] Outcome outcome(const Place& p, double radius_m, double error_m, const Toll& pace) const {
     const bool passed = passes(p, radius_m, error_m);
-    const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
+    const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_, K_ = K + 1e-300;
     const double near_room = K * inverse_cos_corner_ - z, side_room = sideDistance(p) + R;
     // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
     const double b = 2 * z + K, c = K * (p.horizontal + R) - z * z;
     const double lean_room = std::max(2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))), lean_room_floor_);
     const double seen_room = std::min(near_room, lean_room);
+    const double motion_room = passed ? std::min(seen_room, side_room) : -seen_room;
+
+    const double lean = K * (p.horizontal + R + lean_floor_), q = std::sqrt(lean), lift = 0.5 * K / (q + 1e-300);
+    const double straight = p.x * ahead_.x + p.y * ahead_.y + p.z * ahead_.z, gap = z - q;
+    const double t = std::min(1.0, std::max(0.0, (straight - 2 * gap) / (p.horizontal + 1e-300)));
+    const double lean_gap = gap / std::max(1 - t * lift, (1 + lift) / kStray);
+    const double ahead_room = std::max(-near_room, std::min(straight - t * p.horizontal, lean_gap));
 
     const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
-    const double ahead = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_ - R;
-    const double corner_room = (ahead - std::max((distance - R) * cos_corner_, kNearest_m)) / (1 + cos_corner_);
-    const double lean_ahead =
-        std::max(std::min(c / (K + 1e-300), kRetreat * (std::sqrt(std::max(0.0, z * z + c)) - z)), lean_room_floor_);
-    const double going_ahead = std::min(std::min(std::min(kRetreat * near_room, lean_ahead), side_room), corner_room);
+    const double z1 = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_ - R;
+    const double z2 = std::max((distance - R) * cos_corner_, kNearest_m);
+    const double under1 = std::max((lean - z1 * z1) / K_, (2 * z1 * sinking_ - K) * per_sinking2_);
+    const double under2 = std::min((lean - z2 * z2) / K_, q - z2);
+    const double lean_onward = std::max(lean_room_floor_, std::min(under1, under2));
+    const double near_onward = std::min(K * inverse_cos_corner_ - z2, kOnwardStray * seen_room);
+    const double onward_room = std::min(std::min(lean_onward, near_onward), std::min(side_room, straight));
 
-    const double passing = std::max(std::min(seen_room, side_room), going_ahead);
-    const bool beside = -side_room > -0.5 * seen_room;
-    const double failing = beside ? -side_room : -seen_room;
-    return {passed   ? Guard::kPasses
-            : beside ? Guard::kBeside
-                     : Guard::kSeen,
-            std::max(0.0, passed ? passing : failing)};
+    const double special_room = passed ? onward_room : ahead_room;
+    const double special_pace = passed ? pace.of(3, distance) : pace.of(2, distance);
+    const double motion = motion_room / pace.of(0, distance), special = special_room / special_pace;
+    const double beside = passed ? 0 : -side_room / pace.of(1, distance);
+    const bool is_special = special > motion, is_beside = beside > std::max(special, motion);
+    return {is_beside    ? Guard::kBeside
+            : is_special ? (passed ? Guard::kOnward : Guard::kAhead)
+                         : Guard::kMotion,
+            std::max(0.0, is_beside    ? -side_room
+                          : is_special ? special_room
+                                       : motion_room)};
   }
 
   // From the view of this metric to `next`, which has the same lens and kind of error.
@@ -135,6 +161,10 @@ class Metric {
   }
 
   glm::dvec3 eye_, right_, up_, forward_;
+  glm::dvec3 level_;  // forward without its part upwards, in the scene's frame: not a unit vector
+  glm::dvec3 ahead_;  // the same in view coordinates
+  double sinking_;    // what going ahead by one takes off the depth at least, however the view turns
+  double per_sinking2_;
   double sin_x_, cos_x_, sin_y_, cos_y_;  // of half the field of view
   double cos_corner_, inverse_cos_corner_;
   double focal_over_tau_;

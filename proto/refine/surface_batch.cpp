@@ -16,7 +16,7 @@ void SurfaceBatch::findLeast(const SurfaceMetric& metric) {
   for (size_t i = 0; i < count; ++i) least[i] = m.passes(bounds_[i]) ? 0 : 256;
 }
 
-void SurfaceBatch::testWithSlack(const SurfaceMetric& metric, double share) {
+void SurfaceBatch::testWithSlack(const SurfaceMetric& metric, const Toll&, double share) {
   const SurfaceMetric m = metric;  // its own memory
   for (size_t i = 0; i < count; ++i) {
     const SurfaceMetric::Outcome outcome = m.outcome(bounds_[i]);

@@ -34,7 +34,7 @@ struct SurfaceBatch {
   void locate(const SurfaceDomain& domain, const SurfaceMetric& metric);
   void findLeast(const SurfaceMetric& metric);
   // `share` of each slack is taken.
-  void testWithSlack(const SurfaceMetric& metric, double share);
+  void testWithSlack(const SurfaceMetric& metric, const Toll& toll, double share);
 
  private:
   std::array<SurfaceBounds, kSize> bounds_;

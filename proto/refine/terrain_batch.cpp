@@ -62,15 +62,16 @@ void TerrainBatch::findLeast(const Metric& metric) {
     if (!is_sure[i]) least[i] = static_cast<uint16_t>(m.leastPassing(place(i), radius[i]));
 }
 
-void TerrainBatch::testWithSlack(const Metric& metric, double share) {
+void TerrainBatch::testWithSlack(const Metric& metric, const Toll& toll, double share) {
   lookUpErrors();
   const Metric m = metric;  // its own memory
+  const Toll pace = toll.isEndless() ? Toll::even() : toll;
   for (size_t i = 0; i < count; ++i) {
     const Metric::Place p = place(i);
-    const Metric::Outcome outcome = m.outcome(p, radius[i], error[i]);
+    const Metric::Outcome outcome = m.outcome(p, radius[i], error[i], pace);
     const double safe = outcome.slack * share;
     const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
-    passes[i] = outcome.guard == Metric::Guard::kPasses;
+    passes[i] = m.passes(p, radius[i], error[i]);
     slack[i] = static_cast<float>(safe);
     hold[i] = Entry::hold(static_cast<float>(distance + safe), static_cast<uint32_t>(outcome.guard));
   }

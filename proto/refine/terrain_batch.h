@@ -49,8 +49,8 @@ struct TerrainBatch {
   // Finds the places, which the tests below take.
   void locate(const TerrainDomain& domain, const Metric& metric);
   void findLeast(const Metric& metric);
-  // `share` of each slack is taken.
-  void testWithSlack(const Metric& metric, double share);
+  // `share` of each slack is taken. `toll` is the step's, and guards are chosen to last at its pace.
+  void testWithSlack(const Metric& metric, const Toll& toll, double share);
 
  private:
   Metric::Place place(size_t i) const { return {right_[i], up_[i], depth_[i], horizontal_[i]}; }

@@ -12,17 +12,24 @@ namespace foreland::proto {
 
 // For each guard (Metric::Guard) `fixed`, and `per_reach` times the distance from the eye.
 struct Toll {
-  std::array<float, 3> fixed, per_reach;
+  static constexpr size_t kGuards = 4;
+  std::array<float, kGuards> fixed{}, per_reach{};
 
   // Rounded up.
   void set(size_t guard, double fixed_m, double per_reach_m) {
     fixed[guard] = static_cast<float>(fixed_m * 1.00001 + 1e-6);
     per_reach[guard] = static_cast<float>(per_reach_m * 1.00001);
   }
+  [[gnu::always_inline]] double of(size_t guard, double reach_m) const {
+    return fixed[guard] + per_reach[guard] * reach_m;
+  }
+  // The same for all guards.
+  static Toll even() { return {{1, 1, 1, 1}, {}}; }
+  bool isEndless() const { return std::isinf(fixed[0]); }
   // What no slack survives.
   static Toll endless() {
     constexpr float kEndless = std::numeric_limits<float>::infinity();
-    return {{kEndless, kEndless, kEndless}, {0, 0, 0}};
+    return {{kEndless, kEndless, kEndless, kEndless}, {}};
   }
 };
 
