@@ -90,8 +90,8 @@ TEST(Pool, WatchesTheTimeWhileAWorkerIsBusy) {
 }
 
 TEST(Pool, CancelsOnlyWhatDoesNotRun) {
+  std::latch started(1), go(1);  // outlive the pool, whose job may still wait
   Pool pool(1, kFrozen);
-  std::latch started(1), go(1);
   const auto running = pool.submit(kNow, [&](size_t) {
     started.count_down();
     go.wait();
