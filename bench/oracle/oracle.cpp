@@ -150,9 +150,10 @@ void judgeRow(const Camera& camera, const Row& truth, const Row& a, const Row& b
     };
     const double depth = -across(truth, camera.back);
     const double reach = depth / camera.focal_px;
-    out.is_seen[i] = static_cast<uint8_t>((depth > camera.near_m) &
-                                          (std::fabs(across(truth, camera.right)) <= reach * camera.half_width_px) &
-                                          (std::fabs(across(truth, camera.up)) <= reach * camera.half_height_px));
+    const int ahead = depth > camera.near_m;
+    const int within_width = std::fabs(across(truth, camera.right)) <= reach * camera.half_width_px;
+    const int within_height = std::fabs(across(truth, camera.up)) <= reach * camera.half_height_px;
+    out.is_seen[i] = static_cast<uint8_t>(ahead & within_width & within_height);  // `&&` would branch
     const double scale_a = camera.focal_px / std::max(nearest, -across(a, camera.back));
     const double scale_b = camera.focal_px / std::max(nearest, -across(b, camera.back));
     const double dx = scale_a * across(a, camera.right) - scale_b * across(b, camera.right);
