@@ -49,8 +49,8 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
 
 struct WebSocketClient::Impl {
   asio::io_context io{1};
-  beast::websocket::stream<beast::tcp_stream> stream{io};
-  std::string name;  // for messages
+  beast::websocket::stream<beast::tcp_stream, false> stream{io};  // false: no permessage-deflate
+  std::string name;                                               // for messages
   beast::flat_buffer incoming;
   std::deque<Bytes> outgoing;  // the front one is being written
   const std::function<Status(ByteSpan)>* on_message = nullptr;
