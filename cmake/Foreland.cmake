@@ -7,6 +7,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 find_program(FORELAND_CCACHE ccache)
 if(FORELAND_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${FORELAND_CCACHE})
+  if(FORELAND_PRECOMPILE)  # else it would not keep what such headers went into
+    set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${FORELAND_CCACHE})
+  endif()
 endif()
 
 add_library(foreland_options INTERFACE)
@@ -14,14 +17,19 @@ target_include_directories(foreland_options INTERFACE ${CMAKE_SOURCE_DIR})
 # Both ends must compute the same bits: no contraction to fused operations, no fast-math.
 target_compile_options(foreland_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms in g++ 12's std::string, GCC bug 105651
+  $<$<CXX_COMPILER_ID:Clang>:-Wreserved-identifier>
   -ffp-contract=off $<$<BOOL:${FORELAND_WARNINGS_AS_ERRORS}>:-Werror>)
 if(FORELAND_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(foreland_options INTERFACE -march=${FORELAND_ARCH})
 endif()
 if(FORELAND_SANITIZE)
   target_compile_options(foreland_options INTERFACE -fsanitize=${FORELAND_SANITIZE} -fno-sanitize-recover=all
-    -fno-omit-frame-pointer)
+    -fno-omit-frame-pointer
+    $<$<CXX_COMPILER_ID:Clang>:-fsanitize-ignorelist=${CMAKE_SOURCE_DIR}/cmake/not_ours.ignorelist>)
   target_link_options(foreland_options INTERFACE -fsanitize=${FORELAND_SANITIZE})
+endif()
+if(FORELAND_PRECOMPILE)
+  target_compile_options(foreland_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>)
 endif()
 
 # foreland_library(NAME SOURCES... [PUBLIC libs] [PRIVATE libs])
@@ -29,6 +37,7 @@ function(foreland_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC foreland_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  foreland_use_precompiled(${name} precompiled_for_libraries)
 endfunction()
 
 # foreland_program(NAME SOURCES... LIBS...): an executable in bin/.
@@ -36,4 +45,11 @@ function(foreland_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE foreland_options ${ARG_LIBS})
+  foreland_use_precompiled(${name} precompiled_for_programs)
+endfunction()
+
+# Square roots must not set errno, nor comparisons trap, for loops over them to become vector instructions; results stay the same bits.
+function(foreland_vectorised_roots target)
+  target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math)
+  set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # which are for one set of such options
 endfunction()
