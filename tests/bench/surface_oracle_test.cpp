@@ -10,6 +10,7 @@
 
 #include "bench/surfaces/plain.h"
 #include "terrain/surface/bounds.h"
+#include "tests/support/surface_views.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::bench {
@@ -20,12 +21,8 @@ using proto::MeshRule;
 using proto::SurfaceTest;
 using proto::View;
 using terrain::TrueSurface;
-
-constexpr proto::Lens kLens{1.0471975511965976, 640, 480};
-
-proto::Pose lookAt(const glm::dvec3& eye, const glm::dvec3& target) {
-  return {eye, proto::lookAlong(glm::normalize(target - eye), {0, 0, 1})};
-}
+using test::kScreen;
+using test::lookAt;
 
 PlainSection everything(const TrueSurface& surface) {
   return {std::vector<uint8_t>(surface.topology.slotCount(), 1), surface.topology.slotCount()};
@@ -37,7 +34,7 @@ TEST(SurfaceOracleKnows, ThatTheFullSurfaceHasNoError) {
       SCOPED_TRACE(named.name);
       const SurfaceOracle oracle(truthOf(named.surface));
       const auto verdict =
-          oracle.judge(drawnTriangles(named.surface, everything(named.surface)), lookAt({4, 3, 2}, {0, 0, 0}), kLens);
+          oracle.judge(drawnTriangles(named.surface, everything(named.surface)), lookAt({4, 3, 2}, {0, 0, 0}), kScreen);
       EXPECT_LT(verdict.max_m, 1e-12);
       EXPECT_LT(verdict.silhouette.max_px, 1e-9);
       EXPECT_LT(verdict.interior.max_px, 1e-9);
@@ -55,22 +52,23 @@ TEST(SurfaceOracleKnows, WhereAVertexIsDrawn) {
   const SurfaceOracle oracle(truth);
   DrawnTriangle drawn{0, {{{0, 0}, {4, 0}, {0, 4}}}, {{{0, -1, -1}, {0, 1, -1}, {0, -1, 1}}}};
   const proto::Pose pose = lookAt({10, 0, 0}, {0, 0, 0});
-  EXPECT_NEAR(oracle.judge({&drawn, 1}, pose, kLens).interior.max_px, 0, 1e-12);
+  EXPECT_NEAR(oracle.judge({&drawn, 1}, pose, kScreen).interior.max_px, 0, 1e-12);
   drawn.positions[1].y += 0.2;  // the vertex in the middle of its edge slides along with it, by half
-  const auto slid = oracle.judge({&drawn, 1}, pose, kLens);
-  EXPECT_NEAR(slid.interior.max_px, kLens.focalPx() * 0.2 / 10, 1e-9);
+  const auto slid = oracle.judge({&drawn, 1}, pose, kScreen);
+  EXPECT_NEAR(slid.interior.max_px, kScreen.focalPx() * 0.2 / 10, 1e-9);
   EXPECT_NEAR(slid.max_m, 0.2, 1e-12);
   EXPECT_EQ(slid.interior.vertices, 4u);
   drawn.weights = {{{0, 0}, {2, 2}, {0, 4}}};  // half of it
-  EXPECT_EQ(oracle.judge({&drawn, 1}, pose, kLens).uncovered, 1u);
-  EXPECT_EQ(oracle.judge({}, pose, kLens).uncovered, 4u);
-  EXPECT_EQ(oracle.judge({}, lookAt({-10, 0, 0}, {-20, 0, 0}), kLens).uncovered, 0u);  // behind the eye
+  EXPECT_EQ(oracle.judge({&drawn, 1}, pose, kScreen).uncovered, 1u);
+  EXPECT_EQ(oracle.judge({}, pose, kScreen).uncovered, 4u);
+  EXPECT_EQ(oracle.judge({}, lookAt({-10, 0, 0}, {-20, 0, 0}), kScreen).uncovered, 0u);  // behind the eye
 }
 
 TEST(SurfaceOracleKnows, TheSilhouetteOfASphere) {
   const TrueSurface sphere = *terrain::makeSphere(1, {});
   const SurfaceOracle oracle(truthOf(sphere));
-  const auto verdict = oracle.judge(drawnTriangles(sphere, everything(sphere)), lookAt({1000, 0, 0}, {0, 0, 0}), kLens);
+  const auto verdict =
+      oracle.judge(drawnTriangles(sphere, everything(sphere)), lookAt({1000, 0, 0}, {0, 0, 0}), kScreen);
   EXPECT_NEAR(static_cast<double>(verdict.silhouette.vertices), 128, 64);  // about a great circle's worth
   EXPECT_NEAR(static_cast<double>(verdict.interior.vertices), 2049, 150);  // about half of 4,098
 }
@@ -112,26 +110,12 @@ TEST_P(Promise, HoldsForEveryVertexAndEveryEyeInTheBall) {
     for (uint64_t seed = 1; seed <= 12; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
       Rng rng(seed);
-      const auto any = [&] { return glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)); };
-      View view;
-      SurfaceTest test;
-      view.pose = lookAt(glm::normalize(any() + glm::dvec3(0, 0, 1e-3)) * rng.uniform(1.2, 12), any());
-      view.lens = kLens;
-      view.tau_px = rng.uniform(0.3, 2);
-      test.interior_px = view.tau_px * rng.uniform(1, 7);
-      view.ball_m = rng.below(2) * 0.1;
-      view.turn_rad = rng.below(2) * 0.2;
-      test.nearest_m = 0.05;
-      test.is_closed = named.is_closed;
+      auto [view, test] = test::anySurfaceView(rng, named.is_closed);
       test.shape = kind;
       const auto section = plainRefine(named.surface, records, proto::SurfaceMetric(view, test));
       const auto drawn = drawnTriangles(named.surface, section);
       for (int i = 0; i < 4; ++i) {
-        proto::Pose pose = view.pose;
-        if (view.ball_m > 0) pose.eye += any() * (view.ball_m / std::sqrt(3.0));
-        const glm::dvec3 axis = glm::normalize(any() + glm::dvec3(1e-3, 0, 0));
-        pose.orientation = glm::angleAxis(rng.uniform() * view.turn_rad, axis) * pose.orientation;
-        const auto verdict = oracle.judge(drawn, pose, kLens, test.nearest_m);
+        const auto verdict = oracle.judge(drawn, test::anyPoseOf(view, rng), kScreen, test.nearest_m);
         EXPECT_LE(verdict.silhouette.max_px, view.tau_px);
         EXPECT_LE(verdict.interior.max_px, test.interior_px);
         EXPECT_EQ(verdict.uncovered, 0u);
@@ -155,13 +139,13 @@ TEST_P(Promise, HoldsRightAboveEveryNode) {
       SurfaceTest test;
       view.pose =
           lookAt(surface.position(n) + bounds.normal() * (bounds.radius * rng.uniform(1.1, 5)), surface.position(n));
-      view.lens = kLens;
+      view.lens = kScreen;
       view.tau_px = test.interior_px = std::pow(10, rng.uniform(0, 2));
       test.nearest_m = 1e-3;
       test.is_closed = named.is_closed;
       test.shape = kind;
       const auto section = plainRefine(surface, records, proto::SurfaceMetric(view, test));
-      const auto verdict = oracle.judge(drawnTriangles(surface, section), view.pose, kLens, test.nearest_m);
+      const auto verdict = oracle.judge(drawnTriangles(surface, section), view.pose, kScreen, test.nearest_m);
       EXPECT_LE(std::max(verdict.silhouette.max_px, verdict.interior.max_px), test.interior_px);
     });
   }
@@ -180,16 +164,15 @@ TEST(PaperSphere, NeedsNoMoreFacesThanThePaperSays) {
   for (uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Rng rng(seed);
-    const glm::dvec3 any(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
     View view;
     SurfaceTest test;
-    view.pose = lookAt(glm::normalize(any) * 3.02, {0, 0, 0});  // a disc of 60 % of the screen's height
-    view.lens = kLens;
+    view.pose = lookAt(glm::normalize(test::anyPlace(rng)) * 3.02, {0, 0, 0});  // a disc of 60 % of the screen's height
+    view.lens = kScreen;
     view.tau_px = 0.5;
     test.interior_px = 3.5;
     const auto section = plainRefine(sphere, records, proto::SurfaceMetric(view, test));
     EXPECT_LE(countTriangles(sphere, section), 732u);
-    const auto verdict = oracle.judge(drawnTriangles(sphere, section), view.pose, kLens);
+    const auto verdict = oracle.judge(drawnTriangles(sphere, section), view.pose, kScreen);
     EXPECT_LE(verdict.silhouette.max_px, 0.5);
     EXPECT_LE(verdict.interior.max_px, 3.5);
     EXPECT_EQ(verdict.uncovered, 0u);

@@ -11,6 +11,7 @@
 #include "bench/surfaces/plain.h"
 #include "proto/atlas_layout.h"
 #include "terrain/surface/bounds.h"
+#include "tests/support/surface_views.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::bench {
@@ -19,12 +20,8 @@ namespace {
 using proto::AtlasLayout;
 using proto::MeshRule;
 using terrain::TrueSurface;
-
-constexpr proto::Lens kLens{1.0471975511965976, 640, 480};
-
-proto::Pose lookAt(const glm::dvec3& eye, const glm::dvec3& target) {
-  return {eye, proto::lookAlong(glm::normalize(target - eye), {0, 0, 1})};
-}
+using test::kScreen;
+using test::lookAt;
 
 // A square of 4 x 4 texels that faces along x, in two triangles.
 std::vector<TexturedTriangle> square() {
@@ -37,19 +34,19 @@ TEST(TexelOracleKnows, WhereATexelIsDrawn) {
   EXPECT_EQ(oracle.texels(), 16u);
   const proto::Pose pose = lookAt({10, 0, 0}, {0, 0, 0});
   auto drawn = square();
-  const auto same = oracle.judge(drawn, pose, kLens);
+  const auto same = oracle.judge(drawn, pose, kScreen);
   EXPECT_LT(same.interior.max_px, 1e-9);
   EXPECT_EQ(same.interior.vertices, 16u);
 
   for (TexturedTriangle& t : drawn)
     for (glm::dvec2& texel : t.texels) texel.x += 0.5;  // the texture slides, the shape stays
-  const auto slid = oracle.judge(drawn, pose, kLens);
-  EXPECT_NEAR(slid.interior.max_px, kLens.focalPx() * 0.25 / 10, 1e-9);
+  const auto slid = oracle.judge(drawn, pose, kScreen);
+  EXPECT_NEAR(slid.interior.max_px, kScreen.focalPx() * 0.25 / 10, 1e-9);
   EXPECT_NEAR(slid.interior.rms_px, slid.interior.max_px, 1e-9);
   EXPECT_EQ(slid.uncovered, 0u);
 
-  EXPECT_EQ(oracle.judge({&drawn[0], 1}, pose, kLens).uncovered, 6u);
-  EXPECT_EQ(oracle.judge({}, pose, kLens).uncovered, 16u);
+  EXPECT_EQ(oracle.judge({&drawn[0], 1}, pose, kScreen).uncovered, 6u);
+  EXPECT_EQ(oracle.judge({}, pose, kScreen).uncovered, 16u);
 }
 
 TEST(TexelOracleKnows, FrontBackAndSilhouette) {
@@ -57,7 +54,7 @@ TEST(TexelOracleKnows, FrontBackAndSilhouette) {
   roof[1].positions[2].x = -4;  // folded along its diagonal, the upper half away from this eye
   const TexelOracle oracle(roof, 4, 4, true);
   const proto::Pose pose = lookAt({8, -6, -6}, {0, 0, 0});
-  const auto verdict = oracle.judge(roof, pose, kLens);
+  const auto verdict = oracle.judge(roof, pose, kScreen);
   EXPECT_EQ(verdict.silhouette.vertices, 4u);  // the diagonal's texels
   EXPECT_EQ(verdict.interior.vertices, 6u);    // of the lower half
 }
@@ -100,26 +97,12 @@ TEST_P(Texels, AreDrawnWithinTheTolerances) {
       for (uint64_t seed = 1; seed <= 8; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         Rng rng(seed);
-        const auto any = [&] { return glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)); };
-        proto::View view;
-        proto::SurfaceTest test;
-        view.pose = lookAt(glm::normalize(any() + glm::dvec3(0, 0, 1e-3)) * rng.uniform(1.2, 12), any());
-        view.lens = kLens;
-        view.tau_px = rng.uniform(0.3, 2);
-        test.interior_px = view.tau_px * rng.uniform(1, 7);
-        view.ball_m = rng.below(2) * 0.1;
-        view.turn_rad = rng.below(2) * 0.2;
-        test.nearest_m = 0.05;
-        test.is_closed = named.is_closed;
+        const auto [view, test] = test::anySurfaceView(rng, named.is_closed);
         const auto section = plainRefine(named.surface, records, proto::SurfaceMetric(view, test));
         left_out += named.surface.topology.slotCount() - section.nodes;
         const auto drawn = textured(named.surface, section, atlas);
         for (int i = 0; i < 3; ++i) {
-          proto::Pose pose = view.pose;
-          if (view.ball_m > 0) pose.eye += any() * (view.ball_m / std::sqrt(3.0));
-          const glm::dvec3 axis = glm::normalize(any() + glm::dvec3(1e-3, 0, 0));
-          pose.orientation = glm::angleAxis(rng.uniform() * view.turn_rad, axis) * pose.orientation;
-          const auto verdict = oracle.judge(drawn, pose, kLens, test.nearest_m);
+          const auto verdict = oracle.judge(drawn, test::anyPoseOf(view, rng), kScreen, test.nearest_m);
           EXPECT_LE(verdict.silhouette.max_px, view.tau_px);
           EXPECT_LE(verdict.interior.max_px, test.interior_px);
           EXPECT_EQ(verdict.uncovered, 0u);
@@ -140,10 +123,10 @@ TEST(Texels, ASlidingTextureIsSeen) {
   const PlainSection base{std::vector<uint8_t>(torus.topology.slotCount(), 0), 0};
   auto drawn = textured(torus, base, atlas);
   const proto::Pose pose = lookAt({9, 2, 5}, {0, 0, 0});
-  const auto held = oracle.judge(drawn, pose, kLens);
+  const auto held = oracle.judge(drawn, pose, kScreen);
   for (TexturedTriangle& t : drawn)
     t.texels = {t.texels[0], t.texels[0] + 0.9 * (t.texels[1] - t.texels[0]), t.texels[2]};
-  const auto slid = oracle.judge(drawn, pose, kLens);
+  const auto slid = oracle.judge(drawn, pose, kScreen);
   EXPECT_GT(slid.uncovered, 0u);
   EXPECT_GT(slid.interior.max_px + slid.silhouette.max_px, held.interior.max_px);
 }

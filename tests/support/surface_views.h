@@ -1,0 +1,54 @@
+// Views of a surface about the origin, drawn at random: of what the oracles judge refined surfaces by.
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "base/rng.h"
+#include "proto/pose.h"
+#include "proto/refine/surface_metric.h"
+
+namespace foreland::test {
+
+inline constexpr proto::Lens kScreen{1.0471975511965976, 640, 480};
+
+inline proto::Pose lookAt(const glm::dvec3& eye, const glm::dvec3& target) {
+  return {eye, proto::lookAlong(glm::normalize(target - eye), {0, 0, 1})};
+}
+
+// In the cube of half side 1.
+inline glm::dvec3 anyPlace(Rng& rng) {
+  const double x = rng.uniform(-1, 1), y = rng.uniform(-1, 1), z = rng.uniform(-1, 1);
+  return {x, y, z};
+}
+
+// A view and how it tests: from 1.2 to 12 away, either tolerance of its own, with and without room to move and to turn.
+struct SurfaceView {
+  proto::View view;
+  proto::SurfaceTest test;
+};
+inline SurfaceView anySurfaceView(Rng& rng, bool is_closed) {
+  SurfaceView made;
+  const glm::dvec3 from = glm::normalize(anyPlace(rng) + glm::dvec3(0, 0, 1e-3)) * rng.uniform(1.2, 12);
+  made.view.pose = lookAt(from, anyPlace(rng));
+  made.view.lens = kScreen;
+  made.view.tau_px = rng.uniform(0.3, 2);
+  made.test.interior_px = made.view.tau_px * rng.uniform(1, 7);
+  made.view.ball_m = rng.below(2) * 0.1;
+  made.view.turn_rad = rng.below(2) * 0.2;
+  made.test.nearest_m = 0.05;
+  made.test.is_closed = is_closed;
+  return made;
+}
+
+// Any pose that the view promises something for: in its ball, turned no farther than it says.
+inline proto::Pose anyPoseOf(const proto::View& view, Rng& rng) {
+  proto::Pose pose = view.pose;
+  if (view.ball_m > 0) pose.eye += anyPlace(rng) * (view.ball_m / std::sqrt(3.0));
+  const glm::dvec3 axis = glm::normalize(anyPlace(rng) + glm::dvec3(1e-3, 0, 0));
+  pose.orientation = glm::angleAxis(rng.uniform() * view.turn_rad, axis) * pose.orientation;
+  return pose;
+}
+
+}  // namespace foreland::test
