@@ -30,10 +30,6 @@ class MappedFile {
   ~MappedFile();
 
   ByteSpan span() const { return data_; }
-  template <class T>
-  std::span<const T> section(const SectionPlace& place) const {
-    return sectionOf<T>(data_, place);
-  }
 
  private:
   explicit MappedFile(ByteSpan data) : data_(data) {}

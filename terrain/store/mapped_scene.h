@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string>
 
 #include "terrain/store/format.h"
 #include "terrain/store/mapped_file.h"
@@ -15,14 +17,23 @@ namespace foreland::terrain {
 class MappedScene final : public Scene {
  public:
   static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path);
+  // The same of a file's bytes, which `owner` keeps; they begin at a page. Errors call it `name`.
+  static Result<std::shared_ptr<const MappedScene>> of(ByteSpan bytes, const std::string& name,
+                                                       std::shared_ptr<const void> owner);
   const FileHeader& header() const { return header_; }
-  ByteSpan file() const { return file_.span(); }
+  ByteSpan file() const { return bytes_; }
 
  private:
-  MappedScene(MappedFile file, const FileHeader& header, proto::GridTopology grid);
+  MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, const FileHeader& header, proto::GridTopology grid);
   Status adopt();
 
-  MappedFile file_;
+  template <class T>
+  std::span<const T> section(SectionKind kind) const {
+    return sectionOf<T>(bytes_, header_.sections[kind]);
+  }
+
+  ByteSpan bytes_;
+  std::shared_ptr<const void> owner_;  // of the bytes
   FileHeader header_;
 };
 
