@@ -1,44 +1,49 @@
-// Any bytes as cut deltas one after the other, from nothing or from a presented section: each leads to a closed
-// section, or is an Error. First byte: where to start and where the camera goes; two bytes of
-// length stand before each delta.
+// Any bytes as cut deltas one after the other, from nothing or from a presented section (tests/fuzz/toy_flight.h): each
+// leads to a closed section, or is an Error.
 #include "base/check.h"
 #include "proto/delta_codec.h"
-#include "tests/support/toy_terrain.h"
+#include "tests/fuzz/toy_flight.h"
 
 namespace foreland::proto {
 namespace {
 
-View viewAt(uint8_t how, int step) {
-  View view;
-  view.pose = {{160.0 + 7 * step, 100.0 + how, 250.0 + 3 * how}, lookAlong({0.5, 0.3, -0.8}, {0, 0, 1})};
-  view.tau_px = 1 + (how >> 6);
-  view.ball_m = step;
-  return view;
+// Made once for each of the 256 flights: what a client holds that begins with this section.
+struct Begin {
+  SparseNodes nodes;
+  TerrainAdapter adapter;
+};
+
+const Begin& beginOf(uint8_t how) {
+  static std::vector<std::optional<Begin>> begins(256);
+  std::optional<Begin>& begin = begins[how];
+  if (begin) return *begin;
+  const test::ToyTerrain& terrain = test::toyFlightTerrain();
+  const Section section = test::toyFlightBegin(how);
+  begin.emplace(Begin{SparseNodes(terrain.grid(), terrain.base()), TerrainAdapter(terrain.domain())});
+  if (section.slots.empty()) return *begin;
+  PlainNodes source(terrain.nodes());
+  begin->adapter = TerrainAdapter(terrain.domain(), section.slots, source);
+  for (Slot slot : section.slots) begin->nodes.make(slot) = terrain.nodes()[slot];
+  return *begin;
 }
 
 void run(ByteSpan bytes) {
-  static const test::ToyTerrain terrain({2, 2, 4, 33, 30}, 1);
+  static AdaptScratch scratch;
+  static CutDelta delta;
+  const test::ToyTerrain& terrain = test::toyFlightTerrain();
   if (bytes.empty()) return;
   const uint8_t how = bytes[0];
   bytes = bytes.subspan(1);
-  SparseNodes nodes(terrain.grid(), terrain.base());
-  TerrainAdapter adapter(terrain.domain());
-  if (how & 1) {
-    const Section section = terrain.refine(viewAt(how, 2));
-    PlainNodes source(terrain.nodes());
-    adapter = TerrainAdapter(terrain.domain(), section.slots, source);
-    for (Slot slot : section.slots) nodes.make(slot) = terrain.nodes()[slot];
-  }
+  Begin held = beginOf(how);
   DeltaModel model;
-  for (int step = 0; step < 4 && bytes.size() >= 2; ++step) {
+  for (int step = 0; step < test::kToySteps && bytes.size() >= 2; ++step) {
     const size_t size = std::min<size_t>(bytes[0] | bytes[1] << 8, bytes.size() - 2);
-    CutDelta delta;
-    AdaptScratch scratch;
-    DeltaDecoder decoder(terrain.domain(), nodes, model, bytes.subspan(2, size));
-    const bool done = adapter.adapt(viewAt(how, step), kMaxSectionNodes, decoder, scratch, delta);
-    CHECK_TRUE(validate(terrain.grid(), adapter.section()).ok());
+    const Bytes exact(bytes.begin() + 2, bytes.begin() + 2 + static_cast<ptrdiff_t>(size));
+    DeltaDecoder decoder(terrain.domain(), held.nodes, model, exact);
+    const bool done = held.adapter.adapt(test::toyFlightView(how, step), kMaxSectionNodes, decoder, scratch, delta);
+    CHECK_TRUE(validate(terrain.grid(), held.adapter.section()).ok());
     if (!done || !decoder.finish().ok()) return;
-    adapter.validate();
+    held.adapter.validate();
     bytes = bytes.subspan(2 + size);
   }
 }

@@ -1,0 +1,101 @@
+// Writes anew the corpora that follow from the code, after a change of a codec: record_corpus FOLDER
+// (tests/fuzz/corpus). What fuzzers found, and what is no codec's (models, changes of files), stays.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "proto/delta_codec.h"
+#include "proto/section_codec.h"
+#include "tests/fuzz/section_grids.h"
+#include "tests/fuzz/toy_flight.h"
+
+namespace foreland::test {
+namespace {
+
+using proto::TerrainAdapter;
+
+// Four deltas as a server sends them.
+Bytes recordFlight(uint8_t how) {
+  const ToyTerrain& terrain = toyFlightTerrain();
+  const proto::DenseNodes table = terrain.table();
+  const proto::Section begin = toyFlightBegin(how);
+  proto::PlainNodes source(terrain.nodes());
+  TerrainAdapter adapter =
+      begin.slots.empty() ? TerrainAdapter(terrain.domain()) : TerrainAdapter(terrain.domain(), begin.slots, source);
+  proto::DeltaModel model;
+  Bytes input{how};
+  for (int step = 0; step < kToySteps; ++step) {
+    Bytes bytes;
+    proto::CutDelta delta;
+    proto::AdaptScratch scratch;
+    proto::DeltaEncoder encoder(terrain.domain(), table, model, bytes);
+    CHECK_TRUE(adapter.adapt(toyFlightView(how, step), proto::kMaxSectionNodes, encoder, scratch, delta));
+    encoder.finish();
+    input.push_back(static_cast<uint8_t>(bytes.size() & 255));
+    input.push_back(static_cast<uint8_t>(bytes.size() >> 8));
+    input.insert(input.end(), bytes.begin(), bytes.end());
+  }
+  return input;
+}
+
+// Which grid, then a section of it: fine about a place, and coarser the farther away.
+Bytes recordSection(uint8_t which, uint32_t at_x, uint32_t at_y) {
+  const proto::GridTopology& grid = sectionGrids()[which];
+  proto::Section section;
+  const auto isIn = [&](proto::NodeId n) {
+    return std::binary_search(section.slots.begin(), section.slots.end(), grid.slot(n));
+  };
+  for (proto::Slot slot = grid.levelOffset(1); slot < grid.slotCount(); ++slot) {
+    const proto::NodeId n = grid.node(slot);
+    if (!grid.contains(n) || grid.isBase(n) || grid.slot(n) != slot) continue;  // padding
+    const double distance = std::hypot(double(n.x()) - at_x, double(n.y()) - at_y);
+    const auto parents = grid.parents(n);
+    if (distance <= 3.0 * (1u << grid.scaleLog2(n)) && std::all_of(parents.begin(), parents.end(), isIn))
+      section.slots.push_back(slot);
+  }
+  CHECK_TRUE(validate(grid, section).ok());
+  Bytes input{which};
+  proto::encodeSection(grid, section, input);
+  return input;
+}
+
+struct Input {
+  std::string path;  // in the folder of corpora
+  Bytes bytes;
+};
+
+std::vector<Input> recordAll() {
+  std::vector<Input> inputs;
+  for (const int how : {0, 1, 2, 40, 41, 90, 91, 130, 200, 255})
+    inputs.push_back({"deltas/flight_" + std::to_string(how), recordFlight(static_cast<uint8_t>(how))});
+  inputs.push_back({"sections/least", recordSection(0, 1, 1)});
+  inputs.push_back({"sections/several_roots", recordSection(1, 30, 70)});
+  inputs.push_back({"sections/deep", recordSection(2, 700, 333)});
+  return inputs;
+}
+
+}  // namespace
+}  // namespace foreland::test
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+    return 2;
+  }
+  for (const foreland::test::Input& input : foreland::test::recordAll()) {
+    const std::filesystem::path path = std::filesystem::path(argv[1]) / input.path;
+    std::error_code failed;  // shows when the file cannot be written
+    std::filesystem::create_directories(path.parent_path(), failed);
+    std::ofstream file(path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(input.bytes.data()), static_cast<std::streamsize>(input.bytes.size()));
+    if (!file.flush()) {
+      std::fprintf(stderr, "cannot write %s\n", path.c_str());
+      return 2;
+    }
+    std::printf("%s: %zu bytes\n", path.c_str(), input.bytes.size());
+  }
+}

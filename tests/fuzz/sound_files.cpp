@@ -1,0 +1,80 @@
+#include <cmath>
+
+#include "base/check.h"
+#include "terrain/build/build.h"
+#include "terrain/surface/bounds.h"
+#include "terrain/surface/shapes.h"
+#include "terrain/surface_store/write_surface.h"
+#include "tests/fuzz/changed_file.h"
+#include "tests/support/files.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+
+namespace {
+
+Bytes readWhole(const std::filesystem::path& path) {
+  const std::vector<char> bytes = slurp(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+void writeSurface(const std::filesystem::path& path, proto::MeshRule rule, uint32_t texels_a_side) {
+  const terrain::TrueSurface sphere = *terrain::makeSphere(2, {rule, 2, 1e-3});
+  const auto records = terrain::computeBounds(sphere, {.threads = 1});
+  const auto atlas = proto::AtlasLayout::of(sphere.topology.base().faceCount(), texels_a_side);
+  const std::vector<terrain::Texel> texels(uint64_t{atlas.width()} * atlas.height(), 0xff808080);
+  const auto written = terrain::writeSurface(path, {.surface = sphere,
+                                                    .records = records,
+                                                    .atlas = texels_a_side > 0 ? atlas : proto::AtlasLayout{},
+                                                    .texels = texels,
+                                                    .about = {"sphere", {}, {"a note"}}});
+  CHECK_TRUE(written.ok());
+}
+
+SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::ObjectRequest> objects) {
+  const TemporaryFolder folder;
+  FormulaSource source(side, side, hills(1), kind);
+  source.info().crs_wkt = "ENGCRS[\"nowhere\"]";
+  const auto built = terrain::buildScene(
+      source, {.output = folder / "scene.fls", .height_step_m = 0.1, .threads = 1, .objects = std::move(objects)});
+  CHECK_TRUE(built.ok());
+  return SoundFile(readWhole(folder / "scene.fls"));
+}
+
+SoundFile surfaceFile(proto::MeshRule rule, uint32_t texels_a_side) {
+  const TemporaryFolder folder;
+  writeSurface(folder / "surface.fls", rule, texels_a_side);
+  return SoundFile(readWhole(folder / "surface.fls"));
+}
+
+std::vector<SoundFile> makeScenes() {
+  const TemporaryFolder folder;
+  const auto model = folder / "model.fls";
+  writeSurface(model, proto::MeshRule::kQuadrisection, 4);
+  std::vector<SoundFile> scenes;
+  scenes.push_back(sceneFile(6, proto::FrameKind::kPlanar, {}));
+  scenes.push_back(sceneFile(9, proto::FrameKind::kGeographic, {}));
+  scenes.push_back(sceneFile(9, proto::FrameKind::kPlanar, {{model, {10, 20}}, {model, {-20, 10}, 1, 30, 2}}));
+  return scenes;
+}
+
+std::vector<SoundFile> makeSurfaces() {
+  std::vector<SoundFile> surfaces;
+  for (const auto rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection})
+    for (const uint32_t texels_a_side : {0u, 4u}) surfaces.push_back(surfaceFile(rule, texels_a_side));
+  return surfaces;
+}
+
+}  // namespace
+
+const std::vector<SoundFile>& soundScenes() {
+  static const std::vector<SoundFile> scenes = makeScenes();
+  return scenes;
+}
+
+const std::vector<SoundFile>& soundSurfaces() {
+  static const std::vector<SoundFile> surfaces = makeSurfaces();
+  return surfaces;
+}
+
+}  // namespace foreland::test
