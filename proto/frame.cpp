@@ -49,6 +49,8 @@ Status Frame::validate(double max_x, double max_y) const {
   if (latitude0_rad < -kHalfPi - 1e-9 || last_latitude > 2 * kHalfPi || std::fabs(longitude0_rad) > 8 * kHalfPi ||
       longitude0_rad + max_x * longitude_step_rad > 8 * kHalfPi)
     return malformed("latitude or longitude outside the globe");
+  if (std::fabs(origin.latitude_rad) > 2 * kHalfPi || std::fabs(origin.longitude_rad) > 8 * kHalfPi)
+    return malformed("the origin lies outside the globe");
   if (!(semi_major_m > 0) || flattening < 0 || flattening >= 1) return malformed("not an ellipsoid");
   return {};
 }

@@ -20,6 +20,8 @@ Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const
   auto grid = proto::GridTopology::create(
       {header->roots_x, header->roots_y, header->root_log2, header->samples_x, header->samples_y});
   if (!grid.ok()) return damagedFile(name, grid.error().message);
+  if (Status frame = getFrame(*header).validate(grid->maxX(), grid->maxY()); !frame.ok())
+    return damagedFile(name, frame.error().message);
   std::shared_ptr<MappedScene> scene(new MappedScene(bytes, std::move(owner), *header, *grid));
   if (const Status status = scene->adopt(); !status.ok()) return damagedFile(name, status.error().message);
   return std::shared_ptr<const MappedScene>(std::move(scene));
@@ -32,7 +34,6 @@ MappedScene::MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, cons
 // Checks what the header says against what it must say, then points the spans into the file.
 Status MappedScene::adopt() {
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
-  if (Status frame = frame_.validate(grid_.maxX(), grid_.maxY()); !frame.ok()) return frame;
   const uint64_t text_bytes = header_.sections[kText].bytes;
   if (text_bytes > kMaxTextBytes) return malformed("its text is too long");
   const uint64_t object_bytes = header_.sections[kObjects].bytes;
