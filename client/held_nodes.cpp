@@ -36,7 +36,11 @@ proto::Section HeldNodes::newest() const {
   return section;
 }
 
-HeldNodes::Row::Row(const HeldNodes& nodes) : nodes_(nodes), begin_(nodes.sets_.size()) {
+HeldNodes::Row::Row(const HeldNodes& nodes, std::span<const Morph> morphs)
+    : nodes_(nodes), morphs_(morphs), begin_(nodes.sets_.size()), between_(nodes.sets_.size()) {
+  for (const Morph& m : morphs)
+    if (weightsOf(m.in) != std::array{m.from, m.to})
+      between_[nodes.records_.block(m.slot)] |= uint64_t{1} << (m.slot % proto::SparseNodes::kBlockSlots);
   for (uint32_t block : nodes.blocksInOrder()) {
     const Sets sets = nodes.sets_[block];
     begin_[block] = size_;
@@ -44,6 +48,11 @@ HeldNodes::Row::Row(const HeldNodes& nodes) : nodes_(nodes), begin_(nodes.sets_.
     from_count_ += static_cast<uint32_t>(std::popcount(sets.from));
     to_count_ += static_cast<uint32_t>(std::popcount(sets.to));
   }
+}
+
+std::array<double, 2> HeldNodes::Row::weightBetween(proto::Slot slot) const {
+  const Morph& m = *findMorph(morphs_, slot);
+  return {m.from, m.to};
 }
 
 }  // namespace foreland::client

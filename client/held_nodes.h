@@ -1,11 +1,13 @@
-// The nodes of the last two sections: their records, and which of the two each belongs to. Steps from section to
-// section at a cost that follows the changes. One owner.
+// The nodes of two sections, those drawn at the beginning and the end of a mesh: their records, and which of the two
+// each belongs to. Steps from mesh to mesh at a cost that follows the changes. One owner.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <vector>
 
+#include "client/morphs.h"
 #include "proto/node_tables.h"
 #include "proto/section.h"
 
@@ -13,8 +15,6 @@ namespace foreland::client {
 
 class HeldNodes {
  public:
-  static constexpr uint8_t kInFrom = 1, kInTo = 2;
-
   HeldNodes(const proto::GridTopology& grid, proto::BaseHeights base) : records_(grid, base) {}
 
   // The two sections' nodes have their true records; others may be there.
@@ -74,7 +74,7 @@ void HeldNodes::forget(const IsKnown& isKnown) {
   most_blocks_ = 2 * kept + kFew;
 }
 
-// Positions in a row of the nodes of both sections. A view: ends when the nodes change.
+// Positions in a row of the nodes of both sections, and their weights. A view: ends when the nodes change.
 class HeldNodes::Row {
  public:
   static constexpr uint32_t kAbsent = 0xffffffffu;
@@ -83,9 +83,11 @@ class HeldNodes::Row {
     uint32_t position = kAbsent;
     uint8_t in = 0;
     int32_t height = 0;  // steps
+    std::array<double, 2> weight{};
   };
 
-  explicit Row(const HeldNodes& nodes);
+  // `morphs` have nodes of either section; the weight of others is 1 where they are.
+  explicit Row(const HeldNodes& nodes, std::span<const Morph> morphs = {});
   uint32_t size() const { return size_; }
   uint32_t fromCount() const { return from_count_; }
   uint32_t toCount() const { return to_count_; }
@@ -96,13 +98,18 @@ class HeldNodes::Row {
     const uint64_t all = sets.from | sets.to;
     const uint32_t at = slot % proto::SparseNodes::kBlockSlots;
     if (!(all >> at & 1)) return {};
-    return {begin_[block] + static_cast<uint32_t>(std::popcount(all & ((uint64_t{1} << at) - 1))), sets.in(slot),
-            nodes_.records_.at(block, slot).height()};
+    const uint8_t in = sets.in(slot);
+    return {begin_[block] + static_cast<uint32_t>(std::popcount(all & ((uint64_t{1} << at) - 1))), in,
+            nodes_.records_.at(block, slot).height(), between_[block] >> at & 1 ? weightBetween(slot) : weightsOf(in)};
   }
 
  private:
+  std::array<double, 2> weightBetween(proto::Slot slot) const;
+
   const HeldNodes& nodes_;
-  std::vector<uint32_t> begin_;  // of each block, by number
+  std::span<const Morph> morphs_;
+  std::vector<uint32_t> begin_;    // of each block, by number
+  std::vector<uint64_t> between_;  // the same: nodes with a weight other than 0 outside a section or 1 in it
   uint32_t size_ = 0, from_count_ = 0, to_count_ = 0;
 };
 

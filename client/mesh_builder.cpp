@@ -11,7 +11,7 @@ namespace foreland::client {
 MeshBuilder::MeshBuilder(const Replica& replica, KeyframeMesh& mesh)
     : replica_(replica),
       grid_(replica.grid()),
-      nodes_(replica.nodes()),
+      nodes_(replica.nodes(), replica.morphs().all()),
       mesh_(mesh),
       limit_(static_cast<float>(grid_.shape().samples_x - 1), static_cast<float>(grid_.shape().samples_y - 1)) {}
 
@@ -32,16 +32,14 @@ void MeshBuilder::placeBase() {
   for (int s = 0; s < 2; ++s) {
     position_[s].resize(count);
     normal_[s].assign(count, glm::dvec3(0));
+    is_own_[s].assign(count, 1);
   }
   endpoints_.assign(count, {kNoEnd, kNoEnd});
   mesh_.places.resize(count);
   mesh_.indices.reserve(6 * count);
-  const double step = replica_.frameGrid().transform().frame().height_step_m;
   const auto place = [&](uint32_t vertex, uint32_t x, uint32_t y) {
-    const proto::NodeId v = proto::NodeId::at(x, y);
-    const int32_t height = *replica_.knownHeight(v);
     mesh_.places[vertex] = {static_cast<float>(x), static_cast<float>(y)};
-    position_[0][vertex] = position_[1][vertex] = glm::dvec4(replica_.frameGrid().position(v, height), height * step);
+    position_[0][vertex] = position_[1][vertex] = knownPlace({static_cast<int32_t>(x), static_cast<int32_t>(y)});
   };
   for (uint32_t y = 0; y <= shape.roots_y; ++y)
     for (uint32_t x = 0; x <= shape.roots_x; ++x) place(y * (shape.roots_x + 1) + x, x * size, y * size);
@@ -56,7 +54,7 @@ void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
   const uint32_t centre = row * (shape.roots_y + 1) + root_y * shape.roots_x + root_x;
   const int32_t half = static_cast<int32_t>(grid_.rootSize() / 2), levels = grid_.maxLevel();
   const int32_t x = static_cast<int32_t>(root_x) * 2 * half + half, y = static_cast<int32_t>(root_y) * 2 * half + half;
-  const uint8_t both = HeldNodes::kInFrom | HeldNodes::kInTo;
+  const uint8_t both = kInFrom | kInTo;
   visit({{x, y - half}, {half, 0}, sw, se, centre, levels, both});
   visit({{x + half, y}, {0, half}, se, ne, centre, levels, both});
   visit({{x, y + half}, {-half, 0}, ne, nw, centre, levels, both});
@@ -67,7 +65,7 @@ void MeshBuilder::visit(const Triangle& t) {
   HeldNodes::Row::Found node;
   if (t.levels > 0)
     node = nodes_.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
-  for (uint8_t section : {HeldNodes::kInFrom, HeldNodes::kInTo})
+  for (uint8_t section : {kInFrom, kInTo})
     if ((t.live & section) && !(node.in & section)) addNormal(section, t);
   if (node.in == 0) return emit(t.a, t.b, t.apex);
   const uint32_t v = splitVertex(t, node);
@@ -84,18 +82,33 @@ uint32_t MeshBuilder::splitVertex(const Triangle& t, const HeldNodes::Row::Found
   if (endpoints_[v][0] != kNoEnd) return v;
   endpoints_[v] = {t.a, t.b};
   mesh_.places[v] = {static_cast<float>(t.m.x), static_cast<float>(t.m.y)};
-  const proto::NodeId id = proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y));
-  const double height_m = node.height * replica_.frameGrid().transform().frame().height_step_m;
-  const glm::dvec4 own(replica_.frameGrid().position(id, node.height), height_m);
-  for (int s = 0; s < 2; ++s)
-    position_[s][v] = node.in & (s == 0 ? HeldNodes::kInFrom : HeldNodes::kInTo)
-                          ? own
-                          : 0.5 * (position_[s][t.a] + position_[s][t.b]);
+  const glm::dvec4 own = placeOf(t.m, node.height);
+  const auto displacement = [&] {
+    return own - 0.5 * (knownPlace({t.m.x - t.d.x, t.m.y - t.d.y}) + knownPlace({t.m.x + t.d.x, t.m.y + t.d.y}));
+  };
+  for (size_t s = 0; s < 2; ++s) {
+    const auto drawn = [&](uint32_t end) { return Drawn<glm::dvec4>{position_[s][end], is_own_[s][end] != 0}; };
+    const Drawn<glm::dvec4> at = blendPosition(
+        drawn(t.a), drawn(t.b), node.weight[s], [&] { return own; }, displacement);
+    position_[s][v] = at.at;
+    is_own_[s][v] = at.is_own;
+  }
   return v;
 }
 
+glm::dvec4 MeshBuilder::placeOf(Lattice at, int32_t height) const {
+  const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
+  const double height_m = height * replica_.frameGrid().transform().frame().height_step_m;
+  return {replica_.frameGrid().position(v, height), height_m};
+}
+
+glm::dvec4 MeshBuilder::knownPlace(Lattice at) const {
+  const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
+  return placeOf(at, *replica_.knownHeight(v));
+}
+
 void MeshBuilder::addNormal(uint8_t section, const Triangle& t) {
-  const int s = section == HeldNodes::kInFrom ? 0 : 1;
+  const int s = section == kInFrom ? 0 : 1;
   const glm::dvec3 a(position_[s][t.a]);
   const glm::dvec3 n = glm::cross(glm::dvec3(position_[s][t.b]) - a, glm::dvec3(position_[s][t.apex]) - a);
   for (uint32_t v : {t.a, t.b, t.apex}) normal_[s][v] += n;

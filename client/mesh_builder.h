@@ -1,14 +1,16 @@
-// Walks the union of two sections down from the root triangles and writes the mesh between them: two positions and two
-// normals per vertex, triangles clipped to the data.
-//   position  p_S(v) = own position if v is in S, else the mean of its edge's endpoints (DESIGN section 2)
-//   normal    area-weighted over the triangles of S itself, so it depends on S alone and shading does not jump at a keyframe
-// Used once per keyframe; one owner. O(vertices).
+// Walks the union of the sections drawn at a mesh's two ends down from the root triangles and writes the mesh between
+// them: two positions and two normals per vertex, triangles clipped to the data.
+//   position  by the weights of the nodes at either end (blend_position.h)
+//   normal    area-weighted over the triangles of that end's own section, so it depends on the end alone and shading does
+//             not jump where meshes meet
+// Used once per mesh; one owner. O(vertices).
 #pragma once
 
 #include <array>
 #include <map>
 #include <vector>
 
+#include "client/blend_position.h"
 #include "client/keyframe_mesh.h"
 #include "client/replica.h"
 
@@ -36,6 +38,8 @@ class MeshBuilder {
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
   uint32_t splitVertex(const Triangle& t, const HeldNodes::Row::Found& node);
+  glm::dvec4 placeOf(Lattice at, int32_t height) const;
+  glm::dvec4 knownPlace(Lattice at) const;
   void addNormal(uint8_t section, const Triangle& t);
   void emit(uint32_t a, uint32_t b, uint32_t c);
   void clip(std::array<uint32_t, 3> corners);
@@ -50,7 +54,8 @@ class MeshBuilder {
   KeyframeMesh& mesh_;
   glm::vec2 limit_;
   uint32_t first_node_ = 0;                          // vertices before it are base vertices
-  std::array<std::vector<glm::dvec4>, 2> position_;  // of the two sections; scene frame and height, metres
+  std::array<std::vector<glm::dvec4>, 2> position_;  // at the two ends; scene frame and height, metres
+  std::array<std::vector<uint8_t>, 2> is_own_;       // of base and node vertices: drawn at their own place
   std::array<std::vector<glm::dvec3>, 2> normal_;
   std::vector<std::array<uint32_t, 2>> endpoints_;    // of node vertices
   std::map<std::array<uint32_t, 3>, uint32_t> cuts_;  // inside, outside, axis: the vertex on the border

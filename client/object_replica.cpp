@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <utility>
 
+#include "client/blend_position.h"
 #include "client/pack_normal.h"
 #include "client/settle_normals.h"
 #include "proto/mesh_triangles.h"
@@ -43,26 +45,40 @@ class ObjectReplica::Builder {
   }
 
  private:
-  bool holds(const std::vector<Slot>& section, NodeId n) const {
-    return std::binary_search(section.begin(), section.end(), mesh_.slot(n));
+  bool holds(const proto::Section& section, NodeId n) const {
+    return std::binary_search(section.slots.begin(), section.slots.end(), mesh_.slot(n));
+  }
+  glm::dvec3 own(NodeId v) const {
+    if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
+    return glm::dvec3(replica_.known_.at(mesh_.slot(v)).position) * model_.step_m;
+  }
+  std::array<double, 2> weights(NodeId n) const {
+    if (const Morph* m = findMorph(replica_.morphs_.all(), mesh_.slot(n))) return {m->from, m->to};
+    const double weight = holds(replica_.section_, n) ? 1 : 0;
+    return {weight, weight};
   }
 
   uint32_t vertex(NodeId v) {
     if (const auto it = numbers_.find(v); it != numbers_.end()) return it->second;
-    std::array<uint32_t, 2> ends{kNoEnd, kNoEnd};
-    std::array<glm::dvec3, 2> at;
-    if (mesh_.isBase(v)) {
-      at[0] = at[1] = glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
-    } else {
-      const auto [a, b] = mesh_.endpoints(v);
-      ends = {vertex(a), vertex(b)};
-      for (size_t s = 0; s < 2; ++s) {
-        const auto& section = s == 0 ? replica_.from_ : replica_.to_;
-        at[s] = holds(section, v) ? glm::dvec3(replica_.known_.at(mesh_.slot(v)).position) * model_.step_m
-                                  : 0.5 * (out_.position[s][ends[0]] + out_.position[s][ends[1]]);
-      }
+    if (mesh_.isBase(v)) return add(v, {kNoEnd, kNoEnd}, {{{own(v), true}, {own(v), true}}});
+    const auto [a, b] = mesh_.endpoints(v);
+    const std::array<uint32_t, 2> ends{vertex(a), vertex(b)};
+    const std::array<double, 2> weight = weights(v);
+    std::array<Drawn<glm::dvec3>, 2> at;
+    for (size_t s = 0; s < 2; ++s) {
+      const auto drawn = [&](uint32_t end) { return Drawn<glm::dvec3>{out_.position[s][end], is_own_[s][end] != 0}; };
+      at[s] = blendPosition(
+          drawn(ends[0]), drawn(ends[1]), weight[s], [&] { return own(v); },
+          [&] { return own(v) - 0.5 * (own(a) + own(b)); });
     }
-    for (size_t s = 0; s < 2; ++s) out_.position[s].push_back(at[s]);
+    return add(v, ends, at);
+  }
+
+  uint32_t add(NodeId v, const std::array<uint32_t, 2>& ends, const std::array<Drawn<glm::dvec3>, 2>& at) {
+    for (size_t s = 0; s < 2; ++s) {
+      out_.position[s].push_back(at[s].at);
+      is_own_[s].push_back(at[s].is_own);
+    }
     ends_.push_back(ends);
     return numbers_[v] = static_cast<uint32_t>(ends_.size() - 1);
   }
@@ -103,7 +119,8 @@ class ObjectReplica::Builder {
   Vertices& out_;
   std::unordered_map<NodeId, uint32_t> corners_;  // of the face at hand
   std::unordered_map<NodeId, uint32_t> numbers_;
-  std::vector<std::array<uint32_t, 2>> ends_;  // of each vertex's edge
+  std::vector<std::array<uint32_t, 2>> ends_;   // of each vertex's edge
+  std::array<std::vector<uint8_t>, 2> is_own_;  // each is drawn at its own place
   std::array<std::vector<glm::dvec3>, 2> normal_;
 };
 
@@ -112,7 +129,6 @@ ObjectReplica::ObjectReplica(const proto::ObjectSet& objects, size_t object)
 
 bool ObjectReplica::step(const proto::View& view, proto::SurfaceModel& model, proto::RangeDecoder& coder,
                          proto::AdaptScratch& scratch, uint32_t& fingerprint) {
-  const bool was_still = from_ == to_ && !vertices_.indices.empty();
   delta_.added.clear();
   delta_.removed.clear();
   const proto::SurfaceDomain& domain = objects_->domain(object_);
@@ -122,13 +138,34 @@ bool ObjectReplica::step(const proto::View& view, proto::SurfaceModel& model, pr
       decoder.isBroken())
     return false;
   fingerprint += proto::fingerprintOf(object_, delta_);
-  from_ = std::move(to_);
-  to_ = adapter_.section().slots;
-  if (was_still && from_ == to_) return true;
+  return true;
+}
+
+// The section may have begun anew, so what has changed is not what the step has told.
+void ObjectReplica::blend(const MeshSpan& span) {
+  proto::Section section = adapter_.section();
+  proto::diff(section_, section, delta_);
+  section_ = std::move(section);
+  const proto::ObjectPlacement& placement = objects_->placement(object_);
+  const proto::View from = placement.toObject(span.from);
+  const MorphClock clock(span, from, span.motion.metres_per_s / placement.scale);
+  const proto::SurfaceMetric metric = objects_->domain(object_).metric(from);
+  morphs_.step(objects_->domain(object_).topology(), delta_, [&](Slot slot) { return intervals(clock, metric, slot); });
+  from_ = proto::apply(to_, morphs_.jumped());
+  to_ = proto::apply(from_, morphs_.drawn());
+  const bool was_still = std::exchange(is_still_, morphs_.all().empty());
+  if (was_still && is_still_ && !vertices_.indices.empty()) return;
   vertices_ = {};
   Builder(*this, vertices_).run();
   forgetUnknown();
-  return true;
+}
+
+double ObjectReplica::intervals(const MorphClock& clock, const proto::SurfaceMetric& metric, Slot slot) const {
+  if (clock.isEven()) return clock.intervals({}, 0);
+  const proto::SurfaceDomain& domain = objects_->domain(object_);
+  const auto bounds = proto::SurfaceBounds::of(known_.at(slot), domain.step_m);
+  if (domain.is_closed && metric.facing(bounds).front <= 0) return 0;
+  return clock.intervals(bounds.position(), bounds.radius);
 }
 
 void ObjectReplica::startAfresh() { adapter_ = proto::SurfaceAdapter(objects_->domain(object_)); }
@@ -139,7 +176,8 @@ void ObjectReplica::forgetUnknown() {
   proto::SurfaceRecords kept;
   for (const auto& [slot, record] : known_)
     if (adapter_.knowsBlock(slot - slot % proto::SparseNodes::kBlockSlots) ||
-        std::binary_search(from_.begin(), from_.end(), slot))
+        std::binary_search(from_.slots.begin(), from_.slots.end(), slot) ||
+        std::binary_search(to_.slots.begin(), to_.slots.end(), slot))
       kept[slot] = record;
   known_ = std::move(kept);
 }

@@ -1,6 +1,6 @@
-// The client's copy of one object's section, and the part of the mesh between two keyframes that is this object's: the
-// same union of two sections with two positions per vertex as the terrain's (replica.h). One owner; linear in the
-// sections.
+// The client's copy of one object's section, and the part of the mesh that is this object's: the same union of the
+// sections drawn at its two ends with two positions per vertex as the terrain's (replica.h), by the same weights. One
+// owner; linear in the sections.
 #pragma once
 
 #include <array>
@@ -11,6 +11,8 @@
 
 #include "base/result.h"
 #include "client/keyframe_mesh.h"
+#include "client/morph_clock.h"
+#include "client/morphs.h"
 #include "proto/objects.h"
 
 namespace foreland::client {
@@ -20,17 +22,21 @@ class ObjectReplica {
   // `objects` must outlive it.
   ObjectReplica(const proto::ObjectSet& objects, size_t object);
 
-  // Steps to a keyframe's view, in the scene's frame; what was `to` becomes `from`. False if the bytes were no delta
-  // for this section. `fingerprint` grows by what has changed.
+  // Steps to a keyframe's view, in the scene's frame. False if the bytes were no delta for this section. `fingerprint`
+  // grows by what has changed.
   [[nodiscard]] bool step(const proto::View& view, proto::SurfaceModel& model, proto::RangeDecoder& coder,
                           proto::AdaptScratch& scratch, uint32_t& fingerprint);
+  // To the next mesh; what was `to` becomes `from`. After a step, or because nodes are on their way.
+  void blend(const MeshSpan& span);
+  bool isUnderWay() const { return morphs_.isUnderWay(); }
   // The server begins anew with this object; what is shown stays until the next keyframe.
   void startAfresh();
 
   // Appends the mesh between the two sections to the objects'.
   void appendTo(KeyframeMesh& mesh) const;
 
-  proto::Section section() const { return {to_}; }
+  const proto::Section& section() const { return section_; }
+  const Morphs& morphs() const { return morphs_; }
 
  private:
   // Vertices in the scene's frame, in doubles; made anew when a section changes.
@@ -47,13 +53,17 @@ class ObjectReplica {
   };
   class Builder;
   void forgetUnknown();
+  double intervals(const MorphClock& clock, const proto::SurfaceMetric& metric, proto::Slot slot) const;
 
   const proto::ObjectSet* objects_;
   size_t object_;
   proto::SurfaceAdapter adapter_;
   proto::SurfaceRecords known_;
-  std::vector<proto::Slot> from_, to_;  // ascending
+  proto::Section section_;    // the newest that is shown
+  proto::Section from_, to_;  // drawn at the mesh's ends
+  Morphs morphs_;
   proto::CutDelta delta_;
+  bool is_still_ = false;  // the last mesh was
   Vertices vertices_;
 };
 

@@ -1,5 +1,7 @@
 #include "client/replica.h"
 
+#include <algorithm>
+#include <limits>
 #include <string>
 
 #include "client/mesh_builder.h"
@@ -42,7 +44,7 @@ std::optional<int32_t> Replica::knownHeight(NodeId v) const {
   return nodes_.records().height(v);
 }
 
-Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
+Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend blend) {
   if (header.base_index == 0 && to_.index != 0) startAfresh();
   if (broken_) return refused("one before it was none");
   if (header.base_index != to_.index)
@@ -52,17 +54,51 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes) {
     broken_ = true;
     return s;
   }
-  nodes_.step(delta_);
-  nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
-  from_ = to_.index == 0 ? header : to_;
+  const bool is_first = to_.index == 0;
+  from_ = is_first ? header : to_;
   to_ = header;
+  const Duration interval = to_.time - from_.time;
+  motion_ = Motion::between(proto::viewOf(from_), proto::viewOf(to_), interval);
+  this->blend({blend, proto::viewOf(from_), motion_, interval.toSeconds(), is_first}, delta_);
   return {};
+}
+
+bool Replica::isUnderWay() const {
+  return morphs_.isUnderWay() ||
+         std::any_of(objects_.begin(), objects_.end(), [](const ObjectReplica& o) { return o.isUnderWay(); });
+}
+
+void Replica::carryOn(Duration interval, Blend blend) {
+  from_ = to_;
+  this->blend({blend, proto::viewOf(to_), motion_, interval.toSeconds()}, {});
+}
+
+void Replica::blend(const MeshSpan& span, const proto::CutDelta& change) {
+  const MorphClock clock(span, span.from, span.motion.metres_per_s);
+  morphs_.step(domain_->grid, change, [&](Slot slot) { return intervals(clock, slot); });
+  nodes_.step(morphs_.jumped());
+  nodes_.step(morphs_.drawn());
+  nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
+  for (ObjectReplica& object : objects_) object.blend(span);
+}
+
+// Of the node's sphere. A page that is forgotten has left the frontier long ago; how large its spheres are is not known
+// any more, so they might be seen.
+double Replica::intervals(const MorphClock& clock, Slot slot) const {
+  if (clock.isEven()) return clock.intervals({}, 0);
+  const proto::GridTopology& grid = domain_->grid;
+  const NodeId n = grid.node(slot);
+  const glm::dvec3 centre = domain_->frame.position(n, nodes_.records().at(slot).middle());
+  const bool is_known = adapter_.knowsBlock(slot - slot % proto::SparseNodes::kBlockSlots);
+  return clock.intervals(centre, is_known ? domain_->radius(grid.level(n), adapter_.radius(slot))
+                                          : std::numeric_limits<double>::infinity());
 }
 
 // The server does not go on from the section that was presented.
 void Replica::startAfresh() {
   adapter_ = proto::TerrainAdapter(*domain_);
   nodes_ = HeldNodes(domain_->grid, {*corner_heights_, *centre_heights_});
+  morphs_ = {};
   model_ = {};
   fingerprint_ = 0;
   from_ = to_ = {};
@@ -104,7 +140,10 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   delta_.added.clear();
   delta_.removed.clear();
   proto::DeltaDecoder decoder(*domain_, nodes_.records(), model_, bytes);
-  if (!adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_)) {
+  keepLeaving();
+  const bool is_adapted = adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_);
+  restoreLeaving();
+  if (!is_adapted) {
     if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
     return refused("its section is not closed, or too large");
   }
@@ -117,6 +156,19 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
     return refused("the section that results is not the server's");
   fingerprint_ = print;
   return {};
+}
+
+// A node that has left the section and is still drawn may come to the frontier again, and then is known by the middle
+// of its edge: its record is kept aside. Both have the same middle, which is all that is asked of them there.
+void Replica::keepLeaving() {
+  leaving_.clear();
+  for (const Morph& m : morphs_.all())
+    if (!m.comes) leaving_.push_back({m.slot, nodes_.records().at(m.slot)});
+}
+
+void Replica::restoreLeaving() {
+  for (const Leaving& node : leaving_)
+    if (!adapter_.contains(node.slot)) nodes_.records().make(node.slot) = node.record;
 }
 
 KeyframeMesh Replica::buildMesh() const {
@@ -143,7 +195,7 @@ std::optional<double> Replica::heightAt(double x, double y) const {
       steep ? glm::dvec2(cx, y < cy ? cy - half : cy + half) : glm::dvec2(x > cx ? cx + half : cx - half, cy);
   const auto vertex = [](glm::dvec2 p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); };
   for (int level = 1; level <= grid.maxLevel(); ++level) {
-    if (!(nodes_.in(grid.slot(vertex(m))) & HeldNodes::kInTo)) break;
+    if (!(nodes_.in(grid.slot(vertex(m))) & kInTo)) break;
     const glm::dvec2 rot(-d.y, d.x);
     const bool toward_b = glm::dot(glm::dvec2(x, y) - m, d) > 0;
     const glm::dvec2 in = (rot - d) / 2.0, on = (rot + d) / 2.0;

@@ -56,6 +56,11 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   return still || first ? Duration{} : lateness;
 }
 
+void Timeline::goOn(std::shared_ptr<const KeyframeMesh> mesh) {
+  const Time begin = entries_.back().end;
+  entries_.push_back({std::move(mesh), begin, begin + kGoOn, next_version_++});
+}
+
 Timeline::Shown Timeline::at(Time now) {
   if (entries_.empty()) return {};
   while (entries_.size() > 1 && now >= entries_[1].begin) entries_.pop_front();
@@ -64,7 +69,7 @@ Timeline::Shown Timeline::at(Time now) {
   const double weight = span <= 0 ? 1.0 : std::clamp(static_cast<double>((now - e.begin).us) / span, 0.0, 1.0);
   const Duration covered = e.mesh->to.time - e.mesh->from.time;
   const Time scene = e.mesh->from.time + Duration{static_cast<int64_t>(weight * static_cast<double>(covered.us))};
-  return {e.mesh.get(), weight, scene, e.version};
+  return {e.mesh.get(), weight, scene, e.version, entries_.size() == 1 && now >= e.end};
 }
 
 }  // namespace foreland::client

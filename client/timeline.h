@@ -4,8 +4,8 @@
 //   delay, current   the same, later by T + lambda: T is the keyframe interval of the paper's formula for t_d, and lambda is what the
 //                    link and the server add to it (0 in the paper, where the server is the client); T is at most kLongestDelay
 //                    (base/latency.h) above the shortest recent one, so an outage is caught up with, not shown at length
-// A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend.
-// One owner; times are the client's clock.
+// A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend. While none
+// is there, nodes that are on their way go on, a kGoOn at a time. One owner; times are the client's clock.
 #pragma once
 
 #include <deque>
@@ -19,11 +19,15 @@ namespace foreland::client {
 class Timeline {
  public:
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
+  static constexpr Duration kGoOn = Duration::milliseconds(100);
   static constexpr size_t kMaxMeshes = 8;
 
   // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown;
   // negative is early.
   Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
+
+  // Shows a mesh that no keyframe brought for kGoOn, after the last one.
+  void goOn(std::shared_ptr<const KeyframeMesh> mesh);
 
   // Shows nothing until the next mesh comes; versions go on.
   void clear() {
@@ -37,6 +41,7 @@ class Timeline {
     double weight = 0;
     Time scene_time;
     uint32_t version = 0;
+    bool is_over = false;  // and there is none after it
   };
   // What to show at `now`; drops meshes that are over. `now` does not decrease.
   Shown at(Time now);

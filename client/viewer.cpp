@@ -84,7 +84,7 @@ Status Viewer::onWelcome(proto::Welcome welcome) {
 
 Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   if (!replica_) return Error{ErrorCode::kMalformed, "a keyframe before the welcome"};
-  if (Status s = replica_->apply(message.header, message.delta); !s.ok()) return s;
+  if (Status s = replica_->apply(message.header, message.delta, blend_); !s.ok()) return s;
   if (reconnected_at_) {
     ++(message.header.base_index > 0 ? statistics_.resumed : statistics_.started_afresh);
     statistics_.longest_resume = std::max(statistics_.longest_resume, now - *reconnected_at_);
@@ -116,7 +116,12 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
                                                   [](const proto::TimedPose& p, Time t) { return p.time < t; }));
   if (is_greeted_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
 
-  const Timeline::Shown shown = timeline_.at(now);
+  Timeline::Shown shown = timeline_.at(now);
+  if (shown.is_over && replica_->isUnderWay()) {
+    replica_->carryOn(Timeline::kGoOn, blend_);
+    timeline_.goOn(std::make_shared<KeyframeMesh>(replica_->buildMesh()));
+    shown = timeline_.at(now);
+  }
   FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
   if (request_.strategy == proto::Strategy::kDelay && shown.mesh) view.pose = poseAt(poses_, shown.scene_time);
   if (view.mesh) countFrame(view);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/blend.h"
 #include "client/keyframe_mesh.h"
 #include "client/replica.h"
 #include "client/timeline.h"
@@ -58,6 +59,9 @@ class Viewer {
   // Changes strategy, predictor, tolerance, lens in flight.
   void setRequest(const proto::ViewRequest& request);
   const proto::ViewRequest& request() const { return request_; }
+  // How what comes is blended, from the next keyframe on; what is on its way goes on from where it is.
+  void setBlend(Blend blend) { blend_ = blend; }
+  Blend blend() const { return blend_; }
   // Announces a planned path (predictor kKnownPath) on the client's clock.
   void announcePath(const proto::Path& path);
   void requestTour(const std::string& name, double seconds);
@@ -86,6 +90,7 @@ class Viewer {
 
   proto::ViewRequest request_;
   Duration pose_interval_;
+  Blend blend_ = Blend::kKeyframe;
   std::optional<proto::Welcome> welcome_;
   bool is_greeted_ = false;             // on this connection
   std::optional<Time> reconnected_at_;  // and no keyframe has come since

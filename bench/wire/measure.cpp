@@ -36,7 +36,7 @@ void compare(const client::Replica& replica, const server::Hierarchy& hierarchy,
   const proto::Section held = replica.section();
   CHECK_EQ(held.slots.size(), nodes);
   for (proto::Slot slot : held.slots) {
-    CHECK_TRUE(replica.nodes().in(slot)&client::HeldNodes::kInTo);
+    CHECK_TRUE(replica.nodes().in(slot)&client::kInTo);
     CHECK_EQ(replica.nodes().records().at(slot).height(), hierarchy.nodes()[slot].height());
   }
 }

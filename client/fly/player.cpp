@@ -20,7 +20,9 @@ const char* waitedFor(Player::Phase phase) {
 }  // namespace
 
 Player::Player(PlayerOptions options)
-    : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {}
+    : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {
+  viewer_.setBlend(log_.options.blend);
+}
 
 Status Player::receive(ByteSpan message, Time now) {
   log_.entries.push_back({now, FlightLog::What::kMessage, Bytes(message.begin(), message.end())});

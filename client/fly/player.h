@@ -27,6 +27,7 @@ enum class PathKnowledge : uint8_t {
 
 struct PlayerOptions {
   proto::ViewRequest request;
+  Blend blend = Blend::kKeyframe;
   PathKnowledge knowledge = PathKnowledge::kPrivate;
   std::string tour = "survey";  // used if there is no track
   std::shared_ptr<const Track> track;

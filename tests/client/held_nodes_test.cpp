@@ -56,7 +56,7 @@ class HeldNodesTest : public testing::Test {
       const HeldNodes::Row::Found found = row.find(slot);
       ASSERT_EQ(found.position, position++);
       ASSERT_EQ(found.height, heights_.at(slot));
-      ASSERT_EQ(found.in, (from_.count(slot) ? HeldNodes::kInFrom : 0) | (to_.count(slot) ? HeldNodes::kInTo : 0));
+      ASSERT_EQ(found.in, (from_.count(slot) ? kInFrom : 0) | (to_.count(slot) ? kInTo : 0));
       ASSERT_EQ(held_.in(slot), found.in);
     }
     for (const auto& [slot, height] : heights_) {

@@ -1,0 +1,233 @@
+// Geomorphs, from the server's records to the client's mesh: what is drawn has each node's weight, never jumps where it
+// is seen, has no cracks, and comes to rest at the section.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "bench/oracle/crack_checker.h"
+#include "client/replica.h"
+#include "proto/mesh_triangles.h"
+#include "server/section/sender.h"
+#include "server/session/world.h"
+#include "tests/support/lattice_surface.h"
+#include "tests/support/scene.h"
+#include "tests/support/wanderer.h"
+#include "tests/world/ring_of_objects.h"
+#include "tests/world/world.h"
+
+namespace foreland::test {
+namespace {
+
+using client::Blend;
+using client::KeyframeMesh;
+using client::Morph;
+using client::Morphs;
+using proto::NodeId;
+
+// Positions of meshes are floats, about an origin up to a few kilometres away.
+constexpr double kRounding_m = 2e-3;
+
+// p_w(v) as DESIGN section 2 has it, of every node whether it is drawn or not. `own(v)` is its true place.
+template <class Topology, class Own>
+class Weighted {
+ public:
+  Weighted(const Topology& topology, const proto::Section& section, const Morphs& morphs, double Morph::*end, Own own)
+      : topology_(topology), own_(std::move(own)) {
+    for (proto::Slot slot : section.slots) weight_[slot] = 1;
+    for (const Morph& m : morphs.all()) weight_[m.slot] = m.*end;
+  }
+
+  double weight(NodeId n) const {
+    const auto it = weight_.find(topology_.slot(n));
+    return it == weight_.end() ? 0 : it->second;
+  }
+  bool isDrawn(NodeId n) const {
+    if (weight(n) > 0) return true;
+    for (NodeId child : topology_.children(n))
+      if (isDrawn(child)) return true;
+    return false;
+  }
+  glm::dvec3 at(NodeId v) {
+    if (topology_.isBase(v)) return own_(v);
+    if (const auto it = known_.find(v); it != known_.end()) return it->second;
+    const auto [a, b] = topology_.endpoints(v);
+    const glm::dvec3 displacement = own_(v) - 0.5 * (own_(a) + own_(b));
+    return known_[v] = 0.5 * (at(a) + at(b)) + weight(v) * displacement;
+  }
+
+ private:
+  const Topology& topology_;
+  Own own_;
+  std::unordered_map<proto::Slot, double> weight_;
+  std::unordered_map<NodeId, glm::dvec3> known_;
+};
+
+// Not between the planes of the view, whatever lies before it.
+bool isOutside(const proto::View& view, const glm::dvec3& p) {
+  const glm::dvec3 v = glm::conjugate(view.pose.orientation) * (p - view.pose.eye);
+  const double tan_y = std::tan(0.5 * view.lens.vertical_fov_rad);
+  return v.z > 0 || std::fabs(v.y) > -v.z * tan_y ||
+         std::fabs(v.x) > -v.z * tan_y * view.lens.width_px / view.lens.height_px;
+}
+
+// A camera that looks around over a scene and mostly moves little: then changes take their time.
+class Onlooker {
+ public:
+  Onlooker(const server::Hierarchy& h, uint64_t seed) : hierarchy_(h), rng_(seed) { jump(); }
+
+  proto::View next() {
+    const uint64_t what = rng_.below(10);
+    if (what == 0) jump();
+    if (what == 1) yaw_ += rng_.uniform(-2, 2);
+    if (what == 2) tau_px_ = std::exp2(rng_.uniform(-2, 3));
+    if (what == 3) ball_m_ = rng_.uniform(0, 20), turn_rad_ = rng_.uniform(0, 0.2);
+    place_ += glm::dvec2(rng_.uniform(-0.3, 0.3), rng_.uniform(-0.3, 0.3));
+    yaw_ += rng_.uniform(-0.01, 0.01);
+    proto::View view = viewAt(hierarchy_, place_.x, place_.y, height_m_, yaw_, pitch_);
+    view.tau_px = tau_px_, view.ball_m = ball_m_, view.turn_rad = turn_rad_;
+    return view;
+  }
+
+ private:
+  void jump() {
+    const proto::GridShape& shape = hierarchy_.grid().shape();
+    place_ = {rng_.uniform(0.2, 0.8) * shape.samples_x, rng_.uniform(0.2, 0.8) * shape.samples_y};
+    height_m_ = rng_.uniform(900, 2500), yaw_ = rng_.uniform(0, 6.28), pitch_ = rng_.uniform(-1.2, -0.3);
+  }
+
+  const server::Hierarchy& hierarchy_;
+  Rng rng_;
+  glm::dvec2 place_{0};
+  double height_m_ = 0, yaw_ = 0, pitch_ = 0, tau_px_ = 1, ball_m_ = 0, turn_rad_ = 0;
+};
+
+// A server and a replica without a session between them: any view after any other, at any time.
+class Geomorphs : public testing::Test {
+ protected:
+  void fly(proto::FrameKind kind) {
+    scene_ = makeScene(150, 110, 31, kind);
+    hierarchy_.emplace(scene_, proto::ErrorBound::kSpheroid, objectsIn(*scene_, 6));
+    sender_.emplace(*hierarchy_);
+    replica_.emplace(server::welcomeTo(*hierarchy_));
+  }
+
+  void keyframe(const proto::View& view, Duration interval, Blend blend) {
+    now_ = now_ + interval;
+    Bytes message;
+    sender_->send(view, now_, scratch_, message);
+    const auto status = replica_->apply(sender_->keyframe(), ByteSpan(message).subspan(sender_->headerBytes()), blend);
+    CHECK_TRUE(status.ok());
+  }
+
+  Duration anyInterval() { return Duration::milliseconds(20 + static_cast<int64_t>(rng_.below(400))); }
+
+  // Each sample at each end where the weights have it; true places are the scene's own.
+  void expectWeighted(const KeyframeMesh& mesh) {
+    const proto::GridTopology& grid = hierarchy_->grid();
+    const auto own = [&](NodeId v) { return hierarchy_->frame().position(v, scene_->height(v)); };
+    for (auto [end, weight] : {std::pair(&Morph::from, 0.0), std::pair(&Morph::to, 1.0)}) {
+      Weighted reference(grid, replica_->section(), replica_->morphs(), end, own);
+      const LatticeSurface drawn(mesh, weight, grid.shape());
+      for (uint32_t y = 0; y < grid.shape().samples_y; ++y)
+        for (uint32_t x = 0; x < grid.shape().samples_x; ++x)
+          ASSERT_LT(glm::distance(drawn.at(x, y), reference.at(NodeId::at(x, y))), kRounding_m)
+              << x << ' ' << y << " at " << weight;
+    }
+  }
+
+  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed() + 1;
+  Rng rng_{seed_};
+  std::shared_ptr<const terrain::Scene> scene_;
+  std::optional<server::Hierarchy> hierarchy_;
+  std::optional<server::SectionSender> sender_;
+  std::optional<client::Replica> replica_;
+  server::SendScratch scratch_;
+  Time now_ = Time::seconds(1);
+};
+
+TEST_F(Geomorphs, AreDrawnAsTheWeightsHaveThemAndWithoutCracks) {
+  SCOPED_TRACE("seed " + std::to_string(seed_));
+  for (proto::FrameKind kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic}) {
+    fly(kind);
+    Onlooker onlooker(*hierarchy_, seed_);
+    size_t between = 0;
+    for (int i = 0; i < 60; ++i) {
+      keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
+      if (rng_.below(4) == 0) replica_->carryOn(anyInterval(), Blend::kGeomorph);
+      const KeyframeMesh mesh = replica_->buildMesh();
+      const bench::CrackReport cracks = bench::findCracks(mesh, scene_->grid().shape());
+      ASSERT_EQ(cracks.cracks, 0u) << cracks.first;
+      ASSERT_NO_FATAL_FAILURE(expectWeighted(mesh)) << "step " << i;
+      for (const Morph& m : replica_->morphs().all()) between += !m.isDone();
+    }
+    EXPECT_GT(between, 50u) << "nothing was on its way";
+  }
+}
+
+TEST_F(Geomorphs, NeverJumpWhereTheyAreSeen) {
+  SCOPED_TRACE("seed " + std::to_string(seed_));
+  fly(proto::FrameKind::kPlanar);
+  Onlooker onlooker(*hierarchy_, seed_ + 1);
+  const proto::GridShape& shape = scene_->grid().shape();
+  std::optional<LatticeSurface> last;
+  size_t jumped = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (i > 0 && rng_.below(4) == 0)
+      replica_->carryOn(anyInterval(), Blend::kGeomorph);
+    else
+      keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
+    const KeyframeMesh mesh = replica_->buildMesh();
+    const LatticeSurface begin(mesh, 0, shape);
+    for (uint32_t y = 0; last && y < shape.samples_y; ++y)
+      for (uint32_t x = 0; x < shape.samples_x; ++x) {
+        const glm::dvec3 &p = last->at(x, y), &q = begin.at(x, y);
+        if (glm::distance(p, q) < kRounding_m) continue;
+        ++jumped;
+        const proto::View view = proto::viewOf(mesh.from);
+        ASSERT_TRUE(isOutside(view, p) && isOutside(view, q)) << x << ' ' << y << " at step " << i;
+      }
+    last.emplace(mesh, 1, shape);
+  }
+  EXPECT_GT(jumped, 10u) << "everything takes its time, seen or not";
+}
+
+// Objects as the weights have them, triangle by triangle.
+TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
+  SCOPED_TRACE("seed " + std::to_string(seed_));
+  fly(proto::FrameKind::kPlanar);
+  Onlooker onlooker(*hierarchy_, seed_ + 2);
+  size_t between = 0, jumped = 0;
+  for (int i = 0; i < 60; ++i) {
+    keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
+    const KeyframeMesh mesh = replica_->buildMesh();
+    const proto::ObjectSet& set = hierarchy_->objects().set;
+    size_t at = 0;
+    for (size_t object = 0; object < set.size(); ++object) {
+      const terrain::TrueSurface& surface = models().surfaces[set.placement(object).model];
+      const client::ObjectReplica& held = replica_->objects()[object];
+      const auto own = [&](NodeId v) { return set.placement(object).toScene(surface.position(v)); };
+      Weighted from(surface.topology, held.section(), held.morphs(), &Morph::from, own);
+      Weighted to(surface.topology, held.section(), held.morphs(), &Morph::to, own);
+      for (const Morph& m : held.morphs().all()) between += !m.isDone(), jumped += m.from == m.to && m.from == m.goal();
+      const auto expectCorner = [&](NodeId v) {
+        const uint32_t drawn = mesh.objects.indices[at++];
+        ASSERT_LT(glm::distance(mesh.origin + glm::dvec3(mesh.objects.from_positions[drawn]), from.at(v)), 0.01);
+        ASSERT_LT(glm::distance(mesh.origin + glm::dvec3(mesh.objects.to_positions[drawn]), to.at(v)), 0.01);
+      };
+      proto::forEachTriangle(
+          surface.topology, [&](NodeId n) { return from.isDrawn(n) || to.isDrawn(n); },
+          [&](NodeId a, NodeId b, NodeId c) {
+            for (NodeId v : {a, b, c}) expectCorner(v);
+          });
+      ASSERT_FALSE(HasFatalFailure()) << "object " << object << ", step " << i;
+    }
+    ASSERT_EQ(at, mesh.objects.indices.size());
+  }
+  EXPECT_GT(between, 10u);
+  EXPECT_GT(jumped, 0u);
+}
+
+}  // namespace
+}  // namespace foreland::test
