@@ -165,7 +165,12 @@ int run(const FlyOptions& o) {
   const Status flown = fly(link, player, *ground, o);
   link.close();
 
-  FlySummary summary{.request = options->request, .flight = player.report(), .truth = {}, .notes = {}, .error = {}};
+  FlySummary summary{.request = options->request,
+                     .blend = options->blend,
+                     .flight = player.report(),
+                     .truth = {},
+                     .notes = {},
+                     .error = {}};
   if (options->track) summary.notes = options->track->notes;
   summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());
   int exit_code = flown.ok() ? 0 : fail(flown.error());

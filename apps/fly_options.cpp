@@ -20,7 +20,7 @@ Report (--json prints one object with these keys):
   seconds, frames               flown; shown
   frames_outside                drawn from where a keyframe does not promise its tolerance
   nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
-  strategy, predictor, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
+  strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
 With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for
   max_error_px_frames           every --truth-every'th frame as it was drawn; frames_over_tau counts those above tolerance
@@ -92,6 +92,8 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
       ->needs(track)
       ->excludes(agl);
   app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
+  app.add_option("--blend", o.blend,
+                 "keyframe (default): the promise in every frame; geomorph: each node on its own clock");
   app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
@@ -121,9 +123,12 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
 Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
   const Result<proto::ViewRequest> request = requestOf(o);
   if (!request.ok()) return request.error();
+  const std::optional<client::Blend> blend = client::blendNamed(o.blend);
+  if (!blend) return invalid("--blend '" + o.blend + "': choose keyframe or geomorph");
   if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
     return invalid("--seconds must be above 0 and at most 86400");
   client::PlayerOptions player{.request = *request,
+                               .blend = *blend,
                                .knowledge = request->predictor == proto::Predictor::kKnownPath
                                                 ? client::PathKnowledge::kAnnounced
                                                 : client::PathKnowledge::kPrivate,

@@ -18,6 +18,7 @@ struct FlyOptions {
   std::optional<double> seconds;
   client::TrackOptions track_options;
   std::string strategy = "predict";
+  std::string blend = "keyframe";
   std::optional<std::string> predictor;
   double tau_px = 1;
   int64_t keyframe_ms = 200;

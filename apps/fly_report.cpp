@@ -62,6 +62,7 @@ Json reportOf(const FlySummary& s) {
   json["nodes_removed"] = f.session.nodes_removed;
   json["strategy"] = proto::name(s.request.strategy);
   json["predictor"] = proto::name(s.request.predictor);
+  json["blend"] = client::name(s.blend);
   json["tau_px"] = s.request.tau_px;
   json["keyframe_ms"] = s.request.keyframe_interval.toMilliseconds();
   json["worst_lateness_ms"] = f.session.worst_lateness.toMilliseconds();

@@ -12,6 +12,7 @@ namespace foreland::apps {
 
 struct FlySummary {
   proto::ViewRequest request;
+  client::Blend blend = client::Blend::kKeyframe;
   client::FlightReport flight;
   std::optional<bench::FlightTruth> truth;
   bool has_terms = false;  // the error terms of DESIGN section 4 were measured
