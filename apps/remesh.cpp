@@ -67,9 +67,9 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--attempts", arguments.remesh.attempts, "Base meshes tried; each learns from the one before")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option(
-         "--step", arguments.step,
-         "Positions are whole multiples of so many of the model's units; by default about a millionth of its size")
+  app.add_option("--step", arguments.step,
+                 "Positions are whole multiples of so many of the model's units; by default a sixteenth of what the "
+                 "finest level adds")
       ->check(isPositive());
   app.add_option(
          "--texels", arguments.texels,
@@ -137,12 +137,13 @@ int remesh(Arguments& arguments) {
   if (!model.ok()) return fail(model.error());
   const auto original = terrain::makeOriginal(*model);
   if (!original.ok()) return fail(original.error());
-  const double step = arguments.step.value_or(terrain::defaultStep(original->positions));
-  if (Status s = terrain::checkStep(original->positions, step); !s.ok()) return fail(s.error());
+  const double finest = arguments.step.value_or(terrain::finestStep(original->positions));
+  if (Status s = terrain::checkStep(original->positions, finest); !s.ok()) return fail(s.error());
   arguments.remesh.keep_going = [](int) { return !stop_requested.load(); };
   const auto remeshed = terrain::remesh(*original, arguments.remesh);
   if (!remeshed.ok()) return fail(remeshed.error());
 
+  const double step = arguments.step.value_or(terrain::defaultStep(*remeshed));
   const auto surface = terrain::surfaceOf(*remeshed, arguments.rule, step);
   if (!surface.ok()) return fail(surface.error());
   Finished finished;

@@ -1,5 +1,6 @@
 #include "terrain/remesh/surface_of.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdio>
@@ -11,10 +12,43 @@ namespace foreland::terrain {
 
 using glm::dvec3;
 
-double defaultStep(const std::vector<dvec3>& positions) {
+double finestStep(const std::vector<dvec3>& positions) {
   dvec3 low = positions.front(), high = low;
   for (const dvec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
   return std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
+}
+
+namespace {
+
+// How far each vertex of the last halving stands off the middle of its edge.
+std::vector<double> finestDisplacements(const Remeshed& remeshed) {
+  const Lattice& lattice = remeshed.lattice;
+  std::vector<double> sizes;
+  const auto add = [&](uint32_t face, uint32_t i, uint32_t j) {
+    const uint32_t di = i & 1, dj = j & 1;
+    if (di + dj == 0) return;
+    const auto at = [&](uint32_t x, uint32_t y) { return remeshed.positions[lattice.vertex(face, x, y)]; };
+    const dvec3 middle = di == 0   ? (at(i, j - 1) + at(i, j + 1)) / 2.0
+                         : dj == 0 ? (at(i - 1, j) + at(i + 1, j)) / 2.0
+                                   : (at(i - 1, j + 1) + at(i + 1, j - 1)) / 2.0;
+    sizes.push_back(glm::distance(at(i, j), middle));
+  };
+  for (uint32_t face = 0; face < remeshed.base_faces.size(); ++face)
+    for (uint32_t j = 0; j <= lattice.side(); ++j)
+      for (uint32_t i = 0; i + j <= lattice.side(); ++i) add(face, i, j);
+  return sizes;
+}
+
+}  // namespace
+
+double defaultStep(const Remeshed& remeshed) {
+  const double finest = finestStep(remeshed.positions);
+  std::vector<double> sizes = finestDisplacements(remeshed);
+  if (sizes.empty()) return finest;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double wanted = *middle > 0 ? std::exp2(std::floor(std::log2(*middle / 16))) : finest;
+  return std::clamp(wanted, finest, std::ldexp(finest, 7));
 }
 
 Status checkStep(const std::vector<dvec3>& positions, double step_m) {

@@ -9,10 +9,16 @@
 
 namespace foreland::terrain {
 
-// A power of two, about a millionth of the diagonal: positions move by at most 0.9 millionths of it.
-[[nodiscard]] double defaultStep(const std::vector<glm::dvec3>& positions);
+// The smallest step that is taken unasked: a power of two, about a millionth of the diagonal.
+[[nodiscard]] double finestStep(const std::vector<glm::dvec3>& positions);
 
-// Whether positions can be so many steps; to be asked before the work is done.
+// The largest power of two that is at most a sixteenth of what the finest level's nodes typically (in the median) stand
+// off the middle of their edges, so that positions move by less than a sixteenth of what the surface leaves out; finer
+// steps would cost bits on the wire and say nothing. Never below finestStep, and at most 2^7 of these, for a step is
+// never to be seen. O(lattice).
+[[nodiscard]] double defaultStep(const Remeshed& remeshed);
+
+// Whether positions can be so many steps.
 [[nodiscard]] Status checkStep(const std::vector<glm::dvec3>& positions, double step_m);
 
 // By quadrisection nodes are the lattice's vertices. By bisection, which cuts each edge as often, they lie where the

@@ -22,8 +22,7 @@ struct Torus {
 
 TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
   const Torus torus;
-  const double step = defaultStep(torus.original.positions);
-  EXPECT_LT(step, 4e-6);
+  const double step = defaultStep(torus.remeshed);
   const auto surface = surfaceOf(torus.remeshed, proto::MeshRule::kQuadrisection, step);
   ASSERT_TRUE(surface.ok());
   const Lattice& lattice = torus.remeshed.lattice;
@@ -35,6 +34,33 @@ TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
         const proto::NodeId name = surface->topology.quad().name({face, i, j});
         EXPECT_LE(glm::distance(surface->position(name), wanted), 0.867 * step);
       }
+}
+
+TEST(DefaultStep, IsASixteenthOfWhatTheFinestLevelAddsOrLess) {
+  const Torus torus;
+  const auto surface = surfaceOf(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-8);
+  ASSERT_TRUE(surface.ok());
+  const proto::MeshTopology& mesh = surface->topology;
+  std::vector<double> sizes;
+  forEachNode(mesh, [&](proto::NodeId n, proto::Slot) {
+    if (mesh.level(n) != mesh.maxLevel()) return;
+    const auto [a, b] = mesh.endpoints(n);
+    sizes.push_back(glm::distance(surface->position(n), 0.5 * (surface->position(a) + surface->position(b))));
+  });
+  std::sort(sizes.begin(), sizes.end());
+  const double step = defaultStep(torus.remeshed);
+  EXPECT_EQ(std::exp2(std::round(std::log2(step))), step);
+  // The lattice has vertices of base edges twice, so its median is not quite the nodes'.
+  EXPECT_LE(step, sizes[sizes.size() * 6 / 10] / 16);
+  EXPECT_GE(step, sizes[sizes.size() * 4 / 10] / 32);
+}
+
+TEST(DefaultStep, OfAFlatMeshIsTheFinest) {
+  Torus torus;
+  for (dvec3& p : torus.remeshed.positions) p = {1, 2, 3};
+  torus.remeshed.positions.front() = {1, 2, 4};
+  EXPECT_EQ(finestStep(torus.remeshed.positions), std::exp2(-20));
+  EXPECT_EQ(defaultStep(torus.remeshed), finestStep(torus.remeshed.positions));
 }
 
 TEST(SurfaceOf, BothRulesLieNextToTheOriginalAndDoNotFold) {
