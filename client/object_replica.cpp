@@ -8,7 +8,6 @@
 #include "client/pack_normal.h"
 #include "client/settle_normals.h"
 #include "proto/mesh_triangles.h"
-#include "proto/node_tables.h"
 
 namespace foreland::client {
 
@@ -19,8 +18,9 @@ using proto::Slot;
 // middle of an edge where a neighbour is split (S 3.6); where it is no node of a section it lies between its endpoints.
 class ObjectReplica::Builder {
  public:
-  Builder(const ObjectReplica& replica, Vertices& out)
+  Builder(const ObjectReplica& replica, const proto::ObjectStream& stream, Vertices& out)
       : replica_(replica),
+        stream_(stream),
         mesh_(replica.objects_->domain(replica.object_).topology()),
         model_(replica.objects_->modelOf(replica.object_)),
         atlas_(replica.objects_->atlasOf(replica.object_)),
@@ -50,7 +50,7 @@ class ObjectReplica::Builder {
   }
   glm::dvec3 own(NodeId v) const {
     if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
-    return glm::dvec3(replica_.known_.at(mesh_.slot(v)).position) * model_.step_m;
+    return glm::dvec3(replica_.stepsOf(stream_, mesh_.slot(v))) * model_.step_m;
   }
   std::array<double, 2> weights(NodeId n) const {
     if (const Morph* m = findMorph(replica_.morphs_.all(), mesh_.slot(n))) return {m->from, m->to};
@@ -112,6 +112,7 @@ class ObjectReplica::Builder {
   }
 
   const ObjectReplica& replica_;
+  const proto::ObjectStream& stream_;
   const proto::MeshTopology& mesh_;
   const proto::ObjectModel& model_;
   const proto::AtlasLayout atlas_;
@@ -124,62 +125,58 @@ class ObjectReplica::Builder {
   std::array<std::vector<glm::dvec3>, 2> normal_;
 };
 
-ObjectReplica::ObjectReplica(const proto::ObjectSet& objects, size_t object)
-    : objects_(&objects), object_(object), adapter_(objects.domain(object)) {}
+ObjectReplica::ObjectReplica(const proto::ObjectSet& objects, size_t object) : objects_(&objects), object_(object) {}
 
-bool ObjectReplica::step(const proto::View& view, proto::SurfaceModel& model, proto::RangeDecoder& coder,
-                         proto::AdaptScratch& scratch, uint32_t& fingerprint) {
+bool ObjectReplica::step(proto::ObjectStream& stream, proto::RangeDecoder& coder, uint32_t& fingerprint) {
   delta_.added.clear();
   delta_.removed.clear();
-  const proto::SurfaceDomain& domain = objects_->domain(object_);
-  proto::SurfaceDecoder decoder(domain, objects_->modelOf(object_).base, known_, model, coder);
-  if (!adapter_.adapt(objects_->placement(object_).toObject(view), domain.topology().slotCount(), decoder, scratch,
-                      delta_) ||
-      decoder.isBroken())
-    return false;
+  if (!stream.decode(object_, coder, delta_)) return false;
+  for (Slot slot : delta_.removed) gone_[slot] = stream.position(object_, slot);
   fingerprint += proto::fingerprintOf(object_, delta_);
   return true;
 }
 
-// The section may have begun anew, so what has changed is not what the step has told.
-void ObjectReplica::blend(const MeshSpan& span) {
-  proto::Section section = adapter_.section();
+// No mesh may have been made of what the last step has told.
+void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& stream) {
+  proto::Section section = stream.section(object_);
   proto::diff(section_, section, delta_);
   section_ = std::move(section);
   const proto::ObjectPlacement& placement = objects_->placement(object_);
   const proto::View from = placement.toObject(span.from);
   const MorphClock clock(span, from, span.motion.metres_per_s / placement.scale);
-  const proto::SurfaceMetric metric = objects_->domain(object_).metric(from);
-  morphs_.step(objects_->domain(object_).topology(), delta_, [&](Slot slot) { return intervals(clock, metric, slot); });
+  morphs_.step(objects_->domain(object_).topology(), delta_, [&](Slot slot) { return intervals(clock, stream, slot); });
   from_ = proto::apply(to_, morphs_.jumped());
   to_ = proto::apply(from_, morphs_.drawn());
   const bool was_still = std::exchange(is_still_, morphs_.all().empty());
   if (was_still && is_still_ && !vertices_.indices.empty()) return;
   vertices_ = {};
-  Builder(*this, vertices_).run();
-  forgetUnknown();
+  Builder(*this, stream, vertices_).run();
+  forgetGone();
 }
 
-double ObjectReplica::intervals(const MorphClock& clock, const proto::SurfaceMetric& metric, Slot slot) const {
+// The triangles that a node changes are taken to lie within two lengths of its edge.
+double ObjectReplica::intervals(const MorphClock& clock, const proto::ObjectStream& stream, Slot slot) const {
   if (clock.isEven()) return clock.intervals({}, 0);
-  const proto::SurfaceDomain& domain = objects_->domain(object_);
-  const auto bounds = proto::SurfaceBounds::of(known_.at(slot), domain.step_m);
-  if (domain.is_closed && metric.facing(bounds).front <= 0) return 0;
-  return clock.intervals(bounds.position(), bounds.radius);
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  const proto::ObjectModel& model = objects_->modelOf(object_);
+  const auto place = [&](NodeId v) {
+    const glm::ivec3& steps = mesh.isBase(v) ? model.base[proto::baseVertexOf(v)] : stepsOf(stream, mesh.slot(v));
+    return glm::dvec3(steps) * model.step_m;
+  };
+  const auto [a, b] = mesh.endpoints(mesh.node(slot));
+  return clock.intervals(place(mesh.node(slot)), 2 * glm::distance(place(a), place(b)));
 }
 
-void ObjectReplica::startAfresh() { adapter_ = proto::SurfaceAdapter(objects_->domain(object_)); }
+const glm::ivec3& ObjectReplica::stepsOf(const proto::ObjectStream& stream, Slot slot) const {
+  const auto gone = gone_.find(slot);
+  return gone != gone_.end() ? gone->second : stream.position(object_, slot);
+}
 
-// What is not known any more goes once it is as much as what is.
-void ObjectReplica::forgetUnknown() {
-  if (known_.size() < 4 * (adapter_.nodeCount() + 256)) return;
-  proto::SurfaceRecords kept;
-  for (const auto& [slot, record] : known_)
-    if (adapter_.knowsBlock(slot - slot % proto::SparseNodes::kBlockSlots) ||
-        std::binary_search(from_.slots.begin(), from_.slots.end(), slot) ||
-        std::binary_search(to_.slots.begin(), to_.slots.end(), slot))
-      kept[slot] = record;
-  known_ = std::move(kept);
+void ObjectReplica::forgetGone() {
+  const auto isDrawn = [](const proto::Section& section, Slot slot) {
+    return std::binary_search(section.slots.begin(), section.slots.end(), slot);
+  };
+  std::erase_if(gone_, [&](const auto& node) { return !isDrawn(from_, node.first) && !isDrawn(to_, node.first); });
 }
 
 void ObjectReplica::appendTo(KeyframeMesh& mesh) const {

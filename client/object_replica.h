@@ -13,7 +13,7 @@
 #include "client/keyframe_mesh.h"
 #include "client/morph_clock.h"
 #include "client/morphs.h"
-#include "proto/objects.h"
+#include "proto/object_stream.h"
 
 namespace foreland::client {
 
@@ -22,15 +22,12 @@ class ObjectReplica {
   // `objects` must outlive it.
   ObjectReplica(const proto::ObjectSet& objects, size_t object);
 
-  // Steps to a keyframe's view, in the scene's frame. False if the bytes were no delta for this section. `fingerprint`
-  // grows by what has changed.
-  [[nodiscard]] bool step(const proto::View& view, proto::SurfaceModel& model, proto::RangeDecoder& coder,
-                          proto::AdaptScratch& scratch, uint32_t& fingerprint);
+  // Steps to a keyframe, of which `stream` has been told. False if the bytes were no change of this section.
+  // `fingerprint` grows by what has changed.
+  [[nodiscard]] bool step(proto::ObjectStream& stream, proto::RangeDecoder& coder, uint32_t& fingerprint);
   // To the next mesh; what was `to` becomes `from`. After a step, or because nodes are on their way.
-  void blend(const MeshSpan& span);
+  void blend(const MeshSpan& span, const proto::ObjectStream& stream);
   bool isUnderWay() const { return morphs_.isUnderWay(); }
-  // The server begins anew with this object; what is shown stays until the next keyframe.
-  void startAfresh();
 
   // Appends the mesh between the two sections to the objects'.
   void appendTo(KeyframeMesh& mesh) const;
@@ -52,15 +49,15 @@ class ObjectReplica {
     std::vector<uint32_t> indices;
   };
   class Builder;
-  void forgetUnknown();
-  double intervals(const MorphClock& clock, const proto::SurfaceMetric& metric, proto::Slot slot) const;
+  void forgetGone();
+  const glm::ivec3& stepsOf(const proto::ObjectStream& stream, proto::Slot slot) const;
+  double intervals(const MorphClock& clock, const proto::ObjectStream& stream, proto::Slot slot) const;
 
   const proto::ObjectSet* objects_;
   size_t object_;
-  proto::SurfaceAdapter adapter_;
-  proto::SurfaceRecords known_;
-  proto::Section section_;    // the newest that is shown
-  proto::Section from_, to_;  // drawn at the mesh's ends
+  std::unordered_map<proto::Slot, glm::ivec3> gone_;  // where nodes are that have gone but may be drawn
+  proto::Section section_;                            // the newest that is shown
+  proto::Section from_, to_;                          // drawn at the mesh's ends
   Morphs morphs_;
   proto::CutDelta delta_;
   bool is_still_ = false;  // the last mesh was

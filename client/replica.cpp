@@ -35,7 +35,7 @@ Replica::Replica(const proto::Welcome& welcome)
 void Replica::makeObjects() {
   objects_.clear();
   for (size_t i = 0; i < object_set_->size(); ++i) objects_.emplace_back(*object_set_, i);
-  if (!objects_.empty()) object_model_ = std::make_unique<proto::SurfaceModel>();
+  if (!objects_.empty()) stream_ = std::make_unique<proto::ObjectStream>(*object_set_);
 }
 
 std::optional<int32_t> Replica::knownHeight(NodeId v) const {
@@ -79,7 +79,7 @@ void Replica::blend(const MeshSpan& span, const proto::CutDelta& change) {
   nodes_.step(morphs_.jumped());
   nodes_.step(morphs_.drawn());
   nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
-  for (ObjectReplica& object : objects_) object.blend(span);
+  for (ObjectReplica& object : objects_) object.blend(span, *stream_);
 }
 
 // Of the node's sphere. A page that is forgotten has left the frontier long ago; how large its spheres are is not known
@@ -124,15 +124,14 @@ class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
 
 std::optional<proto::Resume> Replica::present(uint64_t scene_id) {
   if (broken_ || to_.index == 0) return std::nullopt;
-  const proto::Section held = section();
+  proto::HeldSections held{section(), {}};
+  for (const ObjectReplica& object : objects_) held.objects.push_back(object.section());
   KnownRadii radii(adapter_);
-  adapter_ = proto::TerrainAdapter(*domain_, held.slots, radii);
+  adapter_ = proto::TerrainAdapter(*domain_, held.terrain.slots, radii);
   model_ = {};
-  for (ObjectReplica& object : objects_) object.startAfresh();
-  if (object_model_) *object_model_ = {};
-  fingerprint_ = proto::fingerprint(held.slots);
+  if (stream_) stream_->restart();
   proto::Resume resume{scene_id, to_.index, to_.time, fingerprint_, {}};
-  proto::encodeSection(domain_->grid, held, resume.section);
+  proto::encodeSections(domain_->grid, *object_set_, held, resume.section);
   return resume;
 }
 
@@ -148,9 +147,9 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
     return refused("its section is not closed, or too large");
   }
   uint32_t print = fingerprint_ + proto::fingerprint(delta_.added) - proto::fingerprint(delta_.removed);
+  if (stream_) stream_->begin(proto::viewOf(header));
   for (ObjectReplica& object : objects_)
-    if (!object.step(proto::viewOf(header), *object_model_, decoder.coder(), scratch_, print))
-      return refused("what it has of an object is no delta");
+    if (!object.step(*stream_, decoder.coder(), print)) return refused("what it has of an object is no delta");
   if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
   if (((print ^ header.fingerprint) & header.fingerprint_mask) != 0)
     return refused("the section that results is not the server's");

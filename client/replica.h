@@ -14,6 +14,7 @@
 #include "proto/delta_codec.h"
 #include "proto/frame_grid.h"
 #include "proto/message.h"
+#include "proto/object_stream.h"
 
 namespace foreland::client {
 
@@ -30,8 +31,8 @@ class Replica {
   bool isUnderWay() const;
   void carryOn(Duration interval, Blend blend);
 
-  // The newest section of the terrain, to be presented to a server over a new connection; nothing if there is none, or
-  // a keyframe broke it. The next keyframe starts from it, or from nothing. Objects start from nothing.
+  // The newest sections, to be presented to a server over a new connection; nothing if there are none, or a keyframe
+  // broke them. The next keyframe starts from them, or from nothing.
   std::optional<proto::Resume> present(uint64_t scene_id);
 
   // The mesh of the last step, origin near the newer keyframe's eye. After the first keyframe: that section, still.
@@ -78,7 +79,7 @@ class Replica {
   Motion motion_;                 // between the last two keyframes
   std::unique_ptr<const proto::ObjectSet> object_set_;
   std::vector<ObjectReplica> objects_;
-  std::unique_ptr<proto::SurfaceModel> object_model_;  // none without objects: it is large
+  std::unique_ptr<proto::ObjectStream> stream_;  // none without objects: it is large
   uint32_t fingerprint_ = 0;
   proto::KeyframeHeader from_, to_;
   proto::CutDelta delta_;

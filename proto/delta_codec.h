@@ -66,9 +66,8 @@ class AskedNodes {
 
 // Where a coder's bits went, and for how many.
 struct DeltaBits {
-  double answers = 0, heights = 0, radii = 0, objects = 0;
+  double answers = 0, heights = 0, radii = 0;
   uint64_t asked = 0, added = 0;
-  uint64_t object_records = 0, object_added = 0;  // nodes of objects that have come to a frontier; to a section
 };
 
 // The server's end: appends a delta to `out` as an adapter steps.

@@ -127,7 +127,7 @@ struct Resume {
   uint32_t keyframe = 0;     // index of the keyframe whose section it is
   Time time;                 // and its time, the client's clock
   uint32_t fingerprint = 0;  // of the section
-  Bytes section;             // encodeSection (section_codec.h)
+  Bytes section;             // encodeSections (section_codec.h)
 };
 
 // Server to client: a keyframe's header; the cut delta's bytes follow it in the message.

@@ -1,7 +1,10 @@
 #include "proto/section_codec.h"
 
 #include <algorithm>
+#include <array>
+#include <string>
 
+#include "base/check.h"
 #include "proto/range_coder.h"
 
 namespace foreland::proto {
@@ -38,37 +41,61 @@ bool descend(const Topology& topology, Section& section, const Answer& answer) {
   return true;
 }
 
-using Model = std::vector<AdaptiveBit>;
-Model newModel(const GridTopology& topology) { return Model(8 * (static_cast<size_t>(topology.maxLevel()) + 1)); }
+// Of the terrain, and of all objects.
+constexpr int kMaxLevels = std::max(GridTopology::kMaxLevels, MeshTopology::kMaxLevels);
+using Model = std::array<AdaptiveBit, 8 * (kMaxLevels + 1)>;
 
-}  // namespace
-
-void encodeSection(const GridTopology& topology, const Section& section, Bytes& out) {
-  RangeEncoder coder(out);
-  Model model = newModel(topology);
+// Writes a section.
+template <class Topology>
+void encode(const Topology& topology, const Section& section, Model& model, RangeEncoder& coder) {
   Section visited;
   descend(topology, visited, [&](Slot slot, size_t context) {
     const bool is_in = std::binary_search(section.slots.begin(), section.slots.end(), slot);
     return coder.code(model[context], is_in) ? 1 : 0;
   });
+}
+
+// Reads one; takes its nodes off `room`. False if there is not enough, or the bytes end.
+template <class Topology>
+bool decode(const Topology& topology, Section& section, size_t& room, Model& model, RangeDecoder& coder) {
+  return descend(topology, section, [&](Slot, size_t context) {
+    if (coder.overrun()) return -1;
+    const bool is_in = coder.code(model[context]);
+    if (is_in && room-- == 0) return -1;
+    return is_in ? 1 : 0;
+  });
+}
+
+}  // namespace
+
+uint32_t fingerprint(const HeldSections& sections) {
+  uint32_t sum = fingerprint(sections.terrain.slots);
+  for (size_t i = 0; i < sections.objects.size(); ++i) sum += fingerprintOf(i, {sections.objects[i].slots, {}});
+  return sum;
+}
+
+void encodeSections(const GridTopology& grid, const ObjectSet& objects, const HeldSections& sections, Bytes& out) {
+  CHECK_EQ(sections.objects.size(), objects.size());
+  RangeEncoder coder(out);
+  Model of_terrain, of_objects;
+  encode(grid, sections.terrain, of_terrain, coder);
+  for (size_t i = 0; i < objects.size(); ++i)
+    encode(objects.domain(i).topology(), sections.objects[i], of_objects, coder);
   coder.finish();
 }
 
-Result<Section> decodeSection(const GridTopology& topology, ByteSpan bytes, size_t max_nodes) {
+Result<HeldSections> decodeSections(const GridTopology& grid, const ObjectSet& objects, ByteSpan bytes,
+                                    size_t max_nodes) {
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, std::string("section: ") + what}; };
   RangeDecoder coder(bytes);
-  Model model = newModel(topology);
-  Section section;
-  size_t count = 0;
-  const bool done = descend(topology, section, [&](Slot, size_t context) {
-    if (coder.overrun() || count > max_nodes) return -1;
-    const bool is_in = coder.code(model[context]);
-    count += is_in ? 1 : 0;
-    return is_in ? 1 : 0;
-  });
-  if (!done || count > max_nodes) return malformed("more nodes than bytes, or than are served");
+  Model of_terrain, of_objects;
+  HeldSections sections;
+  bool done = decode(grid, sections.terrain, max_nodes, of_terrain, coder);
+  for (size_t i = 0; done && i < objects.size(); ++i)
+    done = decode(objects.domain(i).topology(), sections.objects.emplace_back(), max_nodes, of_objects, coder);
+  if (!done) return malformed("more nodes than bytes, or than are served");
   if (!coder.atEnd()) return malformed("cut short, or bytes left over");
-  return section;
+  return sections;
 }
 
 }  // namespace foreland::proto

@@ -1,85 +1,101 @@
-// The nodes of surfaces in a cut delta. Both ends run the same adaptation (refine/adapter.h), as they do for terrain
-// (delta_codec.h), in the same stream of coded decisions. A surface's test takes more than a height, so the record of a
-// node is sent when the node comes to the frontier; after that neither its coming nor its going costs anything.
+// A change of one object's section as decisions of a range coder: which nodes go and come, and where those are that
+// come. The server alone tests nodes (refine/adapter.h); both ends hold the same section (surface_cut.h), the positions
+// of its nodes and the views of the last two keyframes, and that is what decisions are conditioned on.
 //
-// Records are coded by how they differ from what the node's parents lead to expect: a displacement a quarter of theirs,
-// a normal that is their mean, a sphere of half and an error of a quarter of their size.
+//   changes   does the section change at all?
+//   goes      from the finest level to the coarsest, for each 64 slots with leaves: do any go? If so, for each leaf: does it?
+//   comes     from the coarsest level to the finest, the same for addable nodes
+//   place     of a node that comes, unless it is known: by how much each coordinate differs from what is expected
 //
-// The model keeps what it has learnt, for all objects of a session. Any bytes end in a closed section or in an Error.
-// One owner; any thread; portable to WebAssembly.
+// Contexts of a decision about a node are its level, where on the screen it is, whether it looks larger than at the
+// last view, and how many of its parents' other children are there. docs/decisions/0014 has the measurements.
+//
+// The model keeps what it has learnt, for all objects of a session. Any bytes end in a closed section or in an Error,
+// in time linear in the frontier and the bytes. One owner; any thread; portable to WebAssembly.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <unordered_map>
 
-#include "base/bytes.h"
-#include "proto/refine/adapter.h"
-#include "proto/refine/surface_batch.h"
+#include "proto/surface_bounds.h"
+#include "proto/surface_cut.h"
 #include "proto/symbols.h"
+#include "proto/view.h"
 
 namespace foreland::proto {
-
-using SurfaceAdapter = Adapter<SurfaceBatch>;
 
 // Of a coordinate of what is sent, so that differences fit.
 inline constexpr int32_t kMaxObjectSteps = 1 << 28;
 
 // What both ends have learnt.
 struct SurfaceModel {
-  static constexpr size_t kScales = 16;
-  std::array<NumberModel, kScales> displacement;
-  std::array<NumberModel, kScales> normal;
-  std::array<NumberModel, 2> radius, along, cone, bulge;  // without parents, with
-  std::array<NumberModel, 16> across;
+  static constexpr size_t kLevels = 4, kTrends = 5, kScreens = 8, kSiblings = 4, kScales = 16, kAxes = 4;
+  using NodeContexts = std::array<AdaptiveBit, kLevels * kTrends * kScreens>;
+
+  std::array<AdaptiveBit, 4> changes;
+  std::array<std::array<AdaptiveBit, 8 * 4>, 2> blocks;  // of goes, of comes
+  NodeContexts goes;
+  std::array<NodeContexts, 2 * kSiblings> comes;  // of nodes that were addable before the step, then of others
+  std::array<NumberModel, kScales * kAxes> place;
   EscapeModel escape;
 };
 
-// The server's end.
-class SurfaceEncoder final : public NodeSource<SurfaceBatch> {
+// What is known of the nodes of one model, whichever of its objects they were sent for. A node is known from when it is
+// sent until it is in no object's section and forgotten.
+class KnownNodes {
  public:
-  SurfaceEncoder(const SurfaceDomain& domain, std::span<const glm::ivec3> base, std::span<const SurfaceRecord> records,
-                 SurfaceModel& model, RangeEncoder& coder)
-      : domain_(domain), base_(base), records_(records), model_(model), coder_(coder) {}
-  RadiusClass radius(Slot) override { return {}; }
-  void onAddable(int level, std::span<const Slot> slots) override;
-  void load(SurfaceBatch& batch) override;
-  bool answer(int, std::span<const Question> questions, std::span<uint8_t>) override { return questions.empty(); }
-  uint64_t sent() const { return sent_; }  // records
+  struct Node {
+    glm::ivec3 position{0}, displacement{0};  // steps
+    uint32_t uses = 0;                        // in sections
+  };
+  const Node* find(Slot slot) const {
+    const auto it = nodes_.find(slot);
+    return it == nodes_.end() ? nullptr : &it->second;
+  }
+  void learn(Slot slot, const Node& node) { nodes_[slot] = node; }
+  void use(Slot slot) { used_ += nodes_[slot].uses++ == 0 ? 1 : 0; }
+  void release(Slot slot) { used_ -= --nodes_[slot].uses == 0 ? 1 : 0; }
+  // Forgets what no section uses; or only if that is more than what some do. At the same time on both ends.
+  void forgetUnused();
+  void forgetIfMost() {
+    if (nodes_.size() > 2 * used_ + kFew) forgetUnused();
+  }
+  size_t size() const { return nodes_.size(); }
 
  private:
-  const SurfaceDomain& domain_;
-  std::span<const glm::ivec3> base_;
-  std::span<const SurfaceRecord> records_;
-  SurfaceModel& model_;
-  RangeEncoder& coder_;
-  uint64_t sent_ = 0;
+  static constexpr size_t kFew = 1024;
+  std::unordered_map<Slot, Node> nodes_;
+  size_t used_ = 0;
 };
 
-// The records that a client holds of one object.
-using SurfaceRecords = std::unordered_map<Slot, SurfaceRecord>;
+// The middle of a node's edge, whose ends are base vertices or known; steps.
+glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownNodes& known, NodeId n);
 
-// The client's end: reads into `records` as an adapter steps.
-class SurfaceDecoder final : public NodeSource<SurfaceBatch> {
- public:
-  SurfaceDecoder(const SurfaceDomain& domain, std::span<const glm::ivec3> base, SurfaceRecords& records,
-                 SurfaceModel& model, RangeDecoder& coder)
-      : domain_(domain), base_(base), records_(records), model_(model), coder_(coder) {}
-  RadiusClass radius(Slot) override { return {}; }
-  void onAddable(int level, std::span<const Slot> slots) override;
-  void load(SurfaceBatch& batch) override;
-  bool answer(int, std::span<const Question> questions, std::span<uint8_t>) override { return questions.empty(); }
-  bool onAdded(int, std::span<const Slot>, std::span<const ErrorClass>) override { return !isBroken(); }
-  // The bytes were no delta for these sections.
-  bool isBroken() const { return absurd_ || coder_.overrun(); }
-
- private:
-  const SurfaceDomain& domain_;
-  std::span<const glm::ivec3> base_;
-  SurfaceRecords& records_;
-  SurfaceModel& model_;
-  RangeDecoder& coder_;
-  bool absurd_ = false;
+// What is known of one object on either end. A view; its parts must outlive it.
+struct SurfaceEnd {
+  std::span<const glm::ivec3> base;  // positions, steps
+  double step_m;
+  View view;                 // of the keyframe, in the object's frame
+  std::optional<View> last;  // of the keyframe before, if this connection had one
+  SurfaceCut& cut;
+  uint8_t& has_changed;  // in the last keyframe
+  KnownNodes& known;     // of its model
+  SurfaceModel& model;
 };
+
+// Where an encoder's bits went, and for how many.
+struct SurfaceBits {
+  double structure = 0, places = 0;
+  uint64_t added = 0, placed = 0;  // nodes that came; of these those whose place was sent
+};
+
+// Steps the section by `delta` and writes it; `records` by slot.
+void encodeSurface(const SurfaceEnd& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
+                   RangeEncoder& coder, SurfaceBits& bits);
+// Reads a change, steps the section by it, and says in `delta` what it was, ascending. False if the bytes were none, or
+// the section would exceed `max_nodes`: what is known is then of no more use.
+[[nodiscard]] bool decodeSurface(const SurfaceEnd& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta);
 
 }  // namespace foreland::proto

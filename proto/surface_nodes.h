@@ -9,6 +9,8 @@
 
 namespace foreland::proto {
 
+using SurfaceAdapter = Adapter<SurfaceBatch>;
+
 class PlainSurfaceNodes final : public NodeSource<SurfaceBatch> {
  public:
   explicit PlainSurfaceNodes(std::span<const SurfaceRecord> records) : records_(records.data()) {}

@@ -26,6 +26,7 @@ std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, c
     const double t3 = threadSeconds();
     k.delta_bytes = k.message.size() - sender.headerBytes();
     k.bits = sender.bits();
+    k.object_bits = sender.objectBits();
     k.nodes = sender.adapter().nodeCount();
     k.send_s = t1 - t0;
     k.adapt_s = t3 - t2;

@@ -13,9 +13,11 @@ namespace {
 struct Sum {
   double height_bits = 0, structure_bits = 0, framing_bits = 0, asked = 0, added = 0, removed = 0;
   double adapt_s = 0, encode_s = 0, send_s = 0, decode_s = 0;
-  double object_bits = 0, object_records = 0, object_added = 0;
+  double object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
+  double object_places = 0, object_added = 0;
 
   double bits() const { return height_bits + structure_bits + framing_bits; }  // the terrain's
+  double objectBits() const { return object_structure_bits + object_place_bits; }
   double changed() const { return added + removed; }
 };
 
@@ -41,6 +43,21 @@ void compare(const client::Replica& replica, const server::Hierarchy& hierarchy,
   }
 }
 
+void addObjects(const proto::SurfaceBits& bits, double framing_bits, Sum& sum) {
+  sum.object_structure_bits += bits.structure;
+  sum.object_place_bits += bits.places;
+  sum.object_framing_bits += framing_bits;
+  sum.object_places += static_cast<double>(bits.placed);
+  sum.object_added += static_cast<double>(bits.added);
+}
+
+void shareObjects(const Sum& sum, WireCosts& costs) {
+  costs.object_structure_bits = sum.object_structure_bits / sum.object_added;
+  costs.object_place_bits = sum.object_place_bits / sum.object_added;
+  costs.object_framing_bits = sum.object_framing_bits / sum.object_added;
+  costs.bits_per_object_node = costs.object_structure_bits + costs.object_place_bits + costs.object_framing_bits;
+}
+
 }  // namespace
 
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
@@ -55,14 +72,14 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
     sum.decode_s += decodeSeconds(replica, headers, k);
     compare(replica, hierarchy, k.nodes);
     const size_t header_bytes = k.message.size() - k.delta_bytes;
-    sum.framing_bits += 8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
+    const double framing_bits =
+        8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
+    const double delta_bits = 8.0 * static_cast<double>(k.delta_bytes);
+    const double object_bits = k.object_bits.structure + k.object_bits.places;
+    sum.framing_bits += framing_bits;
     sum.height_bits += k.bits.heights;
-    sum.structure_bits += 8.0 * static_cast<double>(k.delta_bytes) - k.bits.heights - k.bits.objects;
-    for (Sum* s : {&sum, &all}) {
-      s->object_bits += k.bits.objects;
-      s->object_records += static_cast<double>(k.bits.object_records);
-      s->object_added += static_cast<double>(k.bits.object_added);
-    }
+    sum.structure_bits += delta_bits - k.bits.heights - object_bits;
+    for (Sum* s : {&sum, &all}) addObjects(k.object_bits, framing_bits * object_bits / delta_bits, *s);
     sum.asked += static_cast<double>(k.bits.asked);
     sum.encode_s += std::max(0.0, k.send_s - k.adapt_s);
     sum.adapt_s += k.adapt_s;
@@ -86,9 +103,9 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
   costs.first_section_height_bits = first.height_bits / first.added;
   costs.first_section_structure_bits = first.structure_bits / first.added;
   costs.object_nodes_added = static_cast<uint64_t>(all.object_added);
-  costs.object_records = static_cast<uint64_t>(all.object_records);
-  if (all.object_added > 0) costs.bits_per_object_node = all.object_bits / all.object_added;
-  costs.kbit_per_s = 1e-3 * (rest.bits() + rest.object_bits) / (keyframes * keyframe_interval.toSeconds());
+  costs.object_places = static_cast<uint64_t>(all.object_places);
+  if (all.object_added > 0) shareObjects(all, costs);
+  costs.kbit_per_s = 1e-3 * (rest.bits() + rest.objectBits()) / (keyframes * keyframe_interval.toSeconds());
   costs.encode_mnodes_per_s = 1e-6 * rest.changed() / rest.encode_s;
   costs.send_mnodes_per_s = 1e-6 * rest.changed() / rest.send_s;
   costs.decode_mnodes_per_s = 1e-6 * rest.changed() / rest.decode_s;

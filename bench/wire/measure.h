@@ -18,10 +18,11 @@ struct WireCosts {
   double first_section_bits_per_node = 0, first_section_height_bits = 0, first_section_structure_bits = 0;
   uint64_t first_section_nodes = 0, first_section_bytes = 0;
   double kbit_per_s = 0;  // after the first keyframe
-  // Over the whole flight, the first section included: nodes of objects that came to a section, records that were sent
-  // for nodes that came to a frontier, and what both cost for each node that came.
-  uint64_t object_nodes_added = 0, object_records = 0;
-  double bits_per_object_node = 0;
+  // Over the whole flight, the first section included: nodes of objects that came to a section, those whose place was
+  // sent (another object of the model did not have it), and what each node that came cost: which come and go, where
+  // they are, and objects' share of framing by their share of the deltas' bits.
+  uint64_t object_nodes_added = 0, object_places = 0;
+  double bits_per_object_node = 0, object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
   // Millions of nodes that come or go per second of one thread's processor time, the first section apart.
   // Encoding is what sending takes beyond adaptation alone; decoding includes the adaptation that it steps.
   double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;

@@ -17,12 +17,18 @@ bool isNear(const proto::View& a, const proto::View& b) {
 SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {
   const proto::ObjectSet& set = hierarchy.objects().set;
   for (size_t i = 0; i < set.size(); ++i) objects_.emplace_back(set.domain(i));
-  if (!objects_.empty()) object_model_ = std::make_unique<proto::SurfaceModel>();
+  if (!objects_.empty()) stream_ = std::make_unique<proto::ObjectStream>(set);
 }
 
-void SectionSender::resume(const proto::Section& section, uint32_t keyframe, Time time, uint32_t fingerprint) {
+void SectionSender::resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint) {
   proto::PlainNodes source = hierarchy_->source();
-  adapter_ = proto::TerrainAdapter(hierarchy_->domain(), section.slots, source);
+  adapter_ = proto::TerrainAdapter(hierarchy_->domain(), sections.terrain.slots, source);
+  const SceneObjects& objects = hierarchy_->objects();
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    proto::PlainSurfaceNodes nodes(objects.recordsOf(i));
+    objects_[i] = proto::SurfaceAdapter(objects.set.domain(i), sections.objects[i].slots, nodes);
+    stream_->hold(i, sections.objects[i], objects.recordsOf(i));
+  }
   keyframe_.index = keyframe;
   keyframe_.time = time;
   keyframe_.fingerprint = fingerprint;
@@ -72,20 +78,19 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
 
 void SectionSender::sendObjects(const proto::View& view, SendScratch& scratch, proto::RangeEncoder& coder) {
   const SceneObjects& objects = hierarchy_->objects();
-  const double before = coder.bits();
+  object_bits_ = {};
+  if (stream_) stream_->begin(view);
   for (size_t i = 0; i < objects_.size(); ++i) {
     proto::CutDelta& delta = scratch.object_delta;
     delta.added.clear();
     delta.removed.clear();
-    const proto::SurfaceDomain& domain = objects.set.domain(i);
-    proto::SurfaceEncoder encoder(domain, objects.set.modelOf(i).base, objects.recordsOf(i), *object_model_, coder);
-    CHECK_TRUE(objects_[i].adapt(objects.set.placement(i).toObject(view), domain.topology().slotCount(), encoder,
-                                 scratch.adapt, delta));
+    const std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
+    proto::PlainSurfaceNodes source(records);
+    CHECK_TRUE(objects_[i].adapt(objects.set.placement(i).toObject(view), objects.set.domain(i).topology().slotCount(),
+                                 source, scratch.adapt, delta));
+    stream_->encode(i, delta, records, coder, object_bits_);
     keyframe_.fingerprint += proto::fingerprintOf(i, delta);
-    bits_.object_records += encoder.sent();
-    bits_.object_added += delta.added.size();
   }
-  bits_.objects = coder.bits() - before;
 }
 
 double SectionSender::triangles() const {

@@ -6,6 +6,9 @@
 #include <optional>
 
 #include "proto/message.h"
+#include "proto/object_stream.h"
+#include "proto/section_codec.h"
+#include "proto/surface_nodes.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {
@@ -22,9 +25,8 @@ class SectionSender {
  public:
   explicit SectionSender(const Hierarchy& hierarchy);
 
-  // Goes on from a closed section of the terrain that the viewer presents as that of its keyframe. Nothing has been
-  // sent yet, of objects either.
-  void resume(const proto::Section& section, uint32_t keyframe, Time time, uint32_t fingerprint);
+  // Goes on from closed sections that the viewer presents as those of its keyframe. Nothing has been sent yet.
+  void resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
 
   // Whether the view's section has at most `max_nodes`. Cost: nothing if it cannot be much larger than the last one,
   // else one refinement from scratch.
@@ -46,6 +48,7 @@ class SectionSender {
   double triangles() const;
   // Of the last one: where its bits went, and how many bytes stand before the delta.
   const proto::DeltaBits& bits() const { return bits_; }
+  const proto::SurfaceBits& objectBits() const { return object_bits_; }  // of all objects
   size_t headerBytes() const { return header_bytes_; }
 
  private:
@@ -55,10 +58,11 @@ class SectionSender {
   proto::TerrainAdapter adapter_;
   proto::DeltaModel model_;  // of all deltas sent
   std::vector<proto::SurfaceAdapter> objects_;
-  std::unique_ptr<proto::SurfaceModel> object_model_;  // none without objects: it is large
+  std::unique_ptr<proto::ObjectStream> stream_;  // none without objects: it is large
   proto::KeyframeHeader keyframe_;
   proto::KeyframeMemory headers_sent_;
   proto::DeltaBits bits_;
+  proto::SurfaceBits object_bits_;
   size_t header_bytes_ = 0;
 };
 

@@ -102,9 +102,10 @@ Status Session::take(const proto::Resume& resume, Time) {
     return Error{ErrorCode::kMalformed, "a section is presented before the first pose, or not at all"};
   const Hierarchy& hierarchy = world_->hierarchy;
   if (resume.scene_id != hierarchy.scene().id()) return {};
-  const auto section = proto::decodeSection(hierarchy.grid(), resume.section, options_.max_section_nodes);
-  if (!section.ok() || proto::fingerprint(section->slots) != resume.fingerprint) return {};
-  sender_.resume(*section, resume.keyframe, resume.time, resume.fingerprint);
+  const auto sections =
+      proto::decodeSections(hierarchy.grid(), hierarchy.objects().set, resume.section, options_.max_section_nodes);
+  if (!sections.ok() || proto::fingerprint(*sections) != resume.fingerprint) return {};
+  sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint);
   acknowledged_ = resume.keyframe;
   statistics_.resumed = true;
   return {};

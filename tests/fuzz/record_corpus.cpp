@@ -59,7 +59,7 @@ Bytes recordSection(uint8_t which, uint32_t at_x, uint32_t at_y) {
   }
   CHECK_TRUE(validate(grid, section).ok());
   Bytes input{which};
-  proto::encodeSection(grid, section, input);
+  proto::encodeSections(grid, {}, {section, {}}, input);
   return input;
 }
 

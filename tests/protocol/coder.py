@@ -161,19 +161,41 @@ class DeltaDecoder:
         return min(value + self.coder.even(8), 127) if value == 7 else value
 
 
-def read_section(data, grid):
-    """The slots of a section that is presented."""
-    coder, slots = RangeDecoder(data), set()
-    candidates = {n.slot: n for n in grid.first_level()}
-    for level in range(1, grid.last_level + 1):
-        before, model, included = 0, contexts(8), []
+def section_contexts():
+    """Of presented sections: [level][before]."""
+    return [contexts(8) for _ in range(31)]
+
+
+def read_section(coder, model, last_level, first_level, children):
+    """The slots of a section that is presented. `children(slots)` are those that have all their parents among them and one at
+    least on the last level of these."""
+    slots, candidates = set(), first_level
+    for level in range(1, last_level + 1):
+        before, included = 0, set()
         for slot in sorted(candidates):
-            answer = coder.bit(model[before])
+            answer = coder.bit(model[level][before])
             before = (2 * before + answer) & 7
             if answer:
-                included.append(candidates[slot])
-        slots.update(n.slot for n in included)
-        children = (grid.node(*v) for n in included for v in n.children)
-        candidates = {n.slot: n for n in children if all(p in slots for p in n.parents)}
-    coder.finish()
+                included.add(slot)
+        slots |= included
+        candidates = children(slots, included)
     return slots
+
+
+def read_sections(data, grid, surfaces):
+    """The terrain's, by slot, and one for each object's surface."""
+    coder = RangeDecoder(data)
+    nodes = {n.slot: n for n in grid.first_level()}
+
+    def children_in_grid(slots, included):
+        below = {c.slot: c for s in included for c in (grid.node(*v) for v in nodes[s].children) if slots.issuperset(c.parents)}
+        nodes.update(below)
+        return set(below)
+    terrain = read_section(coder, section_contexts(), grid.last_level, set(nodes), children_in_grid)
+    model, objects = section_contexts(), []
+    for surface in surfaces:
+        def children(slots, included):
+            return {c for s in included for c in surface.children(s) if slots.issuperset(surface.nodes[c].parents)}
+        objects.append(read_section(coder, model, surface.last_level, set(surface.first_level), children))
+    coder.finish()
+    return terrain, objects

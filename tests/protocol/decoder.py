@@ -15,7 +15,7 @@ import sys
 import zlib
 
 import wire
-from coder import RangeDecoder, read_section
+from coder import RangeDecoder, read_sections
 from objects import Objects
 from section import Section
 from terrain import Frame, Grid
@@ -66,9 +66,14 @@ class Session:
     def present(self, resume):
         require(self.is_welcome and not self.has_posed and self.taken == 0, "a section presented too early, or too late")
         require((resume.scene_id, resume.keyframe) == (self.scene_id, self.held), "another section than is held")
-        require(resume.fingerprint == self.section.fingerprint and
-                read_section(resume.section, self.section.grid) == set(self.section.heights), "another section than is held")
+        terrain, objects = read_sections(resume.section, self.section.grid, [s.surface for s in self.objects.sections])
+        require(resume.fingerprint == self.fingerprint() and terrain == set(self.section.heights) and
+                objects == [s.slots for s in self.objects.sections], "another section than is held")
         self.section.begin_anew()
+        self.objects.begin_anew()
+
+    def fingerprint(self):
+        return self.section.fingerprint + self.objects.fingerprint() & 0xFFFFFFFF
 
     def down(self, message):
         """A message that the server sent; the line of a keyframe, or None."""
@@ -97,20 +102,21 @@ class Session:
         self.empty = lambda: Section(grid, frame, corners, centres)
         keys = "position", "orientation", "scale", "model"
         placements = [dict(zip(keys, (p[:3], p[3:7], p[7], p[8]))) for p in fields["objects"] or []]
-        self.objects = Objects(fields["models"] or [], placements)
+        if self.scene_id != fields["scene_id"]:  # else those that are held may be presented
+            self.objects = Objects(fields["models"] or [], placements)
         self.scene_id, self.is_welcome = fields["scene_id"], True
 
     def take(self, keyframe):
         require(self.is_welcome, "a keyframe before the welcome")
         if keyframe.base == 0:
             self.section = self.empty()
-            self.objects.begin_anew()
+            self.objects.begin_from_nothing()
         require(keyframe.base in (0, self.held), "a keyframe from another one than is held")
         coder = RangeDecoder(keyframe.delta)
         added, removed = self.section.step(keyframe.view, coder)
         self.objects.step(keyframe.view, coder)
         coder.finish()
-        fingerprint = self.section.fingerprint + self.objects.fingerprint() & 0xFFFFFFFF
+        fingerprint = self.fingerprint()
         require(fingerprint & keyframe.mask == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
         self.held = self.taken = keyframe.index
         heights = self.section.heights

@@ -75,29 +75,6 @@ struct SurfaceTable {
   proto::SurfaceBounds bounds(proto::Slot slot) const { return proto::SurfaceBounds::of(records[slot], domain.step_m); }
 };
 
-// What it makes of an object's: front and back; and of some nodes the least radius that meets the view, and the least
-// error across that passes without one along.
-void addTests(const SurfaceTable& object, const proto::Section& section, Crc& crc) {
-  for (proto::Slot slot : section.slots) {
-    const proto::SurfaceBounds n = object.bounds(slot);
-    const auto facing = object.metric.facing(n);
-    crc.add(facing.front);
-    crc.add(facing.back);
-    if (slot % 8 != 0) continue;
-    proto::SurfaceBounds changed = n;
-    crc.add(leastNumber([&](double radius_m) {
-      changed.radius = radius_m;
-      return object.metric.meetsFrustum(changed);
-    }));
-    changed = n;
-    changed.along = 0;
-    crc.add(leastNumber([&](double error_m) {
-      changed.across = error_m;
-      return object.metric.passes(changed);
-    }));
-  }
-}
-
 // A node is in the section if it passes and its parents are there, which have lower slots.
 proto::Section sectionOf(const SurfaceTable& object) {
   const proto::MeshTopology& mesh = object.domain.topology();
@@ -114,16 +91,8 @@ proto::Section sectionOf(const SurfaceTable& object) {
   return section;
 }
 
-void addRecord(const proto::SurfaceRecord& r, Crc& crc) {
-  for (int axis = 0; axis < 3; ++axis) crc.add(static_cast<uint32_t>(r.position[axis]));
-  crc.add(r.radius.bits | static_cast<uint32_t>(r.error_along.bits) << 16);
-  crc.add(r.error_across.bits | static_cast<uint32_t>(r.cone_sine.root) << 16 |
-          static_cast<uint32_t>(r.bulge.root) << 24);
-  crc.add(static_cast<uint16_t>(r.normal.x) | static_cast<uint32_t>(static_cast<uint16_t>(r.normal.y)) << 16);
-}
-
-std::string terrainColumns(const server::Hierarchy& hierarchy, const proto::View& view, const Sections& before,
-                           const Sections& now) {
+std::string terrainColumns(const server::Hierarchy& hierarchy, const proto::View& view,
+                           const proto::HeldSections& before, const proto::HeldSections& now) {
   proto::CutDelta delta;
   proto::diff(before.terrain, now.terrain, delta);
   Crc slots, heights;
@@ -136,16 +105,16 @@ std::string terrainColumns(const server::Hierarchy& hierarchy, const proto::View
                                                        : testsCrc<proto::CurvedPlaces>(hierarchy, now.terrain, metric);
   char text[120];
   std::snprintf(text, sizeof(text), "%zu %zu %zu %08x %08x %08x %08x", now.terrain.slots.size(), delta.added.size(),
-                delta.removed.size(), now.fingerprint(), slots.value(), heights.value(), tests);
+                delta.removed.size(), proto::fingerprint(now), slots.value(), heights.value(), tests);
   return text;
 }
 
-std::string objectColumns(const server::Hierarchy& hierarchy, const proto::View& view, const Sections& before,
-                          const Sections& now) {
+std::string objectColumns(const server::Hierarchy& hierarchy, const proto::HeldSections& before,
+                          const proto::HeldSections& now) {
   size_t nodes = 0, added = 0, removed = 0;
-  Crc slots, records, tests;
+  Crc slots, positions;
   for (size_t i = 0; i < now.objects.size(); ++i) {
-    const SurfaceTable object(hierarchy, i, view);
+    const std::span<const proto::SurfaceRecord> records = hierarchy.objects().recordsOf(i);
     const proto::Section& section = now.objects[i];
     proto::CutDelta delta;
     proto::diff(before.objects[i], section, delta);
@@ -155,28 +124,23 @@ std::string objectColumns(const server::Hierarchy& hierarchy, const proto::View&
     slots.add(static_cast<uint32_t>(section.slots.size()));
     for (proto::Slot slot : section.slots) {
       slots.add(slot);
-      addRecord(object.records[slot], records);
+      for (int axis = 0; axis < 3; ++axis) positions.add(static_cast<uint32_t>(records[slot].position[axis]));
     }
-    addTests(object, section, tests);
   }
   char text[120];
-  std::snprintf(text, sizeof(text), " %zu %zu %zu %08x %08x %08x", nodes, added, removed, slots.value(),
-                records.value(), tests.value());
+  std::snprintf(text, sizeof(text), " %zu %zu %zu %08x %08x", nodes, added, removed, slots.value(), positions.value());
   return text;
 }
 
 }  // namespace
 
-uint32_t Sections::fingerprint() const {
-  uint32_t sum = proto::fingerprint(terrain.slots);
-  for (size_t i = 0; i < objects.size(); ++i)
-    sum += (2 * static_cast<uint32_t>(i) + 3) * proto::fingerprint(objects[i].slots);
-  return sum;
+proto::HeldSections emptySections(const server::Hierarchy& hierarchy) {
+  return {{}, std::vector<proto::Section>(hierarchy.objects().set.size())};
 }
 
-Sections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe) {
+proto::HeldSections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe) {
   proto::RefineScratch scratch;
-  Sections sections(hierarchy);
+  proto::HeldSections sections = emptySections(hierarchy);
   const proto::View view = proto::viewOf(keyframe);
   CHECK_TRUE(refine(hierarchy, view, hierarchy.grid().slotCount(), scratch, sections.terrain));
   for (size_t i = 0; i < sections.objects.size(); ++i)
@@ -185,11 +149,11 @@ Sections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHea
 }
 
 std::string expectedLine(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe,
-                         const Sections& before) {
-  const Sections now = sectionsOf(hierarchy, keyframe);
+                         const proto::HeldSections& before) {
+  const proto::HeldSections now = sectionsOf(hierarchy, keyframe);
   const proto::View view = proto::viewOf(keyframe);
   std::string line = std::to_string(keyframe.index) + ' ' + terrainColumns(hierarchy, view, before, now);
-  if (!now.objects.empty()) line += objectColumns(hierarchy, view, before, now);
+  if (!now.objects.empty()) line += objectColumns(hierarchy, before, now);
   return line + '\n';
 }
 

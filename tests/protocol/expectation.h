@@ -6,25 +6,18 @@
 #include <vector>
 
 #include "proto/message.h"
-#include "proto/section.h"
+#include "proto/section_codec.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::test {
 
-// The terrain's section and those of all objects.
-struct Sections {
-  proto::Section terrain;
-  std::vector<proto::Section> objects;
-
-  explicit Sections(const server::Hierarchy& hierarchy) : objects(hierarchy.objects().set.size()) {}  // empty
-  uint32_t fingerprint() const;
-};
+proto::HeldSections emptySections(const server::Hierarchy& hierarchy);
 
 // The sections of a keyframe's view.
-Sections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe);
+proto::HeldSections sectionsOf(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe);
 
 // The line of NAME.expected (README.md); `before` are the sections that the viewer held.
 std::string expectedLine(const server::Hierarchy& hierarchy, const proto::KeyframeHeader& keyframe,
-                         const Sections& before);
+                         const proto::HeldSections& before);
 
 }  // namespace foreland::test

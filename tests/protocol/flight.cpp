@@ -21,12 +21,11 @@ enum class Record : uint8_t { kFromClient = 0, kFromServer = 1, kNewConnection =
 class Recorder {
  public:
   explicit Recorder(const Script& script)
-      : script_(script), world_(script.world), cues_(script.cues), sections_(world_->hierarchy) {
+      : script_(script), world_(script.world), cues_(script.cues), sections_(emptySections(world_->hierarchy)) {
     golden_.name = script.name;
     for (char c : std::string("FLSTREAM")) golden_.stream.push_back(static_cast<uint8_t>(c));
     golden_.expected = "# keyframe nodes added removed fingerprint slots_crc heights_crc tests_crc";
-    if (!sections_.objects.empty())
-      golden_.expected += " object_nodes added removed slots_crc records_crc object_tests_crc";
+    if (!sections_.objects.empty()) golden_.expected += " object_nodes added removed slots_crc positions_crc";
     golden_.expected += '\n';
   }
 
@@ -94,8 +93,7 @@ class Recorder {
     c.is_greeted = true;
     if (!packet.keyframe) return;
     const proto::KeyframeHeader& keyframe = *packet.keyframe;
-    if (!held_ || keyframe.base_index == 0) sections_ = Sections(world_->hierarchy);
-    if (c.received_keyframe == 0) sections_.objects = Sections(world_->hierarchy).objects;  // they begin from nothing
+    if (!held_ || keyframe.base_index == 0) sections_ = emptySections(world_->hierarchy);
     golden_.expected += expectedLine(world_->hierarchy, keyframe, sections_);
     held_ = keyframe;
     sections_ = sectionsOf(world_->hierarchy, keyframe);
@@ -105,9 +103,8 @@ class Recorder {
 
   void present(Connection& c) {
     const server::Hierarchy& hierarchy = world_->hierarchy;
-    const proto::Section& section = sections_.terrain;
-    proto::Resume resume{hierarchy.scene().id(), held_->index, held_->time, proto::fingerprint(section.slots), {}};
-    proto::encodeSection(hierarchy.grid(), section, resume.section);
+    proto::Resume resume{hierarchy.scene().id(), held_->index, held_->time, proto::fingerprint(sections_), {}};
+    proto::encodeSections(hierarchy.grid(), hierarchy.objects().set, sections_, resume.section);
     up(c, proto::encode(resume));
   }
 
@@ -141,9 +138,9 @@ class Recorder {
     if (c.session.statistics().keyframes == before) return;
     c.down.back().keyframe = c.session.keyframe();
     c.drained_at = now_ + kDrain;
-    const Sections exact = sectionsOf(world_->hierarchy, c.session.keyframe());
+    const proto::HeldSections exact = sectionsOf(world_->hierarchy, c.session.keyframe());
     CHECK_TRUE(exact.terrain == c.session.section());
-    CHECK_EQ(exact.fingerprint(), c.session.keyframe().fingerprint);  // so objects' sections are exact, too
+    CHECK_EQ(proto::fingerprint(exact), c.session.keyframe().fingerprint);  // so objects' sections are exact, too
   }
 
   void record(Record what, const Bytes& message) {
@@ -163,7 +160,7 @@ class Recorder {
   std::unique_ptr<Connection> connection_;
   bool is_over_ = false;
   std::optional<proto::KeyframeHeader> held_;  // by the viewer
-  Sections sections_;                          // of it
+  proto::HeldSections sections_;               // of it
 };
 
 }  // namespace

@@ -1,12 +1,14 @@
 """The sections of objects and what is sent of them: section 15 of docs/PROTOCOL.md."""
 
-import copy
 import struct
 
 from coder import contexts, read_number
-from section import bits_f64, f64_bits, fingerprint, least
-from surface import Bounds, Record, Surface, SurfaceTest
+from section import Test, dot, fingerprint, rotate
+from surface import Surface
 from wire import Pose, require
+
+MOST_NODES, MOST_STEPS = 1 << 24, 1 << 28
+GOES, COMES = 0, 1
 
 
 class Number:
@@ -14,139 +16,177 @@ class Number:
         self.exponent, self.sign, self.mantissa = contexts(16), contexts(1), [contexts(4) for _ in range(8)]
 
 
-class RecordModel:
+class ObjectModel:
     """What both ends have learnt, of all objects."""
 
     def __init__(self):
-        self.displacement, self.normal = ([Number() for _ in range(16)] for _ in range(2))
-        self.radius, self.along, self.across, self.cone, self.bulge = ([Number(), Number()] for _ in range(5))
+        self.changes = contexts(4)
+        self.blocks = [[contexts(4) for _ in range(8)] for _ in range(2)]
+        self.goes = self.of_nodes()
+        self.comes = [[self.of_nodes() for _ in range(4)] for _ in range(2)]
+        self.place = [[Number() for _ in range(16)] for _ in range(4)]
         self.escape = contexts(32)
+
+    @staticmethod
+    def of_nodes():
+        return [[contexts(8) for _ in range(5)] for _ in range(4)]
 
 
 def towards_zero(a, b):
     return -(-a // b) if a < 0 else a // b
 
 
-class RecordDecoder:
-    """Of one object, in one delta."""
+def product(a, b):
+    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3], a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
 
-    def __init__(self, surface, records, model, coder):
-        self.surface, self.records, self.model, self.coder = surface, records, model, coder
 
-    def position(self, vertex):
-        if isinstance(vertex, tuple):
-            return self.records[self.surface.slot(vertex)].position
-        return self.surface.base[vertex]
+class Sight(Test):
+    """An object as a view has it."""
 
-    def middle(self, slot):
-        return [(a + b) >> 1 for a, b in zip(*(self.position(v) for v in self.surface.nodes[slot].endpoints))]
+    def __init__(self, surface, placement, view):
+        position, (w, x, y, z), scale = placement["position"], placement["orientation"], placement["scale"]
+        back = w, -x, -y, -z
+        offset = tuple(a - b for a, b in zip(view.pose.eye, position))
+        self.see(tuple(v / scale for v in rotate(back, offset)), product(back, view.pose.orientation), view)
+        per_metre = 0.5 * view.height / self.tan_y / view.tau
+        self.looks, self.step_m = per_metre * per_metre, surface.step_m
+        self.tan_x = self.tan_y * view.width / view.height
 
-    def read(self, slot):
-        parents = self.surface.nodes[slot].parents
-        of = [self.records[p] for p in parents]
-        moved = [[a - b for a, b in zip(r.position, self.middle(p))] for p, r in zip(parents, of)]
-        displacement = [towards_zero(sum(axis), 4 * len(of)) for axis in zip(*moved)] if of else [0, 0, 0]
-        size = max(abs(v) for v in displacement)
-        normal = [towards_zero(sum(axis), len(of)) for axis in zip(*(r.normal for r in of))] if of else [0, 0]
-        likely = {key: max((getattr(r, key) for r in of), default=0) for key in ("radius", "along", "across", "cone", "bulge")}
-        m, p, r = self.model, 1 if of else 0, Record()
-        r.position = tuple(self.number(m.displacement[min(size.bit_length(), 15)], a + b, -1 << 28, 1 << 28)
-                           for a, b in zip(self.middle(slot), displacement))
-        turn = m.normal[1 + min(likely["cone"] // 20, 14) if of else 0]
-        r.normal = tuple(self.number(turn, v, -32768, 32767) for v in normal)
-        r.radius = self.bound(m.radius[p], likely["radius"] - 256)
-        r.along = self.bound(m.along[p], likely["along"] - 512)
-        r.across = self.bound(m.across[p], r.along + likely["across"] - likely["along"])
-        r.cone = self.number(m.cone[p], 2 * likely["cone"] // 3, 0, 255)
-        r.bulge = self.number(m.bulge[p], 2 * likely["bulge"] // 3, 0, 255)
-        return r
+    def offset(self, place):
+        return tuple(p * self.step_m - e for p, e in zip(place, self.eye))
 
-    def bound(self, c, expected):
-        return self.number(c, max(expected, 0), 0, 0xFE00)
+    def size(self, o):
+        return self.looks / (o[0] * o[0] + o[1] * o[1] + o[2] * o[2] + self.step_m * self.step_m)
 
-    def number(self, c, expected, lowest, highest):
-        value = expected + read_number(self.coder, c, 0, self.model.escape)
-        require(lowest <= value <= highest, "an absurd record")
-        return value
+    def screen(self, o):
+        depth = dot(o, self.forward)
+        if not depth > 0:
+            return 7
+        out = max(abs(dot(o, self.right)) / self.tan_x, abs(dot(o, self.up)) / self.tan_y) / depth
+        return sum(out >= edge for edge in (0.6, 0.85, 0.95, 1.05, 1.2, 1.5))
+
+
+class KnownNodes:
+    """Of one model: (position, displacement) by slot, and in how many sections each is."""
+
+    def __init__(self):
+        self.nodes, self.uses = {}, {}
+
+    def forget(self):
+        self.nodes = {slot: n for slot, n in self.nodes.items() if slot in self.uses}
+
+    def use(self, slot, more):
+        self.uses[slot] = self.uses.get(slot, 0) + more
+        if not self.uses[slot]:
+            del self.uses[slot]
 
 
 class ObjectSection:
     """What a client holds of one object, and its step."""
 
-    def __init__(self, surface, placement, weight):
-        self.surface, self.placement, self.weight = surface, placement, weight
-        self.slots, self.frontier = set(), set()
-        self.records, self.bounds = {}, {}  # of both, by slot
-        self.is_first = True
+    def __init__(self, surface, placement, known, weight):
+        self.surface, self.placement, self.known, self.weight = surface, placement, known, weight
+        self.slots = set()
+        self.has_changed = 0
         self.print = 0  # what it adds to the fingerprint
 
-    def step(self, view, model, coder):
-        """To the section of `view`; returns how many nodes came and went."""
-        self.test = SurfaceTest(self.surface, self.placement, view)
-        self.decoder = RecordDecoder(self.surface, self.records, model, coder)
-        levels = range(1, self.surface.last_level + 1)
-        going, coming = ([set() for _ in range(self.surface.last_level + 2)] for _ in range(2))
-        for slot in self.frontier:
-            is_leaf = slot in self.slots
-            if self.passes(slot) != is_leaf:
-                (going if is_leaf else coming)[self.surface.nodes[slot].level].add(slot)
-        removed = sum(self.remove(level, going) for level in reversed(levels))
-        arriving = [set() for _ in range(self.surface.last_level + 2)]
-        if self.is_first:
-            self.is_first = False
-            arriving[1].update(self.surface.first_level)
-        added = sum(self.add(level, coming[level] & self.frontier, arriving) for level in levels)
-        for slot in [s for s in self.records if s not in self.slots and s not in self.frontier]:
-            del self.records[slot], self.bounds[slot]
-        return added, removed
+    def begin_anew(self):
+        self.has_changed = 0
 
-    def passes(self, slot):
-        return self.test.passes(self.bounds[slot])
+    def position(self, vertex):
+        if isinstance(vertex, tuple):
+            return self.known.nodes[self.surface.slot(vertex)][0]
+        return self.surface.base[vertex]
 
-    def remove(self, level, going):
-        gone = [slot for slot in going[level] if not self.passes(slot)]
-        self.slots.difference_update(gone)
-        for slot in gone:
-            self.print -= self.weight * fingerprint(slot)
-            self.frontier.difference_update(self.surface.children(slot))
-            for parent in self.surface.nodes[slot].parents:
-                if self.slots.isdisjoint(self.surface.children(parent)):
-                    self.frontier.add(parent)
-                    going[level - 1].add(parent)
-        return len(gone)
+    def middle(self, slot):
+        return [(a + b) >> 1 for a, b in zip(*(self.position(v) for v in self.surface.nodes[slot].endpoints))]
 
-    def add(self, level, coming, arriving):
-        for slot in sorted(arriving[level]):
-            self.records[slot] = self.decoder.read(slot)
-            self.bounds[slot] = Bounds(self.records[slot], self.surface.step_m)
-        self.frontier |= arriving[level]
-        come = [slot for slot in coming | arriving[level] if self.passes(slot)]
-        self.slots.update(come)
-        for slot in come:
-            self.print += self.weight * fingerprint(slot)
-            self.frontier.difference_update(self.surface.nodes[slot].parents)
-            arriving[level + 1].update(child for child in self.surface.children(slot)
-                                       if self.slots.issuperset(self.surface.nodes[child].parents))
-        return len(come)
+    def step(self, view, last, model, coder):
+        """To the section of a keyframe; returns how many nodes came and went."""
+        self.model, self.coder = model, coder
+        self.now = Sight(self.surface, self.placement, view)
+        self.before = last and Sight(self.surface, self.placement, last)
+        self.come, self.gone = set(), set()
+        self.has_changed = coder.bit(model.changes[2 * self.has_changed + (1 if self.slots else 0)])
+        if self.has_changed:
+            levels = range(1, self.surface.last_level + 1)
+            for level in reversed(levels):
+                self.walk(GOES, self.leaves(level))
+            for level in levels:
+                self.walk(COMES, self.addable(level))
+        return len(self.come), len(self.gone)
 
-    def tests(self):
-        """What the last view's test makes of the section's nodes, as bytes: front and back; and of some nodes the least radius
-        that meets the view and the least error across that passes."""
-        for slot in sorted(self.slots):
-            n = self.bounds[slot]
-            yield struct.pack("<dd", *self.test.seen(n)[2:4])
-            if slot % 8 == 0:
-                yield struct.pack("<dd", *self.least_numbers(n))
+    def leaves(self, level):
+        return [s for s in self.slots if self.surface.nodes[s].level == level and self.slots.isdisjoint(self.surface.children(s))]
 
-    def least_numbers(self, n):
-        most, changed = f64_bits(1e30), copy.copy(n)
-        changed.along = 0.0
+    def addable(self, level):
+        if level == 1:
+            slots = set(self.surface.first_level)
+        else:
+            slots = {c for s in self.slots if self.surface.nodes[s].level == level - 1 for c in self.surface.children(s)
+                     if self.slots.issuperset(self.surface.nodes[c].parents)}
+        return slots - self.slots - self.gone
 
-        def is_seen(bits):
-            changed.across = bits_f64(bits)
-            return self.test.passes(changed)
-        radius = least(lambda bits: self.test.meets_frustum(n, bits_f64(bits)), most)
-        return bits_f64(radius), bits_f64(least(is_seen, most))
+    def walk(self, change, candidates):
+        blocks = {}
+        for slot in sorted(candidates):
+            blocks.setdefault(slot >> 6, []).append(slot)
+        before = 0
+        for block in blocks.values():
+            any_changes = self.coder.bit(self.model.blocks[change][len(block).bit_length()][before])
+            before = (2 * before + any_changes) & 3
+            if any_changes:
+                self.walk_block(change, block)
+
+    def walk_block(self, change, block):
+        is_first = True
+        for slot in block:
+            if is_first and slot == block[-1] or self.coder.bit(self.context(change, slot)):
+                is_first = False
+                self.go(slot) if change == GOES else self.arrive(slot)
+
+    def context(self, change, slot):
+        n, middle = self.surface.nodes[slot], self.middle(slot)
+        offset = self.now.offset(middle)
+        trend = 2
+        if self.before:
+            grown = self.now.size(offset) / self.before.size(self.before.offset(middle))
+            trend = sum(grown >= edge for edge in (0.95, 0.995, 1.005, 1.05))
+        of_nodes = self.model.goes
+        if change == COMES:
+            siblings = sum(c in self.slots for p in n.parents for c in self.surface.children(p))
+            of_nodes = self.model.comes[0 if self.come.isdisjoint(n.parents) else 1][min(siblings, 3)]
+        return of_nodes[min(n.level, 4) - 1][trend][self.now.screen(offset)]
+
+    def go(self, slot):
+        self.slots.remove(slot)
+        self.gone.add(slot)
+        self.print -= self.weight * fingerprint(slot)
+        self.known.use(slot, -1)
+
+    def arrive(self, slot):
+        if slot not in self.known.nodes:
+            self.known.nodes[slot] = self.read_place(slot)
+        self.known.use(slot, 1)
+        self.slots.add(slot)
+        self.come.add(slot)
+        self.print += self.weight * fingerprint(slot)
+
+    def read_place(self, slot):
+        middle = self.middle(slot)
+        of = [self.known.nodes[p][1] for p in self.surface.nodes[slot].parents]
+        count, most, position = max(len(of), 1), 0, []
+        bends = [sum(abs(d[axis]) for d in of) for axis in range(3)]
+        for axis in range(3):
+            guess = middle[axis] + towards_zero(sum(d[axis] for d in of), 4 * count)
+            like = (sum(bends) + 3 * bends[axis]) // (4 * count)
+            prior = 0 if axis == 0 else 1 if most * 8 < like else 2 if most * 3 < like else 3
+            off = read_number(self.coder, self.model.place[prior][min(like.bit_length(), 15)], 0, self.model.escape)
+            most = max(most, abs(off))
+            require(abs(guess + off) <= MOST_STEPS, "an absurd place")
+            position.append(guess + off)
+        return tuple(position), tuple(a - b for a, b in zip(position, middle))
 
 
 class Objects:
@@ -158,15 +198,31 @@ class Objects:
         for p in placements:
             require(p["model"] < len(surfaces) and Pose(p["position"], p["orientation"]).is_usable() and 1e-6 <= p["scale"] <= 1e6,
                     "an object of no model, or nowhere")
-        self.begin = lambda: [ObjectSection(surfaces[p["model"]], p, 2 * i + 3) for i, p in enumerate(placements)]
+        self.surfaces, self.placements = surfaces, placements
+        self.begin_from_nothing()
+
+    def begin_from_nothing(self):
+        """After a keyframe from 0."""
+        self.known = [KnownNodes() for _ in self.surfaces]
+        self.sections = [ObjectSection(self.surfaces[p["model"]], p, self.known[p["model"]], 2 * i + 3)
+                         for i, p in enumerate(self.placements)]
         self.begin_anew()
 
     def begin_anew(self):
-        """After a keyframe from 0, as on every connection."""
-        self.sections, self.model = self.begin(), RecordModel()
+        """With the sections that are held, as on a new connection."""
+        self.model, self.last = ObjectModel(), None
+        for known in self.known:
+            known.forget()
+        for section in self.sections:
+            section.begin_anew()
 
     def step(self, view, coder):
-        self.changes = [s.step(view, self.model, coder) for s in self.sections]
+        for known in self.known:
+            if len(known.nodes) > 2 * len(known.uses) + 1024:
+                known.forget()
+        self.changes = [s.step(view, self.last, self.model, coder) for s in self.sections]
+        self.last = view
+        require(sum(len(s.slots) for s in self.sections) <= MOST_NODES, "too many nodes")
 
     def fingerprint(self):
         return sum(s.print for s in self.sections)
@@ -176,8 +232,6 @@ class Objects:
         return sum(len(s.slots) for s in self.sections), *(sum(change) for change in zip(*self.changes))
 
     def packed(self):
-        """Slots, records and tests of all, as bytes."""
+        """Slots and positions of all, as bytes."""
         slots = b"".join(struct.pack(f"<{1 + len(s.slots)}I", len(s.slots), *sorted(s.slots)) for s in self.sections)
-        records = b"".join(struct.pack("<iiiHHHBBhh", *r.position, r.radius, r.along, r.across, r.cone, r.bulge, *r.normal)
-                           for s in self.sections for r in (s.records[slot] for slot in sorted(s.slots)))
-        return slots, records, b"".join(test for s in self.sections for test in s.tests())
+        return slots, b"".join(struct.pack("<iii", *s.known.nodes[slot][0]) for s in self.sections for slot in sorted(s.slots))

@@ -1,10 +1,6 @@
-"""Models: how the vertices of a surface are named and numbered, what is known of a node, and its test: section 15 of
+"""Models: how the vertices of a surface are named and numbered: section 15 of
 docs/PROTOCOL.md. A vertex is the number of a base vertex, or the name (patch, x, y) of a node."""
 
-import math
-import struct
-
-from section import Test, dot, rotate
 from wire import require
 
 
@@ -279,83 +275,3 @@ class Surface:
         if n.children is None:
             n.children = [self.make(c) for c in self.rule.children(n.name)]
         return n.children
-
-
-class Record:
-    """As it is sent, in the order in which it is."""
-
-    __slots__ = ("position", "normal", "radius", "along", "across", "cone", "bulge")
-
-
-def metres_of(bits):
-    return struct.unpack("<f", struct.pack("<I", bits << 15))[0]
-
-
-class Bounds:
-    """A record, decoded."""
-
-    def __init__(self, record, step_m):
-        self.position = tuple(v * step_m for v in record.position)
-        u, v = record.normal[0] / 32767, record.normal[1] / 32767
-        w = 1 - abs(u) - abs(v)
-        fold = max(-w, 0.0)
-        u, v = u - math.copysign(fold, u), v - math.copysign(fold, v)
-        inverse = 1 / math.sqrt(u * u + v * v + w * w)
-        self.normal = u * inverse, v * inverse, w * inverse
-        self.radius, self.along, self.across = metres_of(record.radius), metres_of(record.along), metres_of(record.across)
-        self.cone = record.cone * record.cone / 65025
-        self.q = record.bulge * record.bulge / 65025 * self.radius
-
-
-def product(a, b):
-    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3], a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
-
-
-class SurfaceTest(Test):
-    """Of one view of an object; section 9's view, in the model's frame."""
-
-    def __init__(self, surface, placement, view):
-        position, (w, x, y, z), scale = placement["position"], placement["orientation"], placement["scale"]
-        back = w, -x, -y, -z
-        offset = tuple(a - b for a, b in zip(view.pose.eye, position))
-        self.see(tuple(v / scale for v in rotate(back, offset)), product(back, view.pose.orientation), view)
-        self.ball = view.ball / scale
-        self.nearest = 0.1 / scale
-        focal = 0.5 * view.height / self.tan_y
-        self.silhouette, self.interior = view.tau / focal, 7 * view.tau / focal
-        self.is_closed = surface.is_closed
-
-    def seen(self, n):
-        """g, h, front, back, and the offset from the eye with its squared length."""
-        o = tuple(p - e for p, e in zip(n.position, self.eye))
-        d2 = o[0] * o[0] + o[1] * o[1] + o[2] * o[2]
-        g = -(n.normal[0] * o[0] + n.normal[1] * o[1] + n.normal[2] * o[2])
-        h = math.sqrt(max(0.0, d2 - g * g))
-        ahead = g * math.sqrt(max(0.0, 1 - n.cone * n.cone))
-        beside = h * n.cone + n.q + self.ball
-        return g, h, beside + ahead, beside - ahead, o, d2
-
-    def place_of(self, o):
-        return dot(o, self.right), dot(o, self.up), dot(o, self.forward)
-
-    def aside(self, x, y, z):
-        rho = math.sqrt(x * x + y * y)
-        return rho * self.cos_w + z * self.sin_w if z * self.cos_w - rho * self.sin_w > 0 else math.sqrt(rho * rho + z * z)
-
-    def meets_frustum(self, n, radius):
-        return self.facing(*self.place_of(self.seen(n)[4])) + (radius + self.ball) >= 0
-
-    def passes(self, n):
-        g, h, front, back, o, d2 = self.seen(n)
-        place = self.place_of(o)
-        R = n.radius + self.ball
-        depth = self.depth(*place, R, self.nearest)
-        longest = max(n.along, n.across)
-        ah, bg = n.along * h, n.across * g
-        aside = self.aside(*place) + R
-        B = min(max(math.sqrt(ah * ah + bg * bg), n.across * math.sqrt(d2)) + longest * R,
-                longest * math.sqrt(depth * depth + aside * aside))
-        tolerance = self.silhouette if front > 0 and back > 0 else self.interior
-        return (self.facing(*place) + R >= 0 and B > tolerance * depth * depth and longest * self.corner > tolerance * depth and
-                (front > 0 or not self.is_closed))
