@@ -192,6 +192,13 @@ void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_p
   host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
 }
 
+// client::Blend; what is none is refused.
+FORELAND_EXPORT(foreland_set_blend) uint32_t setBlend(Host* host, uint32_t blend) {
+  if (blend > static_cast<uint32_t>(Blend::kGeomorph)) return 0;
+  host->viewer.setBlend(static_cast<Blend>(blend));
+  return 1;
+}
+
 // The tour's name is in the buffer.
 FORELAND_EXPORT(foreland_request_tour) void requestTour(Host* host, double seconds) {
   host->viewer.requestTour(std::string(incoming().begin(), incoming().end()), seconds);

@@ -91,6 +91,7 @@ export class App {
       object_images: this.objects.images,
       nodes: this.mesh?.to_nodes ?? 0,
       tau_px: this.mesh?.tau_px ?? 0,
+      blend: this.settings.blend,
       touring: this.tours.isFlying,
       frozen: this.frozen_view.pose !== null,
       eye: this.controls.eye.toArray(),
@@ -110,6 +111,7 @@ export class App {
     } else {
       this.viewer.destroy();
       this.viewer = new Viewer(this.core, this.request());
+      this.viewer.setBlend(this.settings.blend);
       this.asked = JSON.stringify(this.request());
       if (this.address.tour) this.tours.request(this.address.tour, this.viewer);
     }
@@ -181,6 +183,7 @@ export class App {
     this.terrain.show(this.settings);
     if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
     if (!this.settings.frozen) this.frozen_view.thaw();
+    this.viewer.setBlend(this.settings.blend);
     this.ask();
   }
 

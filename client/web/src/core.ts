@@ -8,8 +8,10 @@ export interface Pose {
 
 export const kStrategies = ['delay', 'current', 'predict'] as const;
 export const kPredictors = ['hold', 'velocity', 'acceleration', 'path'] as const;
+export const kBlends = ['keyframe', 'geomorph'] as const; // client/blend.h
 export type Strategy = (typeof kStrategies)[number];
 export type Predictor = (typeof kPredictors)[number];
+export type Blend = (typeof kBlends)[number];
 
 export interface Request {
   fov_rad: number;
@@ -102,6 +104,7 @@ interface Exports {
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number): void;
+  foreland_set_blend(viewer: number, blend: number): number;
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
@@ -198,6 +201,11 @@ export class Viewer {
   }
   setRequest(request: Request): void {
     this.core.exports.foreland_set_request(this.handle, ...requestArguments(request));
+  }
+
+  // From the next keyframe on; what is on its way goes on from where it is.
+  setBlend(blend: Blend): void {
+    this.core.exports.foreland_set_blend(this.handle, kBlends.indexOf(blend));
   }
 
   frame(now_ms: number, pose: Pose): Frame {

@@ -1,19 +1,21 @@
 // The settings panel. It changes the Settings it is given and says so; it knows nothing else.
-import { kPredictors, kStrategies } from './core';
+import { kBlends, kPredictors, kStrategies } from './core';
 import type { Settings } from './settings';
 
 const kNames: Record<string, string> = {
-  delay: 'Delay', current: 'Current', predict: 'Predict',
+  delay: 'Delay', current: 'Current', predict: 'Predict', keyframe: 'Keyframes', geomorph: 'Geomorphs',
   auto: 'Automatic', hold: 'Hold', velocity: 'Constant velocity', acceleration: 'Constant acceleration', path: 'Known path',
 };
 const kHelp: Record<string, string> = {
   delay: 'Geometry and camera are both shown one keyframe late.',
   current: 'The camera is current, the geometry one keyframe late.',
   predict: 'Keyframes are computed ahead, for where you will be.',
+  keyframe: 'All detail changes from keyframe to keyframe, in time.',
+  geomorph: 'Each vertex takes its own time, up to a second.',
 };
 
 export class Panel {
-  private readonly help = element('p', 'help');
+  private readonly help = { strategy: element('p', 'help'), blend: element('p', 'help') };
   private readonly body = element('div', 'body');
 
   constructor(root: HTMLElement, private readonly settings: Settings, private readonly onChange: () => void) {
@@ -33,7 +35,7 @@ export class Panel {
 
   private addControls(): void {
     this.addChoice('Strategy', 'strategy', kStrategies);
-    this.body.append(this.help);
+    this.addChoice('Blend', 'blend', kBlends);
     this.addSelect('Predictor', 'predictor', ['auto', ...kPredictors]);
     this.addSlider('Tolerance', 'tau_px', -2, 4, (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
     this.addSlider('Keyframes every', 'keyframe_ms', 2, 20, (v) => 50 * v, (v) => v / 50, (v) => `${v} ms`);
@@ -44,11 +46,11 @@ export class Panel {
   }
 
   private changed(): void {
-    this.help.textContent = kHelp[this.settings.strategy] ?? '';
+    for (const key of ['strategy', 'blend'] as const) this.help[key].textContent = kHelp[this.settings[key]] ?? '';
     this.onChange();
   }
 
-  private addChoice(title: string, key: 'strategy', values: readonly string[]): void {
+  private addChoice<Key extends 'strategy' | 'blend'>(title: string, key: Key, values: readonly Settings[Key][]): void {
     const group = element('div', 'choice');
     group.setAttribute('role', 'radiogroup');
     group.setAttribute('aria-label', title);
@@ -57,13 +59,13 @@ export class Panel {
       const input = Object.assign(document.createElement('input'), { type: 'radio', name: key, value });
       input.checked = this.settings[key] === value;
       input.onchange = () => {
-        this.settings[key] = value as Settings[typeof key];
+        this.settings[key] = value;
         this.changed();
       };
       label.append(input, Object.assign(element('span'), { textContent: kNames[value] }));
       group.append(label);
     }
-    this.body.append(group);
+    this.body.append(group, this.help[key]);
   }
 
   private addSelect(title: string, key: 'predictor', values: readonly string[]): void {

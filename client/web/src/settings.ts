@@ -1,11 +1,12 @@
 // What the user can set, and its beginnings from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
-import { kPredictors, kStrategies, type Predictor, type Strategy } from './core';
+import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from './core';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
 export type Tour = (typeof kTours)[number];
 
 export interface Settings {
   strategy: Strategy;
+  blend: Blend;
   predictor: Predictor | 'auto'; // auto: the known path on a tour, constant velocity otherwise
   tau_px: number;
   keyframe_ms: number;
@@ -42,6 +43,7 @@ export function readAddress(location: Location): Address {
   return {
     settings: {
       strategy: oneOf('strategy', kStrategies, 'predict'),
+      blend: oneOf('blend', kBlends, 'keyframe'),
       predictor: oneOf('predictor', ['auto', ...kPredictors], 'auto'),
       tau_px: number('tau', 0.25, 16, 1),
       keyframe_ms: number('keyframe', 50, 2000, 200),

@@ -29,8 +29,9 @@ after(async () => {
 });
 
 // Joins the server, with the eye above the middle of the scene and looking down, until `isDone(viewer, frame)`.
-async function fly(isDone) {
+async function fly(isDone, { blend = 'keyframe', request = () => null } = {}) {
   const viewer = new Viewer(await Core.load(wasm_url), kRequest);
+  viewer.setBlend(blend);
   const begun = performance.now(), now = () => performance.now() - begun;
   const refusals = [];
   const socket = await openSocket(new URL('fly', server.url).href, (message) => {
@@ -43,6 +44,8 @@ async function fly(isDone) {
     // Moves a little, so that sections change.
     const eye = [middle[0] + 0.05 * now(), middle[1], (welcome?.high[2] ?? 0) + 500];
     frame = viewer.frame(now(), { eye, orientation: [0, 0, 0, 1] });
+    const wanted = request();
+    if (wanted !== null) viewer.setRequest(wanted);
     for (let bytes = viewer.takeOutgoing(); bytes !== null; bytes = viewer.takeOutgoing()) socket.send(Buffer.from(bytes));
     assert.deepEqual(refusals, []);
   }
@@ -89,6 +92,44 @@ test('a session gives meshes without cracks', kTest, async () => {
   });
   const { keyframes, bytes_down } = viewer.statistics();
   assert.ok(keyframes >= 10 && bytes_down > 1000);
+  viewer.destroy();
+});
+
+// The heights of what is drawn at either end, by place; only of vertices that the camera, which looks down, sees.
+function heightsInView(mesh, eye, positions) {
+  const heights = new Map();
+  for (let v = 0; v < mesh.vertices; ++v) {
+    const [x, y, z] = [0, 1, 2].map((axis) => mesh.origin[axis] + positions[4 * v + axis]);
+    const [right, up, depth] = [x - eye[0], y - eye[1], eye[2] - z];
+    const tan_y = Math.tan(0.5 * kRequest.fov_rad), tan_x = (tan_y * kRequest.width_px) / kRequest.height_px;
+    if (Math.abs(right) < depth * tan_x && Math.abs(up) < depth * tan_y) heights.set(`${x.toFixed(0)} ${y.toFixed(0)}`, z);
+  }
+  return heights;
+}
+
+test('geomorphs take their time, and do not jump where a mesh ends', kTest, async () => {
+  let last = null, meshes = 0, compared = 0, between = 0, asked = 0;
+  const isDone = (viewer, frame) => {
+    if (frame.mesh_version === 0 || frame.mesh_version === last?.version) return false;
+    const mesh = viewer.mesh();
+    const begin = heightsInView(mesh, frame.pose.eye, mesh.from_positions);
+    for (const [place, height] of last?.version === mesh.version - 1 ? begin : []) {
+      if (!last.end.has(place)) continue;
+      ++compared;
+      assert.ok(Math.abs(last.end.get(place) - height) < 0.01, `${last.end.get(place)} m, then ${height} m at ${place}`);
+    }
+    const end = heightsInView(mesh, frame.pose.eye, mesh.to_positions);
+    for (const [place, height] of end) {
+      const [before, first] = [last?.begin.get(place), begin.get(place)];
+      if (before !== undefined && (first - before) * (height - first) > 1e-4) ++between; // one way through two meshes
+    }
+    last = { version: mesh.version, begin, end };
+    return ++meshes >= 30 && compared > 1000;
+  };
+  // Another tolerance now and then, so that much comes and goes.
+  const request = () => (meshes >= asked + 6 ? ((asked = meshes), { ...kRequest, tau_px: asked % 4 < 2 ? 0.5 : 4 }) : null);
+  const viewer = await fly(isDone, { blend: 'geomorph', request });
+  assert.ok(between > 100, `${between} vertices took more than one mesh`);
   viewer.destroy();
 });
 

@@ -86,6 +86,19 @@ for (const strategy of ['delay', 'current', 'predict']) {
     }));
 }
 
+test('geomorphs are switched to and from in flight', kTest, () =>
+  visit('tour=canyon', async (page) => {
+    await until(page, (s) => s.touring && s.blend === 'keyframe');
+    for (const blend of ['geomorph', 'keyframe', 'geomorph']) {
+      await page.locator('.choice label', { has: page.locator(`[value=${blend}]`) }).click();
+      const { keyframes, mesh_version } = await until(page, (s, b) => s.blend === b, blend);
+      const now = await until(page, (s, n) => s.keyframes >= n, keyframes + 8);
+      assert.ok(now.connected && now.mesh_version > mesh_version);
+    }
+    const picture = await pictureOf(page);
+    assert.ok(picture.colours > 60, `only ${picture.colours} colours`);
+  }));
+
 test('a finer tolerance gives more triangles', kTest, () =>
   visit('tau=8', async (page) => {
     const coarse = await status(page);
