@@ -229,5 +229,91 @@ TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
   EXPECT_GT(jumped, 0u);
 }
 
+struct Flight {
+  proto::Strategy strategy;
+  proto::Predictor predictor;
+  const char* tour;
+  bool switches;  // to keyframes and back, now and then
+};
+
+void PrintTo(const Flight& f, std::ostream* out) {
+  *out << proto::name(f.strategy) << ' ' << f.tour << (f.switches ? ", switching" : "");
+}
+
+ClientOptions geomorphing(const terrain::Scene& scene, const Flight& flight) {
+  ClientOptions c = onKnownTour(scene, flight.tour, 60);
+  c.request.strategy = flight.strategy;
+  c.request.predictor = flight.predictor;
+  c.announce_path = flight.predictor == proto::Predictor::kKnownPath;
+  c.at_frame = [flight](client::Viewer& viewer, Time now) {
+    viewer.setBlend(flight.switches && now.us / 1'500'000 % 2 == 1 ? Blend::kKeyframe : Blend::kGeomorph);
+  };
+  return c;
+}
+
+class GeomorphFlight : public testing::TestWithParam<Flight> {};
+
+// From where the camera is in the very frame.
+TEST_P(GeomorphFlight, DoesNotJumpBeforeTheCameraAndHasNoCracks) {
+  const auto scene = makeScene(301, 217, 11);
+  const proto::GridShape& shape = scene->grid().shape();
+  World world(scene, {}, Duration::milliseconds(4), 1);
+  const ClientOptions options = geomorphing(*scene, GetParam());
+  world.addClient(options);
+  uint32_t version = 0;
+  uint64_t cracks = 0, between = 0;
+  std::optional<LatticeSurface> last;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    if (std::exchange(version, view.mesh_version) == view.mesh_version) return;
+    if (version % 5 == 0) cracks += bench::findCracks(*view.mesh, shape).cracks;
+    for (const Morph& m : world.viewer(0).replica()->morphs().all()) between += !m.isDone();
+    const LatticeSurface begin(*view.mesh, 0, shape);
+    for (uint32_t y = 0; last && y < shape.samples_y; ++y)
+      for (uint32_t x = 0; x < shape.samples_x; ++x) {
+        if (glm::distance(last->at(x, y), begin.at(x, y)) < kRounding_m) continue;
+        ASSERT_TRUE(isOutside({view.pose, options.request.lens}, last->at(x, y))) << now.toSeconds() << " s";
+        ASSERT_TRUE(isOutside({view.pose, options.request.lens}, begin.at(x, y))) << now.toSeconds() << " s";
+      }
+    last.emplace(*view.mesh, 1, shape);
+  };
+  world.run(Time::seconds(10));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_EQ(cracks, 0u);
+  EXPECT_GT(between, 100u);
+}
+
+using proto::Predictor;
+using proto::Strategy;
+INSTANTIATE_TEST_SUITE_P(World, GeomorphFlight,
+                         testing::Values(Flight{Strategy::kPredict, Predictor::kKnownPath, "survey", false},
+                                         Flight{Strategy::kPredict, Predictor::kKnownPath, "spin", false},
+                                         Flight{Strategy::kPredict, Predictor::kKnownPath, "canyon", true},
+                                         Flight{Strategy::kDelay, Predictor::kHold, "canyon", false}));
+
+TEST(GeomorphWorld, ComesToRestAtTheSectionWhenNoKeyframeComes) {
+  const auto scene = makeScene(301, 217, 11);
+  World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 6));
+  world.addClient(geomorphing(*scene, {Strategy::kPredict, Predictor::kKnownPath, "canyon", false}));
+  bool was_under_way = false;
+  uint32_t version = 0;
+  Time changed;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    was_under_way = was_under_way || world.viewer(0).replica()->isUnderWay();
+    if (std::exchange(version, view.mesh_version) != view.mesh_version) changed = now;
+  };
+  world.run(Time::seconds(5));
+  EXPECT_TRUE(was_under_way);
+  world.loseConnection(0);
+  world.run(Time::seconds(8));
+  const client::Replica& replica = *world.viewer(0).replica();
+  EXPECT_FALSE(replica.isUnderWay());
+  EXPECT_GT(changed, Time::seconds(5.3)) << "nothing went on";
+  EXPECT_LT(changed, Time::seconds(6.8)) << "still at it";
+  EXPECT_EQ(replica.section(), replica.nodes().newest()) << "something is drawn that has gone";
+  world.connectAgain(0);
+  world.run(Time::seconds(10));
+  EXPECT_EQ(world.report(), "");
+}
+
 }  // namespace
 }  // namespace foreland::test
