@@ -22,11 +22,13 @@ Report (--json prints one object with these keys):
   nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
   strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
 With --truth SCENE, measured after landing on a replay of the flight:
-  max_error_px_keyframes        each keyframe's section seen from the pose it was computed for
+  max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as far as it is
+                                drawn at its time)
   max_error_px_frames           every --truth-every'th frame as it was drawn; frames_over_tau counts those above tolerance
   cracks, uncovered_samples     must be 0
   interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
                                 _m; mean is that over frames of the largest in each
+  lod_motion_*_px               what the change of detail alone moves in a 60th of a second
   delay_max_ms, delay_mean_ms   t - t_d
 
 Exit code: 0 when the flight was flown to its end, 2 otherwise.)";

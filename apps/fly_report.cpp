@@ -36,6 +36,9 @@ void addTruth(Json& json, const FlySummary& s) {
     addTerm(json, "view_error", t.view);
     addTerm(json, "extrapolation_error", t.extrapolation);
   }
+  json["lod_motion_max_px"] = t.lod_motion.max_px;
+  json["lod_motion_mean_px"] = t.lod_motion.mean_px;
+  json["lod_motion_rms_px"] = t.lod_motion.rms_px;
   json["delay_max_ms"] = t.delay_max_ms;
   json["delay_mean_ms"] = t.delay_mean_ms;
 }

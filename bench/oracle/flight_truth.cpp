@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "bench/oracle/crack_checker.h"
+#include "bench/oracle/lod_motion.h"
 
 namespace foreland::bench {
 
@@ -21,38 +23,49 @@ constexpr double kSlack_px = 0.01;
 class Measurement {
  public:
   Measurement(const client::FlightLog& log, Oracle& oracle, const FlightTruthOptions& options)
-      : oracle_(oracle), options_(options), strategy_(log.options.request.strategy), lens_(log.options.request.lens) {}
+      : oracle_(oracle),
+        options_(options),
+        strategy_(log.options.request.strategy),
+        blend_(log.options.blend),
+        lens_(log.options.request.lens) {}
 
   bool onFrame(const Player& player, Time now) {
     if (player.phase() != Player::Phase::kFlying && player.phase() != Player::Phase::kDone) return true;
     const client::FrameView& view = player.view();
     if (!view.mesh) return true;
     truth_.seconds = (now - player.path().start).toSeconds();
-    if (view.mesh_version != measured_version_) measureKeyframe(player);
-    measured_version_ = view.mesh_version;
+    const bool is_new = std::exchange(measured_version_, view.mesh_version) != view.mesh_version;
+    if (is_new) measureMesh(player);
     const double delay_ms = (now - view.scene_time).toMilliseconds();
     if (strategy_ != proto::Strategy::kPredict) {
       delay_sum_ms_ += delay_ms;
       truth_.delay_max_ms = std::max(truth_.delay_max_ms, delay_ms);
     }
-    if (frames_++ % std::max(1u, options_.frame_every) == 0) measureFrame(player, now);
+    if (frames_++ % std::max(1u, options_.frame_every) == 0) {
+      measureFrame(player, now);
+      if (!is_new) measureMotion(view, (now - last_frame_).toSeconds());
+    }
+    last_frame_ = now;
+    last_weight_ = view.weight;
     return true;
   }
 
   FlightTruth finish() {
-    for (TermNorms* norms :
-         {&truth_.keyframes, &truth_.frames, &truth_.interpolation, &truth_.view, &truth_.extrapolation})
+    for (TermNorms* norms : {&truth_.keyframes, &truth_.frames, &truth_.interpolation, &truth_.view,
+                             &truth_.extrapolation, &truth_.lod_motion})
       norms->finish();
     truth_.delay_mean_ms = delay_sum_ms_ / static_cast<double>(std::max<uint64_t>(frames_, 1));
     return truth_;
   }
 
  private:
-  void measureKeyframe(const Player& player) {
+  // A mesh with which nodes go on while no keyframe has come brings none.
+  void measureMesh(const Player& player) {
     const KeyframeMesh& mesh = *player.view().mesh;
     const CrackReport cracks = findCracks(mesh, player.viewer().welcome()->shape);
     if (truth_.cracks == 0) truth_.first_crack = cracks.first;
     truth_.cracks += cracks.cracks;
+    if (std::exchange(measured_keyframe_, mesh.to.index) == mesh.to.index) return;
     const DrawnShare newest{.mesh = &mesh, .weight = 1};
     truth_.keyframes.add(oracle_.error({&newest, 1}, mesh.to.pose, lens_));
     if (strategy_ != proto::Strategy::kPredict || !options_.section_at) return;
@@ -79,7 +92,7 @@ class Measurement {
     const Mesh shown =
         options_.section_at({.pose = player.path().at(view.scene_time), .lens = lens_, .tau_px = tau_px});
     const DrawnShare shown_share{.mesh = shown.get()};
-    if (strategy_ == proto::Strategy::kPredict) {
+    if (strategy_ == proto::Strategy::kPredict && blend_ == client::Blend::kKeyframe) {
       const Mesh from = keyframeAt(player, view.mesh->from), to = keyframeAt(player, view.mesh->to);
       const DrawnShare between[] = {{.mesh = from.get(), .share = 1.0 - view.weight},
                                     {.mesh = to.get(), .share = view.weight}};
@@ -91,6 +104,21 @@ class Measurement {
     const Mesh current = options_.section_at({.pose = player.path().at(now), .lens = lens_, .tau_px = tau_px});
     const DrawnShare current_share{.mesh = current.get()};
     truth_.view.add(oracle_.difference({&current_share, 1}, {&shown_share, 1}, view.pose, lens_));
+  }
+
+  void measureMotion(const client::FrameView& view, double seconds) {
+    if (!(seconds > 0)) return;
+    motions_px_.clear();
+    collectLodMotion(*view.mesh, {last_weight_, view.weight}, view.pose, lens_, motions_px_);
+    Deviation motion;
+    double sum2 = 0;
+    for (double px : motions_px_) {
+      motion.max_px = std::max(motion.max_px, px / (60 * seconds));
+      sum2 += px * px;
+    }
+    const double count = static_cast<double>(std::max<size_t>(motions_px_.size(), 1));
+    motion.rms_px = std::sqrt(sum2 / count) / (60 * seconds);
+    truth_.lod_motion.add(motion);
   }
 
   // What a keyframe would have been, had its pose been known; the last few are kept.
@@ -110,10 +138,14 @@ class Measurement {
   Oracle& oracle_;
   const FlightTruthOptions& options_;
   proto::Strategy strategy_;
+  client::Blend blend_;
   proto::Lens lens_;
   FlightTruth truth_;
   std::map<uint32_t, Mesh> exact_;
-  uint32_t measured_version_ = 0;
+  uint32_t measured_version_ = 0, measured_keyframe_ = 0;
+  Time last_frame_;
+  double last_weight_ = 0;
+  std::vector<double> motions_px_;
   uint64_t frames_ = 0;
   double delay_sum_ms_ = 0;
 };

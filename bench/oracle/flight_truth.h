@@ -2,13 +2,17 @@
 // Since the replay shows exactly what the flight showed, measuring costs the flight nothing and may take its time.
 //
 // What is measured, and where each number comes from (DESIGN section 4):
-//   error at keyframes  each keyframe's section (weight 1) against the truth, seen from the pose it was computed for
+//   error at keyframes  what is drawn when each keyframe's time has come (weight 1: its section, but for geomorphs) against the
+//                       truth, seen from the pose it was computed for
 //   error in frames     what is drawn against the truth, seen as the frame shows it
-//   interpolation       |S_view(s) - S_inter(s)|, s the scene time shown. `delay`, `current`: S_inter is what is drawn. `predict`:
-//                       between the sections for the true poses at the two keyframes' times, so that extrapolation stays apart
+//   interpolation       |S_view(s) - S_inter(s)|, s the scene time shown. `delay`, `current`, geomorphs: S_inter is what is drawn.
+//                       `predict`: between the sections for the true poses at the two keyframes' times, so that extrapolation
+//                       stays apart
 //   view                |S_view(t) - S_view(t_d)|; `current` only, zero otherwise
 //   extrapolation       |S_view(t_i) - S_extra(t_i)|, once per keyframe, seen from the true pose at t_i; `predict` only
 //   delay               t - t_d
+//   lod motion          what the weights alone move on the screen from the frame before to this one, both seen from this one's
+//                       pose, for a 60th of a second (lod_motion.h); frames whose mesh is new are left out
 // S_view(t) is refined for the pose at t alone. Where a keyframe was refined for a region around its pose, its
 // counterpart for the true pose gets the same margins: they are the promise's doing, not extrapolation's. Norms of the
 // terms are taken over the samples that the frame sees. `max` is the largest over all frames of the largest in a frame,
@@ -50,6 +54,7 @@ struct TermNorms {
 struct FlightTruth {
   TermNorms keyframes, frames;                   // against the truth
   TermNorms interpolation, view, extrapolation;  // of DESIGN section 4; empty without a SectionAt
+  TermNorms lod_motion;                          // pixels only
   double delay_max_ms = 0, delay_mean_ms = 0;
   uint64_t frames_over_tau = 0;    // of those measured
   uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle

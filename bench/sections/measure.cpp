@@ -7,6 +7,7 @@
 
 #include "bench/allocation_count.h"
 #include "bench/oracle/crack_checker.h"
+#include "bench/oracle/lod_motion.h"
 #include "bench/oracle/oracle.h"
 #include "bench/oracle/scene_truth.h"
 #include "bench/timing.h"
@@ -114,30 +115,6 @@ Result<double> tauForTriangles(const server::Hierarchy& hierarchy, std::vector<p
   return Error{ErrorCode::kInvalidArgument, "no tolerance gives so many triangles in the mean; ask for more or fewer"};
 }
 
-namespace {
-
-// On-screen motion of each visible vertex between the mesh's two sections, as a camera at `pose` would see it.
-void collectMotion(const client::KeyframeMesh& mesh, const proto::Pose& pose, const proto::Lens& lens, double frames,
-                   std::vector<double>& out) {
-  const double focal = lens.focalPx();
-  const auto project = [&](const glm::vec4& p, glm::dvec2& at) {
-    const glm::dvec3 v = glm::conjugate(pose.orientation) * (glm::dvec3(p) + mesh.origin - pose.eye);
-    if (v.z > -1) return false;  // the oracle's near distance
-    at = glm::dvec2(v.x, v.y) * (focal / -v.z);
-    return std::fabs(at.x) <= 0.5 * lens.width_px && std::fabs(at.y) <= 0.5 * lens.height_px;
-  };
-  std::vector<bool> drawn(mesh.places.size());  // others lie beyond the data
-  for (uint32_t vertex : mesh.indices) drawn[vertex] = true;
-  for (size_t i = 0; i < mesh.places.size(); ++i) {
-    glm::dvec2 from, to;
-    if (!drawn[i]) continue;
-    if (project(mesh.from_positions[i], from) && project(mesh.to_positions[i], to))
-      out.push_back(glm::distance(from, to) / frames);
-  }
-}
-
-}  // namespace
-
 SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                             const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
                             uint32_t measure_every) {
@@ -175,10 +152,10 @@ SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vecto
       ++errors.frames;
     }
     const Time middle = begin + Duration{options.keyframe_interval.us / 2};
-    collectMotion(mesh, path.at(middle), options.lens, frames_per_keyframe, motions);
+    collectLodMotion(mesh, {}, path.at(middle), options.lens, motions);
   }
-  errors.lod_motion_px_per_frame = quantile(motions, 1);
-  errors.lod_motion_px_per_frame_p99 = quantile(motions, 0.99);
+  errors.lod_motion_px_per_frame = quantile(motions, 1) / frames_per_keyframe;
+  errors.lod_motion_px_per_frame_p99 = quantile(motions, 0.99) / frames_per_keyframe;
   return errors;
 }
 

@@ -7,6 +7,7 @@
 #include "bench/oracle/flight_truth.h"
 #include "bench/oracle/scene_truth.h"
 #include "client/fly/player.h"
+#include "client/morph_clock.h"
 #include "server/session/session.h"
 #include "tests/support/scene.h"
 
@@ -93,6 +94,20 @@ TEST(Flight, KeepsToleranceInEveryFrameWithoutCracksOrExtrapolationErrorOnAKnown
   EXPECT_EQ(report.frames_outside, 0u);
   EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
   EXPECT_EQ(truth.delay_max_ms, 0);
+  EXPECT_GT(truth.lod_motion.max_px, 0);
+  EXPECT_LE(truth.lod_motion.max_px, 2.0 / 12 * 1.1);  // 2 tau over the frames of 200 ms
+}
+
+TEST(Flight, WithGeomorphsMovesLessAtATimeAndIsNeverFarAboveTheTolerance) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  const FlightTruth keyframes = measured(flown(options).player);
+  options.blend = client::Blend::kGeomorph;
+  const FlightTruth geomorphs = measured(flown(options).player);
+  EXPECT_EQ(geomorphs.cracks, 0u) << geomorphs.first_crack;
+  EXPECT_EQ(geomorphs.uncovered_samples, 0u);
+  EXPECT_LT(geomorphs.lod_motion.rms_px, keyframes.lod_motion.rms_px);
+  EXPECT_LT(geomorphs.frames.max_px, 1 / (1 - client::MorphClock::kMoved));
+  EXPECT_NE(geomorphs.frames.rms_px, keyframes.frames.rms_px);
 }
 
 TEST(Flight, WithDelayShowsThePastWithoutViewError) {

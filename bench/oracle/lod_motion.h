@@ -1,0 +1,21 @@
+// What the change of detail alone moves on the screen: the drawn vertices of a mesh at two weights, seen by one camera.
+// The less at a time, the less it shows (DESIGN section 3: with keyframes at most 2 tau over the frames between two).
+// Pure; any thread; O(vertices).
+#pragma once
+
+#include <vector>
+
+#include "client/keyframe_mesh.h"
+#include "proto/pose.h"
+
+namespace foreland::bench {
+
+struct WeightStep {
+  double before = 0, after = 1;
+};
+
+// Appends the pixels that each vertex of the terrain moves which is seen at both weights, more than 1 m in front.
+void collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
+                      const proto::Lens& lens, std::vector<double>& out_px);
+
+}  // namespace foreland::bench
