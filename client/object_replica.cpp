@@ -61,15 +61,15 @@ class ObjectReplica::Builder {
   uint32_t vertex(NodeId v) {
     if (const auto it = numbers_.find(v); it != numbers_.end()) return it->second;
     if (mesh_.isBase(v)) return add(v, {kNoEnd, kNoEnd}, {{{own(v), true}, {own(v), true}}});
-    const auto [a, b] = mesh_.endpoints(v);
-    const std::array<uint32_t, 2> ends{vertex(a), vertex(b)};
+    const std::array<NodeId, 2> names = mesh_.endpoints(v);
+    const std::array<uint32_t, 2> ends{vertex(names[0]), vertex(names[1])};
     const std::array<double, 2> weight = weights(v);
     std::array<Drawn<glm::dvec3>, 2> at;
     for (size_t s = 0; s < 2; ++s) {
       const auto drawn = [&](uint32_t end) { return Drawn<glm::dvec3>{out_.position[s][end], is_own_[s][end] != 0}; };
       at[s] = blendPosition(
           drawn(ends[0]), drawn(ends[1]), weight[s], [&] { return own(v); },
-          [&] { return own(v) - 0.5 * (own(a) + own(b)); });
+          [&] { return own(v) - 0.5 * (own(names[0]) + own(names[1])); });
     }
     return add(v, ends, at);
   }

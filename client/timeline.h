@@ -4,8 +4,10 @@
 //   delay, current   the same, later by T + lambda: T is the keyframe interval of the paper's formula for t_d, and lambda is what the
 //                    link and the server add to it (0 in the paper, where the server is the client); T is at most kLongestDelay
 //                    (base/latency.h) above the shortest recent one, so an outage is caught up with, not shown at length
-// A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend. While none
-// is there, nodes that are on their way go on, a kGoOn at a time. One owner; times are the client's clock.
+// A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend. When no
+// keyframe has come for kPatience, nodes that are on their way go on, a kGoOn at a time; not sooner, for that costs
+// what a keyframe's mesh costs, and a client that is late for those must not be made later. One owner; times are the
+// client's clock.
 #pragma once
 
 #include <deque>
@@ -19,7 +21,8 @@ namespace foreland::client {
 class Timeline {
  public:
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
-  static constexpr Duration kGoOn = Duration::milliseconds(100);
+  static constexpr Duration kPatience = Duration::milliseconds(500);
+  static constexpr Duration kGoOn = Duration::milliseconds(250);
   static constexpr size_t kMaxMeshes = 8;
 
   // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown;

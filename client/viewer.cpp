@@ -117,7 +117,7 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   if (is_greeted_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
 
   Timeline::Shown shown = timeline_.at(now);
-  if (shown.is_over && replica_->isUnderWay()) {
+  if (shown.is_over && now - received_at_ >= Timeline::kPatience && replica_->isUnderWay()) {
     replica_->carryOn(Timeline::kGoOn, blend_);
     timeline_.goOn(std::make_shared<KeyframeMesh>(replica_->buildMesh()));
     shown = timeline_.at(now);
