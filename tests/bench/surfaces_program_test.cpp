@@ -3,9 +3,12 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/programs/run_program.h"
+#include "tests/support/files.h"
+#include "tests/support/surface_file.h"
 
 namespace foreland::bench {
 namespace {
@@ -40,14 +43,16 @@ TEST(SurfacesProgram, ReportsWithinTheTolerances) {
 }
 
 TEST(SurfacesProgram, MeasuresModelsAndSurfaceFiles) {
-  const std::string corpus = FORELAND_SOURCE_DIR "/tests/fuzz/corpus/", model = corpus + "models/tetrahedron.obj",
-                    surface = corpus + "surfaces/tetrahedron";
+  const test::TemporaryFolder folder;
+  const std::string model = FORELAND_SOURCE_DIR "/tests/fuzz/corpus/models/tetrahedron.obj",
+                    surface = folder / "sphere.fls";
+  test::writeSphere(surface);
   const auto text = run({model, surface, "--base-triangles", "4", "--halvings", "3", "--frames", "2", "--json"});
   ASSERT_TRUE(text.ok()) << text.error().message;
   const nlohmann::json report = nlohmann::json::parse(*text);
   ASSERT_EQ(report.size(), 2u);
-  for (const std::string& name : {model, surface}) {
-    EXPECT_EQ(report.at(name).at("base_faces"), 4) << name;
+  for (const auto& [name, base_faces] : {std::pair{model, 4}, {surface, 8}}) {
+    EXPECT_EQ(report.at(name).at("base_faces"), base_faces) << name;
     EXPECT_LE(report.at(name).at("session").at("max_silhouette_error_px").get<double>(), 0.5) << name;
   }
   EXPECT_EQ(report.at(model).at("full_faces"), 64);

@@ -5,9 +5,9 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "base/rng.h"
 #include "proto/pose.h"
 #include "proto/refine/surface_metric.h"
+#include "tests/support/surfaces.h"
 
 namespace foreland::test {
 
@@ -15,12 +15,6 @@ inline constexpr proto::Lens kScreen{1.0471975511965976, 640, 480};
 
 inline proto::Pose lookAt(const glm::dvec3& eye, const glm::dvec3& target) {
   return {eye, proto::lookAlong(glm::normalize(target - eye), {0, 0, 1})};
-}
-
-// In the cube of half side 1.
-inline glm::dvec3 anyPlace(Rng& rng) {
-  const double x = rng.uniform(-1, 1), y = rng.uniform(-1, 1), z = rng.uniform(-1, 1);
-  return {x, y, z};
 }
 
 // A view and how it tests: from 1.2 to 12 away, either tolerance of its own, with and without room to move and to turn.

@@ -21,18 +21,25 @@ struct NamedSurface {
   bool is_closed = true;
 };
 
+// In the cube of half side 1. Drawn one by one: in which order arguments are evaluated depends on the compiler.
+inline glm::dvec3 anyPlace(Rng& rng) {
+  const double z = rng.uniform(-1, 1), y = rng.uniform(-1, 1), x = rng.uniform(-1, 1);
+  return {x, y, z};
+}
+
 // The base's vertices at random places about a sphere, every node off the middle of its edge by up to `rough` of the
 // edge's length, any way.
 inline terrain::TrueSurface roughSurface(const NamedBase& base, proto::MeshRule rule, uint32_t halvings, double rough,
                                          uint64_t seed) {
   Rng rng(seed);
-  const auto any = [&] { return glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)); };
   auto topology = *proto::MeshTopology::create({rule, halvings, base.vertices, base.faces});
   std::vector<glm::dvec3> corners;
-  for (uint32_t v = 0; v < base.vertices; ++v) corners.push_back(glm::normalize(any() + glm::dvec3(0.01, 0, 0)));
+  for (uint32_t v = 0; v < base.vertices; ++v)
+    corners.push_back(glm::normalize(anyPlace(rng) + glm::dvec3(0.01, 0, 0)));
   const proto::MeshTopology mesh = topology;
   const auto place = [&](proto::NodeId v, const glm::dvec3& middle) {
-    return middle + any() * (rough * std::exp2(-mesh.level(v) * (rule == proto::MeshRule::kBisection ? 0.5 : 1.0)));
+    return middle +
+           anyPlace(rng) * (rough * std::exp2(-mesh.level(v) * (rule == proto::MeshRule::kBisection ? 0.5 : 1.0)));
   };
   return *terrain::makeSurface(std::move(topology), 1e-6, corners, place);
 }
