@@ -1,7 +1,7 @@
 // How a client blends the surfaces of two keyframes: which of the weights of DESIGN section 2 it takes.
 //   keyframe  every node on one clock, that of the two keyframes (P, theorem 1): keeps the promise in every frame
-//   geomorph  every node on its own clock (S 3.5; morph_clock.h): changes are slower where they would show, and what comes late
-//             is late, so no frame is promised the tolerance
+//   geomorph  every node on its own clock (S 3.5; morph_clock.h): changes are slower where they would show, and what
+//             comes late is late, so no frame is promised the tolerance
 // Value; any thread.
 #pragma once
 

@@ -7,8 +7,8 @@
 //                  1 / length = 1 / kAtRest_s + v / (kMoved r) + turn / kTurned_rad
 //              so that it is over before the eye has come nearer by kMoved of the distance r: an error that is late is
 //              then no more than 1 / (1 - kMoved) of what it was when it was due.
-//              0 for the first section there is, and for what cannot be seen where the mesh begins, from anywhere that keyframe's promise holds for: then
-//              the change is the frustum's or the back faces', or might as well be.
+//              0 for the first section there is, and for what cannot be seen where the mesh begins, from anywhere that
+//              keyframe's promise holds for: then the change is the frustum's or the back faces', or might as well be.
 // Value; any thread; O(1) a node.
 #pragma once
 

@@ -59,7 +59,7 @@ class ObjectReplica::Builder {
   }
 
   uint32_t vertex(NodeId v) {
-    if (const auto it = numbers_.find(v); it != numbers_.end()) return it->second;
+    if (const auto it = out_.numbers.find(v); it != out_.numbers.end()) return it->second;
     if (mesh_.isBase(v)) return add(v, {kNoEnd, kNoEnd}, {{{own(v), true}, {own(v), true}}});
     const std::array<NodeId, 2> names = mesh_.endpoints(v);
     const std::array<uint32_t, 2> ends{vertex(names[0]), vertex(names[1])};
@@ -80,7 +80,7 @@ class ObjectReplica::Builder {
       is_own_[s].push_back(at[s].is_own);
     }
     ends_.push_back(ends);
-    return numbers_[v] = static_cast<uint32_t>(ends_.size() - 1);
+    return out_.numbers[v] = static_cast<uint32_t>(ends_.size() - 1);
   }
 
   // The vertex as the face has it.
@@ -96,7 +96,7 @@ class ObjectReplica::Builder {
   }
 
   void addNormal(size_t s, NodeId a, NodeId b, NodeId c) {
-    const std::array<uint32_t, 3> corner{numbers_.at(a), numbers_.at(b), numbers_.at(c)};
+    const std::array<uint32_t, 3> corner{out_.numbers.at(a), out_.numbers.at(b), out_.numbers.at(c)};
     const auto& p = out_.position[s];
     const glm::dvec3 n = glm::cross(p[corner[1]] - p[corner[0]], p[corner[2]] - p[corner[0]]);
     for (uint32_t v : corner) normal_[s][v] += n;
@@ -119,9 +119,8 @@ class ObjectReplica::Builder {
   const double scale_;
   Vertices& out_;
   std::unordered_map<NodeId, uint32_t> corners_;  // of the face at hand
-  std::unordered_map<NodeId, uint32_t> numbers_;
-  std::vector<std::array<uint32_t, 2>> ends_;   // of each vertex's edge
-  std::array<std::vector<uint8_t>, 2> is_own_;  // each is drawn at its own place
+  std::vector<std::array<uint32_t, 2>> ends_;     // of each vertex's edge
+  std::array<std::vector<uint8_t>, 2> is_own_;    // each is drawn at its own place
   std::array<std::vector<glm::dvec3>, 2> normal_;
 };
 
@@ -144,7 +143,9 @@ void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& strea
   const proto::ObjectPlacement& placement = objects_->placement(object_);
   const proto::View from = placement.toObject(span.from);
   const MorphClock clock(span, from, span.motion.metres_per_s / placement.scale);
-  morphs_.step(objects_->domain(object_).topology(), delta_, [&](Slot slot) { return intervals(clock, stream, slot); });
+  morphs_.step(objects_->domain(object_).topology(), delta_, [&](Slot slot) {
+    return !clock.isEven() && facesAway(span.from, slot) ? 0 : intervals(clock, stream, slot);
+  });
   from_ = proto::apply(to_, morphs_.jumped());
   to_ = proto::apply(from_, morphs_.drawn());
   const bool was_still = std::exchange(is_still_, morphs_.all().empty());
@@ -165,6 +166,22 @@ double ObjectReplica::intervals(const MorphClock& clock, const proto::ObjectStre
   };
   const auto [a, b] = mesh.endpoints(mesh.node(slot));
   return clock.intervals(place(mesh.node(slot)), 2 * glm::distance(place(a), place(b)));
+}
+
+// By the normals that the last mesh ends with at the ends of the node's edge, with 30 degrees to spare for the
+// triangles about it. `from` in the scene's frame.
+bool ObjectReplica::facesAway(const proto::View& from, Slot slot) const {
+  constexpr double kSpare = 0.5;
+  const proto::SurfaceDomain& domain = objects_->domain(object_);
+  if (!domain.is_closed) return false;
+  for (NodeId end : domain.topology().endpoints(domain.topology().node(slot))) {
+    const auto at = vertices_.numbers.find(end);
+    if (at == vertices_.numbers.end()) return false;
+    const glm::dvec3 to_eye = from.pose.eye - vertices_.position[1][at->second];
+    const double front = glm::dot(unpackNormal(vertices_.normal[1][at->second]), to_eye);
+    if (front + from.ball_m > -kSpare * glm::length(to_eye)) return false;
+  }
+  return true;
 }
 
 const glm::ivec3& ObjectReplica::stepsOf(const proto::ObjectStream& stream, Slot slot) const {

@@ -47,11 +47,13 @@ class ObjectReplica {
     };
     std::vector<Corner> corners;
     std::vector<uint32_t> indices;
+    std::unordered_map<proto::NodeId, uint32_t> numbers;
   };
   class Builder;
   void forgetGone();
   const glm::ivec3& stepsOf(const proto::ObjectStream& stream, proto::Slot slot) const;
   double intervals(const MorphClock& clock, const proto::ObjectStream& stream, proto::Slot slot) const;
+  bool facesAway(const proto::View& from, proto::Slot slot) const;
 
   const proto::ObjectSet* objects_;
   size_t object_;

@@ -204,7 +204,7 @@ TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
   SCOPED_TRACE("seed " + std::to_string(seed_));
   fly(proto::FrameKind::kPlanar);
   Onlooker onlooker(*hierarchy_, seed_ + 2);
-  size_t between = 0, jumped = 0;
+  size_t between = 0, jumped = 0, turned_away = 0;
   std::map<std::pair<size_t, proto::Slot>, double> last;  // weights
   for (int i = 0; i < 60; ++i) {
     keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
@@ -227,6 +227,7 @@ TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
         const glm::dvec3 p = own(surface.topology.node(m.slot));
         ASSERT_TRUE(isOutside(view, p) || facesAway(set.placement(object), p, view.pose.eye))
             << "object " << object << ", step " << i;
+        turned_away += !isOutside(view, p);
       }
       const auto expectCorner = [&](NodeId v) {
         const uint32_t drawn = mesh.objects.indices[at++];
@@ -244,6 +245,7 @@ TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
   }
   EXPECT_GT(between, 10u);
   EXPECT_GT(jumped, 0u);
+  EXPECT_GT(turned_away, 0u) << "what faces away takes its time";
 }
 
 struct Flight {
