@@ -8,15 +8,25 @@
 #include <string>
 #include <vector>
 
+#include "base/rng.h"
 #include "proto/delta_codec.h"
+#include "proto/object_stream.h"
 #include "proto/section_codec.h"
 #include "tests/fuzz/section_grids.h"
 #include "tests/fuzz/toy_flight.h"
+#include "tests/fuzz/toy_objects.h"
 
 namespace foreland::test {
 namespace {
 
 using proto::TerrainAdapter;
+
+// With its size before it.
+void append(Bytes& input, const Bytes& bytes) {
+  input.push_back(static_cast<uint8_t>(bytes.size() & 255));
+  input.push_back(static_cast<uint8_t>(bytes.size() >> 8));
+  input.insert(input.end(), bytes.begin(), bytes.end());
+}
 
 // Four deltas as a server sends them.
 Bytes recordFlight(uint8_t how) {
@@ -35,9 +45,7 @@ Bytes recordFlight(uint8_t how) {
     proto::DeltaEncoder encoder(terrain.domain(), table, model, bytes);
     CHECK_TRUE(adapter.adapt(toyFlightView(how, step), proto::kMaxSectionNodes, encoder, scratch, delta));
     encoder.finish();
-    input.push_back(static_cast<uint8_t>(bytes.size() & 255));
-    input.push_back(static_cast<uint8_t>(bytes.size() >> 8));
-    input.insert(input.end(), bytes.begin(), bytes.end());
+    append(input, bytes);
   }
   return input;
 }
@@ -63,6 +71,55 @@ Bytes recordSection(uint8_t which, uint32_t at_x, uint32_t at_y) {
   return input;
 }
 
+// Any closed section: of the nodes that can be there, two of three are.
+proto::Section anySection(const proto::MeshTopology& mesh, Rng& rng) {
+  proto::Section section;
+  const auto isIn = [&](proto::NodeId n) {
+    return std::binary_search(section.slots.begin(), section.slots.end(), mesh.slot(n));
+  };
+  for (proto::Slot slot = mesh.levelOffset(1); slot < mesh.slotCount(); ++slot) {
+    const proto::NodeId n = mesh.node(slot);
+    if (mesh.isBase(n) || mesh.slot(n) != slot) continue;  // padding
+    const auto parents = mesh.parents(n);
+    if (std::all_of(parents.begin(), parents.end(), isIn) && rng.below(3) > 0) section.slots.push_back(slot);
+  }
+  return section;
+}
+
+// Where the nodes of a model are: anywhere.
+std::vector<proto::SurfaceRecord> anyRecords(const proto::MeshTopology& mesh, Rng& rng) {
+  std::vector<proto::SurfaceRecord> records(mesh.slotCount());
+  for (proto::SurfaceRecord& r : records)
+    r.position = {static_cast<int>(rng.below(900)), static_cast<int>(rng.below(900)), static_cast<int>(rng.below(900))};
+  return records;
+}
+
+// Four keyframes of objects, some of which stay as they are.
+Bytes recordObjects(uint8_t how) {
+  Rng rng(how);
+  const proto::ObjectSet& set = toyObjects();
+  proto::ObjectStream stream(set);
+  std::vector<std::vector<proto::SurfaceRecord>> records(2);
+  for (size_t object = 0; object < 2; ++object)  // one of each model
+    records[set.placement(object).model] = anyRecords(set.domain(object).topology(), rng);
+  Bytes input{how};
+  for (int step = 0; step < kToySteps; ++step) {
+    Bytes bytes;
+    proto::RangeEncoder coder(bytes);
+    proto::SurfaceBits bits;
+    stream.begin(toyFlightView(how, step));
+    for (size_t object = 0; object < set.size(); ++object) {
+      const proto::Section before = stream.section(object);
+      proto::CutDelta delta;
+      proto::diff(before, rng.below(3) == 0 ? before : anySection(set.domain(object).topology(), rng), delta);
+      stream.encode(object, delta, records[set.placement(object).model], coder, bits);
+    }
+    coder.finish();
+    append(input, bytes);
+  }
+  return input;
+}
+
 struct Input {
   std::string path;  // in the folder of corpora
   Bytes bytes;
@@ -72,6 +129,8 @@ std::vector<Input> recordAll() {
   std::vector<Input> inputs;
   for (const int how : {0, 1, 2, 40, 41, 90, 91, 130, 200, 255})
     inputs.push_back({"deltas/flight_" + std::to_string(how), recordFlight(static_cast<uint8_t>(how))});
+  for (const int how : {0, 7, 90, 200})
+    inputs.push_back({"objects/flight_" + std::to_string(how), recordObjects(static_cast<uint8_t>(how))});
   inputs.push_back({"sections/least", recordSection(0, 1, 1)});
   inputs.push_back({"sections/several_roots", recordSection(1, 30, 70)});
   inputs.push_back({"sections/deep", recordSection(2, 700, 333)});

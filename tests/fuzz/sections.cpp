@@ -4,28 +4,17 @@
 #include "proto/section_codec.h"
 #include "proto/surface_cut.h"
 #include "tests/fuzz/section_grids.h"
+#include "tests/fuzz/toy_objects.h"
 
 namespace foreland {
 namespace {
 
-// A tetrahedron by either rule.
-proto::ObjectSet tetrahedra() {
-  std::vector<proto::ObjectModel> models;
-  for (const proto::MeshRule rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection}) {
-    proto::ObjectModel model;
-    model.shape = {rule, 3, 4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
-    model.base.resize(rule == proto::MeshRule::kBisection ? 8 : 4);
-    models.push_back(model);
-  }
-  return proto::ObjectSet::create(std::move(models), {{.model = 0}, {.model = 1}, {.model = 0}}).value();
-}
-
 void run(ByteSpan bytes) {
   constexpr size_t kMostNodes = 5000;
-  static const proto::ObjectSet none, some = tetrahedra();
+  static const proto::ObjectSet none;
   if (bytes.empty()) return;
   const proto::GridTopology& grid = test::sectionGrids()[bytes[0] % test::sectionGrids().size()];
-  const proto::ObjectSet& objects = bytes[0] >= 128 ? some : none;
+  const proto::ObjectSet& objects = bytes[0] >= 128 ? test::toyObjects() : none;
   const auto sections = proto::decodeSections(grid, objects, bytes.subspan(1), kMostNodes);
   if (!sections) return;
   CHECK_LE(sections->terrain.slots.size(), kMostNodes);

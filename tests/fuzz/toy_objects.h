@@ -1,0 +1,33 @@
+// The objects that are fuzzed: what presented sections and deltas of objects are of, and the views of the deltas. Input
+// of the deltas' fuzzer: a byte that says where the camera is, then up to kToySteps deltas, each with its size before
+// it in two bytes, little-endian.
+#pragma once
+
+#include "proto/objects.h"
+#include "tests/fuzz/toy_flight.h"
+
+namespace foreland::test {
+
+// Tetrahedra by either rule; two objects share a model.
+inline const proto::ObjectSet& toyObjects() {
+  static const proto::ObjectSet set = [] {
+    std::vector<proto::ObjectModel> models;
+    for (const proto::MeshRule rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection}) {
+      proto::ObjectModel model;
+      model.shape = {rule, 3, 4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
+      model.step_m = 0.01;
+      model.base = {{0, 0, 0}, {900, 0, 0}, {0, 900, 0}, {0, 0, 900}};
+      if (rule == proto::MeshRule::kBisection)  // the centres of its faces
+        for (const glm::ivec3 centre : {glm::ivec3(300, 300, 0), {0, 300, 300}, {300, 0, 300}, {300, 300, 300}})
+          model.base.push_back(centre);
+      models.push_back(model);
+    }
+    return proto::ObjectSet::create(std::move(models), {{.model = 0, .position = {150, 110, 240}},
+                                                        {.model = 1, .position = {170, 120, 250}},
+                                                        {.model = 0, .position = {190, 140, 220}}})
+        .value();
+  }();
+  return set;
+}
+
+}  // namespace foreland::test
