@@ -137,6 +137,7 @@ export class App {
     this.welcome = welcome;
     this.terrain.setScene(welcome);
     this.terrain.show(this.settings);
+    this.objects.show(this.settings);
     byId('scene-title').textContent = welcome.title;
     document.title = `${welcome.title} \u00b7 Foreland`;
     if (!is_first) return;
@@ -181,6 +182,7 @@ export class App {
 
   private applySettings(): void {
     this.terrain.show(this.settings);
+    this.objects.show(this.settings);
     if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
     if (!this.settings.frozen) this.frozen_view.thaw();
     this.viewer.setBlend(this.settings.blend);

@@ -4,11 +4,13 @@ import * as THREE from 'three';
 import { bindBlend, blendChannels, channel, fill, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
 import type { Mesh } from './core';
 import { kObjectFragment, kObjectVertex } from './shaders';
+import { WireLines } from './wire_lines';
 
 const kPlain: [number, number, number, number] = [196, 178, 150, 255]; // of models without an image
 
 export class ObjectMesh {
-  readonly object: THREE.Mesh;
+  readonly object = new THREE.Group();
+  private readonly wire: WireLines;
   private readonly geometry = new THREE.BufferGeometry();
   private readonly channels: BlendChannels;
   private readonly place: Channel;
@@ -30,9 +32,15 @@ export class ObjectMesh {
     this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
     bindBlend(this.geometry, this.channels, this.index);
     this.geometry.setAttribute('place', this.place.attribute as unknown as THREE.BufferAttribute);
-    this.object = new THREE.Mesh(this.geometry, this.materials);
-    this.object.frustumCulled = false;
+    const surfaces = new THREE.Mesh(this.geometry, this.materials);
+    surfaces.frustumCulled = false; // the server culls
+    this.wire = new WireLines(renderer, this.channels, uniforms);
+    this.object.add(surfaces, this.wire.object);
     this.object.visible = false;
+  }
+
+  show(options: { wireframe: boolean }): void {
+    this.wire.object.visible = options.wireframe;
   }
 
   upload(mesh: Mesh): void {
@@ -51,6 +59,7 @@ export class ObjectMesh {
       while (this.materials.length <= model) this.materials.push(this.materialOf(this.materials.length));
     }
     this.origin.fromArray(mesh.origin);
+    if (this.wire.object.visible) this.wire.upload(objects.indices, true);
   }
 
   placeFrom(eye: readonly number[]): void {

@@ -1,10 +1,11 @@
 // The keyframe mesh on the graphics card. Buffers are filled when the mesh changes, straight from the client core's memory;
 // between keyframes only one number changes, the weight.
 import * as THREE from 'three';
-import { bindBlend, blendChannels, channel, fill, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
+import { bindBlend, blendChannels, channel, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
 import type { Mesh, Welcome } from './core';
-import { kTerrainFragment, kTerrainVertex, kWireFragment, kWireVertex } from './shaders';
+import { kTerrainFragment, kTerrainVertex } from './shaders';
 import { kSun } from './sky';
+import { WireLines } from './wire_lines';
 
 const kPalette = ['#3b5238', '#546945', '#7d7c55', '#826b52', '#6f635a', '#98938e'];
 const kRock = '#5c554f';
@@ -13,11 +14,9 @@ const kSnow = '#d9e2ec';
 export class TerrainMesh {
   readonly object = new THREE.Group();
   private readonly surface_geometry = new THREE.BufferGeometry();
-  private readonly wire_geometry = new THREE.BufferGeometry();
-  private readonly wire: THREE.LineSegments;
+  private readonly wire: WireLines;
   private readonly channels: BlendChannels;
   private readonly index: Channel;
-  private readonly wire_index: Channel;
   readonly uniforms: Record<string, THREE.IUniform>;
   private origin = new THREE.Vector3();
   private noise_period_m = 1;
@@ -31,16 +30,12 @@ export class TerrainMesh {
     const gl = renderer.getContext() as WebGL2RenderingContext;
     this.channels = blendChannels(gl);
     this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
-    this.wire_index = channel(gl, gl.UNSIGNED_INT, 1, 4);
     this.uniforms = terrainUniforms(up);
-    const lines = shader(kWireVertex, kWireFragment, this.uniforms);
-    Object.assign(lines, { transparent: true, depthWrite: false });
-    this.wire = new THREE.LineSegments(this.wire_geometry, lines);
+    this.wire = new WireLines(renderer, this.channels, this.uniforms);
     const surface = new THREE.Mesh(this.surface_geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
     bindBlend(this.surface_geometry, this.channels, this.index);
-    bindBlend(this.wire_geometry, this.channels, this.wire_index);
-    for (const part of [surface, this.wire]) part.frustumCulled = false; // the server culls
-    this.object.add(surface, this.wire);
+    surface.frustumCulled = false; // the server culls
+    this.object.add(surface, this.wire.object);
     this.object.visible = false;
   }
 
@@ -59,7 +54,7 @@ export class TerrainMesh {
   }
 
   show(options: { wireframe: boolean; contours: boolean; fog: boolean }): void {
-    this.wire.visible = options.wireframe;
+    this.wire.object.visible = options.wireframe;
     this.uniforms.u_contour_m!.value = options.contours ? this.contour_m : 0;
     this.uniforms.u_haze!.value = options.fog ? this.haze : 0;
   }
@@ -73,11 +68,13 @@ export class TerrainMesh {
     this.version = mesh.version;
     this.triangles = mesh.triangles;
     this.object.visible = mesh.triangles > 0;
-    if (this.wire.visible) this.uploadWire(mesh);
+    if (!this.wire.object.visible) return;
+    this.wire.upload(mesh.indices, false);
+    this.wire_version = mesh.version;
   }
 
   needsUpload(version: number): boolean {
-    return version !== 0 && (version !== this.version || (this.wire.visible && this.wire_version !== version));
+    return version !== 0 && (version !== this.version || (this.wire.object.visible && this.wire_version !== version));
   }
 
   setLens(fov_rad: number, height_px: number): void {
@@ -101,29 +98,6 @@ export class TerrainMesh {
     this.version = 0;
     this.wire_version = 0;
   }
-
-  private uploadWire(mesh: Mesh): void {
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    const lines = edgesOf(mesh.indices);
-    fill(gl, gl.ELEMENT_ARRAY_BUFFER, this.wire_index, lines, lines.length);
-    this.wire_version = mesh.version;
-  }
-}
-
-// Each inner edge is in two triangles, in opposite directions: it is drawn by the one in which it rises.
-function edgesOf(indices: Uint32Array): Uint32Array {
-  const lines = new Uint32Array(2 * indices.length);
-  let count = 0;
-  for (let i = 0; i < indices.length; i += 3) {
-    for (let k = 0; k < 3; ++k) {
-      const a = indices[i + k]!;
-      const b = indices[i + ((k + 1) % 3)]!;
-      if (a > b) continue;
-      lines[count++] = a;
-      lines[count++] = b;
-    }
-  }
-  return lines.subarray(0, count);
 }
 
 function terrainUniforms(up: THREE.Vector3): Record<string, THREE.IUniform> {

@@ -225,6 +225,9 @@ test('fifty objects fly by, each in the colours of its model', kTest, async () =
     assert.ok(after_.object_triangles > 50 * 96, `${after_.object_triangles} triangles of 50 objects`);
     assert.ok(after_.mesh_version > before_.mesh_version);
     await save(page, 'objects.png');
+    await page.locator('[name=wireframe]').check();
+    const wired = await status(page);
+    await until(page, (s, n) => s.mesh_version >= n, wired.mesh_version + 2);
     assert.deepEqual(complaints, []);
   } finally {
     await close();
