@@ -4,12 +4,14 @@
 #include <cstdlib>
 #include <new>
 
+#include "base/sanitized.h"
+
 namespace {
 std::atomic<uint64_t> allocations{0};
 }
 
 // A sanitizer has its own, and knows what comes from which.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !FORELAND_SANITIZED
 void* operator new(std::size_t size) {
   allocations.fetch_add(1, std::memory_order_relaxed);
   if (void* p = std::malloc(size ? size : 1)) return p;

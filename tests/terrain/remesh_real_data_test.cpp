@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/sanitized.h"
 #include "terrain/compare/deviation.h"
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/remesh.h"
@@ -12,11 +13,7 @@
 namespace foreland::terrain {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
+constexpr bool kIsSanitized = FORELAND_SANITIZED;
 
 void expectWithinBars(const std::filesystem::path& path) {
   const auto model = readModel(path);
