@@ -205,8 +205,8 @@ TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
   fly(proto::FrameKind::kPlanar);
   Onlooker onlooker(*hierarchy_, seed_ + 2);
   size_t between = 0, jumped = 0, turned_away = 0;
-  std::map<std::pair<size_t, proto::Slot>, double> last;  // weights
-  for (int i = 0; i < 60; ++i) {
+  std::map<std::pair<size_t, proto::Slot>, double> last;            // weights
+  for (int i = 0; i < 60 || (turned_away == 0 && i < 2000); ++i) {  // until something has turned away in view
     keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
     const KeyframeMesh mesh = replica_->buildMesh();
     const proto::View view = proto::viewOf(mesh.from);
