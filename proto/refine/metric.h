@@ -103,33 +103,25 @@ class Metric {
   // Of those that may stand guard the one is taken that lasts longest at this pace.
   [[gnu::always_inline]] Outcome outcome(const Place& p, double radius_m, double error_m, const Toll& pace) const {
     const bool passed = passes(p, radius_m, error_m);
-    const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_, K_ = K + 1e-300;
+    const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
     const double near_room = K * inverse_cos_corner_ - z, side_room = sideDistance(p) + R;
     // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
     const double b = 2 * z + K, c = K * (p.horizontal + R) - z * z;
     const double lean_room = std::max(2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))), lean_room_floor_);
     const double seen_room = std::min(near_room, lean_room);
+    const double lean = K * (p.horizontal + R + lean_floor_), straight = straightAhead(p);
+
     const double motion_room = passed ? std::min(seen_room, side_room) : -seen_room;
+    const double special_room =
+        passed ? std::min(std::min(onwardRoom(p, R, K, lean), kOnwardStray * seen_room), std::min(side_room, straight))
+               : std::max(-near_room, aheadRoom(p, z, K, lean));
 
-    const double lean = K * (p.horizontal + R + lean_floor_), q = std::sqrt(lean), lift = 0.5 * K / (q + 1e-300);
-    const double straight = p.x * ahead_.x + p.y * ahead_.y + p.z * ahead_.z, gap = z - q;
-    const double t = std::min(1.0, std::max(0.0, (straight - 2 * gap) / (p.horizontal + 1e-300)));
-    const double lean_gap = gap / std::max(1 - t * lift, (1 + lift) / kStray);
-    const double ahead_room = std::max(-near_room, std::min(straight - t * p.horizontal, lean_gap));
-
-    const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
-    const double z1 = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_ - R;
-    const double z2 = std::max((distance - R) * cos_corner_, kNearest_m);
-    const double under1 = std::max((lean - z1 * z1) / K_, (2 * z1 * sinking_ - K) * per_sinking2_);
-    const double under2 = std::min((lean - z2 * z2) / K_, q - z2);
-    const double lean_onward = std::max(lean_room_floor_, std::min(under1, under2));
-    const double near_onward = std::min(K * inverse_cos_corner_ - z2, kOnwardStray * seen_room);
-    const double onward_room = std::min(std::min(lean_onward, near_onward), std::min(side_room, straight));
-
-    const double special_room = passed ? onward_room : ahead_room;
-    const double special_pace = passed ? pace.of(3, distance) : pace.of(2, distance);
-    const double motion = motion_room / pace.of(0, distance), special = special_room / special_pace;
-    const double beside = passed ? 0 : -side_room / pace.of(1, distance);
+    const double distance = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    const auto lasts = [&](double room_m, Guard guard) {
+      return room_m / pace.of(static_cast<size_t>(guard), distance);
+    };
+    const double motion = lasts(motion_room, Guard::kMotion), beside = passed ? 0 : lasts(-side_room, Guard::kBeside);
+    const double special = passed ? lasts(special_room, Guard::kOnward) : lasts(special_room, Guard::kAhead);
     const bool is_special = special > motion, is_beside = beside > std::max(special, motion);
     return {is_beside    ? Guard::kBeside
             : is_special ? (passed ? Guard::kOnward : Guard::kAhead)
@@ -154,10 +146,33 @@ class Metric {
     const double d2 = p.x * p.x + p.y * p.y + p.z * p.z;
     return side * cos_turn_ + std::sqrt(std::max(0.0, d2 - side * side)) * sin_turn_;
   }
+  // The terms of z_min: along the axis, and for the frustum's corners.
+  [[gnu::always_inline]] double axisDepth(const Place& p, double R) const {
+    return p.z * cos_turn_ - std::sqrt(p.x * p.x + p.y * p.y) * sin_turn_ - R;
+  }
+  [[gnu::always_inline]] double cornerDepth(const Place& p, double R) const {
+    return std::max((std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z) - R) * cos_corner_, kNearest_m);
+  }
   [[gnu::always_inline]] double leastDepth(const Place& p, double R) const {
-    const double rho2 = p.x * p.x + p.y * p.y, distance = std::sqrt(rho2 + p.z * p.z);
-    const double z = p.z * cos_turn_ - std::sqrt(rho2) * sin_turn_;
-    return std::max(std::max(z - R, (distance - R) * cos_corner_), kNearest_m);
+    return std::max(axisDepth(p, R), cornerDepth(p, R));
+  }
+
+  // How far the place lies on the level to where the camera looks, or less.
+  [[gnu::always_inline]] double straightAhead(const Place& p) const {
+    return p.x * ahead_.x + p.y * ahead_.y + p.z * ahead_.z;
+  }
+  // Of kAhead, from vertical errors: `lean` is K (h + R).
+  [[gnu::always_inline]] double aheadRoom(const Place& p, double z, double K, double lean) const {
+    const double q = std::sqrt(lean), lift = 0.5 * K / (q + 1e-300), straight = straightAhead(p), gap = z - q;
+    const double t = std::min(1.0, std::max(0.0, (straight - 2 * gap) / (p.horizontal + 1e-300)));
+    return std::min(straight - t * p.horizontal, gap / std::max(1 - t * lift, (1 + lift) / kStray));
+  }
+  // Of kOnward, by going ahead and up or down alone, while the node lies ahead.
+  [[gnu::always_inline]] double onwardRoom(const Place& p, double R, double K, double lean) const {
+    const double z1 = axisDepth(p, R), z2 = cornerDepth(p, R), least_K = K + 1e-300;
+    const double under1 = std::max((lean - z1 * z1) / least_K, (2 * z1 * sinking_ - K) * per_sinking2_);
+    const double under2 = std::min((lean - z2 * z2) / least_K, std::sqrt(lean) - z2);
+    return std::min(std::max(lean_room_floor_, std::min(under1, under2)), K * inverse_cos_corner_ - z2);
   }
 
   glm::dvec3 eye_, right_, up_, forward_;
