@@ -45,9 +45,7 @@ class ObjectReplica::Builder {
   }
 
  private:
-  bool holds(const proto::Section& section, NodeId n) const {
-    return std::binary_search(section.slots.begin(), section.slots.end(), mesh_.slot(n));
-  }
+  bool holds(const proto::Section& section, NodeId n) const { return proto::contains(section, mesh_.slot(n)); }
   glm::dvec3 own(NodeId v) const {
     if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
     return glm::dvec3(replica_.stepsOf(stream_, mesh_.slot(v))) * model_.step_m;
@@ -190,10 +188,9 @@ const glm::ivec3& ObjectReplica::stepsOf(const proto::ObjectStream& stream, Slot
 }
 
 void ObjectReplica::forgetGone() {
-  const auto isDrawn = [](const proto::Section& section, Slot slot) {
-    return std::binary_search(section.slots.begin(), section.slots.end(), slot);
-  };
-  std::erase_if(gone_, [&](const auto& node) { return !isDrawn(from_, node.first) && !isDrawn(to_, node.first); });
+  std::erase_if(gone_, [&](const auto& node) {
+    return !proto::contains(from_, node.first) && !proto::contains(to_, node.first);
+  });
 }
 
 void ObjectReplica::appendTo(KeyframeMesh& mesh) const {

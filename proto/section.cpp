@@ -5,6 +5,10 @@
 
 namespace foreland::proto {
 
+bool contains(const Section& section, Slot slot) {
+  return std::binary_search(section.slots.begin(), section.slots.end(), slot);
+}
+
 Status validate(const GridTopology& grid, const Section& section) {
   const auto& slots = section.slots;
   for (size_t i = 0; i < slots.size(); ++i) {

@@ -22,6 +22,9 @@ struct CutDelta {
   bool operator==(const CutDelta&) const = default;
 };
 
+// O(log n).
+bool contains(const Section& section, Slot slot);
+
 // An Error names the first slot that is out of order, no node, or without one of its parents. O(n log n).
 Status validate(const GridTopology& grid, const Section& section);
 

@@ -50,7 +50,7 @@ template <class Topology>
 void encode(const Topology& topology, const Section& section, Model& model, RangeEncoder& coder) {
   Section visited;
   descend(topology, visited, [&](Slot slot, size_t context) {
-    const bool is_in = std::binary_search(section.slots.begin(), section.slots.end(), slot);
+    const bool is_in = contains(section, slot);
     return coder.code(model[context], is_in) ? 1 : 0;
   });
 }

@@ -14,6 +14,7 @@ namespace {
 size_t scaleOf(int64_t size) {
   return std::min<size_t>(static_cast<size_t>(std::bit_width(static_cast<uint64_t>(size))), SurfaceModel::kScales - 1);
 }
+
 // Where a view has things, and how large: what decisions about nodes depend on.
 class Sight {
  public:
@@ -59,7 +60,7 @@ struct Around {
 
 enum class Change : uint8_t { kGoes, kComes };
 
-// Writes a change that it is told, or reads one: Told says `wants(Change, Slot)`, `position(Slot)`, `failed()`, and
+// Writes a change that it is told, or reads one: Told says what it wants, or whether reading has failed, and
 // hears what it was.
 template <class Coder, class Told>
 class Walk {

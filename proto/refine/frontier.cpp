@@ -99,16 +99,16 @@ namespace {
 bool pay(const Toll& toll, float* slack, const Entry* entries, size_t vectors) {
   const auto [fixed0, fixed1, fixed2, fixed3] = toll.fixed;
   const auto [per_reach0, per_reach1, per_reach2, per_reach3] = toll.per_reach;
-  uint32_t signs = 0;
+  uint32_t all_bits = 0;
   for (size_t i = 0; i < vectors * EntryPool::kVector; ++i) {
     const uint32_t g = entries[i].guard();
     const float fixed = g == 0 ? fixed0 : g == 1 ? fixed1 : g == 2 ? fixed2 : fixed3;
     const float per_reach = g == 0 ? per_reach0 : g == 1 ? per_reach1 : g == 2 ? per_reach2 : per_reach3;
     const float left = slack[i] - (fixed + per_reach * entries[i].reach());
-    signs |= std::bit_cast<uint32_t>(left);
+    all_bits |= std::bit_cast<uint32_t>(left);
     slack[i] = left;
   }
-  return (signs & 0x80000000) != 0;
+  return (all_bits & 0x80000000) != 0;  // the sign of any
 }
 
 // Of a vector of slacks, those below zero: bit i for entry 2 i, bit 32 + i for entry 2 i + 1.

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "base/bytes.h"
 #include "base/result.h"
@@ -63,6 +65,16 @@ Result<Header> readHeader(ByteSpan file, const std::filesystem::path& path) {
   if (Status status = checkStart(file, path, wanted, sizeof(header), headerChecksum(header)); !status.ok())
     return status.error();
   return header;
+}
+
+// The whole of a file, as `T::of` opens its bytes (their owner is the mapping).
+template <class T>
+Result<std::shared_ptr<const T>> openMapped(const std::filesystem::path& path) {
+  auto file = MappedFile::open(path);
+  if (!file.ok()) return file.error();
+  auto owner = std::make_shared<const MappedFile>(std::move(file).value());
+  const ByteSpan bytes = owner->span();
+  return T::of(bytes, path.string(), std::move(owner));
 }
 
 Error damagedFile(const std::filesystem::path& path, const std::string& what);

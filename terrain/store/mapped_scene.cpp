@@ -5,11 +5,7 @@
 namespace foreland::terrain {
 
 Result<std::shared_ptr<const MappedScene>> MappedScene::open(const std::filesystem::path& path) {
-  auto file = MappedFile::open(path);
-  if (!file.ok()) return file.error();
-  auto owner = std::make_shared<const MappedFile>(std::move(file).value());
-  const ByteSpan bytes = owner->span();
-  return of(bytes, path.string(), std::move(owner));
+  return openMapped<MappedScene>(path);
 }
 
 Result<std::shared_ptr<const MappedScene>> MappedScene::of(ByteSpan bytes, const std::string& name,

@@ -57,11 +57,7 @@ bool isSurfaceFile(const std::filesystem::path& path) {
 }
 
 Result<std::shared_ptr<const MappedSurface>> MappedSurface::open(const std::filesystem::path& path) {
-  auto file = MappedFile::open(path);
-  if (!file.ok()) return file.error();
-  auto owner = std::make_shared<const MappedFile>(std::move(file).value());
-  const ByteSpan bytes = owner->span();
-  return of(bytes, path.string(), std::move(owner));
+  return openMapped<MappedSurface>(path);
 }
 
 Result<std::shared_ptr<const MappedSurface>> MappedSurface::of(ByteSpan bytes, const std::string& path,

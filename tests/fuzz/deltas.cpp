@@ -33,19 +33,16 @@ void run(ByteSpan bytes) {
   const test::ToyTerrain& terrain = test::toyFlightTerrain();
   if (bytes.empty()) return;
   const uint8_t how = bytes[0];
-  bytes = bytes.subspan(1);
   Begin held = beginOf(how);
   DeltaModel model;
-  for (int step = 0; step < test::kToySteps && bytes.size() >= 2; ++step) {
-    const size_t size = std::min<size_t>(bytes[0] | bytes[1] << 8, bytes.size() - 2);
-    const Bytes exact(bytes.begin() + 2, bytes.begin() + 2 + static_cast<ptrdiff_t>(size));
+  test::forEachToyDelta(bytes.subspan(1), [&](int step, ByteSpan exact) {
     DeltaDecoder decoder(terrain.domain(), held.nodes, model, exact);
     const bool done = held.adapter.adapt(test::toyFlightView(how, step), kMaxSectionNodes, decoder, scratch, delta);
     CHECK_TRUE(validate(terrain.grid(), held.adapter.section()).ok());
-    if (!done || !decoder.finish().ok()) return;
+    if (!done || !decoder.finish().ok()) return false;
     held.adapter.validate();
-    bytes = bytes.subspan(2 + size);
-  }
+    return true;
+  });
 }
 
 }  // namespace

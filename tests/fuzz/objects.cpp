@@ -7,28 +7,28 @@
 namespace foreland::proto {
 namespace {
 
+void validate(const ObjectStream& stream, size_t object) {
+  stream.cut(object).validate();
+  for (const Slot slot : stream.section(object).slots) {
+    const glm::ivec3& at = stream.position(object, slot);
+    for (int axis = 0; axis < 3; ++axis) CHECK_LE(std::abs(at[axis]), kMaxObjectSteps);
+  }
+}
+
 void run(ByteSpan bytes) {
   static const ObjectStream begin(test::toyObjects());
   if (bytes.empty()) return;
-  const uint8_t how = bytes[0];
-  bytes = bytes.subspan(1);
   ObjectStream stream = begin;
   CutDelta delta;
-  for (int step = 0; step < test::kToySteps && bytes.size() >= 2; ++step) {
-    const size_t size = std::min<size_t>(bytes[0] | bytes[1] << 8, bytes.size() - 2);
-    const Bytes exact(bytes.begin() + 2, bytes.begin() + 2 + static_cast<ptrdiff_t>(size));
+  test::forEachToyDelta(bytes.subspan(1), [&](int step, ByteSpan exact) {
     RangeDecoder coder(exact);
-    stream.begin(test::toyFlightView(how, step));
+    stream.begin(test::toyFlightView(bytes[0], step));
     for (size_t object = 0; object < test::toyObjects().size(); ++object) {
-      if (!stream.decode(object, coder, delta)) return;
-      stream.cut(object).validate();
-      for (const Slot slot : stream.section(object).slots) {
-        const glm::ivec3& at = stream.position(object, slot);
-        for (int axis = 0; axis < 3; ++axis) CHECK_LE(std::abs(at[axis]), kMaxObjectSteps);
-      }
+      if (!stream.decode(object, coder, delta)) return false;
+      validate(stream, object);
     }
-    bytes = bytes.subspan(2 + size);
-  }
+    return true;
+  });
 }
 
 }  // namespace

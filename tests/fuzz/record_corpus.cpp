@@ -21,13 +21,6 @@ namespace {
 
 using proto::TerrainAdapter;
 
-// With its size before it.
-void append(Bytes& input, const Bytes& bytes) {
-  input.push_back(static_cast<uint8_t>(bytes.size() & 255));
-  input.push_back(static_cast<uint8_t>(bytes.size() >> 8));
-  input.insert(input.end(), bytes.begin(), bytes.end());
-}
-
 // Four deltas as a server sends them.
 Bytes recordFlight(uint8_t how) {
   const ToyTerrain& terrain = toyFlightTerrain();
@@ -45,45 +38,40 @@ Bytes recordFlight(uint8_t how) {
     proto::DeltaEncoder encoder(terrain.domain(), table, model, bytes);
     CHECK_TRUE(adapter.adapt(toyFlightView(how, step), proto::kMaxSectionNodes, encoder, scratch, delta));
     encoder.finish();
-    append(input, bytes);
+    appendToyDelta(bytes, input);
   }
   return input;
+}
+
+// The closed section of the nodes that can be there and that `keeps(node)` wants; asked in the order of slots.
+template <class Topology, class Keeps>
+proto::Section closedSection(const Topology& topology, const Keeps& keeps) {
+  proto::Section section;
+  const auto isIn = [&](proto::NodeId n) { return proto::contains(section, topology.slot(n)); };
+  for (proto::Slot slot = topology.levelOffset(1); slot < topology.slotCount(); ++slot) {
+    const proto::NodeId n = topology.node(slot);
+    if (!topology.contains(n) || topology.isBase(n) || topology.slot(n) != slot) continue;  // padding
+    const auto parents = topology.parents(n);
+    if (std::all_of(parents.begin(), parents.end(), isIn) && keeps(n)) section.slots.push_back(slot);
+  }
+  return section;
 }
 
 // Which grid, then a section of it: fine about a place, and coarser the farther away.
 Bytes recordSection(uint8_t which, uint32_t at_x, uint32_t at_y) {
   const proto::GridTopology& grid = sectionGrids()[which];
-  proto::Section section;
-  const auto isIn = [&](proto::NodeId n) {
-    return std::binary_search(section.slots.begin(), section.slots.end(), grid.slot(n));
-  };
-  for (proto::Slot slot = grid.levelOffset(1); slot < grid.slotCount(); ++slot) {
-    const proto::NodeId n = grid.node(slot);
-    if (!grid.contains(n) || grid.isBase(n) || grid.slot(n) != slot) continue;  // padding
-    const double distance = std::hypot(double(n.x()) - at_x, double(n.y()) - at_y);
-    const auto parents = grid.parents(n);
-    if (distance <= 3.0 * (1u << grid.scaleLog2(n)) && std::all_of(parents.begin(), parents.end(), isIn))
-      section.slots.push_back(slot);
-  }
+  const proto::Section section = closedSection(grid, [&](proto::NodeId n) {
+    return std::hypot(double(n.x()) - at_x, double(n.y()) - at_y) <= 3.0 * (1u << grid.scaleLog2(n));
+  });
   CHECK_TRUE(validate(grid, section).ok());
   Bytes input{which};
   proto::encodeSections(grid, {}, {section, {}}, input);
   return input;
 }
 
-// Any closed section: of the nodes that can be there, two of three are.
+// Of the nodes that can be there two of three are.
 proto::Section anySection(const proto::MeshTopology& mesh, Rng& rng) {
-  proto::Section section;
-  const auto isIn = [&](proto::NodeId n) {
-    return std::binary_search(section.slots.begin(), section.slots.end(), mesh.slot(n));
-  };
-  for (proto::Slot slot = mesh.levelOffset(1); slot < mesh.slotCount(); ++slot) {
-    const proto::NodeId n = mesh.node(slot);
-    if (mesh.isBase(n) || mesh.slot(n) != slot) continue;  // padding
-    const auto parents = mesh.parents(n);
-    if (std::all_of(parents.begin(), parents.end(), isIn) && rng.below(3) > 0) section.slots.push_back(slot);
-  }
-  return section;
+  return closedSection(mesh, [&](proto::NodeId) { return rng.below(3) > 0; });
 }
 
 // Where the nodes of a model are: anywhere.
@@ -115,7 +103,7 @@ Bytes recordObjects(uint8_t how) {
       stream.encode(object, delta, records[set.placement(object).model], coder, bits);
     }
     coder.finish();
-    append(input, bytes);
+    appendToyDelta(bytes, input);
   }
   return input;
 }

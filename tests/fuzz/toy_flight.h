@@ -1,14 +1,36 @@
-// What the deltas' fuzzer and the recorder of its corpus agree on: the terrain, the views, and how an input says
-// deltas. Input: a byte that says where the camera goes (and whether it begins with a section that the client
-// presented: its lowest bit), then up to kToySteps deltas, each with its size before it in two bytes, little-endian.
+// What the fuzzers of deltas and the recorder of their corpora agree on: the terrain, the views, and how an input says
+// deltas. Input: a byte that says where the camera goes (and on terrain whether it begins with a section that the
+// client presented: its lowest bit), then up to kToySteps deltas, each with its size before it in two bytes,
+// little-endian.
 #pragma once
 
+#include <algorithm>
+
+#include "base/bytes.h"
 #include "proto/pose.h"
 #include "tests/support/toy_terrain.h"
 
 namespace foreland::test {
 
 inline constexpr int kToySteps = 4;
+
+inline void appendToyDelta(const Bytes& delta, Bytes& input) {
+  input.push_back(static_cast<uint8_t>(delta.size() & 255));
+  input.push_back(static_cast<uint8_t>(delta.size() >> 8));
+  input.insert(input.end(), delta.begin(), delta.end());
+}
+
+// Calls take(step, delta) for each that an input has behind its first byte, cut short if it ends there, until one is
+// refused. A delta lies where a sanitizer sees each byte read beyond it.
+template <class Take>
+void forEachToyDelta(ByteSpan deltas, const Take& take) {
+  for (int step = 0; step < kToySteps && deltas.size() >= 2; ++step) {
+    const size_t size = std::min<size_t>(deltas[0] | deltas[1] << 8, deltas.size() - 2);
+    const Bytes exact(deltas.begin() + 2, deltas.begin() + 2 + static_cast<ptrdiff_t>(size));
+    if (!take(step, exact)) return;
+    deltas = deltas.subspan(2 + size);
+  }
+}
 
 inline const ToyTerrain& toyFlightTerrain() {
   static const ToyTerrain terrain({2, 2, 4, 33, 30}, 1);

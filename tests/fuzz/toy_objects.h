@@ -1,6 +1,5 @@
-// The objects that are fuzzed: what presented sections and deltas of objects are of, and the views of the deltas. Input
-// of the deltas' fuzzer: a byte that says where the camera is, then up to kToySteps deltas, each with its size before
-// it in two bytes, little-endian.
+// The objects that are fuzzed: what presented sections and changes of objects are of. Changes come as deltas of the
+// terrain do (toy_flight.h).
 #pragma once
 
 #include "proto/objects.h"

@@ -72,6 +72,11 @@ struct Ends {
     }
     return testing::AssertionSuccess();
   }
+  // A keyframe from end to end.
+  testing::AssertionResult step(const View& view) {
+    if (!read(view, write(view))) return testing::AssertionFailure() << "the bytes are refused";
+    return agree();
+  }
   // A new connection: the client presents its sections, a new server goes on from them.
   void reconnect() {
     Bytes bytes;
@@ -111,9 +116,7 @@ TEST_P(SurfaceCodec, GivesTheClientTheServersSectionsAndPositions) {
     Ends ends(named);
     test::SurfaceWanderer wanderer(seed);
     for (int i = 0; i < 150; ++i) {
-      const View view = wanderer.next();
-      ASSERT_TRUE(ends.read(view, ends.write(view))) << named.name << ", seed " << seed << ", step " << i;
-      ASSERT_TRUE(ends.agree()) << named.name << ", seed " << seed << ", step " << i;
+      ASSERT_TRUE(ends.step(wanderer.next())) << named.name << ", seed " << seed << ", step " << i;
     }
     EXPECT_LE(ends.bits.placed, ends.bits.added);
   }
@@ -127,9 +130,7 @@ TEST_P(SurfaceCodec, GoesOnFromSectionsThatWerePresented) {
     for (int i = 0; i < 100; ++i) {
       if (i % 9 == 0) ends.reconnect();
       ASSERT_FALSE(HasFatalFailure());
-      const View view = wanderer.next();
-      ASSERT_TRUE(ends.read(view, ends.write(view))) << named.name << ", seed " << seed << ", step " << i;
-      ASSERT_TRUE(ends.agree()) << named.name << ", seed " << seed << ", step " << i;
+      ASSERT_TRUE(ends.step(wanderer.next())) << named.name << ", seed " << seed << ", step " << i;
     }
   }
 }

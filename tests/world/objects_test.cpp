@@ -22,9 +22,7 @@ class Drawn {
   Drawn(const proto::ObjectPlacement& placement, const Section& section)
       : surface_(models().surfaces[placement.model]), placement_(placement), section_(section) {}
 
-  bool holds(NodeId n) const {
-    return std::binary_search(section_.slots.begin(), section_.slots.end(), surface_.topology.slot(n));
-  }
+  bool holds(NodeId n) const { return proto::contains(section_, surface_.topology.slot(n)); }
   glm::dvec3 at(NodeId v) const { return placement_.toScene(inObject(v)); }
 
  private:

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/view/tour.h"
-
 #include "bench/wire/framing.h"
+#include "server/view/tour.h"
 
 namespace foreland::test {
 
