@@ -54,9 +54,17 @@ class Morphs {
   template <class Topology, class LengthOf>
   void step(const Topology& topology, const proto::CutDelta& change, const LengthOf& lengthOf) {
     begin(change);
-    for (Morph& m : all_) advance(m, lengthOf(m.slot));
-    close(topology, kInFrom, &Morph::from);
-    close(topology, kInTo, &Morph::to);
+    bool are_whole = true;
+    for (Morph& m : all_) {
+      advance(m, lengthOf(m.slot));
+      are_whole = are_whole && m.from == 1 - m.goal() && m.isDone();
+    }
+    mark(kInFrom, &Morph::from);
+    mark(kInTo, &Morph::to);
+    if (!are_whole) {  // or else those drawn are the sections before and after, which are closed
+      close(topology, kInFrom);
+      close(topology, kInTo);
+    }
     compare();
   }
 
@@ -77,12 +85,16 @@ class Morphs {
   void begin(const proto::CutDelta& change);
   static void advance(Morph& m, double intervals);
   void compare();
-  // Who has a weight is drawn, and so are its parents. Slots ascend with the level.
-  template <class Topology>
-  void close(const Topology& topology, uint8_t bit, double Morph::*weight) {
-    for (size_t i = all_.size(); i-- > 0;) {
-      Morph& m = all_[i];
+  // Who has a weight is drawn.
+  void mark(uint8_t bit, double Morph::*weight) {
+    for (Morph& m : all_)
       if (m.*weight > 0) m.in |= bit;
+  }
+  // And so are its parents. Slots ascend with the level.
+  template <class Topology>
+  void close(const Topology& topology, uint8_t bit) {
+    for (size_t i = all_.size(); i-- > 0;) {
+      const Morph& m = all_[i];
       if (!(m.in & bit) || (m.comes && bit == kInTo)) continue;  // what is in the section has its parents there
       for (proto::NodeId parent : topology.parents(topology.node(m.slot)))
         if (const Morph* p = findMorph(std::span(all_).first(i), topology.slot(parent)))

@@ -40,11 +40,13 @@ class LevelCoder {
   // of them is coded, for look-ups wait for memory side by side and coding goes step by step.
   void codeAnswers(std::span<const Question> questions, std::span<uint8_t> answers) {
     constexpr size_t kAhead = 64;
+    std::array<Places, kAhead> places;
     std::array<Context, kAhead> contexts;
     std::array<uint8_t, kAhead> got;
     for (size_t begin = 0; begin < questions.size(); begin += kAhead) {
       const size_t count = std::min(kAhead, questions.size() - begin);
-      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(questions[begin + i]);
+      for (size_t i = 0; i < count; ++i) places[i] = find(questions[begin + i]);
+      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(questions[begin + i], places[i]);
       for (size_t i = 0; i < count; ++i) got[i] = codeAnswer(contexts[i], answers[begin + i] != 0) ? 1 : 0;
       for (size_t i = 0; i < count; ++i)
         if (got[i] && !questions[begin + i].is_active) asked_.keep(contexts[i].around);
@@ -56,7 +58,8 @@ class LevelCoder {
   // decoder gets it.
   int32_t codeHeight(Slot slot, ErrorClass passed, int32_t height) {
     const Surroundings* known = asked_.take();
-    const Surroundings around = known ? *known : Surroundings::of(grid_, nodes_, names_.at(slot), level_);
+    const Surroundings around =
+        known ? *known : Surroundings::of(Surroundings::find(grid_, nodes_, names_.at(slot), level_));
     const double least = stepsOf(passed), expected = around.expected();
     const size_t scale = static_cast<size_t>(
         std::clamp(halfOctaves(std::max(least, expected)) + 4, 0, static_cast<int>(DeltaModel::kScales) - 1));
@@ -75,14 +78,25 @@ class LevelCoder {
     bool has_before;
     Surroundings around;  // unless the node is active
   };
-  Context contextOf(const Question& q) {
+  // What its context depends on: of a node that is active, itself.
+  struct Places {
+    const NodeRecord* own;
+    Surroundings::Places around;
+  };
+  Places find(const Question& q) {
+    if (!q.is_active) return {nullptr, Surroundings::find(grid_, nodes_, names_.at(q.slot), level_)};
+    const NodeRecord& own = nodes_.at(q.slot);
+    __builtin_prefetch(&own);
+    return {&own, {}};
+  }
+  Context contextOf(const Question& q, const Places& places) {
     if (q.is_active) {
-      const double own = std::abs(nodes_.at(q.slot).displacement()) + 0.25;
+      const double own = std::abs(places.own->displacement()) + 0.25;
       const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / stepsOf(q.least)) + 5, 0, 7));
       const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
       return {&model_.stays[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
     }
-    const Surroundings around = Surroundings::of(grid_, nodes_, names_.at(q.slot), level_);
+    const Surroundings around = Surroundings::of(places.around);
     const size_t size = static_cast<size_t>(std::clamp(halfOctaves(around.expected() / stepsOf(q.least)) + 8, 0, 15));
     if (q.is_new) return {&model_.comes[(size * 8 + scale_) * 4], true, around};
     const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);

@@ -23,6 +23,15 @@ struct BaseHeights {
   }
 };
 
+// Where the height of a vertex stands: in its record, or here for a base vertex. A view.
+struct VertexPlace {
+  const NodeRecord* record = nullptr;
+  int32_t base = 0;
+
+  int32_t height() const { return record ? record->height() : base; }
+  int32_t displacement() const { return record ? record->displacement() : 0; }
+};
+
 // Every node of a scene, by slot. A view; immutable; any thread.
 class DenseNodes {
  public:
@@ -30,7 +39,10 @@ class DenseNodes {
       : grid_(&grid), base_(base), nodes_(nodes.data()) {}
 
   const NodeRecord& at(Slot slot) const { return nodes_[slot]; }
-  int32_t height(NodeId v) const { return grid_->isBase(v) ? base_.at(*grid_, v) : nodes_[grid_->slot(v)].height(); }
+  VertexPlace find(NodeId v) const {
+    return grid_->isBase(v) ? VertexPlace{nullptr, base_.at(*grid_, v)} : VertexPlace{&nodes_[grid_->slot(v)], 0};
+  }
+  int32_t height(NodeId v) const { return find(v).height(); }
 
  private:
   const GridTopology* grid_;
@@ -48,7 +60,10 @@ class SparseNodes {
 
   // A record of zeros, or one that was there before, if the node is not there.
   const NodeRecord& at(Slot slot) const { return records_[place(block(slot), slot)]; }
-  int32_t height(NodeId v) const { return grid_->isBase(v) ? base_.at(*grid_, v) : at(grid_->slot(v)).height(); }
+  VertexPlace find(NodeId v) const {
+    return grid_->isBase(v) ? VertexPlace{nullptr, base_.at(*grid_, v)} : VertexPlace{&at(grid_->slot(v)), 0};
+  }
+  int32_t height(NodeId v) const { return find(v).height(); }
   // The node's record, made if it is not there; valid until the next call.
   NodeRecord& make(Slot slot) {
     uint32_t number = block(slot);

@@ -2,11 +2,12 @@
 // that lets one expect of it. Pure; any thread; portable.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 
-#include "proto/bounds.h"
 #include "proto/grid.h"
+#include "proto/node_tables.h"
 
 namespace foreland::proto {
 
@@ -25,24 +26,34 @@ struct Surroundings {
   // At the height.
   int32_t guess() const { return (8 * ends + 3 * curve() + 8) >> 4; }
 
+  // Where they are looked up. The records are on their way from memory once their places are found, so whoever finds
+  // the places of many nodes first does not wait for each.
+  struct Places {
+    std::array<VertexPlace, 2> ends, apexes;  // of a single apex, twice the same
+  };
   // Of a node of a level. `nodes` is a table of node_tables.h.
   template <class Nodes>
-  static Surroundings of(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
-    Surroundings around;
+  static Places find(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
+    Places places;
     const auto [a, b] = grid.endpoints(n);
-    around.ends = nodes.height(a) + nodes.height(b);
+    places.ends = {nodes.find(a), nodes.find(b)};
     const auto apexes = grid.apexes(n);
-    for (NodeId apex : apexes) {
-      if (level == 1) {  // the centres of roots
-        around.twist += nodes.height(apex);
-        continue;
-      }
-      const NodeRecord& record = nodes.at(grid.slot(apex, level - 1));
-      around.twist += record.height();
-      around.bends += std::abs(record.displacement());
-      around.together += record.displacement();
+    for (int i = 0; i < apexes.count; ++i)  // those of level 1 are the centres of roots
+      places.apexes[static_cast<size_t>(i)] =
+          level == 1 ? nodes.find(apexes.ids[i]) : VertexPlace{&nodes.at(grid.slot(apexes.ids[i], level - 1)), 0};
+    if (apexes.count == 1) places.apexes[1] = places.apexes[0];
+    for (const auto& vertices : {places.ends, places.apexes})
+      for (const VertexPlace& v : vertices) __builtin_prefetch(v.record);
+    return places;
+  }
+  static Surroundings of(const Places& places) {
+    Surroundings around;
+    around.ends = places.ends[0].height() + places.ends[1].height();
+    for (const VertexPlace& apex : places.apexes) {
+      around.twist += apex.height();
+      around.bends += std::abs(apex.displacement());
+      around.together += apex.displacement();
     }
-    if (apexes.count == 1) around.twist *= 2, around.bends *= 2, around.together *= 2;
     around.twist -= around.ends;
     return around;
   }

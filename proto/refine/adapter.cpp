@@ -18,6 +18,7 @@ constexpr int kNonePasses = 256;
 constexpr ErrorClass kAnyError{255}, kSomeError{1}, kNoError{0};
 
 uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
+bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
 
 }  // namespace
 
@@ -301,17 +302,22 @@ class Adapter<Batch>::Step {
   void makePages(int level) {
     std::vector<Slot>&seeds = scratch_.seeds, &homeless = scratch_.homeless;
     for (; !seeds.empty() && seeds.back() < begin(level + 1); seeds.pop_back()) homeless.push_back(seeds.back());
-    std::sort(homeless.begin(), homeless.end());
-    for (Slot slot : homeless) {
-      uint32_t page = frontier_.find(slot);
-      if (page == Frontier::kNone) page = frontier_.makePage(slot, source_.radius(slot));
-      if (page >= scratch_.open.size()) {
-        scratch_.open.resize(page + 1);
-        scratch_.has_open.resize(page + 1);
-      }
-      open(page, lowOf(slot));
-    }
-    if (!homeless.empty()) frontier_.orderPages();
+    if (homeless.empty()) return;
+    std::vector<Slot>& pages = scratch_.pages;
+    pages.clear();
+    for (Slot slot : homeless)
+      if (pages.empty() || !arePageMates(pages.back(), slot))
+        pages.push_back(slot);
+      else
+        pages.back() = std::min(pages.back(), slot);
+    std::sort(pages.begin(), pages.end());
+    pages.erase(std::unique(pages.begin(), pages.end(), arePageMates), pages.end());
+    for (Slot slot : pages)
+      if (frontier_.find(slot) == Frontier::kNone) frontier_.makePage(slot, source_.radius(slot));
+    scratch_.open.resize(frontier_.pageCount());
+    scratch_.has_open.resize(frontier_.pageCount());
+    for (Slot slot : homeless) open(frontier_.find(slot), lowOf(slot));
+    frontier_.orderPages();
     homeless.clear();
   }
 

@@ -64,6 +64,7 @@ struct AdaptScratch {
   std::vector<SlotBits> open;
   std::vector<uint8_t> has_open;
   std::vector<Slot> seeds, homeless;  // the same on pages that are not there: of any level, of the next one
+  std::vector<Slot> pages;            // of each such page the first of them
   std::vector<Candidate> candidates;
   std::vector<uint32_t> asked;  // of a batch: those in question
   std::vector<Question> questions;
