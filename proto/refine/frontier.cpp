@@ -101,9 +101,9 @@ bool pay(const Toll& toll, float* slack, const Entry* entries, size_t vectors) {
   const auto [per_reach0, per_reach1, per_reach2, per_reach3] = toll.per_reach;
   uint32_t all_bits = 0;
   for (size_t i = 0; i < vectors * EntryPool::kVector; ++i) {
-    const uint32_t g = entries[i].guard();
-    const float fixed = g == 0 ? fixed0 : g == 1 ? fixed1 : g == 2 ? fixed2 : fixed3;
-    const float per_reach = g == 0 ? per_reach0 : g == 1 ? per_reach1 : g == 2 ? per_reach2 : per_reach3;
+    const bool is_odd = (entries[i].guard() & 1) != 0, is_high = (entries[i].guard() & 2) != 0;
+    const float fixed = is_high ? (is_odd ? fixed3 : fixed2) : is_odd ? fixed1 : fixed0;
+    const float per_reach = is_high ? (is_odd ? per_reach3 : per_reach2) : is_odd ? per_reach1 : per_reach0;
     const float left = slack[i] - (fixed + per_reach * entries[i].reach());
     all_bits |= std::bit_cast<uint32_t>(left);
     slack[i] = left;

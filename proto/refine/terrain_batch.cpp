@@ -66,7 +66,8 @@ void TerrainBatch::testWithSlack(const Metric& metric, const Toll& toll, double 
   lookUpErrors();
   const Metric m = metric;  // its own memory
   const Toll pace = toll.isEndless() ? Toll::even() : toll;
-  for (size_t i = 0; i < count; ++i) {
+  const size_t n = count;  // bytes are written, which might be anything's
+  for (size_t i = 0; i < n; ++i) {
     const Metric::Place p = place(i);
     const Metric::Outcome outcome = m.outcome(p, radius[i], error[i], pace);
     const double safe = outcome.slack * share;
