@@ -149,7 +149,7 @@ int runWire(const Arguments& args) {
   if (!path) return fail(path.error().message);
   const auto views = bench::keyframeViews(*path, args.flight, bench::Promise::kEveryFrame);
   const auto flight = bench::recordFlight(hierarchy, views, args.flight.keyframe_interval);
-  const bench::WireCosts costs = bench::measureWire(hierarchy, flight, args.flight.keyframe_interval);
+  const bench::WireCosts costs = bench::measureWire(hierarchy, views, flight, args.flight.keyframe_interval);
   nlohmann::ordered_json report{{"tour", args.tour},
                                 {"tau_px", args.flight.tau_px},
                                 {"keyframe_ms", args.flight.keyframe_interval.toMilliseconds()},

@@ -10,13 +10,13 @@
 namespace foreland::bench {
 
 struct RecordedKeyframe {
+  proto::View view;  // as it is told
   Bytes message;
   size_t delta_bytes = 0;  // the message's last
   proto::DeltaBits bits;   // where they went
   proto::SurfaceBits object_bits;
   size_t nodes = 0;  // in the section that results
   size_t added = 0, removed = 0;
-  double adapt_s = 0, send_s = 0;  // processor time of adaptation alone, and of adaptation and coding together
 };
 
 // The sections along the views, each as the difference from the one before; the first from nothing.

@@ -1,8 +1,8 @@
 #include "bench/wire/measure.h"
 
-#include "bench/timing.h"
 #include "bench/wire/digest.h"
 #include "bench/wire/framing.h"
+#include "bench/wire/times.h"
 #include "client/replica.h"
 #include "server/session/world.h"
 
@@ -12,7 +12,6 @@ namespace {
 
 struct Sum {
   double height_bits = 0, structure_bits = 0, framing_bits = 0, asked = 0, added = 0, removed = 0;
-  double adapt_s = 0, encode_s = 0, send_s = 0, decode_s = 0;
   double object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
   double object_places = 0, object_added = 0;
 
@@ -21,16 +20,11 @@ struct Sum {
   double changed() const { return added + removed; }
 };
 
-// The client's end: decoding is stepping the adapter on what is read.
-double decodeSeconds(client::Replica& replica, proto::KeyframeMemory& headers, const RecordedKeyframe& keyframe) {
+void take(client::Replica& replica, proto::KeyframeMemory& headers, const RecordedKeyframe& keyframe) {
   const auto message = proto::decodeServerMessage(keyframe.message, headers);
   CHECK_TRUE(message.ok());
   const auto& decoded = std::get<proto::KeyframeMessage>(*message);
-  const double t0 = threadSeconds();
-  const Status status = replica.apply(decoded.header, decoded.delta);
-  const double t1 = threadSeconds();
-  CHECK_TRUE(status.ok());
-  return t1 - t0;
+  CHECK_TRUE(replica.apply(decoded.header, decoded.delta).ok());
 }
 
 // Both ends must hold the same, heights included.
@@ -58,10 +52,23 @@ void shareObjects(const Sum& sum, WireCosts& costs) {
   costs.bits_per_object_node = costs.object_structure_bits + costs.object_place_bits + costs.object_framing_bits;
 }
 
+void shareTimes(const WireTimes& times, double first_nodes, double changed, WireCosts& costs) {
+  const auto rate = [](double nodes, double seconds) { return 1e-6 * nodes / std::max(1e-9, seconds); };
+  const double encode_s = times.send.rest_s - times.adapt.rest_s, decode_s = times.decode.rest_s;
+  costs.encode_mnodes_per_s = rate(changed, encode_s);
+  costs.send_mnodes_per_s = rate(changed, times.send.rest_s);
+  costs.decode_mnodes_per_s = rate(changed, decode_s);
+  costs.decode_beyond_adaptation_mnodes_per_s = rate(changed, decode_s - times.adapt.rest_s);
+  costs.first_encode_mnodes_per_s = rate(first_nodes, times.send.first_s - times.adapt.first_s);
+  costs.first_decode_mnodes_per_s = rate(first_nodes, times.decode.first_s);
+  costs.encode_ms = 1e3 * encode_s / static_cast<double>(costs.keyframes);
+  costs.decode_ms = 1e3 * decode_s / static_cast<double>(costs.keyframes);
+}
+
 }  // namespace
 
-WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
-                      Duration keyframe_interval) {
+WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
+                      const std::vector<RecordedKeyframe>& flight, Duration keyframe_interval) {
   client::Replica replica(server::welcomeTo(hierarchy));
   proto::KeyframeMemory headers;
   WireCosts costs;
@@ -69,7 +76,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
   for (size_t i = 0; i < flight.size(); ++i) {
     const RecordedKeyframe& k = flight[i];
     Sum& sum = i == 0 ? first : rest;
-    sum.decode_s += decodeSeconds(replica, headers, k);
+    take(replica, headers, k);
     compare(replica, hierarchy, k.nodes);
     const size_t header_bytes = k.message.size() - k.delta_bytes;
     const double framing_bits =
@@ -81,9 +88,6 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
     sum.structure_bits += delta_bits - k.bits.heights - object_bits;
     for (Sum* s : {&sum, &all}) addObjects(k.object_bits, framing_bits * object_bits / delta_bits, *s);
     sum.asked += static_cast<double>(k.bits.asked);
-    sum.encode_s += std::max(0.0, k.send_s - k.adapt_s);
-    sum.adapt_s += k.adapt_s;
-    sum.send_s += k.send_s;
     sum.added += static_cast<double>(k.added);
     sum.removed += static_cast<double>(k.removed);
   }
@@ -106,14 +110,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<Reco
   costs.object_places = static_cast<uint64_t>(all.object_places);
   if (all.object_added > 0) shareObjects(all, costs);
   costs.kbit_per_s = 1e-3 * (rest.bits() + rest.objectBits()) / (keyframes * keyframe_interval.toSeconds());
-  costs.encode_mnodes_per_s = 1e-6 * rest.changed() / rest.encode_s;
-  costs.send_mnodes_per_s = 1e-6 * rest.changed() / rest.send_s;
-  costs.decode_mnodes_per_s = 1e-6 * rest.changed() / rest.decode_s;
-  costs.decode_beyond_adaptation_mnodes_per_s = 1e-6 * rest.changed() / std::max(1e-9, rest.decode_s - rest.adapt_s);
-  costs.first_encode_mnodes_per_s = 1e-6 * first.added / first.encode_s;
-  costs.first_decode_mnodes_per_s = 1e-6 * first.added / first.decode_s;
-  costs.encode_ms = 1e3 * rest.encode_s / keyframes;
-  costs.decode_ms = 1e3 * rest.decode_s / keyframes;
+  shareTimes(timeWire(hierarchy, views, flight, keyframe_interval), first.added, rest.changed(), costs);
   costs.digest = digestOf(replica);
   return costs;
 }

@@ -23,8 +23,8 @@ struct WireCosts {
   // they are, and objects' share of framing by their share of the deltas' bits.
   uint64_t object_nodes_added = 0, object_places = 0;
   double bits_per_object_node = 0, object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
-  // Millions of nodes that come or go per second of one thread's processor time, the first section apart.
-  // Encoding is what sending takes beyond adaptation alone; decoding includes the adaptation that it steps.
+  // Millions of nodes that come or go per second (times.h), the first section apart. Encoding is what sending takes
+  // beyond adaptation alone; decoding includes the adaptation that it steps.
   double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;
   double decode_beyond_adaptation_mnodes_per_s = 0;  // decoding less adaptation alone, as encoding is counted
   double send_mnodes_per_s = 0;                      // adaptation and encoding together
@@ -32,8 +32,10 @@ struct WireCosts {
   double encode_ms = 0, decode_ms = 0;  // means per keyframe
   uint32_t digest = 0;                  // of the last section (digest.h)
 };
-// Whole messages, as a session sends them. Checks that both ends hold the same section and heights.
-WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight,
-                      Duration keyframe_interval);
+
+// Whole messages, as a session sends them, `views` being what it was asked for. Checks that both ends hold the same
+// section and heights.
+WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
+                      const std::vector<RecordedKeyframe>& flight, Duration keyframe_interval);
 
 }  // namespace foreland::bench
