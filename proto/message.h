@@ -23,7 +23,7 @@
 //                     bit 2: another tau: its 32 bits
 //                     bit 3: ball and turn are not both short floats: their 32 bits; without bit 3 a group of 2 [8], how much
 //                            larger their upper 16 bits are than the last keyframe's
-//                     16 bits of the fingerprint: the lower ones if the index is even, else the upper ones
+//                     8 bits of the fingerprint, from bit 8 (index mod 4) on
 //                     to the next byte; delta
 //
 // A group of which there is at most one in a hundred messages (how much later, the order) has no width to remember: it

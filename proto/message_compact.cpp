@@ -207,6 +207,11 @@ std::array<int64_t, 2> upperHalves(const KeyframeHeader& h) {
   return {bitsOf(h.ball_m) >> 16, bitsOf(h.turn_rad) >> 16};
 }
 
+// Of the fingerprint a quarter is told, each in its turn.
+constexpr int kToldBits = 8;
+constexpr uint32_t kToldMask = 0xff;
+int toldFrom(uint32_t index) { return kToldBits * static_cast<int>(index % 4); }
+
 void putShortRegion(const KeyframeHeader& h, KeyframeMemory& memory, BitWriter& w) {
   const auto now = upperHalves(h), before = upperHalves(memory.last);
   w.putGroup(std::array{now[0] - before[0], now[1] - before[1]}, memory.region_width);
@@ -238,7 +243,7 @@ void putHeaderStep(const KeyframeHeader& h, const WirePose& pose, KeyframeMemory
   memory.poses.putNext(h.time, pose, w);
   putExtras(h, memory.last, extras, w);
   if (!(extras & kLongRegion)) putShortRegion(h, memory, w);
-  w.put(h.index % 2 == 0 ? h.fingerprint & 0xffff : h.fingerprint >> 16, 16);
+  w.put(h.fingerprint >> toldFrom(h.index) & kToldMask, kToldBits);
   w.finish();
 }
 
@@ -253,9 +258,8 @@ std::optional<KeyframeMessage> getHeaderStep(ByteSpan bytes, KeyframeMemory& mem
   pose = next->pose;
   h.time = next->time;
   if (!(extras & kLongRegion)) getShortRegion(r, memory, h);
-  const int shift = h.index % 2 == 0 ? 0 : 16;
-  h.fingerprint = static_cast<uint32_t>(r.get(16)) << shift;
-  h.fingerprint_mask = 0xffffu << shift;
+  h.fingerprint = static_cast<uint32_t>(r.get(kToldBits)) << toldFrom(h.index);
+  h.fingerprint_mask = kToldMask << toldFrom(h.index);
   const ByteSpan delta = r.finish();
   if (!r.ok()) return std::nullopt;
   return KeyframeMessage{h, delta};

@@ -65,7 +65,10 @@ FlightSeconds timeDecoding(const server::Hierarchy& hierarchy, const std::vector
   };
   const proto::Welcome welcome = server::welcomeTo(hierarchy);
   return leastOfPasses(
-      flight.size(), [&] { return Client{client::Replica(welcome), {}}; },
+      flight.size(),
+      [&] {
+        return Client{client::Replica(welcome), {}};
+      },
       [&](Client& client, size_t i) {
         const auto message = proto::decodeServerMessage(flight[i].message, client.headers);
         CHECK_TRUE(message.ok());

@@ -116,7 +116,8 @@ TEST(KeyframeHeaders, ArriveAsIfEachWereToldByItself) {
   Flight flight(seed, Duration::milliseconds(200), {});
   KeyframeMemory sent_before, taken_before;
   KeyframeHeader last;
-  uint32_t mask_before = 0xffffffff, index_before = 0;
+  uint32_t told = 0, index_before = 0;
+  int in_a_row = 0;
   for (int i = 0; i < 5000; ++i) {
     KeyframeHeader sent = headerFor(flight.next(), last, rng);
     if (rng.below(20) == 0) sent.tau_px = static_cast<float>(rng.uniform(0.1, 9));
@@ -137,9 +138,9 @@ TEST(KeyframeHeaders, ArriveAsIfEachWereToldByItself) {
     const auto& got = std::get<KeyframeMessage>(*message);
     expectSameHeader(got.header, sent);
     const bool is_next = sent.index == index_before + 1;
-    EXPECT_EQ(got.header.fingerprint_mask | (is_next ? mask_before : 0xffffffffu), 0xffffffffu)
-        << "two keyframes in a row tell all of it";
-    mask_before = got.header.fingerprint_mask;
+    told = (is_next && in_a_row < 4 ? told : 0) | got.header.fingerprint_mask;
+    in_a_row = is_next && in_a_row < 4 ? in_a_row + 1 : 1;
+    if (in_a_row == 4) { EXPECT_EQ(told, 0xffffffffu) << "four keyframes in a row tell all of it"; }
     index_before = sent.index;
     EXPECT_EQ(got.delta.data(), bytes.data() + header_bytes);
     EXPECT_EQ(got.delta.size(), bytes.size() - header_bytes);

@@ -418,6 +418,6 @@ class Keyframes:
             upper = [(bits_of(before) >> 16) + by for before, by in zip((last.ball, last.turn), change)]
             require(all(0 <= v <= 0xFFFF for v in upper), "a ball or turn beyond 16 bits")
             region = [float_of(v << 16) for v in upper]
-        shift = 16 * (index & 1)
-        fingerprint = bits.take(16) << shift
-        return index, index - steps[1], time, numbers, [*lens, tau, *region], fingerprint, 0xFFFF << shift, bits.rest()
+        shift = 8 * (index & 3)
+        fingerprint = bits.take(8) << shift
+        return index, index - steps[1], time, numbers, [*lens, tau, *region], fingerprint, 0xFF << shift, bits.rest()
