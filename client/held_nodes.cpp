@@ -37,13 +37,16 @@ proto::Section HeldNodes::newest() const {
 }
 
 HeldNodes::Row::Row(const HeldNodes& nodes, std::span<const Morph> morphs)
-    : nodes_(nodes), morphs_(morphs), begin_(nodes.sets_.size()), between_(nodes.sets_.size()) {
+    : nodes_(nodes), morphs_(morphs), blocks_(nodes.records_.blockCount()) {
   for (const Morph& m : morphs)
     if (weightsOf(m.in) != std::array{m.from, m.to})
-      between_[nodes.records_.block(m.slot)] |= uint64_t{1} << (m.slot % proto::SparseNodes::kBlockSlots);
-  for (uint32_t block : nodes.blocksInOrder()) {
-    const Sets sets = nodes.sets_[block];
-    begin_[block] = size_;
+      blocks_[nodes.records_.block(m.slot)].between |= uint64_t{1} << (m.slot % proto::SparseNodes::kBlockSlots);
+  for (uint32_t number : nodes.blocksInOrder()) {
+    const Sets sets = nodes.sets_[number];
+    blocks_[number].sets = sets;
+    blocks_[number].begin = size_;
+    for (uint64_t left = sets.from | sets.to; left != 0; left &= left - 1)
+      heights_.push_back(nodes.records_.at(number, static_cast<uint32_t>(std::countr_zero(left))).height());
     size_ += static_cast<uint32_t>(std::popcount(sets.from | sets.to));
     from_count_ += static_cast<uint32_t>(std::popcount(sets.from));
     to_count_ += static_cast<uint32_t>(std::popcount(sets.to));

@@ -82,8 +82,8 @@ class HeldNodes::Row {
   struct Found {
     uint32_t position = kAbsent;
     uint8_t in = 0;
-    int32_t height = 0;  // steps
-    std::array<double, 2> weight{};
+    uint32_t block = proto::SparseNodes::kNone;
+    proto::Slot slot = 0;
   };
 
   // `morphs` have nodes of either section; the weight of others is 1 where they are.
@@ -93,23 +93,34 @@ class HeldNodes::Row {
   uint32_t toCount() const { return to_count_; }
 
   Found find(proto::Slot slot) const {
-    const uint32_t block = nodes_.records_.block(slot);
-    const Sets sets = nodes_.sets(block);
-    const uint64_t all = sets.from | sets.to;
+    const uint32_t number = nodes_.records_.block(slot);
+    const Block& block = blocks_[number];
+    const uint64_t all = block.sets.from | block.sets.to;
     const uint32_t at = slot % proto::SparseNodes::kBlockSlots;
     if (!(all >> at & 1)) return {};
-    const uint8_t in = sets.in(slot);
-    return {begin_[block] + static_cast<uint32_t>(std::popcount(all & ((uint64_t{1} << at) - 1))), in,
-            nodes_.records_.at(block, slot).height(), between_[block] >> at & 1 ? weightBetween(slot) : weightsOf(in)};
+    return {block.begin + static_cast<uint32_t>(std::popcount(all & ((uint64_t{1} << at) - 1))), block.sets.in(slot),
+            number, slot};
+  }
+  // Of a node that was found: its height (steps), its weights at the two ends.
+  int32_t height(const Found& node) const { return heights_[node.position]; }
+  std::array<double, 2> weight(const Found& node) const {
+    const bool is_between = blocks_[node.block].between >> (node.slot % proto::SparseNodes::kBlockSlots) & 1;
+    return is_between ? weightBetween(node.slot) : weightsOf(node.in);
   }
 
  private:
+  // What is looked up together.
+  struct Block {
+    Sets sets;
+    uint64_t between = 0;  // nodes with a weight other than 0 outside a section or 1 in it
+    uint32_t begin = 0;    // the position of its first node
+  };
   std::array<double, 2> weightBetween(proto::Slot slot) const;
 
   const HeldNodes& nodes_;
   std::span<const Morph> morphs_;
-  std::vector<uint32_t> begin_;    // of each block, by number
-  std::vector<uint64_t> between_;  // the same: nodes with a weight other than 0 outside a section or 1 in it
+  std::vector<Block> blocks_;     // by number
+  std::vector<int32_t> heights_;  // by position: records lie too far apart to be walked in another order
   uint32_t size_ = 0, from_count_ = 0, to_count_ = 0;
 };
 

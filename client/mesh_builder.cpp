@@ -4,7 +4,6 @@
 #include <glm/geometric.hpp>
 
 #include "client/pack_normal.h"
-#include "client/settle_normals.h"
 
 namespace foreland::client {
 
@@ -23,29 +22,24 @@ void MeshBuilder::run() {
   writePositions();
 }
 
-// Vertices: corners, centres, then the nodes in the order of the union.
+// Vertices: corners, centres, then the nodes.
 void MeshBuilder::placeBase() {
   const proto::GridShape& shape = grid_.shape();
   const uint32_t corners = (shape.roots_x + 1) * (shape.roots_y + 1), size = grid_.rootSize();
-  first_node_ = corners + shape.roots_x * shape.roots_y;
-  const size_t count = first_node_ + nodes_.size();
-  for (int s = 0; s < 2; ++s) {
-    position_[s].resize(count);
-    normal_[s].assign(count, glm::dvec3(0));
-    is_own_[s].assign(count, 1);
-  }
-  endpoints_.assign(count, {kNoEnd, kNoEnd});
-  mesh_.places.resize(count);
+  const size_t count = corners + shape.roots_x * shape.roots_y + nodes_.size();
+  vertices_.reserve(count);
+  numbers_.assign(nodes_.size(), kNoEnd);
+  mesh_.places.reserve(count);
   mesh_.indices.reserve(6 * count);
-  const auto place = [&](uint32_t vertex, uint32_t x, uint32_t y) {
-    mesh_.places[vertex] = {static_cast<float>(x), static_cast<float>(y)};
-    position_[0][vertex] = position_[1][vertex] = knownPlace({static_cast<int32_t>(x), static_cast<int32_t>(y)});
+  const auto place = [&](uint32_t x, uint32_t y) {
+    const glm::dvec4 own = knownPlace({static_cast<int32_t>(x), static_cast<int32_t>(y)});
+    vertices_.push_back({.drawn = {{{own, true}, {own, true}}}});
+    mesh_.places.emplace_back(static_cast<float>(x), static_cast<float>(y));
   };
   for (uint32_t y = 0; y <= shape.roots_y; ++y)
-    for (uint32_t x = 0; x <= shape.roots_x; ++x) place(y * (shape.roots_x + 1) + x, x * size, y * size);
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) place(x * size, y * size);
   for (uint32_t y = 0; y < shape.roots_y; ++y)
-    for (uint32_t x = 0; x < shape.roots_x; ++x)
-      place(corners + y * shape.roots_x + x, x * size + size / 2, y * size + size / 2);
+    for (uint32_t x = 0; x < shape.roots_x; ++x) place(x * size + size / 2, y * size + size / 2);
 }
 
 void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
@@ -65,8 +59,7 @@ void MeshBuilder::visit(const Triangle& t) {
   HeldNodes::Row::Found node;
   if (t.levels > 0)
     node = nodes_.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
-  for (uint8_t section : {kInFrom, kInTo})
-    if ((t.live & section) && !(node.in & section)) addNormal(section, t);
+  if (const uint8_t ends_here = t.live & ~node.in; ends_here != 0) addNormals(ends_here, t);
   if (node.in == 0) return emit(t.a, t.b, t.apex);
   const uint32_t v = splitVertex(t, node);
   const uint8_t live = t.live & node.in;
@@ -78,22 +71,21 @@ void MeshBuilder::visit(const Triangle& t) {
 
 // The vertex of a node, placed when the first of its triangles gets there.
 uint32_t MeshBuilder::splitVertex(const Triangle& t, const HeldNodes::Row::Found& node) {
-  const uint32_t v = first_node_ + node.position;
-  if (endpoints_[v][0] != kNoEnd) return v;
-  endpoints_[v] = {t.a, t.b};
-  mesh_.places[v] = {static_cast<float>(t.m.x), static_cast<float>(t.m.y)};
-  const glm::dvec4 own = placeOf(t.m, node.height);
+  uint32_t& number = numbers_[node.position];
+  if (number != kNoEnd) return number;
+  number = static_cast<uint32_t>(vertices_.size());
+  Vertex vertex{.drawn = {}, .ends = {t.a, t.b}};
+  mesh_.places.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
+  const glm::dvec4 own = placeOf(t.m, nodes_.height(node));
+  const std::array<double, 2> weight = nodes_.weight(node);
   const auto displacement = [&] {
     return own - 0.5 * (knownPlace({t.m.x - t.d.x, t.m.y - t.d.y}) + knownPlace({t.m.x + t.d.x, t.m.y + t.d.y}));
   };
-  for (size_t s = 0; s < 2; ++s) {
-    const auto drawn = [&](uint32_t end) { return Drawn<glm::dvec4>{position_[s][end], is_own_[s][end] != 0}; };
-    const Drawn<glm::dvec4> at = blendPosition(
-        drawn(t.a), drawn(t.b), node.weight[s], [&] { return own; }, displacement);
-    position_[s][v] = at.at;
-    is_own_[s][v] = at.is_own;
-  }
-  return v;
+  for (size_t s = 0; s < 2; ++s)
+    vertex.drawn[s] = blendPosition(
+        vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], [&] { return own; }, displacement);
+  vertices_.push_back(vertex);
+  return number;
 }
 
 glm::dvec4 MeshBuilder::placeOf(Lattice at, int32_t height) const {
@@ -107,11 +99,17 @@ glm::dvec4 MeshBuilder::knownPlace(Lattice at) const {
   return placeOf(at, *replica_.knownHeight(v));
 }
 
-void MeshBuilder::addNormal(uint8_t section, const Triangle& t) {
-  const int s = section == kInFrom ? 0 : 1;
-  const glm::dvec3 a(position_[s][t.a]);
-  const glm::dvec3 n = glm::cross(glm::dvec3(position_[s][t.b]) - a, glm::dvec3(position_[s][t.apex]) - a);
-  for (uint32_t v : {t.a, t.b, t.apex}) normal_[s][v] += n;
+void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {
+  Vertex &a = vertices_[t.a], &b = vertices_[t.b], &apex = vertices_[t.apex];
+  const auto normal = [&](size_t s) {
+    const glm::dvec3 from(a.drawn[s].at);
+    return glm::cross(glm::dvec3(b.drawn[s].at) - from, glm::dvec3(apex.drawn[s].at) - from);
+  };
+  for (size_t s = 0; s < 2; ++s) {
+    if (!(sections >> s & 1)) continue;
+    const glm::dvec3 n = normal(s);
+    for (Vertex* v : {&a, &b, &apex}) v->normal[s] += n;
+  }
 }
 
 void MeshBuilder::emit(uint32_t a, uint32_t b, uint32_t c) {
@@ -154,30 +152,35 @@ uint32_t MeshBuilder::cut(uint32_t inside, uint32_t outside, int axis) {
   glm::vec2 place = p + static_cast<float>(u) * (q - p);
   place[axis] = limit_[axis];
   mesh_.places.push_back(place);
-  for (int s = 0; s < 2; ++s) {
-    position_[s].push_back(position_[s][inside] + u * (position_[s][outside] - position_[s][inside]));
-    normal_[s].push_back(glm::dvec3(0));
+  Vertex vertex{.drawn = {}, .ends = {inside, outside}};
+  for (size_t s = 0; s < 2; ++s) {
+    const glm::dvec4 from = vertices_[inside].drawn[s].at, to = vertices_[outside].drawn[s].at;
+    vertex.drawn[s] = {from + u * (to - from), false};
   }
-  endpoints_.push_back({inside, outside});
+  vertices_.push_back(vertex);
   return it->second;
 }
 
 void MeshBuilder::finishNormals() {
-  for (int s = 0; s < 2; ++s) {
-    settleNormals(endpoints_, normal_[s]);
+  for (size_t s = 0; s < 2; ++s) {
+    settleNormals(
+        vertices_.size(), [this](size_t v) { return vertices_[v].ends; },
+        [this, s](size_t v) -> glm::dvec3& { return vertices_[v].normal[s]; });
     auto& packed = s == 0 ? mesh_.from_normals : mesh_.to_normals;
-    packed.reserve(normal_[s].size());
-    for (const glm::dvec3& n : normal_[s]) packed.push_back(packNormal(n));
+    packed.reserve(vertices_.size());
+    for (const Vertex& v : vertices_) packed.push_back(packNormal(v.normal[s]));
   }
 }
 
 void MeshBuilder::writePositions() {
   mesh_.origin = glm::round(mesh_.to.pose.eye);
-  for (int s = 0; s < 2; ++s) {
+  for (size_t s = 0; s < 2; ++s) {
     auto& out = s == 0 ? mesh_.from_positions : mesh_.to_positions;
-    out.reserve(position_[s].size());
-    for (const glm::dvec4& p : position_[s])
+    out.reserve(vertices_.size());
+    for (const Vertex& v : vertices_) {
+      const glm::dvec4& p = v.drawn[s].at;
       out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
+    }
   }
   mesh_.from_nodes = nodes_.fromCount();
   mesh_.to_nodes = nodes_.toCount();

@@ -13,6 +13,7 @@
 #include "client/blend_position.h"
 #include "client/keyframe_mesh.h"
 #include "client/replica.h"
+#include "client/settle_normals.h"
 
 namespace foreland::client {
 
@@ -34,13 +35,20 @@ class MeshBuilder {
     uint8_t live;
   };
 
+  // At the two ends of the mesh. All that is needed of it stands together, for vertices are met in no order.
+  struct Vertex {
+    std::array<Drawn<glm::dvec4>, 2> drawn;  // scene frame and height, metres
+    std::array<uint32_t, 2> ends{kNoEnd, kNoEnd};
+    std::array<glm::dvec3, 2> normal{};
+  };
+
   void placeBase();
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
   uint32_t splitVertex(const Triangle& t, const HeldNodes::Row::Found& node);
   glm::dvec4 placeOf(Lattice at, int32_t height) const;
   glm::dvec4 knownPlace(Lattice at) const;
-  void addNormal(uint8_t section, const Triangle& t);
+  void addNormals(uint8_t sections, const Triangle& t);
   void emit(uint32_t a, uint32_t b, uint32_t c);
   void clip(std::array<uint32_t, 3> corners);
   uint32_t cut(uint32_t inside, uint32_t outside, int axis);
@@ -53,11 +61,8 @@ class MeshBuilder {
   const HeldNodes::Row nodes_;
   KeyframeMesh& mesh_;
   glm::vec2 limit_;
-  uint32_t first_node_ = 0;                          // vertices before it are base vertices
-  std::array<std::vector<glm::dvec4>, 2> position_;  // at the two ends; scene frame and height, metres
-  std::array<std::vector<uint8_t>, 2> is_own_;       // of base and node vertices: drawn at their own place
-  std::array<std::vector<glm::dvec3>, 2> normal_;
-  std::vector<std::array<uint32_t, 2>> endpoints_;    // of node vertices
+  std::vector<Vertex> vertices_;   // in the order in which the walk meets them, so it finds its last ones near
+  std::vector<uint32_t> numbers_;  // of nodes, by their position in the row
   std::map<std::array<uint32_t, 3>, uint32_t> cuts_;  // inside, outside, axis: the vertex on the border
 };
 

@@ -103,7 +103,8 @@ class ObjectReplica::Builder {
   void finish() {
     const proto::ObjectPlacement& placement = replica_.objects_->placement(replica_.object_);
     for (size_t s = 0; s < 2; ++s) {
-      settleNormals(ends_, normal_[s]);
+      settleNormals(
+          ends_.size(), [&](size_t v) { return ends_[v]; }, [&](size_t v) -> glm::dvec3& { return normal_[s][v]; });
       for (const glm::dvec3& n : normal_[s]) out_.normal[s].push_back(packNormal(placement.orientation * n));
       for (glm::dvec3& p : out_.position[s]) p = placement.toScene(p);
     }

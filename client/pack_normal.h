@@ -12,7 +12,7 @@ namespace foreland::client {
 inline uint32_t packNormal(const glm::dvec3& n) {
   const double length = std::sqrt(glm::dot(n, n));
   const auto byte = [&](double v) {
-    return static_cast<uint32_t>(static_cast<uint8_t>(std::lround(v / length * 127)));
+    return static_cast<uint32_t>(static_cast<uint8_t>(static_cast<int32_t>(std::floor(v / length * 127 + 0.5))));
   };
   return length > 0 ? byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16 : 127u << 16;
 }

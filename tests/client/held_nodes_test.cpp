@@ -55,7 +55,7 @@ class HeldNodesTest : public testing::Test {
     for (Slot slot : both) {
       const HeldNodes::Row::Found found = row.find(slot);
       ASSERT_EQ(found.position, position++);
-      ASSERT_EQ(found.height, heights_.at(slot));
+      ASSERT_EQ(row.height(found), heights_.at(slot));
       ASSERT_EQ(found.in, (from_.count(slot) ? kInFrom : 0) | (to_.count(slot) ? kInTo : 0));
       ASSERT_EQ(held_.in(slot), found.in);
     }
