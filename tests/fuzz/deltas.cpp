@@ -29,7 +29,7 @@ const Begin& beginOf(uint8_t how) {
 
 void run(ByteSpan bytes) {
   static AdaptScratch scratch;
-  static CutDelta delta;
+  CutDelta delta;
   const test::ToyTerrain& terrain = test::toyFlightTerrain();
   if (bytes.empty()) return;
   const uint8_t how = bytes[0];
