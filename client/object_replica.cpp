@@ -14,6 +14,25 @@ namespace foreland::client {
 using proto::NodeId;
 using proto::Slot;
 
+namespace {
+
+// Which nodes are in one of some sections, to be asked often: a bit for each slot up to the largest. Coarse levels come
+// first, so it is small where an object is far; 8 MB at most (ObjectSet::kMaxSlots).
+class SlotSet {
+ public:
+  void insert(const proto::Section& section) {
+    if (section.slots.empty()) return;
+    words_.resize(std::max<size_t>(words_.size(), section.slots.back() / 64 + 1));
+    for (Slot slot : section.slots) words_[slot / 64] |= uint64_t{1} << slot % 64;
+  }
+  bool has(Slot slot) const { return slot / 64 < words_.size() && (words_[slot / 64] >> slot % 64 & 1) != 0; }
+
+ private:
+  std::vector<uint64_t> words_;
+};
+
+}  // namespace
+
 // Numbers vertices as the triangles of the union name them. A vertex is a base vertex, a node of either section, or the
 // middle of an edge where a neighbour is split (S 3.6); where it is no node of a section it lies between its endpoints.
 class ObjectReplica::Builder {
@@ -25,12 +44,17 @@ class ObjectReplica::Builder {
         model_(replica.objects_->modelOf(replica.object_)),
         atlas_(replica.objects_->atlasOf(replica.object_)),
         scale_(mesh_.placeScale()),
-        out_(out) {}
+        out_(out) {
+    in_from_.insert(replica.from_);
+    in_to_.insert(replica.to_);
+    in_either_.insert(replica.from_);
+    in_either_.insert(replica.to_);
+  }
 
   void run() {
-    const auto isInFrom = [this](NodeId n) { return holds(replica_.from_, n); };
-    const auto isInTo = [this](NodeId n) { return holds(replica_.to_, n); };
-    const auto isInEither = [&](NodeId n) { return isInFrom(n) || isInTo(n); };
+    const auto isInFrom = [this](NodeId n) { return in_from_.has(mesh_.slot(n)); };
+    const auto isInTo = [this](NodeId n) { return in_to_.has(mesh_.slot(n)); };
+    const auto isInEither = [this](NodeId n) { return in_either_.has(mesh_.slot(n)); };
     for (uint32_t face = 0; face < mesh_.base().faceCount(); ++face) {
       corners_.clear();
       const auto draw = [&](NodeId a, NodeId b, NodeId c) {
@@ -45,14 +69,13 @@ class ObjectReplica::Builder {
   }
 
  private:
-  bool holds(const proto::Section& section, NodeId n) const { return proto::contains(section, mesh_.slot(n)); }
   glm::dvec3 own(NodeId v) const {
     if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
     return glm::dvec3(replica_.stepsOf(stream_, mesh_.slot(v))) * model_.step_m;
   }
   std::array<double, 2> weights(NodeId n) const {
     if (const Morph* m = findMorph(replica_.morphs_.all(), mesh_.slot(n))) return {m->from, m->to};
-    const double weight = holds(replica_.section_, n) ? 1 : 0;
+    const double weight = proto::contains(replica_.section_, mesh_.slot(n)) ? 1 : 0;
     return {weight, weight};
   }
 
@@ -117,6 +140,7 @@ class ObjectReplica::Builder {
   const proto::AtlasLayout atlas_;
   const double scale_;
   Vertices& out_;
+  SlotSet in_from_, in_to_, in_either_;
   std::unordered_map<NodeId, uint32_t> corners_;  // of the face at hand
   std::vector<std::array<uint32_t, 2>> ends_;     // of each vertex's edge
   std::array<std::vector<uint8_t>, 2> is_own_;    // each is drawn at its own place
