@@ -101,13 +101,10 @@ glm::dvec4 MeshBuilder::knownPlace(Lattice at) const {
 
 void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {
   Vertex &a = vertices_[t.a], &b = vertices_[t.b], &apex = vertices_[t.apex];
-  const auto normal = [&](size_t s) {
-    const glm::dvec3 from(a.drawn[s].at);
-    return glm::cross(glm::dvec3(b.drawn[s].at) - from, glm::dvec3(apex.drawn[s].at) - from);
-  };
   for (size_t s = 0; s < 2; ++s) {
     if (!(sections >> s & 1)) continue;
-    const glm::dvec3 n = normal(s);
+    const glm::dvec3 from(a.drawn[s].at);
+    const glm::dvec3 n = glm::cross(glm::dvec3(b.drawn[s].at) - from, glm::dvec3(apex.drawn[s].at) - from);
     for (Vertex* v : {&a, &b, &apex}) v->normal[s] += n;
   }
 }

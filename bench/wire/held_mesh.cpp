@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include "client/replica.h"
+#include "bench/wire/wire_client.h"
 #include "server/section/sender.h"
-#include "server/session/world.h"
 
 namespace foreland::bench {
 
@@ -47,13 +46,10 @@ HeldMesh meshHeldFor(const server::Hierarchy& hierarchy, const proto::View& view
   Bytes message;
   sender.send(view, Time{}, scratch, message);
   held.bytes = message.size();
-  const auto decoded = proto::decodeServerMessage(message);
-  CHECK_TRUE(decoded.ok());
-  const auto& keyframe = std::get<proto::KeyframeMessage>(*decoded);
-  client::Replica replica(server::welcomeTo(hierarchy));
-  CHECK_TRUE(replica.apply(keyframe.header, keyframe.delta).ok());
-  takeMesh(replica.buildMesh(), hierarchy.scene().frame().height_step_m, held);
-  takeNodes(replica, held);
+  WireClient client(hierarchy);
+  client.take(message);
+  takeMesh(client.replica().buildMesh(), hierarchy.scene().frame().height_step_m, held);
+  takeNodes(client.replica(), held);
   return held;
 }
 

@@ -3,8 +3,7 @@
 #include "bench/wire/digest.h"
 #include "bench/wire/framing.h"
 #include "bench/wire/times.h"
-#include "client/replica.h"
-#include "server/session/world.h"
+#include "bench/wire/wire_client.h"
 
 namespace foreland::bench {
 
@@ -19,13 +18,6 @@ struct Sum {
   double objectBits() const { return object_structure_bits + object_place_bits; }
   double changed() const { return added + removed; }
 };
-
-void take(client::Replica& replica, proto::KeyframeMemory& headers, const RecordedKeyframe& keyframe) {
-  const auto message = proto::decodeServerMessage(keyframe.message, headers);
-  CHECK_TRUE(message.ok());
-  const auto& decoded = std::get<proto::KeyframeMessage>(*message);
-  CHECK_TRUE(replica.apply(decoded.header, decoded.delta).ok());
-}
 
 // Both ends must hold the same, heights included.
 void compare(const client::Replica& replica, const server::Hierarchy& hierarchy, size_t nodes) {
@@ -69,15 +61,14 @@ void shareTimes(const WireTimes& times, double first_nodes, double changed, Wire
 
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                       const std::vector<RecordedKeyframe>& flight, Duration keyframe_interval) {
-  client::Replica replica(server::welcomeTo(hierarchy));
-  proto::KeyframeMemory headers;
+  WireClient client(hierarchy);
   WireCosts costs;
   Sum first, rest, all;
   for (size_t i = 0; i < flight.size(); ++i) {
     const RecordedKeyframe& k = flight[i];
     Sum& sum = i == 0 ? first : rest;
-    take(replica, headers, k);
-    compare(replica, hierarchy, k.nodes);
+    client.take(k.message);
+    compare(client.replica(), hierarchy, k.nodes);
     const size_t header_bytes = k.message.size() - k.delta_bytes;
     const double framing_bits =
         8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
@@ -111,7 +102,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<prot
   if (all.object_added > 0) shareObjects(all, costs);
   costs.kbit_per_s = 1e-3 * (rest.bits() + rest.objectBits()) / (keyframes * keyframe_interval.toSeconds());
   shareTimes(timeWire(hierarchy, views, flight, keyframe_interval), first.added, rest.changed(), costs);
-  costs.digest = digestOf(replica);
+  costs.digest = digestOf(client.replica());
   return costs;
 }
 

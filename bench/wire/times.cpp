@@ -5,8 +5,7 @@
 
 #include "base/check.h"
 #include "bench/timing.h"
-#include "client/replica.h"
-#include "server/session/world.h"
+#include "bench/wire/wire_client.h"
 
 namespace foreland::bench {
 
@@ -59,22 +58,9 @@ FlightSeconds timeSending(const server::Hierarchy& hierarchy, const std::vector<
 }
 
 FlightSeconds timeDecoding(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight) {
-  struct Client {
-    client::Replica replica;
-    proto::KeyframeMemory headers;
-  };
-  const proto::Welcome welcome = server::welcomeTo(hierarchy);
   return leastOfPasses(
-      flight.size(),
-      [&] {
-        return Client{client::Replica(welcome), {}};
-      },
-      [&](Client& client, size_t i) {
-        const auto message = proto::decodeServerMessage(flight[i].message, client.headers);
-        CHECK_TRUE(message.ok());
-        const auto& keyframe = std::get<proto::KeyframeMessage>(*message);
-        CHECK_TRUE(client.replica.apply(keyframe.header, keyframe.delta).ok());
-      });
+      flight.size(), [&] { return WireClient(hierarchy); },
+      [&](WireClient& client, size_t i) { client.take(flight[i].message); });
 }
 
 }  // namespace
