@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "proto/atlas_layout.h"
+#include "proto/topology/atlas_layout.h"
 #include "terrain/remesh/original.h"
 #include "terrain/surface/surface.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "client/morphs.h"
-#include "proto/node_tables.h"
-#include "proto/section.h"
+#include "proto/section/node_tables.h"
+#include "proto/section/section.h"
 
 namespace foreland::client {
 

@@ -10,7 +10,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "proto/message.h"
+#include "proto/message/message.h"
 
 namespace foreland::client {
 
@@ -22,7 +22,7 @@ struct BlendMesh {
   // Unit normals of the two ends' own surfaces, as signed bytes x, y, z, 0.
   std::vector<uint32_t> from_normals, to_normals;
   // The parameter that a vertex keeps whatever its position is: its lattice position; of objects its place in the
-  // model's image (proto/atlas_layout.h), so that a vertex on a base edge stands there once for each face.
+  // model's image (proto/topology/atlas_layout.h), so that a vertex on a base edge stands there once for each face.
   std::vector<glm::vec2> places;
   // Triangles, counter-clockwise seen from above or outside.
   std::vector<uint32_t> indices;

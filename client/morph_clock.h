@@ -20,7 +20,7 @@
 #include "client/blend.h"
 #include "proto/refine/frustum.h"
 #include "proto/refine/toll.h"
-#include "proto/view.h"
+#include "proto/space/view.h"
 
 namespace foreland::client {
 

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "proto/section.h"
+#include "proto/section/section.h"
 
 namespace foreland::client {
 

@@ -7,7 +7,7 @@
 #include "client/blend_position.h"
 #include "client/pack_normal.h"
 #include "client/settle_normals.h"
-#include "proto/mesh_triangles.h"
+#include "proto/topology/mesh_triangles.h"
 
 namespace foreland::client {
 

@@ -13,7 +13,7 @@
 #include "client/keyframe_mesh.h"
 #include "client/morph_clock.h"
 #include "client/morphs.h"
-#include "proto/object_stream.h"
+#include "proto/codec/object_stream.h"
 
 namespace foreland::client {
 

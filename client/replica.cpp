@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/mesh_builder.h"
-#include "proto/section_codec.h"
+#include "proto/codec/section_codec.h"
 
 namespace foreland::client {
 

@@ -11,10 +11,10 @@
 #include "client/keyframe_mesh.h"
 #include "client/morph_clock.h"
 #include "client/object_replica.h"
-#include "proto/delta_codec.h"
-#include "proto/frame_grid.h"
-#include "proto/message.h"
-#include "proto/object_stream.h"
+#include "proto/codec/delta_codec.h"
+#include "proto/codec/object_stream.h"
+#include "proto/message/message.h"
+#include "proto/space/frame_grid.h"
 
 namespace foreland::client {
 

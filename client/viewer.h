@@ -13,8 +13,8 @@
 #include "client/keyframe_mesh.h"
 #include "client/replica.h"
 #include "client/timeline.h"
-#include "proto/frame_grid.h"
-#include "proto/message.h"
+#include "proto/message/message.h"
+#include "proto/space/frame_grid.h"
 
 namespace foreland::client {
 

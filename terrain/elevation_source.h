@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "proto/frame.h"
+#include "proto/space/frame.h"
 
 namespace foreland::terrain {
 

@@ -105,11 +105,11 @@ def lies(root):
 
 
 PLANTED = {
-    "README.md": "`proto/node.h` `proto/gone.h` `build/x` `proto/*.h` `proto/*.txt` [a](docs/A.md) [b](docs/B.md) `word`\n"
+    "README.md": "`proto/topology/node.h` `proto/gone.h` `build/x` `proto/*.h` `proto/*.txt` [a](docs/A.md) [b](docs/B.md) `word`\n"
                  "## `foreland fly`: fly\n",
     "docs/A.md": "`C.md` `../outside` `A.md` `proto/`\n",
     "docs/THREADS.md": "`server/a.h`: one\n",
-    "proto/node.h": "// see docs/A.md and docs/GONE.md\n",
+    "proto/topology/node.h": "// see docs/A.md and docs/GONE.md\n",
     "server/a.h": "std::mutex m;\n",
     "server/a.cpp": "std::mutex m;\n",
     "server/b.cpp": "// std::mutex\nstd::shared_mutex m;\n",

@@ -15,36 +15,39 @@ import tempfile
 import source_files
 
 # A room is a folder; a file belongs to the deepest room that holds it. Each room sees itself and what is listed.
-SEES = {
-    "base": [],
-    "proto": ["base"],
-    "terrain": ["base", "proto"],  # elevation_source.h and its like: what the rooms below share
-    "terrain/geo": ["base", "proto", "terrain"],
-    "terrain/store": ["base", "proto", "terrain"],
-    "terrain/bounds": ["base", "proto", "terrain", "terrain/store"],
-    "terrain/dem": ["base", "proto", "terrain", "terrain/geo"],
-    "terrain/surface": ["base", "proto", "terrain"],
-    "terrain/build": ["base", "proto", "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem",
+PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine", "proto/codec", "proto/message"]
+PROTO = ["base", *PROTO_ROOMS]
+SEES = {"base": []}
+for at, room in enumerate(PROTO_ROOMS):
+    SEES[room] = ["base", *PROTO_ROOMS[:at]]
+SEES |= {
+    "terrain": PROTO,  # elevation_source.h and its like: what the rooms below share
+    "terrain/geo": [*PROTO, "terrain"],
+    "terrain/store": [*PROTO, "terrain"],
+    "terrain/bounds": [*PROTO, "terrain", "terrain/store"],
+    "terrain/dem": [*PROTO, "terrain", "terrain/geo"],
+    "terrain/surface": [*PROTO, "terrain"],
+    "terrain/build": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem",
                       "terrain/surface", "terrain/surface_store", "terrain/objects"],
-    "terrain/model": ["base", "proto", "terrain"],
-    "terrain/compare": ["base", "proto", "terrain"],  # judges the remesher and shares no code with it
-    "terrain/surface_store": ["base", "proto", "terrain", "terrain/store", "terrain/surface"],
-    "terrain/objects": ["base", "proto", "terrain", "terrain/store", "terrain/surface", "terrain/surface_store"],
-    "terrain/remesh": ["base", "proto", "terrain", "terrain/model", "terrain/compare", "terrain/surface",
+    "terrain/model": [*PROTO, "terrain"],
+    "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
+    "terrain/surface_store": [*PROTO, "terrain", "terrain/store", "terrain/surface"],
+    "terrain/objects": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store"],
+    "terrain/remesh": [*PROTO, "terrain", "terrain/model", "terrain/compare", "terrain/surface",
                        "terrain/surface_store"],
 }
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
-SERVER_SEES = ["base", "proto", "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
+SERVER_SEES = [*PROTO, "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
                "terrain/surface_store", "terrain/objects"]
 SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/sched", "server/session", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
 
-SEES["client"] = ["base", "proto"]
-SEES["client/wasm"] = ["base", "proto", "client"]
-SEES["client/fly/net"] = ["base", "proto", "client"]
-SEES["client/fly"] = ["base", "proto", "client", "client/fly/net"]
+SEES["client"] = PROTO
+SEES["client/wasm"] = [*PROTO, "client"]
+SEES["client/fly/net"] = [*PROTO, "client"]
+SEES["client/fly"] = [*PROTO, "client", "client/fly/net"]
 
 LIBRARIES = sorted(SEES)
 SEES["bench/programs"] = ["base"]
@@ -71,10 +74,10 @@ THIRD_PARTY = [
     (r"benchmark/", "Google Benchmark", ["bench"]),
     (r"(gtest|gmock|rapidcheck)[/.]", "a test framework", TESTS),
     (r"(spdlog|fmt|nlohmann|zstd|xxhash|tbb|oneapi)[/.]", "a library that WebAssembly lacks",
-     [r for r in SEES if r not in ("base", "proto", "client", "client/wasm")]),
+     [r for r in SEES if r not in (*PROTO, "client", "client/wasm")]),
     (r"(chrono|thread|mutex|shared_mutex|condition_variable|future|fstream|filesystem|iostream|stop_token)$",
      "clocks, threads, files or streams in a room that is also compiled to WebAssembly",
-     [r for r in SEES if r not in ("base", "proto", "client", "client/wasm")]),
+     [r for r in SEES if r not in (*PROTO, "client", "client/wasm")]),
 ]
 
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
@@ -100,6 +103,8 @@ def top(room):
 def judge_include(path, room, quoted, target):
     """What is wrong with this include, or None."""
     target_room = room_of(target)
+    if quoted and ".." in target.split("/"):
+        return f'include "{target}" by its path from the root'
     if target_room is None:
         if quoted and "/" not in target and target.startswith(tuple("abcdefghijklmnopqrstuvwxyz")) and \
                 os.path.exists(os.path.join(source_files.ROOT, os.path.dirname(path), target)):
@@ -108,8 +113,6 @@ def judge_include(path, room, quoted, target):
             if re.match(pattern, target) and room not in rooms:
                 return f"{room} must not use {name} (<{target}>); allowed in: {', '.join(rooms)}"
         return None
-    if ".." in target.split("/"):
-        return f'include "{target}" by its path from the root'
     if target_room == room or target_room in SEES[room]:
         return None
     return f"{room} must not include {target_room} ({target}); it sees: {', '.join(SEES[room]) or 'only itself'}"
@@ -134,14 +137,14 @@ def violations(root):
 
 PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("base/a.h", "#pragma once\n", ""),
-    ("proto/a.h", '#include "base/a.h"\n#include <glm/vec3.hpp>\n', ""),
-    ("base/b.h", '#include "proto/a.h"\n', "base must not include proto"),
+    ("proto/space/a.h", '#include "base/a.h"\n#include <glm/vec3.hpp>\n', ""),
+    ("base/b.h", '#include "proto/space/a.h"\n', "base must not include proto/space"),
     ("client/a.cpp", '#include "server/net/a.h"\n', "client must not include server/net"),
     ("client/b.cpp", '#include "terrain/a.h"\n', "client must not include terrain"),
     ("client/c.cpp", "#include <spdlog/spdlog.h>\n", "a library that WebAssembly lacks"),
     ("server/sched/c.cpp", "#include <chrono>\nc.wait_for(l, std::chrono::microseconds(1));\n", ""),
     ("base/c.h", "#include <chrono>\n", "also compiled to WebAssembly"),
-    ("proto/b.h", "#include <mutex>\n", "also compiled to WebAssembly"),
+    ("proto/codec/b.h", "#include <mutex>\n", "also compiled to WebAssembly"),
     ("server/view/a.h", '#include "server/section/a.h"\n', "server/view must not include server/section"),
     ("server/session/a.h", '#include "server/sched/a.h"\n#include "terrain/store/a.h"\n', ""),
     ("server/session/b.h", '#include "terrain/dem/a.h"\n', "server/session must not include terrain/dem"),
@@ -154,15 +157,18 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("terrain/dem/b.cpp", "#include <gdal.h>\n#include <cpl_conv.h>\n#include <OpenEXR/ImfInputFile.h>\n", ""),
     ("terrain/dem/c.cpp", "#include <GeographicLib/Geocentric.hpp>\n", "must not use GeographicLib"),
     ("terrain/build/c.cpp", '#include "apps/a.h"\n', "must not include apps"),
-    ("proto/c.h", '#include "tests/support/a.h"\n', "must not include tests"),
+    ("proto/codec/c.h", '#include "tests/support/a.h"\n', "must not include tests"),
     ("tests/terrain/b.cpp", '#include "bench/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
     ("bench/b.cpp", '#include "client/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
     ("tests/support/b.h", '#include "bench/a.h"\n', ""),
     ("bench/d.cpp", "#include <draco/mesh/mesh.h>\n", "must not use a mesh codec"),
     ("bench/wire/peers/a.cpp", '#include "bench/programs/a.h"\n#include <meshoptimizer.h>\n#include <zlib.h>\n', ""),
-    ("bench/wire/peers/b.cpp", '#include "proto/a.h"\n', "must not include proto"),
+    ("bench/wire/peers/b.cpp", '#include "proto/space/a.h"\n', "must not include proto/space"),
     ("bench/c.cpp", '#include "tests/support/a.h"\n', "must not include tests"),
-    ("proto/d.h", '#include "proto/../base/a.h"\n', "by its path from the root"),
+    ("proto/space/d.h", '#include "proto/../base/a.h"\n', "by its path from the root"),
+    ("proto/section/e.h", '#include "proto/refine/a.h"\n', "proto/section must not include proto/refine"),
+    ("proto/message/e.h", '#include "proto/codec/a.h"\n', ""),
+    ("proto/e.h", "#pragma once\n", "lies in no room"),
     ("elsewhere/a.h", "#pragma once\n", "lies in no room"),
 ]
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "proto/refine/metric.h"
-#include "proto/section.h"
+#include "proto/section/section.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::bench {

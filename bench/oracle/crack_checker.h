@@ -11,7 +11,7 @@
 #include <string>
 
 #include "client/keyframe_mesh.h"
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::bench {
 

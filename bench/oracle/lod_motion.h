@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/keyframe_mesh.h"
-#include "proto/pose.h"
+#include "proto/space/pose.h"
 
 namespace foreland::bench {
 

@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "client/keyframe_mesh.h"
-#include "proto/frame_grid.h"
-#include "proto/grid.h"
-#include "proto/pose.h"
+#include "proto/space/frame_grid.h"
+#include "proto/space/pose.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::bench {
 

@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "proto/pose.h"
+#include "proto/space/pose.h"
 
 namespace foreland::bench {
 

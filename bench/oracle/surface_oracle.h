@@ -22,7 +22,7 @@
 #include <span>
 #include <vector>
 
-#include "proto/pose.h"
+#include "proto/space/pose.h"
 
 namespace foreland::bench {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "proto/path.h"
-#include "proto/view.h"
+#include "proto/space/path.h"
+#include "proto/space/view.h"
 #include "server/view/sweep.h"
 
 namespace foreland::bench {

@@ -7,7 +7,7 @@
 
 #include "bench/surfaces/draw.h"
 #include "bench/timing.h"
-#include "proto/surface_nodes.h"
+#include "proto/refine/surface_nodes.h"
 
 namespace foreland::bench {
 

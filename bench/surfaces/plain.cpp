@@ -1,6 +1,6 @@
 #include "bench/surfaces/plain.h"
 
-#include "proto/mesh_triangles.h"
+#include "proto/topology/mesh_triangles.h"
 
 namespace foreland::bench {
 

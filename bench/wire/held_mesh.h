@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/wire/peers/peer_mesh.h"
-#include "proto/view.h"
+#include "proto/space/view.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::bench {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "proto/view.h"
+#include "proto/space/view.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::bench {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "client/fly/track.h"
-#include "proto/frame.h"
-#include "proto/grid.h"
-#include "proto/path.h"
+#include "proto/space/frame.h"
+#include "proto/space/path.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::client {
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "proto/refine/frontier.h"
-#include "proto/section.h"
+#include "proto/section/section.h"
 
 namespace foreland::proto {
 

@@ -11,8 +11,8 @@
 #include <limits>
 #include <vector>
 
-#include "proto/bounds.h"
 #include "proto/refine/metric.h"
+#include "proto/section/bounds.h"
 
 namespace foreland::proto {
 

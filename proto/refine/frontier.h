@@ -12,10 +12,10 @@
 #include <span>
 #include <vector>
 
-#include "proto/bounds.h"
 #include "proto/refine/entry_pool.h"
 #include "proto/refine/metric.h"
 #include "proto/refine/slot_bits.h"
+#include "proto/section/bounds.h"
 
 namespace foreland::proto {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 
-#include "proto/trig.h"
-#include "proto/view.h"
+#include "proto/space/trig.h"
+#include "proto/space/view.h"
 
 namespace foreland::proto {
 

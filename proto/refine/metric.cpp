@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "proto/trig.h"
+#include "proto/space/trig.h"
 
 namespace foreland::proto {
 

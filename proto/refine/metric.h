@@ -23,9 +23,9 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "proto/bounds.h"
 #include "proto/refine/toll.h"
-#include "proto/view.h"
+#include "proto/section/bounds.h"
+#include "proto/space/view.h"
 
 namespace foreland::proto {
 

@@ -9,7 +9,7 @@
 
 #include "proto/refine/metric.h"
 #include "proto/refine/terrain_domain.h"
-#include "proto/section.h"
+#include "proto/section/section.h"
 
 namespace foreland::proto {
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 
-#include "proto/bounds.h"
 #include "proto/refine/surface_domain.h"
+#include "proto/section/bounds.h"
 
 namespace foreland::proto {
 

@@ -2,9 +2,9 @@
 // they are tested. Immutable; any thread; the topology must outlive it.
 #pragma once
 
-#include "proto/bounds.h"
-#include "proto/mesh_topology.h"
 #include "proto/refine/surface_metric.h"
+#include "proto/section/bounds.h"
+#include "proto/topology/mesh_topology.h"
 
 namespace foreland::proto {
 

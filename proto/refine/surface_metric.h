@@ -37,8 +37,8 @@
 
 #include "proto/refine/frustum.h"
 #include "proto/refine/toll.h"
-#include "proto/surface_bounds.h"
-#include "proto/view.h"
+#include "proto/section/surface_bounds.h"
+#include "proto/space/view.h"
 
 namespace foreland::proto {
 

@@ -3,10 +3,10 @@
 // Immutable; any thread.
 #pragma once
 
-#include "proto/bounds.h"
-#include "proto/frame_grid.h"
-#include "proto/grid.h"
 #include "proto/refine/metric.h"
+#include "proto/section/bounds.h"
+#include "proto/space/frame_grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::proto {
 

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <utility>
 
-#include "proto/message.h"
+#include "proto/message/message.h"
 
 namespace foreland::server {
 namespace beast = boost::beast;

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "proto/delta_codec.h"
-#include "proto/objects.h"
+#include "proto/codec/delta_codec.h"
+#include "proto/refine/objects.h"
 #include "proto/refine/refine.h"
 #include "proto/refine/terrain_domain.h"
 #include "terrain/store/scene.h"

@@ -5,10 +5,10 @@
 
 #include <optional>
 
-#include "proto/message.h"
-#include "proto/object_stream.h"
-#include "proto/section_codec.h"
-#include "proto/surface_nodes.h"
+#include "proto/codec/object_stream.h"
+#include "proto/codec/section_codec.h"
+#include "proto/message/message.h"
+#include "proto/refine/surface_nodes.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {

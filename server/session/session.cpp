@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "proto/section_codec.h"
+#include "proto/codec/section_codec.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 

@@ -16,7 +16,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/message.h"
+#include "proto/message/message.h"
 #include "server/section/budget.h"
 #include "server/section/sender.h"
 #include "server/session/clock_map.h"

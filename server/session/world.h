@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "proto/message.h"
+#include "proto/message/message.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "proto/message.h"
-#include "proto/path.h"
+#include "proto/message/message.h"
+#include "proto/space/path.h"
 
 namespace foreland::server {
 

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "proto/pose.h"
+#include "proto/space/pose.h"
 
 namespace foreland::server {
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "proto/path.h"
+#include "proto/space/path.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::server {

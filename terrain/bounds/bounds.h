@@ -12,8 +12,8 @@
 #include <functional>
 #include <span>
 
-#include "proto/frame_grid.h"
-#include "proto/grid.h"
+#include "proto/space/frame_grid.h"
+#include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 #include "terrain/store/scene.h"
 

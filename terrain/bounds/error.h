@@ -11,8 +11,8 @@
 
 #include <vector>
 
-#include "proto/frame.h"
-#include "proto/grid.h"
+#include "proto/space/frame.h"
+#include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 
 namespace foreland::terrain {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 #include "terrain/bounds/node_row.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::terrain {
 

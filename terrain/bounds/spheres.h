@@ -1,6 +1,6 @@
-// Saturated spheres, row by row: about the middle of each node's edge (proto/bounds.h), large enough for its children's
-// spheres (bounds.h). A SphereRows keeps the rows of children that neighbouring rows of parents share. One owner; reads
-// nodes of the next finer level only.
+// Saturated spheres, row by row: about the middle of each node's edge (proto/section/bounds.h), large enough for its
+// children's spheres (bounds.h). A SphereRows keeps the rows of children that neighbouring rows of parents share. One
+// owner; reads nodes of the next finer level only.
 #pragma once
 
 #include <array>
@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "proto/bounds.h"
-#include "proto/frame.h"
-#include "proto/grid.h"
+#include "proto/section/bounds.h"
+#include "proto/space/frame.h"
+#include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 #include "terrain/bounds/node_row.h"
 #include "terrain/store/scene.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "proto/frame.h"
+#include "proto/space/frame.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/raster.h"
 

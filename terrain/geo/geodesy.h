@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "base/result.h"
-#include "proto/frame.h"
+#include "proto/space/frame.h"
 
 namespace foreland::terrain {
 

@@ -1,5 +1,5 @@
 // Colours of a model, carried to the base faces of its remesh: one image for all
-// (proto/atlas_layout.h). Textures and vertex colours are looked up where the original lies under each
+// (proto/topology/atlas_layout.h). Textures and vertex colours are looked up where the original lies under each
 // texel, so seams of the model's own texture coordinates do no harm. The result does not depend on the number of
 // threads.
 #pragma once

@@ -9,8 +9,8 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/frame.h"
-#include "proto/grid.h"
+#include "proto/space/frame.h"
+#include "proto/topology/grid.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/sections.h"
 

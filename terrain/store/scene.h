@@ -12,9 +12,9 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/bounds.h"
-#include "proto/frame.h"
-#include "proto/grid.h"
+#include "proto/section/bounds.h"
+#include "proto/space/frame.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::terrain {
 

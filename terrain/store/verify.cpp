@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "proto/frame_grid.h"
+#include "proto/space/frame_grid.h"
 #include "terrain/parallel.h"
 #include "terrain/store/faults.h"
 #include "terrain/store/mapped_scene.h"

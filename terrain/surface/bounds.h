@@ -26,7 +26,7 @@
 #include <functional>
 #include <vector>
 
-#include "proto/surface_bounds.h"
+#include "proto/section/surface_bounds.h"
 #include "terrain/surface/error_shape.h"
 #include "terrain/surface/surface.h"
 

@@ -1,11 +1,11 @@
-// Fitting error shapes (proto/surface_bounds.h) to errors. An error vector counts by its parts along and across the
-// normal. Pure; any thread.
+// Fitting error shapes (proto/section/surface_bounds.h) to errors. An error vector counts by its parts along and across
+// the normal. Pure; any thread.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "proto/surface_bounds.h"
+#include "proto/section/surface_bounds.h"
 
 namespace foreland::terrain {
 

@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "proto/mesh_triangles.h"
+#include "proto/topology/mesh_triangles.h"
 
 namespace foreland::terrain {
 

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "proto/mesh_topology.h"
+#include "proto/topology/mesh_topology.h"
 
 namespace foreland::terrain {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "proto/mesh_topology.h"
+#include "proto/topology/mesh_topology.h"
 
 namespace foreland::terrain {
 

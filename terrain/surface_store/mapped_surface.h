@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/result.h"
-#include "proto/mesh_topology.h"
+#include "proto/topology/mesh_topology.h"
 #include "terrain/store/mapped_file.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/verify.h"

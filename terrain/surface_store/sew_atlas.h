@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
-#include "proto/atlas_layout.h"
-#include "proto/base_mesh.h"
+#include "proto/topology/atlas_layout.h"
+#include "proto/topology/base_mesh.h"
 #include "terrain/surface_store/surface_format.h"
 
 namespace foreland::terrain {

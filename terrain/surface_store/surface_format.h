@@ -8,9 +8,9 @@
 #include <type_traits>
 
 #include "base/result.h"
-#include "proto/atlas_layout.h"
-#include "proto/mesh_topology.h"
-#include "proto/surface_bounds.h"
+#include "proto/section/surface_bounds.h"
+#include "proto/topology/atlas_layout.h"
+#include "proto/topology/mesh_topology.h"
 #include "terrain/store/sections.h"
 
 namespace foreland::terrain {

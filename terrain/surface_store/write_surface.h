@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/result.h"
-#include "proto/surface_bounds.h"
+#include "proto/section/surface_bounds.h"
 #include "terrain/store/scene.h"
 #include "terrain/surface/surface.h"
 #include "terrain/surface_store/surface_format.h"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bench/surfaces/plain.h"
-#include "proto/atlas_layout.h"
+#include "proto/topology/atlas_layout.h"
 #include "terrain/surface/bounds.h"
 #include "tests/support/surface_views.h"
 #include "tests/support/surfaces.h"

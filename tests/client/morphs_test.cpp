@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/rng.h"
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::client {
 namespace {

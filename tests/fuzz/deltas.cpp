@@ -1,7 +1,7 @@
 // Any bytes as cut deltas one after the other, from nothing or from a presented section (tests/fuzz/toy_flight.h): each
 // leads to a closed section, or is an Error.
 #include "base/check.h"
-#include "proto/delta_codec.h"
+#include "proto/codec/delta_codec.h"
 #include "tests/fuzz/toy_flight.h"
 
 namespace foreland::proto {

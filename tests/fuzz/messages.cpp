@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
-#include "proto/message.h"
+#include "proto/message/message.h"
 
 namespace foreland::proto {
 namespace {

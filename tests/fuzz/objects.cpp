@@ -1,7 +1,7 @@
 // Any bytes as changes of objects, keyframe after keyframe (tests/fuzz/toy_objects.h): each leads to closed sections
 // whose nodes have places, or is refused.
 #include "base/check.h"
-#include "proto/object_stream.h"
+#include "proto/codec/object_stream.h"
 #include "tests/fuzz/toy_objects.h"
 
 namespace foreland::proto {
@@ -11,7 +11,7 @@ void validate(const ObjectStream& stream, size_t object) {
   stream.cut(object).validate();
   for (const Slot slot : stream.section(object).slots) {
     const glm::ivec3& at = stream.position(object, slot);
-    for (int axis = 0; axis < 3; ++axis) CHECK_LE(std::abs(at[axis]), kMaxObjectSteps);
+    for (int axis = 0; axis < 3; ++axis) CHECK_LE(std::abs(at[axis]), kMaxObjectQuanta);
   }
 }
 

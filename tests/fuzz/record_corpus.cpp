@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "proto/delta_codec.h"
-#include "proto/object_stream.h"
-#include "proto/section_codec.h"
+#include "proto/codec/delta_codec.h"
+#include "proto/codec/object_stream.h"
+#include "proto/codec/section_codec.h"
 #include "tests/fuzz/section_grids.h"
 #include "tests/fuzz/toy_flight.h"
 #include "tests/fuzz/toy_objects.h"

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::test {
 

@@ -1,8 +1,8 @@
 // Any bytes as the sections that a client presents to go on with: closed sections, which can be said again, or an
 // Error. First byte: which grid, and whether objects stand on it.
 #include "base/check.h"
-#include "proto/section_codec.h"
-#include "proto/surface_cut.h"
+#include "proto/codec/section_codec.h"
+#include "proto/codec/surface_cut.h"
 #include "tests/fuzz/section_grids.h"
 #include "tests/fuzz/toy_objects.h"
 

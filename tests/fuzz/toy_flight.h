@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "base/bytes.h"
-#include "proto/pose.h"
+#include "proto/space/pose.h"
 #include "tests/support/toy_terrain.h"
 
 namespace foreland::test {

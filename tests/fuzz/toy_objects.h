@@ -2,7 +2,7 @@
 // terrain do (toy_flight.h).
 #pragma once
 
-#include "proto/objects.h"
+#include "proto/refine/objects.h"
 #include "tests/fuzz/toy_flight.h"
 
 namespace foreland::test {

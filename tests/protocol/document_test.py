@@ -26,10 +26,10 @@ class Document(unittest.TestCase):
 
     def test_shows_the_schema_that_is_compiled(self):
         shown = re.search(r"```fbs\n(.*?)```", self.document, re.DOTALL)
-        self.assertEqual(statements(shown[1]), statements(read("proto/message.fbs")))
+        self.assertEqual(statements(shown[1]), statements(read("proto/message/message.fbs")))
 
     def test_is_of_the_version_that_is_spoken(self):
-        spoken = int(re.search(r"kProtocolVersion = (\d+);", read("proto/message.h"))[1])
+        spoken = int(re.search(r"kProtocolVersion = (\d+);", read("proto/message/message.h"))[1])
         self.assertEqual(int(re.search(r"^Version (\d+)\.", self.document, re.MULTILINE)[1]), spoken)
         self.assertEqual(wire.VERSION, spoken)
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "proto/message.h"
-#include "proto/section_codec.h"
+#include "proto/codec/section_codec.h"
+#include "proto/message/message.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::test {

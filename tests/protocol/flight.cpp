@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "proto/section_codec.h"
+#include "proto/codec/section_codec.h"
 #include "server/session/session.h"
 #include "tests/protocol/expectation.h"
 #include "tests/protocol/scripts.h"

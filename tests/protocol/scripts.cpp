@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proto/message.h"
+#include "proto/message/message.h"
 #include "terrain/surface/bounds.h"
 #include "tests/support/scene.h"
 #include "tests/support/surfaces.h"

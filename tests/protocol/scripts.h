@@ -9,7 +9,7 @@
 
 #include "base/bytes.h"
 #include "base/time.h"
-#include "proto/pose.h"
+#include "proto/space/pose.h"
 #include "server/session/session.h"
 #include "server/session/world.h"
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "client/viewer.h"
-#include "proto/message.h"
+#include "proto/message/message.h"
 #include "server/net/steady_clock.h"
 #include "tests/server/net_client.h"
 #include "tests/support/scene.h"

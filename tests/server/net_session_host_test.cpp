@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/message.h"
+#include "proto/message/message.h"
 #include "server/net/steady_clock.h"
 #include "tests/support/scene.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "proto/base_mesh.h"
+#include "proto/topology/base_mesh.h"
 
 namespace foreland::test {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "client/keyframe_mesh.h"
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::test {
 

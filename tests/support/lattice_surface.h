@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/keyframe_mesh.h"
-#include "proto/grid.h"
+#include "proto/topology/grid.h"
 
 namespace foreland::test {
 

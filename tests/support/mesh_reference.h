@@ -1,5 +1,5 @@
 // Subdivision done by hand: every triangle of every level, explicitly, corners by their weights in the base face. What
-// proto/mesh_topology.h computes by arithmetic is read off here. For small meshes.
+// proto/topology/mesh_topology.h computes by arithmetic is read off here. For small meshes.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "proto/mesh_topology.h"
+#include "proto/topology/mesh_topology.h"
 
 namespace foreland::test {
 

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "proto/pose.h"
 #include "proto/refine/surface_metric.h"
+#include "proto/space/pose.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::test {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/rng.h"
-#include "proto/view.h"
+#include "proto/space/view.h"
 
 namespace foreland::test {
 

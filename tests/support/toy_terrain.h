@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "proto/delta_codec.h"
+#include "proto/codec/delta_codec.h"
 #include "proto/refine/refine.h"
 
 namespace foreland::test {

@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "proto/frame.h"
+#include "proto/space/frame.h"
 #include "tests/support/scene.h"
 
 namespace foreland::terrain {

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "base/rng.h"
-#include "proto/frame.h"
+#include "proto/space/frame.h"
 #include "terrain/geo/geodesy.h"
 
 namespace foreland::terrain {

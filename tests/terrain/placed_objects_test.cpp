@@ -3,7 +3,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "proto/frame_grid.h"
+#include "proto/space/frame_grid.h"
 #include "terrain/objects/placed_objects.h"
 #include "tests/support/scene.h"
 #include "tests/support/surface_file.h"

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "proto/mesh_triangles.h"
+#include "proto/topology/mesh_triangles.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::terrain {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/rng.h"
-#include "proto/surface_bounds.h"
+#include "proto/section/surface_bounds.h"
 #include "terrain/surface/error_shape.h"
 
 namespace foreland::terrain {

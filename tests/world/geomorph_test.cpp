@@ -8,7 +8,7 @@
 
 #include "bench/oracle/crack_checker.h"
 #include "client/replica.h"
-#include "proto/mesh_triangles.h"
+#include "proto/topology/mesh_triangles.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "tests/support/lattice_surface.h"

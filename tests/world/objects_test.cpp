@@ -5,7 +5,7 @@
 #include <array>
 #include <map>
 
-#include "proto/mesh_triangles.h"
+#include "proto/topology/mesh_triangles.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
 #include "tests/world/world.h"

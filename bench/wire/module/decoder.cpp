@@ -5,7 +5,7 @@
 
 #include "bench/wire/digest.h"
 #include "client/replica.h"
-#include "proto/message.h"
+#include "proto/message/message.h"
 
 #define FORELAND_EXPORT(name) extern "C" __attribute__((export_name(#name)))
 

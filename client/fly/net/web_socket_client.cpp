@@ -9,7 +9,7 @@
 #include <deque>
 #include <optional>
 
-#include "proto/message.h"
+#include "proto/message/message.h"
 
 namespace foreland::client {
 

@@ -1,0 +1,138 @@
+// Cut deltas as bytes. Which nodes come and go is hardly sent: both ends run the same adaptation (refine/adapter.h) for
+// the keyframe's view, and what the view and the bounds that both know settle costs nothing. What is sent, in the order
+// in which the adapter asks, is
+//   answers  whether a node's error is at least the least that the view shows
+//   heights  of the nodes that come to the section, exact
+//   radii    one for each page of which nothing was known
+// and then the same for each object of the scene (surface_codec.h),
+// each by adaptive range coding, with what both ends know of the node's surroundings as context.
+// docs/decisions/0006 has the measurements.
+//
+// Encoder and decoder are sources of an adapter's answers: the adapter's step drives them. The model keeps what it has
+// learnt from delta to delta; both ends begin with a new one wherever a delta starts from a section that was presented,
+// or from nothing. Any bytes end in a closed section or in an Error, in time and memory linear in the bytes and the
+// section held. One owner of a model; otherwise pure; any thread. Portable to WebAssembly.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "proto/codec/surroundings.h"
+#include "proto/codec/symbols.h"
+#include "proto/refine/adapter.h"
+#include "proto/refine/terrain_batch.h"
+#include "proto/section/node_tables.h"
+
+namespace foreland::proto {
+
+// Nodes in a section that a client accepts.
+inline constexpr size_t kMaxSectionNodes = 1u << 24;
+
+using TerrainAdapter = Adapter<TerrainBatch>;
+
+// What both ends have learnt.
+struct DeltaModel {
+  static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
+
+  std::array<AdaptiveBit, kSizes * 8 * 4> comes;        // nodes new to the frontier
+  std::array<AdaptiveBit, kSizes * 8 * 8> comes_later;  // others
+  std::array<AdaptiveBit, 2 * 4 * 8> stays;             // leaves
+  std::array<NumberModel, kScales * kRatios * 2> height;
+  std::array<std::array<AdaptiveBit, 8>, 2> radius;
+  EscapeModel escape;
+};
+
+// What was found around the nodes whose answer was yes, until their heights are coded; in order, of one level, as many
+// as there is room for.
+class AskedNodes {
+ public:
+  void keep(const Surroundings& around) {
+    if (count_ < around_.size()) around_[count_] = around;
+    ++count_;
+  }
+  // Of the next, if it was kept.
+  const Surroundings* take() {
+    const size_t next = taken_++;
+    return next < std::min(count_, around_.size()) ? &around_[next] : nullptr;
+  }
+  void clear() { count_ = taken_ = 0; }
+
+ private:
+  std::array<Surroundings, 1024> around_;
+  size_t count_ = 0, taken_ = 0;
+};
+
+// Where a coder's bits went, and for how many.
+struct DeltaBits {
+  double answers = 0, heights = 0, radii = 0;
+  uint64_t asked = 0, added = 0;
+};
+
+// The server's end: appends a delta to `out` as an adapter steps.
+class DeltaEncoder final : public NodeSource<TerrainBatch> {
+ public:
+  DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out)
+      : domain_(domain), nodes_(nodes), model_(model), coder_(out) {}
+  RadiusClass radius(Slot first) override;
+  void load(TerrainBatch& batch) override;
+  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
+  bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  // For what else the delta has: the nodes of objects.
+  RangeEncoder& coder() { return coder_; }
+  // Writes what is left. Nothing may follow the delta's bytes.
+  void finish() { coder_.finish(); }
+  const DeltaBits& bits() const { return bits_; }
+
+ private:
+  const TerrainDomain& domain_;
+  const DenseNodes& nodes_;
+  DeltaModel& model_;
+  RangeEncoder coder_;
+  AskedNodes asked_;
+  DeltaBits bits_;
+};
+
+// The client's end: reads a delta into `nodes` as an adapter steps. If the step fails, or finish() does, the bytes were
+// no delta for this section.
+class DeltaDecoder final : public NodeSource<TerrainBatch> {
+ public:
+  DeltaDecoder(const TerrainDomain& domain, SparseNodes& nodes, DeltaModel& model, ByteSpan bytes)
+      : domain_(domain), nodes_(nodes), model_(model), coder_(bytes) {}
+  RadiusClass radius(Slot first) override;
+  void onAddable(int level, std::span<const Slot> slots) override;
+  void load(TerrainBatch& batch) override;
+  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
+  bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  RangeDecoder& coder() { return coder_; }
+  Status finish() const;
+
+ private:
+  const TerrainDomain& domain_;
+  SparseNodes& nodes_;
+  DeltaModel& model_;
+  RangeDecoder coder_;
+  AskedNodes asked_;
+  bool absurd_ = false;
+};
+
+// The server's records without a wire.
+class PlainNodes final : public NodeSource<TerrainBatch> {
+ public:
+  explicit PlainNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
+  RadiusClass radius(Slot first) override { return nodes_[first].radius(); }
+  void load(TerrainBatch& batch) override {
+    for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_[batch.slot[i]].middle();
+  }
+  bool answer(int, std::span<const Question> questions, std::span<uint8_t> answers) override {
+    for (size_t i = 0; i < questions.size(); ++i)
+      answers[i] = nodes_[questions[i].slot].error() >= questions[i].least ? 1 : 0;
+    return true;
+  }
+
+ private:
+  const NodeRecord* nodes_;
+};
+
+}  // namespace foreland::proto

@@ -1,0 +1,72 @@
+#include "proto/codec/object_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/check.h"
+
+namespace foreland::proto {
+
+ObjectStream::ObjectStream(const ObjectSet& objects)
+    : objects_(&objects), has_changed_(objects.size()), known_(objects.models().size()) {
+  for (size_t i = 0; i < objects.size(); ++i) cuts_.emplace_back(objects.domain(i).topology());
+}
+
+void ObjectStream::begin(const View& view) {
+  last_ = std::exchange(view_, view);
+  for (KnownNodes& known : known_) known.forgetIfMost();
+}
+
+void ObjectStream::restart() {
+  for (KnownNodes& known : known_) known.forgetUnused();
+  std::fill(has_changed_.begin(), has_changed_.end(), uint8_t{0});
+  model_ = {};
+  view_.reset();
+}
+
+void ObjectStream::hold(size_t object, const Section& section, std::span<const SurfaceRecord> records) {
+  cuts_[object].hold(section);
+  const MeshTopology& mesh = objects_->domain(object).topology();
+  const std::span<const glm::ivec3> base = objects_->modelOf(object).base;
+  KnownNodes& known = known_[objects_->placement(object).model];
+  for (Slot slot : section.slots) {
+    const glm::ivec3& position = records[slot].position;
+    if (known.find(slot) == nullptr)
+      known.learn(slot, {position, position - middleOfEdge(mesh, base, known, mesh.node(slot)), 0});
+    known.use(slot);
+  }
+}
+
+SurfaceEnd ObjectStream::endOf(size_t object) {
+  const ObjectPlacement& placement = objects_->placement(object);
+  std::optional<View> last;
+  if (last_) last = placement.toObject(*last_);
+  return {.base = objects_->modelOf(object).base,
+          .step_m = objects_->modelOf(object).step_m,
+          .view = placement.toObject(*view_),
+          .last = last,
+          .cut = cuts_[object],
+          .has_changed = has_changed_[object],
+          .known = known_[placement.model],
+          .model = model_};
+}
+
+void ObjectStream::encode(size_t object, const CutDelta& delta, std::span<const SurfaceRecord> records,
+                          RangeEncoder& coder, SurfaceBits& bits) {
+  encodeSurface(endOf(object), delta, records, coder, bits);
+}
+
+bool ObjectStream::decode(size_t object, RangeDecoder& coder, CutDelta& delta) {
+  const size_t others = nodes_ - cuts_[object].nodeCount();
+  const bool is_fine = decodeSurface(endOf(object), coder, kMaxObjectNodes - others, delta);
+  nodes_ = others + cuts_[object].nodeCount();
+  return is_fine;
+}
+
+const glm::ivec3& ObjectStream::position(size_t object, Slot slot) const {
+  const KnownNodes::Node* node = known_[objects_->placement(object).model].find(slot);
+  CHECK_TRUE(node != nullptr);
+  return node->position;
+}
+
+}  // namespace foreland::proto

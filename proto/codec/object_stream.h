@@ -1,0 +1,58 @@
+// What both ends hold of the objects that are sent to a viewer, object by object and keyframe by keyframe: the
+// sections, where their nodes are, and what the coder has learnt. The server writes each object's change, the client
+// reads it, and both hold the same. A node's place is sent once for all objects of a model (KnownNodes in
+// surface_codec.h).
+//
+// It begins with empty sections, nothing known and a new model, and so it does anew after a keyframe from nothing. With
+// sections that a client presents on a new connection both ends know where their nodes are, and nothing else.
+// One owner (a session, a replica). Memory is linear in the sections. Portable to WebAssembly.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "proto/codec/surface_codec.h"
+#include "proto/refine/objects.h"
+
+namespace foreland::proto {
+
+// Nodes of all objects' sections that a client accepts.
+inline constexpr size_t kMaxObjectNodes = 1u << 24;
+
+class ObjectStream {
+ public:
+  // `objects` must outlive it.
+  explicit ObjectStream(const ObjectSet& objects);
+
+  // Of a client that presents its sections.
+  void restart();
+  // Of a server that goes on from them: one object's. `records` of its model, by slot.
+  void hold(size_t object, const Section& section, std::span<const SurfaceRecord> records);
+
+  // A keyframe; then each object's change follows, in their order.
+  void begin(const View& view);
+  // What the object's section becomes by `delta`; `records` of its model, by slot.
+  void encode(size_t object, const CutDelta& delta, std::span<const SurfaceRecord> records, RangeEncoder& coder,
+              SurfaceBits& bits);
+  // Reads a change into `delta`, ascending. False if the bytes were none: this is then of no more use.
+  [[nodiscard]] bool decode(size_t object, RangeDecoder& coder, CutDelta& delta);
+
+  const SurfaceCut& cut(size_t object) const { return cuts_[object]; }
+  Section section(size_t object) const { return cuts_[object].section(); }
+  // Of a node of the object's section, or of the one before it; steps.
+  const glm::ivec3& position(size_t object, Slot slot) const;
+
+ private:
+  SurfaceEnd endOf(size_t object);
+
+  const ObjectSet* objects_;
+  std::vector<SurfaceCut> cuts_;
+  std::vector<uint8_t> has_changed_;  // in the last keyframe
+  std::vector<KnownNodes> known_;     // of each model
+  SurfaceModel model_;
+  std::optional<View> view_, last_;
+  size_t nodes_ = 0;
+};
+
+}  // namespace foreland::proto

@@ -1,0 +1,319 @@
+#include "proto/codec/surface_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "base/check.h"
+
+namespace foreland::proto {
+
+namespace {
+
+size_t scaleOf(int64_t size) {
+  return std::min<size_t>(static_cast<size_t>(std::bit_width(static_cast<uint64_t>(size))), SurfaceModel::kScales - 1);
+}
+
+// Where a view has things, and how large: what decisions about nodes depend on.
+class Sight {
+ public:
+  Sight(const View& view, double step_m)
+      : eye_(view.pose.eye),
+        right_(view.pose.right()),
+        up_(view.pose.up()),
+        forward_(view.pose.forward()),
+        step_m_(step_m),
+        tan_y_(view.lens.tanHalfFov()) {
+    tan_x_ = tan_y_ * view.lens.width_px / view.lens.height_px;
+    const double per_tau = view.lens.focalPx() / view.tau_px;
+    scale_ = per_tau * per_tau;
+  }
+
+  glm::dvec3 offset(const glm::ivec3& p) const {
+    return {p.x * step_m_ - eye_.x, p.y * step_m_ - eye_.y, p.z * step_m_ - eye_.z};
+  }
+  // How large lengths look there: tolerances to a metre, squared.
+  double size(const glm::dvec3& o) const { return scale_ / (o.x * o.x + o.y * o.y + o.z * o.z + step_m_ * step_m_); }
+  // 0 about the middle of the screen, 6 far outside, 7 behind.
+  size_t screen(const glm::dvec3& o) const {
+    const double depth = glm::dot(o, forward_);
+    if (!(depth > 0)) return 7;
+    const double out = std::max(std::fabs(glm::dot(o, right_)) / tan_x_, std::fabs(glm::dot(o, up_)) / tan_y_) / depth;
+    size_t at = 0;
+    for (double edge : {0.6, 0.85, 0.95, 1.05, 1.2, 1.5}) at += out >= edge ? 1 : 0;
+    return at;
+  }
+
+ private:
+  glm::dvec3 eye_, right_, up_, forward_;
+  double step_m_, tan_x_ = 0, tan_y_, scale_ = 0;
+};
+
+// A node on the frontier as both ends know it.
+struct Around {
+  glm::ivec3 middle;             // of its edge
+  glm::ivec3 displacement{0};    // sum of the parents'
+  std::array<int64_t, 3> bends;  // by axis: sum of the sizes of their displacements
+  int parents = 0;
+};
+
+enum class Change : uint8_t { kGoes, kComes };
+
+// Writes a change that it is told, or reads one: Told says what it wants, or whether reading has failed, and
+// hears what it was.
+template <class Coder, class Told>
+class Walk {
+ public:
+  Walk(const SurfaceEnd& end, Coder& coder, Told& told)
+      : end_(end),
+        cut_(end.cut),
+        mesh_(end.cut.mesh()),
+        coder_(coder),
+        symbols_(coder, end.model.escape),
+        told_(told),
+        now_(end.view, end.step_m) {
+    if (end.last) before_.emplace(*end.last, end.step_m);
+  }
+
+  bool run() {
+    const size_t context = (end_.has_changed != 0 ? 2u : 0u) + (cut_.nodeCount() > 0 ? 1u : 0u);
+    end_.has_changed = coder_.code(end_.model.changes[context], told_.wantsAny()) ? 1 : 0;
+    if (end_.has_changed == 0) return !told_.hasFailed(cut_);
+    cut_.beginStep();
+    for (int level = mesh_.maxLevel(); level >= 1; --level)
+      if (!walk(Change::kGoes, level)) return false;
+    for (int level = 1; level <= mesh_.maxLevel(); ++level)
+      if (!walk(Change::kComes, level)) return false;
+    cut_.endStep();
+    return true;
+  }
+
+ private:
+  using PageIterator = SurfaceCut::Pages::iterator;
+
+  // Pages of the next level may come meanwhile.
+  bool walk(Change change, int level) {
+    const uint32_t end = mesh_.levelOffset(level + 1) / kPageSlots;
+    size_t before = 0;  // whether anything changed in the last two blocks
+    for (PageIterator page = cut_.firstPageOf(level); page != cut_.end() && page->first < end; ++page) {
+      const SlotBits candidates = candidatesOf(page->second, change);
+      for (uint8_t word = 0; word < 4; ++word) {
+        if (candidates.words[word] == 0) continue;
+        const bool any = walkBlock(change, level, page, word, candidates.words[word], before);
+        before = (2 * before + (any ? 1 : 0)) & 3;
+        if (told_.hasFailed(cut_)) return false;
+      }
+    }
+    return true;
+  }
+  bool walkBlock(Change change, int level, PageIterator page, uint8_t word, uint64_t candidates, size_t before) {
+    const Slot first = page->first * kPageSlots + word * 64u;
+    uint64_t wanted = 0;
+    for (uint64_t bits = candidates; bits != 0; bits &= bits - 1)
+      if (told_.wants(change, first + static_cast<Slot>(std::countr_zero(bits)))) wanted |= bits & -bits;
+    if (!coder_.code(blockContext(change, std::popcount(candidates), before), wanted != 0)) return false;
+    const auto nodes = mesh_.pageNodes(level, page->first * kPageSlots);
+    bool any = false;
+    for (uint64_t bits = candidates; bits != 0; bits &= bits - 1) {
+      const int at = std::countr_zero(bits);
+      const auto low = static_cast<uint8_t>(word * 64 + at);
+      const Slot slot = first + static_cast<Slot>(at);
+      const NodeId n = nodes.at(low);
+      const bool is_implied = !any && (bits & (bits - 1)) == 0;
+      if (!is_implied && !coder_.code(contextOf(change, n, level), wanted >> at & 1)) continue;
+      any = true;
+      if (change == Change::kGoes)
+        go(page, low, slot);
+      else
+        come(page, low, n, slot, level);
+    }
+    return true;
+  }
+
+  void go(PageIterator page, uint8_t low, Slot slot) {
+    cut_.remove(page, low);
+    end_.known.release(slot);
+    told_.hasGone(slot);
+  }
+  void come(PageIterator page, uint8_t low, NodeId n, Slot slot, int level) {
+    if (end_.known.find(slot) == nullptr) {
+      told_.beginPlace(coder_);
+      const glm::ivec3 position = codePlace(n, level, told_.position(slot));
+      end_.known.learn(slot, {position, position - middleOfEdge(n), 0});
+      told_.endPlace(coder_);
+    }
+    end_.known.use(slot);
+    cut_.add(page, low);
+    told_.hasCome(slot);
+  }
+
+  static SlotBits candidatesOf(const SurfaceCut::Page& page, Change change) {
+    return change == Change::kGoes ? page.leaves() : page.addable();
+  }
+
+  glm::ivec3 middleOfEdge(NodeId n) const { return proto::middleOfEdge(mesh_, end_.base, end_.known, n); }
+  Around aroundOf(NodeId n, int level) const {
+    Around around{.middle = middleOfEdge(n), .bends = {}};
+    for (NodeId parent : mesh_.parents(n)) {
+      const glm::ivec3& d = end_.known.find(mesh_.slot(parent, level - 1))->displacement;
+      around.displacement += d;
+      for (int axis = 0; axis < 3; ++axis) around.bends[static_cast<size_t>(axis)] += std::abs(d[axis]);
+      ++around.parents;
+    }
+    return around;
+  }
+
+  // A decision about a node.
+  AdaptiveBit& contextOf(Change change, NodeId n, int level) {
+    const glm::ivec3 middle = middleOfEdge(n);
+    const glm::dvec3 offset = now_.offset(middle);
+    const size_t place =
+        (static_cast<size_t>(std::min(level, 4) - 1) * SurfaceModel::kTrends + trendOf(middle, offset)) *
+            SurfaceModel::kScreens +
+        now_.screen(offset);
+    if (change == Change::kGoes) return end_.model.goes[place];
+    return end_.model.comes[(isNew(n, level) ? SurfaceModel::kSiblings : 0) + siblingsOf(n, level)][place];
+  }
+  // How many of its parents' other children are there, 3 for more.
+  size_t siblingsOf(NodeId n, int level) const {
+    size_t count = 0;
+    for (NodeId parent : mesh_.parents(n))
+      for (NodeId child : mesh_.children(parent)) {
+        if (child != n && cut_.contains(mesh_.slot(child, level))) ++count;
+        if (count == SurfaceModel::kSiblings - 1) return count;
+      }
+    return count;
+  }
+  // Whether things look larger than they did at the last view.
+  size_t trendOf(const glm::ivec3& position, const glm::dvec3& offset) const {
+    if (!before_) return 2;
+    const double grown = now_.size(offset) / before_->size(before_->offset(position));
+    size_t trend = 0;
+    for (double edge : {0.95, 0.995, 1.005, 1.05}) trend += grown >= edge ? 1 : 0;
+    return trend;
+  }
+
+  // A node's position: what both ends expect, and a number for each axis.
+  glm::ivec3 codePlace(NodeId n, int level, const glm::ivec3& position) {
+    const Around around = aroundOf(n, level);
+    glm::ivec3 got;
+    int64_t most = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int count = std::max(around.parents, 1);
+      const int64_t guess = int64_t{around.middle[axis]} + around.displacement[axis] / (4 * count);
+      const int64_t all = around.bends[0] + around.bends[1] + around.bends[2];
+      const int64_t like = (all + 3 * around.bends[static_cast<size_t>(axis)]) / (4 * count);
+      const size_t prior = axis == 0 ? 0 : most * 8 < like ? 1 : most * 3 < like ? 2 : 3;
+      auto& model = end_.model.place[prior * SurfaceModel::kScales + scaleOf(like)];
+      const int64_t off = symbols_.number(model, 0, static_cast<int32_t>(position[axis] - guess));
+      most = std::max(most, std::abs(off));
+      if (std::abs(guess + off) > kMaxObjectQuanta) told_.fail();
+      got[axis] = static_cast<int32_t>(std::clamp<int64_t>(guess + off, -kMaxObjectQuanta, kMaxObjectQuanta));
+    }
+    return got;
+  }
+
+  AdaptiveBit& blockContext(Change change, int candidates, size_t before) {
+    const auto width = static_cast<size_t>(std::bit_width(static_cast<unsigned>(candidates)));
+    return end_.model.blocks[static_cast<size_t>(change)][width * 4 + before];
+  }
+
+  bool isNew(NodeId n, int level) const {
+    for (NodeId parent : mesh_.parents(n))
+      if (cut_.hasCome(mesh_.slot(parent, level - 1))) return true;
+    return false;
+  }
+
+  SurfaceEnd end_;
+  SurfaceCut& cut_;
+  const MeshTopology& mesh_;
+  Coder& coder_;
+  Symbols<Coder> symbols_;
+  Told& told_;
+  Sight now_;
+  std::optional<Sight> before_;
+};
+
+class Writing {
+ public:
+  Writing(const CutDelta& delta, std::span<const SurfaceRecord> records, SurfaceBits& bits)
+      : delta_(delta), records_(records), bits_(bits) {}
+  bool wantsAny() const { return !delta_.added.empty() || !delta_.removed.empty(); }
+  bool wants(Change change, Slot slot) const {
+    const auto& slots = change == Change::kGoes ? delta_.removed : delta_.added;
+    return std::binary_search(slots.begin(), slots.end(), slot);
+  }
+  const glm::ivec3& position(Slot slot) const { return records_[slot].position; }
+  void beginPlace(const RangeEncoder& coder) { bits_.places -= coder.bits(); }
+  void endPlace(const RangeEncoder& coder) {
+    bits_.places += coder.bits();
+    ++bits_.placed;
+  }
+  void hasGone(Slot) { ++changed_; }
+  void hasCome(Slot) { ++changed_; }
+  void fail() { CHECK_TRUE(false); }
+  bool hasFailed(const SurfaceCut&) const { return false; }
+  bool isDone() const { return changed_ == delta_.added.size() + delta_.removed.size(); }
+
+ private:
+  const CutDelta& delta_;
+  std::span<const SurfaceRecord> records_;
+  SurfaceBits& bits_;
+  size_t changed_ = 0;
+};
+
+class Reading {
+ public:
+  Reading(const RangeDecoder& coder, size_t max_nodes, CutDelta& delta)
+      : coder_(coder), max_nodes_(max_nodes), delta_(delta) {}
+  bool wantsAny() const { return false; }
+  bool wants(Change, Slot) const { return false; }
+  glm::ivec3 position(Slot) const { return glm::ivec3(0); }
+  void beginPlace(const RangeDecoder&) {}
+  void endPlace(const RangeDecoder&) {}
+  void hasGone(Slot slot) { delta_.removed.push_back(slot); }
+  void hasCome(Slot slot) { delta_.added.push_back(slot); }
+  void fail() { absurd_ = true; }
+  bool hasFailed(const SurfaceCut& cut) const { return absurd_ || coder_.overrun() || cut.nodeCount() > max_nodes_; }
+
+ private:
+  const RangeDecoder& coder_;
+  size_t max_nodes_;
+  CutDelta& delta_;
+  bool absurd_ = false;
+};
+
+}  // namespace
+
+void KnownNodes::forgetUnused() {
+  std::erase_if(nodes_, [](const auto& node) { return node.second.uses == 0; });
+}
+
+glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownNodes& known, NodeId n) {
+  const auto positionOf = [&](NodeId v) {
+    return mesh.isBase(v) ? base[baseVertexOf(v)] : known.find(mesh.slot(v))->position;
+  };
+  const auto [a, b] = mesh.endpoints(n);
+  const glm::ivec3 sum = positionOf(a) + positionOf(b);
+  return {sum.x >> 1, sum.y >> 1, sum.z >> 1};
+}
+
+void encodeSurface(const SurfaceEnd& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
+                   RangeEncoder& coder, SurfaceBits& bits) {
+  const double before = coder.bits() - bits.places;
+  Writing told(delta, records, bits);
+  CHECK_TRUE(Walk(end, coder, told).run());
+  CHECK_TRUE(told.isDone());
+  bits.structure += coder.bits() - bits.places - before;
+  bits.added += delta.added.size();
+}
+
+bool decodeSurface(const SurfaceEnd& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta) {
+  Reading told(coder, max_nodes, delta);
+  if (!Walk(end, coder, told).run()) return false;
+  std::sort(delta.removed.begin(), delta.removed.end());
+  return true;
+}
+
+}  // namespace foreland::proto

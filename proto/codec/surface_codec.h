@@ -1,0 +1,98 @@
+// A change of one object's section as decisions of a range coder: which nodes go and come, and where those are that
+// come. The server alone tests nodes (refine/adapter.h); both ends hold the same section (surface_cut.h), the positions
+// of its nodes and the views of the last two keyframes, and that is what decisions are conditioned on.
+//
+//   changes   does the section change at all?
+//   goes      from the finest level to the coarsest, for each 64 slots with leaves: do any go? If so, for each leaf: does it?
+//   comes     from the coarsest level to the finest, the same for addable nodes
+//   place     of a node that comes, unless it is known: by how much each coordinate differs from what is expected
+//
+// Contexts of a decision about a node are its level, where on the screen it is, whether it looks larger than at the
+// last view, and how many of its parents' other children are there. docs/decisions/0014 has the measurements.
+//
+// The model keeps what it has learnt, for all objects of a session. Any bytes end in a closed section or in an Error,
+// in time linear in the frontier and the bytes. One owner; any thread; portable to WebAssembly.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <unordered_map>
+
+#include "proto/codec/surface_cut.h"
+#include "proto/codec/symbols.h"
+#include "proto/section/surface_bounds.h"
+#include "proto/space/view.h"
+
+namespace foreland::proto {
+
+// What both ends have learnt.
+struct SurfaceModel {
+  static constexpr size_t kLevels = 4, kTrends = 5, kScreens = 8, kSiblings = 4, kScales = 16, kAxes = 4;
+  using NodeContexts = std::array<AdaptiveBit, kLevels * kTrends * kScreens>;
+
+  std::array<AdaptiveBit, 4> changes;
+  std::array<std::array<AdaptiveBit, 8 * 4>, 2> blocks;  // of goes, of comes
+  NodeContexts goes;
+  std::array<NodeContexts, 2 * kSiblings> comes;  // of nodes that were addable before the step, then of others
+  std::array<NumberModel, kScales * kAxes> place;
+  EscapeModel escape;
+};
+
+// What is known of the nodes of one model, whichever of its objects they were sent for. A node is known from when it is
+// sent until it is in no object's section and forgotten.
+class KnownNodes {
+ public:
+  struct Node {
+    glm::ivec3 position{0}, displacement{0};  // steps
+    uint32_t uses = 0;                        // in sections
+  };
+  const Node* find(Slot slot) const {
+    const auto it = nodes_.find(slot);
+    return it == nodes_.end() ? nullptr : &it->second;
+  }
+  void learn(Slot slot, const Node& node) { nodes_[slot] = node; }
+  void use(Slot slot) { used_ += nodes_[slot].uses++ == 0 ? 1 : 0; }
+  void release(Slot slot) { used_ -= --nodes_[slot].uses == 0 ? 1 : 0; }
+  // Forgets what no section uses; or only if that is more than what some do. At the same time on both ends.
+  void forgetUnused();
+  void forgetIfMost() {
+    if (nodes_.size() > 2 * used_ + kFew) forgetUnused();
+  }
+  size_t size() const { return nodes_.size(); }
+
+ private:
+  static constexpr size_t kFew = 1024;
+  std::unordered_map<Slot, Node> nodes_;
+  size_t used_ = 0;
+};
+
+// The middle of a node's edge, whose ends are base vertices or known; steps.
+glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownNodes& known, NodeId n);
+
+// What is known of one object on either end. A view; its parts must outlive it.
+struct SurfaceEnd {
+  std::span<const glm::ivec3> base;  // positions, steps
+  double step_m;
+  View view;                 // of the keyframe, in the object's frame
+  std::optional<View> last;  // of the keyframe before, if this connection had one
+  SurfaceCut& cut;
+  uint8_t& has_changed;  // in the last keyframe
+  KnownNodes& known;     // of its model
+  SurfaceModel& model;
+};
+
+// Where an encoder's bits went, and for how many.
+struct SurfaceBits {
+  double structure = 0, places = 0;
+  uint64_t added = 0, placed = 0;  // nodes that came; of these those whose place was sent
+};
+
+// Steps the section by `delta` and writes it; `records` by slot.
+void encodeSurface(const SurfaceEnd& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
+                   RangeEncoder& coder, SurfaceBits& bits);
+// Reads a change, steps the section by it, and says in `delta` what it was, ascending. False if the bytes were none, or
+// the section would exceed `max_nodes`: what is known is then of no more use.
+[[nodiscard]] bool decodeSurface(const SurfaceEnd& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta);
+
+}  // namespace foreland::proto

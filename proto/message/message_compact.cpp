@@ -1,0 +1,385 @@
+#include "proto/message/message_compact.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "proto/message/wire_pose.h"
+
+namespace foreland::proto {
+
+namespace {
+
+constexpr int kKindBits = 3;
+constexpr int kAgeBits = 8;                        // ages are told in 256 us
+constexpr int64_t kHorizon_us = int64_t{1} << 60;  // of times
+
+MessageKind kindOf(ByteSpan bytes) { return static_cast<MessageKind>(bytes[0] & ((1 << kKindBits) - 1)); }
+
+void putKind(MessageKind kind, BitWriter& w) { w.put(static_cast<uint64_t>(kind), kKindBits); }
+
+bool isNear(Time t) { return t.us >= -kHorizon_us && t.us <= kHorizon_us; }
+
+// ---- pose updates
+
+Bytes putWholePose(const PoseUpdate& m, const WirePose& pose) {
+  Bytes out;
+  ByteWriter w(out);
+  w.put(MessageKind::kPose);
+  w.putZigzag(m.pose.time.us);
+  putPose(pose, w);
+  w.putVarint(m.received_keyframe);
+  w.putZigzag((m.received_at - m.pose.time).us);
+  return out;
+}
+
+std::optional<PoseUpdate> getWholePose(ByteSpan bytes, WirePose& pose) {
+  ByteReader r(bytes.subspan(1));
+  PoseUpdate m;
+  m.pose.time = {r.getZigzag()};
+  pose = getPose(r);
+  const uint64_t received = r.getVarint();
+  const Duration since{r.getZigzag()};
+  if (!r.atEnd() || received > 0xffffffffu || !isNear(m.pose.time) || !isNear(Time{} + since)) return std::nullopt;
+  m.received_keyframe = static_cast<uint32_t>(received);
+  m.received_at = m.pose.time + since;
+  return m;
+}
+
+// How old an acknowledged keyframe is, rounded down: so it never seems to have come earlier than it did.
+int64_t ageOf(const PoseUpdate& m) { return (m.pose.time - m.received_at).us >> kAgeBits; }
+
+bool canPutPoseStep(const PoseUpdate& m, const WirePose& pose, const PoseMemory& memory) {
+  const int64_t later = int64_t{m.received_keyframe} - memory.received_keyframe, age = ageOf(m);
+  return !memory.poses.empty() && later >= 0 && fitsGroup({&later, 1}) && fitsGroup({&age, 1}) &&
+         memory.poses.canPutNext(m.pose.time, pose);
+}
+
+// It can. The memory takes of the acknowledgement what the other end will have.
+Bytes putPoseStep(const PoseUpdate& m, const WirePose& pose, PoseMemory& memory) {
+  Bytes out;
+  BitWriter w(out);
+  putKind(MessageKind::kPoseStep, w);
+  memory.poses.putNext(m.pose.time, pose, w);
+  const int64_t later = int64_t{m.received_keyframe} - memory.received_keyframe, age = ageOf(m);
+  w.put(static_cast<uint64_t>(std::min<int64_t>(later, 2)), 2);
+  GroupWidth none;
+  if (later > 1) w.putGroup({&later, 1}, none);
+  if (later > 0) {
+    w.putGroup({&age, 1}, memory.age_width);
+    memory.received_keyframe = m.received_keyframe;
+    memory.received_at = m.pose.time - Duration{age << kAgeBits};
+  }
+  w.finish();
+  return out;
+}
+
+std::optional<PoseUpdate> getPoseStep(ByteSpan bytes, PoseMemory& memory, WirePose& pose) {
+  if (memory.poses.empty()) return std::nullopt;
+  BitReader r(bytes);
+  r.get(kKindBits);
+  const auto next = memory.poses.getNext(r);
+  if (!next || !isNear(next->time)) return std::nullopt;
+  pose = next->pose;
+  PoseUpdate m{{next->time, {}}, memory.received_keyframe, memory.received_at};
+  auto later = static_cast<int64_t>(r.get(2));
+  if (later == 3) return std::nullopt;
+  GroupWidth none;
+  if (later == 2) r.getGroup({&later, 1}, none);
+  if (later > 0) {
+    int64_t age = 0;
+    r.getGroup({&age, 1}, memory.age_width);
+    m.received_at = m.pose.time - Duration{age * (1 << kAgeBits)};
+  }
+  const int64_t received = m.received_keyframe + later;
+  if (!r.finish().empty() || !r.ok() || later < 0 || received > 0xffffffff) return std::nullopt;
+  m.received_keyframe = static_cast<uint32_t>(received);
+  return m;
+}
+
+void remember(const PoseUpdate& m, const WirePose& pose, PoseMemory& memory) {
+  memory.poses.add(m.pose.time, pose);
+  memory.received_keyframe = m.received_keyframe;
+  memory.received_at = m.received_at;
+}
+
+// ---- keyframes
+
+constexpr uint32_t kLongBits = 0xffff;  // of a float, zero in short ones
+
+uint32_t bitsOf(float value) { return std::bit_cast<uint32_t>(value); }
+float floatOf(uint64_t bits) { return std::bit_cast<float>(static_cast<uint32_t>(bits)); }
+
+void putWholeHeader(const KeyframeHeader& h, const WirePose& pose, Bytes& out) {
+  ByteWriter w(out);
+  w.put(MessageKind::kKeyframe);
+  w.putVarint(h.index);
+  w.putVarint(h.base_index);
+  w.putZigzag(h.time.us);
+  putPose(pose, w);
+  w.putVarint(h.lens.width_px);
+  w.putVarint(h.lens.height_px);
+  w.put(h.lens.vertical_fov_rad);
+  w.put(h.tau_px);
+  w.put(h.ball_m);
+  w.put(h.turn_rad);
+  w.put(h.fingerprint);
+}
+
+std::optional<KeyframeMessage> getWholeHeader(ByteSpan bytes, WirePose& pose) {
+  ByteReader r(bytes.subspan(1));
+  KeyframeHeader h;
+  const uint64_t index = r.getVarint(), base = r.getVarint();
+  if (index > 0xffffffffu || base > 0xffffffffu) return std::nullopt;
+  h.index = static_cast<uint32_t>(index);
+  h.base_index = static_cast<uint32_t>(base);
+  h.time = {r.getZigzag()};
+  pose = getPose(r);
+  const uint64_t width = r.getVarint(), height = r.getVarint();
+  h.lens.width_px = static_cast<uint32_t>(std::min<uint64_t>(width, 0xffffffffu));
+  h.lens.height_px = static_cast<uint32_t>(std::min<uint64_t>(height, 0xffffffffu));
+  h.lens.vertical_fov_rad = r.get<double>();
+  h.tau_px = r.get<float>();
+  h.ball_m = r.get<float>();
+  h.turn_rad = r.get<float>();
+  h.fingerprint = r.get<uint32_t>();
+  if (!r.ok()) return std::nullopt;
+  return KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())};
+}
+
+// What a header may tell beside the usual; a bit each.
+constexpr int kExtraBits = 4;
+constexpr uint64_t kNewOrder = 1, kNewLens = 2, kNewTau = 4, kLongRegion = 8;
+
+uint64_t extrasOf(const KeyframeHeader& h, const KeyframeHeader& last) {
+  const bool is_next = h.index == last.index + 1 && h.base_index == last.index;
+  const bool is_long = ((bitsOf(h.ball_m) | bitsOf(h.turn_rad)) & kLongBits) != 0;
+  return (is_next ? 0 : kNewOrder) | (h.lens == last.lens ? 0 : kNewLens) |
+         (bitsOf(h.tau_px) == bitsOf(last.tau_px) ? 0 : kNewTau) | (is_long ? kLongRegion : 0);
+}
+
+std::array<int64_t, 2> orderOf(const KeyframeHeader& h, const KeyframeHeader& last) {
+  return {int64_t{h.index} - last.index, int64_t{h.index} - h.base_index};
+}
+
+void putExtras(const KeyframeHeader& h, const KeyframeHeader& last, uint64_t extras, BitWriter& w) {
+  GroupWidth none;
+  if (extras & kNewOrder) w.putGroup(orderOf(h, last), none);
+  if (extras & kNewLens) {
+    const auto fov = std::bit_cast<uint64_t>(h.lens.vertical_fov_rad);
+    w.put(h.lens.width_px, 16);
+    w.put(h.lens.height_px, 16);
+    w.put(fov & 0xffffffff, 32);
+    w.put(fov >> 32, 32);
+  }
+  if (extras & kNewTau) w.put(bitsOf(h.tau_px), 32);
+  if (extras & kLongRegion) {
+    w.put(bitsOf(h.ball_m), 32);
+    w.put(bitsOf(h.turn_rad), 32);
+  }
+}
+
+// What is not told stays as it is. False if the order is none.
+bool getExtras(BitReader& r, uint64_t extras, KeyframeHeader& h) {
+  GroupWidth none;
+  std::array<int64_t, 2> order{1, 1};
+  if (extras & kNewOrder) r.getGroup(order, none);
+  const int64_t index = h.index + order[0], base = index - order[1];
+  if (index < 0 || index > 0xffffffff || base < 0 || base > 0xffffffff) return false;
+  h.index = static_cast<uint32_t>(index);
+  h.base_index = static_cast<uint32_t>(base);
+  if (extras & kNewLens) {
+    h.lens.width_px = static_cast<uint32_t>(r.get(16));
+    h.lens.height_px = static_cast<uint32_t>(r.get(16));
+    const uint64_t low = r.get(32);
+    h.lens.vertical_fov_rad = std::bit_cast<double>(low | r.get(32) << 32);
+  }
+  if (extras & kNewTau) h.tau_px = floatOf(r.get(32));
+  if (extras & kLongRegion) {
+    h.ball_m = floatOf(r.get(32));
+    h.turn_rad = floatOf(r.get(32));
+  }
+  return true;
+}
+
+std::array<int64_t, 2> upperHalves(const KeyframeHeader& h) {
+  return {bitsOf(h.ball_m) >> 16, bitsOf(h.turn_rad) >> 16};
+}
+
+// Of the fingerprint a quarter is told, each in its turn.
+constexpr int kToldBits = 8;
+constexpr uint32_t kToldMask = 0xff;
+int toldFrom(uint32_t index) { return kToldBits * static_cast<int>(index % 4); }
+
+void putShortRegion(const KeyframeHeader& h, KeyframeMemory& memory, BitWriter& w) {
+  const auto now = upperHalves(h), before = upperHalves(memory.last);
+  w.putGroup(std::array{now[0] - before[0], now[1] - before[1]}, memory.region_width);
+}
+
+void getShortRegion(BitReader& r, KeyframeMemory& memory, KeyframeHeader& h) {
+  const auto before = upperHalves(memory.last);
+  std::array<int64_t, 2> change{};
+  r.getGroup(change, memory.region_width);
+  // Beyond 16 bits there is no float: they become one that is refused.
+  const auto changed = [](int64_t upper) {
+    return upper >= 0 && upper <= 0xffff ? floatOf(static_cast<uint64_t>(upper) << 16) : -1.0f;
+  };
+  h.ball_m = changed(before[0] + change[0]);
+  h.turn_rad = changed(before[1] + change[1]);
+}
+
+bool canPutHeaderStep(const KeyframeHeader& h, const WirePose& pose, const KeyframeMemory& memory) {
+  return !memory.poses.empty() && fitsGroup(orderOf(h, memory.last)) && memory.poses.canPutNext(h.time, pose);
+}
+
+// It can.
+void putHeaderStep(const KeyframeHeader& h, const WirePose& pose, KeyframeMemory& memory, Bytes& out) {
+  BitWriter w(out);
+  putKind(MessageKind::kKeyframeStep, w);
+  const uint64_t extras = extrasOf(h, memory.last);
+  w.put(extras == 0 ? 0 : 1, 1);
+  if (extras != 0) w.put(extras, kExtraBits);
+  memory.poses.putNext(h.time, pose, w);
+  putExtras(h, memory.last, extras, w);
+  if (!(extras & kLongRegion)) putShortRegion(h, memory, w);
+  w.put(h.fingerprint >> toldFrom(h.index) & kToldMask, kToldBits);
+  w.finish();
+}
+
+std::optional<KeyframeMessage> getHeaderStep(ByteSpan bytes, KeyframeMemory& memory, WirePose& pose) {
+  if (memory.poses.empty()) return std::nullopt;
+  KeyframeHeader h = memory.last;
+  BitReader r(bytes);
+  r.get(kKindBits);
+  const uint64_t extras = r.get(1) == 0 ? 0 : r.get(kExtraBits);
+  const auto next = memory.poses.getNext(r);
+  if (!next || !getExtras(r, extras, h)) return std::nullopt;
+  pose = next->pose;
+  h.time = next->time;
+  if (!(extras & kLongRegion)) getShortRegion(r, memory, h);
+  h.fingerprint = static_cast<uint32_t>(r.get(kToldBits)) << toldFrom(h.index);
+  h.fingerprint_mask = kToldMask << toldFrom(h.index);
+  const ByteSpan delta = r.finish();
+  if (!r.ok()) return std::nullopt;
+  return KeyframeMessage{h, delta};
+}
+
+bool isSane(const KeyframeHeader& h) {
+  constexpr float kMost = 1e9f;
+  const auto is_size = [](float v) { return v >= 0 && v <= kMost; };
+  return h.base_index < h.index && isUsable(h.pose) && isUsable(h.lens) && is_size(h.tau_px) && h.tau_px > 0 &&
+         is_size(h.ball_m) && is_size(h.turn_rad) && isNear(h.time);
+}
+
+}  // namespace
+
+bool isPose(ByteSpan bytes) {
+  return bytes[0] == static_cast<uint8_t>(MessageKind::kPose) || kindOf(bytes) == MessageKind::kPoseStep;
+}
+
+bool isKeyframe(ByteSpan bytes) {
+  return bytes[0] == static_cast<uint8_t>(MessageKind::kKeyframe) || kindOf(bytes) == MessageKind::kKeyframeStep;
+}
+
+bool isResume(ByteSpan bytes) { return bytes[0] == static_cast<uint8_t>(MessageKind::kResume); }
+
+Bytes encode(const Resume& m) {
+  Bytes out;
+  ByteWriter w(out);
+  w.put(MessageKind::kResume);
+  w.put(m.scene_id);
+  w.putVarint(m.keyframe);
+  w.putZigzag(m.time.us);
+  w.put(m.fingerprint);
+  w.putBytes(m.section);
+  return out;
+}
+
+Result<ClientMessage> decodeResume(ByteSpan bytes) {
+  ByteReader r(bytes.subspan(1));
+  Resume m;
+  m.scene_id = r.get<uint64_t>();
+  const uint64_t keyframe = r.getVarint();
+  m.keyframe = static_cast<uint32_t>(keyframe);
+  m.time = {r.getZigzag()};
+  m.fingerprint = r.get<uint32_t>();
+  if (!r.ok() || keyframe == 0 || keyframe > 0x7fffffffu || !isNear(m.time))
+    return malformed("a presented section is cut short or absurd");
+  const ByteSpan section = bytes.subspan(bytes.size() - r.remaining());
+  m.section.assign(section.begin(), section.end());
+  return ClientMessage(std::move(m));
+}
+
+Result<ClientMessage> decodePose(ByteSpan bytes, PoseMemory& memory) {
+  WirePose pose;
+  auto m = kindOf(bytes) == MessageKind::kPose ? getWholePose(bytes, pose) : getPoseStep(bytes, memory, pose);
+  if (m) m->pose.pose = fromWire(pose, kPoseSteps);
+  if (!m || !isUsable(m->pose.pose))
+    return malformed("a pose update is cut short, too long or absurd, more than 10^8 m away, or follows none");
+  remember(*m, pose, memory);
+  return ClientMessage(*m);
+}
+
+Result<ServerMessage> decodeKeyframe(ByteSpan bytes, KeyframeMemory& memory) {
+  WirePose pose;
+  auto m = kindOf(bytes) == MessageKind::kKeyframe ? getWholeHeader(bytes, pose) : getHeaderStep(bytes, memory, pose);
+  if (m) m->header.pose = fromWire(pose, kKeyframeSteps);
+  if (!m || !isSane(m->header)) return malformed("a keyframe's header is cut short, absurd, or follows none");
+  memory.poses.add(m->header.time, pose);
+  memory.last = m->header;
+  return ServerMessage(*m);
+}
+
+Bytes encode(const PoseUpdate& m, PoseMemory& memory) {
+  const WirePose pose = toWire(m.pose.pose, kPoseSteps);
+  if (canPutPoseStep(m, pose, memory)) {
+    Bytes out = putPoseStep(m, pose, memory);
+    memory.poses.add(m.pose.time, pose);
+    return out;
+  }
+  remember(m, pose, memory);
+  return putWholePose(m, pose);
+}
+
+void encodeHeader(const KeyframeHeader& h, KeyframeMemory& memory, Bytes& out) {
+  const WirePose pose = toWire(h.pose, kKeyframeSteps);
+  if (canPutHeaderStep(h, pose, memory))
+    putHeaderStep(h, pose, memory, out);
+  else
+    putWholeHeader(h, pose, out);
+  memory.poses.add(h.time, pose);
+  memory.last = h;
+}
+
+Bytes encode(const PoseUpdate& m) {
+  PoseMemory none;
+  return encode(m, none);
+}
+
+void encodeHeader(const KeyframeHeader& h, Bytes& out) {
+  KeyframeMemory none;
+  encodeHeader(h, none, out);
+}
+
+Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
+  PoseMemory none;
+  return decodeClientMessage(bytes, none);
+}
+
+Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
+  KeyframeMemory none;
+  return decodeServerMessage(bytes, none);
+}
+
+Pose asSent(const Pose& pose) { return fromWire(toWire(pose, kPoseSteps), kPoseSteps); }
+Pose asSentInHeader(const Pose& pose) { return fromWire(toWire(pose, kKeyframeSteps), kKeyframeSteps); }
+
+float shortAtLeast(double value) {
+  float rounded = static_cast<float>(value);
+  if (static_cast<double>(rounded) < value) rounded = std::nextafter(rounded, HUGE_VALF);
+  const uint32_t bits = bitsOf(rounded);
+  return std::bit_cast<float>((bits & kLongBits) != 0 ? (bits | kLongBits) + 1 : bits);
+}
+
+}  // namespace foreland::proto

@@ -1,0 +1,75 @@
+#include "proto/refine/objects.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace foreland::proto {
+
+namespace {
+
+bool isPosition(const glm::ivec3& p) {
+  const auto fine = [](int32_t v) { return v >= -kMaxObjectQuanta && v <= kMaxObjectQuanta; };
+  return fine(p.x) && fine(p.y) && fine(p.z);
+}
+
+Status check(const ObjectModel& model, const MeshTopology& topology) {
+  const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, what}; };
+  if (topology.slotCount() > ObjectSet::kMaxSlots)
+    return refuse("more than " + std::to_string(ObjectSet::kMaxSlots) + " nodes");
+  if (!(model.step_m > 0 && model.step_m <= 1e6)) return refuse("a step of " + std::to_string(model.step_m) + " m");
+  if (model.base.size() != topology.baseVertexCount())
+    return refuse(std::to_string(model.base.size()) + " positions for " + std::to_string(topology.baseVertexCount()) +
+                  " base vertices");
+  if (model.atlas_side > AtlasLayout::kMaxPixels) return refuse("an image that is too large");
+  for (size_t v = 0; v < model.base.size(); ++v)
+    if (!isPosition(model.base[v])) return refuse("base vertex " + std::to_string(v) + " is too far away");
+  return {};
+}
+
+}  // namespace
+
+View ObjectPlacement::toObject(const View& view) const {
+  const glm::dquat back = glm::conjugate(orientation);
+  View seen = view;
+  seen.pose.eye = back * (view.pose.eye - position) / scale;
+  seen.pose.orientation = back * view.pose.orientation;
+  seen.ball_m = view.ball_m / scale;
+  return seen;
+}
+
+Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements) {
+  const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, "objects: " + what}; };
+  if (models.size() > kMaxModels || placements.size() > kMaxObjects)
+    return refuse("more than " + std::to_string(kMaxModels) + " models or " + std::to_string(kMaxObjects) + " objects");
+  ObjectSet set;
+  for (size_t i = 0; i < models.size(); ++i) {
+    Result<MeshTopology> topology = MeshTopology::create(models[i].shape);
+    if (!topology) return refuse("model " + std::to_string(i) + ": " + topology.error().message);
+    if (Status s = check(models[i], *topology); !s.ok())
+      return refuse("model " + std::to_string(i) + ": " + s.error().message);
+    set.topologies_.push_back(std::make_unique<const MeshTopology>(std::move(*topology)));
+  }
+  for (size_t i = 0; i < placements.size(); ++i) {
+    const ObjectPlacement& p = placements[i];
+    if (p.model >= models.size() || !isUsable(Pose{p.position, p.orientation}) || !(p.scale >= 1e-6 && p.scale <= 1e6))
+      return refuse(
+          "object " + std::to_string(i) +
+          " is of no model, too far away, not turned by a rotation, or scaled by less than 1e-6 or more than 1e6");
+    const MeshTopology& topology = *set.topologies_[p.model];
+    set.domains_.push_back({.mesh = &topology,
+                            .step_m = models[p.model].step_m,
+                            .nearest_m = 0.1 / p.scale,
+                            .is_closed = topology.base().isClosed()});
+  }
+  set.models_ = std::move(models);
+  set.placements_ = std::move(placements);
+  return set;
+}
+
+uint32_t fingerprintOf(size_t object, const CutDelta& delta) {
+  const uint32_t odd = 2 * static_cast<uint32_t>(object) + 3;
+  return odd * (fingerprint(delta.added) - fingerprint(delta.removed));
+}
+
+}  // namespace foreland::proto

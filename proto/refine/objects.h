@@ -1,0 +1,69 @@
+// The objects of a scene: surfaces that stand on its terrain. A model is what is known of a surface before any node; it
+// may stand in many places. Both ends make the same set of what the welcome says, and move each object from section to
+// section with the adapter that moves the terrain: the view, seen from the object's frame, is a view like any other.
+// Immutable; any thread; portable to WebAssembly.
+#pragma once
+
+#include <glm/gtc/quaternion.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "proto/refine/surface_domain.h"
+#include "proto/section/section.h"
+#include "proto/topology/atlas_layout.h"
+
+namespace foreland::proto {
+
+struct ObjectModel {
+  MeshShape shape;
+  double step_m = 0.001;
+  std::vector<glm::ivec3> base;  // steps; of all vertices that stand before the nodes
+  uint32_t atlas_side = 0;       // of the image of its colours (atlas_layout.h); 0: there is none
+  bool operator==(const ObjectModel&) const = default;
+};
+
+// From the model's frame to the scene's: scaled, turned, moved.
+struct ObjectPlacement {
+  uint32_t model = 0;
+  glm::dvec3 position{0};              // scene frame, metres
+  glm::dquat orientation{1, 0, 0, 0};  // unit
+  double scale = 1;
+
+  glm::dvec3 toScene(const glm::dvec3& p) const { return position + orientation * (p * scale); }
+  // Pixels stay what they are.
+  View toObject(const View& view) const;
+};
+
+class ObjectSet {
+ public:
+  static constexpr size_t kMaxModels = 1024, kMaxObjects = 4096;
+  static constexpr Slot kMaxSlots = 1u << 26;  // of one model
+
+  ObjectSet() = default;
+  // Refuses shapes that MeshTopology refuses, positions and placements that are out of bounds or do not fit: by the
+  // number of the model or object.
+  static Result<ObjectSet> create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements);
+
+  size_t size() const { return placements_.size(); }
+  const std::vector<ObjectModel>& models() const { return models_; }
+  const std::vector<ObjectPlacement>& placements() const { return placements_; }
+  const ObjectPlacement& placement(size_t object) const { return placements_[object]; }
+  const ObjectModel& modelOf(size_t object) const { return models_[placements_[object].model]; }
+  const SurfaceDomain& domain(size_t object) const { return domains_[object]; }
+  AtlasLayout atlasOf(size_t object) const {
+    return AtlasLayout::of(domains_[object].topology().base().faceCount(), modelOf(object).atlas_side);
+  }
+
+ private:
+  std::vector<ObjectModel> models_;
+  std::vector<std::unique_ptr<const MeshTopology>> topologies_;  // behind pointers, for domains refer to them
+  std::vector<ObjectPlacement> placements_;
+  std::vector<SurfaceDomain> domains_;
+};
+
+// What a change of an object's section adds to the fingerprint of all.
+uint32_t fingerprintOf(size_t object, const CutDelta& delta);
+
+}  // namespace foreland::proto

@@ -1,0 +1,61 @@
+#include "proto/topology/grid.h"
+
+#include <string>
+
+namespace foreland::proto {
+
+namespace {
+
+// Cells of 2^(t+1) samples along one axis of `roots` roots, with the one past the end that owns the far border's sides.
+uint64_t cellsAlong(uint32_t roots, uint32_t level, bool sides) {
+  return (static_cast<uint64_t>(roots) << (level / 2)) + (sides ? 1 : 0);
+}
+
+}  // namespace
+
+Result<GridTopology> GridTopology::create(const GridShape& shape) {
+  const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, "grid shape: " + what}; };
+  if (shape.root_log2 < 1 || shape.root_log2 > kMaxRootLog2)
+    return refuse("root squares of 2^" + std::to_string(shape.root_log2) + " samples; 2^1 to 2^15 are supported");
+  if (shape.roots_x < 1 || shape.roots_y < 1 || shape.roots_x > kMaxSamples >> shape.root_log2 ||
+      shape.roots_y > kMaxSamples >> shape.root_log2)
+    return refuse(std::to_string(shape.roots_x) + " x " + std::to_string(shape.roots_y) +
+                  " roots are none or too many");
+  GridTopology grid;
+  grid.shape_ = shape;
+  if (shape.samples_x < 2 || shape.samples_y < 2 || shape.samples_x > grid.maxX() + 1 ||
+      shape.samples_y > grid.maxY() + 1)
+    return refuse(std::to_string(shape.samples_x) + " x " + std::to_string(shape.samples_y) +
+                  " samples do not fit its roots");
+
+  uint64_t offset = 0;
+  for (int level = 1; level <= grid.maxLevel(); ++level) {
+    const bool sides = level & 1;
+    const uint64_t tiles_x = (cellsAlong(shape.roots_x, level, sides) + kTile - 1) / kTile;
+    const uint64_t tiles_y = (cellsAlong(shape.roots_y, level, sides) + kTile - 1) / kTile;
+    grid.tiles_x_[level] = static_cast<uint32_t>(tiles_x);
+    grid.inverse_tiles_x_[level] = 1.0 / static_cast<double>(tiles_x);
+    grid.level_offset_[level] = static_cast<Slot>(offset);
+    offset += tiles_x * tiles_y * kTile * kTile * (sides ? 2 : 1);
+    if (offset >= kNoSlot) return refuse("more than 2^32 nodes");
+  }
+  grid.level_offset_[grid.maxLevel() + 1] = static_cast<Slot>(offset);
+  for (int width = 0, level = 1; width <= 32; ++width) {
+    const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
+    while (level < grid.maxLevel() && least >= grid.level_offset_[level + 1]) ++level;
+    grid.level_hint_[width] = level;
+  }
+  return grid;
+}
+
+GridShape GridTopology::shapeFor(uint32_t samples_x, uint32_t samples_y) {
+  CHECK_GE(samples_x, 2u);
+  CHECK_GE(samples_y, 2u);
+  const uint32_t longest = std::max(samples_x, samples_y) - 1;
+  uint32_t k = 1;
+  while (k < kMaxRootLog2 && (8u << k) < longest) ++k;
+  const auto roots = [k](uint32_t samples) { return (samples - 2) / (1u << k) + 1; };
+  return {roots(samples_x), roots(samples_y), k, samples_x, samples_y};
+}
+
+}  // namespace foreland::proto

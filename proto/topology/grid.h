@@ -1,0 +1,233 @@
+// Topology of bisection over a grid of root squares (P 2.1; DESIGN section 2). Each root square has 2^k + 1 samples a
+// side, shares its border with its neighbours, and has its centre inserted: four root triangles whose refinement edges
+// are its sides. Corners and centres are the base vertices (level 0); every other lattice point is a node, refined by
+// halving an edge.
+//
+// With s = 2^t the largest power of two dividing both x and y, a node is one of two kinds:
+//   side    one of x/s, y/s odd:  midpoint of the side of a square of 2s; level 2(k-1-t)+1; parents are the centres beside it
+//   centre  both odd:             centre of a square of 2s; level 2(k-1-t); its edge is the diagonal through the centre of
+//                                 the enclosing square of 4s; parents are the two side nodes on the other diagonal
+// So each node has at most two parents and four children, and a set closed under parents is a conforming mesh.
+//
+// The raster need not fill the roots: samples_x, samples_y say how far the data goes; triangles beyond are never drawn
+// (client/mesh_view.h clips). Immutable after creation; any thread; every function is O(1) integer arithmetic.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "base/check.h"
+#include "base/result.h"
+#include "proto/topology/node.h"
+
+namespace foreland::proto {
+
+// What a grid is made of; travels in the handshake and stands in the scene file.
+struct GridShape {
+  uint32_t roots_x = 1;    // root squares along x
+  uint32_t roots_y = 1;    // root squares along y
+  uint32_t root_log2 = 1;  // k: a root square spans 2^k sample intervals
+  uint32_t samples_x = 3;  // data columns, at most roots_x * 2^k + 1
+  uint32_t samples_y = 3;  // data rows
+  bool operator==(const GridShape&) const = default;
+};
+
+class GridTopology {
+ public:
+  static constexpr uint32_t kMaxRootLog2 = 15;
+  static constexpr uint32_t kMaxSamples = 1u << 20;  // per axis
+  static constexpr int kMaxLevels = 2 * kMaxRootLog2;
+
+  // Refuses shapes that are empty, larger than the limits above or than 2^32 - 2 slots, or whose data exceeds the
+  // roots.
+  static Result<GridTopology> create(const GridShape& shape);
+
+  // Root squares that cover `samples_x` x `samples_y` with at most about eight roots a side. Both at least 2.
+  static GridShape shapeFor(uint32_t samples_x, uint32_t samples_y);
+
+  const GridShape& shape() const { return shape_; }
+  uint32_t rootSize() const { return 1u << shape_.root_log2; }
+  uint32_t maxX() const { return shape_.roots_x << shape_.root_log2; }
+  uint32_t maxY() const { return shape_.roots_y << shape_.root_log2; }
+  int maxLevel() const { return 2 * static_cast<int>(shape_.root_log2) - 1; }
+  // One past the largest slot.
+  Slot slotCount() const { return level_offset_[maxLevel() + 1]; }
+  Slot levelOffset(int level) const { return level_offset_[level]; }
+
+  bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
+
+  // log2 of the largest power of two dividing both coordinates, capped at k.
+  uint32_t scaleLog2(NodeId n) const { return static_cast<uint32_t>(std::countr_zero((n.x() | n.y()) | rootSize())); }
+  // 0 for base vertices.
+  int level(NodeId n) const {
+    const uint32_t t = scaleLog2(n);
+    if (t >= shape_.root_log2) return 0;
+    const int coarse = 2 * static_cast<int>(shape_.root_log2 - 1 - t);
+    return coarse + (isCentre(n, t) ? 0 : 1);
+  }
+  bool isBase(NodeId n) const { return level(n) == 0; }
+
+  // The two vertices whose midpoint the node refines. `n` is a node.
+  std::array<NodeId, 2> endpoints(NodeId n) const {
+    const uint32_t t = scaleLog2(n), s = 1u << t, x = n.x(), y = n.y();
+    if (!isCentre(n, t)) {
+      if ((x >> t) & 1) return {NodeId::at(x - s, y), NodeId::at(x + s, y)};
+      return {NodeId::at(x, y - s), NodeId::at(x, y + s)};
+    }
+    if (diagonalRises(x, y, t)) return {NodeId::at(x - s, y - s), NodeId::at(x + s, y + s)};
+    return {NodeId::at(x - s, y + s), NodeId::at(x + s, y - s)};
+  }
+
+  // The third vertices of the one or two triangles that share the node's edge: parents, or base vertices. `n` is a
+  // node.
+  NodeList<2> apexes(NodeId n) const {
+    const uint32_t t = scaleLog2(n), s = 1u << t, x = n.x(), y = n.y();
+    NodeList<2> result;
+    if (isCentre(n, t)) {
+      const bool rises = diagonalRises(x, y, t);
+      result.push(rises ? NodeId::at(x - s, y + s) : NodeId::at(x - s, y - s));
+      result.push(rises ? NodeId::at(x + s, y - s) : NodeId::at(x + s, y + s));
+    } else if ((x >> t) & 1) {
+      if (y >= s) result.push(NodeId::at(x, y - s));
+      if (y + s <= maxY()) result.push(NodeId::at(x, y + s));
+    } else {
+      if (x >= s) result.push(NodeId::at(x - s, y));
+      if (x + s <= maxX()) result.push(NodeId::at(x + s, y));
+    }
+    return result;
+  }
+
+  // The nodes that must be in a section before `n` can be.
+  NodeList<2> parents(NodeId n) const {
+    NodeList<2> result;
+    for (NodeId apex : apexes(n))
+      if (!isBase(apex)) result.push(apex);
+    return result;
+  }
+
+  // The nodes of which `n` is a parent. `n` is a node, or the centre of a root (whose children are parentless or half
+  // so).
+  NodeList<4> children(NodeId n) const {
+    const uint32_t t = scaleLog2(n), x = n.x(), y = n.y();
+    NodeList<4> result;
+    if (isCentre(n, t)) {
+      const uint32_t s = 1u << t;
+      result.push(NodeId::at(x - s, y));
+      result.push(NodeId::at(x + s, y));
+      result.push(NodeId::at(x, y - s));
+      result.push(NodeId::at(x, y + s));
+      return result;
+    }
+    if (t == 0) return result;
+    const uint32_t h = 1u << (t - 1);
+    if (x >= h && y >= h) result.push(NodeId::at(x - h, y - h));
+    if (x + h <= maxX() && y >= h) result.push(NodeId::at(x + h, y - h));
+    if (x >= h && y + h <= maxY()) result.push(NodeId::at(x - h, y + h));
+    if (x + h <= maxX() && y + h <= maxY()) result.push(NodeId::at(x + h, y + h));
+    return result;
+  }
+
+  // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
+  template <class IsThere>
+  bool hasOtherParent(NodeId child, NodeId n, const IsThere& isThere) const {
+    const NodeId other = NodeId::at(2 * child.x() - n.x(), 2 * child.y() - n.y());  // they lie on both sides of it
+    return !contains(other) || isThere(other);
+  }
+
+  // Bijection between nodes and (some of the) slots. `n` is a node inside the grid.
+  Slot slot(NodeId n) const {
+    const uint32_t t = scaleLog2(n), cx = n.x() >> (t + 1), cy = n.y() >> (t + 1);
+    const int coarse = 2 * static_cast<int>(shape_.root_log2 - 1 - t);
+    if (isCentre(n, t)) return level_offset_[coarse] + tileSlot(cx, cy, tiles_x_[coarse]);
+    const Slot cell = tileSlot(cx, cy, tiles_x_[coarse + 1]);
+    return level_offset_[coarse + 1] + 2 * cell + ((n.x() >> t & 1) ? 0 : 1);
+  }
+  // The node of a slot, or base vertex (0, 0) if the slot is padding or out of range.
+  NodeId node(Slot slot) const {
+    if (slot >= slotCount()) return {};
+    int level = level_hint_[std::bit_width(slot)];
+    while (slot >= level_offset_[level + 1]) ++level;  // levels grow about twofold, so rarely more than two steps
+    const uint32_t sides = level & 1, along_y = sides & (slot - level_offset_[level]);
+    const Cell cell = cellOf(level, slot);
+    const uint32_t t = scaleLog2At(level), s = 1u << t;
+    const NodeId n =
+        NodeId::at((cell.x << (t + 1)) + (s & (along_y - 1)), (cell.y << (t + 1)) + (s & ((sides & ~along_y) - 1)));
+    return contains(n) ? n : NodeId{};
+  }
+
+  // The slot of a node whose level is known.
+  Slot slot(NodeId n, int level) const {
+    const uint32_t t = scaleLog2At(level), sides = level & 1;
+    const Slot cell = tileSlot(n.x() >> (t + 1), n.y() >> (t + 1), tiles_x_[level]);
+    return level_offset_[level] + (cell << sides) + (sides & ~(n.x() >> t));
+  }
+
+  // node() for the slots of one page (kPageSlots, which are all of one level), by their place in it; not for padding.
+  class PageNodes {
+   public:
+    NodeId at(uint32_t low) const {
+      const uint32_t cell = low >> sides_, along_y = low & sides_;
+      return NodeId::at(x_ + ((cell & (kTile - 1)) << cell_log2_) + (half_ & (along_y - 1)),
+                        y_ + (cell >> kTileLog2 << cell_log2_) + (half_ & ((sides_ & ~along_y) - 1)));
+    }
+
+   private:
+    friend class GridTopology;
+    uint32_t x_, y_, half_, cell_log2_, sides_;
+  };
+  PageNodes pageNodes(int level, Slot first) const {
+    const uint32_t t = scaleLog2At(level);
+    const Cell cell = cellOf(level, first);
+    PageNodes page;
+    page.x_ = cell.x << (t + 1);
+    page.y_ = cell.y << (t + 1);
+    page.half_ = 1u << t;
+    page.cell_log2_ = t + 1;
+    page.sides_ = level & 1;
+    return page;
+  }
+
+  // True if the node's support (its one or two triangles) holds data beyond its border.
+  bool touchesData(NodeId n) const {
+    const uint32_t s = 1u << scaleLog2(n);
+    return (n.x() < s || n.x() - s < shape_.samples_x - 1) && (n.y() < s || n.y() - s < shape_.samples_y - 1);
+  }
+
+ private:
+  static constexpr uint32_t kTileLog2 = 4, kTile = 1u << kTileLog2;
+
+  // Of the nodes of a level.
+  uint32_t scaleLog2At(int level) const { return shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2); }
+  // The square of 2s that a slot belongs to.
+  struct Cell {
+    uint32_t x, y;
+  };
+  Cell cellOf(int level, Slot slot) const {
+    const uint32_t cell = (slot - level_offset_[level]) >> (level & 1), tile = cell >> (2 * kTileLog2);
+    // Division by multiplication: doubles hold the quotient to far better than one in 2^32, so it is off by one at
+    // most.
+    const uint32_t tiles_x = tiles_x_[level];
+    uint32_t row = static_cast<uint32_t>(tile * inverse_tiles_x_[level]);
+    row -= row * tiles_x > tile;
+    row += tile - row * tiles_x >= tiles_x;
+    return {(tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1)),
+            row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1))};
+  }
+  static bool isCentre(NodeId n, uint32_t t) { return (n.x() >> t & 1) && (n.y() >> t & 1); }
+  // A centre's edge leads to the centre of the square of 4s around it: the corner whose coordinates are both odd in 2s.
+  static bool diagonalRises(uint32_t x, uint32_t y, uint32_t t) { return ((x >> (t + 1)) & 1) == ((y >> (t + 1)) & 1); }
+  static Slot tileSlot(uint32_t cx, uint32_t cy, uint32_t tiles_x) {
+    const uint32_t tile = (cy >> kTileLog2) * tiles_x + (cx >> kTileLog2);
+    return tile << (2 * kTileLog2) | (cy & (kTile - 1)) << kTileLog2 | (cx & (kTile - 1));
+  }
+
+  GridShape shape_;
+  std::array<Slot, kMaxLevels + 2> level_offset_{};
+  std::array<uint32_t, kMaxLevels + 1> tiles_x_{};
+  std::array<double, kMaxLevels + 1> inverse_tiles_x_{};
+  std::array<int, 33> level_hint_{};  // by bit width of a slot: the level of the smallest slot of that width
+};
+
+}  // namespace foreland::proto

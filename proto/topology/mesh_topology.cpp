@@ -1,0 +1,63 @@
+#include "proto/topology/mesh_topology.h"
+
+#include <string>
+#include <utility>
+
+namespace foreland::proto {
+
+Result<MeshTopology> MeshTopology::create(MeshShape shape) {
+  const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, "mesh shape: " + what}; };
+  if (shape.rule != MeshRule::kQuadrisection && shape.rule != MeshRule::kBisection)
+    return refuse("unknown rule " + std::to_string(static_cast<int>(shape.rule)));
+  if (shape.halvings < 1 || shape.halvings > kMaxHalvings)
+    return refuse(std::to_string(shape.halvings) + " halvings of each edge; 1 to " + std::to_string(kMaxHalvings) +
+                  " are supported");
+  Result<BaseMesh> base = BaseMesh::create(shape.vertex_count, std::move(shape.faces));
+  if (!base) return base.error();
+  MeshTopology mesh;
+  mesh.base_ = std::move(*base);
+  mesh.rule_ = shape.rule;
+  mesh.halvings_ = shape.halvings;
+  mesh.max_level_ = mesh.isQuad() ? mesh.quad().maxLevel() : mesh.bisect().maxLevel();
+  if (Status s = mesh.numberSlots(); !s.ok()) return s.error();
+  return mesh;
+}
+
+Status MeshTopology::numberSlots() {
+  uint64_t offset = 0;
+  for (int level = 1; level <= max_level_; ++level) {
+    level_offset_[level] = static_cast<Slot>(offset);
+    offset += (slotsOfLevel(level) + kPageSlots - 1) / kPageSlots * kPageSlots;
+    if (offset >= kNoSlot)
+      return Error{ErrorCode::kLimit, "mesh shape: more than 2^32 nodes; halve the edges of " +
+                                          std::to_string(base_.faceCount()) + " faces fewer times than " +
+                                          std::to_string(halvings_)};
+  }
+  level_offset_[max_level_ + 1] = static_cast<Slot>(offset);
+  for (int width = 0, level = 1; width <= 32; ++width) {
+    const uint64_t least = width == 0 ? 0 : uint64_t{1} << (width - 1);
+    while (level < max_level_ && least >= level_offset_[level + 1]) ++level;
+    level_hint_[width] = level;
+  }
+  return {};
+}
+
+MeshPlace MeshTopology::place(NodeId v) const {
+  if (!isBaseVertexId(v)) return isQuad() ? quad().place(patchPointOf(v)) : bisect().place(patchPointOf(v));
+  const uint32_t vertex = baseVertexOf(v), count = base_.vertexCount();
+  return placeIn(vertex < count ? BaseMesh::face(base_.leaving(vertex)) : vertex - count, v);
+}
+
+MeshPlace MeshTopology::placeIn(uint32_t face, NodeId v) const {
+  if (!isBaseVertexId(v))
+    return isQuad() ? quad().placeIn(face, patchPointOf(v)) : bisect().placeIn(face, patchPointOf(v));
+  const uint32_t third = placeScale() / 3;
+  if (v == baseVertexId(base_.vertexCount() + face)) return {face, {third, third, third}};
+  MeshPlace place{face, {0, 0, 0}};
+  for (uint32_t i = 0; i < 3; ++i)
+    if (base_.vertex(3 * face + i) == baseVertexOf(v)) place.weights[i] = placeScale();
+  CHECK_EQ(place.weights[0] + place.weights[1] + place.weights[2], placeScale());
+  return place;
+}
+
+}  // namespace foreland::proto

@@ -1,0 +1,218 @@
+// What a client reads of objects is what the server has: the same sections, whatever the views, and every node where
+// the server has it; and sections that are presented are those that were held.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "proto/codec/object_stream.h"
+#include "proto/codec/section_codec.h"
+#include "proto/refine/surface_nodes.h"
+#include "terrain/surface/bounds.h"
+#include "tests/support/surface_wanderer.h"
+#include "tests/support/surfaces.h"
+
+namespace foreland::proto {
+namespace {
+
+const GridTopology& smallGrid() {
+  static const GridTopology grid = GridTopology::create({1, 1, 1, 3, 3}).value();
+  return grid;
+}
+
+// Three objects of one model, so that what is sent of one is known of the others; and both ends.
+struct Ends {
+  explicit Ends(const test::NamedSurface& named)
+      : records(terrain::computeBounds(named.surface, {.threads = 1})),
+        set(ObjectSet::create({{named.surface.topology.shape(), named.surface.step_m, named.surface.base, 0}},
+                              {{0, {0, 0, 0}, {1, 0, 0, 0}, 1},
+                               {0, {3, 0, 0}, glm::angleAxis(2.0, glm::dvec3(0.6, 0, 0.8)), 1.5},
+                               {0, {-1, 2, 0.5}, glm::angleAxis(-0.7, glm::dvec3(0, 1, 0)), 0.3}})
+                .value()),
+        server(set),
+        client(set) {
+    for (size_t i = 0; i < set.size(); ++i) adapters.emplace_back(set.domain(i));
+  }
+
+  // The server's change of all objects, and its bytes.
+  Bytes write(const View& view) {
+    Bytes bytes;
+    RangeEncoder out(bytes);
+    server.begin(view);
+    sent.assign(set.size(), {});
+    for (size_t i = 0; i < set.size(); ++i) {
+      PlainSurfaceNodes source(records);
+      EXPECT_TRUE(adapters[i].adapt(set.placement(i).toObject(view), set.domain(i).topology().slotCount(), source,
+                                    scratch, sent[i]));
+      server.encode(i, sent[i], records, out, bits);
+    }
+    out.finish();
+    return bytes;
+  }
+  bool read(const View& view, ByteSpan bytes) {
+    RangeDecoder in(bytes);
+    client.begin(view);
+    got.assign(set.size(), {});
+    for (size_t i = 0; i < set.size(); ++i)
+      if (!client.decode(i, in, got[i])) return false;
+    return in.atEnd();
+  }
+  HeldSections held() const {
+    HeldSections sections;
+    for (size_t i = 0; i < set.size(); ++i) sections.objects.push_back(client.section(i));
+    return sections;
+  }
+  testing::AssertionResult agree() const {
+    for (size_t i = 0; i < set.size(); ++i) {
+      const Section section = client.section(i);
+      if (got[i] != sent[i] || section != adapters[i].section() || section != server.section(i))
+        return testing::AssertionFailure() << "object " << i << " has another section";
+      for (Slot slot : section.slots)
+        if (client.position(i, slot) != records[slot].position)
+          return testing::AssertionFailure() << "object " << i << " has slot " << slot << " elsewhere";
+    }
+    return testing::AssertionSuccess();
+  }
+  // A keyframe from end to end.
+  testing::AssertionResult step(const View& view) {
+    if (!read(view, write(view))) return testing::AssertionFailure() << "the bytes are refused";
+    return agree();
+  }
+  // A new connection: the client presents its sections, a new server goes on from them.
+  void reconnect() {
+    Bytes bytes;
+    encodeSections(smallGrid(), set, held(), bytes);
+    client.restart();
+    const auto presented = decodeSections(smallGrid(), set, bytes, 1u << 24);
+    ASSERT_TRUE(presented.ok());
+    ASSERT_EQ(*presented, held());
+    server = ObjectStream(set);
+    for (size_t i = 0; i < set.size(); ++i) {
+      PlainSurfaceNodes source(records);
+      adapters[i] = SurfaceAdapter(set.domain(i), presented->objects[i].slots, source);
+      server.hold(i, presented->objects[i], records);
+    }
+  }
+
+  std::vector<SurfaceRecord> records;
+  ObjectSet set;
+  std::vector<SurfaceAdapter> adapters;
+  ObjectStream server, client;
+  AdaptScratch scratch;
+  std::vector<CutDelta> sent, got;
+  SurfaceBits bits;
+};
+
+uint64_t newSeed() {
+  const uint64_t seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed()) + 1;
+  testing::Test::RecordProperty("seed", std::to_string(seed));
+  return seed;
+}
+
+class SurfaceCodec : public testing::TestWithParam<MeshRule> {};
+
+TEST_P(SurfaceCodec, GivesTheClientTheServersSectionsAndPositions) {
+  const uint64_t seed = newSeed();
+  for (const test::NamedSurface& named : test::surfaces(GetParam(), GetParam() == MeshRule::kBisection ? 2 : 3)) {
+    Ends ends(named);
+    test::SurfaceWanderer wanderer(seed);
+    for (int i = 0; i < 150; ++i) {
+      ASSERT_TRUE(ends.step(wanderer.next())) << named.name << ", seed " << seed << ", step " << i;
+    }
+    EXPECT_LE(ends.bits.placed, ends.bits.added);
+  }
+}
+
+TEST_P(SurfaceCodec, GoesOnFromSectionsThatWerePresented) {
+  const uint64_t seed = newSeed();
+  for (const test::NamedSurface& named : test::surfaces(GetParam(), GetParam() == MeshRule::kBisection ? 2 : 3)) {
+    Ends ends(named);
+    test::SurfaceWanderer wanderer(seed);
+    for (int i = 0; i < 100; ++i) {
+      if (i % 9 == 0) ends.reconnect();
+      ASSERT_FALSE(HasFatalFailure());
+      ASSERT_TRUE(ends.step(wanderer.next())) << named.name << ", seed " << seed << ", step " << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rules, SurfaceCodec, testing::Values(MeshRule::kQuadrisection, MeshRule::kBisection));
+
+View viewOfAll() {
+  View view;
+  view.pose = {{0, -6, 0}, lookAlong({0, 1, 0}, {0, 0, 1})};
+  view.tau_px = 0.5;
+  return view;
+}
+
+TEST(SurfaceCodec, SendsAPlaceOnceForAllObjectsOfAModel) {
+  Ends ends(test::surfaces(MeshRule::kQuadrisection, 4).front());
+  ends.write(viewOfAll());
+  std::vector<Slot> all;
+  for (const CutDelta& delta : ends.sent) all.insert(all.end(), delta.added.begin(), delta.added.end());
+  std::sort(all.begin(), all.end());
+  const auto distinct = static_cast<uint64_t>(std::unique(all.begin(), all.end()) - all.begin());
+  EXPECT_EQ(ends.bits.placed, distinct);
+  EXPECT_LT(distinct, ends.bits.added);
+}
+
+TEST(SurfaceCodec, SaysNothingOfObjectsThatDoNotChange) {
+  Ends ends(test::surfaces(MeshRule::kQuadrisection, 4).front());
+  ends.write(viewOfAll());
+  ends.write(viewOfAll());
+  EXPECT_LE(ends.write(viewOfAll()).size(), 1u);
+}
+
+TEST(SurfaceCodec, EndsInClosedSectionsOrARefusalWhateverTheBytes) {
+  const uint64_t seed = newSeed();
+  Rng rng(seed);
+  const test::NamedSurface sphere = test::surfaces(MeshRule::kQuadrisection, 4).front();
+  uint32_t refused = 0;
+  for (int round = 0; round < 100; ++round) {
+    Ends ends(sphere);
+    test::SurfaceWanderer wanderer(rng.below(1u << 30));
+    for (int i = 0; i < 4; ++i) {
+      Bytes bytes(rng.below(400));
+      for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(rng.below(256));
+      if (!ends.read(wanderer.next(), bytes)) {
+        ++refused;
+        break;
+      }
+      for (size_t object = 0; object < ends.set.size(); ++object) ends.client.cut(object).validate();
+    }
+  }
+  EXPECT_GT(refused, 50u);
+}
+
+TEST(PresentedSections, AreClosedOrRefusedWhateverTheBytes) {
+  const uint64_t seed = newSeed();
+  Rng rng(seed);
+  const Ends ends(test::surfaces(MeshRule::kBisection, 3).front());
+  uint32_t taken = 0;
+  for (int round = 0; round < 300; ++round) {
+    Bytes bytes(rng.below(30));
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(rng.below(256));
+    const auto sections = decodeSections(smallGrid(), ends.set, bytes, 1u << 20);
+    if (!sections.ok()) continue;
+    ++taken;
+    for (size_t i = 0; i < ends.set.size(); ++i) {
+      SurfaceCut cut(ends.set.domain(i).topology());
+      cut.hold(sections->objects[i]);
+      cut.validate();
+      EXPECT_EQ(cut.section(), sections->objects[i]) << "seed " << seed;
+    }
+  }
+  EXPECT_GT(taken, 0u) << "seed " << seed;
+}
+
+TEST(PresentedSections, OfMoreNodesThanAreServedAreRefused) {
+  Ends ends(test::surfaces(MeshRule::kQuadrisection, 4).front());
+  const View view = viewOfAll();
+  ASSERT_TRUE(ends.read(view, ends.write(view)));
+  Bytes bytes;
+  encodeSections(smallGrid(), ends.set, ends.held(), bytes);
+  EXPECT_TRUE(decodeSections(smallGrid(), ends.set, bytes, ends.bits.added).ok());
+  EXPECT_FALSE(decodeSections(smallGrid(), ends.set, bytes, ends.bits.added - 1).ok());
+}
+
+}  // namespace
+}  // namespace foreland::proto

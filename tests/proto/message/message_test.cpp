@@ -1,0 +1,150 @@
+// Messages: what goes in comes out, and any other bytes end in an Error.
+#include <gtest/gtest.h>
+
+#include "base/rng.h"
+#include "proto/message/message.h"
+
+namespace foreland::proto {
+namespace {
+
+Pose somePose(Rng& rng) {
+  glm::dquat q(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+  return {{rng.uniform(-1e6, 1e6), rng.uniform(-1e6, 1e6), rng.uniform(-1e4, 1e4)}, glm::normalize(q)};
+}
+
+double angleBetween(const glm::dquat& a, const glm::dquat& b) {
+  return 2 * std::acos(std::min(1.0, std::fabs(glm::dot(a, b))));
+}
+
+TEST(Message, PosesArriveToTheMillimetreAndToATenthOfAMilliradian) {
+  Rng rng(3);
+  for (int i = 0; i < 1000; ++i) {
+    PoseUpdate sent{
+        {Time{static_cast<int64_t>(rng.below(1ull << 40))}, somePose(rng)}, static_cast<uint32_t>(rng.below(9000)), {}};
+    sent.received_at = sent.pose.time - Duration{static_cast<int64_t>(rng.below(1'000'000))};
+    auto message = decodeClientMessage(encode(sent));
+    ASSERT_TRUE(message.ok()) << message.error().message;
+    const auto& got = std::get<PoseUpdate>(*message);
+    EXPECT_EQ(got.pose.time, sent.pose.time);
+    EXPECT_EQ(got.received_keyframe, sent.received_keyframe);
+    EXPECT_EQ(got.received_at, sent.received_at);
+    EXPECT_LE(glm::distance(got.pose.pose.eye, sent.pose.pose.eye), 0.001);
+    EXPECT_LE(angleBetween(got.pose.pose.orientation, sent.pose.pose.orientation), 1e-4);
+  }
+}
+
+TEST(Message, APoseAsSentIsSentUnchanged) {
+  Rng rng(4);
+  for (int i = 0; i < 1000; ++i) {
+    KeyframeHeader header{2, 1, Time{5}, somePose(rng), {}, 1, 0, 0, 99};
+    Bytes bytes;
+    encodeHeader(header, bytes);
+    auto message = decodeServerMessage(bytes);
+    ASSERT_TRUE(message.ok());
+    const Pose& got = std::get<KeyframeMessage>(*message).header.pose;
+    EXPECT_EQ(got.eye, asSentInHeader(header.pose).eye);
+    EXPECT_EQ(got.orientation, asSentInHeader(header.pose).orientation);
+  }
+}
+
+TEST(Message, ControlMessagesRoundTrip) {
+  const ViewRequest request{
+      {0.9, 800, 600}, 1.5, Strategy::kCurrent, Predictor::kKnownPath, Duration::milliseconds(250)};
+  const auto got_request = std::get<ViewRequest>(*decodeClientMessage(encode(request)));
+  EXPECT_EQ(got_request.lens, request.lens);
+  EXPECT_EQ(got_request.tau_px, request.tau_px);
+  EXPECT_EQ(got_request.strategy, request.strategy);
+  EXPECT_EQ(got_request.predictor, request.predictor);
+  EXPECT_EQ(got_request.keyframe_interval, request.keyframe_interval);
+
+  Rng rng(5);
+  const Path path{Time{-7}, Duration::milliseconds(100), {somePose(rng), somePose(rng), somePose(rng)}};
+  const auto got_path = std::get<Path>(*decodeClientMessage(encode(path)));
+  EXPECT_EQ(got_path.start, path.start);
+  EXPECT_EQ(got_path.step, path.step);
+  ASSERT_EQ(got_path.poses.size(), 3u);
+  EXPECT_EQ(got_path.poses[1].eye, path.poses[1].eye);
+
+  const auto got_tour = std::get<TourRequest>(*decodeClientMessage(encode(TourRequest{4, "canyon", 30})));
+  EXPECT_EQ(got_tour.name, "canyon");
+  const auto got_ground = std::get<GroundRequest>(*decodeClientMessage(encode(GroundRequest{4, {{1, 2}, {3, 4}}})));
+  EXPECT_EQ(got_ground.places, (std::vector<glm::dvec2>{{1, 2}, {3, 4}}));
+  EXPECT_EQ(std::get<GroundReply>(*decodeServerMessage(encode(GroundReply{4, {1.5f}}))).heights_m,
+            std::vector<float>{1.5f});
+  EXPECT_EQ(std::get<Refusal>(*decodeServerMessage(encode(Refusal{"no"}))).message, "no");
+}
+
+TEST(Message, AWelcomeTellsAsManyModelsAndObjectsAsASceneHolds) {
+  Welcome sent;
+  sent.shape = {1, 1, 1, 2, 2};
+  sent.frame.axis_x_m = {1, 0};
+  sent.frame.axis_y_m = {0, 1};
+  sent.keyframe_interval = Duration::milliseconds(200);
+  sent.corner_heights.resize(4);
+  sent.centre_heights.resize(1);
+  ObjectModel model;
+  model.shape.vertex_count = 3;
+  model.shape.faces.push_back({0, 1, 2});
+  model.base = {{0, 0, 0}, {4, 0, 0}, {0, -4, 2}};
+  model.atlas_side = 7;
+  sent.models.resize(ObjectSet::kMaxModels, model);
+  Rng rng(6);
+  for (uint32_t i = 0; i < ObjectSet::kMaxObjects; ++i) {
+    const Pose pose = somePose(rng);
+    sent.objects.push_back({i % 1024, pose.eye, pose.orientation, 0.5 + i});
+  }
+  const auto message = decodeServerMessage(encode(sent));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  const auto& got = std::get<Welcome>(*message);
+  EXPECT_TRUE(got.models == sent.models);
+  ASSERT_EQ(got.objects.size(), sent.objects.size());
+  for (size_t i = 0; i < got.objects.size(); ++i) {
+    EXPECT_EQ(got.objects[i].model, sent.objects[i].model);
+    EXPECT_EQ(got.objects[i].position, sent.objects[i].position);
+    EXPECT_EQ(got.objects[i].orientation, sent.objects[i].orientation);
+    EXPECT_EQ(got.objects[i].scale, sent.objects[i].scale);
+  }
+  sent.models.push_back(sent.models.front());
+  EXPECT_FALSE(decodeServerMessage(encode(sent)).ok());
+}
+
+TEST(Message, AbsurdValuesAreRefused) {
+  for (double tau : {-1.0, 1e-9, 1e9, std::nan("")}) {
+    ViewRequest request;
+    request.tau_px = tau;
+    EXPECT_FALSE(decodeClientMessage(encode(request)).ok()) << tau;
+  }
+  ViewRequest flat;
+  flat.lens.height_px = 0;
+  EXPECT_FALSE(decodeClientMessage(encode(flat)).ok());
+  for (double bad : {std::nan(""), HUGE_VAL, 1e9}) {
+    Path path{{}, Duration::milliseconds(100), {{}, {}}};
+    path.poses[1].eye.x = bad;
+    EXPECT_FALSE(decodeClientMessage(encode(path)).ok()) << bad;
+  }
+  PoseUpdate far{{{}, {{2e8, 0, 0}, {1, 0, 0, 0}}}, 0, {}};
+  EXPECT_FALSE(decodeClientMessage(encode(far)).ok());
+}
+
+TEST(Message, AnyBytesEndInAValueOrAnError) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  Rng rng(seed);
+  const std::vector<Bytes> good{encode(ViewRequest{}),
+                                encode(TourRequest{1, "spin", 9}),
+                                encode(GroundRequest{1, {{1, 2}}}),
+                                encode(PoseUpdate{}),
+                                encode(Refusal{"x"}),
+                                encode(GroundReply{1, {2}})};
+  size_t accepted = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Bytes bytes = good[rng.below(good.size())];
+    for (uint64_t k = rng.below(4) + 1; k > 0; --k) bytes[rng.below(bytes.size())] = static_cast<uint8_t>(rng.next());
+    if (rng.below(3) == 0) bytes.resize(rng.below(bytes.size() + 1));
+    accepted += decodeClientMessage(bytes).ok();
+    accepted += decodeServerMessage(bytes).ok();
+  }
+  EXPECT_LT(accepted, 40000u) << "seed " << seed;
+}
+
+}  // namespace
+}  // namespace foreland::proto
