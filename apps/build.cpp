@@ -177,7 +177,7 @@ int build(const Arguments& arguments) {
   if (!source.ok()) return fail(source.error());
   describeInput((*source)->info());
   terrain::BuildOptions options{.output = arguments.output,
-                                .height_step_m = chooseVerticalStep(arguments, (*source)->info()),
+                                .height_quantum_m = chooseVerticalStep(arguments, (*source)->info()),
                                 .threads = arguments.threads,
                                 .widen_step = !arguments.vertical_step_m};
   for (const std::string& text : arguments.objects) {

@@ -15,7 +15,7 @@ class ExactSections {
       : scene_(std::move(scene)), hierarchy_(scene_), welcome_(server::welcomeTo(hierarchy_)) {}
 
   std::shared_ptr<const client::KeyframeMesh> at(const bench::SectionRequest& wanted) {
-    const proto::View view{wanted.pose, wanted.lens, wanted.tau_px, wanted.ball_m, wanted.turn_rad};
+    const proto::View view{wanted.pose, wanted.lens, wanted.tau_px, wanted.region_radius_m, wanted.region_angle_rad};
     server::SectionSender sender(hierarchy_);
     Bytes message;
     sender.send(view, Time{}, scratch_, message);

@@ -71,7 +71,7 @@ class Link {
       : connection_(std::move(connection)), url_(std::move(url)) {}
 
   // Moves messages until `until`. When the connection is lost, tries to get another one, and tells the player of it; an
-  // Error if there was none for kPatience.
+  // Error if there was none for kTimeout.
   Status run(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
     if (connection_) {
       for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
@@ -82,7 +82,7 @@ class Link {
       lost_at_ = Clock::now();
       connection_.reset();
     }
-    if (Clock::now() - lost_at_ > kPatience) return lost_;
+    if (Clock::now() - lost_at_ > kTimeout) return lost_;
     auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout);
     if (connection.ok()) {
       player.reconnect(timeSince(epoch));
@@ -97,7 +97,7 @@ class Link {
   }
 
  private:
-  static constexpr std::chrono::seconds kPatience{30};
+  static constexpr std::chrono::seconds kTimeout{30};
   static constexpr std::chrono::milliseconds kReconnectTimeout{1000};
 
   std::optional<client::WebSocketClient> connection_;

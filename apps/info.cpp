@@ -54,13 +54,13 @@ ordered_json describeFrame(const terrain::Scene& scene) {
     frame["ellipsoid"] = {{"semi_major_m", f.semi_major_m}, {"flattening", f.flattening}};
   }
   frame["crs"] = scene.origin().crs_wkt;
-  frame["height_step_m"] = f.height_step_m;
+  frame["height_quantum_m"] = f.height_quantum_m;
   return frame;
 }
 
 ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   const proto::GridShape& shape = scene.grid().shape();
-  const double step_m = scene.frame().height_step_m;
+  const double step_m = scene.frame().height_quantum_m;
   ordered_json about;
   about["file"] = path;
   about["title"] = scene.origin().title;
@@ -100,7 +100,7 @@ void printFrame(const proto::Frame& f, const std::string& crs_wkt) {
 
 void print(const std::string& path, const terrain::Scene& scene) {
   const proto::GridShape& shape = scene.grid().shape();
-  const double step_m = scene.frame().height_step_m;
+  const double step_m = scene.frame().height_quantum_m;
   std::printf("scene      %s\n", path.c_str());
   std::printf("title      %s\n", scene.origin().title.c_str());
   std::printf("id         %s\n", hexadecimal(scene.id()).c_str());

@@ -90,7 +90,7 @@ uint32_t MeshBuilder::splitVertex(const Triangle& t, const HeldNodes::Row::Found
 
 glm::dvec4 MeshBuilder::placeOf(Lattice at, int32_t height) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  const double height_m = height * replica_.frameGrid().transform().frame().height_step_m;
+  const double height_m = height * replica_.frameGrid().transform().frame().height_quantum_m;
   return {replica_.frameGrid().position(v, height), height_m};
 }
 

@@ -19,7 +19,7 @@
 #include "base/time.h"
 #include "client/blend.h"
 #include "proto/refine/frustum.h"
-#include "proto/refine/toll.h"
+#include "proto/refine/motion_bound.h"
 #include "proto/space/view.h"
 
 namespace foreland::client {
@@ -32,7 +32,7 @@ struct Motion {
     const double s = time.toSeconds();
     if (!(s > 0)) return {};
     return {glm::distance(from.pose.eye, to.pose.eye) / s,
-            proto::turnBetween(from.pose.orientation, to.pose.orientation) / s};
+            proto::angleBetween(from.pose.orientation, to.pose.orientation) / s};
   }
 };
 
@@ -52,7 +52,7 @@ class MorphClock {
 
   // `from` and `metres_per_s` in the frame of the spheres, whatever `span` has.
   MorphClock(const MeshSpan& span, const proto::View& from, double metres_per_s)
-      : span_(span), eye_(from.pose.eye), ball_(from.ball_m), metres_per_s_(metres_per_s), frustum_(from, 0) {}
+      : span_(span), eye_(from.pose.eye), ball_(from.region_radius_m), metres_per_s_(metres_per_s), frustum_(from, 0) {}
 
   // Whether it asks for spheres at all.
   bool isEven() const { return span_.blend == Blend::kKeyframe; }

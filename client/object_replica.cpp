@@ -108,7 +108,7 @@ class ObjectReplica::Builder {
   uint32_t corner(uint32_t face, NodeId v) {
     const auto [at, is_new] = corners_.try_emplace(v, static_cast<uint32_t>(out_.corners.size()));
     if (is_new) {
-      const proto::MeshPlace place = mesh_.placeIn(face, v);
+      const proto::FacePoint place = mesh_.placeIn(face, v);
       const glm::dvec3 weights(place.weights[0], place.weights[1], place.weights[2]);
       out_.corners.push_back(
           {vertex(v), atlas_.side > 0 ? glm::vec2(atlas_.coordinates(face, weights / scale_)) : glm::vec2(0)});
@@ -202,7 +202,7 @@ bool ObjectReplica::facesAway(const proto::View& from, Slot slot) const {
     if (at == vertices_.numbers.end()) return false;
     const glm::dvec3 to_eye = from.pose.eye - vertices_.position[1][at->second];
     const double front = glm::dot(unpackNormal(vertices_.normal[1][at->second]), to_eye);
-    if (front + from.ball_m > -kSpare * glm::length(to_eye)) return false;
+    if (front + from.region_radius_m > -kSpare * glm::length(to_eye)) return false;
   }
   return true;
 }

@@ -68,7 +68,7 @@ bool Replica::isUnderWay() const {
          std::any_of(objects_.begin(), objects_.end(), [](const ObjectReplica& o) { return o.isUnderWay(); });
 }
 
-void Replica::carryOn(Duration interval, Blend blend) {
+void Replica::extend(Duration interval, Blend blend) {
   from_ = to_;
   this->blend({blend, proto::viewOf(to_), motion_, interval.toSeconds()}, {});
 }
@@ -112,9 +112,9 @@ namespace {
 class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
  public:
   explicit KnownRadii(const proto::TerrainAdapter& adapter) : adapter_(adapter) {}
-  proto::RadiusClass radius(Slot first) override { return adapter_.radius(first); }
+  proto::QuantisedRadius radius(Slot first) override { return adapter_.radius(first); }
   void load(proto::TerrainBatch&) override {}
-  bool answer(int, std::span<const proto::Question>, std::span<uint8_t>) override { return false; }
+  bool decide(int, std::span<const proto::Predicate>, std::span<uint8_t>) override { return false; }
 
  private:
   const proto::TerrainAdapter& adapter_;
@@ -122,7 +122,7 @@ class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
 
 }  // namespace
 
-std::optional<proto::Resume> Replica::present(uint64_t scene_id) {
+std::optional<proto::Resume> Replica::makeResume(uint64_t scene_id) {
   if (broken_ || to_.index == 0) return std::nullopt;
   proto::HeldSections held{section(), {}};
   for (const ObjectReplica& object : objects_) held.objects.push_back(object.section());
@@ -206,7 +206,7 @@ std::optional<double> Replica::heightAt(double x, double y) const {
   const auto a = knownHeight(vertex(m - d)), b = knownHeight(vertex(m + d)), apex = knownHeight(vertex(m + rot));
   if (!a || !b || !apex) return std::nullopt;
   const double steps = 0.5 * (1 - along - up) * *a + 0.5 * (1 + along - up) * *b + up * *apex;
-  return steps * domain_->frame.transform().frame().height_step_m;
+  return steps * domain_->frame.transform().frame().height_quantum_m;
 }
 
 }  // namespace foreland::client

@@ -29,11 +29,11 @@ class Replica {
   // Whether nodes will not have come to rest when the mesh ends; and their next interval, for when no keyframe has
   // come: both ends of the mesh then are the newest's.
   bool isUnderWay() const;
-  void carryOn(Duration interval, Blend blend);
+  void extend(Duration interval, Blend blend);
 
   // The newest sections, to be presented to a server over a new connection; nothing if there are none, or a keyframe
   // broke them. The next keyframe starts from them, or from nothing.
-  std::optional<proto::Resume> present(uint64_t scene_id);
+  std::optional<proto::Resume> makeResume(uint64_t scene_id);
 
   // The mesh of the last step, origin near the newer keyframe's eye. After the first keyframe: that section, still.
   KeyframeMesh buildMesh() const;

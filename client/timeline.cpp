@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kRecent = 16;
 constexpr Duration kLatencyMargin = Duration::milliseconds(10);
-constexpr Duration kLambdaFall = Duration::milliseconds(2);  // a keyframe
+constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // a keyframe
 
 }  // namespace
 
@@ -24,25 +24,25 @@ Duration Timeline::intervalOf(const KeyframeMesh& mesh) {
 
 // The worst recent latency beyond the keyframe's own time, outages apart; it falls a little at a time, so that t_d
 // glides when the link gets better.
-void Timeline::updateLambda(const KeyframeMesh& mesh, Time arrival) {
+void Timeline::updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kRecent) latencies_.pop_front();
   const Duration wanted = std::max(Duration{}, slowestUsual(latencies_) + kLatencyMargin);
-  lambda_ = std::max(wanted, lambda_ - kLambdaFall);
+  playout_delay_ = std::max(wanted, playout_delay_ - kPlayoutDelayFall);
 }
 
 Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
   const bool first = entries_.empty(), predicted = strategy == proto::Strategy::kPredict;
   const Duration interval = intervalOf(*mesh);
   // Judged by the delay in force while it was awaited; a still mesh is awaited by nobody.
-  const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + lambda_));
+  const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + playout_delay_));
   if (predicted) {
     latencies_.clear();
-    lambda_ = {};
+    playout_delay_ = {};
   } else {
-    updateLambda(*mesh, arrival);
+    updatePlayoutDelay(*mesh, arrival);
   }
-  const Duration delay = predicted ? Duration{} : interval + lambda_;
+  const Duration delay = predicted ? Duration{} : interval + playout_delay_;
   Time begin = std::max(arrival, mesh->from.time + delay);
   if (first)
     begin = arrival;
@@ -56,9 +56,9 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   return still || first ? Duration{} : lateness;
 }
 
-void Timeline::goOn(std::shared_ptr<const KeyframeMesh> mesh) {
+void Timeline::extend(std::shared_ptr<const KeyframeMesh> mesh) {
   const Time begin = entries_.back().end;
-  entries_.push_back({std::move(mesh), begin, begin + kGoOn, next_version_++});
+  entries_.push_back({std::move(mesh), begin, begin + kExtension, next_version_++});
 }
 
 Timeline::Shown Timeline::at(Time now) {

@@ -5,7 +5,7 @@
 //                    link and the server add to it (0 in the paper, where the server is the client); T is at most kLongestDelay
 //                    (base/latency.h) above the shortest recent one, so an outage is caught up with, not shown at length
 // A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend. When no
-// keyframe has come for kPatience, nodes that are on their way go on, a kGoOn at a time; not sooner, for that costs
+// keyframe has come for kTimeout, nodes that are on their way go on, a kExtension at a time; not sooner, for that costs
 // what a keyframe's mesh costs, and a client that is late for those must not be made later. One owner; times are the
 // client's clock.
 #pragma once
@@ -21,16 +21,16 @@ namespace foreland::client {
 class Timeline {
  public:
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
-  static constexpr Duration kPatience = Duration::milliseconds(500);
-  static constexpr Duration kGoOn = Duration::milliseconds(250);
+  static constexpr Duration kTimeout = Duration::milliseconds(500);
+  static constexpr Duration kExtension = Duration::milliseconds(250);
   static constexpr size_t kMaxMeshes = 8;
 
   // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown;
   // negative is early.
   Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
 
-  // Shows a mesh that no keyframe brought for kGoOn, after the last one.
-  void goOn(std::shared_ptr<const KeyframeMesh> mesh);
+  // Shows a mesh that no keyframe brought for kExtension, after the last one.
+  void extend(std::shared_ptr<const KeyframeMesh> mesh);
 
   // Shows nothing until the next mesh comes; versions go on.
   void clear() {
@@ -57,12 +57,12 @@ class Timeline {
   };
   // T of the mesh.
   Duration intervalOf(const KeyframeMesh& mesh);
-  void updateLambda(const KeyframeMesh& mesh, Time arrival);
+  void updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival);
 
   std::deque<Entry> entries_;
   std::deque<Duration> intervals_;  // of recent meshes
   std::deque<Duration> latencies_;  // arrival - to.time of recent keyframes
-  Duration lambda_;
+  Duration playout_delay_;
   uint32_t next_version_ = 1;
 };
 

@@ -70,7 +70,7 @@ Status Viewer::onWelcome(proto::Welcome welcome) {
   std::optional<proto::Resume> section;
   if (welcome_ && welcome_->scene_id == welcome.scene_id && welcome_->shape == welcome.shape &&
       welcome_->frame == welcome.frame)
-    section = replica_->present(welcome.scene_id);
+    section = replica_->makeResume(welcome.scene_id);
   if (section) {
     send(proto::encode(*section));
   } else {
@@ -117,9 +117,9 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   if (is_greeted_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
 
   Timeline::Shown shown = timeline_.at(now);
-  if (shown.is_over && now - received_at_ >= Timeline::kPatience && replica_->isUnderWay()) {
-    replica_->carryOn(Timeline::kGoOn, blend_);
-    timeline_.goOn(std::make_shared<KeyframeMesh>(replica_->buildMesh()));
+  if (shown.is_over && now - received_at_ >= Timeline::kTimeout && replica_->isUnderWay()) {
+    replica_->extend(Timeline::kExtension, blend_);
+    timeline_.extend(std::make_shared<KeyframeMesh>(replica_->buildMesh()));
     shown = timeline_.at(now);
   }
   FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
@@ -130,9 +130,8 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
 
 void Viewer::countFrame(const FrameView& view) {
   const auto covers = [&](const proto::KeyframeHeader& k) {
-    const glm::dquat turn = glm::conjugate(k.pose.orientation) * view.pose.orientation;
-    const double angle = 2 * std::asin(std::min(1.0, std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z)));
-    return glm::distance(k.pose.eye, view.pose.eye) <= k.ball_m && angle <= k.turn_rad;
+    const double angle = proto::angleBetween(k.pose.orientation, view.pose.orientation);
+    return glm::distance(k.pose.eye, view.pose.eye) <= k.region_radius_m && angle <= k.region_angle_rad;
   };
   ++statistics_.frames;
   // A section that does not show at all need not hold.
@@ -154,8 +153,8 @@ void Viewer::requestTour(const std::string& name, double seconds) {
   send(proto::encode(proto::TourRequest{next_request_id_++, name, seconds}));
 }
 
-void Viewer::requestGround(std::vector<glm::dvec2> lattice_places) {
-  send(proto::encode(proto::GroundRequest{next_request_id_++, std::move(lattice_places)}));
+void Viewer::requestGround(std::vector<glm::dvec2> lattice_points) {
+  send(proto::encode(proto::GroundRequest{next_request_id_++, std::move(lattice_points)}));
 }
 
 std::optional<proto::TourReply> Viewer::takeTour() { return std::exchange(tour_, std::nullopt); }

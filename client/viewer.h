@@ -65,7 +65,7 @@ class Viewer {
   // Announces a planned path (predictor kKnownPath) on the client's clock.
   void announcePath(const proto::Path& path);
   void requestTour(const std::string& name, double seconds);
-  void requestGround(std::vector<glm::dvec2> lattice_places);
+  void requestGround(std::vector<glm::dvec2> lattice_points);
   // Replies, once each.
   std::optional<proto::TourReply> takeTour();
   std::optional<proto::GroundReply> takeGround();

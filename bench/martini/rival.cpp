@@ -22,7 +22,7 @@ Status writeHeights(const terrain::Scene& scene, uint32_t size, const fs::path& 
   std::vector<float> row(size);
   for (uint32_t y = 0; y < size; ++y) {
     for (uint32_t x = 0; x < size; ++x)
-      row[x] = static_cast<float>(scene.height(proto::NodeId::at(x, y)) * scene.frame().height_step_m);
+      row[x] = static_cast<float>(scene.height(proto::NodeId::at(x, y)) * scene.frame().height_quantum_m);
     file.write(reinterpret_cast<const char*>(row.data()), static_cast<std::streamsize>(row.size() * sizeof(float)));
   }
   file.close();

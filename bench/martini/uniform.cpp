@@ -76,7 +76,7 @@ std::optional<double> trueError_m(const terrain::Scene& scene, const proto::Sect
     if (n.x() < grid.shape().samples_x && n.y() < grid.shape().samples_y)
       largest = std::max(largest, std::fabs(at(n) - truth));
   }
-  return largest * scene.frame().height_step_m;
+  return largest * scene.frame().height_quantum_m;
 }
 
 }  // namespace foreland::bench

@@ -128,8 +128,8 @@ class Measurement {
       mesh = options_.section_at({.pose = player.path().at(header.time),
                                   .lens = lens_,
                                   .tau_px = header.tau_px,
-                                  .ball_m = header.ball_m,
-                                  .turn_rad = header.turn_rad});
+                                  .region_radius_m = header.region_radius_m,
+                                  .region_angle_rad = header.region_angle_rad});
     const Mesh result = mesh;
     while (exact_.size() > 3) exact_.erase(exact_.begin());
     return result;

@@ -35,8 +35,8 @@ struct SectionRequest {
   proto::Pose pose;
   proto::Lens lens;
   double tau_px = 1;
-  double ball_m = 0;
-  double turn_rad = 0;
+  double region_radius_m = 0;
+  double region_angle_rad = 0;
 };
 
 // The mesh of the section computed from scratch for exactly that, both positions equal.

@@ -38,7 +38,7 @@ SurfaceOracle::SurfaceOracle(SurfaceTruth truth) : truth_(std::move(truth)) {
   by_place_.resize(truth_.places.size());
   std::iota(by_place_.begin(), by_place_.end(), 0u);
   std::sort(by_place_.begin(), by_place_.end(), [&](uint32_t a, uint32_t b) {
-    const SurfacePlace &p = truth_.places[a], &q = truth_.places[b];
+    const SurfacePoint &p = truth_.places[a], &q = truth_.places[b];
     return std::tie(p.face, p.weights) < std::tie(q.face, q.weights);
   });
   for (uint32_t i = 0; i < by_place_.size(); ++i)

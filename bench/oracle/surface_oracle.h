@@ -28,13 +28,13 @@ namespace foreland::bench {
 
 // A place in the parameter domain: weights of a base face's second and third corner, of a sum that is the same
 // throughout.
-struct SurfacePlace {
+struct SurfacePoint {
   uint32_t face = 0;
   std::array<int32_t, 2> weights{};
 };
 
 struct SurfaceTruth {
-  std::vector<SurfacePlace> places;  // of each vertex, in one of the faces that hold it
+  std::vector<SurfacePoint> places;  // of each vertex, in one of the faces that hold it
   std::vector<glm::dvec3> positions;
   std::vector<std::array<uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   bool is_closed = true;

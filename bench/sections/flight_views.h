@@ -26,8 +26,8 @@ inline std::vector<proto::View> keyframeViews(const proto::Path& path, const Fli
     if (promise == Promise::kEveryFrame) {
       const server::Sweep sweep = server::sweepOf(
           view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);
-      view.ball_m = sweep.ball_m;
-      view.turn_rad = sweep.turn_rad;
+      view.region_radius_m = sweep.region_radius_m;
+      view.region_angle_rad = sweep.region_angle_rad;
     }
     views.push_back(view);
   }

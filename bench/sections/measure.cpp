@@ -44,7 +44,7 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
   proto::RefineScratch scratch;
   proto::Section section;
   proto::TerrainAdapter adapter(hierarchy.domain());
-  proto::PlainNodes source = hierarchy.source();
+  proto::InMemoryNodes source = hierarchy.source();
   proto::AdaptScratch adapt_scratch;
   proto::CutDelta delta;
   std::vector<double> refine_s, adapt_s, triangles, nodes, changes, fractions;
@@ -164,7 +164,7 @@ double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<
   const auto fly = [&] {
     for (int round = 0; round < kRounds; ++round) {
       proto::TerrainAdapter adapter(hierarchy.domain());
-      proto::PlainNodes source = hierarchy.source();
+      proto::InMemoryNodes source = hierarchy.source();
       proto::AdaptScratch adapt_scratch;
       proto::CutDelta delta;
       for (const proto::View& view : views) {

@@ -103,7 +103,7 @@ PlainSection SurfaceBench::refine(const SurfaceSession& session, const proto::Po
 
 double SurfaceBench::adapt(const SurfaceSession& session, const proto::Pose& pose,
                            proto::SurfaceAdapter& adapter) const {
-  proto::PlainSurfaceNodes source(records_);
+  proto::InMemorySurfaceNodes source(records_);
   proto::AdaptScratch scratch;
   proto::CutDelta delta;
   const double begin = threadSeconds();

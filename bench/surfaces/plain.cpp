@@ -9,7 +9,7 @@ namespace {
 using proto::NodeId;
 using proto::Slot;
 
-SurfacePlace oraclePlace(const proto::MeshPlace& place) {
+SurfacePoint oraclePlace(const proto::FacePoint& place) {
   return {place.face, {static_cast<int32_t>(place.weights[1]), static_cast<int32_t>(place.weights[2])}};
 }
 

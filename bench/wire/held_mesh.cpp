@@ -48,7 +48,7 @@ HeldMesh meshHeldFor(const server::Hierarchy& hierarchy, const proto::View& view
   held.bytes = message.size();
   WireClient client(hierarchy);
   client.take(message);
-  takeMesh(client.replica().buildMesh(), hierarchy.scene().frame().height_step_m, held);
+  takeMesh(client.replica().buildMesh(), hierarchy.scene().frame().height_quantum_m, held);
   takeNodes(client.replica(), held);
   return held;
 }

@@ -121,7 +121,7 @@ class Comparison {
   glm::dvec3 inMetres(Peer peer, const glm::dvec3& p) const {
     if (!isOnLattice(peer)) return p;
     return transform_.toScene(
-        proto::LatticePlace{.x = p.x, .y = p.y, .height_m = p.z * transform_.frame().height_step_m});
+        proto::LatticePosition{.x = p.x, .y = p.y, .height_m = p.z * transform_.frame().height_quantum_m});
   }
 
   const server::Hierarchy& hierarchy_;

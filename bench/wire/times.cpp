@@ -33,7 +33,7 @@ FlightSeconds leastOfPasses(size_t keyframes, const Begin& begin, const Work& wo
 }
 
 FlightSeconds timeAdapting(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight) {
-  proto::PlainNodes source = hierarchy.source();
+  proto::InMemoryNodes source = hierarchy.source();
   proto::AdaptScratch scratch;
   proto::CutDelta delta;
   return leastOfPasses(

@@ -56,7 +56,7 @@ Status Player::frame(Time now) {
     if (phase_ == Phase::kFlying) countFrame(now);
     if (now >= path_.end()) enter(Phase::kDone, now);
   }
-  return checkPatience(now);
+  return checkTimeout(now);
 }
 
 void Player::enter(Phase phase, Time now) {
@@ -65,13 +65,12 @@ void Player::enter(Phase phase, Time now) {
 }
 
 // While flying the server may be as late as it is; that is for the report to tell.
-Status Player::checkPatience(Time now) const {
+Status Player::checkTimeout(Time now) const {
   const bool flies_blind = phase_ == Phase::kFlying && view_.mesh == nullptr && viewer_.statistics().keyframes == 0;
   if (phase_ != Phase::kGreeting && phase_ != Phase::kPlanning && !flies_blind) return {};
-  if (now - *phase_start_ <= log_.options.patience) return {};
+  if (now - *phase_start_ <= log_.options.timeout) return {};
   return Error{ErrorCode::kIo, std::string("the server sent no answer: waited ") +
-                                   std::to_string(log_.options.patience.us / 1'000'000) + " s for " +
-                                   waitedFor(phase_)};
+                                   std::to_string(log_.options.timeout.us / 1'000'000) + " s for " + waitedFor(phase_)};
 }
 
 Status Player::plan() {
@@ -90,7 +89,7 @@ Status Player::plan() {
 }
 
 void Player::askGround() {
-  const size_t from = ground_m_.size(), to = std::min(planned_.places.size(), from + proto::kMaxGroundPlaces);
+  const size_t from = ground_m_.size(), to = std::min(planned_.places.size(), from + proto::kMaxGroundPoints);
   viewer_.requestGround(
       {planned_.places.begin() + static_cast<ptrdiff_t>(from), planned_.places.begin() + static_cast<ptrdiff_t>(to)});
 }

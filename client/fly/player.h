@@ -32,9 +32,9 @@ struct PlayerOptions {
   std::string tour = "survey";  // used if there is no track
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
-  double seconds = 60;                                 // of the flight; for tracks track_options.seconds counts
-  Duration standing = Duration::milliseconds(1000);    // least time at the first pose
-  Duration patience = Duration::milliseconds(10'000);  // longest wait for an answer, or for the first section
+  double seconds = 60;                                // of the flight; for tracks track_options.seconds counts
+  Duration standing = Duration::milliseconds(1000);   // least time at the first pose
+  Duration timeout = Duration::milliseconds(10'000);  // longest wait for an answer, or for the first section
 };
 
 // All that a player was fed, in order.
@@ -93,7 +93,7 @@ class Player {
   Status setPath(proto::Path path, Time now);
   void note(const std::vector<std::string>& notes) { notes_.insert(notes_.end(), notes.begin(), notes.end()); }
   void enter(Phase phase, Time now);
-  Status checkPatience(Time now) const;
+  Status checkTimeout(Time now) const;
   void countFrame(Time now);
 
   FlightLog log_;

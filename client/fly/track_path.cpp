@@ -193,7 +193,7 @@ Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTra
   const std::vector<double> heights = heightProfile(plan, ground_m, o, result.lifted);
   std::vector<glm::dvec3> eyes(plan.places.size());
   for (size_t i = 0; i < eyes.size(); ++i)
-    eyes[i] = frame.toScene(proto::LatticePlace{plan.places[i].x, plan.places[i].y, heights[i]});
+    eyes[i] = frame.toScene(proto::LatticePosition{plan.places[i].x, plan.places[i].y, heights[i]});
   const std::vector<glm::dvec3> ahead = directions(eyes, frame, plan.step);
   result.path.step = plan.step;
   result.path.poses.reserve(eyes.size());

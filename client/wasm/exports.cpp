@@ -97,10 +97,10 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
 // Corners and centres of the roots that lie inside the data: all of the relief that is known before the first keyframe.
 void collectLandmarks(const proto::Welcome& welcome, const proto::FrameTransform& transform, std::vector<double>& out) {
   const auto& shape = welcome.shape;
-  const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_step_m;
+  const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_quantum_m;
   const auto add = [&](double x, double y, int32_t height) {
     if (x > shape.samples_x - 1.0 || y > shape.samples_y - 1.0) return;
-    const glm::dvec3 p = transform.toScene(proto::LatticePlace{x, y, height * step});
+    const glm::dvec3 p = transform.toScene(proto::LatticePosition{x, y, height * step});
     out.insert(out.end(), {p.x, p.y, p.z});
   };
   for (uint32_t j = 0; j <= shape.roots_y; ++j)
@@ -121,7 +121,7 @@ void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transfo
   for (int k = 0; k <= kPlaces; ++k)
     for (int l = 0; l <= kPlaces; ++l)
       for (double height : {out.lowest_m, out.highest_m}) {
-        const glm::dvec3 p = transform.toScene(proto::LatticePlace{
+        const glm::dvec3 p = transform.toScene(proto::LatticePosition{
             (welcome.shape.samples_x - 1.0) * k / kPlaces, (welcome.shape.samples_y - 1.0) * l / kPlaces, height});
         for (int axis = 0; axis < 3; ++axis) {
           out.low[axis] = std::min(out.low[axis], p[axis]);
@@ -231,8 +231,8 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   const proto::Welcome& from = *host->viewer.welcome();
   const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
   WelcomeRecord& out = host->welcome_record;
-  out.lowest_m = from.lowest * from.frame.height_step_m;
-  out.highest_m = from.highest * from.frame.height_step_m;
+  out.lowest_m = from.lowest * from.frame.height_quantum_m;
+  out.highest_m = from.highest * from.frame.height_quantum_m;
   out.tau_px = from.tau_px;
   out.keyframe_ms = from.keyframe_interval.toMilliseconds();
   out.title = addressOf(from.title.data());
@@ -255,7 +255,7 @@ FORELAND_EXPORT(foreland_place) const PlaceRecord* place(Host* host, double x, d
   if (!host->viewer.isGreeted()) return nullptr;
   const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
   const glm::dvec3 point(x, y, z), up = transform.upAt(point);
-  const proto::LatticePlace lattice = transform.toLattice(point);
+  const proto::LatticePosition lattice = transform.toLattice(point);
   const std::optional<double> ground = host->viewer.groundHeight(lattice.x, lattice.y);
   PlaceRecord& out = host->place_record;
   out.height_m = lattice.height_m;

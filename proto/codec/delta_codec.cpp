@@ -23,52 +23,52 @@ size_t binOf(int x, std::initializer_list<int> edges) {
 template <class Coder, class Nodes>
 class LevelCoder {
  public:
-  LevelCoder(const TerrainDomain& domain, const Nodes& nodes, DeltaModel& model, Coder& coder, AskedNodes& asked,
+  LevelCoder(const TerrainDomain& domain, const Nodes& nodes, DeltaModel& model, Coder& coder, CachedContexts& asked,
              int level)
       : grid_(domain.grid),
         names_(grid_, level),
         level_(level),
         nodes_(nodes),
-        asked_(asked),
+        cached_contexts_(asked),
         model_(model),
         coder_(coder),
         symbols_(coder, model.escape),
         scale_(static_cast<size_t>(std::min((grid_.maxLevel() - level) / 2, 7))),
-        steps_per_m_(1 / domain.frame.transform().frame().height_step_m) {}
+        steps_per_m_(1 / domain.frame.transform().frame().height_quantum_m) {}
 
   // An encoder passes the answers, a decoder gets them. What is known around some nodes is looked up before the first
   // of them is coded, for look-ups wait for memory side by side and coding goes step by step.
-  void codeAnswers(std::span<const Question> questions, std::span<uint8_t> answers) {
+  void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
     constexpr size_t kAhead = 64;
     std::array<Places, kAhead> places;
     std::array<Context, kAhead> contexts;
     std::array<uint8_t, kAhead> got;
-    for (size_t begin = 0; begin < questions.size(); begin += kAhead) {
-      const size_t count = std::min(kAhead, questions.size() - begin);
-      for (size_t i = 0; i < count; ++i) places[i] = find(questions[begin + i]);
-      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(questions[begin + i], places[i]);
-      for (size_t i = 0; i < count; ++i) got[i] = codeAnswer(contexts[i], answers[begin + i] != 0) ? 1 : 0;
+    for (size_t begin = 0; begin < predicates.size(); begin += kAhead) {
+      const size_t count = std::min(kAhead, predicates.size() - begin);
+      for (size_t i = 0; i < count; ++i) places[i] = find(predicates[begin + i]);
+      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(predicates[begin + i], places[i]);
+      for (size_t i = 0; i < count; ++i) got[i] = codeDecision(contexts[i], decisions[begin + i] != 0) ? 1 : 0;
       for (size_t i = 0; i < count; ++i)
-        if (got[i] && !questions[begin + i].is_active) asked_.keep(contexts[i].around);
-      std::copy_n(got.begin(), count, answers.begin() + static_cast<std::ptrdiff_t>(begin));
+        if (got[i] && !predicates[begin + i].is_in_section) cached_contexts_.keep(contexts[i].context);
+      std::copy_n(got.begin(), count, decisions.begin() + static_cast<std::ptrdiff_t>(begin));
     }
   }
 
   // Of all nodes that come, in order. `passed` is the least class that showed the node. An encoder passes the height, a
   // decoder gets it.
-  int32_t codeHeight(Slot slot, ErrorClass passed, int32_t height) {
-    const Surroundings* known = asked_.take();
-    const Surroundings around =
-        known ? *known : Surroundings::of(Surroundings::find(grid_, nodes_, names_.at(slot), level_));
-    const double least = stepsOf(passed), expected = around.expected();
+  int32_t codeHeight(Slot slot, QuantisedError passed, int32_t height) {
+    const PredictionContext* known = cached_contexts_.take();
+    const PredictionContext context =
+        known ? *known : PredictionContext::of(PredictionContext::find(grid_, nodes_, names_.at(slot), level_));
+    const double least = stepsOf(passed), expected = context.expected();
     const size_t scale = static_cast<size_t>(
         std::clamp(halfOctaves(std::max(least, expected)) + 4, 0, static_cast<int>(DeltaModel::kScales) - 1));
     const size_t ratio = binOf(halfOctaves(expected / least), {-2, 0, 2});
-    const bool leans = 2.0 * std::abs(around.curve()) >= least;
-    auto& number = model_.height[(scale * DeltaModel::kRatios + ratio) * 2 + (leans ? 1 : 0)];
-    const int32_t guess = around.guess();
-    const size_t lean = !leans ? 0 : around.curve() < 0 ? 1 : 2;
-    return inRange(int64_t{guess} + symbols_.number(number, lean, height - guess));
+    const bool is_curved = 2.0 * std::abs(context.curve()) >= least;
+    auto& number = model_.height[(scale * DeltaModel::kRatios + ratio) * 2 + (is_curved ? 1 : 0)];
+    const int32_t guess = context.guess();
+    const size_t curvature_sign = !is_curved ? 0 : context.curve() < 0 ? 1 : 2;
+    return inRange(int64_t{guess} + symbols_.number(number, curvature_sign, height - guess));
   }
 
  private:
@@ -76,39 +76,39 @@ class LevelCoder {
   struct Context {
     AdaptiveBit* bits;
     bool has_before;
-    Surroundings around;  // unless the node is active
+    PredictionContext context;  // unless the node is active
   };
   // What its context depends on: of a node that is active, itself.
   struct Places {
     const NodeRecord* own;
-    Surroundings::Places around;
+    PredictionContext::Places context;
   };
-  Places find(const Question& q) {
-    if (!q.is_active) return {nullptr, Surroundings::find(grid_, nodes_, names_.at(q.slot), level_)};
+  Places find(const Predicate& q) {
+    if (!q.is_in_section) return {nullptr, PredictionContext::find(grid_, nodes_, names_.at(q.slot), level_)};
     const NodeRecord& own = nodes_.at(q.slot);
     __builtin_prefetch(&own);
     return {&own, {}};
   }
-  Context contextOf(const Question& q, const Places& places) {
-    if (q.is_active) {
+  Context contextOf(const Predicate& q, const Places& places) {
+    if (q.is_in_section) {
       const double own = std::abs(places.own->displacement()) + 0.25;
       const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / stepsOf(q.least)) + 5, 0, 7));
       const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
-      return {&model_.stays[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
+      return {&model_.leaf[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
     }
-    const Surroundings around = Surroundings::of(places.around);
-    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(around.expected() / stepsOf(q.least)) + 8, 0, 15));
-    if (q.is_new) return {&model_.comes[(size * 8 + scale_) * 4], true, around};
+    const PredictionContext context = PredictionContext::of(places.context);
+    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(context.expected() / stepsOf(q.least)) + 8, 0, 15));
+    if (q.is_new) return {&model_.newly_addable[(size * 8 + scale_) * 4], true, context};
     const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);
-    return {&model_.comes_later[(size * 8 + width) * 8 + scale_], false, around};
+    return {&model_.addable[(size * 8 + width) * 8 + scale_], false, context};
   }
-  bool codeAnswer(const Context& context, bool answer) {
-    const bool got = coder_.code(context.bits[context.has_before ? before_ : 0], answer);
+  bool codeDecision(const Context& context, bool decide) {
+    const bool got = coder_.code(context.bits[context.has_before ? before_ : 0], decide);
     if (context.has_before) before_ = (2 * before_ + (got ? 1 : 0)) & 3;
     return got;
   }
 
-  double stepsOf(ErrorClass c) const { return static_cast<double>(c.metres()) * steps_per_m_; }
+  double stepsOf(QuantisedError c) const { return static_cast<double>(c.metres()) * steps_per_m_; }
   // Hostile bytes only are not.
   static int32_t inRange(int64_t height) {
     return static_cast<int32_t>(std::clamp<int64_t>(height, -kMaxHeight - 1, kMaxHeight + 1));
@@ -118,7 +118,7 @@ class LevelCoder {
   LevelNodes names_;
   int level_;
   const Nodes& nodes_;
-  AskedNodes& asked_;
+  CachedContexts& cached_contexts_;
   DeltaModel& model_;
   Coder& coder_;
   Symbols<Coder> symbols_;
@@ -129,9 +129,9 @@ class LevelCoder {
 
 }  // namespace
 
-RadiusClass DeltaEncoder::radius(Slot first) {
+QuantisedRadius DeltaEncoder::radius(Slot first) {
   const double before = coder_.bits();
-  const RadiusClass radius = nodes_.at(first).radius();
+  const QuantisedRadius radius = nodes_.at(first).radius();
   Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], radius.value);
   bits_.radii += coder_.bits() - before;
   return radius;
@@ -141,30 +141,30 @@ void DeltaEncoder::load(TerrainBatch& batch) {
   for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_.at(batch.slot[i]).middle();
 }
 
-bool DeltaEncoder::answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) {
+bool DeltaEncoder::decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
   const double before = coder_.bits();
-  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
-  for (size_t i = 0; i < questions.size(); ++i)
-    answers[i] = nodes_.at(questions[i].slot).error() >= questions[i].least ? 1 : 0;
-  level_coder.codeAnswers(questions, answers);
-  bits_.answers += coder_.bits() - before;
-  bits_.asked += questions.size();
+  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
+  for (size_t i = 0; i < predicates.size(); ++i)
+    decisions[i] = nodes_.at(predicates[i].slot).error() >= predicates[i].least ? 1 : 0;
+  level_coder.codeDecisions(predicates, decisions);
+  bits_.decisions += coder_.bits() - before;
+  bits_.asked += predicates.size();
   return true;
 }
 
-bool DeltaEncoder::onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) {
+bool DeltaEncoder::onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) {
   const double before = coder_.bits();
-  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
+  LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
   for (size_t i = 0; i < slots.size(); ++i) level_coder.codeHeight(slots[i], passed[i], nodes_.at(slots[i]).height());
   bits_.heights += coder_.bits() - before;
   bits_.added += slots.size();
-  asked_.clear();
+  cached_contexts_.clear();
   return true;
 }
 
-RadiusClass DeltaDecoder::radius(Slot) {
+QuantisedRadius DeltaDecoder::radius(Slot) {
   const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], 0);
-  return {static_cast<uint8_t>(std::min<uint32_t>(value, RadiusClass::kMost))};
+  return {static_cast<uint8_t>(std::min<uint32_t>(value, QuantisedRadius::kMost))};
 }
 
 // Until it comes, a node is known by the middle of its edge.
@@ -186,14 +186,14 @@ void DeltaDecoder::load(TerrainBatch& batch) {
   for (size_t i = 0; i < batch.count; ++i) batch.height[i] = records[i]->middle();
 }
 
-bool DeltaDecoder::answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) {
-  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
-  level_coder.codeAnswers(questions, answers);
+bool DeltaDecoder::decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
+  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
+  level_coder.codeDecisions(predicates, decisions);
   return !coder_.overrun();
 }
 
-bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) {
-  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, asked_, level);
+bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) {
+  LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
   for (size_t i = 0; i < slots.size(); ++i) {
     const int32_t height = level_coder.codeHeight(slots[i], passed[i], 0);
     if (std::abs(height) > kMaxHeight) absurd_ = true;
@@ -201,7 +201,7 @@ bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<con
     NodeRecord& record = nodes_.make(slots[i]);
     record = NodeRecord::of(height, height - record.middle(), {}, {});
   }
-  asked_.clear();
+  cached_contexts_.clear();
   return true;
 }
 

@@ -19,7 +19,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/codec/surroundings.h"
+#include "proto/codec/prediction_context.h"
 #include "proto/codec/symbols.h"
 #include "proto/refine/adapter.h"
 #include "proto/refine/terrain_batch.h"
@@ -36,9 +36,9 @@ using TerrainAdapter = Adapter<TerrainBatch>;
 struct DeltaModel {
   static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
 
-  std::array<AdaptiveBit, kSizes * 8 * 4> comes;        // nodes new to the frontier
-  std::array<AdaptiveBit, kSizes * 8 * 8> comes_later;  // others
-  std::array<AdaptiveBit, 2 * 4 * 8> stays;             // leaves
+  std::array<AdaptiveBit, kSizes * 8 * 4> newly_addable;  // nodes new to the frontier
+  std::array<AdaptiveBit, kSizes * 8 * 8> addable;        // others
+  std::array<AdaptiveBit, 2 * 4 * 8> leaf;                // leaves
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;
@@ -46,27 +46,27 @@ struct DeltaModel {
 
 // What was found around the nodes whose answer was yes, until their heights are coded; in order, of one level, as many
 // as there is room for.
-class AskedNodes {
+class CachedContexts {
  public:
-  void keep(const Surroundings& around) {
-    if (count_ < around_.size()) around_[count_] = around;
+  void keep(const PredictionContext& context) {
+    if (count_ < contexts_.size()) contexts_[count_] = context;
     ++count_;
   }
   // Of the next, if it was kept.
-  const Surroundings* take() {
+  const PredictionContext* take() {
     const size_t next = taken_++;
-    return next < std::min(count_, around_.size()) ? &around_[next] : nullptr;
+    return next < std::min(count_, contexts_.size()) ? &contexts_[next] : nullptr;
   }
   void clear() { count_ = taken_ = 0; }
 
  private:
-  std::array<Surroundings, 1024> around_;
+  std::array<PredictionContext, 1024> contexts_;
   size_t count_ = 0, taken_ = 0;
 };
 
 // Where a coder's bits went, and for how many.
 struct DeltaBits {
-  double answers = 0, heights = 0, radii = 0;
+  double decisions = 0, heights = 0, radii = 0;
   uint64_t asked = 0, added = 0;
 };
 
@@ -75,10 +75,10 @@ class DeltaEncoder final : public NodeSource<TerrainBatch> {
  public:
   DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out)
       : domain_(domain), nodes_(nodes), model_(model), coder_(out) {}
-  RadiusClass radius(Slot first) override;
+  QuantisedRadius radius(Slot first) override;
   void load(TerrainBatch& batch) override;
-  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
-  bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
+  bool onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) override;
   // For what else the delta has: the nodes of objects.
   RangeEncoder& coder() { return coder_; }
   // Writes what is left. Nothing may follow the delta's bytes.
@@ -90,7 +90,7 @@ class DeltaEncoder final : public NodeSource<TerrainBatch> {
   const DenseNodes& nodes_;
   DeltaModel& model_;
   RangeEncoder coder_;
-  AskedNodes asked_;
+  CachedContexts cached_contexts_;
   DeltaBits bits_;
 };
 
@@ -100,11 +100,11 @@ class DeltaDecoder final : public NodeSource<TerrainBatch> {
  public:
   DeltaDecoder(const TerrainDomain& domain, SparseNodes& nodes, DeltaModel& model, ByteSpan bytes)
       : domain_(domain), nodes_(nodes), model_(model), coder_(bytes) {}
-  RadiusClass radius(Slot first) override;
+  QuantisedRadius radius(Slot first) override;
   void onAddable(int level, std::span<const Slot> slots) override;
   void load(TerrainBatch& batch) override;
-  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override;
-  bool onAdded(int level, std::span<const Slot> slots, std::span<const ErrorClass> passed) override;
+  bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
+  bool onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) override;
   RangeDecoder& coder() { return coder_; }
   Status finish() const;
 
@@ -113,21 +113,21 @@ class DeltaDecoder final : public NodeSource<TerrainBatch> {
   SparseNodes& nodes_;
   DeltaModel& model_;
   RangeDecoder coder_;
-  AskedNodes asked_;
+  CachedContexts cached_contexts_;
   bool absurd_ = false;
 };
 
 // The server's records without a wire.
-class PlainNodes final : public NodeSource<TerrainBatch> {
+class InMemoryNodes final : public NodeSource<TerrainBatch> {
  public:
-  explicit PlainNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
-  RadiusClass radius(Slot first) override { return nodes_[first].radius(); }
+  explicit InMemoryNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
+  QuantisedRadius radius(Slot first) override { return nodes_[first].radius(); }
   void load(TerrainBatch& batch) override {
     for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_[batch.slot[i]].middle();
   }
-  bool answer(int, std::span<const Question> questions, std::span<uint8_t> answers) override {
-    for (size_t i = 0; i < questions.size(); ++i)
-      answers[i] = nodes_[questions[i].slot].error() >= questions[i].least ? 1 : 0;
+  bool decide(int, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
+    for (size_t i = 0; i < predicates.size(); ++i)
+      decisions[i] = nodes_[predicates[i].slot].error() >= predicates[i].least ? 1 : 0;
     return true;
   }
 

@@ -14,11 +14,11 @@ ObjectStream::ObjectStream(const ObjectSet& objects)
 
 void ObjectStream::begin(const View& view) {
   last_ = std::exchange(view_, view);
-  for (KnownNodes& known : known_) known.forgetIfMost();
+  for (KnownPositions& known : known_) known.forgetIfMost();
 }
 
 void ObjectStream::restart() {
-  for (KnownNodes& known : known_) known.forgetUnused();
+  for (KnownPositions& known : known_) known.forgetUnused();
   std::fill(has_changed_.begin(), has_changed_.end(), uint8_t{0});
   model_ = {};
   view_.reset();
@@ -28,7 +28,7 @@ void ObjectStream::hold(size_t object, const Section& section, std::span<const S
   cuts_[object].hold(section);
   const MeshTopology& mesh = objects_->domain(object).topology();
   const std::span<const glm::ivec3> base = objects_->modelOf(object).base;
-  KnownNodes& known = known_[objects_->placement(object).model];
+  KnownPositions& known = known_[objects_->placement(object).model];
   for (Slot slot : section.slots) {
     const glm::ivec3& position = records[slot].position;
     if (known.find(slot) == nullptr)
@@ -37,7 +37,7 @@ void ObjectStream::hold(size_t object, const Section& section, std::span<const S
   }
 }
 
-SurfaceEnd ObjectStream::endOf(size_t object) {
+SurfaceCodecState ObjectStream::endOf(size_t object) {
   const ObjectPlacement& placement = objects_->placement(object);
   std::optional<View> last;
   if (last_) last = placement.toObject(*last_);
@@ -64,7 +64,7 @@ bool ObjectStream::decode(size_t object, RangeDecoder& coder, CutDelta& delta) {
 }
 
 const glm::ivec3& ObjectStream::position(size_t object, Slot slot) const {
-  const KnownNodes::Node* node = known_[objects_->placement(object).model].find(slot);
+  const KnownPositions::Node* node = known_[objects_->placement(object).model].find(slot);
   CHECK_TRUE(node != nullptr);
   return node->position;
 }

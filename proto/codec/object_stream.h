@@ -1,6 +1,6 @@
 // What both ends hold of the objects that are sent to a viewer, object by object and keyframe by keyframe: the
 // sections, where their nodes are, and what the coder has learnt. The server writes each object's change, the client
-// reads it, and both hold the same. A node's place is sent once for all objects of a model (KnownNodes in
+// reads it, and both hold the same. A node's place is sent once for all objects of a model (KnownPositions in
 // surface_codec.h).
 //
 // It begins with empty sections, nothing known and a new model, and so it does anew after a keyframe from nothing. With
@@ -44,12 +44,12 @@ class ObjectStream {
   const glm::ivec3& position(size_t object, Slot slot) const;
 
  private:
-  SurfaceEnd endOf(size_t object);
+  SurfaceCodecState endOf(size_t object);
 
   const ObjectSet* objects_;
   std::vector<SurfaceCut> cuts_;
-  std::vector<uint8_t> has_changed_;  // in the last keyframe
-  std::vector<KnownNodes> known_;     // of each model
+  std::vector<uint8_t> has_changed_;   // in the last keyframe
+  std::vector<KnownPositions> known_;  // of each model
   SurfaceModel model_;
   std::optional<View> view_, last_;
   size_t nodes_ = 0;

@@ -13,7 +13,7 @@ namespace {
 
 // Visits the candidates of each level; `answer(slot, context)` says which are in. Returns false when it gives up.
 template <class Topology, class Answer>
-bool descend(const Topology& topology, Section& section, const Answer& answer) {
+bool descend(const Topology& topology, Section& section, const Answer& decide) {
   std::vector<Slot> candidates, included;
   for (Slot slot = topology.levelOffset(1); slot < topology.levelOffset(2); ++slot)
     if (!topology.isBase(topology.node(slot))) candidates.push_back(slot);
@@ -22,7 +22,7 @@ bool descend(const Topology& topology, Section& section, const Answer& answer) {
     size_t before = 0;  // the last three answers
     for (Slot slot : candidates) {
       const size_t context = static_cast<size_t>(level) * 8 + before;
-      const int got = answer(slot, context);
+      const int got = decide(slot, context);
       if (got < 0) return false;
       before = (2 * before + static_cast<size_t>(got)) & 7;
       if (got == 1) included.push_back(slot);

@@ -16,9 +16,9 @@ size_t scaleOf(int64_t size) {
 }
 
 // Where a view has things, and how large: what decisions about nodes depend on.
-class Sight {
+class ViewContext {
  public:
-  Sight(const View& view, double step_m)
+  ViewContext(const View& view, double step_m)
       : eye_(view.pose.eye),
         right_(view.pose.right()),
         up_(view.pose.up()),
@@ -51,40 +51,40 @@ class Sight {
 };
 
 // A node on the frontier as both ends know it.
-struct Around {
+struct EdgeContext {
   glm::ivec3 middle;             // of its edge
   glm::ivec3 displacement{0};    // sum of the parents'
-  std::array<int64_t, 3> bends;  // by axis: sum of the sizes of their displacements
+  std::array<int64_t, 3> sizes;  // by axis: sum of the sizes of their displacements
   int parents = 0;
 };
 
-enum class Change : uint8_t { kGoes, kComes };
+enum class Change : uint8_t { kRemoved, kAdded };
 
-// Writes a change that it is told, or reads one: Told says what it wants, or whether reading has failed, and
+// Writes a change that it is told, or reads one: Link says what it wants, or whether reading has failed, and
 // hears what it was.
-template <class Coder, class Told>
-class Walk {
+template <class Coder, class Link>
+class Transcoder {
  public:
-  Walk(const SurfaceEnd& end, Coder& coder, Told& told)
+  Transcoder(const SurfaceCodecState& end, Coder& coder, Link& link)
       : end_(end),
         cut_(end.cut),
         mesh_(end.cut.mesh()),
         coder_(coder),
         symbols_(coder, end.model.escape),
-        told_(told),
+        link_(link),
         now_(end.view, end.step_m) {
     if (end.last) before_.emplace(*end.last, end.step_m);
   }
 
   bool run() {
     const size_t context = (end_.has_changed != 0 ? 2u : 0u) + (cut_.nodeCount() > 0 ? 1u : 0u);
-    end_.has_changed = coder_.code(end_.model.changes[context], told_.wantsAny()) ? 1 : 0;
-    if (end_.has_changed == 0) return !told_.hasFailed(cut_);
+    end_.has_changed = coder_.code(end_.model.changes[context], link_.wantsAny()) ? 1 : 0;
+    if (end_.has_changed == 0) return !link_.hasFailed(cut_);
     cut_.beginStep();
     for (int level = mesh_.maxLevel(); level >= 1; --level)
-      if (!walk(Change::kGoes, level)) return false;
+      if (!walk(Change::kRemoved, level)) return false;
     for (int level = 1; level <= mesh_.maxLevel(); ++level)
-      if (!walk(Change::kComes, level)) return false;
+      if (!walk(Change::kAdded, level)) return false;
     cut_.endStep();
     return true;
   }
@@ -102,7 +102,7 @@ class Walk {
         if (candidates.words[word] == 0) continue;
         const bool any = walkBlock(change, level, page, word, candidates.words[word], before);
         before = (2 * before + (any ? 1 : 0)) & 3;
-        if (told_.hasFailed(cut_)) return false;
+        if (link_.hasFailed(cut_)) return false;
       }
     }
     return true;
@@ -111,7 +111,7 @@ class Walk {
     const Slot first = page->first * kPageSlots + word * 64u;
     uint64_t wanted = 0;
     for (uint64_t bits = candidates; bits != 0; bits &= bits - 1)
-      if (told_.wants(change, first + static_cast<Slot>(std::countr_zero(bits)))) wanted |= bits & -bits;
+      if (link_.wants(change, first + static_cast<Slot>(std::countr_zero(bits)))) wanted |= bits & -bits;
     if (!coder_.code(blockContext(change, std::popcount(candidates), before), wanted != 0)) return false;
     const auto nodes = mesh_.pageNodes(level, page->first * kPageSlots);
     bool any = false;
@@ -123,42 +123,42 @@ class Walk {
       const bool is_implied = !any && (bits & (bits - 1)) == 0;
       if (!is_implied && !coder_.code(contextOf(change, n, level), wanted >> at & 1)) continue;
       any = true;
-      if (change == Change::kGoes)
-        go(page, low, slot);
+      if (change == Change::kRemoved)
+        remove(page, low, slot);
       else
-        come(page, low, n, slot, level);
+        add(page, low, n, slot, level);
     }
     return true;
   }
 
-  void go(PageIterator page, uint8_t low, Slot slot) {
+  void remove(PageIterator page, uint8_t low, Slot slot) {
     cut_.remove(page, low);
     end_.known.release(slot);
-    told_.hasGone(slot);
+    link_.onRemoved(slot);
   }
-  void come(PageIterator page, uint8_t low, NodeId n, Slot slot, int level) {
+  void add(PageIterator page, uint8_t low, NodeId n, Slot slot, int level) {
     if (end_.known.find(slot) == nullptr) {
-      told_.beginPlace(coder_);
-      const glm::ivec3 position = codePlace(n, level, told_.position(slot));
+      link_.beginPosition(coder_);
+      const glm::ivec3 position = codePosition(n, level, link_.position(slot));
       end_.known.learn(slot, {position, position - middleOfEdge(n), 0});
-      told_.endPlace(coder_);
+      link_.endPosition(coder_);
     }
     end_.known.use(slot);
     cut_.add(page, low);
-    told_.hasCome(slot);
+    link_.onAdded(slot);
   }
 
   static SlotBits candidatesOf(const SurfaceCut::Page& page, Change change) {
-    return change == Change::kGoes ? page.leaves() : page.addable();
+    return change == Change::kRemoved ? page.leaves() : page.addable();
   }
 
   glm::ivec3 middleOfEdge(NodeId n) const { return proto::middleOfEdge(mesh_, end_.base, end_.known, n); }
-  Around aroundOf(NodeId n, int level) const {
-    Around around{.middle = middleOfEdge(n), .bends = {}};
+  EdgeContext edgeContextOf(NodeId n, int level) const {
+    EdgeContext around{.middle = middleOfEdge(n), .sizes = {}};
     for (NodeId parent : mesh_.parents(n)) {
       const glm::ivec3& d = end_.known.find(mesh_.slot(parent, level - 1))->displacement;
       around.displacement += d;
-      for (int axis = 0; axis < 3; ++axis) around.bends[static_cast<size_t>(axis)] += std::abs(d[axis]);
+      for (int axis = 0; axis < 3; ++axis) around.sizes[static_cast<size_t>(axis)] += std::abs(d[axis]);
       ++around.parents;
     }
     return around;
@@ -172,8 +172,8 @@ class Walk {
         (static_cast<size_t>(std::min(level, 4) - 1) * SurfaceModel::kTrends + trendOf(middle, offset)) *
             SurfaceModel::kScreens +
         now_.screen(offset);
-    if (change == Change::kGoes) return end_.model.goes[place];
-    return end_.model.comes[(isNew(n, level) ? SurfaceModel::kSiblings : 0) + siblingsOf(n, level)][place];
+    if (change == Change::kRemoved) return end_.model.removed[place];
+    return end_.model.added[(isNew(n, level) ? SurfaceModel::kSiblings : 0) + siblingsOf(n, level)][place];
   }
   // How many of its parents' other children are there, 3 for more.
   size_t siblingsOf(NodeId n, int level) const {
@@ -195,20 +195,20 @@ class Walk {
   }
 
   // A node's position: what both ends expect, and a number for each axis.
-  glm::ivec3 codePlace(NodeId n, int level, const glm::ivec3& position) {
-    const Around around = aroundOf(n, level);
+  glm::ivec3 codePosition(NodeId n, int level, const glm::ivec3& position) {
+    const EdgeContext around = edgeContextOf(n, level);
     glm::ivec3 got;
     int64_t most = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const int count = std::max(around.parents, 1);
       const int64_t guess = int64_t{around.middle[axis]} + around.displacement[axis] / (4 * count);
-      const int64_t all = around.bends[0] + around.bends[1] + around.bends[2];
-      const int64_t like = (all + 3 * around.bends[static_cast<size_t>(axis)]) / (4 * count);
+      const int64_t all = around.sizes[0] + around.sizes[1] + around.sizes[2];
+      const int64_t like = (all + 3 * around.sizes[static_cast<size_t>(axis)]) / (4 * count);
       const size_t prior = axis == 0 ? 0 : most * 8 < like ? 1 : most * 3 < like ? 2 : 3;
       auto& model = end_.model.place[prior * SurfaceModel::kScales + scaleOf(like)];
       const int64_t off = symbols_.number(model, 0, static_cast<int32_t>(position[axis] - guess));
       most = std::max(most, std::abs(off));
-      if (std::abs(guess + off) > kMaxObjectQuanta) told_.fail();
+      if (std::abs(guess + off) > kMaxObjectQuanta) link_.fail();
       got[axis] = static_cast<int32_t>(std::clamp<int64_t>(guess + off, -kMaxObjectQuanta, kMaxObjectQuanta));
     }
     return got;
@@ -221,37 +221,37 @@ class Walk {
 
   bool isNew(NodeId n, int level) const {
     for (NodeId parent : mesh_.parents(n))
-      if (cut_.hasCome(mesh_.slot(parent, level - 1))) return true;
+      if (cut_.wasAdded(mesh_.slot(parent, level - 1))) return true;
     return false;
   }
 
-  SurfaceEnd end_;
+  SurfaceCodecState end_;
   SurfaceCut& cut_;
   const MeshTopology& mesh_;
   Coder& coder_;
   Symbols<Coder> symbols_;
-  Told& told_;
-  Sight now_;
-  std::optional<Sight> before_;
+  Link& link_;
+  ViewContext now_;
+  std::optional<ViewContext> before_;
 };
 
-class Writing {
+class ChangeSource {
  public:
-  Writing(const CutDelta& delta, std::span<const SurfaceRecord> records, SurfaceBits& bits)
+  ChangeSource(const CutDelta& delta, std::span<const SurfaceRecord> records, SurfaceBits& bits)
       : delta_(delta), records_(records), bits_(bits) {}
   bool wantsAny() const { return !delta_.added.empty() || !delta_.removed.empty(); }
   bool wants(Change change, Slot slot) const {
-    const auto& slots = change == Change::kGoes ? delta_.removed : delta_.added;
+    const auto& slots = change == Change::kRemoved ? delta_.removed : delta_.added;
     return std::binary_search(slots.begin(), slots.end(), slot);
   }
   const glm::ivec3& position(Slot slot) const { return records_[slot].position; }
-  void beginPlace(const RangeEncoder& coder) { bits_.places -= coder.bits(); }
-  void endPlace(const RangeEncoder& coder) {
+  void beginPosition(const RangeEncoder& coder) { bits_.places -= coder.bits(); }
+  void endPosition(const RangeEncoder& coder) {
     bits_.places += coder.bits();
     ++bits_.placed;
   }
-  void hasGone(Slot) { ++changed_; }
-  void hasCome(Slot) { ++changed_; }
+  void onRemoved(Slot) { ++changed_; }
+  void onAdded(Slot) { ++changed_; }
   void fail() { CHECK_TRUE(false); }
   bool hasFailed(const SurfaceCut&) const { return false; }
   bool isDone() const { return changed_ == delta_.added.size() + delta_.removed.size(); }
@@ -263,17 +263,17 @@ class Writing {
   size_t changed_ = 0;
 };
 
-class Reading {
+class ChangeSink {
  public:
-  Reading(const RangeDecoder& coder, size_t max_nodes, CutDelta& delta)
+  ChangeSink(const RangeDecoder& coder, size_t max_nodes, CutDelta& delta)
       : coder_(coder), max_nodes_(max_nodes), delta_(delta) {}
   bool wantsAny() const { return false; }
   bool wants(Change, Slot) const { return false; }
   glm::ivec3 position(Slot) const { return glm::ivec3(0); }
-  void beginPlace(const RangeDecoder&) {}
-  void endPlace(const RangeDecoder&) {}
-  void hasGone(Slot slot) { delta_.removed.push_back(slot); }
-  void hasCome(Slot slot) { delta_.added.push_back(slot); }
+  void beginPosition(const RangeDecoder&) {}
+  void endPosition(const RangeDecoder&) {}
+  void onRemoved(Slot slot) { delta_.removed.push_back(slot); }
+  void onAdded(Slot slot) { delta_.added.push_back(slot); }
   void fail() { absurd_ = true; }
   bool hasFailed(const SurfaceCut& cut) const { return absurd_ || coder_.overrun() || cut.nodeCount() > max_nodes_; }
 
@@ -286,11 +286,12 @@ class Reading {
 
 }  // namespace
 
-void KnownNodes::forgetUnused() {
+void KnownPositions::forgetUnused() {
   std::erase_if(nodes_, [](const auto& node) { return node.second.uses == 0; });
 }
 
-glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownNodes& known, NodeId n) {
+glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownPositions& known,
+                        NodeId n) {
   const auto positionOf = [&](NodeId v) {
     return mesh.isBase(v) ? base[baseVertexOf(v)] : known.find(mesh.slot(v))->position;
   };
@@ -299,19 +300,19 @@ glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> ba
   return {sum.x >> 1, sum.y >> 1, sum.z >> 1};
 }
 
-void encodeSurface(const SurfaceEnd& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
+void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
                    RangeEncoder& coder, SurfaceBits& bits) {
   const double before = coder.bits() - bits.places;
-  Writing told(delta, records, bits);
-  CHECK_TRUE(Walk(end, coder, told).run());
-  CHECK_TRUE(told.isDone());
+  ChangeSource link(delta, records, bits);
+  CHECK_TRUE(Transcoder(end, coder, link).run());
+  CHECK_TRUE(link.isDone());
   bits.structure += coder.bits() - bits.places - before;
   bits.added += delta.added.size();
 }
 
-bool decodeSurface(const SurfaceEnd& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta) {
-  Reading told(coder, max_nodes, delta);
-  if (!Walk(end, coder, told).run()) return false;
+bool decodeSurface(const SurfaceCodecState& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta) {
+  ChangeSink link(coder, max_nodes, delta);
+  if (!Transcoder(end, coder, link).run()) return false;
   std::sort(delta.removed.begin(), delta.removed.end());
   return true;
 }

@@ -33,15 +33,15 @@ struct SurfaceModel {
 
   std::array<AdaptiveBit, 4> changes;
   std::array<std::array<AdaptiveBit, 8 * 4>, 2> blocks;  // of goes, of comes
-  NodeContexts goes;
-  std::array<NodeContexts, 2 * kSiblings> comes;  // of nodes that were addable before the step, then of others
+  NodeContexts removed;
+  std::array<NodeContexts, 2 * kSiblings> added;  // of nodes that were addable before the step, then of others
   std::array<NumberModel, kScales * kAxes> place;
   EscapeModel escape;
 };
 
 // What is known of the nodes of one model, whichever of its objects they were sent for. A node is known from when it is
 // sent until it is in no object's section and forgotten.
-class KnownNodes {
+class KnownPositions {
  public:
   struct Node {
     glm::ivec3 position{0}, displacement{0};  // steps
@@ -68,17 +68,18 @@ class KnownNodes {
 };
 
 // The middle of a node's edge, whose ends are base vertices or known; steps.
-glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownNodes& known, NodeId n);
+glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownPositions& known,
+                        NodeId n);
 
 // What is known of one object on either end. A view; its parts must outlive it.
-struct SurfaceEnd {
+struct SurfaceCodecState {
   std::span<const glm::ivec3> base;  // positions, steps
   double step_m;
   View view;                 // of the keyframe, in the object's frame
   std::optional<View> last;  // of the keyframe before, if this connection had one
   SurfaceCut& cut;
-  uint8_t& has_changed;  // in the last keyframe
-  KnownNodes& known;     // of its model
+  uint8_t& has_changed;   // in the last keyframe
+  KnownPositions& known;  // of its model
   SurfaceModel& model;
 };
 
@@ -89,10 +90,10 @@ struct SurfaceBits {
 };
 
 // Steps the section by `delta` and writes it; `records` by slot.
-void encodeSurface(const SurfaceEnd& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
+void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
                    RangeEncoder& coder, SurfaceBits& bits);
 // Reads a change, steps the section by it, and says in `delta` what it was, ascending. False if the bytes were none, or
 // the section would exceed `max_nodes`: what is known is then of no more use.
-[[nodiscard]] bool decodeSurface(const SurfaceEnd& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta);
+[[nodiscard]] bool decodeSurface(const SurfaceCodecState& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta);
 
 }  // namespace foreland::proto

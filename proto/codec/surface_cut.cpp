@@ -15,19 +15,19 @@ uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
 
 bool SurfaceCut::contains(Slot slot) const {
   const auto page = pages_.find(keyOf(slot));
-  return page != pages_.end() && page->second.active.has(lowOf(slot));
+  return page != pages_.end() && page->second.in_section.has(lowOf(slot));
 }
 
-bool SurfaceCut::hasCome(Slot slot) const {
+bool SurfaceCut::wasAdded(Slot slot) const {
   const auto page = pages_.find(keyOf(slot));
-  return page != pages_.end() && page->second.come.has(lowOf(slot));
+  return page != pages_.end() && page->second.added.has(lowOf(slot));
 }
 
 Section SurfaceCut::section() const {
   Section section;
   section.slots.reserve(nodes_);
   for (const auto& [key, page] : pages_)
-    page.active.forEach([&, first = key * kPageSlots](uint8_t low) { section.slots.push_back(first + low); });
+    page.in_section.forEach([&, first = key * kPageSlots](uint8_t low) { section.slots.push_back(first + low); });
   return section;
 }
 
@@ -48,8 +48,8 @@ void SurfaceCut::beginStep() {
 
 void SurfaceCut::remove(Pages::iterator page, uint8_t low) {
   const auto [n, level] = nodeAt(page->first, low);
-  page->second.active.clear(low);
-  page->second.gone.set(low);
+  page->second.in_section.clear(low);
+  page->second.removed.set(low);
   --nodes_;
   for (NodeId child : mesh_->children(n)) unlist(mesh_->slot(child, level + 1));
   for (NodeId parent : mesh_->parents(n))
@@ -58,8 +58,8 @@ void SurfaceCut::remove(Pages::iterator page, uint8_t low) {
 
 void SurfaceCut::add(Pages::iterator page, uint8_t low) {
   const auto [n, level] = nodeAt(page->first, low);
-  page->second.active.set(low);
-  page->second.come.set(low);
+  page->second.in_section.set(low);
+  page->second.added.set(low);
   ++nodes_;
   for (NodeId parent : mesh_->parents(n)) unlist(mesh_->slot(parent, level - 1));
   const auto isThere = [&, here = level](NodeId other) { return contains(mesh_->slot(other, here)); };
@@ -69,7 +69,7 @@ void SurfaceCut::add(Pages::iterator page, uint8_t low) {
 
 void SurfaceCut::endStep() {
   std::erase_if(pages_, [](const auto& page) { return page.second.isEmpty(); });
-  for (auto& [key, page] : pages_) page.come = page.gone = {};
+  for (auto& [key, page] : pages_) page.added = page.removed = {};
 }
 
 SurfaceCut::At SurfaceCut::nodeAt(uint32_t key, uint8_t low) const {
@@ -83,10 +83,10 @@ bool SurfaceCut::hasChild(NodeId n, int level) const {
                      [&](NodeId child) { return contains(mesh_->slot(child, level + 1)); });
 }
 
-void SurfaceCut::list(Slot slot) { pages_[keyOf(slot)].listed.set(lowOf(slot)); }
+void SurfaceCut::list(Slot slot) { pages_[keyOf(slot)].on_frontier.set(lowOf(slot)); }
 
 void SurfaceCut::unlist(Slot slot) {
-  if (const auto page = pages_.find(keyOf(slot)); page != pages_.end()) page->second.listed.clear(lowOf(slot));
+  if (const auto page = pages_.find(keyOf(slot)); page != pages_.end()) page->second.on_frontier.clear(lowOf(slot));
 }
 
 void SurfaceCut::validate() const {
@@ -100,7 +100,7 @@ void SurfaceCut::validate() const {
     const bool is_in = contains(slot), is_on_frontier = is_in ? !hasChild(n, mesh_->level(n)) : is_rooted;
     if (is_in) CHECK_TRUE(is_rooted);
     const auto page = pages_.find(keyOf(slot));
-    const bool is_listed = page != pages_.end() && page->second.listed.has(lowOf(slot));
+    const bool is_listed = page != pages_.end() && page->second.on_frontier.has(lowOf(slot));
     if (is_seeded_) CHECK_EQ(is_listed, is_on_frontier);
     nodes += is_in ? 1 : 0;
   }

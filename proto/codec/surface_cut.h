@@ -18,12 +18,12 @@ namespace foreland::proto {
 class SurfaceCut {
  public:
   struct Page {
-    SlotBits active, listed;
-    SlotBits come, gone;  // in the step under way
-    SlotBits leaves() const { return listed & active; }
+    SlotBits in_section, on_frontier;
+    SlotBits added, removed;  // in the step under way
+    SlotBits leaves() const { return on_frontier & in_section; }
     // What has gone in this step does not come again in it.
-    SlotBits addable() const { return listed - active - gone; }
-    bool isEmpty() const { return !active.any() && !listed.any(); }
+    SlotBits addable() const { return on_frontier - in_section - removed; }
+    bool isEmpty() const { return !in_section.any() && !on_frontier.any(); }
   };
   using Pages = std::map<uint32_t, Page>;  // by slot >> 8; an iterator holds while others come
 
@@ -32,7 +32,7 @@ class SurfaceCut {
 
   const MeshTopology& mesh() const { return *mesh_; }
   bool contains(Slot slot) const;
-  bool hasCome(Slot slot) const;  // in the step under way
+  bool wasAdded(Slot slot) const;  // in the step under way
   size_t nodeCount() const { return nodes_; }
   Section section() const;  // ascending
   // Pages of a level begin here and end with the level's slots.

@@ -56,7 +56,7 @@ flatbuffers::Offset<fb::Frame> putFrame(Builder& b, const Frame& f) {
   const fb::Vec2 anchor = toFb(f.anchor), axis_x = toFb(f.axis_x_m), axis_y = toFb(f.axis_y_m),
                  map = toFb(f.map_origin_m);
   const fb::Geodetic origin = toFb(f.origin);
-  return fb::CreateFrame(b, static_cast<uint8_t>(f.kind), f.height_step_m, &anchor, &axis_x, &axis_y, &map,
+  return fb::CreateFrame(b, static_cast<uint8_t>(f.kind), f.height_quantum_m, &anchor, &axis_x, &axis_y, &map,
                          f.latitude0_rad, f.longitude0_rad, f.latitude_step_rad, f.longitude_step_rad, f.semi_major_m,
                          f.flattening, &origin);
 }
@@ -147,7 +147,7 @@ Result<ClientMessage> read(const fb::TourRequest& m) {
 Result<ClientMessage> read(const fb::GroundRequest& m) {
   GroundRequest out{m.id(), {}};
   if (m.places()) {
-    if (m.places()->size() > kMaxGroundPlaces) return malformed("more than 65536 places in one ground request");
+    if (m.places()->size() > kMaxGroundPoints) return malformed("more than 65536 places in one ground request");
     for (size_t i = 0; i < m.places()->size(); ++i) out.places.push_back(fromFb(structAt(*m.places(), i)));
   }
   return ClientMessage(std::move(out));
@@ -158,7 +158,7 @@ Result<Frame> frameOf(const fb::Frame* m, const GridShape& shape) {
     return malformed("the welcome lacks its frame");
   Frame f;
   f.kind = static_cast<FrameKind>(m->kind());
-  f.height_step_m = m->height_step_m();
+  f.height_quantum_m = m->height_quantum_m();
   f.anchor = fromFb(*m->anchor());
   f.axis_x_m = fromFb(*m->axis_x_m());
   f.axis_y_m = fromFb(*m->axis_y_m());

@@ -50,7 +50,7 @@ namespace foreland::proto {
 inline constexpr uint32_t kProtocolVersion = 4;
 inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
 inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
-inline constexpr size_t kMaxGroundPlaces = 65'536;
+inline constexpr size_t kMaxGroundPoints = 65'536;
 
 // P section 4; DESIGN section 4.
 enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
@@ -138,8 +138,8 @@ struct KeyframeHeader {
   Pose pose;                               // computed for this pose
   Lens lens;                               // and this field of view
   float tau_px = 1;                        // tolerance in force
-  float ball_m = 0;                        // tau is kept for eyes this near to pose.eye,
-  float turn_rad = 0;                      // turned by no more than this
+  float region_radius_m = 0;               // tau is kept for eyes this near to pose.eye,
+  float region_angle_rad = 0;              // turned by no more than this
   uint32_t fingerprint = 0;                // of the section that results
   uint32_t fingerprint_mask = 0xffffffff;  // which of its bits are told
 };
@@ -191,7 +191,9 @@ Pose asSent(const Pose& pose);
 Pose asSentInHeader(const Pose& pose);
 
 // What a keyframe's section was computed for.
-inline View viewOf(const KeyframeHeader& h) { return {h.pose, h.lens, h.tau_px, h.ball_m, h.turn_rad}; }
+inline View viewOf(const KeyframeHeader& h) {
+  return {h.pose, h.lens, h.tau_px, h.region_radius_m, h.region_angle_rad};
+}
 
 // The smallest short float that is no smaller than `value`, 0 to 10^30: one of 8 significant bits, the lower 16 of its
 // 32 zero. At most 0.8 % larger. What is promised for a keyframe's ball and turn costs less on the wire if it is short.

@@ -122,8 +122,8 @@ void putWholeHeader(const KeyframeHeader& h, const WirePose& pose, Bytes& out) {
   w.putVarint(h.lens.height_px);
   w.put(h.lens.vertical_fov_rad);
   w.put(h.tau_px);
-  w.put(h.ball_m);
-  w.put(h.turn_rad);
+  w.put(h.region_radius_m);
+  w.put(h.region_angle_rad);
   w.put(h.fingerprint);
 }
 
@@ -141,8 +141,8 @@ std::optional<KeyframeMessage> getWholeHeader(ByteSpan bytes, WirePose& pose) {
   h.lens.height_px = static_cast<uint32_t>(std::min<uint64_t>(height, 0xffffffffu));
   h.lens.vertical_fov_rad = r.get<double>();
   h.tau_px = r.get<float>();
-  h.ball_m = r.get<float>();
-  h.turn_rad = r.get<float>();
+  h.region_radius_m = r.get<float>();
+  h.region_angle_rad = r.get<float>();
   h.fingerprint = r.get<uint32_t>();
   if (!r.ok()) return std::nullopt;
   return KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())};
@@ -154,7 +154,7 @@ constexpr uint64_t kNewOrder = 1, kNewLens = 2, kNewTau = 4, kLongRegion = 8;
 
 uint64_t extrasOf(const KeyframeHeader& h, const KeyframeHeader& last) {
   const bool is_next = h.index == last.index + 1 && h.base_index == last.index;
-  const bool is_long = ((bitsOf(h.ball_m) | bitsOf(h.turn_rad)) & kLongBits) != 0;
+  const bool is_long = ((bitsOf(h.region_radius_m) | bitsOf(h.region_angle_rad)) & kLongBits) != 0;
   return (is_next ? 0 : kNewOrder) | (h.lens == last.lens ? 0 : kNewLens) |
          (bitsOf(h.tau_px) == bitsOf(last.tau_px) ? 0 : kNewTau) | (is_long ? kLongRegion : 0);
 }
@@ -175,8 +175,8 @@ void putExtras(const KeyframeHeader& h, const KeyframeHeader& last, uint64_t ext
   }
   if (extras & kNewTau) w.put(bitsOf(h.tau_px), 32);
   if (extras & kLongRegion) {
-    w.put(bitsOf(h.ball_m), 32);
-    w.put(bitsOf(h.turn_rad), 32);
+    w.put(bitsOf(h.region_radius_m), 32);
+    w.put(bitsOf(h.region_angle_rad), 32);
   }
 }
 
@@ -197,14 +197,14 @@ bool getExtras(BitReader& r, uint64_t extras, KeyframeHeader& h) {
   }
   if (extras & kNewTau) h.tau_px = floatOf(r.get(32));
   if (extras & kLongRegion) {
-    h.ball_m = floatOf(r.get(32));
-    h.turn_rad = floatOf(r.get(32));
+    h.region_radius_m = floatOf(r.get(32));
+    h.region_angle_rad = floatOf(r.get(32));
   }
   return true;
 }
 
 std::array<int64_t, 2> upperHalves(const KeyframeHeader& h) {
-  return {bitsOf(h.ball_m) >> 16, bitsOf(h.turn_rad) >> 16};
+  return {bitsOf(h.region_radius_m) >> 16, bitsOf(h.region_angle_rad) >> 16};
 }
 
 // Of the fingerprint a quarter is told, each in its turn.
@@ -225,8 +225,8 @@ void getShortRegion(BitReader& r, KeyframeMemory& memory, KeyframeHeader& h) {
   const auto changed = [](int64_t upper) {
     return upper >= 0 && upper <= 0xffff ? floatOf(static_cast<uint64_t>(upper) << 16) : -1.0f;
   };
-  h.ball_m = changed(before[0] + change[0]);
-  h.turn_rad = changed(before[1] + change[1]);
+  h.region_radius_m = changed(before[0] + change[0]);
+  h.region_angle_rad = changed(before[1] + change[1]);
 }
 
 bool canPutHeaderStep(const KeyframeHeader& h, const WirePose& pose, const KeyframeMemory& memory) {
@@ -269,7 +269,7 @@ bool isSane(const KeyframeHeader& h) {
   constexpr float kMost = 1e9f;
   const auto is_size = [](float v) { return v >= 0 && v <= kMost; };
   return h.base_index < h.index && isUsable(h.pose) && isUsable(h.lens) && is_size(h.tau_px) && h.tau_px > 0 &&
-         is_size(h.ball_m) && is_size(h.turn_rad) && isNear(h.time);
+         is_size(h.region_radius_m) && is_size(h.region_angle_rad) && isNear(h.time);
 }
 
 }  // namespace

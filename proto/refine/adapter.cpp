@@ -15,7 +15,7 @@ namespace {
 constexpr double kSlackShare = 1 - 0x1p-9;
 constexpr uint32_t kMostSteps = 1u << 15;
 constexpr int kNonePasses = 256;
-constexpr ErrorClass kAnyError{255}, kSomeError{1}, kNoError{0};
+constexpr QuantisedError kAnyError{255}, kSomeError{1}, kNoError{0};
 
 uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
 bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
@@ -24,10 +24,10 @@ bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
 
 // Endless if the views cannot be compared.
 template <class Batch>
-Toll Adapter<Batch>::tollTo(const View& view) const {
+MotionBound Adapter<Batch>::motionBoundTo(const View& view) const {
   if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0)
-    return domain_->metric(*last_).tollTo(*last_, view);
-  return Toll::endless();
+    return domain_->metric(*last_).motionBoundTo(*last_, view);
+  return MotionBound::unbounded();
 }
 
 // One adaptation under way.
@@ -36,26 +36,26 @@ class Adapter<Batch>::Step {
  public:
   using Candidate = AdaptScratch::Candidate;
 
-  Step(Adapter& adapter, const View& view, const Toll& toll, size_t max_nodes, NodeSource<Batch>& source,
+  Step(Adapter& adapter, const View& view, const MotionBound& motion, size_t max_nodes, NodeSource<Batch>& source,
        AdaptScratch& scratch, CutDelta& delta)
       : a_(adapter),
         frontier_(adapter.frontier_),
         domain_(*adapter.domain_),
         topology_(domain_.topology()),
         metric_(domain_.metric(view)),
-        toll_(toll),
+        motion_(motion),
         max_nodes_(max_nodes),
         source_(source),
         scratch_(scratch),
         delta_(delta) {
-    scratch_.open.assign(frontier_.pageCount(), {});
-    scratch_.has_open.assign(frontier_.pageCount(), 0);
+    scratch_.undecided.assign(frontier_.pageCount(), {});
+    scratch_.has_undecided.assign(frontier_.pageCount(), 0);
     scratch_.seeds.clear();
-    scratch_.homeless.clear();
+    scratch_.pending.clear();
   }
 
   bool run() {
-    testDue();
+    testStale();
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
@@ -69,55 +69,55 @@ class Adapter<Batch>::Step {
 
  private:
   Slot begin(int level) const { return topology_.levelOffset(level); }
-  bool isActive(Slot slot) const { return frontier_.isActive(slot); }
+  bool isInSection(Slot slot) const { return frontier_.isInSection(slot); }
   bool hasActiveChild(NodeId n, int level) const {
     for (NodeId child : topology_.children(n))
-      if (isActive(topology_.slot(child, level + 1))) return true;
+      if (isInSection(topology_.slot(child, level + 1))) return true;
     return false;
   }
   bool hasItsParents(NodeId n, int level) const {
     for (NodeId parent : topology_.parents(n))
-      if (!isActive(topology_.slot(parent, level - 1))) return false;
+      if (!isInSection(topology_.slot(parent, level - 1))) return false;
     return true;
   }
 
-  void open(uint32_t page, uint8_t low) {
-    scratch_.open[page].set(low);
-    scratch_.has_open[page] = 1;
+  void undecided(uint32_t page, uint8_t low) {
+    scratch_.undecided[page].set(low);
+    scratch_.has_undecided[page] = 1;
   }
 
   void test() {
-    batch_.testWithSlack(metric_, toll_, kSlackShare);
+    batch_.testWithSlack(metric_, motion_, kSlackShare);
     a_.tests_ += batch_.count;
   }
 
   // An entry whose bound settles its test gets a new slack; the others are open.
-  void testDue() {
+  void testStale() {
     int level = 1;
     batch_.count = 0;
-    frontier_.takeOff(toll_, [&](uint32_t number, std::span<const uint32_t> places) {
+    frontier_.consume(motion_, [&](uint32_t number, std::span<const uint32_t> places) {
       const Frontier::Page& page = frontier_.page(number);
       while (page.first() >= begin(level + 1)) ++level;
       const auto nodes = topology_.pageNodes(level, page.first());
       const float radius = domain_.radius(level, page.radius);
       for (uint32_t place : places) {
         const Entry& entry = frontier_.entryAt(place);
-        due_[batch_.count] = {number, place, page.active.has(entry.low())};
+        stale_[batch_.count] = {number, place, page.in_section.has(entry.low())};
         batch_.push(nodes.at(entry.low()), page.first() | entry.low(), level, entry.bound(), radius);
-        if (batch_.full()) finishDue();
+        if (batch_.full()) finishStale();
       }
     });
-    finishDue();
+    finishStale();
   }
-  void finishDue() {
+  void finishStale() {
     source_.load(batch_);
     batch_.locate(domain_, metric_);
     test();
     for (size_t i = 0; i < batch_.count; ++i)
-      if ((batch_.passes[i] != 0) == due_[i].is_active)
-        frontier_.renew(due_[i].place, batch_.slack[i], batch_.hold[i]);
+      if ((batch_.passes[i] != 0) == stale_[i].is_in_section)
+        frontier_.renew(stale_[i].place, batch_.slack[i], batch_.constraint[i]);
       else
-        open(due_[i].page, lowOf(batch_.slot[i]));
+        undecided(stale_[i].page, lowOf(batch_.slot[i]));
     batch_.count = 0;
   }
 
@@ -127,17 +127,17 @@ class Adapter<Batch>::Step {
     scratch_.candidates.clear();
     for (const Frontier::PageName& name : frontier_.pagesOf(begin(level), begin(level + 1))) {
       const uint32_t number = name.number;
-      if (!scratch_.has_open[number]) continue;
+      if (!scratch_.has_undecided[number]) continue;
       const Frontier::Page& page = frontier_.page(number);
-      SlotBits& open = scratch_.open[number];
-      const SlotBits taken = which == Which::kLeaves ? open & page.active : open - page.active;
-      open = open - taken;
-      if (which == Which::kAddable) frontier_.reserve(number, (taken - page.listed).count());
+      SlotBits& undecided = scratch_.undecided[number];
+      const SlotBits taken = which == Which::kLeaves ? undecided & page.in_section : undecided - page.in_section;
+      undecided = undecided - taken;
+      if (which == Which::kAddable) frontier_.reserve(number, (taken - page.on_frontier).count());
       taken.forEach([&](uint8_t low) {
-        const bool is_new = !page.listed.has(low);
-        const ErrorClass known = !is_new                   ? frontier_.bound(page, low)
-                                 : which == Which::kLeaves ? kSomeError
-                                                           : kAnyError;
+        const bool is_new = !page.on_frontier.has(low);
+        const QuantisedError known = !is_new                   ? frontier_.bound(page, low)
+                                     : which == Which::kLeaves ? kSomeError
+                                                               : kAnyError;
         scratch_.candidates.push_back({{page.first() | low, known, {}, which == Which::kLeaves, is_new}, number});
       });
     }
@@ -150,22 +150,22 @@ class Adapter<Batch>::Step {
     auto nodes = topology_.pageNodes(level, begin(level));
     for (Candidate& c : candidates) {
       if (c.page != page) nodes = topology_.pageNodes(level, frontier_.page(page = c.page).first());
-      visit(c, nodes.at(lowOf(c.question.slot)));
+      visit(c, nodes.at(lowOf(c.predicate.slot)));
     }
   }
 
-  // Settles what each candidate is from now on (question.is_active) and gives each an entry.
-  bool settle(int level) {
+  // Settles what each candidate is from now on (question.is_in_section) and gives each an entry.
+  bool resolve(int level) {
     std::vector<Candidate>& candidates = scratch_.candidates;
     for (size_t begin = 0; begin < candidates.size(); begin += Batch::kSize)
-      if (!settle(level, std::span(candidates).subspan(begin, std::min(Batch::kSize, candidates.size() - begin))))
+      if (!resolve(level, std::span(candidates).subspan(begin, std::min(Batch::kSize, candidates.size() - begin))))
         return false;
     return true;
   }
-  bool settle(int level, std::span<Candidate> part) {
+  bool resolve(int level, std::span<Candidate> part) {
     batch_.count = 0;
     forEach(level, part, [&](const Candidate& c, NodeId n) {
-      batch_.push(n, c.question.slot, level, c.question.known, domain_.radius(level, frontier_.page(c.page).radius));
+      batch_.push(n, c.predicate.slot, level, c.predicate.known, domain_.radius(level, frontier_.page(c.page).radius));
     });
     source_.load(batch_);
     batch_.locate(domain_, metric_);
@@ -173,39 +173,39 @@ class Adapter<Batch>::Step {
     if (!ask(level, part)) return false;
     test();
     for (size_t i = 0; i < part.size(); ++i)
-      frontier_.list(part[i].page, lowOf(batch_.slot[i]), batch_.bound[i], batch_.slack[i], batch_.hold[i]);
+      frontier_.list(part[i].page, lowOf(batch_.slot[i]), batch_.bound[i], batch_.slack[i], batch_.constraint[i]);
     return true;
   }
 
   // Asks where what is known does not settle the test. The bounds of the entries are the batch's from now on.
   bool ask(int level, std::span<Candidate> part) {
-    scratch_.questions.clear();
+    scratch_.predicates.clear();
     scratch_.asked.clear();
     for (size_t i = 0; i < part.size(); ++i) {
-      Question& q = part[i].question;
+      Predicate& q = part[i].predicate;
       if (batch_.least[i] == kNonePasses) {
-        if (q.is_active) batch_.bound[i] = kAnyError;
-        q.is_active = false;
+        if (q.is_in_section) batch_.bound[i] = kAnyError;
+        q.is_in_section = false;
         continue;
       }
       q.least = {static_cast<uint8_t>(batch_.least[i])};
       if (q.least == kNoError) {
         batch_.bound[i] = kNoError;
-        q.is_active = true;
+        q.is_in_section = true;
         continue;
       }
       // For addable nodes that have just come, and for leaves that turn round, it may be settled after all.
-      if (q.is_active ? q.known >= q.least : q.known < q.least) continue;
-      scratch_.questions.push_back(q);
+      if (q.is_in_section ? q.known >= q.least : q.known < q.least) continue;
+      scratch_.predicates.push_back(q);
       scratch_.asked.push_back(static_cast<uint32_t>(i));
     }
-    scratch_.answers.resize(scratch_.questions.size());
-    if (!scratch_.questions.empty() && !source_.answer(level, scratch_.questions, scratch_.answers)) return false;
+    scratch_.decisions.resize(scratch_.predicates.size());
+    if (!scratch_.predicates.empty() && !source_.decide(level, scratch_.predicates, scratch_.decisions)) return false;
     for (size_t k = 0; k < scratch_.asked.size(); ++k) {
       const uint32_t i = scratch_.asked[k];
-      Question& q = part[i].question;
-      q.is_active = scratch_.answers[k] != 0;
-      batch_.bound[i] = q.is_active ? q.least : ErrorClass{static_cast<uint8_t>(q.least.value - 1)};
+      Predicate& q = part[i].predicate;
+      q.is_in_section = scratch_.decisions[k] != 0;
+      batch_.bound[i] = q.is_in_section ? q.least : QuantisedError{static_cast<uint8_t>(q.least.value - 1)};
     }
     return true;
   }
@@ -215,56 +215,56 @@ class Adapter<Batch>::Step {
   bool remove(int level) {
     collect(level, Which::kLeaves);
     dropInner(level);
-    if (!settle(level)) return false;
+    if (!resolve(level)) return false;
     std::vector<Candidate>& candidates = scratch_.candidates;
-    std::erase_if(candidates, [](const Candidate& c) { return c.question.is_active; });
-    a_.active_ -= candidates.size();
+    std::erase_if(candidates, [](const Candidate& c) { return c.predicate.is_in_section; });
+    a_.nodes_in_section_ -= candidates.size();
     forEach(level, candidates, [&](const Candidate& c, NodeId n) {
-      frontier_.setActive(c.page, lowOf(c.question.slot), false);
+      frontier_.setInSection(c.page, lowOf(c.predicate.slot), false);
       for (NodeId child : topology_.children(n)) unlist(topology_.slot(child, level + 1));
       for (NodeId parent : topology_.parents(n)) {
         const Slot above = topology_.slot(parent, level - 1);
-        open(frontier_.find(above), lowOf(above));
+        undecided(frontier_.find(above), lowOf(above));
       }
     });
-    for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].question.slot);
+    for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].predicate.slot);
     return true;
   }
   // Parents of what has gone that have other children.
   void dropInner(int level) {
     size_t kept = 0;
     forEach(level, scratch_.candidates, [&](const Candidate& c, NodeId n) {
-      if (!c.question.is_new || !hasActiveChild(n, level)) scratch_.candidates[kept++] = c;
+      if (!c.predicate.is_new || !hasActiveChild(n, level)) scratch_.candidates[kept++] = c;
     });
     scratch_.candidates.resize(kept);
   }
   void unlist(Slot slot) {
     const uint32_t page = frontier_.find(slot);
-    if (page == Frontier::kNone || !frontier_.page(page).listed.has(lowOf(slot))) return;
+    if (page == Frontier::kNone || !frontier_.page(page).on_frontier.has(lowOf(slot))) return;
     frontier_.unlist(page, lowOf(slot));
-    scratch_.open[page].clear(lowOf(slot));
+    scratch_.undecided[page].clear(lowOf(slot));
   }
 
   // The whole frontier of a section of which only its own nodes are known.
   void seed() {
     a_.has_seeds_ = true;
     for (Slot slot = begin(1); slot < begin(2); ++slot)
-      if (!topology_.isBase(topology_.node(slot))) welcome(slot, scratch_.seeds);
-    frontier_.forEachActive([this](Slot slot) {
+      if (!topology_.isBase(topology_.node(slot))) considerAddable(slot, scratch_.seeds);
+    frontier_.forEachInSection([this](Slot slot) {
       const NodeId n = topology_.node(slot);
       const int below = topology_.level(n) + 1;
       for (NodeId child : topology_.children(n))
-        if (hasItsParents(child, below)) welcome(topology_.slot(child, below), scratch_.seeds);
+        if (hasItsParents(child, below)) considerAddable(topology_.slot(child, below), scratch_.seeds);
     });
     std::sort(scratch_.seeds.begin(), scratch_.seeds.end(), std::greater<>());
   }
   // A node that can be added.
-  void welcome(Slot slot, std::vector<Slot>& homeless) {
+  void considerAddable(Slot slot, std::vector<Slot>& pending) {
     const uint32_t page = frontier_.find(slot);
     if (page == Frontier::kNone)
-      homeless.push_back(slot);
-    else if (!frontier_.page(page).active.has(lowOf(slot)) && !frontier_.page(page).listed.has(lowOf(slot)))
-      open(page, lowOf(slot));
+      pending.push_back(slot);
+    else if (!frontier_.page(page).in_section.has(lowOf(slot)) && !frontier_.page(page).on_frontier.has(lowOf(slot)))
+      undecided(page, lowOf(slot));
   }
 
   // Candidates of a level: those whose test is open, and those that have just become addable.
@@ -274,38 +274,38 @@ class Adapter<Batch>::Step {
     std::vector<Candidate>& candidates = scratch_.candidates;
     scratch_.slots.clear();
     for (const Candidate& c : candidates)
-      if (c.question.is_new) scratch_.slots.push_back(c.question.slot);
+      if (c.predicate.is_new) scratch_.slots.push_back(c.predicate.slot);
     if (!scratch_.slots.empty()) source_.onAddable(level, scratch_.slots);
-    if (!settle(level)) return false;
-    std::erase_if(candidates, [](const Candidate& c) { return !c.question.is_active; });
+    if (!resolve(level)) return false;
+    std::erase_if(candidates, [](const Candidate& c) { return !c.predicate.is_in_section; });
     if (candidates.empty()) return true;
-    if (a_.active_ + candidates.size() > max_nodes_) return false;
+    if (a_.nodes_in_section_ + candidates.size() > max_nodes_) return false;
     scratch_.slots.clear();
     scratch_.passed.clear();
     for (const Candidate& c : candidates) {
-      scratch_.slots.push_back(c.question.slot);
-      scratch_.passed.push_back(c.question.least);
+      scratch_.slots.push_back(c.predicate.slot);
+      scratch_.passed.push_back(c.predicate.least);
     }
     if (!source_.onAdded(level, scratch_.slots, scratch_.passed)) return false;
-    a_.active_ += candidates.size();
+    a_.nodes_in_section_ += candidates.size();
     delta_.added.insert(delta_.added.end(), scratch_.slots.begin(), scratch_.slots.end());
-    for (const Candidate& c : candidates) frontier_.setActive(c.page, lowOf(c.question.slot), true);
+    for (const Candidate& c : candidates) frontier_.setInSection(c.page, lowOf(c.predicate.slot), true);
     forEach(level, candidates, [&](const Candidate&, NodeId n) {
       for (NodeId parent : topology_.parents(n)) unlist(topology_.slot(parent, level - 1));
       for (NodeId child : topology_.children(n))
-        if (topology_.hasOtherParent(child, n, [&](NodeId other) { return isActive(topology_.slot(other, level)); }))
-          welcome(topology_.slot(child, level + 1), scratch_.homeless);
+        if (topology_.hasOtherParent(child, n, [&](NodeId other) { return isInSection(topology_.slot(other, level)); }))
+          considerAddable(topology_.slot(child, level + 1), scratch_.pending);
     });
     return true;
   }
 
   void makePages(int level) {
-    std::vector<Slot>&seeds = scratch_.seeds, &homeless = scratch_.homeless;
-    for (; !seeds.empty() && seeds.back() < begin(level + 1); seeds.pop_back()) homeless.push_back(seeds.back());
-    if (homeless.empty()) return;
+    std::vector<Slot>&seeds = scratch_.seeds, &pending = scratch_.pending;
+    for (; !seeds.empty() && seeds.back() < begin(level + 1); seeds.pop_back()) pending.push_back(seeds.back());
+    if (pending.empty()) return;
     std::vector<Slot>& pages = scratch_.pages;
     pages.clear();
-    for (Slot slot : homeless)
+    for (Slot slot : pending)
       if (pages.empty() || !arePageMates(pages.back(), slot))
         pages.push_back(slot);
       else
@@ -314,16 +314,16 @@ class Adapter<Batch>::Step {
     pages.erase(std::unique(pages.begin(), pages.end(), arePageMates), pages.end());
     for (Slot slot : pages)
       if (frontier_.find(slot) == Frontier::kNone) frontier_.makePage(slot, source_.radius(slot));
-    scratch_.open.resize(frontier_.pageCount());
-    scratch_.has_open.resize(frontier_.pageCount());
-    for (Slot slot : homeless) open(frontier_.find(slot), lowOf(slot));
+    scratch_.undecided.resize(frontier_.pageCount());
+    scratch_.has_undecided.resize(frontier_.pageCount());
+    for (Slot slot : pending) undecided(frontier_.find(slot), lowOf(slot));
     frontier_.orderPages();
-    homeless.clear();
+    pending.clear();
   }
 
-  struct Due {
+  struct Stale {
     uint32_t page, place;
-    bool is_active;
+    bool is_in_section;
   };
 
   Adapter& a_;
@@ -331,23 +331,23 @@ class Adapter<Batch>::Step {
   const Domain& domain_;
   const typename Domain::Topology& topology_;
   const typename Domain::Metric metric_;
-  const Toll toll_;
+  const MotionBound motion_;
   const size_t max_nodes_;
   NodeSource<Batch>& source_;
   AdaptScratch& scratch_;
   CutDelta& delta_;
   Batch batch_;
-  std::array<Due, Batch::kSize> due_;
+  std::array<Stale, Batch::kSize> stale_;
 };
 
 // The leaves are due at once; the rest of the frontier is found by the first step.
 template <class Batch>
 Adapter<Batch>::Adapter(const Domain& domain, std::span<const Slot> section, NodeSource<Batch>& source)
-    : domain_(&domain), active_(section.size()) {
+    : domain_(&domain), nodes_in_section_(section.size()) {
   const auto& topology = domain.topology();
   for (Slot slot : section) {
     if (frontier_.find(slot) == Frontier::kNone) frontier_.makePage(slot, source.radius(slot));
-    frontier_.setActive(frontier_.find(slot), lowOf(slot), true);
+    frontier_.setInSection(frontier_.find(slot), lowOf(slot), true);
   }
   frontier_.orderPages();
   for (Slot slot : section) {
@@ -361,16 +361,16 @@ template <class Batch>
 bool Adapter<Batch>::adapt(const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
                            CutDelta& delta) {
   ++steps_;
-  const Toll toll = tollTo(view);
+  const MotionBound motion = motionBoundTo(view);
   last_ = view;
-  return Step(*this, view, toll, max_nodes, source, scratch, delta).run();
+  return Step(*this, view, motion, max_nodes, source, scratch, delta).run();
 }
 
 template <class Batch>
 Section Adapter<Batch>::section() const {
   Section section;
-  section.slots.reserve(active_);
-  frontier_.forEachActive([&](Slot slot) { section.slots.push_back(slot); });
+  section.slots.reserve(nodes_in_section_);
+  frontier_.forEachInSection([&](Slot slot) { section.slots.push_back(slot); });
   return section;
 }
 
@@ -378,20 +378,20 @@ template <class Batch>
 void Adapter<Batch>::validate() const {
   frontier_.validate();
   const auto& topology = domain_->topology();
-  const auto active = [&](NodeId n) { return contains(topology.slot(n)); };
-  size_t listed = 0;
+  const auto in_section = [&](NodeId n) { return contains(topology.slot(n)); };
+  size_t on_frontier = 0;
   for (Slot slot = 0; slot < topology.slotCount(); ++slot) {
     const NodeId n = topology.node(slot);
     if (topology.isBase(n)) continue;
     const auto parents = topology.parents(n);
     const auto children = topology.children(n);
-    const bool rooted = std::all_of(parents.begin(), parents.end(), active),
-               leaf = std::none_of(children.begin(), children.end(), active);
-    if (active(n)) CHECK_TRUE(rooted);
-    CHECK_EQ(active(n) ? leaf : rooted, frontier_.isListed(slot));
-    listed += frontier_.isListed(slot);
+    const bool rooted = std::all_of(parents.begin(), parents.end(), in_section),
+               leaf = std::none_of(children.begin(), children.end(), in_section);
+    if (in_section(n)) CHECK_TRUE(rooted);
+    CHECK_EQ(in_section(n) ? leaf : rooted, frontier_.isOnFrontier(slot));
+    on_frontier += frontier_.isOnFrontier(slot);
   }
-  CHECK_EQ(listed, frontier_.entryCount());
+  CHECK_EQ(on_frontier, frontier_.entryCount());
 }
 
 template class Adapter<TerrainBatch>;

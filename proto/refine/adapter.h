@@ -1,7 +1,7 @@
 // From the previous section to the next at a cost that follows the changes. Only the frontier (removable and addable
 // nodes) can change, and a frontier node's test only once the camera has moved far enough: each entry carries its
-// slack, the motion that its outcome is sure to survive (Metric::outcome). A step takes its toll off every slack, page
-// by page, and tests again only where it is used up. Equal to refine(), node for node, for any motion.
+// slack, the motion that its outcome is sure to survive (Metric::outcome). A step takes its motion off every slack,
+// page by page, and tests again only where it is used up. Equal to refine(), node for node, for any motion.
 //
 // S 3.4 moves the cut by testing all of it; the slack is ours.
 //
@@ -29,10 +29,10 @@ namespace foreland::proto {
 
 // Is the error of a node at least of class `least`? One of these is true: it is at least `known` (and `least` is more,
 // and the node is in the section), or at most `known` (and `least` is no more, and the node is not).
-struct Question {
+struct Predicate {
   Slot slot = 0;
-  ErrorClass known, least;
-  bool is_active = false;
+  QuantisedError known, least;
+  bool is_in_section = false;
   bool is_new = false;  // the node has come to the frontier in this step
 };
 
@@ -43,34 +43,34 @@ class NodeSource {
  public:
   virtual ~NodeSource() = default;
   // Of all nodes of a page none of which is known; `first` is to be known first.
-  virtual RadiusClass radius(Slot first) = 0;
+  virtual QuantisedRadius radius(Slot first) = 0;
   // Nodes of a level that have come to the frontier, ascending; before anything else is asked of them.
   virtual void onAddable(int, std::span<const Slot>) {}
   // Fills in what the batch's tests take: the heights of spheres, or records.
   virtual void load(Batch& batch) = 0;
   // Questions about nodes of one level, ascending. False stops the step.
-  virtual bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) = 0;
+  virtual bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) = 0;
   // Nodes of one level that come to the section, ascending, and the least class that each passed with. False stops.
-  virtual bool onAdded(int, std::span<const Slot>, std::span<const ErrorClass>) { return true; }
+  virtual bool onAdded(int, std::span<const Slot>, std::span<const QuantisedError>) { return true; }
 };
 
 // A worker's own; reused from call to call.
 struct AdaptScratch {
   struct Candidate {
-    Question question;
+    Predicate predicate;
     uint32_t page;
   };
   // Nodes whose test is open, or that may have come to the frontier; by page.
-  std::vector<SlotBits> open;
-  std::vector<uint8_t> has_open;
-  std::vector<Slot> seeds, homeless;  // the same on pages that are not there: of any level, of the next one
-  std::vector<Slot> pages;            // of each such page the first of them
+  std::vector<SlotBits> undecided;
+  std::vector<uint8_t> has_undecided;
+  std::vector<Slot> seeds, pending;  // the same on pages that are not there: of any level, of the next one
+  std::vector<Slot> pages;           // of each such page the first of them
   std::vector<Candidate> candidates;
   std::vector<uint32_t> asked;  // of a batch: those in question
-  std::vector<Question> questions;
-  std::vector<uint8_t> answers;
+  std::vector<Predicate> predicates;
+  std::vector<uint8_t> decisions;
   std::vector<Slot> slots;
-  std::vector<ErrorClass> passed;
+  std::vector<QuantisedError> passed;
 };
 
 template <class Batch>
@@ -89,11 +89,11 @@ class Adapter {
   [[nodiscard]] bool adapt(const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
                            CutDelta& delta);
 
-  size_t nodeCount() const { return active_; }
+  size_t nodeCount() const { return nodes_in_section_; }
   Section section() const;  // ascending
-  bool contains(Slot slot) const { return frontier_.isActive(slot); }
+  bool contains(Slot slot) const { return frontier_.isInSection(slot); }
   // Of the page of a node of the section.
-  RadiusClass radius(Slot slot) const { return frontier_.radius(slot); }
+  QuantisedRadius radius(Slot slot) const { return frontier_.radius(slot); }
   // Whether any of the 64 slots from `first` on, a multiple of 64, is of the section or its frontier.
   bool knowsBlock(Slot first) const { return frontier_.hasAnyOf64(first); }
   size_t bytes() const { return frontier_.bytes(); }  // of this session's state
@@ -104,13 +104,13 @@ class Adapter {
 
  private:
   class Step;
-  Toll tollTo(const View& view) const;
+  MotionBound motionBoundTo(const View& view) const;
 
   const Domain* domain_;
   Frontier frontier_;
   std::optional<View> last_;
   bool has_seeds_ = false;  // the nodes without parents are on the frontier
-  size_t active_ = 0;
+  size_t nodes_in_section_ = 0;
   uint64_t tests_ = 0;
   uint32_t steps_ = 0;
 };

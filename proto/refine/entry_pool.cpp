@@ -18,14 +18,14 @@ void resizeByEighths(std::vector<T>& v, size_t size, T value) {
 
 }  // namespace
 
-void EntryPool::reserve(Room& room, uint32_t count, uint32_t wanted) {
-  if (wanted > kSizes[room.size]) move(room, count, sizeFor(wanted));
+void EntryPool::reserve(Block& block, uint32_t count, uint32_t wanted) {
+  if (wanted > kSizes[block.size]) move(block, count, sizeFor(wanted));
 }
 
-void EntryPool::insert(Room& room, uint32_t count, uint32_t at, float slack, Entry entry) {
-  reserve(room, count, count + 1);
-  float* s = this->slack(room);
-  Entry* e = entries(room);
+void EntryPool::insert(Block& block, uint32_t count, uint32_t at, float slack, Entry entry) {
+  reserve(block, count, count + 1);
+  float* s = this->slack(block);
+  Entry* e = entries(block);
   std::copy_backward(s + at, s + count, s + count + 1);
   std::copy_backward(e + at, e + count, e + count + 1);
   s[at] = slack;
@@ -33,61 +33,61 @@ void EntryPool::insert(Room& room, uint32_t count, uint32_t at, float slack, Ent
 }
 
 // A room that is half empty is left for a smaller one.
-void EntryPool::erase(Room& room, uint32_t count, uint32_t at) {
-  float* s = slack(room);
-  Entry* e = entries(room);
+void EntryPool::erase(Block& block, uint32_t count, uint32_t at) {
+  float* s = slack(block);
+  Entry* e = entries(block);
   std::copy(s + at + 1, s + count, s + at);
   std::copy(e + at + 1, e + count, e + at);
   const uint32_t left = count - 1;
   s[left] = kEndless;
-  if (left == 0 || (room.size > 1 && 2 * left <= kSizes[room.size])) move(room, left, sizeFor(left + left / 4));
+  if (left == 0 || (block.size > 1 && 2 * left <= kSizes[block.size])) move(block, left, sizeFor(left + left / 4));
 }
 
-void EntryPool::move(Room& room, uint32_t count, uint8_t size) {
-  if (size == room.size) return;
-  Room next;
+void EntryPool::move(Block& block, uint32_t count, uint8_t size) {
+  if (size == block.size) return;
+  Block next;
   if (size != 0) {
     next = take(size);
-    if (count < kSizes[room.size] && next.size >= room.size) return give(next);  // no smaller one to be had
-    std::fill(std::copy_n(slack(room), count, slack(next)), slack(next) + kSizes[next.size], kEndless);
-    std::copy_n(entries(room), count, entries(next));
+    if (count < kSizes[block.size] && next.size >= block.size) return give(next);  // no smaller one to be had
+    std::fill(std::copy_n(slack(block), count, slack(next)), slack(next) + kSizes[next.size], kEndless);
+    std::copy_n(entries(block), count, entries(next));
   }
-  if (room.size != 0) give(room);
-  room = next;
+  if (block.size != 0) give(block);
+  block = next;
 }
 
-EntryPool::Room EntryPool::copy(const EntryPool& from, const Room& room, uint32_t count) {
+EntryPool::Block EntryPool::copy(const EntryPool& from, const Block& block, uint32_t count) {
   if (count == 0) return {};
-  const Room to = take(sizeFor(count));
-  std::fill(std::copy_n(from.slack_.data() + room.first, count, slack(to)), slack(to) + kSizes[to.size], kEndless);
-  std::copy_n(from.entries(room), count, entries(to));
+  const Block to = take(sizeFor(count));
+  std::fill(std::copy_n(from.slack_.data() + block.first, count, slack(to)), slack(to) + kSizes[to.size], kEndless);
+  std::copy_n(from.entries(block), count, entries(to));
   return to;
 }
 
-EntryPool::Room EntryPool::take(uint8_t size) {
-  const Room room = find(size);
-  held_ += kSizes[room.size];
-  return room;
+EntryPool::Block EntryPool::take(uint8_t size) {
+  const Block block = find(size);
+  held_ += kSizes[block.size];
+  return block;
 }
 
 // If none is free, one of the next two sizes, before the pool grows.
-EntryPool::Room EntryPool::find(uint8_t size) {
+EntryPool::Block EntryPool::find(uint8_t size) {
   for (uint8_t s = size; s < kSizes.size() && s <= size + 2; ++s) {
     if (free_[s] == kNone) continue;
-    const Room room{free_[s], s};
-    free_[s] = entries(room)->bits;
-    return room;
+    const Block block{free_[s], s};
+    free_[s] = entries(block)->bits;
+    return block;
   }
-  const Room room{static_cast<uint32_t>(slack_.size()), size};
+  const Block block{static_cast<uint32_t>(slack_.size()), size};
   resizeByEighths(slack_, slack_.size() + kSizes[size], kEndless);
   resizeByEighths(entries_, entries_.size() + kSizes[size], Entry{});
-  return room;
+  return block;
 }
 
-void EntryPool::give(const Room& room) {
-  held_ -= kSizes[room.size];
-  entries(room)->bits = free_[room.size];
-  free_[room.size] = room.first;
+void EntryPool::give(const Block& block) {
+  held_ -= kSizes[block.size];
+  entries(block)->bits = free_[block.size];
+  free_[block.size] = block.first;
 }
 
 }  // namespace foreland::proto

@@ -1,5 +1,5 @@
 // Where a frontier's entries live: in rooms of one pool, a room for each page that has entries, in two columns, so that
-// a step's toll is one pass of vector instructions over each. Rooms come in few sizes, all multiples of a vector, so
+// a step's motion is one pass of vector instructions over each. Rooms come in few sizes, all multiples of a vector, so
 // those that are given back are of use to others; a slack behind a room's last entry is endless. One owner; grows by an
 // eighth at a time, for a session's memory is counted.
 #pragma once
@@ -17,23 +17,23 @@
 namespace foreland::proto {
 
 // What is known of a frontier node's error: that it is at least `bound` if the node is active, at most if it is not.
-// And what its slack, which stands apart, is held to: by which guard (Metric::Outcome), and how far from the eye the
+// And what its slack, which stands apart, is held to: by which guard (Metric::TestResult), and how far from the eye the
 // node can be at most while it lasts.
 struct Entry {
   uint32_t bits = 0;  // from the lowest: slot within the page (8), bound (8), guard (2), reach rounded up (14)
 
-  static Entry of(uint8_t low, ErrorClass bound, uint16_t hold) {
-    return {low | uint32_t{bound.value} << 8 | uint32_t{hold} << 16};
+  static Entry of(uint8_t low, QuantisedError bound, uint16_t constraint) {
+    return {low | uint32_t{bound.value} << 8 | uint32_t{constraint} << 16};
   }
   uint8_t low() const { return static_cast<uint8_t>(bits); }
-  ErrorClass bound() const { return {static_cast<uint8_t>(bits >> 8)}; }
-  uint32_t guard() const { return bits >> 16 & 3; }
-  float reach() const { return std::bit_cast<float>(bits >> 18 << 17); }
-  void setHold(uint16_t hold) { bits = (bits & 0xffff) | uint32_t{hold} << 16; }
+  QuantisedError bound() const { return {static_cast<uint8_t>(bits >> 8)}; }
+  uint32_t sensitivity() const { return bits >> 16 & 3; }
+  float max_distance() const { return std::bit_cast<float>(bits >> 18 << 17); }
+  void setConstraint(uint16_t constraint) { bits = (bits & 0xffff) | uint32_t{constraint} << 16; }
 
   // The upper half of an entry.
-  static uint16_t hold(float reach, uint32_t guard) {
-    return static_cast<uint16_t>((std::bit_cast<uint32_t>(reach) + 0x1ffff) >> 17 << 2 | guard);
+  static uint16_t constraint(float max_distance, uint32_t sensitivity) {
+    return static_cast<uint16_t>((std::bit_cast<uint32_t>(max_distance) + 0x1ffff) >> 17 << 2 | sensitivity);
   }
 };
 static_assert(sizeof(Entry) == 4);
@@ -48,48 +48,48 @@ class EntryPool {
   }
 
   static constexpr uint32_t kVector = 8;                                // entries that are worked on at once
-  static constexpr float kEndless = std::numeric_limits<float>::max();  // no toll takes anything off it
+  static constexpr float kEndless = std::numeric_limits<float>::max();  // no motion takes anything off it
   // Entries by size of room; 0 stands for no room.
   static constexpr std::array<uint16_t, 11> kSizes{0, 8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
 
-  struct Room {
+  struct Block {
     uint32_t first = 0;
     uint8_t size = 0;  // of kSizes
   };
 
-  float* slack(const Room& room) { return slack_.data() + room.first; }
-  Entry* entries(const Room& room) { return entries_.data() + room.first; }
-  const Entry* entries(const Room& room) const { return entries_.data() + room.first; }
+  float* slack(const Block& block) { return slack_.data() + block.first; }
+  Entry* entries(const Block& block) { return entries_.data() + block.first; }
+  const Entry* entries(const Block& block) const { return entries_.data() + block.first; }
   float& slackAt(uint32_t place) { return slack_[place]; }
   Entry& entryAt(uint32_t place) { return entries_[place]; }
   const Entry& entryAt(uint32_t place) const { return entries_[place]; }
 
   // The room is wanted soon.
-  void prefetch(const Room& room) const {
-    __builtin_prefetch(slack_.data() + room.first);
-    __builtin_prefetch(entries_.data() + room.first);
+  void prefetch(const Block& block) const {
+    __builtin_prefetch(slack_.data() + block.first);
+    __builtin_prefetch(entries_.data() + block.first);
   }
-  // Room for `wanted`, of which `count` are there.
-  void reserve(Room& room, uint32_t count, uint32_t wanted);
+  // Block for `wanted`, of which `count` are there.
+  void reserve(Block& block, uint32_t count, uint32_t wanted);
   // Puts an entry at place `at` of `count`, or takes it out.
-  void insert(Room& room, uint32_t count, uint32_t at, float slack, Entry entry);
-  void erase(Room& room, uint32_t count, uint32_t at);
+  void insert(Block& block, uint32_t count, uint32_t at, float slack, Entry entry);
+  void erase(Block& block, uint32_t count, uint32_t at);
 
   // Entries in rooms that are held, and in memory.
   size_t held() const { return held_; }
   size_t capacity() const { return slack_.capacity(); }
   // Takes a room for the first `count` entries of another pool's.
-  Room copy(const EntryPool& from, const Room& room, uint32_t count);
+  Block copy(const EntryPool& from, const Block& block, uint32_t count);
 
   size_t bytes() const { return slack_.capacity() * sizeof(float) + entries_.capacity() * sizeof(Entry); }
 
  private:
   static constexpr uint32_t kNone = 0xffffffffu;
 
-  void move(Room& room, uint32_t count, uint8_t size);
-  Room take(uint8_t size);
-  Room find(uint8_t size);
-  void give(const Room& room);
+  void move(Block& block, uint32_t count, uint8_t size);
+  Block take(uint8_t size);
+  Block find(uint8_t size);
+  void give(const Block& block);
 
   std::vector<float> slack_;
   std::vector<Entry> entries_;

@@ -22,7 +22,7 @@ bool isBefore(const Frontier::PageName& a, const Frontier::PageName& b) { return
 
 }  // namespace
 
-uint32_t Frontier::makePage(Slot slot, RadiusClass radius) {
+uint32_t Frontier::makePage(Slot slot, QuantisedRadius radius) {
   const uint32_t key = slot >> 8;
   if (2 * (order_.size() + fresh_.size() + 1) > cells_.size()) grow();
   const uint32_t cell = probe(key);
@@ -62,32 +62,32 @@ std::span<const Frontier::PageName> Frontier::pagesOf(Slot begin, Slot end) cons
   return {from(begin), from(end)};
 }
 
-void Frontier::setActive(uint32_t number, uint8_t low, bool value) {
+void Frontier::setInSection(uint32_t number, uint8_t low, bool value) {
   Page& page = pages_[number];
-  if (value) return page.active.set(low);
-  page.active.clear(low);
+  if (value) return page.in_section.set(low);
+  page.in_section.clear(low);
   if (page.isEmpty()) empty_.push_back(number);
 }
 
-void Frontier::list(uint32_t number, uint8_t low, ErrorClass bound, float slack, uint16_t hold) {
+void Frontier::list(uint32_t number, uint8_t low, QuantisedError bound, float slack, uint16_t constraint) {
   Page& page = pages_[number];
-  const uint32_t at = page.listed.countBefore(low);
-  const Entry entry = Entry::of(low, bound, hold);
-  if (page.listed.has(low)) {
-    pool_.slack(page.room)[at] = slack;
-    pool_.entries(page.room)[at] = entry;
+  const uint32_t at = page.on_frontier.countBefore(low);
+  const Entry entry = Entry::of(low, bound, constraint);
+  if (page.on_frontier.has(low)) {
+    pool_.slack(page.block)[at] = slack;
+    pool_.entries(page.block)[at] = entry;
     return;
   }
-  pool_.insert(page.room, page.count, at, slack, entry);
-  page.listed.set(low);
+  pool_.insert(page.block, page.count, at, slack, entry);
+  page.on_frontier.set(low);
   ++page.count;
   ++entries_;
 }
 
 void Frontier::unlist(uint32_t number, uint8_t low) {
   Page& page = pages_[number];
-  page.listed.clear(low);
-  pool_.erase(page.room, page.count, page.listed.countBefore(low));
+  page.on_frontier.clear(low);
+  pool_.erase(page.block, page.count, page.on_frontier.countBefore(low));
   --page.count;
   --entries_;
   if (page.isEmpty()) empty_.push_back(number);
@@ -96,15 +96,17 @@ void Frontier::unlist(uint32_t number, uint8_t low) {
 namespace {
 
 // Pays for whole vectors. Whether any slack is below zero.
-bool pay(const Toll& toll, float* slack, const Entry* entries, size_t vectors) {
-  const auto [fixed0, fixed1, fixed2, fixed3] = toll.fixed;
-  const auto [per_reach0, per_reach1, per_reach2, per_reach3] = toll.per_reach;
+bool pay(const MotionBound& motion, float* slack, const Entry* entries, size_t vectors) {
+  const auto [fixed0, fixed1, fixed2, fixed3] = motion.fixed;
+  const auto [per_distance0, per_distance1, per_distance2, per_distance3] = motion.per_distance;
   uint32_t all_bits = 0;
   for (size_t i = 0; i < vectors * EntryPool::kVector; ++i) {
-    const bool is_odd = (entries[i].guard() & 1) != 0, is_high = (entries[i].guard() & 2) != 0;
+    const bool is_odd = (entries[i].sensitivity() & 1) != 0, is_high = (entries[i].sensitivity() & 2) != 0;
     const float fixed = is_high ? (is_odd ? fixed3 : fixed2) : is_odd ? fixed1 : fixed0;
-    const float per_reach = is_high ? (is_odd ? per_reach3 : per_reach2) : is_odd ? per_reach1 : per_reach0;
-    const float left = slack[i] - (fixed + per_reach * entries[i].reach());
+    const float per_distance = is_high  ? (is_odd ? per_distance3 : per_distance2)
+                               : is_odd ? per_distance1
+                                        : per_distance0;
+    const float left = slack[i] - (fixed + per_distance * entries[i].max_distance());
     all_bits |= std::bit_cast<uint32_t>(left);
     slack[i] = left;
   }
@@ -125,20 +127,20 @@ uint64_t signs(const float* slack) {
 
 }  // namespace
 
-// A slack of nothing is used up by any toll, for a toll is never nothing.
-uint32_t Frontier::takeOff(const Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places) {
+// A slack of nothing is used up by any motion, for a motion is never nothing.
+uint32_t Frontier::consume(const MotionBound& motion, Page& page, std::array<uint32_t, kPageSlots>& places) {
   constexpr uint32_t kVector = EntryPool::kVector;
-  if (toll.isEndless()) {
-    std::iota(places.begin(), places.begin() + page.count, page.room.first);
+  if (motion.isUnbounded()) {
+    std::iota(places.begin(), places.begin() + page.count, page.block.first);
     return page.count;
   }
-  float* slack = pool_.slack(page.room);
-  if (!pay(toll, slack, pool_.entries(page.room), (page.count + kVector - 1) / kVector)) return 0;
+  float* slack = pool_.slack(page.block);
+  if (!pay(motion, slack, pool_.entries(page.block), (page.count + kVector - 1) / kVector)) return 0;
   uint32_t count = 0;
   for (uint32_t begin = 0; begin < page.count; begin += kVector)
     for (uint64_t left = signs(slack + begin); left != 0; left &= left - 1) {
       const uint32_t bit = static_cast<uint32_t>(std::countr_zero(left));
-      places[count++] = page.room.first + begin + 2 * (bit & 31) + (bit >> 5);
+      places[count++] = page.block.first + begin + 2 * (bit & 31) + (bit >> 5);
     }
   return count;
 }
@@ -185,7 +187,7 @@ void Frontier::compact() {
   pages.reserve(order_.size() + order_.size() / 8);
   for (PageName& name : order_) {
     Page& page = pages.emplace_back(pages_[name.number]);
-    page.room = pool.copy(pool_, page.room, page.count);
+    page.block = pool.copy(pool_, page.block, page.count);
     name.number = static_cast<uint32_t>(pages.size() - 1);
   }
   pool_ = std::move(pool);
@@ -209,10 +211,10 @@ void Frontier::validate() const {
     const Page& page = pages_[order_[i].number];
     CHECK_EQ(page.key, order_[i].key);
     CHECK_TRUE(!page.isEmpty());
-    CHECK_EQ(page.count, page.listed.count());
-    CHECK_LE(page.count, EntryPool::kSizes[page.room.size]);
+    CHECK_EQ(page.count, page.on_frontier.count());
+    CHECK_LE(page.count, EntryPool::kSizes[page.block.size]);
     uint32_t at = 0;
-    page.listed.forEach([&](uint8_t low) { CHECK_EQ(pool_.entries(page.room)[at++].low(), low); });
+    page.on_frontier.forEach([&](uint8_t low) { CHECK_EQ(pool_.entries(page.block)[at++].low(), low); });
     entries += page.count;
   }
   CHECK_EQ(entries, entries_);

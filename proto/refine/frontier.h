@@ -26,12 +26,12 @@ class Frontier {
   struct Page {
     uint32_t key = 0;    // slot >> 8
     uint16_t count = 0;  // entries
-    RadiusClass radius;
-    EntryPool::Room room;
-    SlotBits active, listed;
+    QuantisedRadius radius;
+    EntryPool::Block block;
+    SlotBits in_section, on_frontier;
 
     Slot first() const { return key << 8; }
-    bool isEmpty() const { return !active.any() && count == 0; }
+    bool isEmpty() const { return !in_section.any() && count == 0; }
   };
 
   // Pages by number; kNone if the slot's is not there.
@@ -40,7 +40,7 @@ class Frontier {
   // One past the largest number.
   uint32_t pageCount() const { return static_cast<uint32_t>(pages_.size()); }
   // Its page must not be there. It counts among those of pagesOf() after the next orderPages().
-  uint32_t makePage(Slot slot, RadiusClass radius);
+  uint32_t makePage(Slot slot, QuantisedRadius radius);
   void orderPages();
 
   struct PageName {
@@ -49,55 +49,55 @@ class Frontier {
   // The pages of the slots from `begin` to `end`, which must be multiples of kPageSlots; ascending.
   std::span<const PageName> pagesOf(Slot begin, Slot end) const;
 
-  bool isActive(Slot slot) const {
+  bool isInSection(Slot slot) const {
     const uint32_t number = find(slot);
-    return number != kNone && pages_[number].active.has(static_cast<uint8_t>(slot));
+    return number != kNone && pages_[number].in_section.has(static_cast<uint8_t>(slot));
   }
-  bool isListed(Slot slot) const {
+  bool isOnFrontier(Slot slot) const {
     const uint32_t number = find(slot);
-    return number != kNone && pages_[number].listed.has(static_cast<uint8_t>(slot));
+    return number != kNone && pages_[number].on_frontier.has(static_cast<uint8_t>(slot));
   }
   // Active or listed, from `first` on, a multiple of 64.
   bool hasAnyOf64(Slot first) const {
     const uint32_t number = find(first), word = first % kPageSlots / 64;
-    return number != kNone && (pages_[number].active.words[word] | pages_[number].listed.words[word]) != 0;
+    return number != kNone && (pages_[number].in_section.words[word] | pages_[number].on_frontier.words[word]) != 0;
   }
   // Of the slot's page, which must be there.
-  RadiusClass radius(Slot slot) const { return pages_[find(slot)].radius; }
+  QuantisedRadius radius(Slot slot) const { return pages_[find(slot)].radius; }
 
-  void setActive(uint32_t number, uint8_t low, bool value);
+  void setInSection(uint32_t number, uint8_t low, bool value);
   // Makes room for more entries at once.
   void reserve(uint32_t number, uint32_t more) {
     Page& page = pages_[number];
-    pool_.reserve(page.room, page.count, page.count + more);
+    pool_.reserve(page.block, page.count, page.count + more);
   }
   // Anew, or instead of its entry.
-  void list(uint32_t number, uint8_t low, ErrorClass bound, float slack, uint16_t hold);
+  void list(uint32_t number, uint8_t low, QuantisedError bound, float slack, uint16_t constraint);
   // It is listed.
   void unlist(uint32_t number, uint8_t low);
   // Of a listed slot.
-  ErrorClass bound(const Page& page, uint8_t low) const {
-    return pool_.entries(page.room)[page.listed.countBefore(low)].bound();
+  QuantisedError bound(const Page& page, uint8_t low) const {
+    return pool_.entries(page.block)[page.on_frontier.countBefore(low)].bound();
   }
 
-  // Takes the toll of a step off every slack and calls visit(number, places) for each page with entries whose slack is
-  // used up: their places in the pool, ascending, which hold until something is listed or unlisted.
+  // Takes the motion of a step off every slack and calls visit(number, places) for each page with entries whose slack
+  // is used up: their places in the pool, ascending, which hold until something is listed or unlisted.
   template <class Visit>
-  void takeOff(const Toll& toll, const Visit& visit) {
+  void consume(const MotionBound& motion, const Visit& visit) {
     constexpr size_t kSoon = 8;  // pages
     std::array<uint32_t, kPageSlots> places;
     for (size_t i = 0; i < order_.size(); ++i) {
       if (i + 2 * kSoon < order_.size()) __builtin_prefetch(&pages_[order_[i + 2 * kSoon].number]);
-      if (i + kSoon < order_.size()) pool_.prefetch(pages_[order_[i + kSoon].number].room);
+      if (i + kSoon < order_.size()) pool_.prefetch(pages_[order_[i + kSoon].number].block);
       const uint32_t number = order_[i].number;
-      if (const uint32_t count = takeOff(toll, pages_[number], places); count > 0)
+      if (const uint32_t count = consume(motion, pages_[number], places); count > 0)
         visit(number, std::span<const uint32_t>(places.data(), count));
     }
   }
   const Entry& entryAt(uint32_t place) const { return pool_.entryAt(place); }
-  void renew(uint32_t place, float slack, uint16_t hold) {
+  void renew(uint32_t place, float slack, uint16_t constraint) {
     pool_.slackAt(place) = slack;
-    pool_.entryAt(place).setHold(hold);
+    pool_.entryAt(place).setConstraint(constraint);
   }
   // Drops the pages that have become empty, and gives memory back once twice as much is held as is of use; the pages'
   // numbers end then.
@@ -105,14 +105,14 @@ class Frontier {
 
   // Calls `visit(slot)` for each active slot, or for each that has an entry; ascending.
   template <class Visit>
-  void forEachActive(const Visit& visit) const {
+  void forEachInSection(const Visit& visit) const {
     for (const PageName& name : order_)
-      pages_[name.number].active.forEach([&](uint8_t low) { visit(name.key << 8 | low); });
+      pages_[name.number].in_section.forEach([&](uint8_t low) { visit(name.key << 8 | low); });
   }
   template <class Visit>
-  void forEachListed(const Visit& visit) const {
+  void forEachOnFrontier(const Visit& visit) const {
     for (const PageName& name : order_)
-      pages_[name.number].listed.forEach([&](uint8_t low) { visit(name.key << 8 | low); });
+      pages_[name.number].on_frontier.forEach([&](uint8_t low) { visit(name.key << 8 | low); });
   }
 
   size_t entryCount() const { return entries_; }
@@ -134,7 +134,7 @@ class Frontier {
     while (cells_[at].key != key && cells_[at].page != kNone) at = (at + 1) & mask();
     return at;
   }
-  uint32_t takeOff(const Toll& toll, Page& page, std::array<uint32_t, kPageSlots>& places);
+  uint32_t consume(const MotionBound& motion, Page& page, std::array<uint32_t, kPageSlots>& places);
   void grow();
   void erase(uint32_t cell);
   void dropEmpty();

@@ -25,7 +25,8 @@ class Frustum {
     sin_y_ = tan_y * cos_y_;
     inverse_cos_corner_ = std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
     cos_corner_ = 1 / inverse_cos_corner_;
-    const double turn = std::min(view.turn_rad, 1.5);  // beyond it the frustum covers everything in front anyway
+    const double turn =
+        std::min(view.region_angle_rad, 1.5);  // beyond it the frustum covers everything in front anyway
     sin_turn_ = sinCos(turn).sin;
     cos_turn_ = sinCos(turn).cos;
   }

@@ -23,7 +23,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "proto/refine/toll.h"
+#include "proto/refine/motion_bound.h"
 #include "proto/section/bounds.h"
 #include "proto/space/view.h"
 
@@ -55,8 +55,8 @@ class Metric {
   int leastPassing(const Place& p, double radius_m) const {
     const double guess_m = leastError(p, radius_m);
     if (guess_m == std::numeric_limits<double>::infinity()) return 256;
-    int c = ErrorClass::roundUp(std::min(guess_m, 1e9)).value;  // passes() itself decides
-    const auto passesAt = [&](int k) { return passes(p, radius_m, ErrorClass{static_cast<uint8_t>(k)}.metres()); };
+    int c = QuantisedError::roundUp(std::min(guess_m, 1e9)).value;  // passes() itself decides
+    const auto passesAt = [&](int k) { return passes(p, radius_m, QuantisedError{static_cast<uint8_t>(k)}.metres()); };
     while (c < 256 && !passesAt(c)) ++c;
     while (c > 0 && c < 256 && passesAt(c - 1)) --c;
     return c;
@@ -73,35 +73,36 @@ class Metric {
   // How far the camera may move for an outcome of passes() to stand: the basis of adapter.h. A guard says how motion
   // counts; the camera goes ahead (on the level, to where it looks), up or down, and aside.
   //   kMotion   it stands until the motion reaches `slack`
-  //   kBeside   it fails because it lies beside the frustum: until a side plane nears it by `slack`
-  //   kAhead    it fails because it would not be seen: until the way nearer to it plus kStray times any other motion
+  //   kTowardsSidePlane   it fails because it lies beside the frustum: until a side plane nears it by `slack`
+  //   kApproach    it fails because it would not be seen: until the way nearer to it plus kStray times any other motion
   //             reaches `slack`
-  //   kOnward   it passes: until the way ahead, up and down plus kOnwardStray times any other motion and the growth of
+  //   kAdvance   it passes: until the way ahead, up and down plus kAdvanceStray times any other motion and the growth of
   //             depth reaches `slack`
-  enum class Guard : uint8_t { kMotion = 0, kBeside = 1, kAhead = 2, kOnward = 3 };
-  struct Outcome {
-    Guard guard;
+  enum class Sensitivity : uint8_t { kMotion = 0, kTowardsSidePlane = 1, kApproach = 2, kAdvance = 3 };
+  struct TestResult {
+    Sensitivity sensitivity;
     double slack;  // metres, 0 or more, never too much
   };
-  static constexpr double kStray = 3, kOnwardStray = 12;
+  static constexpr double kStray = 3, kAdvanceStray = 12;
 
   // Depth, horizontal and side distance change by at most the motion s (they are 1-Lipschitz). What passes does so
   // until
   //   z + s reaches K / cos(corner), (z + s)^2 reaches K (h + R - s), or the sphere leaves the frustum;
   // and what fails does so until all the conditions that fail can hold, so any one of them may stand guard.
   //
-  // kAhead. Let q = sqrt(K (h + R)); the node fails since z > q. Going ahead by a takes at most a off z and at least
+  // kApproach. Let q = sqrt(K (h + R)); the node fails since z > q. Going ahead by a takes at most a off z and at least
   // t a off h while the angle to straight ahead has a cosine of t or more; any other motion s takes s off z and
   // adds s to h. sqrt is concave, so z - q falls by at most (1 - t K / 2q) a + (1 + K / 2q) s, and (what lies straight
   // ahead) - t h by at most a + (1 + t) s. The t is taken that leaves room for twice the gap.
   //
-  // kOnward. Let z = max(z1, z2), the first term and the corner's. Going ahead by a takes at least a `sinking` off z1,
+  // kAdvance. Let z = max(z1, z2), the first term and the corner's. Going ahead by a takes at least a `sinking` off z1,
   // adds nothing to z2 while the node lies ahead, and takes at most a off h; up and down by v changes no h, and z2 by
   // less than v. Both conditions, K (h + R) > z1^2 and K (h + R) > z2^2, are concave in all motions, so they hold
   // between them and none if they hold at each alone.
   //
   // Of those that may stand guard the one is taken that lasts longest at this pace.
-  [[gnu::always_inline]] Outcome outcome(const Place& p, double radius_m, double error_m, const Toll& pace) const {
+  [[gnu::always_inline]] TestResult testResult(const Place& p, double radius_m, double error_m,
+                                               const MotionBound& pace) const {
     const bool passed = passes(p, radius_m, error_m);
     const double R = radius_m + ball_, z = leastDepth(p, R), K = error_m * focal_over_tau_;
     const double near_room = K * inverse_cos_corner_ - z, side_room = sideDistance(p) + R;
@@ -112,27 +113,29 @@ class Metric {
     const double lean = K * (p.horizontal + R + lean_floor_), straight = straightAhead(p);
 
     const double motion_room = passed ? std::min(seen_room, side_room) : -seen_room;
-    const double special_room =
-        passed ? std::min(std::min(onwardRoom(p, R, K, lean), kOnwardStray * seen_room), std::min(side_room, straight))
-               : std::max(-near_room, aheadRoom(p, z, K, lean));
+    const double special_room = passed ? std::min(std::min(advanceMargin(p, R, K, lean), kAdvanceStray * seen_room),
+                                                  std::min(side_room, straight))
+                                       : std::max(-near_room, approachMargin(p, z, K, lean));
 
     const double distance = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    const auto lasts = [&](double room_m, Guard guard) {
-      return room_m / pace.of(static_cast<size_t>(guard), distance);
+    const auto lasts = [&](double room_m, Sensitivity sensitivity) {
+      return room_m / pace.of(static_cast<size_t>(sensitivity), distance);
     };
-    const double motion = lasts(motion_room, Guard::kMotion), beside = passed ? 0 : lasts(-side_room, Guard::kBeside);
-    const double special = passed ? lasts(special_room, Guard::kOnward) : lasts(special_room, Guard::kAhead);
+    const double motion = lasts(motion_room, Sensitivity::kMotion),
+                 beside = passed ? 0 : lasts(-side_room, Sensitivity::kTowardsSidePlane);
+    const double special =
+        passed ? lasts(special_room, Sensitivity::kAdvance) : lasts(special_room, Sensitivity::kApproach);
     const bool is_special = special > motion, is_beside = beside > std::max(special, motion);
-    return {is_beside    ? Guard::kBeside
-            : is_special ? (passed ? Guard::kOnward : Guard::kAhead)
-                         : Guard::kMotion,
+    return {is_beside    ? Sensitivity::kTowardsSidePlane
+            : is_special ? (passed ? Sensitivity::kAdvance : Sensitivity::kApproach)
+                         : Sensitivity::kMotion,
             std::max(0.0, is_beside    ? -side_room
                           : is_special ? special_room
                                        : motion_room)};
   }
 
   // From the view of this metric to `next`, which has the same lens and kind of error.
-  Toll tollTo(const View& from, const View& next) const;
+  MotionBound motionBoundTo(const View& from, const View& next) const;
 
   // Nothing nearer than this is promised anything: metres of depth.
   static constexpr double kNearest_m = 0.1;
@@ -161,14 +164,14 @@ class Metric {
   [[gnu::always_inline]] double straightAhead(const Place& p) const {
     return p.x * ahead_.x + p.y * ahead_.y + p.z * ahead_.z;
   }
-  // Of kAhead, from vertical errors: `lean` is K (h + R).
-  [[gnu::always_inline]] double aheadRoom(const Place& p, double z, double K, double lean) const {
+  // Of kApproach, from vertical errors: `lean` is K (h + R).
+  [[gnu::always_inline]] double approachMargin(const Place& p, double z, double K, double lean) const {
     const double q = std::sqrt(lean), lift = 0.5 * K / (q + 1e-300), straight = straightAhead(p), gap = z - q;
     const double t = std::min(1.0, std::max(0.0, (straight - 2 * gap) / (p.horizontal + 1e-300)));
     return std::min(straight - t * p.horizontal, gap / std::max(1 - t * lift, (1 + lift) / kStray));
   }
-  // Of kOnward, by going ahead and up or down alone, while the node lies ahead.
-  [[gnu::always_inline]] double onwardRoom(const Place& p, double R, double K, double lean) const {
+  // Of kAdvance, by going ahead and up or down alone, while the node lies ahead.
+  [[gnu::always_inline]] double advanceMargin(const Place& p, double R, double K, double lean) const {
     const double z1 = axisDepth(p, R), z2 = cornerDepth(p, R), least_K = K + 1e-300;
     const double under1 = std::max((lean - z1 * z1) / least_K, (2 * z1 * sinking_ - K) * per_sinking2_);
     const double under2 = std::min((lean - z2 * z2) / least_K, std::sqrt(lean) - z2);

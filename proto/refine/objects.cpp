@@ -34,7 +34,7 @@ View ObjectPlacement::toObject(const View& view) const {
   View seen = view;
   seen.pose.eye = back * (view.pose.eye - position) / scale;
   seen.pose.orientation = back * view.pose.orientation;
-  seen.ball_m = view.ball_m / scale;
+  seen.region_radius_m = view.region_radius_m / scale;
   return seen;
 }
 

@@ -16,7 +16,7 @@ class PlanarPlaces {
  public:
   PlanarPlaces(const TerrainDomain& domain, const Metric& metric) {
     const Frame& f = domain.frame.transform().frame();
-    const glm::dvec3 ax(f.axis_x_m, 0), ay(f.axis_y_m, 0), ah(0, 0, f.height_step_m);
+    const glm::dvec3 ax(f.axis_x_m, 0), ay(f.axis_y_m, 0), ah(0, 0, f.height_quantum_m);
     const glm::dvec3 base = -f.anchor.x * ax - f.anchor.y * ay - metric.eye();
     const std::array<glm::dvec3, 5> rows{metric.right(), metric.up(), metric.forward(), {1, 0, 0}, {0, 1, 0}};
     for (size_t i = 0; i < rows.size(); ++i)

@@ -28,11 +28,11 @@ class Descent {
   // False if there are more than `max_nodes`.
   bool run(size_t max_nodes) {
     scratch_.slots.clear();
-    scratch_.active.clear();
+    scratch_.in_section.clear();
     const int32_t size = static_cast<int32_t>(grid_.rootSize());
     for (int32_t y = size / 2; y < max_y_; y += size)
-      for (int32_t x = size / 2; x < max_x_; x += size) scratch_.active.push_back({x, y});
-    for (level_ = 1; level_ <= grid_.maxLevel() && !scratch_.active.empty(); ++level_) {
+      for (int32_t x = size / 2; x < max_x_; x += size) scratch_.in_section.push_back({x, y});
+    for (level_ = 1; level_ <= grid_.maxLevel() && !scratch_.in_section.empty(); ++level_) {
       scratch_.next.clear();
       const int32_t s = 1 << (static_cast<int>(grid_.shape().root_log2) - 1 - level_ / 2);
       if (level_ & 1)
@@ -40,7 +40,7 @@ class Descent {
       else
         centresOf(s);
       flush();
-      scratch_.active.swap(scratch_.next);
+      scratch_.in_section.swap(scratch_.next);
       if (scratch_.slots.size() > max_nodes) return false;
     }
     return true;
@@ -49,7 +49,7 @@ class Descent {
  private:
   // The sides of squares of 2s around the active centres.
   void sidesOf(int32_t s) {
-    for (const LatticePoint p : scratch_.active) {
+    for (const LatticePoint p : scratch_.in_section) {
       push({p.x + s, p.y});
       push({p.x, p.y + s});
       if (p.x == s) push({0, p.y});
@@ -58,7 +58,7 @@ class Descent {
   }
   // The centres of squares of 2s to the right of the active sides, which are s away from them both ways.
   void centresOf(int32_t s) {
-    for (const LatticePoint p : scratch_.active) {
+    for (const LatticePoint p : scratch_.in_section) {
       if (p.x == max_x_) continue;
       if (p.y > 0) push({p.x + s, p.y - s});
       if (p.y < max_y_) push({p.x + s, p.y + s});

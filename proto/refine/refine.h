@@ -20,7 +20,7 @@ struct LatticePoint {
 // A worker's own; reused from call to call.
 struct RefineScratch {
   std::vector<Slot> slots, sorted;
-  std::vector<LatticePoint> active, next;
+  std::vector<LatticePoint> in_section, next;
 };
 
 // Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.

@@ -16,14 +16,14 @@ void SurfaceBatch::findLeast(const SurfaceMetric& metric) {
   for (size_t i = 0; i < count; ++i) least[i] = m.passes(bounds_[i]) ? 0 : 256;
 }
 
-void SurfaceBatch::testWithSlack(const SurfaceMetric& metric, const Toll&, double share) {
+void SurfaceBatch::testWithSlack(const SurfaceMetric& metric, const MotionBound&, double share) {
   const SurfaceMetric m = metric;  // its own memory
   for (size_t i = 0; i < count; ++i) {
-    const SurfaceMetric::Outcome outcome = m.outcome(bounds_[i]);
-    const double safe = outcome.slack_m * share;
-    passes[i] = outcome.passes;
+    const SurfaceMetric::TestResult testResult = m.testResult(bounds_[i]);
+    const double safe = testResult.slack_m * share;
+    passes[i] = testResult.passes;
     slack[i] = static_cast<float>(safe);
-    hold[i] = Entry::hold(static_cast<float>(distance_[i] + safe), 0);
+    constraint[i] = Entry::constraint(static_cast<float>(distance_[i] + safe), 0);
   }
 }
 

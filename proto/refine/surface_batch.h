@@ -16,16 +16,16 @@ struct SurfaceBatch {
 
   size_t count = 0;
   std::array<Slot, kSize> slot;
-  std::array<ErrorClass, kSize> bound;      // of no meaning
+  std::array<QuantisedError, kSize> bound;  // of no meaning
   std::array<SurfaceRecord, kSize> record;  // filled in by whoever has them
   // By the tests, as TerrainBatch has them.
   std::array<uint8_t, kSize> passes;
   std::array<float, kSize> slack;
-  std::array<uint16_t, kSize> hold;
+  std::array<uint16_t, kSize> constraint;
   std::array<uint16_t, kSize> least;  // 0 if the node passes, 256 if not
 
   bool full() const { return count == kSize; }
-  void push(NodeId, Slot s, int, ErrorClass b, float) {
+  void push(NodeId, Slot s, int, QuantisedError b, float) {
     bound[count] = b;
     slot[count++] = s;
   }
@@ -34,7 +34,7 @@ struct SurfaceBatch {
   void locate(const SurfaceDomain& domain, const SurfaceMetric& metric);
   void findLeast(const SurfaceMetric& metric);
   // `share` of each slack is taken.
-  void testWithSlack(const SurfaceMetric& metric, const Toll& toll, double share);
+  void testWithSlack(const SurfaceMetric& metric, const MotionBound& motion, double share);
 
  private:
   std::array<SurfaceBounds, kSize> bounds_;

@@ -25,7 +25,7 @@ struct SurfaceDomain {
     return SurfaceMetric(view, {interior_per_tau * view.tau_px, nearest_m, is_closed, shape});
   }
   // Spheres stand in the records.
-  float radius(int, RadiusClass) const { return 0; }
+  float radius(int, QuantisedRadius) const { return 0; }
 };
 
 }  // namespace foreland::proto

@@ -36,7 +36,7 @@
 #include <limits>
 
 #include "proto/refine/frustum.h"
-#include "proto/refine/toll.h"
+#include "proto/refine/motion_bound.h"
 #include "proto/section/surface_bounds.h"
 #include "proto/space/view.h"
 
@@ -58,7 +58,7 @@ class SurfaceMetric {
         eye_(view.pose.eye),
         silhouette_(std::min(view.tau_px, test.interior_px) / view.lens.focalPx()),
         interior_(test.interior_px / view.lens.focalPx()),
-        ball_(view.ball_m),
+        ball_(view.region_radius_m),
         least_front_(test.is_closed ? 0 : -std::numeric_limits<double>::infinity()),
         end_on_(test.shape == ErrorShape::kSpheroid ? 1 : 0) {}
 
@@ -71,11 +71,11 @@ class SurfaceMetric {
     return seen & (f.front > least_front_) & (s.side_room >= 0);
   }
 
-  struct Outcome {
+  struct TestResult {
     bool passes;
     double slack_m;  // 0 or more, never too much
   };
-  [[gnu::always_inline]] Outcome outcome(const SurfaceBounds& n) const {
+  [[gnu::always_inline]] TestResult testResult(const SurfaceBounds& n) const {
     const Seen s = seenFrom(n);
     const Facing f = facingOf(n, s.g, s.h);
     // Rooms: positive if a condition holds, by the motion that it takes to change it. All: the least; any: the largest.
@@ -92,14 +92,16 @@ class SurfaceMetric {
   }
   // What a change of view takes off any slack; lens and kind of surface are the same. A tolerance q times as large acts
   // like depths q times as large, or less.
-  static Toll tollTo(const View& from, const View& next) {
-    const double moved = glm::distance(from.pose.eye, next.pose.eye) + std::fabs(next.ball_m - from.ball_m);
-    const double turned =
-        turnBetween(from.pose.orientation, next.pose.orientation) + std::fabs(next.turn_rad - from.turn_rad);
+  static MotionBound motionBoundTo(const View& from, const View& next) {
+    const double moved =
+        glm::distance(from.pose.eye, next.pose.eye) + std::fabs(next.region_radius_m - from.region_radius_m);
+    const double turned = angleBetween(from.pose.orientation, next.pose.orientation) +
+                          std::fabs(next.region_angle_rad - from.region_angle_rad);
     const double scaled = std::fabs(next.tau_px / from.tau_px - 1);
-    Toll toll;
-    for (size_t guard = 0; guard < toll.fixed.size(); ++guard) toll.set(guard, moved, turned + scaled);
-    return toll;
+    MotionBound motion;
+    for (size_t sensitivity = 0; sensitivity < motion.fixed.size(); ++sensitivity)
+      motion.set(sensitivity, moved, turned + scaled);
+    return motion;
   }
 
   // Parts of the test, for those who want to know which one decides.

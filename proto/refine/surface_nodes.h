@@ -11,15 +11,15 @@ namespace foreland::proto {
 
 using SurfaceAdapter = Adapter<SurfaceBatch>;
 
-class PlainSurfaceNodes final : public NodeSource<SurfaceBatch> {
+class InMemorySurfaceNodes final : public NodeSource<SurfaceBatch> {
  public:
-  explicit PlainSurfaceNodes(std::span<const SurfaceRecord> records) : records_(records.data()) {}
-  RadiusClass radius(Slot) override { return {}; }
+  explicit InMemorySurfaceNodes(std::span<const SurfaceRecord> records) : records_(records.data()) {}
+  QuantisedRadius radius(Slot) override { return {}; }
   void load(SurfaceBatch& batch) override {
     for (size_t i = 0; i < batch.count; ++i) batch.record[i] = records_[batch.slot[i]];
   }
   // There are none.
-  bool answer(int, std::span<const Question> questions, std::span<uint8_t>) override { return questions.empty(); }
+  bool decide(int, std::span<const Predicate> predicates, std::span<uint8_t>) override { return predicates.empty(); }
 
  private:
   const SurfaceRecord* records_;

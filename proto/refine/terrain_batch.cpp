@@ -52,9 +52,9 @@ void TerrainBatch::findLeast(const Metric& metric) {
     const Metric::Place p = place(i);
     const double r = radius[i], error_m = m.leastError(p, r);
     const bool any = error_m < std::numeric_limits<double>::infinity();
-    const int32_t guess = ErrorClass::roundUpFast(static_cast<float>(std::clamp(error_m, 0x1p-23, 0x1p80)));
-    const uint8_t passes_it = m.passes(p, r, ErrorClass::metresFast(guess)),
-                  passes_less = m.passes(p, r, ErrorClass::metresFast(guess - 1));
+    const int32_t guess = QuantisedError::roundUpFast(static_cast<float>(std::clamp(error_m, 0x1p-23, 0x1p80)));
+    const uint8_t passes_it = m.passes(p, r, QuantisedError::metresFast(guess)),
+                  passes_less = m.passes(p, r, QuantisedError::metresFast(guess - 1));
     least[i] = static_cast<uint16_t>(any ? guess : 256);
     is_sure[i] = any ? passes_it & ~passes_less : 1;
   }
@@ -62,19 +62,20 @@ void TerrainBatch::findLeast(const Metric& metric) {
     if (!is_sure[i]) least[i] = static_cast<uint16_t>(m.leastPassing(place(i), radius[i]));
 }
 
-void TerrainBatch::testWithSlack(const Metric& metric, const Toll& toll, double share) {
+void TerrainBatch::testWithSlack(const Metric& metric, const MotionBound& motion, double share) {
   lookUpErrors();
   const Metric m = metric;  // its own memory
-  const Toll pace = toll.isEndless() ? Toll::even() : toll;
+  const MotionBound pace = motion.isUnbounded() ? MotionBound::even() : motion;
   const size_t n = count;  // bytes are written, which might be anything's
   for (size_t i = 0; i < n; ++i) {
     const Metric::Place p = place(i);
-    const Metric::Outcome outcome = m.outcome(p, radius[i], error[i], pace);
-    const double safe = outcome.slack * share;
+    const Metric::TestResult testResult = m.testResult(p, radius[i], error[i], pace);
+    const double safe = testResult.slack * share;
     const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
     passes[i] = m.passes(p, radius[i], error[i]);
     slack[i] = static_cast<float>(safe);
-    hold[i] = Entry::hold(static_cast<float>(distance + safe), static_cast<uint32_t>(outcome.guard));
+    constraint[i] =
+        Entry::constraint(static_cast<float>(distance + safe), static_cast<uint32_t>(testResult.sensitivity));
   }
 }
 

@@ -32,7 +32,7 @@ struct TerrainDomain {
 
   const GridTopology& topology() const { return grid; }
   Metric metric(const View& view) const { return Metric(view, has_vertical_errors); }
-  float radius(int level, RadiusClass c) const { return spheres.radius(level, c); }
+  float radius(int level, QuantisedRadius c) const { return spheres.radius(level, c); }
   bool isPlanar() const { return frame.transform().frame().kind == FrameKind::kPlanar; }
 };
 

@@ -42,14 +42,14 @@ inline float floatAbove(double x) {
 }  // namespace bounds_detail
 
 // An error in metres: 0, or a power of 2^(1/2) between 2^-24 and 2^103.
-struct ErrorClass {
+struct QuantisedError {
   static constexpr int kPerOctave = 2, kZero = 24 * kPerOctave + 1;  // class of one metre
 
   uint8_t value = 0;
 
   float metres() const { return table()[value]; }
   // `metres` is not negative and below 2^38.
-  static ErrorClass roundUp(double metres) {
+  static QuantisedError roundUp(double metres) {
     if (metres <= 0) return {};
     constexpr int kEach = 8 / kPerOctave;
     const int eighths = bounds_detail::eighthsAbove(bounds_detail::floatAbove(metres)) + 8 * 24;
@@ -66,7 +66,7 @@ struct ErrorClass {
     const int32_t halves = value - kZero + 2 * 127;
     return std::bit_cast<float>((halves >> 1 << 23) + (halves & 1) * kHalfOctave);
   }
-  auto operator<=>(const ErrorClass&) const = default;
+  auto operator<=>(const QuantisedError&) const = default;
 
  private:
   // The mantissa of 2^(1/2), rounded up.
@@ -84,12 +84,12 @@ struct ErrorClass {
 
 // A sphere's radius as a multiple of what it would be on level ground: 2^(class/4). Level ground nests exactly, and so
 // does any even slope, so rounding up does not add up from level to level.
-struct RadiusClass {
+struct QuantisedRadius {
   static constexpr int kMost = 127;
 
   uint8_t value = 0;
   float factor() const { return table()[value]; }
-  auto operator<=>(const RadiusClass&) const = default;
+  auto operator<=>(const QuantisedRadius&) const = default;
 
  private:
   static const std::array<float, kMost + 1>& table() {
@@ -105,7 +105,7 @@ struct RadiusClass {
 // Largest height, steps either way: heights and displacements fit a record, and their sums stay far inside int32.
 inline constexpr int32_t kMaxHeight = (1 << 22) - 1;
 
-// What is known of one node, at its slot. Heights are in steps of Frame::height_step_m above the zero surface.
+// What is known of one node, at its slot. Heights are in steps of Frame::height_quantum_m above the zero surface.
 //   error   saturated: largest distance (m) between the true surface and the surface without this node or any of its
 //           descendants, over this node's support; 0 beyond the data
 //   radius  saturated: sphere about the middle of the node's edge (SphereLevels) that holds its support and its
@@ -113,7 +113,7 @@ inline constexpr int32_t kMaxHeight = (1 << 22) - 1;
 struct NodeRecord {
   uint64_t bits = 0;  // from the lowest: height (24), displacement (24), error (8), radius (8)
 
-  static NodeRecord of(int32_t height, int32_t displacement, ErrorClass error, RadiusClass radius) {
+  static NodeRecord of(int32_t height, int32_t displacement, QuantisedError error, QuantisedRadius radius) {
     return {(static_cast<uint64_t>(static_cast<uint32_t>(height)) & 0xffffff) |
             (static_cast<uint64_t>(static_cast<uint32_t>(displacement)) & 0xffffff) << 24 |
             static_cast<uint64_t>(error.value) << 48 | static_cast<uint64_t>(radius.value) << 56};
@@ -122,8 +122,8 @@ struct NodeRecord {
   // The height minus that of the middle of the node's edge.
   int32_t displacement() const { return static_cast<int32_t>(static_cast<int64_t>(bits << 16) >> 40); }
   int32_t middle() const { return height() - displacement(); }
-  ErrorClass error() const { return {static_cast<uint8_t>(bits >> 48)}; }
-  RadiusClass radius() const { return {static_cast<uint8_t>(bits >> 56)}; }
+  QuantisedError error() const { return {static_cast<uint8_t>(bits >> 48)}; }
+  QuantisedRadius radius() const { return {static_cast<uint8_t>(bits >> 56)}; }
   bool operator==(const NodeRecord&) const = default;
 };
 static_assert(sizeof(NodeRecord) == 8);
@@ -137,9 +137,9 @@ class SphereLevels {
  public:
   SphereLevels(const GridTopology& grid, const Frame& frame);
 
-  float radius(int level, RadiusClass c) const { return flat_m_[static_cast<size_t>(level)] * c.factor(); }
+  float radius(int level, QuantisedRadius c) const { return flat_m_[static_cast<size_t>(level)] * c.factor(); }
   // The least class whose sphere is not smaller.
-  RadiusClass roundUp(int level, double radius_m) const;
+  QuantisedRadius roundUp(int level, double radius_m) const;
 
  private:
   std::array<float, GridTopology::kMaxLevels + 1> flat_m_{};

@@ -24,7 +24,7 @@ struct BaseHeights {
 };
 
 // Where the height of a vertex stands: in its record, or here for a base vertex. A view.
-struct VertexPlace {
+struct VertexHeight {
   const NodeRecord* record = nullptr;
   int32_t base = 0;
 
@@ -39,8 +39,8 @@ class DenseNodes {
       : grid_(&grid), base_(base), nodes_(nodes.data()) {}
 
   const NodeRecord& at(Slot slot) const { return nodes_[slot]; }
-  VertexPlace find(NodeId v) const {
-    return grid_->isBase(v) ? VertexPlace{nullptr, base_.at(*grid_, v)} : VertexPlace{&nodes_[grid_->slot(v)], 0};
+  VertexHeight find(NodeId v) const {
+    return grid_->isBase(v) ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&nodes_[grid_->slot(v)], 0};
   }
   int32_t height(NodeId v) const { return find(v).height(); }
 
@@ -60,8 +60,8 @@ class SparseNodes {
 
   // A record of zeros, or one that was there before, if the node is not there.
   const NodeRecord& at(Slot slot) const { return records_[place(block(slot), slot)]; }
-  VertexPlace find(NodeId v) const {
-    return grid_->isBase(v) ? VertexPlace{nullptr, base_.at(*grid_, v)} : VertexPlace{&at(grid_->slot(v)), 0};
+  VertexHeight find(NodeId v) const {
+    return grid_->isBase(v) ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&at(grid_->slot(v)), 0};
   }
   int32_t height(NodeId v) const { return find(v).height(); }
   // The node's record, made if it is not there; valid until the next call.

@@ -23,7 +23,7 @@ Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "frame
 }  // namespace
 
 bool Frame::operator==(const Frame& o) const {
-  return kind == o.kind && height_step_m == o.height_step_m && anchor == o.anchor && axis_x_m == o.axis_x_m &&
+  return kind == o.kind && height_quantum_m == o.height_quantum_m && anchor == o.anchor && axis_x_m == o.axis_x_m &&
          axis_y_m == o.axis_y_m && map_origin_m == o.map_origin_m && latitude0_rad == o.latitude0_rad &&
          longitude0_rad == o.longitude0_rad && latitude_step_rad == o.latitude_step_rad &&
          longitude_step_rad == o.longitude_step_rad && semi_major_m == o.semi_major_m && flattening == o.flattening &&
@@ -32,11 +32,11 @@ bool Frame::operator==(const Frame& o) const {
 }
 
 Status Frame::validate(double max_x, double max_y) const {
-  if (!allFinite({height_step_m, anchor.x, anchor.y, axis_x_m.x, axis_x_m.y, axis_y_m.x, axis_y_m.y, map_origin_m.x,
+  if (!allFinite({height_quantum_m, anchor.x, anchor.y, axis_x_m.x, axis_x_m.y, axis_y_m.x, axis_y_m.y, map_origin_m.x,
                   map_origin_m.y, latitude0_rad, longitude0_rad, latitude_step_rad, longitude_step_rad, semi_major_m,
                   flattening, origin.latitude_rad, origin.longitude_rad, origin.height_m}))
     return malformed("a number is not finite or beyond 10^12");
-  if (!(height_step_m > 0)) return malformed("the height step is not positive");
+  if (!(height_quantum_m > 0)) return malformed("the height step is not positive");
   if (kind == FrameKind::kPlanar) {
     if (!(axis_x_m.x * axis_y_m.y - axis_x_m.y * axis_y_m.x > 0)) return malformed("the axes are not right-handed");
     return {};
@@ -78,7 +78,7 @@ glm::dvec3 FrameTransform::toScene(const Geodetic& place) const {
   return fromTables(row(place.latitude_rad), column(place.longitude_rad), place.height_m);
 }
 
-glm::dvec3 FrameTransform::toScene(const LatticePlace& place) const {
+glm::dvec3 FrameTransform::toScene(const LatticePosition& place) const {
   if (frame_.kind == FrameKind::kGeographic)
     return toScene(Geodetic{frame_.latitude0_rad + place.y * frame_.latitude_step_rad,
                             frame_.longitude0_rad + place.x * frame_.longitude_step_rad, place.height_m});
@@ -104,7 +104,7 @@ Geodetic FrameTransform::toGeodetic(const glm::dvec3& p) const {
   return {latitude, longitude, height};
 }
 
-LatticePlace FrameTransform::toLattice(const glm::dvec3& p) const {
+LatticePosition FrameTransform::toLattice(const glm::dvec3& p) const {
   if (frame_.kind == FrameKind::kGeographic) {
     const Geodetic g = toGeodetic(p);
     return {(g.longitude_rad - frame_.longitude0_rad) / frame_.longitude_step_rad,

@@ -20,7 +20,7 @@ enum class FrameKind : uint8_t { kPlanar = 0, kGeographic = 1 };
 
 // A place as the raster's owner names it: x eastward, y northward (possibly between samples), height above the zero
 // surface.
-struct LatticePlace {
+struct LatticePosition {
   double x = 0;
   double y = 0;
   double height_m = 0;
@@ -34,7 +34,7 @@ struct Geodetic {
 
 struct Frame {
   FrameKind kind = FrameKind::kPlanar;
-  double height_step_m = 0.1;  // one step of a quantised height
+  double height_quantum_m = 0.1;  // one step of a quantised height
 
   // Planar. `map_origin` is the scene origin in the map's own metres, for people and files; geometry does not use it.
   glm::dvec2 anchor{0, 0};    // lattice position of the scene origin
@@ -59,10 +59,10 @@ class FrameTransform {
   explicit FrameTransform(const Frame& frame);
 
   const Frame& frame() const { return frame_; }
-  glm::dvec3 toScene(const LatticePlace& place) const;
+  glm::dvec3 toScene(const LatticePosition& place) const;
   glm::dvec3 toScene(const Geodetic& place) const;  // geographic frames only
   // Inverse of toScene to 1e-6 m for points within 10^5 m of the ellipsoid.
-  LatticePlace toLattice(const glm::dvec3& scene_m) const;
+  LatticePosition toLattice(const glm::dvec3& scene_m) const;
   Geodetic toGeodetic(const glm::dvec3& scene_m) const;  // geographic frames only
   // The parts of toScene that depend on latitude or on longitude alone; FrameGrid tabulates them.
   struct Row {

@@ -3,7 +3,7 @@
 namespace foreland::proto {
 
 FrameGrid::FrameGrid(const Frame& frame, uint32_t max_x, uint32_t max_y)
-    : transform_(frame), step_m_(frame.height_step_m) {
+    : transform_(frame), step_m_(frame.height_quantum_m) {
   if (frame.kind != FrameKind::kGeographic) return;
   rows_.reserve(max_y + 1);
   columns_.reserve(max_x + 1);

@@ -2,6 +2,7 @@
 // OpenGL). Value types; any thread; portable to WebAssembly.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
@@ -60,6 +61,12 @@ inline bool isUsable(const Lens& l) {
 // Orientation that looks along `forward` with `up` as near to vertical as may be; any unit vectors, parallel ones
 // included.
 glm::dquat lookAlong(const glm::dvec3& forward, const glm::dvec3& up);
+
+// The angle between two orientations, radians; rounded up, and never more than 1e-12 of it (and 1e-15) too large.
+inline double angleBetween(const glm::dquat& a, const glm::dquat& b) {
+  const glm::dquat d = glm::conjugate(a) * b;
+  return 2 * std::asin(std::min(1.0, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z))) * (1 + 1e-12) + 1e-15;
+}
 
 // Position linearly, orientation along the shorter arc; weight 0 gives a, 1 gives b.
 Pose interpolate(const Pose& a, const Pose& b, double weight);

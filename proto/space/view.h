@@ -9,8 +9,8 @@ struct View {
   Pose pose;
   Lens lens;
   double tau_px = 1;
-  double ball_m = 0;    // the eye stays this near to pose.eye while the section is shown
-  double turn_rad = 0;  // and turns by no more than this
+  double region_radius_m = 0;   // the eye stays this near to pose.eye while the section is shown
+  double region_angle_rad = 0;  // and turns by no more than this
 };
 
 }  // namespace foreland::proto

@@ -4,7 +4,7 @@
 //
 // Texel (i, j) of a face, i + j <= side, has its centre at the weights (side - i - j, i, j) / side: texels lie on the
 // base edges, and faces that share an edge hold the same ones there. A node's texel is its lattice position: with
-// `halvings` of quadrisection, the weights of proto::MeshPlace times side / 2^halvings.
+// `halvings` of quadrisection, the weights of proto::FacePoint times side / 2^halvings.
 //
 // Every pixel of a cell belongs to one of its two faces. Those beyond the triangles are the gutter: what lies on the
 // other side of the edge (sew_atlas.h). It is wide enough for bilinear filtering of the image and of two more, each

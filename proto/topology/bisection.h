@@ -134,13 +134,13 @@ class Bisection {
   }
 
   // a (1 - y/N) + b x/N + centre (y - x)/N in the half x <= y; the other is that one turned half round.
-  MeshPlace place(const PatchPoint& p) const {
+  FacePoint place(const PatchPoint& p) const {
     const HalfEdge first = mesh_.first(p.patch);
     return p.x <= p.y ? placeInHalf(first, p.x, p.y) : placeInHalf(mesh_.twin(first), size_ - p.x, size_ - p.y);
   }
   // The same in another face, on whose side it lies.
-  MeshPlace placeIn(uint32_t face, const PatchPoint& p) const {
-    const MeshPlace own = place(p);
+  FacePoint placeIn(uint32_t face, const PatchPoint& p) const {
+    const FacePoint own = place(p);
     if (own.face == face) return own;
     CHECK_EQ(p.x, p.y);
     const HalfEdge twin = mesh_.twin(mesh_.first(p.patch));
@@ -176,8 +176,8 @@ class Bisection {
     return mesh_.isFirst(before) ? PatchPoint{mesh_.edge(before), size_ - r, size_}
                                  : PatchPoint{mesh_.edge(before), r, 0};
   }
-  MeshPlace placeInHalf(HalfEdge h, int32_t x, int32_t y) const {
-    MeshPlace place{BaseMesh::face(h), {}};
+  FacePoint placeInHalf(HalfEdge h, int32_t x, int32_t y) const {
+    FacePoint place{BaseMesh::face(h), {}};
     const uint32_t i = h % 3;
     place.weights[i] = static_cast<uint32_t>(3 * (size_ - y) + y - x);
     place.weights[(i + 1) % 3] = static_cast<uint32_t>(3 * x + y - x);

@@ -42,18 +42,18 @@ Status MeshTopology::numberSlots() {
   return {};
 }
 
-MeshPlace MeshTopology::place(NodeId v) const {
+FacePoint MeshTopology::place(NodeId v) const {
   if (!isBaseVertexId(v)) return isQuad() ? quad().place(patchPointOf(v)) : bisect().place(patchPointOf(v));
   const uint32_t vertex = baseVertexOf(v), count = base_.vertexCount();
   return placeIn(vertex < count ? BaseMesh::face(base_.leaving(vertex)) : vertex - count, v);
 }
 
-MeshPlace MeshTopology::placeIn(uint32_t face, NodeId v) const {
+FacePoint MeshTopology::placeIn(uint32_t face, NodeId v) const {
   if (!isBaseVertexId(v))
     return isQuad() ? quad().placeIn(face, patchPointOf(v)) : bisect().placeIn(face, patchPointOf(v));
   const uint32_t third = placeScale() / 3;
   if (v == baseVertexId(base_.vertexCount() + face)) return {face, {third, third, third}};
-  MeshPlace place{face, {0, 0, 0}};
+  FacePoint place{face, {0, 0, 0}};
   for (uint32_t i = 0; i < 3; ++i)
     if (base_.vertex(3 * face + i) == baseVertexOf(v)) place.weights[i] = placeScale();
   CHECK_EQ(place.weights[0] + place.weights[1] + place.weights[2], placeScale());

@@ -131,9 +131,9 @@ class MeshTopology {
   }
 
   // Where a vertex lies in the parameter domain, in the face that names it. The weights' sum is placeScale().
-  MeshPlace place(NodeId v) const;
+  FacePoint place(NodeId v) const;
   // The same in a given face, which must hold the vertex inside or on its border.
-  MeshPlace placeIn(uint32_t face, NodeId v) const;
+  FacePoint placeIn(uint32_t face, NodeId v) const;
   uint32_t placeScale() const { return (isQuad() ? 1u : 3u) << halvings_; }
 
   // The rules themselves; only the one that rule() names.

@@ -7,8 +7,8 @@
 //                  cutting does not change the surface.
 //
 // So vertices are base vertices, active nodes and, by quadrisection, inactive nodes, whose place is the middle of their
-// endpoints, as DESIGN section 2 defines it for every node. `is_active(NodeId)` must be closed under parents. Triangles
-// turn as their base face does. Pure; any thread; O(triangles), no allocation.
+// endpoints, as DESIGN section 2 defines it for every node. `is_in_section(NodeId)` must be closed under parents.
+// Triangles turn as their base face does. Pure; any thread; O(triangles), no allocation.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ namespace mesh_triangles {
 template <class Active, class Visit>
 class Quadrisected {
  public:
-  Quadrisected(const MeshTopology& mesh, uint32_t face, const Active& is_active, const Visit& visit)
-      : rule_(mesh.quad()), face_(face), is_active_(is_active), visit_(visit) {}
+  Quadrisected(const MeshTopology& mesh, uint32_t face, const Active& is_in_section, const Visit& visit)
+      : rule_(mesh.quad()), face_(face), is_active_(is_in_section), visit_(visit) {}
 
   void run(int32_t size) { split({0, 0}, {size, 0}, {0, size}, size / 2); }
 
@@ -39,7 +39,7 @@ class Quadrisected {
 
   static Point middle(Point p, Point q) { return {(p.x + q.x) / 2, (p.y + q.y) / 2}; }
   PatchPoint onPatch(Point p) const { return {face_, p.x, p.y}; }
-  bool isActive(Point p) const { return is_active_(rule_.name(onPatch(p))); }
+  bool isInSection(Point p) const { return is_active_(rule_.name(onPatch(p))); }
   // With the node active its triangles are split; and so they are with one of its siblings.
   bool isVertex(Point p) const {
     const NodeId n = rule_.name(onPatch(p));
@@ -52,7 +52,7 @@ class Quadrisected {
   // `half` of the triangle's sides, in lattice intervals.
   void split(Point a, Point b, Point c, int32_t half) {
     const Point ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    if (half == 0 || !(isActive(ab) || isActive(bc) || isActive(ca)))
+    if (half == 0 || !(isInSection(ab) || isInSection(bc) || isInSection(ca)))
       return cut({Corner{a, half}, Corner{b, half}, Corner{c, half}});
     split(a, ab, ca, half / 2);
     split(ab, b, bc, half / 2);
@@ -86,8 +86,8 @@ class Quadrisected {
 template <class Active, class Visit>
 class Bisected {
  public:
-  Bisected(const MeshTopology& mesh, HalfEdge h, const Active& is_active, const Visit& visit)
-      : rule_(mesh.bisect()), patch_(mesh.base().edge(h)), is_active_(is_active), visit_(visit) {}
+  Bisected(const MeshTopology& mesh, HalfEdge h, const Active& is_in_section, const Visit& visit)
+      : rule_(mesh.bisect()), patch_(mesh.base().edge(h)), is_active_(is_in_section), visit_(visit) {}
 
   // The half of the square that the half-edge is in: its ends are (0, 0) and (size, size), or the other way round.
   void run(int32_t size, bool is_first, int levels) {
@@ -123,18 +123,18 @@ class Bisected {
 
 // Calls visit(a, b, c) with the ids of each triangle's vertices, for one base face.
 template <class Active, class Visit>
-void forEachTriangleOf(const MeshTopology& mesh, uint32_t face, const Active& is_active, const Visit& visit) {
+void forEachTriangleOf(const MeshTopology& mesh, uint32_t face, const Active& is_in_section, const Visit& visit) {
   const int32_t size = 1 << mesh.halvings();
   if (mesh.rule() == MeshRule::kQuadrisection)
-    return mesh_triangles::Quadrisected(mesh, face, is_active, visit).run(size);
+    return mesh_triangles::Quadrisected(mesh, face, is_in_section, visit).run(size);
   for (HalfEdge h = 3 * face; h < 3 * face + 3; ++h)
-    mesh_triangles::Bisected(mesh, h, is_active, visit).run(size, mesh.base().isFirst(h), mesh.maxLevel());
+    mesh_triangles::Bisected(mesh, h, is_in_section, visit).run(size, mesh.base().isFirst(h), mesh.maxLevel());
 }
 
 // The same for all base faces, in order.
 template <class Active, class Visit>
-void forEachTriangle(const MeshTopology& mesh, const Active& is_active, const Visit& visit) {
-  for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) forEachTriangleOf(mesh, face, is_active, visit);
+void forEachTriangle(const MeshTopology& mesh, const Active& is_in_section, const Visit& visit) {
+  for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) forEachTriangleOf(mesh, face, is_in_section, visit);
 }
 
 }  // namespace foreland::proto

@@ -36,7 +36,7 @@ struct PatchPoints {
 
 // A vertex in the parameter domain: (weights[0], weights[1], weights[2]) / their sum, barycentric in a base face.
 // Integers, so that equal places are equal.
-struct MeshPlace {
+struct FacePoint {
   uint32_t face = 0;
   uint32_t weights[3] = {0, 0, 0};
 };

@@ -97,12 +97,12 @@ class Quadrisection {
     return name(p) == patchNodeId(p) ? patchNodeId(p) : NodeId{};
   }
 
-  MeshPlace place(const PatchPoint& p) const {
+  FacePoint place(const PatchPoint& p) const {
     return {p.patch,
             {static_cast<uint32_t>(size_ - p.x - p.y), static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)}};
   }
   // The same in another face, on whose side it lies.
-  MeshPlace placeIn(uint32_t face, const PatchPoint& p) const {
+  FacePoint placeIn(uint32_t face, const PatchPoint& p) const {
     if (p.patch == face) return place(p);
     const uint32_t side = sideOf(p);
     CHECK_NE(side, kInside);

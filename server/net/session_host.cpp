@@ -10,7 +10,7 @@ namespace foreland::server {
 namespace {
 
 // Messages are read at once if a worker is free; a keyframe that is due within this time goes first.
-constexpr Duration kMessagePatience = Duration::milliseconds(20);
+constexpr Duration kMessageTimeout = Duration::milliseconds(20);
 
 }  // namespace
 
@@ -73,7 +73,7 @@ void SessionActor::enqueue(Event event) {
     if (ticket_.due.release <= now) return;
     if (!host_.pool_.cancel(ticket_)) return;  // a worker is about to take the lease
   }
-  schedule({now, now + kMessagePatience});
+  schedule({now, now + kMessageTimeout});
 }
 
 void SessionActor::schedule(Due due) {
@@ -111,7 +111,7 @@ void SessionActor::returnLease() {
   const auto due = session_.due();
   const Time now = host_.clock_();
   if (!inbox_.empty())
-    return schedule({now, due ? std::min(due->deadline, now + kMessagePatience) : now + kMessagePatience});
+    return schedule({now, due ? std::min(due->deadline, now + kMessageTimeout) : now + kMessageTimeout});
   if (due) schedule({due->release, due->deadline});
 }
 

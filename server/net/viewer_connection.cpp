@@ -181,17 +181,17 @@ void ViewerConnection::sendCloseFrame() {
 
 void ViewerConnection::check(Time now) {
   if (state_ == State::kAccepting) return;  // its handshake has a timeout of its own
-  const Duration patience = context_.options.idle_timeout;
+  const Duration timeout = context_.options.idle_timeout;
   if (state_ == State::kFlushing || state_ == State::kClosing) {
     if (now > close_by_) cut();
     return;
   }
-  if (is_writing_ && now - progress_at_ > patience) {
-    context_.log(Severity::kInfo, fmt::format("viewer {} read nothing for {:.0f} s", peer_, patience.toSeconds()));
+  if (is_writing_ && now - progress_at_ > timeout) {
+    context_.log(Severity::kInfo, fmt::format("viewer {} read nothing for {:.0f} s", peer_, timeout.toSeconds()));
     ++context_.metrics.refusals;
     return cut();
   }
-  if (now - heard_at_ > patience) leave(websocket::close_code::policy_error, "no pose for too long; connect again");
+  if (now - heard_at_ > timeout) leave(websocket::close_code::policy_error, "no pose for too long; connect again");
 }
 
 void ViewerConnection::cut() { beast::get_lowest_layer(stream_).close(); }

@@ -43,7 +43,7 @@ class Hierarchy {
     return {grid(), {scene_->cornerHeights(), scene_->centreHeights()}, scene_->nodes()};
   }
   // As an adapter takes them.
-  proto::PlainNodes source() const { return proto::PlainNodes(nodes()); }
+  proto::InMemoryNodes source() const { return proto::InMemoryNodes(nodes()); }
 
  private:
   std::shared_ptr<const terrain::Scene> scene_;

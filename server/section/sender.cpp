@@ -8,7 +8,7 @@ namespace {
 
 // A section is not taken to more than double between two keyframes of a moving viewer.
 bool isNear(const proto::View& a, const proto::View& b) {
-  return a.lens == b.lens && glm::distance(a.pose.eye, b.pose.eye) <= a.ball_m + b.ball_m &&
+  return a.lens == b.lens && glm::distance(a.pose.eye, b.pose.eye) <= a.region_radius_m + b.region_radius_m &&
          b.tau_px > 0.7 * a.tau_px && glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
 }
 
@@ -21,11 +21,11 @@ SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy
 }
 
 void SectionSender::resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint) {
-  proto::PlainNodes source = hierarchy_->source();
+  proto::InMemoryNodes source = hierarchy_->source();
   adapter_ = proto::TerrainAdapter(hierarchy_->domain(), sections.terrain.slots, source);
   const SceneObjects& objects = hierarchy_->objects();
   for (size_t i = 0; i < objects_.size(); ++i) {
-    proto::PlainSurfaceNodes nodes(objects.recordsOf(i));
+    proto::InMemorySurfaceNodes nodes(objects.recordsOf(i));
     objects_[i] = proto::SurfaceAdapter(objects.set.domain(i), sections.objects[i].slots, nodes);
     stream_->hold(i, sections.objects[i], objects.recordsOf(i));
   }
@@ -54,8 +54,8 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   keyframe_.time = time;
   keyframe_.lens = view.lens;
   keyframe_.tau_px = static_cast<float>(view.tau_px);
-  keyframe_.ball_m = proto::shortAtLeast(view.ball_m);
-  keyframe_.turn_rad = proto::shortAtLeast(view.turn_rad);
+  keyframe_.region_radius_m = proto::shortAtLeast(view.region_radius_m);
+  keyframe_.region_angle_rad = proto::shortAtLeast(view.region_angle_rad);
   keyframe_.pose = proto::asSentInHeader(view.pose);  // what the viewer decodes, and steps to
 
   Bytes delta;
@@ -85,7 +85,7 @@ void SectionSender::sendObjects(const proto::View& view, SendScratch& scratch, p
     delta.added.clear();
     delta.removed.clear();
     const std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
-    proto::PlainSurfaceNodes source(records);
+    proto::InMemorySurfaceNodes source(records);
     CHECK_TRUE(objects_[i].adapt(objects.set.placement(i).toObject(view), objects.set.domain(i).topology().slotCount(),
                                  source, scratch.adapt, delta));
     stream_->encode(i, delta, records, coder, object_bits_);

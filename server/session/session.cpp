@@ -82,7 +82,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   history_.add(update.pose);
   while (!predictions_.empty() && predictions_.front().time <= update.pose.time) {
-    miss_.add(predictions_.front().pose, history_.at(predictions_.front().time));
+    prediction_errors_.add(predictions_.front().pose, history_.at(predictions_.front().time));
     predictions_.pop_front();
   }
   clocks_.poseArrived(update.pose.time, now);
@@ -165,7 +165,7 @@ std::optional<Session::Due> Session::prefetchDue() const {
 void Session::prefetch(SessionScratch& scratch) {
   proto::View view = viewFor(history_.newest().time + options_.prefetch_ahead);
   view.tau_px = keyframe().tau_px;
-  view.ball_m = view.turn_rad = 0;
+  view.region_radius_m = view.region_angle_rad = 0;
   // Too large a section has read more than enough.
   (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
   next_prefetch_ = now_ + kPrefetchEvery;
@@ -198,10 +198,12 @@ proto::View Session::viewFor(Time t) const {
   const Time begin = std::min(isFirst() ? history_.newest().time : keyframe().time, t - T);
   const Sweep sweep = sweepOf(
       view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
-  const Sweep miss = miss_.estimate();
+  const Sweep miss = prediction_errors_.estimate();
   // As the header has them: what is sent is what is kept. Poses travel rounded, both ways.
-  view.ball_m = static_cast<float>(sweep.ball_m + miss.ball_m + kPoseRounding.ball_m);
-  view.turn_rad = static_cast<float>(sweep.turn_rad + miss.turn_rad + kPoseRounding.turn_rad);
+  view.region_radius_m =
+      static_cast<float>(sweep.region_radius_m + miss.region_radius_m + kPoseRounding.region_radius_m);
+  view.region_angle_rad =
+      static_cast<float>(sweep.region_angle_rad + miss.region_angle_rad + kPoseRounding.region_angle_rad);
   return view;
 }
 

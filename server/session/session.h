@@ -111,7 +111,7 @@ class Session {
   SessionOptions options_;
   std::optional<proto::ViewRequest> request_;
   PoseHistory history_;
-  PredictionMiss miss_;
+  PredictionErrors prediction_errors_;
   std::deque<proto::TimedPose> predictions_;  // not yet overtaken by true poses
   std::optional<proto::Path> path_;
   ClockMap clocks_;

@@ -13,7 +13,7 @@ std::optional<double> groundHeight(const terrain::Scene& scene, double x, double
   const double u = x - x0, v = y - y0;
   const auto at = [&](uint32_t dx, uint32_t dy) { return double(scene.height(proto::NodeId::at(x0 + dx, y0 + dy))); };
   const double south = at(0, 0) + u * (at(1, 0) - at(0, 0)), north = at(0, 1) + u * (at(1, 1) - at(0, 1));
-  return (south + v * (north - south)) * scene.frame().height_step_m;
+  return (south + v * (north - south)) * scene.frame().height_quantum_m;
 }
 
 }  // namespace foreland::server

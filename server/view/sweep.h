@@ -10,20 +10,17 @@
 namespace foreland::server {
 
 struct Sweep {
-  double ball_m = 0;
-  double turn_rad = 0;
+  double region_radius_m = 0;
+  double region_angle_rad = 0;
 };
 
 // The smallest ball and angle around `centre` that hold pose_at(t) for all t in [begin, end], from samples 20 ms apart
 // or closer; motion between samples is covered by a twentieth of the longest step.
 Sweep sweepOf(const proto::Pose& centre, const std::function<proto::Pose(Time)>& pose_at, Time begin, Time end);
 
-// Angle between two orientations.
-double angleBetween(const glm::dquat& a, const glm::dquat& b);
-
 // How wrong a predictor has been of late: the largest miss of its recent predictions, once the true poses are known.
 // One owner.
-class PredictionMiss {
+class PredictionErrors {
  public:
   void add(const proto::Pose& predicted, const proto::Pose& actual);
   // Largest of the last kMemory misses, with half as much again; nothing before the first.
@@ -31,7 +28,7 @@ class PredictionMiss {
 
  private:
   static constexpr size_t kMemory = 10;
-  Sweep misses_[kMemory];
+  Sweep errors_[kMemory];
   size_t count_ = 0;
 };
 

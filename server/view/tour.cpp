@@ -24,9 +24,9 @@ class Ground {
     const proto::GridShape& shape = scene.grid().shape();
     last_x_ = shape.samples_x - 1;
     last_y_ = shape.samples_y - 1;
-    const glm::dvec3 middle = transform_.toScene(proto::LatticePlace{last_x_ / 2, last_y_ / 2, 0});
-    const glm::dvec3 east = transform_.toScene(proto::LatticePlace{last_x_, last_y_ / 2, 0});
-    const glm::dvec3 north = transform_.toScene(proto::LatticePlace{last_x_ / 2, last_y_, 0});
+    const glm::dvec3 middle = transform_.toScene(proto::LatticePosition{last_x_ / 2, last_y_ / 2, 0});
+    const glm::dvec3 east = transform_.toScene(proto::LatticePosition{last_x_, last_y_ / 2, 0});
+    const glm::dvec3 north = transform_.toScene(proto::LatticePosition{last_x_ / 2, last_y_, 0});
     middle_ = middle;
     axis_x_ = glm::dvec2(east - middle);
     axis_y_ = glm::dvec2(north - middle);
@@ -41,9 +41,9 @@ class Ground {
   double scale() const { return std::min(1.0, 2 * std::min(halfWidth(), halfDepth()) / 6000); }
 
   // Lattice place below a point of the tangent plane, kept inside the data.
-  proto::LatticePlace below(glm::dvec2 p) const {
+  proto::LatticePosition below(glm::dvec2 p) const {
     // Two rounds: a point of the plane lies above the curved ground, and its depth there shifts the place.
-    proto::LatticePlace place = transform_.toLattice({p, 0});
+    proto::LatticePosition place = transform_.toLattice({p, 0});
     for (int i = 0; i < 2 && transform_.frame().kind == proto::FrameKind::kGeographic; ++i) {
       place.height_m = 0;
       place = transform_.toLattice({p, transform_.toScene(place).z});
@@ -60,7 +60,7 @@ class Ground {
            std::fabs(glm::dot(d, alongY())) < halfDepth() - margin;
   }
   glm::dvec3 above(glm::dvec2 p, double height_m) const {
-    proto::LatticePlace place = below(p);
+    proto::LatticePosition place = below(p);
     place.height_m = height_m;
     return transform_.toScene(place);
   }

@@ -117,7 +117,7 @@ class BoundsPass {
 
   // One radius for all nodes of a page; padding stays zero.
   void widen(proto::Slot first, std::span<NodeRecord> page) const {
-    proto::RadiusClass most;
+    proto::QuantisedRadius most;
     for (const NodeRecord& r : page) most = std::max(most, r.radius());
     for (size_t i = 0; i < page.size(); ++i) {
       NodeRecord& r = page[i];
@@ -138,7 +138,7 @@ class BoundsPass {
         const int32_t height = positions_.steps(row.first_x + i * row.step_x, row.y);
         *record = NodeRecord::of(
             height, height - positions_.middleSteps(row.node(i)),
-            std::max(proto::ErrorClass::roundUp(band.errors_m[i]), proto::ErrorClass{band.child_errors[i]}),
+            std::max(proto::QuantisedError::roundUp(band.errors_m[i]), proto::QuantisedError{band.child_errors[i]}),
             levels_.roundUp(level, band.radii_m[i] + kPad_m));
       }
     });

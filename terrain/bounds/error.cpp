@@ -33,7 +33,7 @@ void scanRow(const int32_t* samples, int32_t count, double value, double slope, 
 }  // namespace
 
 PlanarError::PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
-    : grid_(grid), heights_(heights), step_m_(frame.height_step_m) {}
+    : grid_(grid), heights_(heights), step_m_(frame.height_quantum_m) {}
 
 double PlanarError::metres(proto::NodeId n) const {
   const auto ends = grid_.endpoints(n);
@@ -58,7 +58,7 @@ double PlanarError::inMetres(double steps) const { return steps * step_m_ * (1 +
 GeographicError::GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
     : grid_(grid),
       heights_(heights),
-      step_m_(frame.height_step_m),
+      step_m_(frame.height_quantum_m),
       polar_((1 - frame.flattening) * (1 - frame.flattening)) {
   const proto::FrameTransform transform(frame);
   for (uint32_t y = 0; y <= grid.maxY(); ++y)

@@ -34,13 +34,13 @@ void RowPositions::fill(const NodeRow& row, const Out& out) const {
   const uint32_t with_data =
       row.first_x >= heights_.width ? 0 : std::min(row.count, (heights_.width - 1 - row.first_x) / row.step_x + 1);
   for (uint32_t i = 0; i < with_data; ++i)
-    out.z[i] = steps[row.first_x + static_cast<size_t>(i) * row.step_x] * frame_.height_step_m;
-  std::fill(out.z + with_data, out.z + row.count, steps[heights_.width - 1] * frame_.height_step_m);
+    out.z[i] = steps[row.first_x + static_cast<size_t>(i) * row.step_x] * frame_.height_quantum_m;
+  std::fill(out.z + with_data, out.z + row.count, steps[heights_.width - 1] * frame_.height_quantum_m);
   place(row, out);
 }
 
 void RowPositions::fillMiddles(const NodeRow& row, const Out& out) const {
-  for (uint32_t i = 0; i < row.count; ++i) out.z[i] = middleSteps(row.node(i)) * frame_.height_step_m;
+  for (uint32_t i = 0; i < row.count; ++i) out.z[i] = middleSteps(row.node(i)) * frame_.height_quantum_m;
   place(row, out);
 }
 

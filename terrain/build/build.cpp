@@ -78,9 +78,9 @@ Status fill(Raster& raster, const ElevationInfo& info, SceneOrigin& origin) {
 
 // The step that the heights, voids among them, allow.
 double stepFor(std::span<const float> metres, const BuildOptions& options, SceneOrigin& origin) {
-  if (!options.widen_step) return options.height_step_m;
+  if (!options.widen_step) return options.height_quantum_m;
   for (const double step : {1.0, 0.5, 0.25}) {
-    if (step <= options.height_step_m) break;
+    if (step <= options.height_quantum_m) break;
     const auto fits = [&](float h) { return !std::isfinite(h) || std::remainder(double{h}, step) == 0; };
     if (!std::all_of(metres.begin(), metres.end(), fits)) continue;
     origin.notes.push_back("all heights are multiples of " +
@@ -90,7 +90,7 @@ double stepFor(std::span<const float> metres, const BuildOptions& options, Scene
                            " m, and are kept in steps of it");
     return step;
   }
-  return options.height_step_m;
+  return options.height_quantum_m;
 }
 
 // Corners and centres of the roots.
@@ -160,11 +160,11 @@ std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame
   const double u = x - x0, v = y - y0;
   const auto at = [&](uint32_t dx, uint32_t dy) { return static_cast<double>(heights.row(y0 + dy)[x0 + dx]); };
   const double south = (1 - u) * at(0, 0) + u * at(1, 0), north = (1 - u) * at(0, 1) + u * at(1, 1);
-  return ((1 - v) * south + v * north) * frame.height_step_m;
+  return ((1 - v) * south + v * north) * frame.height_quantum_m;
 }
 
 Status checkOptions(const BuildOptions& options) {
-  if (!(options.height_step_m > 0) || !std::isfinite(options.height_step_m))
+  if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
   return {};
 }
@@ -194,7 +194,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
     return Error{status.error().code, info.title + ": " + status.error().message};
   const Heights heights{raster.steps(), info.width, info.height};
   proto::Frame frame = info.frame;
-  frame.height_step_m = step_m;
+  frame.height_quantum_m = step_m;
   auto objects =
       makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
   if (!objects.ok()) return objects.error();
@@ -214,7 +214,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                      .samples = samples,
                      .voids_filled = origin.voids_filled,
                      .notes = origin.notes,
-                     .height_step_m = step_m,
+                     .height_quantum_m = step_m,
                      .levels = grid->maxLevel(),
                      .nodes = nodeCount(*grid),
                      .file_bytes = writer->fileBytes(),

@@ -19,10 +19,11 @@ namespace foreland::terrain {
 
 struct BuildOptions {
   std::filesystem::path output;
-  double height_step_m = 0.1;  // heights are kept in whole steps: each is moved by at most half of one
-  unsigned threads = 0;        // 0: one per processor
-  // Of 1, 1/2 and 1/4 m the first that is larger than height_step_m and that every height of the source is a multiple
-  // of, if there is one, instead: no sample is moved, and a scene costs fewer bits to send. Filled voids are rounded.
+  double height_quantum_m = 0.1;  // heights are kept in whole steps: each is moved by at most half of one
+  unsigned threads = 0;           // 0: one per processor
+  // Of 1, 1/2 and 1/4 m the first that is larger than height_quantum_m and that every height of the source is a
+  // multiple of, if there is one, instead: no sample is moved, and a scene costs fewer bits to send. Filled voids are
+  // rounded.
   bool widen_step = false;
   std::vector<ObjectRequest> objects{};  // that stand on the terrain
 };
@@ -39,7 +40,7 @@ struct BuildReport {
   uint64_t samples = 0;
   uint64_t voids_filled = 0;
   std::vector<std::string> notes;  // the source's, how voids were filled, and whether the step was widened
-  double height_step_m = 0;        // that was taken
+  double height_quantum_m = 0;     // that was taken
   int levels = 0;
   uint64_t nodes = 0;  // refinement vertices; padding not counted
   uint64_t file_bytes = 0;

@@ -87,8 +87,8 @@ void ClosestPoint::build(uint32_t node, uint32_t begin, uint32_t end) {
 }
 
 template <bool kFacing>
-ClosestPlace ClosestPoint::search(const dvec3& p, const dvec3& direction) const {
-  ClosestPlace best{.distance = INFINITY};
+PointOnMesh ClosestPoint::search(const dvec3& p, const dvec3& direction) const {
+  PointOnMesh best{.distance = INFINITY};
   double best_squared = INFINITY;
   std::array<std::pair<double, uint32_t>, kDeepest> waiting;
   size_t depth = 0;
@@ -119,14 +119,14 @@ ClosestPlace ClosestPoint::search(const dvec3& p, const dvec3& direction) const 
   return best;
 }
 
-ClosestPlace ClosestPoint::find(const dvec3& p) const { return search<false>(p, {}); }
+PointOnMesh ClosestPoint::find(const dvec3& p) const { return search<false>(p, {}); }
 
-ClosestPlace ClosestPoint::findFacing(const dvec3& p, const dvec3& direction) const {
-  const ClosestPlace facing = search<true>(p, direction);
+PointOnMesh ClosestPoint::findFacing(const dvec3& p, const dvec3& direction) const {
+  const PointOnMesh facing = search<true>(p, direction);
   return std::isfinite(facing.distance) ? facing : find(p);
 }
 
-dvec3 ClosestPoint::placeOf(const ClosestPlace& at) const {
+dvec3 ClosestPoint::placeOf(const PointOnMesh& at) const {
   const auto& t = mesh_.faces[at.face];
   return at.weights.x * mesh_.positions[t[0]] + at.weights.y * mesh_.positions[t[1]] +
          at.weights.z * mesh_.positions[t[2]];

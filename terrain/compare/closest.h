@@ -17,7 +17,7 @@ struct MeshView {
   std::span<const std::array<uint32_t, 3>> faces;
 };
 
-struct ClosestPlace {
+struct PointOnMesh {
   double distance = 0;
   uint32_t face = 0;
   glm::dvec3 weights{1, 0, 0};  // of the face's corners; exactly 0 on the sides opposite to them
@@ -31,11 +31,11 @@ class ClosestPoint {
   explicit ClosestPoint(MeshView mesh);  // at least one face
 
   const MeshView& mesh() const { return mesh_; }
-  ClosestPlace find(const glm::dvec3& p) const;
+  PointOnMesh find(const glm::dvec3& p) const;
   // Among the faces whose normal has a positive share of `direction`; of all, if there is none such.
-  ClosestPlace findFacing(const glm::dvec3& p, const glm::dvec3& direction) const;
+  PointOnMesh findFacing(const glm::dvec3& p, const glm::dvec3& direction) const;
 
-  glm::dvec3 placeOf(const ClosestPlace& at) const;
+  glm::dvec3 placeOf(const PointOnMesh& at) const;
   double distanceToFace(const glm::dvec3& p, uint32_t face) const;
 
  private:
@@ -44,7 +44,7 @@ class ClosestPoint {
     uint32_t begin = 0, count = 0;  // leaf: faces in `order_`; inner: count 0, children at begin and begin + 1
   };
   template <bool kFacing>
-  ClosestPlace search(const glm::dvec3& p, const glm::dvec3& direction) const;
+  PointOnMesh search(const glm::dvec3& p, const glm::dvec3& direction) const;
   void build(uint32_t node, uint32_t begin, uint32_t end);
 
   MeshView mesh_;

@@ -32,7 +32,7 @@ double largestFrom(const Corners& whole, const ClosestPoint& to, double least, d
     const Corners t = waiting.back();
     waiting.pop_back();
     const dvec3 centre = (t[0] + t[1] + t[2]) / 3.0;
-    const ClosestPlace at = to.find(centre);
+    const PointOnMesh at = to.find(centre);
     largest = std::max(largest, at.distance);
     double radius = 0, to_face = 0;
     for (const dvec3& corner : t) {
@@ -70,7 +70,7 @@ class Facing {
       }
     }
   }
-  dvec3 at(const ClosestPlace& place) const {
+  dvec3 at(const PointOnMesh& place) const {
     int zeros = 0, other = 0;
     for (int k = 0; k < 3; ++k) zeros += place.weights[k] == 0, other += place.weights[k] == 0 ? k : 0;
     if (zeros == 0) return normalOf(cornersOf(surface_, place.face));

@@ -90,7 +90,7 @@ class Painter {
     parallelFor(
         mesh_.faceCount(), threads, [&](uint64_t f, unsigned) { fill(static_cast<uint32_t>(f)); },
         [](uint64_t) { return true; });
-    sewAtlas(painted_.atlas, mesh_, painted_.texels, threads);
+    fillGutters(painted_.atlas, mesh_, painted_.texels, threads);
     return std::move(painted_);
   }
 

@@ -71,7 +71,7 @@ Result<TrueSurface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, do
   const proto::MeshTopology topology = *made;
   const double scale = topology.placeScale();
   return makeSurface(*made, step_m, remeshed.base_vertices, [&](proto::NodeId n, const dvec3&) {
-    const proto::MeshPlace place = topology.place(n);
+    const proto::FacePoint place = topology.place(n);
     if (rule == proto::MeshRule::kQuadrisection)
       return remeshed.positions[remeshed.lattice.vertex(place.face, place.weights[1], place.weights[2])];
     const dvec3 weights = dvec3(place.weights[0], place.weights[1], place.weights[2]) / scale;

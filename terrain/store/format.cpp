@@ -30,7 +30,7 @@ FileLayout FileLayout::of(const proto::GridTopology& grid, uint64_t text_bytes, 
 
 void putFrame(const proto::Frame& f, FileHeader& h) {
   h.frame_kind = static_cast<uint32_t>(f.kind);
-  h.height_step_m = f.height_step_m;
+  h.height_quantum_m = f.height_quantum_m;
   const auto putPair = [](double(&to)[2], const glm::dvec2& from) { to[0] = from.x, to[1] = from.y; };
   putPair(h.anchor, f.anchor);
   putPair(h.axis_x_m, f.axis_x_m);
@@ -52,7 +52,7 @@ proto::Frame getFrame(const FileHeader& h) {
   proto::Frame f;
   f.kind =
       static_cast<proto::FrameKind>(std::min(h.frame_kind, 255u));  // an unknown kind is refused by Frame::validate
-  f.height_step_m = h.height_step_m;
+  f.height_quantum_m = h.height_quantum_m;
   f.anchor = pair(h.anchor);
   f.axis_x_m = pair(h.axis_x_m);
   f.axis_y_m = pair(h.axis_y_m);

@@ -31,7 +31,7 @@ struct FileHeader {
   uint64_t header_checksum = 0;  // XXH64 of this page with header_checksum zero
   uint32_t roots_x = 0, roots_y = 0, root_log2 = 0, samples_x = 0, samples_y = 0;
   uint32_t frame_kind = 0;
-  double height_step_m = 0;
+  double height_quantum_m = 0;
   double anchor[2]{}, axis_x_m[2]{}, axis_y_m[2]{}, map_origin_m[2]{};
   double latitude0_rad = 0, longitude0_rad = 0, latitude_step_rad = 0, longitude_step_rad = 0;
   double semi_major_m = 0, flattening = 0;
@@ -42,7 +42,7 @@ struct FileHeader {
   SectionPlace sections[kSectionCount];
 };
 static_assert(sizeof(FileHeader) == 328 && std::is_trivially_copyable_v<FileHeader>);
-static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_step_m) == 64);
+static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
 // Where everything goes for a grid of this shape with so much text and objects.

@@ -80,7 +80,7 @@ class NodeCheck {
     const auto ends = grid_.endpoints(n);
     const int32_t a = scene_.height(ends[0]), b = scene_.height(ends[1]), own = scene_.node(n).height();
     if (scene_.frame().kind == proto::FrameKind::kPlanar)
-      return std::fabs(own - 0.5 * (static_cast<double>(a) + b)) * scene_.frame().height_step_m;
+      return std::fabs(own - 0.5 * (static_cast<double>(a) + b)) * scene_.frame().height_quantum_m;
     const glm::dvec3 middle = 0.5 * (positions_.position(ends[0], a) + positions_.position(ends[1], b));
     return glm::distance(positions_.position(n, own), middle);
   }

@@ -94,7 +94,8 @@ class Sewing {
 
 }  // namespace
 
-void sewAtlas(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std::span<Texel> texels, unsigned threads) {
+void fillGutters(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std::span<Texel> texels,
+                 unsigned threads) {
   CHECK_EQ(texels.size(), uint64_t{atlas.width()} * atlas.height());
   if (texels.empty()) return;
   CHECK_EQ(atlas.faces, mesh.faceCount());
@@ -111,7 +112,7 @@ void sewAtlas(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std:
 std::optional<std::string> findSeam(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh,
                                     std::span<const Texel> texels, unsigned threads) {
   std::vector<Texel> sewn(texels.begin(), texels.end());
-  sewAtlas(atlas, mesh, sewn, threads);
+  fillGutters(atlas, mesh, sewn, threads);
   const auto differs = std::mismatch(sewn.begin(), sewn.end(), texels.begin());
   if (differs.first == sewn.end()) return std::nullopt;
   const auto at = static_cast<uint64_t>(differs.first - sewn.begin());

@@ -17,9 +17,10 @@ namespace foreland::terrain {
 // Takes the texels of the faces' triangles as given, makes those on base edges agree, and fills every pixel around
 // them; pixels of no face become 0. Doing it again changes nothing. The result does not depend on the number of
 // threads.
-void sewAtlas(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std::span<Texel> texels, unsigned threads);
+void fillGutters(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std::span<Texel> texels,
+                 unsigned threads);
 
-// What is wrong with an image that sewAtlas would change; nothing if it would not. Takes a copy while it runs.
+// What is wrong with an image that fillGutters would change; nothing if it would not. Takes a copy while it runs.
 [[nodiscard]] std::optional<std::string> findSeam(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh,
                                                   std::span<const Texel> texels, unsigned threads);
 

@@ -153,7 +153,7 @@ TEST(Flight, FliesATrackAboveTheGroundThatTheServerTells) {
   EXPECT_EQ(flight.player.notes().size(), 1u);  // lifted
   const proto::FrameTransform frame(alps()->frame());
   for (const proto::Pose& pose : flight.player.path().poses) {
-    const proto::LatticePlace place = frame.toLattice(pose.eye);
+    const proto::LatticePosition place = frame.toLattice(pose.eye);
     // Not lower than the lowest corner of the cell below.
     const auto x = static_cast<uint32_t>(place.x), y = static_cast<uint32_t>(place.y);
     int32_t ground = alps()->height(proto::NodeId::at(x, y));

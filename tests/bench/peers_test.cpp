@@ -270,7 +270,7 @@ TEST(MeshHeldFor, IsTheClientsMeshInBothSpaces) {
   EXPECT_GT(held.bytes, held.heights.size() / 4);
   const proto::FrameTransform transform(scene->frame());
   const auto inScene = [&](const glm::dvec3& p) {
-    return transform.toScene(proto::LatticePlace{p.x, p.y, p.z * scene->frame().height_step_m});
+    return transform.toScene(proto::LatticePosition{p.x, p.y, p.z * scene->frame().height_quantum_m});
   };
   const glm::dvec3 origin = inScene(held.lattice.positions[0]) - held.scene.positions[0];
   std::vector<int32_t> heights, nodes = held.heights;

@@ -59,9 +59,9 @@ TEST(MorphClock, IsNoneOutsideTheViewFromAnywhereInItsBall) {
   EXPECT_EQ(intervals(span(), {100, 120, 0}, 10), 0);
   EXPECT_GT(intervals(span(), {100, 120, 0}, 15), 0) << "its sphere reaches in";
   MeshSpan s = span();
-  s.from.ball_m = 10;
+  s.from.region_radius_m = 10;
   EXPECT_GT(intervals(s, {100, 120, 0}, 10), 0) << "the eye may come there";
-  s.from.ball_m = 0, s.from.turn_rad = 0.2;
+  s.from.region_radius_m = 0, s.from.region_angle_rad = 0.2;
   EXPECT_GT(intervals(s, {100, 120, 0}, 10), 0) << "the eye may turn there";
 }
 

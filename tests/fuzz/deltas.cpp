@@ -21,7 +21,7 @@ const Begin& beginOf(uint8_t how) {
   const Section section = test::toyFlightBegin(how);
   begin.emplace(Begin{SparseNodes(terrain.grid(), terrain.base()), TerrainAdapter(terrain.domain())});
   if (section.slots.empty()) return *begin;
-  PlainNodes source(terrain.nodes());
+  InMemoryNodes source(terrain.nodes());
   begin->adapter = TerrainAdapter(terrain.domain(), section.slots, source);
   for (Slot slot : section.slots) begin->nodes.make(slot) = terrain.nodes()[slot];
   return *begin;

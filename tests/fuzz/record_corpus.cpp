@@ -26,7 +26,7 @@ Bytes recordFlight(uint8_t how) {
   const ToyTerrain& terrain = toyFlightTerrain();
   const proto::DenseNodes table = terrain.table();
   const proto::Section begin = toyFlightBegin(how);
-  proto::PlainNodes source(terrain.nodes());
+  proto::InMemoryNodes source(terrain.nodes());
   TerrainAdapter adapter =
       begin.slots.empty() ? TerrainAdapter(terrain.domain()) : TerrainAdapter(terrain.domain(), begin.slots, source);
   proto::DeltaModel model;

@@ -41,7 +41,7 @@ inline proto::View toyFlightView(uint8_t how, int step) {
   proto::View view;
   view.pose = {{160.0 + 7 * step, 100.0 + how, 250.0 + 3 * how}, proto::lookAlong({0.5, 0.3, -0.8}, {0, 0, 1})};
   view.tau_px = static_cast<float>(1 + (how >> 6));
-  view.ball_m = static_cast<float>(step);
+  view.region_radius_m = static_cast<float>(step);
   return view;
 }
 

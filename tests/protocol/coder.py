@@ -111,10 +111,10 @@ class DeltaDecoder:
     """Reads answers, heights and radii. `height_of(x, y)` and `displacement_of(x, y)` tell what is held: the latter 0 of base
     vertices."""
 
-    def __init__(self, coder, model, grid, height_step_m, height_of, displacement_of):
+    def __init__(self, coder, model, grid, height_quantum_m, height_of, displacement_of):
         self.coder, self.model, self.grid = coder, model, grid
         self.height_of, self.displacement_of = height_of, displacement_of
-        self.steps = [m * (1 / height_step_m) for m in ERROR_M]
+        self.steps = [m * (1 / height_quantum_m) for m in ERROR_M]
         self.before = 0
 
     def begin_group(self):

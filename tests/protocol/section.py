@@ -53,7 +53,7 @@ class Test:
         self.see(view.pose.eye, view.pose.orientation, view)
         self.scale = 0.5 * view.height / self.tan_y / view.tau
         if frame.is_planar:
-            a, b, h = (*frame.axis_x_m, 0.0), (*frame.axis_y_m, 0.0), (0.0, 0.0, frame.height_step_m)
+            a, b, h = (*frame.axis_x_m, 0.0), (*frame.axis_y_m, 0.0), (0.0, 0.0, frame.height_quantum_m)
             o = tuple(-frame.anchor[0] * a[i] - frame.anchor[1] * b[i] - self.eye[i] for i in range(3))
             rows = self.right, self.up, self.forward, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
             self.rows = [(dot(r, a), dot(r, b), dot(r, h), dot(r, o)) for r in rows]
@@ -200,7 +200,7 @@ class Section:
     def step(self, view, coder):
         """To the section of `view`; returns how many nodes came and went."""
         self.test = Test(self.frame, view)
-        self.delta = DeltaDecoder(coder, self.model, self.grid, self.frame.height_step_m, self.height_of, self.displacement_of)
+        self.delta = DeltaDecoder(coder, self.model, self.grid, self.frame.height_quantum_m, self.height_of, self.displacement_of)
         levels = range(1, self.grid.last_level + 1)
         going, coming = {level: {} for level in levels}, {level: {} for level in levels}  # slot to: is it new?
         for slot, bound in self.bounds.items():

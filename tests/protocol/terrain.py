@@ -46,7 +46,7 @@ class Frame:
         self.__dict__.update(fields)
         numbers = [v for f in fields.values() for v in (f if isinstance(f, tuple) else (f,))]
         require(all(math.isfinite(v) and abs(v) <= 1e12 for v in numbers), "a frame beyond all numbers")
-        require(self.height_step_m > 0 and self.kind in (0, 1), "not a frame")
+        require(self.height_quantum_m > 0 and self.kind in (0, 1), "not a frame")
         self.is_planar = self.kind == 0
         if self.is_planar:
             (ax, ay), (bx, by) = self.axis_x_m, self.axis_y_m
@@ -77,7 +77,7 @@ class Frame:
 
     def position(self, x, y, height):
         """Scene coordinates of a lattice vertex at `height` steps."""
-        metres = height * self.height_step_m
+        metres = height * self.height_quantum_m
         if self.is_planar:
             dx, dy = x - self.anchor[0], y - self.anchor[1]
             (ax, ay), (bx, by) = self.axis_x_m, self.axis_y_m

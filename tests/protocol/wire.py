@@ -62,7 +62,7 @@ STRUCTS = {
     "Placement": ["double"] * 8 + ["uint"],
 }
 TABLES = {
-    "Frame": [("kind", "ubyte"), ("height_step_m", "double"), ("anchor", "Vec2"), ("axis_x_m", "Vec2"), ("axis_y_m", "Vec2"),
+    "Frame": [("kind", "ubyte"), ("height_quantum_m", "double"), ("anchor", "Vec2"), ("axis_x_m", "Vec2"), ("axis_y_m", "Vec2"),
               ("map_origin_m", "Vec2"), ("latitude0_rad", "double"), ("longitude0_rad", "double"),
               ("latitude_step_rad", "double"), ("longitude_step_rad", "double"), ("semi_major_m", "double"),
               ("flattening", "double"), ("origin", "Geodetic")],

@@ -1,5 +1,5 @@
 // Sockets as the tests need them: a raw TCP client and a WebSocket client by the letter of RFC 6455, sharing no code
-// with the server. Every wait is bounded by kPatience and ends a test rather than hanging it.
+// with the server. Every wait is bounded by kTimeout and ends a test rather than hanging it.
 #pragma once
 
 #include <arpa/inet.h>
@@ -19,12 +19,12 @@
 
 namespace foreland::test {
 
-inline constexpr std::chrono::seconds kPatience{20};
+inline constexpr std::chrono::seconds kTimeout{20};
 
 // Asks again and again, without sleeping, until it holds or patience ends. `holds` should do some waiting of its own.
 template <class Condition>
 bool eventually(Condition holds) {
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + kTimeout;
   while (!holds())
     if (std::chrono::steady_clock::now() > end) return false;
   return true;
@@ -66,7 +66,7 @@ class Socket {
 
   // What comes next, at most `count` bytes; empty at the end of the stream, however it came.
   std::string receiveSome(size_t count) {
-    if (!isReadable(kPatience)) {
+    if (!isReadable(kTimeout)) {
       ADD_FAILURE() << "the server says nothing and does not close";
       return {};
     }

@@ -23,7 +23,7 @@
 namespace foreland::server {
 namespace {
 
-constexpr std::chrono::seconds kPatience{20};
+constexpr std::chrono::seconds kTimeout{20};
 
 std::shared_ptr<const World> hillWorld() {
   static const auto world = std::make_shared<const World>(test::makeScene(129, 129, 11));
@@ -45,7 +45,7 @@ class Mailbox {
     changed_.notify_one();
   }
   // Nothing if nothing comes for a while.
-  std::optional<Item> take(std::chrono::milliseconds wait = kPatience) {
+  std::optional<Item> take(std::chrono::milliseconds wait = kTimeout) {
     std::unique_lock lock(mutex_);
     if (!changed_.wait_for(lock, wait, [this] { return !items_.empty(); })) return std::nullopt;
     Item item = std::move(items_.front());
@@ -115,7 +115,7 @@ class Host : public testing::Test {
   // Plays the I/O thread: poses from all, batches read at once, and told to be sent if the viewer's link moves. Until
   // `done`.
   bool fly(const std::function<bool()>& done, const std::function<bool(size_t)>& moves) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!done() && !testing::Test::HasFailure() && std::chrono::steady_clock::now() < end) {
       for (Viewer& viewer : viewers_) EXPECT_TRUE(viewer.actor->deliver(poseUpdate(viewer.keyframes)).ok());
       const auto item = mailbox_.take(std::chrono::milliseconds(5));

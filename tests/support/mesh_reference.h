@@ -22,7 +22,7 @@ struct Key {
   auto operator<=>(const Key&) const = default;
 };
 
-inline Key keyOf(const proto::MeshTopology& mesh, const proto::MeshPlace& place) {
+inline Key keyOf(const proto::MeshTopology& mesh, const proto::FacePoint& place) {
   Key key;
   for (uint32_t i = 0; i < 3; ++i)
     if (place.weights[i] > 0) key.weights[mesh.base().faces()[place.face][i]] = place.weights[i];
@@ -58,7 +58,7 @@ class MeshReference {
   const std::vector<Triangle>& triangles(int level) const { return levels_[static_cast<size_t>(level)]; }
   Key key(const Triangle& t, int corner) const {
     const Weights& w = t.corners[static_cast<size_t>(corner)];
-    return keyOf(mesh_, proto::MeshPlace{t.face, {w[0], w[1], w[2]}});
+    return keyOf(mesh_, proto::FacePoint{t.face, {w[0], w[1], w[2]}});
   }
 
  private:
@@ -96,7 +96,7 @@ class MeshReference {
         const int next = (i + 1) % 3;
         const Weights m =
             middle(coarse[t].corners[static_cast<size_t>(i)], coarse[t].corners[static_cast<size_t>(next)]);
-        Node& node = nodes_[keyOf(mesh_, proto::MeshPlace{coarse[t].face, {m[0], m[1], m[2]}})];
+        Node& node = nodes_[keyOf(mesh_, proto::FacePoint{coarse[t].face, {m[0], m[1], m[2]}})];
         node.level = level;
         node.endpoints = {key(coarse[t], i), key(coarse[t], next)};
         if (!is_quad_) addFinest(node, t, level - 1);

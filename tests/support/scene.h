@@ -89,10 +89,10 @@ inline HeightFunction noise(uint64_t seed, double metres) {
 }
 
 // Builds, opens, and removes the file's name; the scene lives as long as it is held. Aborts the test on failure.
-inline std::shared_ptr<const terrain::Scene> makeScene(terrain::ElevationSource& source, double height_step_m = 0.1,
+inline std::shared_ptr<const terrain::Scene> makeScene(terrain::ElevationSource& source, double height_quantum_m = 0.1,
                                                        unsigned threads = 1) {
   const TemporaryFolder folder;
-  const auto report = terrain::buildScene(source, {folder / "scene.fls", height_step_m, threads});
+  const auto report = terrain::buildScene(source, {folder / "scene.fls", height_quantum_m, threads});
   if (!report.ok()) std::fprintf(stderr, "makeScene: %s\n", report.error().message.c_str());
   CHECK_TRUE(report.ok());
   const auto scene = terrain::Scene::open(folder / "scene.fls");

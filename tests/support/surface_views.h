@@ -29,8 +29,8 @@ inline SurfaceView anySurfaceView(Rng& rng, bool is_closed) {
   made.view.lens = kScreen;
   made.view.tau_px = rng.uniform(0.3, 2);
   made.test.interior_px = made.view.tau_px * rng.uniform(1, 7);
-  made.view.ball_m = rng.below(2) * 0.1;
-  made.view.turn_rad = rng.below(2) * 0.2;
+  made.view.region_radius_m = rng.below(2) * 0.1;
+  made.view.region_angle_rad = rng.below(2) * 0.2;
   made.test.nearest_m = 0.05;
   made.test.is_closed = is_closed;
   return made;
@@ -39,9 +39,9 @@ inline SurfaceView anySurfaceView(Rng& rng, bool is_closed) {
 // Any pose that the view promises something for: in its ball, turned no farther than it says.
 inline proto::Pose anyPoseOf(const proto::View& view, Rng& rng) {
   proto::Pose pose = view.pose;
-  if (view.ball_m > 0) pose.eye += anyPlace(rng) * (view.ball_m / std::sqrt(3.0));
+  if (view.region_radius_m > 0) pose.eye += anyPlace(rng) * (view.region_radius_m / std::sqrt(3.0));
   const glm::dvec3 axis = glm::normalize(anyPlace(rng) + glm::dvec3(1e-3, 0, 0));
-  pose.orientation = glm::angleAxis(rng.uniform() * view.turn_rad, axis) * pose.orientation;
+  pose.orientation = glm::angleAxis(rng.uniform() * view.region_angle_rad, axis) * pose.orientation;
   return pose;
 }
 

@@ -23,10 +23,10 @@ class SurfaceWanderer {
         view_.tau_px = std::pow(2, rng_.uniform(-2, 5));
         break;
       case 2:
-        view_.ball_m = rng_.below(2) ? rng_.uniform(0, 0.2) : 0;
+        view_.region_radius_m = rng_.below(2) ? rng_.uniform(0, 0.2) : 0;
         break;
       case 3:
-        view_.turn_rad = rng_.below(2) ? rng_.uniform(0, 0.5) : 0;
+        view_.region_angle_rad = rng_.below(2) ? rng_.uniform(0, 0.5) : 0;
         break;
       case 4:
         view_.lens.vertical_fov_rad = rng_.uniform(0.4, 1.8);

@@ -39,7 +39,7 @@ class ToyTerrain {
       for (proto::NodeId child : grid.children(n)) errors[slot] = std::max(errors[slot], errors[grid.slot(child)]);
       const proto::NodeRecord& r = nodes_[slot];
       nodes_[slot] =
-          proto::NodeRecord::of(r.height(), r.displacement(), proto::ErrorClass::roundUp(errors[slot]), {kRadius});
+          proto::NodeRecord::of(r.height(), r.displacement(), proto::QuantisedError::roundUp(errors[slot]), {kRadius});
     }
   }
 
@@ -68,7 +68,7 @@ class ToyTerrain {
       view.pose.orientation = proto::lookAlong(ahead, {0, 0, 1});
     }
     if (rng.below(8) == 0) view.tau_px = static_cast<float>(std::exp2(rng.uniform(-3, 3)));
-    if (rng.below(8) == 0) view.ball_m = static_cast<float>(rng.uniform(0, 40));
+    if (rng.below(8) == 0) view.region_radius_m = static_cast<float>(rng.uniform(0, 40));
     return view;
   }
 

@@ -12,7 +12,7 @@ namespace foreland::test {
 // At a lattice place and a height (m), looking along an azimuth and down by -pitch.
 inline proto::View viewAt(const server::Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
   proto::View view;
-  view.pose.eye = h.frame().transform().toScene(proto::LatticePlace{x, y, height});
+  view.pose.eye = h.frame().transform().toScene(proto::LatticePosition{x, y, height});
   view.pose.orientation =
       proto::lookAlong({std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}, {0, 0, 1});
   view.lens = {1.0, 640, 360};
@@ -56,8 +56,8 @@ class Wanderer {
     last_ = viewAt(hierarchy_, std::fmod(x_ + shape.samples_x, shape.samples_x),
                    std::fmod(y_ + shape.samples_y, shape.samples_y), height_, yaw_, pitch_);
     last_.tau_px = tau_;
-    last_.ball_m = ball_;
-    last_.turn_rad = turn_;
+    last_.region_radius_m = ball_;
+    last_.region_angle_rad = turn_;
     last_.lens.vertical_fov_rad = fov_;
     return last_;
   }

@@ -13,9 +13,9 @@
 namespace foreland::terrain {
 namespace {
 
-using proto::ErrorClass;
 using proto::FrameKind;
 using proto::NodeId;
+using proto::QuantisedError;
 
 constexpr double kErrorRounding = 1.41422, kRadiusRounding = 1.18921;  // the steps between classes
 
@@ -48,8 +48,8 @@ class BruteForce {
   glm::dvec3 position(NodeId v) const { return positions_[static_cast<size_t>(v.y()) * (grid_.maxX() + 1) + v.x()]; }
 
   glm::dvec3 compute(NodeId v) const {
-    return transform_.toScene(proto::LatticePlace{static_cast<double>(v.x()), static_cast<double>(v.y()),
-                                                  scene_.height(v) * scene_.frame().height_step_m});
+    return transform_.toScene(proto::LatticePosition{static_cast<double>(v.x()), static_cast<double>(v.y()),
+                                                     scene_.height(v) * scene_.frame().height_quantum_m});
   }
 
   template <class Visit>
@@ -68,8 +68,8 @@ class BruteForce {
   glm::dvec3 middle(NodeId n) const {
     const auto [a, b] = grid_.endpoints(n);
     const double steps = std::floor((1.0 * scene_.height(a) + scene_.height(b)) / 2);
-    return transform_.toScene(proto::LatticePlace{static_cast<double>(n.x()), static_cast<double>(n.y()),
-                                                  steps * scene_.frame().height_step_m});
+    return transform_.toScene(proto::LatticePosition{static_cast<double>(n.x()), static_cast<double>(n.y()),
+                                                     steps * scene_.frame().height_quantum_m});
   }
   double radius(NodeId n) const { return scene_.spheres().radius(grid_.level(n), scene_.node(n).radius()); }
 
@@ -119,7 +119,7 @@ TEST_P(Bounds, ErrorsAreExactAndSaturated) {
     // Of this test's own arithmetic: heights in metres are not exact, and geographic coordinates are large.
     const double rounding_m = GetParam().kind == FrameKind::kGeographic ? 2e-8 : 1e-10;
     EXPECT_GE(stored, expected - rounding_m) << n.x() << ", " << n.y();
-    EXPECT_LE(stored, std::max<double>(ErrorClass{1}.metres(), (expected + 2e-7) * kErrorRounding))
+    EXPECT_LE(stored, std::max<double>(QuantisedError{1}.metres(), (expected + 2e-7) * kErrorRounding))
         << n.x() << ", " << n.y();
     EXPECT_EQ(expected <= rounding_m, scene->node(n).error().value == 0);
   });

@@ -21,7 +21,7 @@ TEST(FineErrors, EqualTheErrorsOfOneNodeAtATime) {
     for (int32_t& step : steps) step = static_cast<int32_t>(rng.below(1u << 30)) - (1 << 29);
     const Heights heights{steps, width, height};
     proto::Frame frame;
-    frame.height_step_m = 1;
+    frame.height_quantum_m = 1;
     const PlanarError reference(grid, frame, heights);
     uint64_t compared = 0;
     for (int number = grid.maxLevel(); number >= 1; --number) {

@@ -70,14 +70,14 @@ TEST(Build, WidensTheStepToWhatAllHeightsAreMultiplesOf) {
     });
     const auto report = buildScene(source, {.output = folder / "a.fls", .widen_step = true});
     ASSERT_TRUE(report.ok());
-    EXPECT_EQ(report->height_step_m, step) << unit << " " << odd;
+    EXPECT_EQ(report->height_quantum_m, step) << unit << " " << odd;
     EXPECT_EQ(report->notes.size(), step > 0.1 ? 2u : 1u);
     const auto scene = Scene::open(folder / "a.fls");
     ASSERT_TRUE(scene.ok());
-    EXPECT_EQ((*scene)->frame().height_step_m, step);
+    EXPECT_EQ((*scene)->frame().height_quantum_m, step);
     EXPECT_TRUE(verifyScene(folder / "a.fls")->sound());
     const auto kept = buildScene(source, {.output = folder / "b.fls"});
-    EXPECT_EQ(kept->height_step_m, 0.1);
+    EXPECT_EQ(kept->height_quantum_m, 0.1);
     EXPECT_NEAR(report->highest_m, kept->highest_m, unit == 1.7 ? 0.1 : 0.051);
   }
 }

@@ -42,7 +42,8 @@ double worstError_m(const proto::Frame& frame, int samples, Rng& rng) {
   const proto::FrameTransform transform(frame);
   double worst = 0;
   for (int i = 0; i < 500; ++i) {
-    const proto::LatticePlace at{rng.uniform(0, samples - 1), rng.uniform(0, samples - 1), rng.uniform(-11000, 9000)};
+    const proto::LatticePosition at{rng.uniform(0, samples - 1), rng.uniform(0, samples - 1),
+                                    rng.uniform(-11000, 9000)};
     const proto::Geodetic place{frame.latitude0_rad + at.y * frame.latitude_step_rad,
                                 frame.longitude0_rad + at.x * frame.longitude_step_rad, at.height_m};
     const glm::dvec3 reference = referenceToScene(frame, place);
@@ -97,8 +98,8 @@ TEST(GeoFrame, LatticePlacesSurviveTheRoundTrip) {
   Rng rng(testSeed());
   const proto::FrameTransform transform(geographicFrame(46, 8, 1.0 / 1200, 1201));
   for (int i = 0; i < 1000; ++i) {
-    const proto::LatticePlace at{rng.uniform(0, 1200), rng.uniform(0, 1200), rng.uniform(-100, 9000)};
-    const proto::LatticePlace back = transform.toLattice(transform.toScene(at));
+    const proto::LatticePosition at{rng.uniform(0, 1200), rng.uniform(0, 1200), rng.uniform(-100, 9000)};
+    const proto::LatticePosition back = transform.toLattice(transform.toScene(at));
     EXPECT_NEAR(back.x, at.x, 1e-7);
     EXPECT_NEAR(back.y, at.y, 1e-7);
     EXPECT_NEAR(back.height_m, at.height_m, 1e-6);
@@ -108,10 +109,10 @@ TEST(GeoFrame, LatticePlacesSurviveTheRoundTrip) {
 TEST(GeoFrame, SpacingIsTheDistanceBetweenNeighbours) {
   const proto::Frame frame = geographicFrame(46, 8, 1.0 / 1200, 1201);
   const proto::FrameTransform transform(frame);
-  const glm::dvec3 here = transform.toScene(proto::LatticePlace{600.5, 600.5, 0});
+  const glm::dvec3 here = transform.toScene(proto::LatticePosition{600.5, 600.5, 0});
   const glm::dvec2 spacing_m = sampleSpacing(frame, 1201, 1201);
-  EXPECT_NEAR(spacing_m.x, glm::distance(here, transform.toScene(proto::LatticePlace{601.5, 600.5, 0})), 1e-3);
-  EXPECT_NEAR(spacing_m.y, glm::distance(here, transform.toScene(proto::LatticePlace{600.5, 601.5, 0})), 1e-3);
+  EXPECT_NEAR(spacing_m.x, glm::distance(here, transform.toScene(proto::LatticePosition{601.5, 600.5, 0})), 1e-3);
+  EXPECT_NEAR(spacing_m.y, glm::distance(here, transform.toScene(proto::LatticePosition{600.5, 601.5, 0})), 1e-3);
 }
 
 }  // namespace

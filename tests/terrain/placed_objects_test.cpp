@@ -50,7 +50,7 @@ TEST_P(PlacedObjects, StandOnTheGroundTurnedAndScaled) {
   std::vector<glm::dvec2> places;
   for (int i = 0; i < 5; ++i) {
     places.emplace_back(10 + 20 * i, 80 - 15 * i);
-    const auto point = transform.toScene(proto::LatticePlace{places.back().x, places.back().y, 0});
+    const auto point = transform.toScene(proto::LatticePosition{places.back().x, places.back().y, 0});
     glm::dvec2 at = frame.map_origin_m + glm::dvec2(point);
     if (GetParam() == proto::FrameKind::kGeographic) {
       const proto::Geodetic g = transform.toGeodetic(point);
@@ -58,7 +58,7 @@ TEST_P(PlacedObjects, StandOnTheGroundTurnedAndScaled) {
     }
     requests.push_back({model, at, 0.5 * i, 30.0 * i, 1.0 + i});
   }
-  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_step_m = 0.1, .objects = requests}).ok());
+  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests}).ok());
   const auto scene = terrain::Scene::open(path);
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   const auto objects = terrain::readObjects(*scene);
@@ -71,7 +71,7 @@ TEST_P(PlacedObjects, StandOnTheGroundTurnedAndScaled) {
         (*scene)->height(proto::NodeId::at(static_cast<uint32_t>(places[i].x), static_cast<uint32_t>(places[i].y))) *
         0.1;
     const glm::dvec3 foot =
-        transform.toScene(proto::LatticePlace{places[i].x, places[i].y, ground_m + requests[i].height_m});
+        transform.toScene(proto::LatticePosition{places[i].x, places[i].y, ground_m + requests[i].height_m});
     const glm::dvec3 up = transform.upAt(foot);
     EXPECT_LT(glm::distance(p.toScene({0, 0, -2}), foot), 0.01) << i;
     EXPECT_LT(glm::distance(p.toScene({0, 0, 1}) - p.position, up * requests[i].scale), 1e-6) << i;
@@ -89,7 +89,7 @@ TEST(PlacedObjects, AreRefusedBeyondTheDataOrWithoutAModel) {
   const std::string model = writeSphere(folder), path = folder / "land.fls";
   FormulaSource source(65, 65, hills(6));
   const auto built = [&](const ObjectRequest& request) {
-    return terrain::buildScene(source, {.output = path, .height_step_m = 0.1, .objects = {request}});
+    return terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = {request}});
   };
   const auto beyond = built({model, {1e7, 1e7}});
   ASSERT_FALSE(beyond.ok());

@@ -114,11 +114,11 @@ struct Sewn {
       for (int32_t j = atlas.rowsOf(face).begin; j < atlas.rowsOf(face).end; ++j)
         for (int32_t i = atlas.columnsOf(face, j).begin; i < atlas.columnsOf(face, j).end; ++i) visit(face, i, j);
   }
-  void sew(unsigned threads = 1) { sewAtlas(atlas, mesh, texels, threads); }
+  void sew(unsigned threads = 1) { fillGutters(atlas, mesh, texels, threads); }
 };
 
 // A torus of squares lies in the plane without a crease: beyond every edge, the plane's own colour comes next.
-TEST(SewAtlas, AFlatTorusGoesOnBeyondItsEdges) {
+TEST(FillGutters, AFlatTorusGoesOnBeyondItsEdges) {
   constexpr int32_t kSquares = 3;
   constexpr uint64_t kSeed = 6;
   SCOPED_TRACE(kSeed);
@@ -144,31 +144,31 @@ TEST(SewAtlas, AFlatTorusGoesOnBeyondItsEdges) {
       };
       return corner(0) * step + i * way(1) + j * way(2);
     };
-    Sewn sewn(base, side);
-    sewn.forEach([&](uint32_t face, int32_t i, int32_t j) {
-      if (sewn.isInside(i, j)) sewn.at(face, i, j) = colour(place(face, i, j));
+    Sewn filled(base, side);
+    filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
+      if (filled.isInside(i, j)) filled.at(face, i, j) = colour(place(face, i, j));
     });
-    sewn.sew();
-    sewn.forEach([&](uint32_t face, int32_t i, int32_t j) {
-      if (sewn.isContinued(i, j)) return;
-      ASSERT_EQ(sewn.at(face, i, j), colour(place(face, i, j))) << "face " << face << ": " << i << ", " << j;
+    filled.sew();
+    filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
+      if (filled.isContinued(i, j)) return;
+      ASSERT_EQ(filled.at(face, i, j), colour(place(face, i, j))) << "face " << face << ": " << i << ", " << j;
     });
   }
 }
 
 // Each face in a colour of its own: around it stand colours of faces that touch it, and nothing else.
-TEST(SewAtlas, GuttersHoldColoursOfFacesThatTouch) {
+TEST(FillGutters, GuttersHoldColoursOfFacesThatTouch) {
   for (const test::NamedBase& base : test::baseMeshes()) {
     SCOPED_TRACE(base.name);
-    Sewn sewn(base, 16);
-    sewn.forEach([&](uint32_t face, int32_t i, int32_t j) {
-      if (sewn.isInside(i, j)) sewn.at(face, i, j) = face;
+    Sewn filled(base, 16);
+    filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
+      if (filled.isInside(i, j)) filled.at(face, i, j) = face;
     });
-    sewn.sew();
-    sewn.forEach([&](uint32_t face, int32_t i, int32_t j) {
-      if (sewn.isContinued(i, j)) return;
-      const Texel found = sewn.at(face, i, j);
-      ASSERT_LT(found, sewn.atlas.faces);
+    filled.sew();
+    filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
+      if (filled.isContinued(i, j)) return;
+      const Texel found = filled.at(face, i, j);
+      ASSERT_LT(found, filled.atlas.faces);
       const BaseFace &here = base.faces[face], &there = base.faces[found];
       ASSERT_NE(std::find_first_of(here.begin(), here.end(), there.begin(), there.end()), here.end())
           << "face " << face << ": " << i << ", " << j << " is of face " << found;
@@ -176,27 +176,27 @@ TEST(SewAtlas, GuttersHoldColoursOfFacesThatTouch) {
   }
 }
 
-TEST(SewAtlas, ADoneImageStaysAndAnyOtherPixelIsNamed) {
+TEST(FillGutters, ADoneImageStaysAndAnyOtherPixelIsNamed) {
   constexpr uint64_t kSeed = 8;
   SCOPED_TRACE(kSeed);
   Rng rng(kSeed);
   for (const test::NamedBase& base : test::baseMeshes()) {
     SCOPED_TRACE(base.name);
-    Sewn sewn(base, 4);
-    for (Texel& texel : sewn.texels) texel = static_cast<Texel>(rng.next());
-    Sewn other = sewn;
-    sewn.sew(1);
+    Sewn filled(base, 4);
+    for (Texel& texel : filled.texels) texel = static_cast<Texel>(rng.next());
+    Sewn other = filled;
+    filled.sew(1);
     other.sew(3);
-    ASSERT_EQ(sewn.texels, other.texels);
-    ASSERT_EQ(findSeam(sewn.atlas, sewn.mesh, sewn.texels, 1), std::nullopt);
+    ASSERT_EQ(filled.texels, other.texels);
+    ASSERT_EQ(findSeam(filled.atlas, filled.mesh, filled.texels, 1), std::nullopt);
     for (int n = 0; n < 60; ++n) {
-      const glm::uvec2 pixel(rng.below(sewn.atlas.width()), rng.below(sewn.atlas.height()));
-      Texel& texel = sewn.texels[uint64_t{pixel.y} * sewn.atlas.width() + pixel.x];
+      const glm::uvec2 pixel(rng.below(filled.atlas.width()), rng.below(filled.atlas.height()));
+      Texel& texel = filled.texels[uint64_t{pixel.y} * filled.atlas.width() + pixel.x];
       const Texel before = std::exchange(texel, texel ^ 0x01000000);
-      const auto seam = findSeam(sewn.atlas, sewn.mesh, sewn.texels, 1);
+      const auto seam = findSeam(filled.atlas, filled.mesh, filled.texels, 1);
       bool is_inside = false;
-      sewn.forEach([&](uint32_t face, int32_t i, int32_t j) {
-        is_inside |= glm::uvec2(sewn.atlas.pixel(face, i, j)) == pixel && sewn.isInside(i, j);
+      filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
+        is_inside |= glm::uvec2(filled.atlas.pixel(face, i, j)) == pixel && filled.isInside(i, j);
       });
       if (!is_inside) {
         ASSERT_TRUE(seam.has_value());

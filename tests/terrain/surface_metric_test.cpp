@@ -50,8 +50,8 @@ Arrangement randomArrangement(Rng& rng, ErrorShape kind) {
                static_cast<uint32_t>(200 + rng.below(1000))};
   view.tau_px = std::pow(10, rng.uniform(-1, 1));
   test.interior_px = view.tau_px * rng.uniform(1, 8);
-  view.ball_m = rng.below(2) * rng.uniform(0, 0.3);
-  view.turn_rad = rng.below(2) * rng.uniform(0, 0.6);
+  view.region_radius_m = rng.below(2) * rng.uniform(0, 0.3);
+  view.region_angle_rad = rng.below(2) * rng.uniform(0, 0.6);
   test.nearest_m = 1e-3;
   test.is_closed = rng.below(3) > 0;
   return setup;
@@ -87,7 +87,7 @@ TEST(SurfaceMetricLaws, WhatPassesHasParentsThatPass) {
 }
 
 // The outcome's slack, tried out: the eye moves by less, any way.
-TEST(SurfaceMetricLaws, OutcomesStandAsLongAsTheySay) {
+TEST(SurfaceMetricLaws, TestResultsStandAsLongAsTheySay) {
   uint64_t flips = 0, trials = 0;
   for (ErrorShape kind : kKinds)
     for (const test::NamedSurface& named : test::surfaces(MeshRule::kQuadrisection, 3)) {
@@ -100,16 +100,16 @@ TEST(SurfaceMetricLaws, OutcomesStandAsLongAsTheySay) {
         const SurfaceMetric metric(setup.view, setup.test);
         forEachNode(named.surface.topology, [&](NodeId, Slot slot) {
           const SurfaceBounds bounds = SurfaceBounds::of(records[slot], named.surface.step_m);
-          const auto outcome = metric.outcome(bounds);
-          EXPECT_EQ(outcome.passes, metric.passes(bounds));
-          EXPECT_GE(outcome.slack_m, 0);
+          const auto testResult = metric.testResult(bounds);
+          EXPECT_EQ(testResult.passes, metric.passes(bounds));
+          EXPECT_GE(testResult.slack_m, 0);
           const auto after = [&](double motion) {
             View moved = setup.view;
             moved.pose.eye += direction(rng) * motion;
             return SurfaceMetric(moved, setup.test).passes(bounds);
           };
-          EXPECT_EQ(after(outcome.slack_m * 0.9999), outcome.passes);
-          flips += after(outcome.slack_m * 3) != outcome.passes;
+          EXPECT_EQ(after(testResult.slack_m * 0.9999), testResult.passes);
+          flips += after(testResult.slack_m * 3) != testResult.passes;
           ++trials;
         });
       }

@@ -42,7 +42,7 @@ Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t hal
   made.records = computeBounds(made.surface, {.threads = 1});
   made.texels.resize(uint64_t{made.atlas.width()} * made.atlas.height());
   for (Texel& texel : made.texels) texel = static_cast<Texel>(rng.next());
-  sewAtlas(made.atlas, made.surface.topology.base(), made.texels, 1);
+  fillGutters(made.atlas, made.surface.topology.base(), made.texels, 1);
   return made;
 }
 

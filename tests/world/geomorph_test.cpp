@@ -86,7 +86,7 @@ class Onlooker {
     place_ += glm::dvec2(rng_.uniform(-0.3, 0.3), rng_.uniform(-0.3, 0.3));
     yaw_ += rng_.uniform(-0.01, 0.01);
     proto::View view = viewAt(hierarchy_, place_.x, place_.y, height_m_, yaw_, pitch_);
-    view.tau_px = tau_px_, view.ball_m = ball_m_, view.turn_rad = turn_rad_;
+    view.tau_px = tau_px_, view.region_radius_m = ball_m_, view.region_angle_rad = turn_rad_;
     return view;
   }
 
@@ -161,7 +161,7 @@ TEST_F(Geomorphs, AreDrawnAsTheWeightsHaveThemAndWithoutCracks) {
     size_t between = 0;
     for (int i = 0; i < 60; ++i) {
       keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
-      if (rng_.below(4) == 0) replica_->carryOn(anyInterval(), Blend::kGeomorph);
+      if (rng_.below(4) == 0) replica_->extend(anyInterval(), Blend::kGeomorph);
       const KeyframeMesh mesh = replica_->buildMesh();
       const bench::CrackReport cracks = bench::findCracks(mesh, scene_->grid().shape());
       ASSERT_EQ(cracks.cracks, 0u) << cracks.first;
@@ -181,7 +181,7 @@ TEST_F(Geomorphs, NeverJumpWhereTheyAreSeen) {
   size_t jumped = 0;
   for (int i = 0; i < 60; ++i) {
     if (i > 0 && rng_.below(4) == 0)
-      replica_->carryOn(anyInterval(), Blend::kGeomorph);
+      replica_->extend(anyInterval(), Blend::kGeomorph);
     else
       keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
     const KeyframeMesh mesh = replica_->buildMesh();

@@ -35,8 +35,8 @@ inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t coun
   std::vector<proto::ObjectPlacement> placements;
   for (uint32_t i = 0; i < count; ++i) {
     const double around = 6.28 * i / count, r = 0.3;
-    const proto::LatticePlace place{shape.samples_x * (0.5 + r * std::cos(around)),
-                                    shape.samples_y * (0.5 + r * std::sin(around)), 900};
+    const proto::LatticePosition place{shape.samples_x * (0.5 + r * std::cos(around)),
+                                       shape.samples_y * (0.5 + r * std::sin(around)), 900};
     placements.push_back({i % 2, frame.transform().toScene(place), glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)),
                           40.0 + 10.0 * (i % 3)});
   }

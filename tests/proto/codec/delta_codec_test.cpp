@@ -84,7 +84,7 @@ TEST(DeltaCodec, GoesOnFromAPresentedSection) {
     const Section presented = client.adapter.section();
 
     Server second(terrain);
-    PlainNodes source(terrain.nodes());
+    InMemoryNodes source(terrain.nodes());
     second.adapter = TerrainAdapter(terrain.domain(), presented.slots, source);
     client.adapter = TerrainAdapter(terrain.domain(), presented.slots, source);
     client.model = {};

@@ -40,7 +40,7 @@ struct Ends {
     server.begin(view);
     sent.assign(set.size(), {});
     for (size_t i = 0; i < set.size(); ++i) {
-      PlainSurfaceNodes source(records);
+      InMemorySurfaceNodes source(records);
       EXPECT_TRUE(adapters[i].adapt(set.placement(i).toObject(view), set.domain(i).topology().slotCount(), source,
                                     scratch, sent[i]));
       server.encode(i, sent[i], records, out, bits);
@@ -87,7 +87,7 @@ struct Ends {
     ASSERT_EQ(*presented, held());
     server = ObjectStream(set);
     for (size_t i = 0; i < set.size(); ++i) {
-      PlainSurfaceNodes source(records);
+      InMemorySurfaceNodes source(records);
       adapters[i] = SurfaceAdapter(set.domain(i), presented->objects[i].slots, source);
       server.hold(i, presented->objects[i], records);
     }

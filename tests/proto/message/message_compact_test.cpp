@@ -92,8 +92,8 @@ TEST(PoseUpdates, TakeAtMost16BytesAfterTheFirst) {
 
 KeyframeHeader headerFor(const TimedPose& pose, const KeyframeHeader& last, Rng& rng) {
   KeyframeHeader h{last.index + 1, last.index, pose.time, pose.pose, last.lens, last.tau_px, 0, 0, 0};
-  h.ball_m = shortAtLeast(rng.uniform(40, 41));
-  h.turn_rad = shortAtLeast(rng.uniform(0.1, 0.11));
+  h.region_radius_m = shortAtLeast(rng.uniform(40, 41));
+  h.region_angle_rad = shortAtLeast(rng.uniform(0.1, 0.11));
   h.fingerprint = static_cast<uint32_t>(rng.next());
   return h;
 }
@@ -105,8 +105,8 @@ void expectSameHeader(const KeyframeHeader& got, const KeyframeHeader& sent) {
   expectSamePose(got.pose, asSentInHeader(sent.pose));
   EXPECT_EQ(got.lens, sent.lens);
   EXPECT_EQ(std::bit_cast<uint32_t>(got.tau_px), std::bit_cast<uint32_t>(sent.tau_px));
-  EXPECT_EQ(std::bit_cast<uint32_t>(got.ball_m), std::bit_cast<uint32_t>(sent.ball_m));
-  EXPECT_EQ(std::bit_cast<uint32_t>(got.turn_rad), std::bit_cast<uint32_t>(sent.turn_rad));
+  EXPECT_EQ(std::bit_cast<uint32_t>(got.region_radius_m), std::bit_cast<uint32_t>(sent.region_radius_m));
+  EXPECT_EQ(std::bit_cast<uint32_t>(got.region_angle_rad), std::bit_cast<uint32_t>(sent.region_angle_rad));
   EXPECT_EQ(got.fingerprint, sent.fingerprint & got.fingerprint_mask);
 }
 
@@ -122,8 +122,8 @@ TEST(KeyframeHeaders, ArriveAsIfEachWereToldByItself) {
     KeyframeHeader sent = headerFor(flight.next(), last, rng);
     if (rng.below(20) == 0) sent.tau_px = static_cast<float>(rng.uniform(0.1, 9));
     if (rng.below(20) == 0) sent.lens = {rng.uniform(0.1, 2.9), static_cast<uint32_t>(1 + rng.below(16384)), 270};
-    if (rng.below(20) == 0) sent.ball_m = static_cast<float>(rng.uniform(0, 1e6));
-    if (rng.below(20) == 0) sent.turn_rad = 0;
+    if (rng.below(20) == 0) sent.region_radius_m = static_cast<float>(rng.uniform(0, 1e6));
+    if (rng.below(20) == 0) sent.region_angle_rad = 0;
     if (rng.below(20) == 0) sent.pose.eye.y += rng.uniform(-1e7, 1e7);
     if (rng.below(20) == 0) sent.index += static_cast<uint32_t>(rng.below(100'000));
     if (rng.below(20) == 0) sent.base_index -= static_cast<uint32_t>(rng.below(sent.base_index + 1));
@@ -251,7 +251,7 @@ TEST(CompactMessages, AnyBytesEndInAKeyframeThatCanBeSaidAgainOrInAnError) {
     if (!m || !std::holds_alternative<KeyframeMessage>(*m)) continue;
     const KeyframeHeader& h = std::get<KeyframeMessage>(*m).header;
     EXPECT_TRUE(isUsable(h.pose) && isUsable(h.lens) && h.tau_px > 0 && h.base_index < h.index);
-    EXPECT_TRUE(std::isfinite(h.tau_px) && std::isfinite(h.ball_m) && std::isfinite(h.turn_rad));
+    EXPECT_TRUE(std::isfinite(h.tau_px) && std::isfinite(h.region_radius_m) && std::isfinite(h.region_angle_rad));
     Bytes again;
     encodeHeader(h, said, again);
     EXPECT_TRUE(decodeServerMessage(again, heard).ok()) << "seed " << seed;

@@ -175,7 +175,7 @@ TEST(WirePose, AnyNumbersMakeAnOrientation) {
 
 TEST(WirePose, IsAsExactAsItsStepsSay) {
   Rng rng(5);
-  const auto turnBetween = [](const Pose& a, const Pose& b) {
+  const auto angleBetween = [](const Pose& a, const Pose& b) {
     const glm::dquat q = glm::conjugate(a.orientation) * b.orientation;
     return 2 * std::asin(std::min(1.0, std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z)));
   };
@@ -186,8 +186,8 @@ TEST(WirePose, IsAsExactAsItsStepsSay) {
       EXPECT_LE(std::fabs(own.eye[k] - pose.eye[k]), 0.0005 + 1e-9);
       EXPECT_LE(std::fabs(keyframe.eye[k] - pose.eye[k]), 0.004);
     }
-    EXPECT_LE(turnBetween(own, pose), 8e-5);
-    EXPECT_LE(turnBetween(keyframe, pose), 3.1e-4);
+    EXPECT_LE(angleBetween(own, pose), 8e-5);
+    EXPECT_LE(angleBetween(keyframe, pose), 3.1e-4);
   }
 }
 

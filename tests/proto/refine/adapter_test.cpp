@@ -22,7 +22,7 @@ TEST_P(Adaptation, EqualsRefinementFromScratchOnAnyMotion) {
     const Hierarchy hierarchy(test::makeScene(w, h, seed, GetParam()));
     Wanderer wanderer(hierarchy, seed);
     TerrainAdapter adapter(hierarchy.domain());
-    PlainNodes source = hierarchy.source();
+    InMemoryNodes source = hierarchy.source();
     AdaptScratch adapt_scratch;
     RefineScratch scratch;
     Section expected, held;
@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Frames, Adaptation, testing::Values(FrameKind::kPlanar,
 TEST(Adapter, TestsOnlyAFewNodesOnASmallMotion) {
   const Hierarchy hierarchy(test::makeScene(513, 513, 21));
   TerrainAdapter adapter(hierarchy.domain());
-  PlainNodes source = hierarchy.source();
+  InMemoryNodes source = hierarchy.source();
   AdaptScratch adapt_scratch;
   CutDelta delta;
   ASSERT_TRUE(adapter.adapt(viewAt(hierarchy, 200, 200, 1500, 0.3, -0.4), kNoLimit, source, adapt_scratch, delta));
@@ -60,7 +60,7 @@ TEST_P(Adaptation, GoesOnFromASectionThatItIsGiven) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
   const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, GetParam()));
   Wanderer wanderer(hierarchy, seed);
-  PlainNodes source = hierarchy.source();
+  InMemoryNodes source = hierarchy.source();
   AdaptScratch adapt_scratch;
   RefineScratch scratch;
   Section given, expected;
@@ -80,7 +80,7 @@ TEST_P(Adaptation, GoesOnFromASectionThatItIsGiven) {
 
 TEST(Adapter, RefusesSectionsBeyondItsLimit) {
   const Hierarchy hierarchy(test::makeScene(257, 257, 22));
-  PlainNodes source = hierarchy.source();
+  InMemoryNodes source = hierarchy.source();
   AdaptScratch adapt_scratch;
   CutDelta delta;
   const View view = viewAt(hierarchy, 100, 100, 1500, 0.3, -0.8);

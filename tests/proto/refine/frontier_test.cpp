@@ -39,19 +39,19 @@ TEST(SlotBits, AreASetOfSlots) {
 }
 
 struct Expected {
-  ErrorClass bound;
+  QuantisedError bound;
   float slack;
-  uint16_t hold;
+  uint16_t constraint;
 };
 
-// A frontier and what it should be. Slacks and tolls are small whole numbers, so the sums are exact.
+// A frontier and what it should be. Slacks and motions are small whole numbers, so the sums are exact.
 class Pair {
  public:
   explicit Pair(uint64_t seed) : rng_(seed) {}
 
   // Grows and shrinks in turns, so that rooms change their sizes and memory is given back.
   void step(bool grows) {
-    takeOff();
+    consume();
     for (int i = 0; i < 400; ++i) {
       const Slot slot = static_cast<Slot>(rng_.below(40)) << 8 | static_cast<Slot>(rng_.next() & 0xff);
       if (grows ? rng_.below(4) > 0 : rng_.below(4) == 0)
@@ -71,62 +71,62 @@ class Pair {
     if (page == Frontier::kNone) page = frontier_.makePage(slot, radiusOf(slot));
     const uint8_t low = static_cast<uint8_t>(slot);
     if (rng_.below(2)) {
-      frontier_.setActive(page, low, true);
-      active_.insert(slot);
+      frontier_.setInSection(page, low, true);
+      nodes_in_section_.insert(slot);
     }
-    const float reach = static_cast<float>(uint64_t{1} << rng_.below(20));
+    const float max_distance = static_cast<float>(uint64_t{1} << rng_.below(20));
     const Expected e{{static_cast<uint8_t>(rng_.next())},
                      static_cast<float>(rng_.below(2000)),
-                     Entry::hold(reach, static_cast<uint32_t>(rng_.below(3)))};
-    frontier_.list(page, low, e.bound, e.slack, e.hold);
+                     Entry::constraint(max_distance, static_cast<uint32_t>(rng_.below(3)))};
+    frontier_.list(page, low, e.bound, e.slack, e.constraint);
     listed_.insert_or_assign(slot, e);
   }
   void remove(Slot slot) {
     const uint32_t page = frontier_.find(slot);
     if (page == Frontier::kNone) return;
-    if (active_.erase(slot)) frontier_.setActive(page, static_cast<uint8_t>(slot), false);
+    if (nodes_in_section_.erase(slot)) frontier_.setInSection(page, static_cast<uint8_t>(slot), false);
     if (listed_.erase(slot)) frontier_.unlist(page, static_cast<uint8_t>(slot));
   }
-  void takeOff() {
-    Toll toll;
+  void consume() {
+    MotionBound motion;
     for (size_t g = 0; g < 3; ++g) {
-      toll.fixed[g] = static_cast<float>(1 + rng_.below(50));
-      toll.per_reach[g] = rng_.below(2) ? 0 : 0x1p-10f;
+      motion.fixed[g] = static_cast<float>(1 + rng_.below(50));
+      motion.per_distance[g] = rng_.below(2) ? 0 : 0x1p-10f;
     }
     std::set<Slot> expected, due;
     for (auto& [slot, e] : listed_) {
-      const Entry entry = Entry::of(0, {}, e.hold);
-      e.slack -= toll.fixed[entry.guard()] + toll.per_reach[entry.guard()] * entry.reach();
+      const Entry entry = Entry::of(0, {}, e.constraint);
+      e.slack -= motion.fixed[entry.sensitivity()] + motion.per_distance[entry.sensitivity()] * entry.max_distance();
       if (e.slack < 0) expected.insert(slot);
     }
-    frontier_.takeOff(toll, [&](uint32_t number, std::span<const uint32_t> places) {
+    frontier_.consume(motion, [&](uint32_t number, std::span<const uint32_t> places) {
       for (uint32_t place : places) due.insert(frontier_.page(number).first() | frontier_.entryAt(place).low());
-      for (uint32_t place : places) frontier_.renew(place, 1000, Entry::hold(1, 1));
+      for (uint32_t place : places) frontier_.renew(place, 1000, Entry::constraint(1, 1));
     });
     ASSERT_EQ(due, expected);
-    for (Slot slot : due) listed_[slot].slack = 1000, listed_[slot].hold = Entry::hold(1, 1);
+    for (Slot slot : due) listed_[slot].slack = 1000, listed_[slot].constraint = Entry::constraint(1, 1);
   }
   void compare() {
     frontier_.validate();
-    std::vector<Slot> active, listed, expected;
-    frontier_.forEachActive([&](Slot slot) { active.push_back(slot); });
-    frontier_.forEachListed([&](Slot slot) { listed.push_back(slot); });
+    std::vector<Slot> in_section, on_frontier, expected;
+    frontier_.forEachInSection([&](Slot slot) { in_section.push_back(slot); });
+    frontier_.forEachOnFrontier([&](Slot slot) { on_frontier.push_back(slot); });
     for (const auto& [slot, e] : listed_) {
       expected.push_back(slot);
       ASSERT_EQ(frontier_.bound(frontier_.page(frontier_.find(slot)), static_cast<uint8_t>(slot)), e.bound);
       ASSERT_EQ(frontier_.radius(slot), radiusOf(slot));
     }
-    ASSERT_EQ(listed, expected);
-    ASSERT_EQ(active, std::vector<Slot>(active_.begin(), active_.end()));
+    ASSERT_EQ(on_frontier, expected);
+    ASSERT_EQ(in_section, std::vector<Slot>(nodes_in_section_.begin(), nodes_in_section_.end()));
     ASSERT_EQ(frontier_.entryCount(), listed_.size());
     // Two thirds of the slots of a page may be empty, and twice as much be held.
     ASSERT_LE(frontier_.bytes(), 40 * 400 + 64 * listed_.size() + (size_t{1} << 16));
   }
-  static RadiusClass radiusOf(Slot slot) { return {static_cast<uint8_t>(slot >> 8)}; }
+  static QuantisedRadius radiusOf(Slot slot) { return {static_cast<uint8_t>(slot >> 8)}; }
 
   Rng rng_;
   Frontier frontier_;
-  std::set<Slot> active_;
+  std::set<Slot> nodes_in_section_;
   std::map<Slot, Expected> listed_;
 };
 

@@ -1,4 +1,4 @@
-// Guards, tried out: an outcome stands until the tolls of its own guard have used its slack up, whatever the camera
+// Guards, tried out: an outcome stands until the motions of its own guard have used its slack up, whatever the camera
 // does. The flight here calls passes() and nothing else of the test's.
 #include "proto/refine/metric.h"
 
@@ -29,8 +29,8 @@ class Flight {
     const double yaw = rng.uniform(-3.2, 3.2), pitch = rng.uniform(-1.5, 1.5);
     view_.pose.orientation =
         glm::angleAxis(yaw, glm::dvec3(0, 0, 1)) * glm::angleAxis(1.5 + pitch, glm::dvec3(1, 0, 0));
-    view_.ball_m = rng.below(2) ? rng.uniform(0, 20) : 0;
-    view_.turn_rad = rng.below(3) == 0 ? rng.uniform(0, 0.4) : 0;
+    view_.region_radius_m = rng.below(2) ? rng.uniform(0, 20) : 0;
+    view_.region_angle_rad = rng.below(3) == 0 ? rng.uniform(0, 0.4) : 0;
     const auto maybe = [&](double most) { return rng.below(3) == 0 ? rng.uniform(-most, most) : 0.0; };
     ahead_ = rng.below(4) == 0 ? maybe(30) : rng.uniform(0, 30);
     aside_ = maybe(10), climb_ = maybe(10), turn_ = maybe(0.05), growth_ = maybe(0.5), scale_ = maybe(0.02);
@@ -47,8 +47,8 @@ class Flight {
         pace * (ahead_ * level + aside_ * glm::dvec3(-level.y, level.x, 0) + climb_ * glm::dvec3(0, 0, 1));
     const glm::dvec3 axis = glm::normalize(glm::dvec3(rng_.uniform(-1, 1), rng_.uniform(-1, 1), 2));
     view_.pose.orientation = glm::normalize(glm::angleAxis(pace * turn_, axis) * view_.pose.orientation);
-    view_.ball_m = std::max(0.0, view_.ball_m + growth_ * rng_.uniform(-1, 1));
-    view_.turn_rad = std::max(0.0, view_.turn_rad + 0.1 * turn_ * rng_.uniform(-1, 1));
+    view_.region_radius_m = std::max(0.0, view_.region_radius_m + growth_ * rng_.uniform(-1, 1));
+    view_.region_angle_rad = std::max(0.0, view_.region_angle_rad + 0.1 * turn_ * rng_.uniform(-1, 1));
     view_.tau_px *= 1 + scale_ * rng_.uniform(-1, 1);
   }
 
@@ -80,13 +80,15 @@ Node randomNode(const View& view, bool vertical, Rng& rng) {
 }
 
 // Flies on while the slack lasts. Returns the steps that it lasted.
-int flyOut(Flight flight, bool vertical, const Node& node, Metric::Guard guard, double slack, const std::string& what) {
+int flyOut(Flight flight, bool vertical, const Node& node, Metric::Sensitivity sensitivity, double slack,
+           const std::string& what) {
   const bool passed = passes(flight.view(), vertical, node);
-  const double reach = glm::distance(node.at, flight.view().pose.eye) + slack;
+  const double max_distance = glm::distance(node.at, flight.view().pose.eye) + slack;
   for (int steps = 0; steps < 50; ++steps) {
     const View last = flight.view();
     flight.step();
-    slack -= Metric(last, vertical).tollTo(last, flight.view()).of(static_cast<size_t>(guard), reach);
+    slack -=
+        Metric(last, vertical).motionBoundTo(last, flight.view()).of(static_cast<size_t>(sensitivity), max_distance);
     if (slack < 0) return steps;
     EXPECT_EQ(passes(flight.view(), vertical, node), passed) << what << ", step " << steps << ", slack left " << slack;
     if (testing::Test::HasFailure()) return steps;
@@ -94,29 +96,29 @@ int flyOut(Flight flight, bool vertical, const Node& node, Metric::Guard guard, 
   return 50;
 }
 
-TEST(Metric, OutcomesStandAsLongAsTheirSlackLasts) {
+TEST(Metric, TestResultsStandAsLongAsTheirSlackLasts) {
   const uint64_t seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed()) + 1;
   Rng rng(seed);
-  std::array<int, Toll::kGuards> taken{}, steps{};
+  std::array<int, MotionBound::kSensitivities> taken{}, steps{};
   for (int i = 0; i < 40000 && !HasFailure(); ++i) {
     Flight flight(rng);
     const bool vertical = rng.below(3) > 0;
     const Metric m(flight.view(), vertical);
     Flight next = flight;
     next.step();
-    const Toll toll = m.tollTo(flight.view(), next.view());
+    const MotionBound motion = m.motionBoundTo(flight.view(), next.view());
     const Node node = randomNode(flight.view(), vertical, rng);
-    const Metric::Outcome outcome = m.outcome(place(m, node.at), node.radius_m, node.error_m, toll);
-    const auto guard = static_cast<size_t>(outcome.guard);
-    EXPECT_GE(outcome.slack, 0);
-    ++taken[guard];
-    steps[guard] +=
-        flyOut(flight, vertical, node, outcome.guard, outcome.slack,
-               "seed " + std::to_string(seed) + ", case " + std::to_string(i) + ", guard " + std::to_string(guard));
+    const Metric::TestResult testResult = m.testResult(place(m, node.at), node.radius_m, node.error_m, motion);
+    const auto sensitivity = static_cast<size_t>(testResult.sensitivity);
+    EXPECT_GE(testResult.slack, 0);
+    ++taken[sensitivity];
+    steps[sensitivity] += flyOut(flight, vertical, node, testResult.sensitivity, testResult.slack,
+                                 "seed " + std::to_string(seed) + ", case " + std::to_string(i) + ", sensitivity " +
+                                     std::to_string(sensitivity));
   }
-  for (size_t guard = 0; guard < Toll::kGuards; ++guard) {
-    EXPECT_GT(taken[guard], 100) << "guard " << guard << ", seed " << seed;
-    EXPECT_GT(steps[guard], taken[guard]) << "guard " << guard << ", seed " << seed;
+  for (size_t sensitivity = 0; sensitivity < MotionBound::kSensitivities; ++sensitivity) {
+    EXPECT_GT(taken[sensitivity], 100) << "sensitivity " << sensitivity << ", seed " << seed;
+    EXPECT_GT(steps[sensitivity], taken[sensitivity]) << "sensitivity " << sensitivity << ", seed " << seed;
   }
 }
 

@@ -22,7 +22,7 @@ struct Event {
   Kind kind;
   Slot slot = 0;
   int known = 0, least = 0;
-  bool is_active = false, is_new = false;
+  bool is_in_section = false, is_new = false;
   bool operator==(const Event&) const = default;
 };
 using Events = std::vector<Event>;
@@ -33,24 +33,24 @@ class Listener final : public NodeSource<TerrainBatch> {
   explicit Listener(const Hierarchy& h) : plain_(h.nodes()) {}
   Events events;
 
-  RadiusClass radius(Slot first) override {
+  QuantisedRadius radius(Slot first) override {
     events.push_back({Event::kRadius, first});
     return plain_.radius(first);
   }
   void load(TerrainBatch& batch) override { plain_.load(batch); }
-  bool answer(int level, std::span<const Question> questions, std::span<uint8_t> answers) override {
+  bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
     events.push_back({Event::kGroup});
-    for (const Question& q : questions)
-      events.push_back({Event::kAnswer, q.slot, q.known.value, q.least.value, q.is_active, q.is_new});
-    return plain_.answer(level, questions, answers);
+    for (const Predicate& q : predicates)
+      events.push_back({Event::kAnswer, q.slot, q.known.value, q.least.value, q.is_in_section, q.is_new});
+    return plain_.decide(level, predicates, decisions);
   }
-  bool onAdded(int, std::span<const Slot> slots, std::span<const ErrorClass> passed) override {
+  bool onAdded(int, std::span<const Slot> slots, std::span<const QuantisedError> passed) override {
     for (size_t i = 0; i < slots.size(); ++i) events.push_back({Event::kHeight, slots[i], 0, passed[i].value});
     return true;
   }
 
  private:
-  PlainNodes plain_;
+  InMemoryNodes plain_;
 };
 
 // Section 10, word for word.
@@ -74,8 +74,8 @@ class Reference {
       if (passes(slot, bound) != section_.contains(slot))
         (section_.contains(slot) ? going : coming)[levelOf(slot)].insert({slot, false});
     for (int level = grid_.maxLevel(); level >= 1; --level) remove(going[level], going[level - 1]);
-    for (auto& [level, open] : coming)
-      std::erase_if(open, [this](const auto& o) { return !bounds_.contains(o.first); });
+    for (auto& [level, undecided] : coming)
+      std::erase_if(undecided, [this](const auto& o) { return !bounds_.contains(o.first); });
     std::map<int, std::set<Slot>> arriving;
     for (Slot slot = 0; is_first_ && slot < grid_.slotCount(); ++slot)
       if (isAddable(slot) && !bounds_.contains(slot)) arriving[levelOf(slot)].insert(slot);
@@ -117,7 +117,7 @@ class Reference {
   }
   double radius(Slot slot) const { return h_.domain().radius(levelOf(slot), record(slot).radius()); }
   bool passes(Slot slot, int c) const {
-    return metric_->passes(place(slot), radius(slot), ErrorClass{static_cast<uint8_t>(c)}.metres());
+    return metric_->passes(place(slot), radius(slot), QuantisedError{static_cast<uint8_t>(c)}.metres());
   }
   // Passing grows with the class: a search instead of the metric's guess.
   int leastClass(Slot slot) const {
@@ -127,10 +127,10 @@ class Reference {
     return least;
   }
 
-  std::vector<Settled> settle(const Open& open) {
+  std::vector<Settled> resolve(const Open& undecided) {
     std::vector<Settled> settled;
     size_t asked_in_group = 0;
-    for (const auto& [slot, is_new] : open) {
+    for (const auto& [slot, is_new] : undecided) {
       if (settled.size() % TerrainBatch::kSize == 0) asked_in_group = 0;
       const int least = leastClass(slot);
       int& bound = bounds_[slot];
@@ -151,7 +151,7 @@ class Reference {
 
   void remove(const Open& going, Open& above) {
     std::vector<Slot> gone;
-    for (const Settled& s : settle(going))
+    for (const Settled& s : resolve(going))
       if (!s.is_in) gone.push_back(s.slot);
     for (Slot slot : gone) section_.erase(slot);
     for (Slot slot : gone) {
@@ -169,7 +169,7 @@ class Reference {
       coming.insert({slot, true});
     }
     std::vector<Slot> come;
-    for (const Settled& s : settle(coming)) {
+    for (const Settled& s : resolve(coming)) {
       if (!s.is_in) continue;
       events_.push_back({Event::kHeight, s.slot, 0, s.least});
       come.push_back(s.slot);

@@ -16,8 +16,8 @@ constexpr size_t kNoLimit = 1u << 30;
 
 View randomView(const Hierarchy& h, Rng& rng) {
   const GridShape& shape = h.grid().shape();
-  const LatticePlace place{rng.uniform(-50, shape.samples_x + 50), rng.uniform(-50, shape.samples_y + 50),
-                           600 + std::pow(10, rng.uniform(0, 4))};
+  const LatticePosition place{rng.uniform(-50, shape.samples_x + 50), rng.uniform(-50, shape.samples_y + 50),
+                              600 + std::pow(10, rng.uniform(0, 4))};
   View view;
   view.pose.eye = h.frame().transform().toScene(place);
   const double yaw = rng.uniform(0, 6.28), pitch = rng.uniform(-1.5, 0.5);
@@ -74,8 +74,9 @@ INSTANTIATE_TEST_SUITE_P(Frames, Refinement, testing::Values(FrameKind::kPlanar,
 
 TEST(RefineLimits, StopsAtTheStatedNumberOfNodes) {
   const Hierarchy hierarchy(test::makeScene(129, 129, 3));
-  View view{
-      {hierarchy.frame().transform().toScene(LatticePlace{64, 64, 3000}), lookAlong({0, 0, -1}, {0, 0, 1})}, {}, 0.01};
+  View view{{hierarchy.frame().transform().toScene(LatticePosition{64, 64, 3000}), lookAlong({0, 0, -1}, {0, 0, 1})},
+            {},
+            0.01};
   RefineScratch scratch;
   Section section;
   EXPECT_TRUE(refine(hierarchy, view, kNoLimit, scratch, section));

@@ -36,7 +36,7 @@ TEST_P(SurfaceAdaptation, EqualsTheNodesThatPassOnAnyMotion) {
         .mesh = &named.surface.topology, .step_m = named.surface.step_m, .is_closed = named.is_closed};
     SurfaceWanderer wanderer(seed);
     Adapter<SurfaceBatch> adapter(domain);
-    PlainSurfaceNodes source(records);
+    InMemorySurfaceNodes source(records);
     AdaptScratch scratch;
     Section held;
     size_t most = 0;
@@ -62,7 +62,7 @@ TEST(SurfaceAdapter, TestsOnlyAFewNodesOnASmallMotion) {
   const auto records = terrain::computeBounds(sphere, {.threads = 1});
   const SurfaceDomain domain{.mesh = &sphere.topology, .step_m = sphere.step_m};
   Adapter<SurfaceBatch> adapter(domain);
-  PlainSurfaceNodes source(records);
+  InMemorySurfaceNodes source(records);
   AdaptScratch scratch;
   CutDelta delta;
   View view;

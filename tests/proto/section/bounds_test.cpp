@@ -12,36 +12,36 @@
 namespace foreland::proto {
 namespace {
 
-TEST(ErrorClass, RoundsUpByAtMostAStepAndKeepsOrder) {
+TEST(QuantisedError, RoundsUpByAtMostAStepAndKeepsOrder) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
   Rng rng(seed);
-  const double step = std::exp2(1.0 / ErrorClass::kPerOctave) * 1.000001;
+  const double step = std::exp2(1.0 / QuantisedError::kPerOctave) * 1.000001;
   for (int i = 0; i < 100000; ++i) {
     const double metres = std::exp2(rng.uniform(-23, 37)), other = metres * rng.uniform(1, 1.1);
-    const ErrorClass c = ErrorClass::roundUp(metres);
+    const QuantisedError c = QuantisedError::roundUp(metres);
     ASSERT_GE(c.metres(), metres) << "seed " << seed;
     ASSERT_LE(c.metres(), metres * step) << "seed " << seed;
-    ASSERT_LE(c, ErrorClass::roundUp(other)) << "seed " << seed;
-    ASSERT_EQ(ErrorClass::roundUp(c.metres()), c) << "seed " << seed;
+    ASSERT_LE(c, QuantisedError::roundUp(other)) << "seed " << seed;
+    ASSERT_EQ(QuantisedError::roundUp(c.metres()), c) << "seed " << seed;
   }
-  EXPECT_EQ(ErrorClass::roundUp(0).value, 0);
-  EXPECT_EQ(ErrorClass::roundUp(1).metres(), 1.0f);
-  EXPECT_GT(ErrorClass::roundUp(5e-324).metres(), 0);
+  EXPECT_EQ(QuantisedError::roundUp(0).value, 0);
+  EXPECT_EQ(QuantisedError::roundUp(1).metres(), 1.0f);
+  EXPECT_GT(QuantisedError::roundUp(5e-324).metres(), 0);
 }
 
-TEST(ErrorClass, FastConversionsAreTheSame) {
+TEST(QuantisedError, FastConversionsAreTheSame) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
   Rng rng(seed);
   for (int c = 1; c < 256; ++c) {
-    const float metres = ErrorClass{static_cast<uint8_t>(c)}.metres();
-    ASSERT_EQ(ErrorClass::metresFast(c), metres);
-    ASSERT_EQ(ErrorClass::roundUpFast(metres), c);
-    ASSERT_EQ(ErrorClass::roundUpFast(std::nextafter(metres, 0.0f)), c);
-    ASSERT_EQ(ErrorClass::roundUpFast(std::nextafter(metres, 1e38f)), c + 1);
+    const float metres = QuantisedError{static_cast<uint8_t>(c)}.metres();
+    ASSERT_EQ(QuantisedError::metresFast(c), metres);
+    ASSERT_EQ(QuantisedError::roundUpFast(metres), c);
+    ASSERT_EQ(QuantisedError::roundUpFast(std::nextafter(metres, 0.0f)), c);
+    ASSERT_EQ(QuantisedError::roundUpFast(std::nextafter(metres, 1e38f)), c + 1);
   }
   for (int i = 0; i < 100000; ++i) {
     const float metres = static_cast<float>(std::exp2(rng.uniform(-24, 37)));
-    ASSERT_EQ(ErrorClass::roundUpFast(metres), ErrorClass::roundUp(metres).value) << "seed " << seed;
+    ASSERT_EQ(QuantisedError::roundUpFast(metres), QuantisedError::roundUp(metres).value) << "seed " << seed;
   }
 }
 
@@ -55,7 +55,7 @@ TEST(SphereLevels, RoundsUpByAtMostAStepAndNestsLevelGround) {
   for (int level = 1; level <= grid.maxLevel(); ++level)
     for (int i = 0; i < 1000; ++i) {
       const double radius = spheres.radius(level, {}) * std::exp2(rng.uniform(0, 8));
-      const RadiusClass c = spheres.roundUp(level, radius);
+      const QuantisedRadius c = spheres.roundUp(level, radius);
       ASSERT_GE(spheres.radius(level, c), radius);
       ASSERT_LE(spheres.radius(level, c), radius * 1.18921);
     }
@@ -75,8 +75,8 @@ TEST(NodeRecord, KeepsWhatItIsGiven) {
   for (int i = 0; i < 10000; ++i) {
     const auto height = static_cast<int32_t>(rng.below(2 * kMaxHeight + 1)) - kMaxHeight;
     const auto displacement = static_cast<int32_t>(rng.below(1 << 24)) - (1 << 23);
-    const ErrorClass error{static_cast<uint8_t>(rng.below(256))};
-    const RadiusClass radius{static_cast<uint8_t>(rng.below(128))};
+    const QuantisedError error{static_cast<uint8_t>(rng.below(256))};
+    const QuantisedRadius radius{static_cast<uint8_t>(rng.below(128))};
     const NodeRecord r = NodeRecord::of(height, displacement, error, radius);
     ASSERT_EQ(r.height(), height);
     ASSERT_EQ(r.displacement(), displacement);

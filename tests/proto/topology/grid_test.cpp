@@ -127,10 +127,10 @@ TEST_P(Grid, ChildrenAreTheNodesThatHaveItAsParent) {
     for (NodeId parent : grid.parents(n)) children[parent].insert(n);
   });
   forEachNode(grid, [&](NodeId n) {
-    std::set<NodeId> listed;
-    for (NodeId child : grid.children(n)) EXPECT_TRUE(listed.insert(child).second);
-    EXPECT_EQ(listed, children[n]);
-    EXPECT_LE(listed.size(), 4u);
+    std::set<NodeId> on_frontier;
+    for (NodeId child : grid.children(n)) EXPECT_TRUE(on_frontier.insert(child).second);
+    EXPECT_EQ(on_frontier, children[n]);
+    EXPECT_LE(on_frontier.size(), 4u);
   });
 }
 

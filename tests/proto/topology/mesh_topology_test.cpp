@@ -105,10 +105,10 @@ TEST_P(Mesh, ChildrenAreTheNodesThatHaveItAsParent) {
     for (NodeId parent : mesh.parents(n)) children[parent].insert(n);
   });
   forEachNode([&](NodeId n, Slot) {
-    std::set<NodeId> listed;
-    for (NodeId child : mesh.children(n)) EXPECT_TRUE(listed.insert(child).second);
-    EXPECT_EQ(listed, children[n]);
-    EXPECT_LE(listed.size(), mesh.rule() == MeshRule::kQuadrisection ? 6u : 4u);
+    std::set<NodeId> on_frontier;
+    for (NodeId child : mesh.children(n)) EXPECT_TRUE(on_frontier.insert(child).second);
+    EXPECT_EQ(on_frontier, children[n]);
+    EXPECT_LE(on_frontier.size(), mesh.rule() == MeshRule::kQuadrisection ? 6u : 4u);
   });
 }
 
@@ -128,7 +128,7 @@ TEST_P(Mesh, IdsOfNodesAreTheOnlyOnesItContains) {
 
 TEST_P(Mesh, AVertexIsAtOnePlaceInAllFacesThatHoldIt) {
   const auto expectAt = [&](NodeId v) {
-    const MeshPlace place = mesh.place(v);
+    const FacePoint place = mesh.place(v);
     EXPECT_EQ(place.weights[0] + place.weights[1] + place.weights[2], mesh.placeScale());
     for (uint32_t i = 0; i < 3; ++i) {
       const HalfEdge h = 3 * place.face + i, twin = mesh.base().twin(h);

@@ -35,8 +35,8 @@ Nodes randomSection(const MeshTopology& mesh, uint64_t one_in, Rng& rng) {
 }
 
 // Twice the area of weights' triangle, in units of the whole face being placeScale() squared.
-int64_t twiceArea(const MeshPlace& a, const MeshPlace& b, const MeshPlace& c) {
-  const auto w = [](const MeshPlace& p, int i) { return static_cast<int64_t>(p.weights[i]); };
+int64_t twiceArea(const FacePoint& a, const FacePoint& b, const FacePoint& c) {
+  const auto w = [](const FacePoint& p, int i) { return static_cast<int64_t>(p.weights[i]); };
   return (w(b, 1) - w(a, 1)) * (w(c, 2) - w(a, 2)) - (w(b, 2) - w(a, 2)) * (w(c, 1) - w(a, 1));
 }
 
@@ -51,8 +51,8 @@ struct Drawn {
     const int64_t scale = mesh.placeScale();
     for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) {
       int64_t area = 0;
-      const auto is_active = [&](NodeId n) { return section.contains(n); };
-      forEachTriangleOf(mesh, face, is_active, [&](NodeId a, NodeId b, NodeId c) {
+      const auto is_in_section = [&](NodeId n) { return section.contains(n); };
+      forEachTriangleOf(mesh, face, is_in_section, [&](NodeId a, NodeId b, NodeId c) {
         const int64_t own = twiceArea(mesh.placeIn(face, a), mesh.placeIn(face, b), mesh.placeIn(face, c));
         EXPECT_GT(own, 0);
         area += own;
@@ -152,10 +152,10 @@ TEST_P(Triangles, DrawExactlyTheSurfaceOfTheSection) {
       value[n] = (value.at(a) + value.at(b)) / 2 + (section.contains(n) ? number() : 0);
     }
     const auto expectInside = [&](uint32_t face, NodeId a, NodeId b, NodeId c) {
-      const MeshPlace pa = mesh.placeIn(face, a), pb = mesh.placeIn(face, b), pc = mesh.placeIn(face, c);
+      const FacePoint pa = mesh.placeIn(face, a), pb = mesh.placeIn(face, b), pc = mesh.placeIn(face, c);
       const auto area = static_cast<double>(twiceArea(pa, pb, pc));
       for (NodeId n : nodes) {
-        const MeshPlace p = mesh.place(n);
+        const FacePoint p = mesh.place(n);
         if (p.face != face) continue;
         const int64_t u = twiceArea(p, pb, pc), v = twiceArea(pa, p, pc), w = twiceArea(pa, pb, p);
         if (u < 0 || v < 0 || w < 0) continue;

@@ -12,24 +12,26 @@
 namespace foreland::proto {
 
 // Steps. Heights are within kMaxHeight + 1, so that no sum overflows.
-struct Surroundings {
-  int32_t ends = 0;      // sum of the edge's ends
-  int32_t twist = 0;     // sum of the triangles' apexes minus that of the ends
-  int32_t bends = 0;     // sum of the parents' displacements' sizes
-  int32_t together = 0;  // sum of the parents' displacements
+struct PredictionContext {
+  int32_t ends = 0;              // sum of the edge's ends
+  int32_t apex_difference = 0;   // sum of the triangles' apexes minus that of the ends
+  int32_t parent_magnitude = 0;  // sum of the parents' displacements' sizes
+  int32_t parent_sum = 0;        // sum of the parents' displacements
 
   // A guess at the error.
-  double expected() const { return 0.25 * static_cast<double>(2 * int64_t{bends} + std::abs(twist)) + 0.25; }
+  double expected() const {
+    return 0.25 * static_cast<double>(2 * int64_t{parent_magnitude} + std::abs(apex_difference)) + 0.25;
+  }
 
   // Four times the displacement that a quadratic surface would have; real ones have three quarters of it.
-  int32_t curve() const { return twist + together; }
+  int32_t curve() const { return apex_difference + parent_sum; }
   // At the height.
   int32_t guess() const { return (8 * ends + 3 * curve() + 8) >> 4; }
 
   // Where they are looked up. The records are on their way from memory once their places are found, so whoever finds
   // the places of many nodes first does not wait for each.
   struct Places {
-    std::array<VertexPlace, 2> ends, apexes;  // of a single apex, twice the same
+    std::array<VertexHeight, 2> ends, apexes;  // of a single apex, twice the same
   };
   // Of a node of a level. `nodes` is a table of node_tables.h.
   template <class Nodes>
@@ -40,22 +42,22 @@ struct Surroundings {
     const auto apexes = grid.apexes(n);
     for (int i = 0; i < apexes.count; ++i)  // those of level 1 are the centres of roots
       places.apexes[static_cast<size_t>(i)] =
-          level == 1 ? nodes.find(apexes.ids[i]) : VertexPlace{&nodes.at(grid.slot(apexes.ids[i], level - 1)), 0};
+          level == 1 ? nodes.find(apexes.ids[i]) : VertexHeight{&nodes.at(grid.slot(apexes.ids[i], level - 1)), 0};
     if (apexes.count == 1) places.apexes[1] = places.apexes[0];
     for (const auto& vertices : {places.ends, places.apexes})
-      for (const VertexPlace& v : vertices) __builtin_prefetch(v.record);
+      for (const VertexHeight& v : vertices) __builtin_prefetch(v.record);
     return places;
   }
-  static Surroundings of(const Places& places) {
-    Surroundings around;
-    around.ends = places.ends[0].height() + places.ends[1].height();
-    for (const VertexPlace& apex : places.apexes) {
-      around.twist += apex.height();
-      around.bends += std::abs(apex.displacement());
-      around.together += apex.displacement();
+  static PredictionContext of(const Places& places) {
+    PredictionContext context;
+    context.ends = places.ends[0].height() + places.ends[1].height();
+    for (const VertexHeight& apex : places.apexes) {
+      context.apex_difference += apex.height();
+      context.parent_magnitude += std::abs(apex.displacement());
+      context.parent_sum += apex.displacement();
     }
-    around.twist -= around.ends;
-    return around;
+    context.apex_difference -= context.ends;
+    return context;
   }
 };
 
