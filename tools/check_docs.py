@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Proves that documents tell the truth about what exists.
+"""Checks that documents and comments name only what exists.
 
-    tools/check_docs.py               prints each lie as FILE:LINE: ..., exits 1 if there is one
-    tools/check_docs.py --self-test   proves that each kind of lie is found
+    tools/check_docs.py               prints each wrong name as FILE:LINE: ..., exits 1 if there is one
+    tools/check_docs.py --self-test   plants wrong names of each kind in a scratch tree and checks that all are found
 
-  * a path in backticks or in a link of a Markdown file exists (globs match something; build outputs are not looked for);
-  * a docs/*.md or other Markdown file of ours that a source comment names exists;
+  * a path in backticks or in a link of a Markdown file exists (a glob matches something; build outputs are not checked);
+  * a Markdown file that a source file names exists;
+  * a source file that a comment names exists: by its path from the root, or, without folders, anywhere in the repository;
   * every subcommand in apps/ has a section in README.md;
   * every file with a lock is named in docs/THREADS.md.
 """
@@ -24,11 +25,15 @@ SOURCE = (".h", ".cpp", ".cmake", "CMakeLists.txt", ".py", ".sh", ".fbs", ".js",
 TICKED = re.compile(r"`([^`\s]+)`")
 LINK = re.compile(r"\]\(([^)\s#]+)[^)]*\)")
 NAMED_DOC = re.compile(r"(?<![\w./-])((?:[\w-]+/)*[A-Za-z][\w-]*\.md)\b")
+# A source file by name. The build writes *_generated.h.
+NAMED_SOURCE = re.compile(r"(?<![\w./<*-])((?:[\w-]+/)*[\w-]+\.(?:h|cpp|py|sh|fbs|mjs|ts))\b(?![\w/(*]|\.\w)")
+GENERATED = re.compile(r"_generated\.h$")
+COMMENT_MARKS = {".h": "//", ".cpp": "//", ".fbs": "//", ".ts": "//", ".js": "//", ".mjs": "//", ".css": "//"}
 LOCK = re.compile(r"\bstd::(mutex|shared_mutex|recursive_mutex|condition_variable(_any)?)\b")
 
 
 def looks_like_path(token, tops):
-    """Backticks hold much that is no path: only what begins in a folder of ours, or is a file of the top level, counts."""
+    """The path that a token in backticks means, or None: it begins in a top folder, or is a top-level or Markdown file."""
     token = token.removeprefix("./").split(":")[0]
     if "(" in token or "<" in token or "$" in token or token.startswith(OUTPUTS):
         return None
@@ -44,6 +49,7 @@ class Tree:
         self.folders = {os.path.dirname(f) for f in self.files}
         self.folders |= {"/".join(f.split("/")[:n]) for f in self.folders for n in range(1, f.count("/") + 1)}
         self.tops = {f.split("/")[0] for f in self.files}
+        self.names = {os.path.basename(f) for f in self.files}
 
     def holds(self, path):
         path = os.path.normpath(path)
@@ -67,6 +73,22 @@ def lies_of_document(tree, path):
                 yield f"{path}:{number}: links to {target}, which does not exist"
 
 
+def comment_of(path, line):
+    """What stands behind the mark of a comment, outside addresses such as https://...; comments of several lines are not used."""
+    mark = COMMENT_MARKS.get(os.path.splitext(path)[1], "# ")
+    found = re.search(r"(?:^|[^:\"'])" + mark + "(.*)", line)
+    return found[1] if found else ""
+
+
+def gone_sources(tree, path, line):
+    for named in NAMED_SOURCE.findall(comment_of(path, line)):
+        if GENERATED.search(named):
+            continue
+        exists = tree.holds(named) or tree.holds(os.path.join(os.path.dirname(path), named)) if "/" in named else named in tree.names
+        if not exists and ("/" not in named or named.split("/")[0] in tree.tops):
+            yield named
+
+
 def lies_of_source(tree, path, threads):
     in_tests = path.startswith(("tests/", "bench/", "tools/"))
     locks = False
@@ -75,6 +97,8 @@ def lies_of_source(tree, path, threads):
             for named in NAMED_DOC.findall(line):
                 if not tree.holds(named) and not tree.holds(os.path.join(os.path.dirname(path), named)):
                     yield f"{path}:{number}: names {named}, which does not exist"
+        for named in gone_sources(tree, path, line):
+            yield f"{path}:{number}: names {named}, which does not exist"
         if LOCK.search(line.split("//")[0]) and not in_tests and not locks:
             locks = True
             if path not in threads and os.path.splitext(path)[0] + ".h" not in threads:
@@ -109,13 +133,16 @@ PLANTED = {
                  "## `foreland fly`: fly\n",
     "docs/A.md": "`C.md` `../outside` `A.md` `proto/`\n",
     "docs/THREADS.md": "`server/a.h`: one\n",
-    "proto/topology/node.h": "// see docs/A.md and docs/GONE.md\n",
+    "proto/topology/node.h": "// see docs/A.md and docs/GONE.md, server/a.h, a.cpp, b.{h,cpp} and *.h\n"
+                             "int a;  // (server/gone.h says why)\n// as in mesh.h\n#include <png.h>  // other_generated.h\n",
+    "tools/a.py": "# see proto/gone/node.h\nx = 'https://host/gone.h'  # node.h\n",
     "server/a.h": "std::mutex m;\n",
     "server/a.cpp": "std::mutex m;\n",
     "server/b.cpp": "// std::mutex\nstd::shared_mutex m;\n",
     "apps/CMakeLists.txt": "foreland_program(foreland-fly SOURCES fly.cpp)\nforeland_program(foreland-new SOURCES new.cpp)\n",
 }
 EXPECTED = ["names `proto/gone.h`", "names `proto/*.txt`", "links to docs/B.md", "names `C.md`", "names docs/GONE.md",
+            "node.h:2: names server/gone.h", "node.h:3: names mesh.h", "a.py:1: names proto/gone/node.h",
             "server/b.cpp:2: has a lock", "no section for `foreland new`"]
 
 

@@ -7,7 +7,7 @@
 #include "base/result.h"
 #include "terrain/dem/raster.h"
 
-typedef void* GDALDatasetH;  // as gdal.h declares it
+typedef void* GDALDatasetH;  // as GDAL declares it
 
 namespace foreland::terrain {
 

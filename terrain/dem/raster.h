@@ -1,5 +1,5 @@
 // One elevation file as rows of heights, top row first as image formats have it, with what the file says about its
-// place. The two readers (GDAL, OpenEXR) implement it; assemble.h turns one or more of them into an ElevationSource.
+// place. The two readers (GDAL, OpenEXR) implement it; mosaic.h turns one or more of them into an ElevationSource.
 // One owner, one thread at a time.
 #pragma once
 
