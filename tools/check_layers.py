@@ -33,6 +33,8 @@ SEES |= {
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
     "terrain/surface_store": [*PROTO, "terrain", "terrain/store", "terrain/surface"],
     "terrain/objects": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store"],
+    "terrain/render": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store", "terrain/objects",
+                       "terrain/model"],  # reference pictures; shares no code with server/occlusion
     "terrain/remesh": [*PROTO, "terrain", "terrain/model", "terrain/compare", "terrain/surface",
                        "terrain/surface_store"],
 }
@@ -63,10 +65,10 @@ TESTS = ["tests", "tests/support"]
 EDGES = ["apps", "bench", *TESTS]
 THIRD_PARTY = [
     (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem", *TESTS]),
-    (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem", *TESTS]),
+    (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem", "terrain/render", *TESTS]),
     (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
-    (r"embree\d?/", "Embree", ["server/occlusion", *TESTS]),
+    (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
     (r"boost/", "Boost", ["server/net", "client/fly/net", *EDGES]),
     (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
     (r"(draco/|meshoptimizer\.h$|zlib\.h$)", "a mesh codec to compare with, or zlib", ["bench/wire/peers", *TESTS]),

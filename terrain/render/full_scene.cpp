@@ -1,0 +1,185 @@
+// A ray caster of all that a scene file holds. The terrain is a quad a cell, turned such that its diagonal is that of
+// the finest section's two triangles; objects are instances of their models.
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <string>
+#include <vector>
+
+#include "proto/space/frame_grid.h"
+#include "proto/topology/mesh_triangles.h"
+#include "terrain/objects/placed_objects.h"
+#include "terrain/render/triangle_source.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+using proto::NodeId;
+
+constexpr uint64_t kMaxSamples = 1u << 28;
+constexpr uint32_t kTerrainGeometry = 0;
+
+// The corners of a cell such that its triangles are (0, 1, 3) and (2, 3, 1), counter-clockwise seen from above. The
+// diagonal joins the corner whose coordinates are both even with the one where both are odd: it is the edge from the
+// centre of a square of 2 x 2 cells to the square's corner.
+std::array<NodeId, 4> cornersOf(uint32_t x, uint32_t y) {
+  const NodeId sw = NodeId::at(x, y), se = NodeId::at(x + 1, y), ne = NodeId::at(x + 1, y + 1),
+               nw = NodeId::at(x, y + 1);
+  return (x + y) % 2 == 0 ? std::array{nw, sw, se, ne} : std::array{sw, se, ne, nw};
+}
+
+class FullTerrain {
+ public:
+  explicit FullTerrain(std::shared_ptr<const Scene> scene)
+      : scene_(std::move(scene)),
+        columns_(scene_->grid().shape().samples_x),
+        rows_(scene_->grid().shape().samples_y),
+        frame_(scene_->frame(), columns_ - 1, rows_ - 1) {}
+
+  glm::dvec3 middle() const { return position(NodeId::at(columns_ / 2, rows_ / 2)); }
+
+  void addTo(EmbreeScene& embree, const glm::dvec3& origin) const {
+    const size_t cells = size_t{columns_ - 1} * (rows_ - 1);
+    embree.addQuads(size_t{columns_} * rows_, cells, [&](std::span<glm::vec3> vertices, std::span<glm::uvec4> quads) {
+      for (uint32_t y = 0, i = 0; y < rows_; ++y)
+        for (uint32_t x = 0; x < columns_; ++x) vertices[i++] = glm::vec3(position(NodeId::at(x, y)) - origin);
+      for (uint32_t y = 0, i = 0; y + 1 < rows_; ++y)
+        for (uint32_t x = 0; x + 1 < columns_; ++x, ++i)
+          for (int k = 0; k < 4; ++k) quads[i][k] = number(cornersOf(x, y)[static_cast<size_t>(k)]);
+    });
+  }
+
+  std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const {
+    const std::array<NodeId, 4> cell = cornersOf(hit.primitive % (columns_ - 1), hit.primitive / (columns_ - 1));
+    if (hit.is_second) return {corner(cell[2]), corner(cell[3]), corner(cell[1])};
+    return {corner(cell[0]), corner(cell[1]), corner(cell[3])};
+  }
+
+ private:
+  uint32_t number(NodeId v) const { return v.y() * columns_ + v.x(); }
+  glm::dvec3 position(NodeId v) const { return frame_.position(v, scene_->height(v)); }
+  TriangleCorner corner(NodeId v) const {
+    const int32_t height = scene_->height(v);
+    return {frame_.position(v, height), {v.x(), v.y()}, height * scene_->frame().height_quantum_m};
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  uint32_t columns_, rows_;
+  proto::FrameGrid frame_;
+};
+
+// A model's every triangle, in its own frame. Vertices are numbered base vertices first, then nodes by slot.
+class FullModel {
+ public:
+  FullModel(std::shared_ptr<const MappedSurface> surface, const EmbreeScene& whole)
+      : surface_(std::move(surface)), embree_(EmbreeScene::partOf(whole)) {
+    const auto everywhere = [](NodeId) { return true; };
+    const proto::MeshTopology& mesh = surface_->topology();
+    for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) {
+      proto::forEachTriangleOf(mesh, face, everywhere, [&](NodeId a, NodeId b, NodeId c) {
+        for (NodeId v : {a, b, c}) indices_.push_back(number(v));
+      });
+      face_end_.push_back(static_cast<uint32_t>(indices_.size() / 3));
+    }
+  }
+
+  Status commit() {
+    std::vector<glm::vec3> vertices;
+    for (const glm::ivec3& steps : surface_->basePositions())
+      vertices.emplace_back(glm::dvec3(steps) * surface_->step_m());
+    for (const proto::SurfaceRecord& node : surface_->nodes())
+      vertices.emplace_back(glm::dvec3(node.position) * surface_->step_m());
+    embree_.addTriangles(vertices, indices_);
+    return embree_.commit();
+  }
+  const EmbreeScene& embree() const { return embree_; }
+
+  TriangleCorner corner(uint32_t triangle, size_t i) const {
+    const proto::MeshTopology& mesh = surface_->topology();
+    const uint32_t v = indices_[3 * size_t{triangle} + i], nodes = v - mesh.baseVertexCount();
+    const NodeId id = v < mesh.baseVertexCount() ? proto::baseVertexId(v) : mesh.node(nodes);
+    return {glm::dvec3(surface_->steps(id)) * surface_->step_m(), textureCoordinates(triangle, id), 0};
+  }
+
+ private:
+  uint32_t number(NodeId v) const {
+    const proto::MeshTopology& mesh = surface_->topology();
+    return mesh.isBase(v) ? proto::baseVertexOf(v) : mesh.baseVertexCount() + mesh.slot(v);
+  }
+  glm::dvec2 textureCoordinates(uint32_t triangle, NodeId v) const {
+    const proto::AtlasLayout atlas = surface_->atlas();
+    if (atlas.side == 0) return {0, 0};
+    const proto::MeshTopology& mesh = surface_->topology();
+    const auto face =
+        static_cast<uint32_t>(std::upper_bound(face_end_.begin(), face_end_.end(), triangle) - face_end_.begin());
+    const proto::FacePoint at = mesh.placeIn(face, v);
+    const double scale = mesh.placeScale();
+    return atlas.coordinates(face, {at.weights[0] / scale, at.weights[1] / scale, at.weights[2] / scale});
+  }
+
+  std::shared_ptr<const MappedSurface> surface_;
+  std::vector<uint32_t> indices_, face_end_;  // triangles of the faces up to each
+  EmbreeScene embree_;
+};
+
+// Geometry 0 is the terrain, geometry 1 + i object i.
+class FullTriangles final : public TriangleSource {
+ public:
+  FullTriangles(std::shared_ptr<const Scene> scene, PlacedObjects objects)
+      : terrain_(std::move(scene)), objects_(std::move(objects)) {}
+
+  glm::dvec3 middle() const { return terrain_.middle(); }
+
+  Status addTo(EmbreeScene& embree, const glm::dvec3& origin) {
+    terrain_.addTo(embree, origin);
+    for (const auto& surface : objects_.models) {
+      models_.push_back(std::make_unique<FullModel>(surface, embree));
+      if (Status s = models_.back()->commit(); !s.ok()) return s;
+    }
+    for (const proto::ObjectPlacement& p : objects_.set.placements()) {
+      const glm::dmat3 turn = glm::mat3_cast(p.orientation);
+      embree.addInstance(models_[p.model]->embree(), glm::mat3(turn * p.scale), glm::vec3(p.position - origin));
+    }
+    return {};
+  }
+
+  std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const override {
+    if (hit.instance == EmbreeHit::kNone) return terrain_.corners(hit);
+    const proto::ObjectPlacement& placement = objects_.set.placement(static_cast<size_t>(object(hit)));
+    std::array<TriangleCorner, 3> corners;
+    for (size_t i = 0; i < 3; ++i) {
+      corners[i] = models_[placement.model]->corner(hit.primitive, i);
+      corners[i].position = placement.toScene(corners[i].position);
+    }
+    return corners;
+  }
+  int32_t object(const EmbreeHit& hit) const override {
+    return hit.instance == EmbreeHit::kNone ? RayHit::kTerrain : static_cast<int32_t>(hit.instance - 1);
+  }
+
+ private:
+  FullTerrain terrain_;
+  PlacedObjects objects_;
+  std::vector<std::unique_ptr<FullModel>> models_;
+};
+
+}  // namespace
+
+Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene) {
+  const proto::GridShape& shape = scene->grid().shape();
+  if (uint64_t{shape.samples_x} * shape.samples_y > kMaxSamples)
+    return Error{ErrorCode::kLimit, "ray casting: the scene has " + std::to_string(shape.samples_x) + " x " +
+                                        std::to_string(shape.samples_y) + " samples, 2^28 are the most"};
+  Result<PlacedObjects> objects = readObjects(scene);
+  if (!objects.ok()) return objects.error();
+  auto triangles = std::make_unique<FullTriangles>(std::move(scene), std::move(*objects));
+  auto impl = std::make_unique<Impl>();
+  impl->origin = glm::round(triangles->middle());
+  if (Status s = triangles->addTo(impl->embree, impl->origin); !s.ok()) return s.error();
+  if (Status s = impl->embree.commit(); !s.ok()) return s.error();
+  impl->triangles = std::move(triangles);
+  return RayCaster(std::move(impl));
+}
+
+}  // namespace foreland::terrain

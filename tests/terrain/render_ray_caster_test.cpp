@@ -1,0 +1,209 @@
+// The ray caster against intersections that know nothing of Embree: every triangle tried in doubles, or a formula.
+#include "terrain/render/ray_caster.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "base/rng.h"
+#include "bench/oracle/drawn_surface.h"
+#include "proto/space/frame_grid.h"
+#include "terrain/render/parameter_lookup.h"
+#include "tests/support/hand_mesh.h"
+#include "tests/support/scene.h"
+#include "tests/support/surface_file.h"
+
+namespace foreland::test {
+namespace {
+
+using terrain::Ray;
+using terrain::RayCaster;
+using terrain::RayHit;
+
+struct ReferenceTriangle {
+  std::array<glm::dvec3, 3> at;
+  std::array<glm::dvec2, 3> lattice;
+};
+
+// Each square of 2 x 2 cells is a fan about its centre: the finest triangles of a bisection hierarchy. A square that
+// the data does not fill has only the triangles inside.
+std::vector<ReferenceTriangle> finestTriangles(const terrain::Scene& scene) {
+  static constexpr int kAround[9][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}, {0, 0}};
+  const proto::GridShape& shape = scene.grid().shape();
+  const proto::FrameTransform transform(scene.frame());
+  std::vector<ReferenceTriangle> triangles;
+  for (uint32_t y = 0; y + 1 < shape.samples_y; y += 2)
+    for (uint32_t x = 0; x + 1 < shape.samples_x; x += 2)
+      for (int k = 0; k < 8; ++k) {
+        ReferenceTriangle t;
+        const int corners[3][2] = {{1, 1}, {kAround[k][0], kAround[k][1]}, {kAround[k + 1][0], kAround[k + 1][1]}};
+        bool is_inside = true;
+        for (size_t i = 0; i < 3; ++i) {
+          const uint32_t cx = x + static_cast<uint32_t>(corners[i][0]), cy = y + static_cast<uint32_t>(corners[i][1]);
+          is_inside = is_inside && cx < shape.samples_x && cy < shape.samples_y;
+          if (!is_inside) break;
+          t.lattice[i] = {cx, cy};
+          t.at[i] = transform.toScene(
+              proto::LatticePosition{t.lattice[i].x, t.lattice[i].y,
+                                     scene.height(proto::NodeId::at(cx, cy)) * scene.frame().height_quantum_m});
+        }
+        if (is_inside) triangles.push_back(t);
+      }
+  return triangles;
+}
+
+struct ReferenceHit {
+  double distance_m = std::numeric_limits<double>::infinity();
+  double border = 0;  // least weight of a corner: how far inside the triangle
+  glm::dvec2 lattice{0};
+};
+
+// Moeller and Trumbore 1997.
+ReferenceHit tryAll(const std::vector<ReferenceTriangle>& triangles, const Ray& ray) {
+  ReferenceHit best;
+  for (const ReferenceTriangle& t : triangles) {
+    const glm::dvec3 u = t.at[1] - t.at[0], v = t.at[2] - t.at[0], p = glm::cross(ray.direction, v);
+    const double determinant = glm::dot(u, p);
+    const glm::dvec3 from = ray.origin - t.at[0], q = glm::cross(from, u);
+    const double a = glm::dot(from, p) / determinant, b = glm::dot(ray.direction, q) / determinant;
+    const double distance = glm::dot(v, q) / determinant;
+    if (!(a >= 0 && b >= 0 && a + b <= 1 && distance >= 0 && distance < best.distance_m)) continue;
+    best = {distance, std::min({a, b, 1 - a - b}), (1 - a - b) * t.lattice[0] + a * t.lattice[1] + b * t.lattice[2]};
+  }
+  return best;
+}
+
+glm::dvec3 anyDirection(Rng& rng) {
+  const double z = rng.uniform(-1, 0.2), turn = rng.uniform(0, 6.283185307179586);
+  return {std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z};
+}
+
+class RayCasterFrames : public testing::TestWithParam<proto::FrameKind> {};
+
+// Rays that pass within the floats' error of a border may choose a neighbour, so they are compared by position only.
+TEST_P(RayCasterFrames, FindsWhatTryingEveryTriangleFinds) {
+  const uint64_t seed = 11;
+  const auto scene = makeScene(70, 53, hills(seed), GetParam());
+  const auto caster = RayCaster::ofScene(scene);
+  ASSERT_TRUE(caster.ok());
+  const std::vector<ReferenceTriangle> triangles = finestTriangles(*scene);
+  const proto::FrameTransform transform(scene->frame());
+  Rng rng(seed);
+  int hits = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray{
+        transform.toScene(proto::LatticePosition{rng.uniform(5, 60), rng.uniform(5, 45), rng.uniform(200, 1400)}),
+        anyDirection(rng)};
+    const ReferenceHit expected = tryAll(triangles, ray);
+    const std::optional<RayHit> hit = caster->hit(ray);
+    ASSERT_EQ(hit.has_value(), std::isfinite(expected.distance_m)) << "seed " << seed << " ray " << i;
+    if (!hit) continue;
+    ++hits;
+    ASSERT_NEAR(hit->distance_m, expected.distance_m, expected.border > 1e-4 ? 1e-6 : 0.1) << i;
+    ASSERT_NEAR(glm::distance(hit->parameter, expected.lattice), 0, expected.border > 1e-4 ? 1e-6 : 0.01) << i;
+    ASSERT_NEAR(glm::distance(hit->position, ray.origin + hit->distance_m * ray.direction), 0, 1e-3) << i;
+    ASSERT_LE(glm::distance(hit->parameter, hit->corner), 1.0) << i;
+    ASSERT_EQ(hit->object, RayHit::kTerrain);
+  }
+  EXPECT_GT(hits, 200);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, RayCasterFrames,
+                         testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+
+// z = 100 + 0.2 x + 0.5 y, which whole steps of 0.1 m hold at every sample; spacing 10 m.
+TEST(RayCaster, GivesThePlanesOwnDepth) {
+  const auto scene = makeScene(41, 33, [](uint32_t x, uint32_t y) { return 100 + 2.0 * x + 5.0 * y; });
+  const auto caster = RayCaster::ofScene(scene);
+  ASSERT_TRUE(caster.ok());
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.2, -0.5, 1));
+  const glm::dvec3 foot(0, 0, scene->height(proto::NodeId::at(20, 16)) * 0.1), eye = foot + glm::dvec3(3, 4, 200);
+  Rng rng(3);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 target = foot + glm::dvec3(rng.uniform(-190, 190), rng.uniform(-150, 150), 0);
+    const glm::dvec3 on_plane = target + glm::dvec3(0, 0, 0.2 * (target.x - foot.x) + 0.5 * (target.y - foot.y));
+    const auto hit = caster->hit({eye, glm::normalize(on_plane - eye)});
+    ASSERT_TRUE(hit.has_value()) << i;
+    EXPECT_NEAR(hit->distance_m, glm::distance(on_plane, eye), 1e-9) << i;
+    EXPECT_NEAR(glm::distance(hit->normal, normal), 0, 1e-9) << i;
+    EXPECT_NEAR(hit->height_m, hit->position.z, 1e-9) << i;
+  }
+}
+
+TEST(RayCaster, FindsNothingBeyondTheDataOrTheRaysEnd) {
+  const auto scene =
+      makeScene(20, 20, [](uint32_t, uint32_t) { return 0.0; });  // its roots reach farther than its data
+  const auto caster = RayCaster::ofScene(scene);
+  ASSERT_TRUE(caster.ok());
+  const glm::dvec3 down(0, 0, -1),
+      corner = proto::FrameTransform(scene->frame()).toScene(proto::LatticePosition{19, 19, 50});
+  EXPECT_TRUE(caster->hit({corner - glm::dvec3(0.01, 0.01, 0), down}).has_value());
+  EXPECT_FALSE(caster->hit({corner + glm::dvec3(0.01, 0, 0), down}).has_value());
+  EXPECT_FALSE(caster->hit({corner + glm::dvec3(0, 0.01, 0), down}).has_value());
+  EXPECT_TRUE(caster->hit({glm::dvec3(0, 0, 50), down, 50.01}).has_value());
+  EXPECT_FALSE(caster->hit({glm::dvec3(0, 0, 50), down, 49.99}).has_value());
+  EXPECT_FALSE(caster->hit({glm::dvec3(0, 0, 50), -down}).has_value());
+}
+
+TEST(RayCaster, GivesTheSameToAnyNumberOfThreads) {
+  const auto scene = makeScene(65, 65, hills(2));
+  const auto caster = RayCaster::ofScene(scene);
+  ASSERT_TRUE(caster.ok());
+  Rng rng(5);
+  std::vector<Ray> rays(10'000);
+  for (Ray& ray : rays) ray = {{rng.uniform(-200, 200), rng.uniform(-200, 200), 2000}, anyDirection(rng)};
+  std::vector<std::optional<RayHit>> one(rays.size()), three(rays.size());
+  caster->hit(rays, one, 1);
+  caster->hit(rays, three, 3);
+  for (size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(one[i].has_value(), three[i].has_value());
+    if (!one[i]) continue;
+    ASSERT_EQ(one[i]->position, three[i]->position);
+  }
+}
+
+TEST(RayCaster, MeetsObjectsWhereTheyStand) {
+  const TemporaryFolder folder;
+  const std::string model = folder / "sphere.fls", path = folder / "land.fls";
+  writeSphere(model);  // radius 2
+  FormulaSource source(33, 33, [](uint32_t, uint32_t) { return 0.0; });
+  const std::vector<terrain::ObjectRequest> requests{{model, {0, 0}, 0, 0, 1}, {model, {50, 20}, 10, 30, 5}};
+  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests}).ok());
+  const auto caster = RayCaster::ofScene(*terrain::Scene::open(path));
+  ASSERT_TRUE(caster.ok());
+  const auto small = caster->hit({{0, 0, 100}, {0, 0, -1}}), large = caster->hit({{50, 20, 100}, {0, 0, -1}}),
+             between = caster->hit({{25, 10, 100}, {0, 0, -1}});
+  ASSERT_TRUE(small && large && between);
+  EXPECT_EQ(small->object, 0);
+  EXPECT_EQ(large->object, 1);
+  EXPECT_EQ(between->object, RayHit::kTerrain);
+  EXPECT_NEAR(small->distance_m, 100 - 4, 0.01);
+  EXPECT_NEAR(large->distance_m, 100 - (10 + 20), 0.01);
+  EXPECT_NEAR(between->distance_m, 100, 1e-9);
+}
+
+// A square of two triangles, lifted at one end: drawn at a weight, positions are the mix and parameters stay.
+TEST(DrawnSurface, IsCastAndLookedUpAtItsWeight) {
+  client::KeyframeMesh mesh = flatMesh(1, 8);
+  mesh.origin = {1000, 2000, 300};
+  for (glm::vec4& p : mesh.to_positions) p.z = 4;
+  const terrain::DrawnSurface drawn = bench::drawnSurface(mesh, 0.25);
+  const auto caster = RayCaster::ofSurface(drawn);
+  const auto lookup = terrain::ParameterLookup::of(drawn);
+  ASSERT_TRUE(caster.ok() && lookup.ok());
+  const auto hit = caster->hit({{1003, 2005, 400}, {0, 0, -1}});
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_NEAR(hit->distance_m, 99, 1e-9);
+  EXPECT_NEAR(glm::distance(hit->parameter, {3, 5}), 0, 1e-9);
+  const auto found = lookup->terrainAt({3, 5});
+  ASSERT_TRUE(found.has_value());
+  EXPECT_NEAR(glm::distance(*found, {1003, 2005, 301}), 0, 1e-9);
+  EXPECT_FALSE(lookup->terrainAt({8.01, 5}).has_value());
+  EXPECT_FALSE(lookup->objectAt(0, {0.5, 0.5}).has_value());
+}
+
+}  // namespace
+}  // namespace foreland::test
