@@ -15,9 +15,9 @@
 #include "apps/remesh_report.h"
 #include "terrain/model/png.h"
 #include "terrain/model/read_model.h"
-#include "terrain/remesh/paint.h"
+#include "terrain/remesh/paint/paint.h"
 #include "terrain/remesh/remesh.h"
-#include "terrain/remesh/surface_of.h"
+#include "terrain/remesh/remeshed_surface.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface_store/write_surface.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "proto/topology/atlas_layout.h"
-#include "terrain/remesh/original.h"
+#include "terrain/remesh/original/original.h"
 #include "terrain/surface/surface.h"
 
 namespace foreland::apps {

@@ -25,9 +25,8 @@ SEES |= {
     "terrain/geo": [*PROTO, "terrain"],
     "terrain/store": [*PROTO, "terrain"],
     "terrain/bounds": [*PROTO, "terrain", "terrain/store"],
-    "terrain/dem": [*PROTO, "terrain", "terrain/geo"],
     "terrain/surface": [*PROTO, "terrain"],
-    "terrain/build": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem",
+    "terrain/build": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem/voids",
                       "terrain/surface", "terrain/surface_store", "terrain/objects"],
     "terrain/model": [*PROTO, "terrain"],
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
@@ -35,9 +34,16 @@ SEES |= {
     "terrain/objects": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store"],
     "terrain/render": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store", "terrain/objects",
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
-    "terrain/remesh": [*PROTO, "terrain", "terrain/model", "terrain/compare", "terrain/surface",
-                       "terrain/surface_store"],
 }
+DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/formats", "terrain/dem/mosaic", "terrain/dem"]
+for at, room in enumerate(DEM_ROOMS):
+    SEES[room] = [*PROTO, "terrain", "terrain/geo", *DEM_ROOMS[:at]]
+SEES["terrain/dem/voids"] = ["base"]  # knows no file format
+REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
+                "terrain/remesh/paint"]
+for at, room in enumerate(REMESH_ROOMS):
+    SEES[room] = [*PROTO, "terrain", "terrain/model", "terrain/compare", "terrain/surface", "terrain/surface_store",
+                  *REMESH_ROOMS[:at]]
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
 SERVER_SEES = [*PROTO, "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
@@ -64,8 +70,8 @@ SEES["tests"] = [*LIBRARIES, *BENCH_ROOMS, "apps", "tests/support"]
 TESTS = ["tests", "tests/support"]
 EDGES = ["apps", "bench", *TESTS]
 THIRD_PARTY = [
-    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem", *TESTS]),
-    (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem", "terrain/render", *TESTS]),
+    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", *TESTS]),
+    (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem/formats", "terrain/render", *TESTS]),
     (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
@@ -156,7 +162,14 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("server/sched/b.cpp", "#include <boost/asio.hpp>\n", "must not use Boost"),
     ("terrain/store/b.cpp", "#include <gdal_priv.h>\n", "must not use GDAL"),
     ("terrain/build/b.cpp", "  #  include <ImfInputFile.h>\n", "must not use OpenEXR"),
-    ("terrain/dem/b.cpp", "#include <gdal.h>\n#include <cpl_conv.h>\n#include <OpenEXR/ImfInputFile.h>\n", ""),
+    ("terrain/dem/formats/b.cpp", "#include <gdal.h>\n#include <cpl_conv.h>\n#include <OpenEXR/ImfInputFile.h>\n", ""),
+    ("terrain/dem/b.cpp", "#include <gdal.h>\n", "must not use GDAL"),
+    ("terrain/dem/formats/c.cpp", '#include "terrain/dem/mosaic/a.h"\n', "terrain/dem/formats must not include terrain/dem/mosaic"),
+    ("terrain/build/d.cpp", '#include "terrain/dem/voids/a.h"\n', ""),
+    ("terrain/build/e.cpp", '#include "terrain/dem/open.h"\n', "terrain/build must not include terrain/dem"),
+    ("terrain/remesh/original/a.cpp", '#include "terrain/remesh/lattice/a.h"\n',
+     "terrain/remesh/original must not include terrain/remesh/lattice"),
+    ("terrain/remesh/a.cpp", '#include "terrain/remesh/paint/a.h"\n', "terrain/remesh must not include terrain/remesh/paint"),
     ("terrain/dem/c.cpp", "#include <GeographicLib/Geocentric.hpp>\n", "must not use GeographicLib"),
     ("terrain/build/c.cpp", '#include "apps/a.h"\n', "must not include apps"),
     ("proto/codec/c.h", '#include "tests/support/a.h"\n', "must not include tests"),

@@ -2,7 +2,7 @@
 
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/remesh.h"
-#include "terrain/remesh/surface_of.h"
+#include "terrain/remesh/remeshed_surface.h"
 #include "terrain/surface_store/mapped_surface.h"
 
 namespace foreland::bench {

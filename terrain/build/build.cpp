@@ -7,7 +7,7 @@
 #include <new>
 
 #include "terrain/bounds/bounds.h"
-#include "terrain/dem/voids.h"
+#include "terrain/dem/voids/voids.h"
 #include "terrain/store/scene_writer.h"
 
 namespace foreland::terrain {

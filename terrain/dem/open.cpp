@@ -7,10 +7,10 @@
 #include <system_error>
 
 #include "base/check.h"
-#include "terrain/dem/exr_raster.h"
-#include "terrain/dem/gdal_raster.h"
-#include "terrain/dem/mosaic.h"
-#include "terrain/dem/placement.h"
+#include "terrain/dem/formats/exr_raster.h"
+#include "terrain/dem/formats/gdal_raster.h"
+#include "terrain/dem/mosaic/mosaic.h"
+#include "terrain/dem/mosaic/placement.h"
 
 namespace foreland::terrain {
 
@@ -60,9 +60,9 @@ class RasterSource final : public ElevationSource {
   // The part of a tile that lies in the window; only where no earlier tile has data.
   Status copyTile(Tile& tile, uint32_t window_count) {
     const uint32_t begin = std::max(window_first_, tile.row);
-    const uint32_t end = std::min(window_first_ + window_count, tile.row + tile.raster->height());
+    const uint32_t end = std::min(window_first_ + window_count, tile.row + tile.raster->info().height);
     if (begin >= end) return {};
-    const uint32_t width = tile.raster->width();
+    const uint32_t width = tile.raster->info().width;
     tile_rows_.resize(size_t{end - begin} * width);
     if (Status s = tile.raster->readRows(begin - tile.row, end - begin, tile_rows_); !s.ok()) return s;
     for (uint32_t row = begin; row < end; ++row) {
@@ -109,7 +109,8 @@ Result<std::vector<std::unique_ptr<Raster>>> openFile(const std::filesystem::pat
 }
 
 Extent extentOf(const Raster& raster) {
-  return {raster.name(), raster.width(), raster.height(), raster.survey().lowest, raster.survey().highest};
+  const RasterInfo& info = raster.info();
+  return {info.name, info.width, info.height, info.survey.lowest, info.survey.highest};
 }
 
 // Every raster of every input, each with its map settled; what the files and their settling had to say goes to `notes`.
@@ -120,10 +121,10 @@ Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& in
     Result<std::vector<std::unique_ptr<Raster>>> rasters = openFile(input, options);
     if (!rasters.ok()) return rasters.error();
     for (std::unique_ptr<Raster>& raster : *rasters) {
-      std::vector<std::string> said = raster->notes();
-      Result<Georeference> map = settleMap(raster->georeference(), extentOf(*raster), options, said);
+      std::vector<std::string> said = raster->info().notes;
+      Result<Georeference> map = settleMap(raster->info().georeference, extentOf(*raster), options, said);
       if (!map.ok()) return map.error();
-      const std::string file = std::filesystem::path(raster->name()).filename().string();
+      const std::string file = std::filesystem::path(raster->info().name).filename().string();
       for (const std::string& note : said) notes.push_back(file + ": " + note);
       tiles.push_back({.raster = std::move(raster), .map = std::move(map).value()});
     }
@@ -135,7 +136,7 @@ std::string titleOf(const Mosaic& mosaic) {
   std::string title;
   for (const Tile& tile : mosaic.tiles) {
     if (title.size() > 200) return title + ", ...";
-    title += (title.empty() ? "" : ", ") + std::filesystem::path(tile.raster->name()).filename().string();
+    title += (title.empty() ? "" : ", ") + std::filesystem::path(tile.raster->info().name).filename().string();
   }
   return title;
 }

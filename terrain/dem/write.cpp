@@ -3,7 +3,7 @@
 #include <string>
 #include <system_error>
 
-#include "terrain/dem/write_formats.h"
+#include "terrain/dem/formats/write_formats.h"
 
 namespace foreland::terrain {
 

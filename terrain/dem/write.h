@@ -1,31 +1,14 @@
-// Writes heights as an elevation file that openElevation reads back, row by row. The file appears whole or not at all.
-// One owner.
+// Creates elevation files that openElevation reads back. A file appears under its name whole or not at all.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <memory>
-#include <span>
 
 #include "base/result.h"
+#include "terrain/dem/raster/elevation_writer.h"
 
 namespace foreland::terrain {
 
-struct ElevationFile {
-  std::filesystem::path path;  // .exr, .tif or .tiff
-  uint32_t width = 0, height = 0;
-  double spacing_m = 1;
-};
-
-class ElevationWriter {
- public:
-  // Nothing of the file is left if the writer goes before finish() succeeded.
-  virtual ~ElevationWriter() = default;
-  // The next rows, from the top (north), each `width` samples.
-  virtual Status writeRows(uint32_t count, std::span<const float> rows) = 0;
-  virtual Status finish() = 0;
-};
-
+// The suffix of the path chooses the format. The writer belongs to the caller, one thread at a time.
 Result<std::unique_ptr<ElevationWriter>> createElevationFile(const ElevationFile& file);
 
 }  // namespace foreland::terrain

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "terrain/compare/closest.h"
-#include "terrain/remesh/original.h"
-#include "terrain/remesh/surface_point.h"
+#include "terrain/remesh/original/original.h"
+#include "terrain/remesh/original/surface_point.h"
 
 namespace foreland::terrain {
 

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "terrain/parallel.h"
-#include "terrain/remesh/creases.h"
 #include "terrain/remesh/importance.h"
-#include "terrain/remesh/placement.h"
-#include "terrain/remesh/relax.h"
-#include "terrain/remesh/simplify.h"
+#include "terrain/remesh/lattice/embedding.h"
+#include "terrain/remesh/lattice/relax.h"
+#include "terrain/remesh/original/creases.h"
+#include "terrain/remesh/simplify/simplify.h"
 
 namespace foreland::terrain {
 

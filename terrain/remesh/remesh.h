@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "base/result.h"
-#include "terrain/remesh/lattice.h"
-#include "terrain/remesh/original.h"
-#include "terrain/remesh/surface_point.h"
+#include "terrain/remesh/lattice/lattice.h"
+#include "terrain/remesh/original/original.h"
+#include "terrain/remesh/original/surface_point.h"
 
 namespace foreland::terrain {
 

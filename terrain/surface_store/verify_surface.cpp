@@ -8,8 +8,8 @@
 #include "terrain/parallel.h"
 #include "terrain/store/faults.h"
 #include "terrain/surface/error_shape.h"
+#include "terrain/surface_store/fill_gutters.h"
 #include "terrain/surface_store/mapped_surface.h"
-#include "terrain/surface_store/sew_atlas.h"
 
 namespace foreland::terrain {
 

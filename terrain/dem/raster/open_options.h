@@ -1,0 +1,29 @@
+// How elevation files are to be understood where they leave it open, as the user says it. Plain data.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace foreland::terrain {
+
+enum class FrameChoice : uint8_t {
+  kAuto,        // as the file's reference system says
+  kPlanar,      // geographic input is flattened at its middle latitude (small areas only)
+  kGeographic,  // coordinates without a reference system are degrees on WGS84
+};
+
+enum class HeightEncoding : uint8_t {
+  kPlain,      // one band of heights
+  kTerrarium,  // three bands of 8 bits: red * 256 + green + blue / 256 - 32768 metres
+};
+
+struct OpenOptions {
+  std::optional<double> nodata{};        // replaces the file's own
+  std::optional<double> spacing_m{};     // for inputs without a reference system (EXR, images)
+  std::optional<std::string> channel{};  // EXR channel, band number, or variable of a file with several
+  FrameChoice frame = FrameChoice::kAuto;
+  HeightEncoding encoding = HeightEncoding::kPlain;
+};
+
+}  // namespace foreland::terrain

@@ -1,0 +1,40 @@
+// Colours of a model, carried to the base faces of its remesh: one image for all
+// (proto/topology/atlas_layout.h). Textures and vertex colours are looked up where the original lies under each
+// texel, so seams of the model's own texture coordinates do no harm. The result does not depend on the number of
+// threads.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "terrain/model/model.h"
+#include "terrain/model/png.h"
+#include "terrain/remesh/original/original.h"
+#include "terrain/remesh/remesh.h"
+#include "terrain/surface_store/surface_format.h"
+
+namespace foreland::terrain {
+
+// A model with what its colours come from.
+struct Palette {
+  const Model& model;
+  std::vector<Image> textures;  // of each material; without pixels if it has none
+};
+
+// Whether the model has any colour at all.
+[[nodiscard]] bool hasColours(const Palette& palette);
+
+// Texel intervals along a base edge, such that the base faces have about as many texels as the model uses of its
+// textures, or four for each coloured vertex; at least 4, and no more than an image can hold.
+[[nodiscard]] uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t base_faces);
+
+struct Painted {
+  proto::AtlasLayout atlas;
+  std::vector<Texel> texels;
+};
+// `side` is at least 1 and rounded up as proto::AtlasLayout::of does. Error: an image beyond
+// proto::AtlasLayout::kMaxPixels a side.
+[[nodiscard]] Result<Painted> paint(const Palette& palette, const Original& original, const Remeshed& remeshed,
+                                    uint32_t side, unsigned threads);
+
+}  // namespace foreland::terrain

@@ -1,0 +1,85 @@
+#include "terrain/remesh/remeshed_surface.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <utility>
+
+namespace foreland::terrain {
+
+using glm::dvec3;
+
+double finestStep(const std::vector<dvec3>& positions) {
+  dvec3 low = positions.front(), high = low;
+  for (const dvec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  return std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
+}
+
+namespace {
+
+// How far each vertex of the last halving stands off the middle of its edge.
+std::vector<double> finestDisplacements(const Remeshed& remeshed) {
+  const Lattice& lattice = remeshed.lattice;
+  std::vector<double> sizes;
+  const auto add = [&](uint32_t face, uint32_t i, uint32_t j) {
+    const uint32_t di = i & 1, dj = j & 1;
+    if (di + dj == 0) return;
+    const auto at = [&](uint32_t x, uint32_t y) { return remeshed.positions[lattice.vertex(face, x, y)]; };
+    const dvec3 middle = di == 0   ? (at(i, j - 1) + at(i, j + 1)) / 2.0
+                         : dj == 0 ? (at(i - 1, j) + at(i + 1, j)) / 2.0
+                                   : (at(i - 1, j + 1) + at(i + 1, j - 1)) / 2.0;
+    sizes.push_back(glm::distance(at(i, j), middle));
+  };
+  for (uint32_t face = 0; face < remeshed.base_faces.size(); ++face)
+    for (uint32_t j = 0; j <= lattice.side(); ++j)
+      for (uint32_t i = 0; i + j <= lattice.side(); ++i) add(face, i, j);
+  return sizes;
+}
+
+}  // namespace
+
+double defaultStep(const Remeshed& remeshed) {
+  const double finest = finestStep(remeshed.positions);
+  std::vector<double> sizes = finestDisplacements(remeshed);
+  if (sizes.empty()) return finest;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double wanted = *middle > 0 ? std::exp2(std::floor(std::log2(*middle / 16))) : finest;
+  return std::clamp(wanted, finest, std::ldexp(finest, 7));
+}
+
+Status checkStep(const std::vector<dvec3>& positions, double step_m) {
+  for (const dvec3& p : positions)
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::fabs(p[axis]) > kMaxSteps * step_m) {
+        char text[120];
+        std::snprintf(text, sizeof(text),
+                      "a coordinate of %g is more than 2^30 steps of %g; move the model or choose a coarser step",
+                      p[axis], step_m);
+        return Error{ErrorCode::kLimit, text};
+      }
+  return {};
+}
+
+Result<TrueSurface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m) {
+  auto made = proto::MeshTopology::create({rule, static_cast<uint32_t>(std::countr_zero(remeshed.lattice.side())),
+                                           static_cast<uint32_t>(remeshed.base_vertices.size()), remeshed.base_faces});
+  if (!made.ok()) return made.error();
+  const proto::MeshTopology topology = *made;
+  const double scale = topology.placeScale();
+  return makeSurface(*made, step_m, remeshed.base_vertices, [&](proto::NodeId n, const dvec3&) {
+    const proto::FacePoint place = topology.place(n);
+    if (rule == proto::MeshRule::kQuadrisection)
+      return remeshed.positions[remeshed.lattice.vertex(place.face, place.weights[1], place.weights[2])];
+    const dvec3 weights = dvec3(place.weights[0], place.weights[1], place.weights[2]) / scale;
+    const LatticeCell cell = remeshed.lattice.cellAt(place.face, weights);
+    dvec3 drawn(0);
+    for (int k = 0; k < 3; ++k) drawn += cell.weights[k] * remeshed.positions[cell.vertices[static_cast<size_t>(k)]];
+    return drawn;
+  });
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,193 @@
+// The file of a surface: what is written comes back, what is damaged is found, what is forged does no harm.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/rng.h"
+#include "terrain/store/scene.h"
+#include "terrain/surface/bounds.h"
+#include "terrain/surface_store/fill_gutters.h"
+#include "terrain/surface_store/mapped_surface.h"
+#include "terrain/surface_store/write_surface.h"
+#include "tests/support/base_meshes.h"
+#include "tests/support/files.h"
+
+namespace foreland::terrain {
+namespace {
+
+// A bumpy surface with its bounds, and texels from a seed.
+struct Made {
+  TrueSurface surface;
+  std::vector<proto::SurfaceRecord> records;
+  proto::AtlasLayout atlas;
+  std::vector<Texel> texels;
+  SceneOrigin about{"made", {}, {"one", "two"}, 0};
+
+  SurfaceContent content() const {
+    return {.surface = surface, .records = records, .atlas = atlas, .texels = texels, .about = about};
+  }
+};
+
+Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t halvings) {
+  Rng rng(7);
+  std::vector<glm::dvec3> corners;
+  for (uint32_t v = 0; v < base.vertices; ++v)
+    corners.emplace_back(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+  auto surface = makeSurface(proto::MeshTopology::create({rule, halvings, base.vertices, base.faces}).value(), 0.001,
+                             corners, [&](proto::NodeId, const glm::dvec3& middle) {
+                               return middle + 0.02 * glm::dvec3(rng.uniform(), rng.uniform(), rng.uniform());
+                             });
+  Made made{std::move(surface).value(), {}, proto::AtlasLayout::of(static_cast<uint32_t>(base.faces.size()), 6), {}};
+  made.records = computeBounds(made.surface, {.threads = 1});
+  made.texels.resize(uint64_t{made.atlas.width()} * made.atlas.height());
+  for (Texel& texel : made.texels) texel = static_cast<Texel>(rng.next());
+  fillGutters(made.atlas, made.surface.topology.base(), made.texels, 1);
+  return made;
+}
+
+class SurfaceFile : public testing::Test {
+ protected:
+  test::TemporaryFolder folder;
+  std::filesystem::path path = folder / "surface.fls";
+  std::vector<char> bytes;
+
+  void SetUp() override {
+    const Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2);
+    ASSERT_TRUE(writeSurface(path, made.content()).ok());
+    bytes = test::slurp(path);
+  }
+  // Reads everything a server might, so that a sanitizer sees every access.
+  static void touch(const MappedSurface& surface) {
+    int64_t sum = 0;
+    for (const glm::ivec3& p : surface.basePositions()) sum += p.x;
+    for (proto::Slot slot = 0; slot < surface.topology().slotCount(); ++slot) {
+      const proto::NodeId n = surface.topology().node(slot);
+      if (!surface.topology().isBase(n)) sum += int64_t{surface.steps(n).y} + surface.nodes()[slot].radius.bits;
+    }
+    for (const Texel texel : surface.texels()) sum += texel;
+    volatile int64_t kept = sum;
+    (void)kept;
+  }
+};
+
+TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
+  for (const auto& base : test::baseMeshes())
+    for (const proto::MeshRule rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection})
+      for (const uint32_t halvings : {1u, 4u}) {
+        SCOPED_TRACE(base.name);
+        const Made made = makeContent(base, rule, halvings);
+        const auto id = writeSurface(path, made.content());
+        ASSERT_TRUE(id.ok()) << id.error().message;
+        const auto read = MappedSurface::open(path);
+        ASSERT_TRUE(read.ok()) << read.error().message;
+        EXPECT_EQ((*read)->id(), *id);
+        EXPECT_EQ((*read)->topology().shape(), made.surface.topology.shape());
+        EXPECT_EQ((*read)->topology().base().isClosed(), base.closed);
+        EXPECT_EQ((*read)->step_m(), 0.001);
+        EXPECT_TRUE(std::ranges::equal((*read)->basePositions(), made.surface.base));
+        forEachNode(made.surface.topology,
+                    [&](proto::NodeId n, proto::Slot) { EXPECT_EQ((*read)->steps(n), made.surface.steps(n)); });
+        ASSERT_EQ((*read)->nodes().size(), made.records.size());
+        EXPECT_EQ(std::memcmp((*read)->nodes().data(), made.records.data(), (*read)->nodes().size_bytes()), 0);
+        EXPECT_TRUE(std::ranges::equal((*read)->texels(), made.texels));
+        EXPECT_EQ((*read)->atlas(), made.atlas);
+        EXPECT_EQ((*read)->about().notes, made.about.notes);
+        const auto found = verifySurface(path);
+        ASSERT_TRUE(found.ok());
+        EXPECT_TRUE(found->sound()) << found->first_faults.front();
+      }
+}
+
+TEST_F(SurfaceFile, IsToldFromATerrain) {
+  EXPECT_TRUE(isSurfaceFile(path));
+  EXPECT_FALSE(Scene::open(path).ok());
+  EXPECT_FALSE(isSurfaceFile(folder / "missing.fls"));
+  EXPECT_FALSE(isSurfaceFile(folder.path()));
+}
+
+TEST_F(SurfaceFile, CutShortAnywhereIsRefused) {
+  for (size_t size = 0; size < bytes.size(); size += 1 + size / 40) {
+    test::spit(folder / "cut.fls", {bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size)});
+    const auto surface = MappedSurface::open(folder / "cut.fls");
+    ASSERT_FALSE(surface.ok()) << size;
+    EXPECT_NE(surface.error().message.find("cut.fls"), std::string::npos);
+  }
+}
+
+TEST_F(SurfaceFile, AnyFlippedByteIsRefusedOrFound) {
+  constexpr uint64_t kSeed = 3;
+  SCOPED_TRACE(kSeed);
+  Rng rng(kSeed);
+  for (int i = 0; i < 3000; ++i) {
+    const size_t at = i < 400 ? static_cast<size_t>(i) : rng.below(bytes.size());
+    auto damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << rng.below(8)));
+    test::spit(folder / "flip.fls", damaged);
+    if (const auto surface = MappedSurface::open(folder / "flip.fls"); surface.ok()) touch(**surface);
+    const auto found = verifySurface(folder / "flip.fls", 1);
+    EXPECT_TRUE(!found.ok() || !found->sound()) << "byte " << at;
+  }
+}
+
+// Damage that a checksum cannot see: the header is made to agree with itself again.
+TEST_F(SurfaceFile, ForgedHeadersAndBasesAreRefusedOrHarmless) {
+  constexpr uint64_t kSeed = 4;
+  SCOPED_TRACE(kSeed);
+  Rng rng(kSeed);
+  SurfaceHeader original;
+  std::memcpy(&original, bytes.data(), sizeof(original));
+  const auto& places = original.sections;
+  int opened = 0, refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    auto forged = bytes;
+    const size_t at = i % 3 == 0 ? places[kSurfaceFaces].offset + rng.below(places[kSurfaceFaces].bytes)
+                                 : 16 + rng.below(sizeof(SurfaceHeader) - 16);
+    forged[at] = static_cast<char>(rng.below(4) == 0 ? rng.below(256) : forged[at] ^ (1 << rng.below(8)));
+    SurfaceHeader header;
+    std::memcpy(&header, forged.data(), sizeof(header));
+    header.scene_id =
+        contentId(header, {reinterpret_cast<const uint8_t*>(forged.data()) + places[kSurfaceChecksums].offset,
+                           places[kSurfaceChecksums].bytes});
+    header.header_checksum = headerChecksum(header);
+    std::memcpy(forged.data(), &header, sizeof(header));
+    test::spit(folder / "forged.fls", forged);
+    const auto surface = MappedSurface::open(folder / "forged.fls");
+    if (surface.ok()) touch(**surface);
+    (surface.ok() ? opened : refused) += 1;
+  }
+  EXPECT_GT(opened, 0);
+  EXPECT_GT(refused, 100);
+}
+
+TEST_F(SurfaceFile, VerifyNamesPaddingThatIsNotZeroAndBoundsThatDoNotHold) {
+  Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2);
+  const proto::MeshTopology& topology = made.surface.topology;
+  const auto faults = [&] {
+    EXPECT_TRUE(writeSurface(path, made.content()).ok());
+    const auto found = verifySurface(path);
+    EXPECT_TRUE(found.ok());
+    std::string all;
+    for (const std::string& fault : found->first_faults) all += fault + '\n';
+    return all;
+  };
+  proto::Slot padding = 0;
+  while (!topology.isBase(topology.node(padding))) ++padding;
+  made.records[padding].bulge.root = 1;
+  EXPECT_EQ(faults(), "slot " + std::to_string(padding) + " is padding but not zero\n");
+  made.records[padding] = {};
+  const proto::SurfaceRecord whole = made.records[0];
+  made.records[0].radius.bits = static_cast<uint16_t>(whole.radius.bits / 2);
+  EXPECT_NE(faults().find("slot 0 has a sphere that does not hold"), std::string::npos);
+  made.records[0] = whole, made.records[0].error_along = made.records[0].error_across = {};
+  EXPECT_NE(faults().find("slot 0 has an error shape that does not hold that of its child"), std::string::npos);
+  made.records[0] = whole, made.records[0].cone_sine = {};
+  EXPECT_NE(faults().find("slot 0 has a cone of normals that does not hold that of its child"), std::string::npos);
+  made.records[0] = whole, made.records[0].radius.bits = 0xffff;
+  EXPECT_NE(faults().find("slot 0 has a bound that is no number"), std::string::npos);
+  made.records[0] = whole, made.texels[3] ^= 1;
+  EXPECT_EQ(faults(), "pixel (3, 0) of the image is not what base face 0 must have there\n");
+}
+
+}  // namespace
+}  // namespace foreland::terrain
