@@ -2,8 +2,8 @@
 //
 // The vertices lie on the original surface: base vertices at some of its vertices, borders on its borders, and where it
 // has creases (normals more than 40 degrees apart), lattice edges run along them. The parametrisation is carried
-// through the simplification (coarse_map.h), so it is one to one, and cannot jump between parts that lie near each
-// other; then the lattice is put onto the creases (snap.cpp) and relaxed on the surface (relax.h).
+// through the simplification (simplify/coarse_map.h), so it is one to one, and cannot jump between parts that lie near each
+// other; then the lattice is put onto the creases (lattice/snap_to_creases.cpp) and relaxed on the surface (lattice/relax.h).
 //
 // Several attempts are made: where one lies furthest from the original, or folds, the next one's base mesh gets more
 // triangles. The best is the result.

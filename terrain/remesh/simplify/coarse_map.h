@@ -1,5 +1,5 @@
 // The map between a surface and its simplification, one to one: a row of steps, each of which took one vertex out, kept
-// as the two fillings of one flat polygon (flat_ring.h). Following the steps back carries any place on the coarse mesh
+// as the two fillings of one flat polygon (one_ring.h). Following the steps back carries any place on the coarse mesh
 // to its place on the original, exactly on it, and neighbours to neighbours. Immutable once made; any thread may read
 // it.
 #pragma once
