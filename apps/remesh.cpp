@@ -127,7 +127,7 @@ Status addColours(const Arguments& arguments, const terrain::Model& model, const
 void noteRepairs(const terrain::Original& original, std::vector<std::string>& notes) {
   if (original.welded > 0)
     notes.push_back(std::to_string(original.welded) + " vertices welded to others at their place");
-  if (original.turned > 0) notes.push_back(std::to_string(original.turned) + " faces turned over");
+  if (original.flipped > 0) notes.push_back(std::to_string(original.flipped) + " faces turned over");
 }
 
 int remesh(Arguments& arguments) {
@@ -137,14 +137,14 @@ int remesh(Arguments& arguments) {
   if (!model.ok()) return fail(model.error());
   const auto original = terrain::makeOriginal(*model);
   if (!original.ok()) return fail(original.error());
-  const double finest = arguments.step.value_or(terrain::finestStep(original->positions));
-  if (Status s = terrain::checkStep(original->positions, finest); !s.ok()) return fail(s.error());
+  const double finest = arguments.step.value_or(terrain::finestQuantum(original->positions));
+  if (Status s = terrain::checkQuantum(original->positions, finest); !s.ok()) return fail(s.error());
   arguments.remesh.keep_going = [](int) { return !stop_requested.load(); };
   const auto remeshed = terrain::remesh(*original, arguments.remesh);
   if (!remeshed.ok()) return fail(remeshed.error());
 
-  const double step = arguments.step.value_or(terrain::defaultStep(*remeshed));
-  const auto surface = terrain::surfaceOf(*remeshed, arguments.rule, step);
+  const double step = arguments.step.value_or(terrain::defaultQuantum(*remeshed));
+  const auto surface = terrain::toSurface(*remeshed, arguments.rule, step);
   if (!surface.ok()) return fail(surface.error());
   Finished finished;
   finished.about.title = arguments.input.filename().string();

@@ -33,7 +33,7 @@ Result<TrueSurface> surfaceOfModel(const std::filesystem::path& path, uint32_t b
   const auto remeshed =
       terrain::remesh(*original, {.base_triangles = base_triangles, .levels = static_cast<int>(halvings)});
   if (!remeshed) return remeshed.error();
-  return terrain::surfaceOf(*remeshed, proto::MeshRule::kQuadrisection, terrain::defaultStep(*remeshed));
+  return terrain::toSurface(*remeshed, proto::MeshRule::kQuadrisection, terrain::defaultQuantum(*remeshed));
 }
 
 }  // namespace foreland::bench

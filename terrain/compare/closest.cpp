@@ -126,7 +126,7 @@ PointOnMesh ClosestPoint::findFacing(const dvec3& p, const dvec3& direction) con
   return std::isfinite(facing.distance) ? facing : find(p);
 }
 
-dvec3 ClosestPoint::placeOf(const PointOnMesh& at) const {
+dvec3 ClosestPoint::positionOf(const PointOnMesh& at) const {
   const auto& t = mesh_.faces[at.face];
   return at.weights.x * mesh_.positions[t[0]] + at.weights.y * mesh_.positions[t[1]] +
          at.weights.z * mesh_.positions[t[2]];
@@ -135,7 +135,7 @@ dvec3 ClosestPoint::placeOf(const PointOnMesh& at) const {
 double ClosestPoint::distanceToFace(const dvec3& p, uint32_t face) const {
   const auto& t = mesh_.faces[face];
   const dvec3 w = closestInTriangle(p, mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]);
-  return glm::distance(p, placeOf({0, face, w}));
+  return glm::distance(p, positionOf({0, face, w}));
 }
 
 }  // namespace foreland::terrain

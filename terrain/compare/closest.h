@@ -35,7 +35,7 @@ class ClosestPoint {
   // Among the faces whose normal has a positive share of `direction`; of all, if there is none such.
   PointOnMesh findFacing(const glm::dvec3& p, const glm::dvec3& direction) const;
 
-  glm::dvec3 placeOf(const PointOnMesh& at) const;
+  glm::dvec3 positionOf(const PointOnMesh& at) const;
   double distanceToFace(const glm::dvec3& p, uint32_t face) const;
 
  private:

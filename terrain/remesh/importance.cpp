@@ -12,10 +12,10 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kGain = 4;         // a vertex with the largest error counts 1 + kGain times as much as before
-constexpr int kReach = 3;           // vertices over which that spreads,
-constexpr double kFading = 0.7;     // this much from one to the next
-constexpr double kFoldShare = 0.1;  // of the largest distance, that a triangle that folds is taken to be worth
+constexpr double kGain = 4;           // the vertex with the largest error gets 1 + kGain times its weight
+constexpr int kSpreadRings = 3;       // rings of neighbours that also gain,
+constexpr double kFalloff = 0.7;      // by this factor less in each ring
+constexpr double kFoldPenalty = 0.1;  // of the largest distance, added for each folded triangle
 constexpr uint64_t kChunk = 256;
 
 }  // namespace
@@ -26,8 +26,8 @@ Importance::Importance(const Original& original, unsigned threads)
       surface_({original.positions, original.faces}),
       weights_(original.positions.size(), 1.0) {}
 
-Importance::Badness Importance::learn(const std::vector<Triangle>& triangles, const std::vector<dvec3>& positions,
-                                      const std::vector<SurfacePoint>& places) {
+Importance::AttemptCost Importance::update(const std::vector<Triangle>& triangles, const std::vector<dvec3>& positions,
+                                           const std::vector<SurfacePoint>& points) {
   const ClosestPoint attempt({positions, triangles});
   std::vector<double> shares(original_.positions.size());
   parallelFor((shares.size() + kChunk - 1) / kChunk, threads_,
@@ -42,18 +42,18 @@ Importance::Badness Importance::learn(const std::vector<Triangle>& triangles, co
   const std::vector<uint32_t> folded = findFlipped({positions, triangles}, surface_, threads_);
   for (uint32_t f : folded)
     for (uint32_t v : triangles[f])
-      for (uint32_t corner : original_.faces[places[v].face]) shares[corner] = 1;
+      for (uint32_t corner : original_.faces[points[v].face]) shares[corner] = 1;
   spread(shares);
   for (size_t v = 0; v < shares.size(); ++v) weights_[v] *= 1 + kGain * shares[v];
-  return {!folded.empty(), largest * (1 + kFoldShare * static_cast<double>(folded.size()))};
+  return {!folded.empty(), largest * (1 + kFoldPenalty * static_cast<double>(folded.size()))};
 }
 
 void Importance::spread(std::vector<double>& shares) const {
-  for (int step = 0; step < kReach; ++step) {
+  for (int step = 0; step < kSpreadRings; ++step) {
     const std::vector<double> before = shares;
     for (const Triangle& t : original_.faces)
       for (uint32_t to : t)
-        for (uint32_t from : t) shares[to] = std::max(shares[to], kFading * before[from]);
+        for (uint32_t from : t) shares[to] = std::max(shares[to], kFalloff * before[from]);
   }
 }
 

@@ -1,5 +1,5 @@
-// How much each part of the original matters to the next attempt: more where the last one was far from it, or folded.
-// One owner.
+// Weights that tell the next attempt which parts of the original matter more: those from which the last attempt was
+// far, or where it folded. One owner.
 #pragma once
 
 #include <compare>
@@ -16,17 +16,17 @@ class Importance {
  public:
   Importance(const Original& original, unsigned threads);
 
-  std::span<const double> weights() const { return weights_; }  // of each vertex; 1 at first
+  std::span<const double> weights() const { return weights_; }  // of each vertex; 1 before the first update
 
-  // How bad an attempt was: first of all whether triangles fold, then how far the original's vertices lie from it.
-  struct Badness {
+  // Attempts without folded triangles are better than those with; then the smaller distance is better.
+  struct AttemptCost {
     bool is_folded = true;
-    double distance = 0;  // the largest, made larger by each triangle that folds
-    auto operator<=>(const Badness&) const = default;
+    double distance = 0;  // the largest from a vertex of the original to the attempt, raised by each folded triangle
+    auto operator<=>(const AttemptCost&) const = default;
   };
-  // Takes note of an attempt.
-  Badness learn(const std::vector<Triangle>& triangles, const std::vector<glm::dvec3>& positions,
-                const std::vector<SurfacePoint>& places);
+  // Raises the weights where this attempt is bad, and rates it.
+  AttemptCost update(const std::vector<Triangle>& triangles, const std::vector<glm::dvec3>& positions,
+                     const std::vector<SurfacePoint>& points);
 
  private:
   void spread(std::vector<double>& shares) const;

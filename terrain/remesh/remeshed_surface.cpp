@@ -12,7 +12,7 @@ namespace foreland::terrain {
 
 using glm::dvec3;
 
-double finestStep(const std::vector<dvec3>& positions) {
+double finestQuantum(const std::vector<dvec3>& positions) {
   dvec3 low = positions.front(), high = low;
   for (const dvec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
   return std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
@@ -20,7 +20,7 @@ double finestStep(const std::vector<dvec3>& positions) {
 
 namespace {
 
-// How far each vertex of the last halving stands off the middle of its edge.
+// The length of the displacement of each node of the finest level.
 std::vector<double> finestDisplacements(const Remeshed& remeshed) {
   const Lattice& lattice = remeshed.lattice;
   std::vector<double> sizes;
@@ -41,8 +41,8 @@ std::vector<double> finestDisplacements(const Remeshed& remeshed) {
 
 }  // namespace
 
-double defaultStep(const Remeshed& remeshed) {
-  const double finest = finestStep(remeshed.positions);
+double defaultQuantum(const Remeshed& remeshed) {
+  const double finest = finestQuantum(remeshed.positions);
   std::vector<double> sizes = finestDisplacements(remeshed);
   if (sizes.empty()) return finest;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
@@ -51,31 +51,31 @@ double defaultStep(const Remeshed& remeshed) {
   return std::clamp(wanted, finest, std::ldexp(finest, 7));
 }
 
-Status checkStep(const std::vector<dvec3>& positions, double step_m) {
+Status checkQuantum(const std::vector<dvec3>& positions, double quantum_m) {
   for (const dvec3& p : positions)
     for (int axis = 0; axis < 3; ++axis)
-      if (std::fabs(p[axis]) > kMaxSteps * step_m) {
+      if (std::fabs(p[axis]) > kMaxSteps * quantum_m) {
         char text[120];
         std::snprintf(text, sizeof(text),
                       "a coordinate of %g is more than 2^30 steps of %g; move the model or choose a coarser step",
-                      p[axis], step_m);
+                      p[axis], quantum_m);
         return Error{ErrorCode::kLimit, text};
       }
   return {};
 }
 
-Result<TrueSurface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m) {
+Result<TrueSurface> toSurface(const Remeshed& remeshed, proto::MeshRule rule, double quantum_m) {
   auto made = proto::MeshTopology::create({rule, static_cast<uint32_t>(std::countr_zero(remeshed.lattice.side())),
                                            static_cast<uint32_t>(remeshed.base_vertices.size()), remeshed.base_faces});
   if (!made.ok()) return made.error();
   const proto::MeshTopology topology = *made;
   const double scale = topology.placeScale();
-  return makeSurface(*made, step_m, remeshed.base_vertices, [&](proto::NodeId n, const dvec3&) {
-    const proto::FacePoint place = topology.place(n);
+  return makeSurface(*made, quantum_m, remeshed.base_vertices, [&](proto::NodeId n, const dvec3&) {
+    const proto::FacePoint at = topology.place(n);
     if (rule == proto::MeshRule::kQuadrisection)
-      return remeshed.positions[remeshed.lattice.vertex(place.face, place.weights[1], place.weights[2])];
-    const dvec3 weights = dvec3(place.weights[0], place.weights[1], place.weights[2]) / scale;
-    const LatticeCell cell = remeshed.lattice.cellAt(place.face, weights);
+      return remeshed.positions[remeshed.lattice.vertex(at.face, at.weights[1], at.weights[2])];
+    const dvec3 weights = dvec3(at.weights[0], at.weights[1], at.weights[2]) / scale;
+    const LatticeCell cell = remeshed.lattice.cellAt(at.face, weights);
     dvec3 drawn(0);
     for (int k = 0; k < 3; ++k) drawn += cell.weights[k] * remeshed.positions[cell.vertices[static_cast<size_t>(k)]];
     return drawn;

@@ -1,4 +1,4 @@
-// The surface of a remesh, by either rule of refinement: positions become whole steps. Pure; any thread.
+// A remesh as a surface under either rule of refinement, its positions quantised. Pure; any thread.
 #pragma once
 
 #include <vector>
@@ -9,21 +9,21 @@
 
 namespace foreland::terrain {
 
-// The smallest step that is taken unasked: a power of two, about a millionth of the diagonal.
-[[nodiscard]] double finestStep(const std::vector<glm::dvec3>& positions);
+// The finest quantum chosen by default: a power of two, about a millionth of the bounding box's diagonal.
+[[nodiscard]] double finestQuantum(const std::vector<glm::dvec3>& positions);
 
-// The largest power of two that is at most a sixteenth of what the finest level's nodes typically (in the median) stand
-// off the middle of their edges, so that positions move by less than a sixteenth of what the surface leaves out; finer
-// steps would cost bits on the wire and say nothing. Never below finestStep, and at most 2^7 of these, for a step is
-// never to be seen. O(lattice).
-[[nodiscard]] double defaultStep(const Remeshed& remeshed);
+// The largest power of two that is at most a sixteenth of the median displacement of the finest level's nodes, so
+// quantising moves positions by less than a sixteenth of what the finest level adds; a finer quantum would cost bits on
+// the wire for nothing. At least finestQuantum, and at most 2^7 times that, so that it is never visible. Cost:
+// O(lattice).
+[[nodiscard]] double defaultQuantum(const Remeshed& remeshed);
 
-// Whether positions can be so many steps.
-[[nodiscard]] Status checkStep(const std::vector<glm::dvec3>& positions, double step_m);
+// Error if a coordinate is more quanta than a surface can hold (kMaxQuanta).
+[[nodiscard]] Status checkQuantum(const std::vector<glm::dvec3>& positions, double quantum_m);
 
-// By quadrisection nodes are the lattice's vertices. By bisection, which cuts each edge as often, they lie where the
-// full mesh has their parameters: it follows the creases, as the original between its vertices would not. Error: what
-// MeshTopology and makeSurface refuse.
-[[nodiscard]] Result<TrueSurface> surfaceOf(const Remeshed& remeshed, proto::MeshRule rule, double step_m);
+// Under quadrisection nodes are the lattice's vertices. Under bisection, which halves each edge as often, a node lies
+// where the full mesh has its parameter: unlike the original between lattice vertices, the mesh follows the creases.
+// Errors are those of MeshTopology and makeSurface.
+[[nodiscard]] Result<TrueSurface> toSurface(const Remeshed& remeshed, proto::MeshRule rule, double quantum_m);
 
 }  // namespace foreland::terrain

@@ -9,30 +9,31 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int kAlways = 3;  // an edge is halved this often even if both ends lie in one cell: it may leave and return
-constexpr double kNear = 1e-5;     // of the edge: cells this near each other have the crossed lattice edge in common,
-constexpr double kNearest = 1e-8;  // unless the way leads through a lattice vertex
+// Fractions of a crease edge's length. Cells closer together than kNear share the lattice edge that is crossed, unless
+// the crease passes through a lattice vertex: then the search ends at kNearest.
+constexpr double kNear = 1e-5, kNearest = 1e-8;
+constexpr int kMinBisections = 3;  // even if both ends lie in one cell, for the crease may leave it and return
 
 SurfacePoint onEdge(uint32_t edge, double t) {
-  SurfacePoint place{edge / 3, dvec3(0)};
-  place.weights[static_cast<int>(edge % 3)] = 1 - t;
-  place.weights[static_cast<int>(edge % 3 + 1) % 3] = t;
-  return place;
+  SurfacePoint point{edge / 3, dvec3(0)};
+  point.weights[static_cast<int>(edge % 3)] = 1 - t;
+  point.weights[static_cast<int>(edge % 3 + 1) % 3] = t;
+  return point;
 }
 
 }  // namespace
 
 CrossingFinder::CrossingFinder(const Original& surface, const Base& base, const Lattice& lattice)
-    : surface_(surface), base_(base), lattice_(lattice), names_(surface.faces.size(), kNoIndex) {
-  for (uint32_t f = 0; f < base.numbers.size(); ++f) names_[base.numbers[f]] = f;
+    : surface_(surface), base_(base), lattice_(lattice), base_face_(surface.faces.size(), kNoIndex) {
+  for (uint32_t f = 0; f < base.map_faces.size(); ++f) base_face_[base.map_faces[f]] = f;
 }
 
 LatticeCell CrossingFinder::cellOf(const SurfacePoint& on_original) const {
-  const SurfacePoint at = base_.map.carryForth(on_original);
-  return lattice_.cellAt(names_[at.face], at.weights);
+  const SurfacePoint at = base_.map.toCoarse(on_original);
+  return lattice_.cellAt(base_face_[at.face], at.weights);
 }
 
-// One crease edge, from `t` to `t` along it.
+// Finds the crossings of one crease edge by bisection of its parameter.
 struct CrossingFinder::Tracer {
   const CrossingFinder& finder;
   uint32_t edge;
@@ -40,13 +41,14 @@ struct CrossingFinder::Tracer {
 
   void trace(double from, const LatticeCell& first, double to, const LatticeCell& last, int depth) {
     const bool is_same = first.vertices == last.vertices;
-    if (depth >= kAlways && (is_same || (std::fabs(to - from) < kNear && isCrossed(from, to, first, last)))) return;
+    if (depth >= kMinBisections && (is_same || (std::fabs(to - from) < kNear && isCrossed(from, to, first, last))))
+      return;
     const double middle = (from + to) / 2;
     const LatticeCell cell = finder.cellOf(onEdge(edge, middle));
     trace(from, first, middle, cell, depth + 1);
     trace(middle, cell, to, last, depth + 1);
   }
-  // Takes note of the edge that the two cells share. False if they share none and one may come between them.
+  // Records the lattice edge that the two cells share. False if they share none and a cell may lie between them.
   bool isCrossed(double from, double to, const LatticeCell& first, const LatticeCell& last) {
     std::array<uint32_t, 2> ends{};
     std::array<double, 2> weights{};

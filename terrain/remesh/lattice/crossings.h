@@ -1,4 +1,5 @@
-// Where the creases of the original cross the edges of the lattice. Any thread.
+// Where the creases of the original cross the edges of the lattice, found by mapping points of the creases to the
+// coarse mesh. Any thread.
 #pragma once
 
 #include <array>
@@ -11,11 +12,11 @@
 
 namespace foreland::terrain {
 
-// A crease crosses the lattice edge between two vertices, `share` of the way from the first to the second.
+// A crease crosses the lattice edge between two vertices, `fraction` of the way from the first to the second.
 struct Crossing {
   std::array<uint32_t, 2> ends{};
-  double share = 0;
-  SurfacePoint place;  // on the original
+  double fraction = 0;
+  SurfacePoint point;  // on the original
 };
 
 class CrossingFinder {
@@ -23,7 +24,7 @@ class CrossingFinder {
   CrossingFinder(const Original& surface, const Base& base, const Lattice& lattice);
 
   LatticeCell cellOf(const SurfacePoint& on_original) const;
-  // In turn, from the chain's start to its end. Exact to about 1e-5 of a crease edge's length.
+  // All crossings in order from the chain's start to its end. Precision: about 1e-5 of a crease edge's length.
   std::vector<Crossing> along(const Chain& chain) const;
 
  private:
@@ -32,7 +33,7 @@ class CrossingFinder {
   const Original& surface_;
   const Base& base_;
   const Lattice& lattice_;
-  std::vector<uint32_t> names_;  // of the base's faces, by what the map calls them
+  std::vector<uint32_t> base_face_;  // by index in the map
 };
 
 }  // namespace foreland::terrain

@@ -1,4 +1,4 @@
-// Where the vertices of a lattice lie on the original, and how free each of them is. Plain data; one owner.
+// Where the vertices of a lattice lie on the original, and how each may move. Plain data; one owner.
 #pragma once
 
 #include <cstdint>
@@ -11,39 +11,39 @@
 
 namespace foreland::terrain {
 
-enum class Hold : uint8_t { kFree, kOnRail, kFixed };
+enum class Constraint : uint8_t { kFree, kOnCurve, kFixed };
 
-struct Placement {
-  explicit Placement(std::vector<SurfacePoint> at)
-      : places(std::move(at)),
-        holds(places.size(), Hold::kFree),
-        rail_of(places.size(), kNoIndex),
-        along(places.size(), 0.0) {}
+struct Embedding {
+  explicit Embedding(std::vector<SurfacePoint> at)
+      : points(std::move(at)),
+        constraints(points.size(), Constraint::kFree),
+        curve_of(points.size(), kNoIndex),
+        along(points.size(), 0.0) {}
 
-  std::vector<SurfacePoint> places;
-  std::vector<Hold> holds;
-  std::vector<Rail> rails;  // first those of base edges, then the creases between
-  size_t base_rails = 0;
-  std::vector<uint32_t> rail_of;  // of those on a rail
-  std::vector<double> along;      // where on it they stand
+  std::vector<SurfacePoint> points;
+  std::vector<Constraint> constraints;
+  std::vector<FeatureCurve> curves;  // first those of base edges, then creases that no base edge follows
+  size_t base_curves = 0;
+  std::vector<uint32_t> curve_of;  // of kOnCurve vertices: index into `curves`
+  std::vector<double> along;       // and the arc length on it
 
-  void fix(uint32_t v, const SurfacePoint& place) {
-    places[v] = place;
-    holds[v] = Hold::kFixed;
+  void fix(uint32_t v, const SurfacePoint& point) {
+    points[v] = point;
+    constraints[v] = Constraint::kFixed;
   }
-  void putOnRail(uint32_t v, uint32_t rail, double at) {
-    places[v] = rails[rail].at(at);
-    holds[v] = Hold::kOnRail, rail_of[v] = rail, along[v] = at;
+  void putOnCurve(uint32_t v, uint32_t curve, double at) {
+    points[v] = curves[curve].at(at);
+    constraints[v] = Constraint::kOnCurve, curve_of[v] = curve, along[v] = at;
   }
 };
 
-// Puts the lattice vertices of base edges that run along a border or crease onto it, next to where they are.
-void layRails(const Original& surface, const Base& base, const Lattice& lattice, Placement& placement);
+// Constrains the lattice vertices of base edges that follow a border or crease to it, each at the nearest point.
+void constrainToCurves(const Original& surface, const Base& base, const Lattice& lattice, Embedding& embedding);
 
-// Puts lattice vertices onto the creases that run between them, so that no triangle cuts a corner of the surface: where
-// a crease crosses a lattice edge, one of its ends, the nearer if it is free, moves to the crossing. Few move: one that
-// has moved settles the crossings around it.
+// Constrains lattice vertices to the creases that run between them, so that no triangle cuts off an edge of the
+// surface: where a crease crosses a lattice edge, one end of the edge, the nearer one if it is free, moves to the
+// crossing. Few vertices move, since each resolves the neighbouring crossings of the same crease.
 void snapToCreases(const Original& surface, EdgeFlags creases, const Base& base, const Lattice& lattice,
-                   Placement& placement);
+                   Embedding& embedding);
 
 }  // namespace foreland::terrain

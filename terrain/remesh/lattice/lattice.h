@@ -1,5 +1,6 @@
-// The full-resolution mesh over a base: each base face cut by quadrisection into 4^levels triangles, its vertices on a
-// lattice of 2^levels intervals a side, those on base edges shared. Immutable; any thread; every function is O(1).
+// The full-resolution mesh over a base mesh: each base face is split by quadrisection into 4^levels triangles. The
+// vertices form a lattice of 2^levels intervals a side; faces share those on base edges. Immutable; any thread; every
+// function is O(1).
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@
 
 namespace foreland::terrain {
 
-// The triangle of the lattice that holds a place, and the weights of its corners.
+// A point of the lattice: a triangle that contains it, and barycentric weights of its corners.
 struct LatticeCell {
   Triangle vertices{};
   glm::dvec3 weights{1, 0, 0};
@@ -38,19 +39,19 @@ class Lattice {
 
   // `i` intervals from the face's corner 0 towards corner 1, `j` towards corner 2; i + j <= side().
   uint32_t vertex(uint32_t face, uint32_t i, uint32_t j) const;
-  // `step` intervals from the edge's start.
-  uint32_t edgeVertex(uint32_t e, uint32_t step) const;
-  // Triangle number `t` of the side()^2 of a face, turned as the face is.
+  // `i` intervals from the edge's start.
+  uint32_t edgeVertex(uint32_t e, uint32_t i) const;
+  // Triangle `t` of the side()^2 of a face, with the face's orientation.
   Triangle triangle(uint32_t face, uint32_t t) const;
-  std::vector<Triangle> triangles() const;  // all, face after face
-  // That holds the point at `weights` of a face's corners.
+  std::vector<Triangle> triangles() const;  // of all faces, one face after the other
+  // The cell of the point at barycentric `weights` of a base face.
   LatticeCell cellAt(uint32_t face, const glm::dvec3& weights) const;
 
  private:
   uint32_t side_, base_vertices_, vertex_count_;
   std::vector<Triangle> faces_;
   std::vector<Edge> edges_;
-  std::vector<Triangle> edges_of_;  // of each face: 2 * edge + 1 if it runs against the edge
+  std::vector<Triangle> edges_of_;  // of each face: 2 * edge, plus 1 if the face traverses the edge backwards
 };
 
 }  // namespace foreland::terrain

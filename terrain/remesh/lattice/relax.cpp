@@ -18,18 +18,18 @@ namespace {
 using glm::dvec3;
 
 constexpr uint64_t kChunk = 256;    // vertices of a piece of work
-constexpr double kSoftness = 0.05;  // area, as a share of the wanted one, at which the penalty of folding sets in
-constexpr double kSizeWeight = 1;   // of a triangle's size against its shape
-constexpr double kCrushed = 0.02;   // area, likewise, that is as bad as a fold
-constexpr int kRepairs = 3;         // times that vertices are taken off the creases where triangles fold
-constexpr int kTries = 4;           // of a step, each 0.4 times as long as the one before
+constexpr double kSoftness = 0.05;  // area, relative to the wanted one, at which the penalty for folding sets in
+constexpr double kSizeWeight = 1;   // of a triangle's size relative to its shape
+constexpr double kCrushed = 0.02;   // relative area below which a triangle counts as folded
+constexpr int kRepairs = 3;         // times that vertices are released from the creases where triangles fold
+constexpr int kTries = 4;           // step lengths of the line search, each 0.4 times the one before
 
-// A triangle at a vertex: its other two corners in turn.
+// A triangle at a vertex: its other two corners, counter-clockwise.
 struct Wedge {
   uint32_t b = 0, c = 0, base_face = 0;
 };
 
-// Of all vertices, in one row.
+// The wedges of all vertices, in one array.
 struct Wedges {
   std::vector<Wedge> all;
   std::vector<uint64_t> ends;
@@ -57,38 +57,39 @@ Wedges findWedges(const Lattice& lattice, const std::vector<Triangle>& triangles
   return found;
 }
 
-// Classes of vertices no two of which are neighbours: the vertices of one class may move at the same time.
-std::vector<std::vector<uint32_t>> findClasses(const Wedges& wedges, const std::vector<Hold>& holds) {
-  std::vector<std::vector<uint32_t>> classes;
-  std::vector<uint8_t> class_of(wedges.ends.size(), 255);
-  for (uint32_t v = 0; v < class_of.size(); ++v) {
+// A greedy graph colouring of the movable vertices: no two of a colour are neighbours, so they may move at the same
+// time.
+std::vector<std::vector<uint32_t>> findColours(const Wedges& wedges, const std::vector<Constraint>& constraints) {
+  std::vector<std::vector<uint32_t>> colours;
+  std::vector<uint8_t> colour_of(wedges.ends.size(), 255);
+  for (uint32_t v = 0; v < colour_of.size(); ++v) {
     uint64_t used = 0;
     for (const Wedge& w : wedges.of(v))
       for (uint32_t n : {w.b, w.c})
-        if (class_of[n] < 64) used |= 1ull << class_of[n];
-    class_of[v] = static_cast<uint8_t>(std::countr_one(used));
-    if (classes.size() <= class_of[v]) classes.resize(class_of[v] + 1u);
-    if (holds[v] != Hold::kFixed) classes[class_of[v]].push_back(v);
+        if (colour_of[n] < 64) used |= 1ull << colour_of[n];
+    colour_of[v] = static_cast<uint8_t>(std::countr_one(used));
+    if (colours.size() <= colour_of[v]) colours.resize(colour_of[v] + 1u);
+    if (constraints[v] != Constraint::kFixed) colours[colour_of[v]].push_back(v);
   }
-  return classes;
+  return colours;
 }
 
 class Relaxer {
  public:
-  Relaxer(const Original& surface, const EdgeFlags& creases, const Lattice& lattice, Placement& placement)
+  Relaxer(const Original& surface, const EdgeFlags& creases, const Lattice& lattice, Embedding& embedding)
       : surface_(surface),
-        across_(surface.across),
+        twins_(surface.twins),
         base_vertices_(lattice.baseVertexCount()),
-        placement_(placement),
-        places_(placement.places),
-        positions_(places_.size()),
-        normals_(places_.size()),
-        is_released_(places_.size()) {
+        embedding_(embedding),
+        points_(embedding.points),
+        positions_(points_.size()),
+        normals_(points_.size()),
+        is_released_(points_.size()) {
     for (size_t f = 0; f < creases.size(); ++f)
       for (size_t k = 0; k < 3; ++k)
-        if (creases[f][k]) across_[f][k] = kNoIndex;
+        if (creases[f][k]) twins_[f][k] = kNoIndex;
     for (const Triangle& t : surface.faces) face_normals_.push_back(normalOf(t, surface.positions));
-    for (uint32_t v = 0; v < places_.size(); ++v) moveTo(v, places_[v]);
+    for (uint32_t v = 0; v < points_.size(); ++v) moveTo(v, points_[v]);
     const std::vector<Triangle> triangles = lattice.triangles();
     wedges_ = findWedges(lattice, triangles);
     measureSizes(triangles, static_cast<uint64_t>(lattice.side()) * lattice.side());
@@ -101,9 +102,9 @@ class Relaxer {
 
  private:
   void runRounds(const RelaxOptions& options) {
-    const auto classes = findClasses(wedges_, placement_.holds);
+    const auto colours = findColours(wedges_, embedding_.constraints);
     for (int round = 0; round < options.rounds; ++round)
-      for (const auto& vertices : classes)
+      for (const auto& vertices : colours)
         parallelFor((vertices.size() + kChunk - 1) / kChunk, options.threads,
                     [&](uint64_t chunk, unsigned) {
                       for (uint64_t i = chunk * kChunk; i < std::min<uint64_t>(vertices.size(), (chunk + 1) * kChunk);
@@ -113,13 +114,14 @@ class Relaxer {
                     [](uint64_t) { return true; });
   }
 
-  // Vertices put onto a crease where that folds or crushes a triangle are set free again, to walk across creases too.
-  // Whether there are such.
+  // Frees vertices that were snapped to a crease where that folds or crushes a triangle; they may cross creases from
+  // then on. Returns whether there were any.
   bool releaseFolded() {
     std::vector<uint32_t> found;
-    for (uint32_t v = 0; v < places_.size(); ++v) {
-      const bool is_snapped = placement_.holds[v] == Hold::kOnRail ? placement_.rail_of[v] >= placement_.base_rails
-                                                                   : !isFree(v) && v >= base_vertices_;
+    for (uint32_t v = 0; v < points_.size(); ++v) {
+      const bool is_snapped = embedding_.constraints[v] == Constraint::kOnCurve
+                                  ? embedding_.curve_of[v] >= embedding_.base_curves
+                                  : !isFree(v) && v >= base_vertices_;
       if (!is_snapped) continue;
       for (const Wedge& w : wedges_.of(v))
         if (shapeOf(w, v, positions_[v], normals_[v]).area < kCrushed) {
@@ -127,41 +129,44 @@ class Relaxer {
           break;
         }
     }
-    for (uint32_t v : found) placement_.holds[v] = Hold::kFree, is_released_[v] = true;
+    for (uint32_t v : found) embedding_.constraints[v] = Constraint::kFree, is_released_[v] = true;
     return !found.empty();
   }
-  void moveTo(uint32_t v, const SurfacePoint& place) {
-    places_[v] = place;
-    positions_[v] = placeOf(place, surface_.positions, surface_.faces);
-    normals_[v] = face_normals_[place.face];
+  void moveTo(uint32_t v, const SurfacePoint& point) {
+    points_[v] = point;
+    positions_[v] = positionOf(point, surface_.positions, surface_.faces);
+    normals_[v] = face_normals_[point.face];
   }
 
-  // The mean area of the triangles of each base face: a relaxed lattice is as dense as the base wants it.
+  // The wanted size is the mean area of the triangles of each base face, so relaxing keeps the density that the base
+  // mesh has chosen.
   void measureSizes(const std::vector<Triangle>& triangles, uint64_t per_face) {
-    sizes_.resize(triangles.size() / per_face);
+    wanted_area_.resize(triangles.size() / per_face);
     for (size_t i = 0; i < triangles.size(); ++i) {
       const dvec3 &a = positions_[triangles[i][0]], &b = positions_[triangles[i][1]], &c = positions_[triangles[i][2]];
-      sizes_[i / per_face] += glm::length(glm::cross(b - a, c - a)) / 2 / static_cast<double>(per_face);
+      wanted_area_[i / per_face] += glm::length(glm::cross(b - a, c - a)) / 2 / static_cast<double>(per_face);
     }
   }
 
-  // One triangle with vertex v at p: its area and its sides, in units of an equilateral triangle of the wanted size.
+  // One triangle with vertex v at p: its area and squared sides, in units of an equilateral triangle of the wanted
+  // size.
   struct Shape {
-    double area, sides, soft_area, soft_slope;  // soft_area: positive, though the area may not be; its derivative
+    double area, sides, soft_area,
+        soft_slope;  // soft_area: a positive stand-in for the area, which may be negative; and its slope
     dvec3 facing;
     double energy() const { return (sides + kSizeWeight * (area * area + 1) / 2) / soft_area; }
   };
   Shape shapeOf(const Wedge& w, uint32_t v, const dvec3& p, const dvec3& normal) const {
     const dvec3 &b = positions_[w.b], &c = positions_[w.c];
     Shape shape{};
-    // Vertices on creases have no normal of their own.
+    // Vertices on creases have no normal of their own, so free neighbours decide which way is outward.
     dvec3 facing = isFree(v) ? normal : dvec3(0);
     for (uint32_t n : {w.b, w.c})
       if (isFree(n)) facing += normals_[n];
     if (facing == dvec3(0)) facing = normal + normals_[w.b] + normals_[w.c];
     const double length = glm::length(facing);
     shape.facing = length > 0 ? facing / length : normal;
-    const double size = sizes_[w.base_face];
+    const double size = wanted_area_[w.base_face];
     shape.area = 0.5 * glm::dot(shape.facing, glm::cross(b - p, c - p)) / size;
     shape.sides =
         (glm::dot(b - p, b - p) + glm::dot(c - p, c - p) + glm::dot(c - b, c - b)) / (4 * std::numbers::sqrt3 * size);
@@ -170,40 +175,40 @@ class Relaxer {
     shape.soft_slope = shape.soft_area / root;
     return shape;
   }
-  double energyAt(uint32_t v, const SurfacePoint& place) const {
-    const dvec3 p = placeOf(place, surface_.positions, surface_.faces);
+  double energyAt(uint32_t v, const SurfacePoint& point) const {
+    const dvec3 p = positionOf(point, surface_.positions, surface_.faces);
     double sum = 0;
     for (const Wedge& w : wedges_.of(v))
-      sum += sizes_[w.base_face] * shapeOf(w, v, p, face_normals_[place.face]).energy();
+      sum += wanted_area_[w.base_face] * shapeOf(w, v, p, face_normals_[point.face]).energy();
     return sum;
   }
 
-  bool isFree(uint32_t v) const { return placement_.holds[v] == Hold::kFree; }
+  bool isFree(uint32_t v) const { return embedding_.constraints[v] == Constraint::kFree; }
 
   void improve(uint32_t v) {
     const dvec3 step = newtonStep(v);
-    const double before = energyAt(v, places_[v]);
+    const double before = energyAt(v, points_[v]);
     double share = 1;
     for (int i = 0; i < kTries; ++i, share *= 0.4)
-      if (isFree(v) ? tryWalk(v, share * step, before) : trySlide(v, share * step, before)) return;
+      if (isFree(v) ? tryTrace(v, share * step, before) : trySlide(v, share * step, before)) return;
   }
-  bool tryWalk(uint32_t v, const dvec3& step, double before) {
-    const SurfacePoint there = walk(surface_, is_released_[v] ? surface_.across : across_, places_[v], step);
+  bool tryTrace(uint32_t v, const dvec3& step, double before) {
+    const SurfacePoint there = traceGeodesic(surface_, is_released_[v] ? surface_.twins : twins_, points_[v], step);
     if (!(energyAt(v, there) < before)) return false;
     moveTo(v, there);
     return true;
   }
   bool trySlide(uint32_t v, const dvec3& step, double before) {
-    const Rail& rail = placement_.rails[placement_.rail_of[v]];
-    double& along = placement_.along[v];
-    const double wanted = std::clamp(along + glm::dot(step, rail.direction(along)), 0.0, rail.length());
-    const SurfacePoint there = rail.at(wanted);
+    const FeatureCurve& curve = embedding_.curves[embedding_.curve_of[v]];
+    double& along = embedding_.along[v];
+    const double wanted = std::clamp(along + glm::dot(step, curve.direction(along)), 0.0, curve.length());
+    const SurfacePoint there = curve.at(wanted);
     if (!(energyAt(v, there) < before)) return false;
     along = wanted;
     moveTo(v, there);
     return true;
   }
-  // Downhill in the tangent plane, by the part of the second derivatives that is sure to be positive.
+  // A Newton step in the tangent plane with the positive definite part of the Hessian, so it always descends.
   dvec3 newtonStep(uint32_t v) const {
     const dvec3 &p = positions_[v], &n = normals_[v];
     const dvec3 x = glm::normalize(glm::cross(n, std::fabs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
@@ -213,7 +218,7 @@ class Relaxer {
     for (const Wedge& w : wedges_.of(v)) {
       const dvec3 &b = positions_[w.b], &c = positions_[w.c];
       const Shape s = shapeOf(w, v, p, n);
-      const double size = sizes_[w.base_face], soft = s.soft_area, bend = s.soft_slope / soft;
+      const double size = wanted_area_[w.base_face], soft = s.soft_area, bend = s.soft_slope / soft;
       const double to_sides = 2 / (4 * std::numbers::sqrt3 * size);
       const dvec3 area_slope = 0.5 * glm::cross(s.facing, c - b) / size;
       const double top = s.sides + kSizeWeight * (s.area * s.area + 1) / 2;
@@ -227,21 +232,21 @@ class Relaxer {
   }
 
   const Original& surface_;
-  std::vector<Triangle> across_;  // of the surface, but nothing lies beyond a crease
+  std::vector<Triangle> twins_;  // of the surface, with creases blocked like borders
   uint32_t base_vertices_;
-  Placement& placement_;
-  std::vector<SurfacePoint>& places_;
+  Embedding& embedding_;
+  std::vector<SurfacePoint>& points_;
   std::vector<dvec3> positions_, normals_, face_normals_;
   Wedges wedges_;
   std::vector<bool> is_released_;
-  std::vector<double> sizes_;  // wanted area of a triangle, by base face
+  std::vector<double> wanted_area_;  // of a triangle, by base face
 };
 
 }  // namespace
 
 void relax(const Original& surface, const EdgeFlags& creases, const Lattice& lattice, const RelaxOptions& options,
-           Placement& placement) {
-  Relaxer(surface, creases, lattice, placement).run(options);
+           Embedding& embedding) {
+  Relaxer(surface, creases, lattice, embedding).run(options);
 }
 
 }  // namespace foreland::terrain

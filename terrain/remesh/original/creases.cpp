@@ -16,7 +16,7 @@ class ChainFinder {
       : surface_(surface), edges_at_(surface.positions.size()) {
     for (uint32_t f = 0; f < creases.size(); ++f)
       for (uint32_t k = 0; k < 3; ++k) {
-        if (!creases[f][k] || f > surface.across[f][k] / 3) continue;
+        if (!creases[f][k] || f > surface.twins[f][k] / 3) continue;
         edges_at_[surface.faces[f][k]].push_back(3 * f + k);
         edges_at_[surface.faces[f][(k + 1) % 3]].push_back(3 * f + k);
       }
@@ -25,11 +25,11 @@ class ChainFinder {
 
   std::vector<Chain> run() {
     std::vector<Chain> chains;
-    // From where something happens; what is left then are loops.
+    // First the chains between feature vertices; the edges left over form loops.
     for (const bool loops : {false, true})
       for (uint32_t v = 0; v < edges_at_.size(); ++v)
         for (uint32_t edge : edges_at_[v])
-          if (!is_taken_[edge] && (loops || !goesOn(v))) chains.push_back(follow(v, edge));
+          if (!is_taken_[edge] && (loops || !continuesThrough(v))) chains.push_back(follow(v, edge));
     return chains;
   }
 
@@ -38,7 +38,7 @@ class ChainFinder {
     const Triangle& t = surface_.faces[edge / 3];
     return t[edge % 3] == v ? t[(edge % 3 + 1) % 3] : t[edge % 3];
   }
-  bool goesOn(uint32_t v) const {
+  bool continuesThrough(uint32_t v) const {
     if (edges_at_[v].size() != 2) return false;
     const glm::dvec3& p = surface_.positions[v];
     const glm::dvec3 in = p - surface_.positions[otherEnd(edges_at_[v][0], v)];
@@ -52,7 +52,7 @@ class ChainFinder {
       v = otherEnd(edge, v);
       chain.edges.push_back(edge);
       chain.vertices.push_back(v);
-      if (!goesOn(v)) return chain;
+      if (!continuesThrough(v)) return chain;
       edge = edges_at_[v][edges_at_[v][0] == edge ? 1 : 0];
       if (is_taken_[edge]) return chain;
     }
@@ -70,7 +70,7 @@ EdgeFlags findCreases(const Original& surface, double cosine) {
   for (uint32_t f = 0; f < surface.faces.size(); ++f) {
     const glm::dvec3 normal = normalOf(surface.faces[f], surface.positions);
     for (size_t k = 0; k < 3; ++k) {
-      const uint32_t beyond = surface.across[f][k];
+      const uint32_t beyond = surface.twins[f][k];
       creases[f][k] =
           beyond != kNoIndex && glm::dot(normal, normalOf(surface.faces[beyond / 3], surface.positions)) < cosine;
     }

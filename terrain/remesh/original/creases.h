@@ -1,4 +1,4 @@
-// Where a surface is sharp. Any thread.
+// Sharp edges of a surface, and the chains that they form. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace foreland::terrain {
 
-using EdgeFlags = std::vector<std::array<bool, 3>>;  // of each face's edges; the same from both sides
+using EdgeFlags = std::vector<std::array<bool, 3>>;  // of each face's edges; both sides of an edge agree
 
-// Edges between faces whose normals' cosine is below `cosine`. Borders are not among them.
+// Flags the edges between faces whose normals have a dot product below `cosine`. Border edges are not flagged.
 [[nodiscard]] EdgeFlags findCreases(const Original& surface, double cosine);
 
-// Crease edges in a row, from one vertex where something happens (an end, a fork, a bend of more than 40 degrees) to
-// the next, or around a loop: then the first vertex is also the last.
+// Consecutive crease edges between two feature vertices (where a crease ends, forks, or bends by more than 40 degrees),
+// or around a loop: then the first vertex is also the last.
 struct Chain {
   std::vector<uint32_t> vertices;
   std::vector<uint32_t> edges;  // from each vertex to the next, as 3 * face + edge

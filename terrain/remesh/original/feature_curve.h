@@ -1,4 +1,4 @@
-// A crease or a piece of border as a way to slide along. Immutable; any thread.
+// A crease or a piece of border, parametrised by arc length, along which lattice vertices slide. Immutable; any thread.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace foreland::terrain {
 
-class Rail {
+class FeatureCurve {
  public:
-  Rail(const Original& surface, Chain chain);
+  FeatureCurve(const Original& surface, Chain chain);
 
   double length() const { return lengths_.back(); }
-  // The place `along` from the start, in metres of the model; the nearer end beyond the ends.
+  // The point at arc length `along` from the start, in the model's units, clamped to the ends.
   SurfacePoint at(double along) const;
   glm::dvec3 direction(double along) const;  // a unit vector
-  // How far along the nearest place of the rail lies. Linear in its edges.
+  // Arc length of the curve's point nearest to `p`. Cost: linear in its edges.
   double nearest(const glm::dvec3& p) const;
 
  private:
@@ -24,7 +24,7 @@ class Rail {
 
   const Original& surface_;
   Chain chain_;
-  std::vector<double> lengths_;  // from the start to each vertex of the chain
+  std::vector<double> lengths_;  // arc length from the start to each vertex of the chain
 };
 
 }  // namespace foreland::terrain

@@ -1,4 +1,4 @@
-// Which faces of a surface to turn over, so that neighbours agree on what is outside. Pure; any thread.
+// Which faces of a surface to flip, so that it is oriented consistently and outward. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,15 @@
 namespace foreland::terrain {
 
 struct Orientation {
-  std::vector<bool> turns;        // of each face: it must be turned over
-  uint32_t one_sided = kNoIndex;  // a face at which a surface with one side only closes; `turns` is then unfinished
+  std::vector<bool> is_flipped;  // of each face: whether its corners must be reversed
+  uint32_t non_orientable_face =
+      kNoIndex;  // where a non-orientable surface contradicts itself; `is_flipped` is then incomplete
 };
 
-// Each connected part turns as most of its faces lie; then all closed parts together, if they enclose a negative
-// volume: the file then has its normals inwards. (Cavities have a negative one of their own, and keep it.)
+// Each connected component takes the orientation of the majority of its faces. Then, if the closed components enclose a
+// negative volume in sum, all of them are flipped: the file has its normals inward. (A cavity has a negative volume of
+// its own, and keeps it.)
 [[nodiscard]] Orientation findOrientation(const std::vector<glm::dvec3>& positions, const std::vector<Triangle>& faces,
-                                          const std::vector<Triangle>& across);
+                                          const std::vector<Triangle>& twins);
 
 }  // namespace foreland::terrain

@@ -19,7 +19,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kLeastExtent = 1e-9;  // of the model's box; below it, coordinates are taken for damaged
+constexpr double kMinExtent =
+    1e-9;  // of the diagonal of the bounding box; coordinates of smaller models are taken to be damaged
 
 class OriginalMaker {
  public:
@@ -27,8 +28,9 @@ class OriginalMaker {
 
   Result<Original> make() {
     weld();
-    for (const auto step : {&OriginalMaker::cutFaces, &OriginalMaker::checkExtent, &OriginalMaker::checkTwins,
-                            &OriginalMaker::connect, &OriginalMaker::orient, &OriginalMaker::partFans})
+    for (const auto step :
+         {&OriginalMaker::triangulateFaces, &OriginalMaker::checkExtent, &OriginalMaker::checkDuplicateFaces,
+          &OriginalMaker::connect, &OriginalMaker::orient, &OriginalMaker::splitFans})
       if (Status status = (this->*step)(); !status.ok())
         return Error{status.error().code, model_.name + ": " + status.error().message};
     return std::move(made_);
@@ -39,15 +41,15 @@ class OriginalMaker {
   std::string faceName(uint32_t triangle) const { return model_.faceName(made_.source_faces[triangle]); }
   std::string vertexName(uint32_t vertex) const { return model_.vertexName(made_.source_vertices[vertex]); }
 
-  // One vertex for each place that a face uses, in the order of the file.
+  // One vertex for each position that a face uses, in the order of the file.
   void weld() {
     const auto& all = model_.positions;
     std::vector<uint32_t> order(all.size());
     std::iota(order.begin(), order.end(), 0);
-    const auto place = [&](uint32_t v) { return std::tuple(all[v].x, all[v].y, all[v].z); };
+    const auto key = [&](uint32_t v) { return std::tuple(all[v].x, all[v].y, all[v].z); };
     std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return std::tuple(place(a), a) < std::tuple(place(b), b); });
-    std::vector<uint32_t> first(all.size());  // the first vertex at the same place
+              [&](uint32_t a, uint32_t b) { return std::tuple(key(a), a) < std::tuple(key(b), b); });
+    std::vector<uint32_t> first(all.size());  // of each vertex: the first one at the same position
     for (size_t i = 0; i < order.size(); ++i) {
       const bool is_same = i > 0 && all[order[i]] == all[order[i - 1]];
       first[order[i]] = is_same ? first[order[i - 1]] : order[i];
@@ -71,7 +73,7 @@ class OriginalMaker {
 
   static uint64_t keyOf(uint32_t a, uint32_t b) { return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b); }
 
-  // Edges that exist already: a diagonal between the same vertices would crowd them.
+  // All edges of the model's faces: a diagonal between the same two vertices would make them non-manifold.
   std::unordered_set<uint64_t> outlines() const {
     std::unordered_set<uint64_t> edges;
     if (model_.corners.size() == 3 * model_.faceCount()) return edges;
@@ -82,7 +84,7 @@ class OriginalMaker {
     return edges;
   }
 
-  Status cutFaces() {
+  Status triangulateFaces() {
     std::vector<dvec3> outline;
     std::unordered_set<uint64_t> edges = outlines();
     for (uint32_t face = 0; face < model_.faceCount(); ++face) {
@@ -122,12 +124,12 @@ class OriginalMaker {
   Status checkExtent() {
     dvec3 low = made_.positions.front(), high = low;
     for (const dvec3& p : made_.positions) low = glm::min(low, p), high = glm::max(high, p);
-    if (glm::length(high - low) < kLeastExtent) return refuse("is smaller than 1e-9; scale the model up");
+    if (glm::length(high - low) < kMinExtent) return refuse("is smaller than 1e-9; scale the model up");
     return {};
   }
 
   // Two faces on the same three vertices.
-  Status checkTwins() {
+  Status checkDuplicateFaces() {
     std::vector<std::pair<Triangle, uint32_t>> sorted;
     sorted.reserve(made_.faces.size());
     for (uint32_t f = 0; f < made_.faces.size(); ++f) {
@@ -145,33 +147,35 @@ class OriginalMaker {
 
   Status connect() {
     Adjacency adjacency = findAdjacency(made_.faces);
-    made_.across = std::move(adjacency.across);
-    if (adjacency.crowded_face == kNoIndex) return {};
-    const Triangle& t = made_.faces[adjacency.crowded_face];
-    const uint32_t a = t[adjacency.crowded_edge], b = t[(adjacency.crowded_edge + 1) % 3];
-    return refuse(faceName(adjacency.crowded_face) + " shares its edge from " + vertexName(a) + " to " + vertexName(b) +
+    made_.twins = std::move(adjacency.twins);
+    if (adjacency.non_manifold_face == kNoIndex) return {};
+    const Triangle& t = made_.faces[adjacency.non_manifold_face];
+    const uint32_t a = t[adjacency.non_manifold_edge], b = t[(adjacency.non_manifold_edge + 1) % 3];
+    return refuse(faceName(adjacency.non_manifold_face) + " shares its edge from " + vertexName(a) + " to " +
+                  vertexName(b) +
                   " with more than one other face; a surface has at most two faces at an edge, so separate the sheets");
   }
 
   Status orient() {
-    const Orientation found = findOrientation(made_.positions, made_.faces, made_.across);
-    if (found.one_sided != kNoIndex)
-      return refuse(faceName(found.one_sided) +
+    const Orientation found = findOrientation(made_.positions, made_.faces, made_.twins);
+    if (found.non_orientable_face != kNoIndex)
+      return refuse(faceName(found.non_orientable_face) +
                     " closes a surface with one side only, as a Moebius strip is; cut it there");
     uint32_t last = kNoIndex;
     for (uint32_t f = 0; f < made_.faces.size(); ++f) {
-      if (!found.turns[f]) continue;
+      if (!found.is_flipped[f]) continue;
       std::swap(made_.faces[f][1], made_.faces[f][2]);
       std::swap(made_.source_corners[f][1], made_.source_corners[f][2]);
-      made_.turned += made_.source_faces[f] != last;
+      made_.flipped += made_.source_faces[f] != last;
       last = made_.source_faces[f];
     }
-    if (made_.turned > 0) made_.across = findAdjacency(made_.faces).across;
+    if (made_.flipped > 0) made_.twins = findAdjacency(made_.faces).twins;
     return {};
   }
 
-  // The faces at a vertex must be one fan. If there are more only because vertices have been welded, they part again.
-  Status partFans() {
+  // The faces at a vertex must form one fan. Fans that only welding has brought together get vertices of their own
+  // again.
+  Status splitFans() {
     std::vector<bool> is_seen(3 * made_.faces.size());
     std::vector<uint32_t> first(made_.positions.size(), kNoIndex);  // a corner of each vertex's first fan
     std::map<uint32_t, std::vector<uint32_t>> joined;  // the model's vertices in the fans so far, if several
@@ -187,7 +191,7 @@ class OriginalMaker {
       for (uint32_t corner : fan) is_seen[corner] = true;
       if (first[v] == kNoIndex)
         first[v] = c;
-      else if (Status status = part(v, fan, joined[v]); !status.ok())
+      else if (Status status = splitOff(v, fan, joined[v]); !status.ok())
         return status;
     }
     return {};
@@ -195,8 +199,8 @@ class OriginalMaker {
   uint32_t& cornerVertex(uint32_t c) { return made_.faces[c / 3][c % 3]; }
   uint32_t sourceVertex(uint32_t c) const { return model_.corners[made_.source_corners[c / 3][c % 3]].vertex; }
 
-  // Gives `fan` a vertex of its own, if it shares none of the model's with the fans before.
-  Status part(uint32_t v, const std::vector<uint32_t>& fan, std::vector<uint32_t>& others) {
+  // Gives `fan` a vertex of its own. Error if the model itself has it share a vertex with an earlier fan.
+  Status splitOff(uint32_t v, const std::vector<uint32_t>& fan, std::vector<uint32_t>& others) {
     const size_t before = others.size();
     for (uint32_t c : fan) {
       const uint32_t source = sourceVertex(c);
@@ -213,12 +217,12 @@ class OriginalMaker {
     return {};
   }
 
-  // The corners that are reached from one by going round its vertex, over the edges that meet there.
+  // All corners around the vertex of `corner`, as far as faces are connected by edges there.
   void gatherFan(uint32_t corner, std::vector<uint32_t>& fan) const {
-    const auto left = [&](uint32_t c) { return made_.across[c / 3][(c % 3 + 2) % 3]; };
+    const auto left = [&](uint32_t c) { return made_.twins[c / 3][(c % 3 + 2) % 3]; };
     const auto right = [&](uint32_t c) {
-      const uint32_t beyond = made_.across[c / 3][c % 3];
-      return beyond == kNoIndex ? kNoIndex : beyond - beyond % 3 + (beyond % 3 + 1) % 3;
+      const uint32_t twin = made_.twins[c / 3][c % 3];
+      return twin == kNoIndex ? kNoIndex : twin - twin % 3 + (twin % 3 + 1) % 3;
     };
     fan.assign(1, corner);
     uint32_t at = left(corner);
@@ -251,15 +255,15 @@ Adjacency findAdjacency(const std::vector<Triangle>& faces) {
     }
   std::sort(sides.begin(), sides.end());
   Adjacency found;
-  found.across.assign(faces.size(), {kNoIndex, kNoIndex, kNoIndex});
+  found.twins.assign(faces.size(), {kNoIndex, kNoIndex, kNoIndex});
   for (size_t i = 0, end = 0; i < sides.size(); i = end) {
     for (end = i + 1; end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high;) ++end;
     if (end - i > 2) {
-      if (sides[i + 2].at / 3 < found.crowded_face)
-        found.crowded_face = sides[i + 2].at / 3, found.crowded_edge = sides[i + 2].at % 3;
+      if (sides[i + 2].at / 3 < found.non_manifold_face)
+        found.non_manifold_face = sides[i + 2].at / 3, found.non_manifold_edge = sides[i + 2].at % 3;
     } else if (end - i == 2) {
-      found.across[sides[i].at / 3][sides[i].at % 3] = sides[i + 1].at;
-      found.across[sides[i + 1].at / 3][sides[i + 1].at % 3] = sides[i].at;
+      found.twins[sides[i].at / 3][sides[i].at % 3] = sides[i + 1].at;
+      found.twins[sides[i + 1].at / 3][sides[i + 1].at % 3] = sides[i].at;
     }
   }
   return found;

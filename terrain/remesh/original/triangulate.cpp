@@ -15,7 +15,7 @@ using Indices = std::array<uint32_t, 3>;
 
 constexpr double kThinnest = 1e-12;  // doubled area as a share of the squared longest side; rounding alone gives 1e-15
 
-// Whether the triangle has an area, and it lies on the same side as the polygon's.
+// Whether the triangle has an area and the same orientation as the polygon.
 bool faces(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& normal) {
   const dvec3 area = glm::cross(b - a, c - a);
   const double longest = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
@@ -31,8 +31,8 @@ bool isInside(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c, co
 
 class EarClipper {
  public:
-  EarClipper(std::span<const dvec3> outline, const MayCut& may_cut)
-      : points_(outline), may_cut_(may_cut), normal_(vectorArea(outline)) {
+  EarClipper(std::span<const dvec3> outline, const MayJoin& may_join)
+      : points_(outline), may_join_(may_join), normal_(vectorArea(outline)) {
     left_.resize(outline.size());
     std::iota(left_.begin(), left_.end(), 0);
   }
@@ -56,7 +56,7 @@ class EarClipper {
   }
   bool isFacing(const Indices& t) const { return faces(points_[t[0]], points_[t[1]], points_[t[2]], normal_); }
   bool isEar(const Indices& t) const {
-    if (!isFacing(t) || !may_cut_(t[0], t[2])) return false;
+    if (!isFacing(t) || !may_join_(t[0], t[2])) return false;
     return std::none_of(left_.begin(), left_.end(), [&](uint32_t p) {
       return p != t[0] && p != t[1] && p != t[2] &&
              isInside(points_[p], points_[t[0]], points_[t[1]], points_[t[2]], normal_);
@@ -74,19 +74,19 @@ class EarClipper {
   }
 
   std::span<const dvec3> points_;
-  const MayCut& may_cut_;
+  const MayJoin& may_join_;
   dvec3 normal_;
   std::vector<uint32_t> left_;
 };
 
-// By the diagonal whose worse triangle is the better one.
-std::vector<Indices> cutQuadrangle(std::span<const dvec3> p, const MayCut& may_cut) {
+// By the diagonal that maximises the quality of the worse triangle.
+std::vector<Indices> cutQuadrangle(std::span<const dvec3> p, const MayJoin& may_join) {
   constexpr std::array<std::array<Indices, 2>, 2> kCuts{{{{{0, 1, 2}, {0, 2, 3}}}, {{{1, 2, 3}, {1, 3, 0}}}}};
   const dvec3 normal = vectorArea(p);
   std::vector<Indices> best;
   double best_quality = -1;
   for (const auto& cut : kCuts) {
-    if (!may_cut(cut[0][0], cut[0][2])) continue;
+    if (!may_join(cut[0][0], cut[0][2])) continue;
     double worst = 1;
     for (const Indices& t : cut)
       worst =
@@ -110,9 +110,9 @@ double triangleQuality(const dvec3& a, const dvec3& b, const dvec3& c) {
   return sides > 0 ? 2 * std::numbers::sqrt3 * glm::length(glm::cross(b - a, c - a)) / sides : 0;
 }
 
-std::vector<Indices> triangulate(std::span<const dvec3> outline, const MayCut& may_cut) {
-  if (outline.size() == 4) return cutQuadrangle(outline, may_cut);
-  return EarClipper(outline, may_cut).clip();
+std::vector<Indices> triangulate(std::span<const dvec3> outline, const MayJoin& may_join) {
+  if (outline.size() == 4) return cutQuadrangle(outline, may_join);
+  return EarClipper(outline, may_join).clip();
 }
 
 }  // namespace foreland::terrain

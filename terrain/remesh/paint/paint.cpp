@@ -25,7 +25,7 @@ Texel toTexel(const dvec4& colour) {
   return texel;
 }
 
-// Bilinear; the image repeats, as models expect. (0, 0) is its lower left corner.
+// Bilinear, with repeating images as models expect. Texture coordinate (0, 0) is the lower left corner.
 dvec4 sample(const Image& image, const glm::dvec2& at) {
   const double x = (at.x - std::floor(at.x)) * image.width - 0.5;
   const double y = (1 - (at.y - std::floor(at.y))) * image.height - 0.5;
@@ -40,29 +40,29 @@ dvec4 sample(const Image& image, const glm::dvec2& at) {
          v * ((1 - u) * pixel(left, top + 1) + u * pixel(left + 1, top + 1));
 }
 
-// The colour of the original at one of its places.
+// The colour of the original at one of its points.
 class OriginalColours {
  public:
   OriginalColours(const Palette& palette, const Original& original) : palette_(palette), original_(original) {}
 
-  dvec4 at(const SurfacePoint& place) const {
+  dvec4 at(const SurfacePoint& point) const {
     const Model& model = palette_.model;
-    const uint32_t material = model.face_materials[original_.source_faces[place.face]];
+    const uint32_t material = model.face_materials[original_.source_faces[point.face]];
     std::array<Corner, 3> corners;
-    for (size_t k = 0; k < 3; ++k) corners[k] = model.corners[original_.source_corners[place.face][k]];
+    for (size_t k = 0; k < 3; ++k) corners[k] = model.corners[original_.source_corners[point.face][k]];
     const bool is_textured =
         material != kNoIndex && !palette_.textures[material].pixels.empty() &&
         std::none_of(corners.begin(), corners.end(), [](const Corner& c) { return c.texture == kNoIndex; });
     if (is_textured) {
       glm::dvec2 coordinate(0);
       for (int k = 0; k < 3; ++k)
-        coordinate += place.weights[k] * model.texture_coordinates[corners[static_cast<size_t>(k)].texture];
+        coordinate += point.weights[k] * model.texture_coordinates[corners[static_cast<size_t>(k)].texture];
       return sample(palette_.textures[material], coordinate);
     }
     if (!model.colours.empty()) {
       dvec4 colour(0);
       for (int k = 0; k < 3; ++k)
-        colour += place.weights[k] * toVector(model.colours[corners[static_cast<size_t>(k)].vertex]);
+        colour += point.weights[k] * toVector(model.colours[corners[static_cast<size_t>(k)].vertex]);
       return colour;
     }
     return material == kNoIndex ? dvec4(255) : toVector(model.materials[material].colour);
@@ -103,7 +103,7 @@ class Painter {
     for (int32_t j = 0; j <= side_; ++j)
       for (int32_t i = 0; i + j <= side_; ++i) {
         const dvec3 weights = dvec3(side_ - i - j, i, j) / double(side_);
-        texel(face, i, j) = toTexel(colours_.at(placeUnder(original_, remeshed_, face, weights)));
+        texel(face, i, j) = toTexel(colours_.at(locateOnOriginal(original_, remeshed_, face, weights)));
       }
   }
 

@@ -1,6 +1,6 @@
-// Colours of a model, carried to the base faces of its remesh: one image for all
-// (proto/topology/atlas_layout.h). Textures and vertex colours are looked up where the original lies under each
-// texel, so seams of the model's own texture coordinates do no harm. The result does not depend on the number of
+// Transfers the colours of a model to the base faces of its remesh, as one image for all
+// (proto/topology/atlas_layout.h). Textures and vertex colours are sampled at the point of the original that belongs to
+// each texel, so seams of the model's own texture coordinates do no harm. The result does not depend on the number of
 // threads.
 #pragma once
 
@@ -15,17 +15,17 @@
 
 namespace foreland::terrain {
 
-// A model with what its colours come from.
+// A model and the images that its materials name.
 struct Palette {
   const Model& model;
-  std::vector<Image> textures;  // of each material; without pixels if it has none
+  std::vector<Image> textures;  // of each material; without pixels if the material has no texture
 };
 
-// Whether the model has any colour at all.
+// Whether the model has colours of any kind: textures, vertex colours or materials.
 [[nodiscard]] bool hasColours(const Palette& palette);
 
-// Texel intervals along a base edge, such that the base faces have about as many texels as the model uses of its
-// textures, or four for each coloured vertex; at least 4, and no more than an image can hold.
+// Texel intervals along a base edge for which the image has about as many texels as the model uses of its textures, or
+// four per coloured vertex; at least 4, and at most what an image can hold.
 [[nodiscard]] uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t base_faces);
 
 struct Painted {

@@ -10,11 +10,12 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr int kWalks = 4;  // towards the place; the second one is all but there already
+constexpr int kTraces = 4;  // towards the wanted position; the second one almost reaches it
 
 }  // namespace
 
-SurfacePoint placeUnder(const Original& original, const Remeshed& remeshed, uint32_t face, const glm::dvec3& weights) {
+SurfacePoint locateOnOriginal(const Original& original, const Remeshed& remeshed, uint32_t face,
+                              const glm::dvec3& weights) {
   const LatticeCell cell = remeshed.lattice.cellAt(face, weights);
   glm::dvec3 wanted(0);
   int nearest = 0;
@@ -22,10 +23,10 @@ SurfacePoint placeUnder(const Original& original, const Remeshed& remeshed, uint
     wanted += cell.weights[k] * remeshed.positions[cell.vertices[static_cast<size_t>(k)]];
     if (cell.weights[k] > cell.weights[nearest]) nearest = k;
   }
-  SurfacePoint place = remeshed.places[cell.vertices[static_cast<size_t>(nearest)]];
-  for (int i = 0; i < kWalks; ++i)
-    place = walk(original, original.across, place, wanted - placeOf(place, original.positions, original.faces));
-  return place;
+  SurfacePoint at = remeshed.points[cell.vertices[static_cast<size_t>(nearest)]];
+  for (int i = 0; i < kTraces; ++i)
+    at = traceGeodesic(original, original.twins, at, wanted - positionOf(at, original.positions, original.faces));
+  return at;
 }
 
 }  // namespace foreland::terrain

@@ -17,8 +17,8 @@ double angleAt(const glm::dvec3& apex, const glm::dvec3& a, const glm::dvec3& b)
   return std::atan2(glm::length(glm::cross(a - apex, b - apex)), glm::dot(a - apex, b - apex));
 }
 
-// Stretches the angles from ring vertex `from` to `to` (going round) so that they sum to `total`.
-void stretch(std::vector<double>& angles, size_t from, size_t to, double total) {
+// Scales the angles from ring vertex `from` to `to`, cyclically, so that they sum to `total`.
+void scaleAngles(std::vector<double>& angles, size_t from, size_t to, double total) {
   double sum = 0;
   for (size_t i = from; i != to; i = (i + 1) % angles.size()) sum += angles[i];
   for (size_t i = from; i != to; i = (i + 1) % angles.size()) angles[i] *= total / sum;
@@ -26,7 +26,8 @@ void stretch(std::vector<double>& angles, size_t from, size_t to, double total) 
 
 }  // namespace
 
-void gatherRing(uint32_t centre, std::span<const uint32_t> faces_at, const std::vector<Triangle>& faces, Ring& ring) {
+void gatherOneRing(uint32_t centre, std::span<const uint32_t> faces_at, const std::vector<Triangle>& faces,
+                   OneRing& ring) {
   const size_t count = faces_at.size();
   const auto cornerIn = [&](uint32_t face) {
     const Triangle& t = faces[face];
@@ -38,7 +39,7 @@ void gatherRing(uint32_t centre, std::span<const uint32_t> faces_at, const std::
       if (side(face, step) == vertex) return face;
     return kNoIndex;
   };
-  // The first face: the one that nothing precedes, if there is one.
+  // An open ring begins with the face that no other precedes; a closed one with the face of the lowest index.
   uint32_t first = *std::min_element(faces_at.begin(), faces_at.end());
   ring.is_open = false;
   for (uint32_t face : faces_at)
@@ -55,8 +56,8 @@ void gatherRing(uint32_t centre, std::span<const uint32_t> faces_at, const std::
   }
 }
 
-bool layOut(uint32_t centre, const Ring& ring, StraightPath path, const std::vector<glm::dvec3>& positions,
-            std::vector<glm::dvec2>& flat) {
+bool flatten(uint32_t centre, const OneRing& ring, StraightPath path, const std::vector<glm::dvec3>& positions,
+             std::vector<glm::dvec2>& flat) {
   constexpr double kPi = std::numbers::pi;
   const glm::dvec3& apex = positions[centre];
   std::vector<double> angles(ring.size(), 0.0);
@@ -64,8 +65,8 @@ bool layOut(uint32_t centre, const Ring& ring, StraightPath path, const std::vec
   for (size_t i = 0; i < ring.faces.size(); ++i)
     sum += angles[i] = angleAt(apex, positions[ring.vertices[i]], positions[ring.next(i)]);
   if (path[0] != path[1]) {
-    stretch(angles, path[0], path[1], kPi);
-    stretch(angles, path[1], path[0], kPi);
+    scaleAngles(angles, path[0], path[1], kPi);
+    scaleAngles(angles, path[1], path[0], kPi);
   } else {
     for (double& angle : angles) angle *= (ring.is_open ? kPi : 2 * kPi) / sum;
   }
@@ -75,18 +76,18 @@ bool layOut(uint32_t centre, const Ring& ring, StraightPath path, const std::vec
     flat[i] = glm::distance(apex, positions[ring.vertices[i]]) * glm::dvec2(std::cos(direction), std::sin(direction));
     direction += angles[i];
   }
-  constexpr double kWidest = kPi * 0.995;  // a face of a wider angle at the centre is as good as turned over
+  constexpr double kWidest = kPi * 0.995;  // a face with a wider angle at the centre counts as flipped
   return std::all_of(angles.begin(), angles.end(), [](double angle) { return angle < kWidest; });
 }
 
-bool fanFills(const std::vector<glm::dvec2>& flat, size_t kept, bool is_open, double least_quality) {
+bool isValidFan(const std::vector<glm::dvec2>& flat, size_t kept, bool is_open, double min_quality) {
   const size_t n = flat.size();
   for (size_t step = 1; step + 1 < n; ++step) {
     const size_t i = (kept + step) % n, j = (kept + step + 1) % n;
-    if (is_open && j == 0) continue;  // the gap between the two ends of the border
+    if (is_open && j == 0) continue;  // the gap between the two ends of an open ring
     const glm::dvec2 &a = flat[kept], &b = flat[i], &c = flat[j];
     if (doubledArea(a, b, c) <= 0) return false;
-    if (triangleQuality({a, 0}, {b, 0}, {c, 0}) < least_quality) return false;
+    if (triangleQuality({a, 0}, {b, 0}, {c, 0}) < min_quality) return false;
   }
   return true;
 }

@@ -1,6 +1,6 @@
 // Sum of weighted squared distances to planes, as a quadratic form (Garland and Heckbert, "Surface simplification using
-// quadric error metrics", 1997, section 4). Positions are taken about an origin of the caller's, so that far models
-// lose no digits. Value type.
+// quadric error metrics", 1997, section 4). Positions are relative to an origin that
+// the caller chooses, so that models far from (0, 0, 0) lose no digits. Value type.
 #pragma once
 
 #include <array>

@@ -19,24 +19,25 @@ namespace {
 
 using glm::dvec3;
 
-// What a step may do to the shape of triangles. Tried one after the other, until the target is reached.
+// What a collapse may do to the shape of triangles. The sets of limits are tried in turn until the target is reached.
 struct Limits {
-  double least_quality;  // of triangles, laid out and in space, unless they were worse before
-  double least_cosine;   // between a face's normal before and after
-  size_t most_neighbours;
+  double min_quality;  // of triangles, flattened and in space, unless they were worse before
+  double min_cosine;   // between a face's normal before and after
+  size_t max_valence;
 };
 constexpr std::array<Limits, 3> kLimits{{{0.2, 0.3, 9}, {0.05, 0.0, 12}, {0.005, -0.5, 24}}};
 
-constexpr double kBorderWeight = 10, kCreaseWeight = 3;  // of their planes, against those of faces
-constexpr double kLengthWeight = 3e-3;  // of squared lengths against squared distances: even triangles where it is flat
+constexpr double kBorderWeight = 10, kCreaseWeight = 3;  // of their planes, relative to those of faces
+constexpr double kLengthWeight =
+    3e-3;  // of squared edge lengths relative to squared distances: evens out triangles on flat parts
 
-constexpr double kSliver = 0.02;  // quality below which a triangle is one
+constexpr double kSliver = 0.02;  // triangles of lower quality are slivers
 
-struct Removal {
+struct Collapse {
   double cost = 0;
   uint32_t vertex = 0, version = 0;
-  size_t kept = 0;                              // index into the ring
-  bool operator<(const Removal& other) const {  // the queue gives the largest first
+  size_t kept = 0;  // index into the one-ring of the neighbour that `vertex` collapses into
+  bool operator<(const Collapse& other) const {  // reversed: std::priority_queue returns the largest first
     return std::tie(other.cost, other.vertex) < std::tie(cost, vertex);
   }
 };
@@ -67,9 +68,9 @@ class Simplifier {
       queue_ = {};
       for (uint32_t v = 0; v < positions_.size(); ++v) enqueue(v);
       while (alive_ > options_.target_faces && !queue_.empty()) {
-        const Removal removal = queue_.top();
+        const Collapse collapse = queue_.top();
         queue_.pop();
-        if (removal.version == versions_[removal.vertex]) tryRemoval(removal);
+        if (collapse.version == versions_[collapse.vertex]) tryCollapse(collapse);
       }
       if (alive_ <= options_.target_faces) break;
     }
@@ -88,7 +89,7 @@ class Simplifier {
     }
   }
   void measureEdge(uint32_t f, uint32_t k, const dvec3& normal) {
-    const uint32_t a = faces_[f][k], b = faces_[f][(k + 1) % 3], beyond = original_.across[f][k];
+    const uint32_t a = faces_[f][k], b = faces_[f][(k + 1) % 3], beyond = original_.twins[f][k];
     const bool is_border = beyond == kNoIndex;
     if (!is_border && glm::dot(normal, normalOf(faces_[beyond / 3], positions_)) >= options_.crease_cosine) return;
     const dvec3 edge = positions_[b] - positions_[a];
@@ -97,7 +98,7 @@ class Simplifier {
     for (uint32_t v : {a, b}) quadrics_[v].addPlane(wall, positions_[v], weight);
     if (is_border || f < beyond / 3) {
       along_[a].push_back(b), along_[b].push_back(a);
-      courses_[std::minmax(a, b)] = {{}, {3 * f + k}};
+      chains_[std::minmax(a, b)] = {{}, {3 * f + k}};
     }
   }
 
@@ -108,13 +109,13 @@ class Simplifier {
     return sum;
   }
 
-  // --- which vertex goes, and where to
+  // --- choosing collapses
 
   void enqueue(uint32_t v) {
     const uint32_t version = ++versions_[v];
     if (faces_at_[v].empty()) return;
-    gatherRing(v, faces_at_[v], faces_, ring_);
-    Removal best{.cost = INFINITY, .vertex = v, .version = version};
+    gatherOneRing(v, faces_at_[v], faces_, ring_);
+    Collapse best{.cost = INFINITY, .vertex = v, .version = version};
     double area = 0;
     for (size_t i = 0; i < ring_.faces.size(); ++i)
       area += glm::length(glm::cross(positions_[ring_.vertices[i]] - positions_[v],
@@ -136,8 +137,8 @@ class Simplifier {
     return keepsTopology(v, kept) && keepsShape(v, kept);
   }
 
-  // The link condition (Dey et al., 1999): the two ends share the neighbours that their common faces have, and no more;
-  // and three faces about a vertex must not be closed by a fourth one.
+  // The link condition (Dey et al., 1999): the only common neighbours of both ends are those of their common faces; and
+  // the three faces about a vertex of valence three must not be joined by a fourth into a closed tetrahedron.
   bool keepsTopology(uint32_t v, size_t kept) {
     const uint32_t w = ring_.vertices[kept];
     if (ring_.faces.size() < 2) return false;
@@ -145,7 +146,7 @@ class Simplifier {
     size_t shared = 0;
     for (uint32_t n : ring_.vertices) shared += std::binary_search(others_.begin(), others_.end(), n);
     if (shared != (ring_.is_open ? 1 : 2)) return false;
-    if (others_.size() + ring_.size() - shared - 2 > std::max(limits_.most_neighbours, others_.size())) return false;
+    if (others_.size() + ring_.size() - shared - 2 > std::max(limits_.max_valence, others_.size())) return false;
     if (ring_.is_open || ring_.size() != 3) return true;
     const auto isClosing = [&](uint32_t f) {
       return std::all_of(faces_[f].begin(), faces_[f].end(), [&](uint32_t n) {
@@ -175,49 +176,49 @@ class Simplifier {
       worst_before = std::min(worst_before, quality);
       if (i == kept || (i + 1) % ring_.size() == kept) continue;
       worst_after = std::min(worst_after, triangleQuality(to, a, b));
-      // What a sliver's own normal says means nothing.
+      // The normal of a sliver is noise, so the mean normal stands in for it.
       const dvec3 before = quality < kSliver ? whole : glm::cross(a - from, b - from),
                   after = glm::cross(a - to, b - to);
-      if (glm::dot(before, after) <= limits_.least_cosine * glm::length(before) * glm::length(after)) return false;
+      if (glm::dot(before, after) <= limits_.min_cosine * glm::length(before) * glm::length(after)) return false;
     }
-    const double least = std::min(limits_.least_quality, 0.9 * worst_before);
-    return worst_after >= least && layOut(v, ring_, straightPath(v, kept), positions_, flat_) &&
-           fanFills(flat_, kept, ring_.is_open, 0.5 * least);
+    const double least = std::min(limits_.min_quality, 0.9 * worst_before);
+    return worst_after >= least && flatten(v, ring_, straightPath(v, kept), positions_, flat_) &&
+           isValidFan(flat_, kept, ring_.is_open, 0.5 * least);
   }
 
-  // The border or crease through `v` that goes on after `kept` has taken its place: its neighbour on the other side of
-  // v.
-  uint32_t courseBeyond(uint32_t v, const Ring& ring, size_t kept) const {
+  // If `v` and ring vertex `kept` lie on one border or crease: the next vertex of it on the other side of v. The chain
+  // continues there after the collapse. kNoIndex otherwise.
+  uint32_t chainBeyond(uint32_t v, const OneRing& ring, size_t kept) const {
     if (ring.is_open) return kept == 0 ? ring.vertices.back() : ring.vertices.front();
     const uint32_t w = ring.vertices[kept];
     if (along_[v].size() != 2 || (along_[v][0] != w && along_[v][1] != w)) return kNoIndex;
     return along_[v][along_[v][0] == w];
   }
   StraightPath straightPath(uint32_t v, size_t kept) const {
-    const uint32_t other = courseBeyond(v, ring_, kept);
+    const uint32_t other = chainBeyond(v, ring_, kept);
     if (ring_.is_open || other == kNoIndex) return {0, 0};
     const auto found = std::find(ring_.vertices.begin(), ring_.vertices.end(), other);
     return {kept, static_cast<size_t>(found - ring_.vertices.begin())};
   }
 
-  // --- taking it out
+  // --- applying one
 
-  void tryRemoval(const Removal& removal) {
-    const uint32_t v = removal.vertex;
-    gatherRing(v, faces_at_[v], faces_, ring_);
-    if (!isAllowed(v, removal.kept)) {  // farther neighbours have changed
+  void tryCollapse(const Collapse& collapse) {
+    const uint32_t v = collapse.vertex;
+    gatherOneRing(v, faces_at_[v], faces_, ring_);
+    if (!isAllowed(v, collapse.kept)) {  // the two-ring has changed since it was queued
       enqueue(v);
       return;
     }
-    map_.addStep(ring_, flat_, removal.kept);
-    const Ring ring = ring_;
-    take(v, ring, removal.kept);
+    map_.addRemoval(ring_, flat_, collapse.kept);
+    const OneRing ring = ring_;
+    apply(v, ring, collapse.kept);
     for (uint32_t n : ring.vertices) enqueue(n);
   }
 
-  void take(uint32_t v, const Ring& ring, size_t kept) {
+  void apply(uint32_t v, const OneRing& ring, size_t kept) {
     const uint32_t w = ring.vertices[kept];
-    takeCourses(v, w, courseBeyond(v, ring, kept));
+    joinChains(v, w, chainBeyond(v, ring, kept));
     for (size_t i = 0; i < ring.faces.size(); ++i) {
       const uint32_t f = ring.faces[i];
       if (i == kept || (i + 1) % ring.size() == kept) {
@@ -233,36 +234,36 @@ class Simplifier {
     quadrics_[w].add(quadrics_[v]);
     ++versions_[v];
   }
-  // Joins the courses from w to v and from v to `other`; any others at v end.
-  void takeCourses(uint32_t v, uint32_t w, uint32_t other) {
+  // Joins the chains from w to v and from v to `other` into one; all other chains at v are dropped.
+  void joinChains(uint32_t v, uint32_t w, uint32_t other) {
     if (other != kNoIndex) {
-      Chain course = courseFrom(w, v);
-      const Chain rest = courseFrom(v, other);
-      course.vertices.push_back(v);
-      course.vertices.insert(course.vertices.end(), rest.vertices.begin(), rest.vertices.end());
-      course.edges.insert(course.edges.end(), rest.edges.begin(), rest.edges.end());
-      courses_[std::minmax(w, other)] = turned(std::move(course), w > other);
+      Chain chain = chainFrom(w, v);
+      const Chain rest = chainFrom(v, other);
+      chain.vertices.push_back(v);
+      chain.vertices.insert(chain.vertices.end(), rest.vertices.begin(), rest.vertices.end());
+      chain.edges.insert(chain.edges.end(), rest.edges.begin(), rest.edges.end());
+      chains_[std::minmax(w, other)] = reversedIf(w > other, std::move(chain));
       along_[w].push_back(other), along_[other].push_back(w);
     }
     for (uint32_t n : along_[v]) {
-      courses_.erase(std::minmax(v, n));
+      chains_.erase(std::minmax(v, n));
       std::erase(along_[n], v);
     }
     along_[v].clear();
   }
-  static Chain turned(Chain course, bool turns) {
-    if (turns) {
-      std::reverse(course.vertices.begin(), course.vertices.end());
-      std::reverse(course.edges.begin(), course.edges.end());
+  static Chain reversedIf(bool is_reversed, Chain chain) {
+    if (is_reversed) {
+      std::reverse(chain.vertices.begin(), chain.vertices.end());
+      std::reverse(chain.edges.begin(), chain.edges.end());
     }
-    return course;
+    return chain;
   }
-  Chain courseFrom(uint32_t a, uint32_t b) const { return turned(courses_.at(std::minmax(a, b)), a > b); }
+  Chain chainFrom(uint32_t a, uint32_t b) const { return reversedIf(a > b, chains_.at(std::minmax(a, b))); }
 
   // --- the result
 
   Base finish() {
-    Base base{.vertices = {}, .faces = {}, .numbers = {}, .map = std::move(map_), .courses = {}};
+    Base base{.vertices = {}, .faces = {}, .map_faces = {}, .map = std::move(map_), .feature_chains = {}};
     std::vector<uint32_t> names(positions_.size(), kNoIndex);
     for (uint32_t v = 0; v < positions_.size(); ++v) {
       if (faces_at_[v].empty()) continue;
@@ -272,31 +273,32 @@ class Simplifier {
     for (uint32_t f = 0; f < faces_.size(); ++f) {
       if (!is_alive_[f]) continue;
       base.faces.push_back({names[faces_[f][0]], names[faces_[f][1]], names[faces_[f][2]]});
-      base.numbers.push_back(f);
+      base.map_faces.push_back(f);
     }
-    for (auto& [ends, course] : courses_) {
-      course.vertices.insert(course.vertices.begin(), ends.first);
-      course.vertices.push_back(ends.second);
-      base.courses.push_back(std::move(course));
+    for (auto& [ends, chain] : chains_) {
+      chain.vertices.insert(chain.vertices.begin(), ends.first);
+      chain.vertices.push_back(ends.second);
+      base.feature_chains.push_back(std::move(chain));
     }
     return base;
   }
 
   const Original& original_;
   const SimplifyOptions& options_;
-  std::vector<dvec3> positions_;  // about the first one
-  std::vector<Triangle> faces_;   // as they are by now
+  std::vector<dvec3> positions_;  // relative to the first one
+  std::vector<Triangle> faces_;   // after the collapses so far
   std::vector<bool> is_alive_;
   uint32_t alive_;
   std::vector<std::vector<uint32_t>> faces_at_;  // of each vertex
   std::vector<Quadric> quadrics_;
-  std::vector<std::vector<uint32_t>> along_;                // neighbours along border or crease
-  std::map<std::pair<uint32_t, uint32_t>, Chain> courses_;  // from the lower end; paths without their ends
+  std::vector<std::vector<uint32_t>> along_;  // of each vertex: its neighbours along borders and creases
+  std::map<std::pair<uint32_t, uint32_t>, Chain>
+      chains_;  // by their two ends, from the lower one; without the end vertices
   std::vector<uint32_t> versions_;
-  std::priority_queue<Removal> queue_;
+  std::priority_queue<Collapse> queue_;
   CoarseMap map_;
   Limits limits_{};
-  Ring ring_;  // scratch
+  OneRing ring_;  // scratch
   std::vector<glm::dvec2> flat_;
   std::vector<uint32_t> others_;
 };

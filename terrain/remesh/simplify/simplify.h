@@ -1,7 +1,8 @@
-// Simplifies a surface to about as many triangles as asked, by taking out one vertex after the other (into a neighbour,
-// so base vertices are vertices of the original), cheapest first by quadric error, and keeps the map between the two.
-// Vertices on the border leave it only along it; creases cost what their loss would do to the shape, and a vertex taken
-// out along its crease leaves it a crease. The topology stays: closed stays closed, a hole stays a hole.
+// Simplifies a surface to about a given number of triangles by half-edge collapses, cheapest first by quadric error,
+// and keeps the map between the two. A vertex is collapsed into a neighbour, so base vertices are vertices of the
+// original. Border vertices collapse along the border only; creases are weighted by what their loss would do to the
+// shape, and a vertex removed along its crease leaves a crease behind. The topology is preserved: closed surfaces stay
+// closed, holes stay holes.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +16,22 @@
 namespace foreland::terrain {
 
 struct Base {
-  std::vector<uint32_t> vertices;  // the original's vertex that each is
-  std::vector<Triangle> faces;     // of `vertices`
-  std::vector<uint32_t> numbers;   // what the map calls each face
+  std::vector<uint32_t> vertices;   // of each base vertex: its index in the original
+  std::vector<Triangle> faces;      // indices into `vertices`
+  std::vector<uint32_t> map_faces;  // of each face: its index in the map
   CoarseMap map;
-  std::vector<Chain> courses;  // base edges that run along a border or crease of the original, from end to end
+  std::vector<Chain>
+      feature_chains;  // the original's edges under each base edge that follows a border or crease, end to end
 };
 
 struct SimplifyOptions {
   uint32_t target_faces = 200;
-  double crease_cosine = 0.766;          // normals further apart than 40 degrees make a crease
-  std::span<const double> importance{};  // of each vertex: how many times its surroundings' errors count; empty: once
+  double crease_cosine = 0.766;          // of the angle between normals from which on an edge is a crease; 40 degrees
+  std::span<const double> importance{};  // of each vertex: the weight of errors around it; empty: 1 everywhere
 };
 
-// May stop above the target where nothing more can go without changing the topology or folding the surface. One thread;
-// the same result everywhere. Cost: n log n.
+// May stop above the target, where every further collapse would change the topology or fold the surface.
+// Single-threaded and deterministic. Cost: O(n log n).
 [[nodiscard]] Base simplify(const Original& original, const SimplifyOptions& options);
 
 }  // namespace foreland::terrain

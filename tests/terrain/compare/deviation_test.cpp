@@ -41,7 +41,7 @@ TEST(ClosestPoint, IsAsNearAsAnySampleAndLiesOnTheMesh) {
   for (int i = 0; i < 300; ++i) {
     const dvec3 p(rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-1, 1));
     const PointOnMesh at = closest.find(p);
-    EXPECT_NEAR(glm::distance(closest.placeOf(at), p), at.distance, 1e-12);
+    EXPECT_NEAR(glm::distance(closest.positionOf(at), p), at.distance, 1e-12);
     EXPECT_GE(std::min({at.weights.x, at.weights.y, at.weights.z}), 0);
     EXPECT_NEAR(at.weights.x + at.weights.y + at.weights.z, 1, 1e-12);
     const double sampled = sampledDistance(p, torus, 40);

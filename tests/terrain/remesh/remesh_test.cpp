@@ -118,7 +118,7 @@ TEST(Remesh, BaseVerticesAreVerticesOfTheOriginalAndStandFirst) {
     EXPECT_TRUE(known.contains({made->positions[v].x, made->positions[v].y, made->positions[v].z}));
   }
   for (uint32_t v = 0; v < made->positions.size(); ++v)
-    EXPECT_EQ(made->positions[v], placeOf(made->places[v], surface.positions, surface.faces));
+    EXPECT_EQ(made->positions[v], positionOf(made->points[v], surface.positions, surface.faces));
 }
 
 TEST(Remesh, SpheresAndToriComeCloseWithoutFolds) {
@@ -180,8 +180,8 @@ TEST(CoarseMap, ForthUndoesBack) {
   for (int i = 0; i < 20000; ++i) {
     dvec3 weights(rng.uniform(), rng.uniform(), rng.uniform());
     weights /= weights.x + weights.y + weights.z;
-    const SurfacePoint at{base.numbers[rng.below(base.numbers.size())], weights};
-    const SurfacePoint back = base.map.carryForth(base.map.carryBack(at));
+    const SurfacePoint at{base.map_faces[rng.below(base.map_faces.size())], weights};
+    const SurfacePoint back = base.map.toCoarse(base.map.toOriginal(at));
     ASSERT_EQ(back.face, at.face);
     ASSERT_LT(glm::length(back.weights - at.weights), 1e-9);
   }

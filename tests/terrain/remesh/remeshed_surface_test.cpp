@@ -22,8 +22,8 @@ struct Torus {
 
 TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
   const Torus torus;
-  const double step = defaultStep(torus.remeshed);
-  const auto surface = surfaceOf(torus.remeshed, proto::MeshRule::kQuadrisection, step);
+  const double step = defaultQuantum(torus.remeshed);
+  const auto surface = toSurface(torus.remeshed, proto::MeshRule::kQuadrisection, step);
   ASSERT_TRUE(surface.ok());
   const Lattice& lattice = torus.remeshed.lattice;
   for (uint32_t face = 0; face < torus.remeshed.base_faces.size(); ++face)
@@ -38,7 +38,7 @@ TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
 
 TEST(DefaultStep, IsASixteenthOfWhatTheFinestLevelAddsOrLess) {
   const Torus torus;
-  const auto surface = surfaceOf(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-8);
+  const auto surface = toSurface(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-8);
   ASSERT_TRUE(surface.ok());
   const proto::MeshTopology& mesh = surface->topology;
   std::vector<double> sizes;
@@ -48,7 +48,7 @@ TEST(DefaultStep, IsASixteenthOfWhatTheFinestLevelAddsOrLess) {
     sizes.push_back(glm::distance(surface->position(n), 0.5 * (surface->position(a) + surface->position(b))));
   });
   std::sort(sizes.begin(), sizes.end());
-  const double step = defaultStep(torus.remeshed);
+  const double step = defaultQuantum(torus.remeshed);
   EXPECT_EQ(std::exp2(std::round(std::log2(step))), step);
   // The lattice has vertices of base edges twice, so its median is not quite the nodes'.
   EXPECT_LE(step, sizes[sizes.size() * 6 / 10] / 16);
@@ -59,15 +59,15 @@ TEST(DefaultStep, OfAFlatMeshIsTheFinest) {
   Torus torus;
   for (dvec3& p : torus.remeshed.positions) p = {1, 2, 3};
   torus.remeshed.positions.front() = {1, 2, 4};
-  EXPECT_EQ(finestStep(torus.remeshed.positions), std::exp2(-20));
-  EXPECT_EQ(defaultStep(torus.remeshed), finestStep(torus.remeshed.positions));
+  EXPECT_EQ(finestQuantum(torus.remeshed.positions), std::exp2(-20));
+  EXPECT_EQ(defaultQuantum(torus.remeshed), finestQuantum(torus.remeshed.positions));
 }
 
 TEST(SurfaceOf, BothRulesLieNextToTheOriginalAndDoNotFold) {
   const Torus torus;
   const ClosestPoint closest({torus.original.positions, torus.original.faces});
   for (const proto::MeshRule rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection}) {
-    const auto surface = surfaceOf(torus.remeshed, rule, 1e-7);
+    const auto surface = toSurface(torus.remeshed, rule, 1e-7);
     ASSERT_TRUE(surface.ok());
     const FullMesh full(*surface);
     std::vector<dvec3> positions;
@@ -82,7 +82,7 @@ TEST(SurfaceOf, BothRulesLieNextToTheOriginalAndDoNotFold) {
 
 TEST(SurfaceOf, StepsThatAreTooFineAreRefused) {
   const Torus torus;
-  EXPECT_FALSE(surfaceOf(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-12).ok());
+  EXPECT_FALSE(toSurface(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-12).ok());
 }
 
 TEST(PlaceUnder, MeetsLatticeVerticesAndLiesNextToTheFullMesh) {
@@ -95,7 +95,7 @@ TEST(PlaceUnder, MeetsLatticeVerticesAndLiesNextToTheFullMesh) {
       dvec3 drawn(0);
       for (int i = 0; i < 3; ++i) drawn += cell.weights[i] * remeshed.positions[cell.vertices[static_cast<size_t>(i)]];
       const dvec3 under =
-          placeOf(placeUnder(original, remeshed, face, {1 - u - v, u, v}), original.positions, original.faces);
+          positionOf(locateOnOriginal(original, remeshed, face, {1 - u - v, u, v}), original.positions, original.faces);
       EXPECT_LT(glm::distance(drawn, under), 0.03);
     }
 }

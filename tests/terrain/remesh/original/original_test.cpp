@@ -60,7 +60,7 @@ TEST(Original, WeldsAndPartsAgain) {
   ASSERT_TRUE(cube.ok());
   EXPECT_EQ(cube->positions.size(), 6u * 9 + 2);
   EXPECT_EQ(cube->welded, 6u * 16 - (6u * 9 + 2));
-  for (const Triangle& t : cube->across)
+  for (const Triangle& t : cube->twins)
     for (uint32_t beyond : t) EXPECT_NE(beyond, kNoIndex);
   // Two tetrahedra with a vertex each at the same place stay apart there.
   const auto two = makeOriginal(
@@ -81,7 +81,7 @@ TEST(Original, TurnsFacesTheSameWayAndClosedSurfacesOutside) {
       if (rng.uniform() < share) std::swap(model.corners[3 * f], model.corners[3 * f + 1]), ++turned;
     const auto made = makeOriginal(model);
     ASSERT_TRUE(made.ok());
-    EXPECT_EQ(made->turned, turned);
+    EXPECT_EQ(made->flipped, turned);
     for (const Triangle& t : made->faces) {
       const dvec3 &a = made->positions[t[0]], &b = made->positions[t[1]], &c = made->positions[t[2]];
       EXPECT_GT(glm::dot(glm::cross(b - a, c - a), a), 0);
