@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "client/mesh_builder.h"
+#include "client/mesh/mesh_builder.h"
 #include "proto/codec/section_codec.h"
 
 namespace foreland::client {
@@ -15,7 +15,7 @@ using proto::Slot;
 namespace {
 
 Error refused(const std::string& why) {
-  return {ErrorCode::kMalformed, "keyframe: " + why + "; the connection is of no use any more, reconnect"};
+  return {ErrorCode::kMalformed, "keyframe: " + why + "; this connection cannot continue, reconnect"};
 }
 
 }  // namespace
@@ -45,13 +45,13 @@ std::optional<int32_t> Replica::knownHeight(NodeId v) const {
 }
 
 Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend blend) {
-  if (header.base_index == 0 && to_.index != 0) startAfresh();
-  if (broken_) return refused("one before it was none");
+  if (header.base_index == 0 && to_.index != 0) reset();
+  if (is_broken_) return refused("an earlier keyframe of this connection was malformed");
   if (header.base_index != to_.index)
-    return refused("it starts from keyframe " + std::to_string(header.base_index) + ", held is " +
+    return refused("its delta starts from keyframe " + std::to_string(header.base_index) + ", but the client holds " +
                    std::to_string(to_.index));
   if (Status s = step(header, bytes); !s.ok()) {
-    broken_ = true;
+    is_broken_ = true;
     return s;
   }
   const bool is_first = to_.index == 0;
@@ -63,9 +63,9 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend
   return {};
 }
 
-bool Replica::isUnderWay() const {
-  return morphs_.isUnderWay() ||
-         std::any_of(objects_.begin(), objects_.end(), [](const ObjectReplica& o) { return o.isUnderWay(); });
+bool Replica::isInTransition() const {
+  return morphs_.isInTransition() ||
+         std::any_of(objects_.begin(), objects_.end(), [](const ObjectReplica& o) { return o.isInTransition(); });
 }
 
 void Replica::extend(Duration interval, Blend blend) {
@@ -74,41 +74,42 @@ void Replica::extend(Duration interval, Blend blend) {
 }
 
 void Replica::blend(const MeshSpan& span, const proto::CutDelta& change) {
-  const MorphClock clock(span, span.from, span.motion.metres_per_s);
-  morphs_.step(domain_->grid, change, [&](Slot slot) { return intervals(clock, slot); });
+  const MorphTiming timing(span, span.from, span.motion.metres_per_s);
+  morphs_.step(domain_->grid, change, [&](Slot slot) { return intervals(timing, slot); });
   nodes_.step(morphs_.jumped());
   nodes_.step(morphs_.drawn());
   nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
   for (ObjectReplica& object : objects_) object.blend(span, *stream_);
 }
 
-// Of the node's sphere. A page that is forgotten has left the frontier long ago; how large its spheres are is not known
-// any more, so they might be seen.
-double Replica::intervals(const MorphClock& clock, Slot slot) const {
-  if (clock.isEven()) return clock.intervals({}, 0);
+// How many intervals a node's transition takes, by its bounding sphere. The adapter forgets the radii of pages that
+// left the frontier long ago; such a node is taken to be visible, with a sphere of any size.
+double Replica::intervals(const MorphTiming& timing, Slot slot) const {
+  if (timing.isUniform()) return timing.intervals({}, 0);
   const proto::GridTopology& grid = domain_->grid;
   const NodeId n = grid.node(slot);
   const glm::dvec3 centre = domain_->frame.position(n, nodes_.records().at(slot).middle());
   const bool is_known = adapter_.knowsBlock(slot - slot % proto::SparseNodes::kBlockSlots);
-  return clock.intervals(centre, is_known ? domain_->radius(grid.level(n), adapter_.radius(slot))
-                                          : std::numeric_limits<double>::infinity());
+  return timing.intervals(centre, is_known ? domain_->radius(grid.level(n), adapter_.radius(slot))
+                                           : std::numeric_limits<double>::infinity());
 }
 
-// The server does not go on from the section that was presented.
-void Replica::startAfresh() {
+// Back to the state before the first keyframe: the server has sent one that starts from nothing.
+void Replica::reset() {
   adapter_ = proto::TerrainAdapter(*domain_);
   nodes_ = HeldNodes(domain_->grid, {*corner_heights_, *centre_heights_});
   morphs_ = {};
   model_ = {};
   fingerprint_ = 0;
   from_ = to_ = {};
-  broken_ = false;
+  is_broken_ = false;
   makeObjects();
 }
 
 namespace {
 
-// The radii of the pages of a section's nodes, as an adapter knows them. It is asked for nothing else.
+// The radii of pages as an adapter knows them, for another adapter that is made from a section. Making one loads no
+// nodes and decides nothing.
 class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
  public:
   explicit KnownRadii(const proto::TerrainAdapter& adapter) : adapter_(adapter) {}
@@ -123,7 +124,7 @@ class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
 }  // namespace
 
 std::optional<proto::Resume> Replica::makeResume(uint64_t scene_id) {
-  if (broken_ || to_.index == 0) return std::nullopt;
+  if (is_broken_ || to_.index == 0) return std::nullopt;
   proto::HeldSections held{section(), {}};
   for (const ObjectReplica& object : objects_) held.objects.push_back(object.section());
   KnownRadii radii(adapter_);
@@ -139,74 +140,93 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   delta_.added.clear();
   delta_.removed.clear();
   proto::DeltaDecoder decoder(*domain_, nodes_.records(), model_, bytes);
-  keepLeaving();
-  const bool is_adapted = adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_);
-  restoreLeaving();
-  if (!is_adapted) {
+  if (!adapt(header, decoder)) {
     if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
-    return refused("its section is not closed, or too large");
+    return refused("its section is not parent-closed, or too large");
   }
   uint32_t print = fingerprint_ + proto::fingerprint(delta_.added) - proto::fingerprint(delta_.removed);
   if (stream_) stream_->begin(proto::viewOf(header));
   for (ObjectReplica& object : objects_)
-    if (!object.step(*stream_, decoder.coder(), print)) return refused("what it has of an object is no delta");
+    if (!object.step(*stream_, decoder.coder(), print)) return refused("the bytes for an object are no delta");
   if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
   if (((print ^ header.fingerprint) & header.fingerprint_mask) != 0)
-    return refused("the section that results is not the server's");
+    return refused("the resulting section is not the server's");
   fingerprint_ = print;
   return {};
 }
 
-// A node that has left the section and is still drawn may come to the frontier again, and then is known by the middle
-// of its edge: its record is kept aside. Both have the same middle, which is all that is asked of them there.
-void Replica::keepLeaving() {
-  leaving_.clear();
+// Adapts the terrain's section. A removed node that is still drawn may become addable again, and then the decoder
+// writes a record that has only the midpoint of its edge. Drawing needs its true height, so its record is saved and
+// restored; both records have the same midpoint, and the adapter uses nothing else of an addable node's record.
+bool Replica::adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder) {
+  saved_.clear();
   for (const Morph& m : morphs_.all())
-    if (!m.comes) leaving_.push_back({m.slot, nodes_.records().at(m.slot)});
-}
-
-void Replica::restoreLeaving() {
-  for (const Leaving& node : leaving_)
-    if (!adapter_.contains(node.slot)) nodes_.records().make(node.slot) = node.record;
+    if (!m.is_added) saved_.push_back({m.slot, nodes_.records().at(m.slot)});
+  const bool ok = adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_);
+  for (const SavedRecord& saved : saved_)
+    if (!adapter_.contains(saved.slot)) nodes_.records().make(saved.slot) = saved.record;
+  return ok;
 }
 
 KeyframeMesh Replica::buildMesh() const {
   KeyframeMesh mesh;
   mesh.from = from_;
   mesh.to = to_;
-  MeshBuilder(*this, mesh).run();
+  MeshBuilder(*domain_, nodes_, morphs_.all(), mesh).run();
   for (const ObjectReplica& object : objects_) object.appendTo(mesh);
   return mesh;
 }
+
+namespace {
+
+// A triangle of the terrain's hierarchy over lattice positions: its refinement edge from m - d to m + d, and its apex
+// at m + rot(d).
+struct HeightTriangle {
+  glm::dvec2 m, d;
+
+  glm::dvec2 rot() const { return {-d.y, d.x}; }
+  static NodeId vertex(glm::dvec2 p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); }
+
+  // The half that contains p, once the refinement edge is halved.
+  HeightTriangle half(glm::dvec2 p) const {
+    const glm::dvec2 to_a = (rot() - d) / 2.0, to_b = (rot() + d) / 2.0;
+    return glm::dot(p - m, d) > 0 ? HeightTriangle{m + to_b, to_a} : HeightTriangle{m + to_a, -to_b};
+  }
+  // The weights of p over m - d, m + d and the apex; their sum is 1.
+  glm::dvec3 weights(glm::dvec2 p) const {
+    const double length2 = glm::dot(d, d), along = glm::dot(p - m, d) / length2, up = glm::dot(p - m, rot()) / length2;
+    return {0.5 * (1 - along - up), 0.5 * (1 + along - up), up};
+  }
+};
+
+// The one of the four triangles of p's root square that contains p. Its apex is the square's centre.
+HeightTriangle rootTriangle(const proto::GridTopology& grid, glm::dvec2 p) {
+  const proto::GridShape& shape = grid.shape();
+  const double size = grid.rootSize(), half = size / 2;
+  const double cx = (std::min(std::floor(p.x / size), shape.roots_x - 1.0) + 0.5) * size;
+  const double cy = (std::min(std::floor(p.y / size), shape.roots_y - 1.0) + 0.5) * size;
+  if (std::fabs(p.y - cy) > std::fabs(p.x - cx))
+    return {{cx, p.y < cy ? cy - half : cy + half}, {p.y < cy ? half : -half, 0}};
+  return {{p.x > cx ? cx + half : cx - half, cy}, {0, p.x > cx ? half : -half}};
+}
+
+}  // namespace
 
 std::optional<double> Replica::heightAt(double x, double y) const {
   const proto::GridTopology& grid = domain_->grid;
   const proto::GridShape& shape = grid.shape();
   if (to_.index == 0 || !(x >= 0 && y >= 0 && x <= shape.samples_x - 1 && y <= shape.samples_y - 1))
     return std::nullopt;
-  const double size = grid.rootSize(), half = size / 2;
-  const double cx = (std::min(std::floor(x / size), shape.roots_x - 1.0) + 0.5) * size;
-  const double cy = (std::min(std::floor(y / size), shape.roots_y - 1.0) + 0.5) * size;
-  // The root triangle around (x, y): edge m - d, m + d, apex the root's centre.
-  const bool steep = std::fabs(y - cy) > std::fabs(x - cx);
-  glm::dvec2 d = steep ? glm::dvec2(y < cy ? half : -half, 0) : glm::dvec2(0, x > cx ? half : -half);
-  glm::dvec2 m =
-      steep ? glm::dvec2(cx, y < cy ? cy - half : cy + half) : glm::dvec2(x > cx ? cx + half : cx - half, cy);
-  const auto vertex = [](glm::dvec2 p) { return NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)); };
+  const glm::dvec2 p(x, y);
+  HeightTriangle t = rootTriangle(grid, p);
   for (int level = 1; level <= grid.maxLevel(); ++level) {
-    if (!(nodes_.in(grid.slot(vertex(m))) & kInTo)) break;
-    const glm::dvec2 rot(-d.y, d.x);
-    const bool toward_b = glm::dot(glm::dvec2(x, y) - m, d) > 0;
-    const glm::dvec2 in = (rot - d) / 2.0, on = (rot + d) / 2.0;
-    m = toward_b ? m + on : m + in;
-    d = toward_b ? in : -on;
+    if (!(nodes_.in(grid.slot(HeightTriangle::vertex(t.m))) & kInTo)) break;
+    t = t.half(p);
   }
-  const glm::dvec2 rot(-d.y, d.x), offset = glm::dvec2(x, y) - m;
-  const double length2 = glm::dot(d, d), along = glm::dot(offset, d) / length2, up = glm::dot(offset, rot) / length2;
-  const auto a = knownHeight(vertex(m - d)), b = knownHeight(vertex(m + d)), apex = knownHeight(vertex(m + rot));
+  const auto a = knownHeight(HeightTriangle::vertex(t.m - t.d)), b = knownHeight(HeightTriangle::vertex(t.m + t.d)),
+             apex = knownHeight(HeightTriangle::vertex(t.m + t.rot()));
   if (!a || !b || !apex) return std::nullopt;
-  const double steps = 0.5 * (1 - along - up) * *a + 0.5 * (1 + along - up) * *b + up * *apex;
-  return steps * domain_->frame.transform().frame().height_quantum_m;
+  return glm::dot(t.weights(p), glm::dvec3(*a, *b, *apex)) * domain_->frame.transform().frame().height_quantum_m;
 }
 
 }  // namespace foreland::client

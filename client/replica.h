@@ -1,15 +1,15 @@
-// The client's copy of its section: steps from keyframe to keyframe as the server does, on what it is sent, and builds
-// the mesh between the last two, or as far as its nodes have come on their own clocks. One owner; no clock, no socket.
-// Memory and time are linear in the sections, not in the scene.
+// The client's copy of its sections. It runs the same adaptation as the server from keyframe to keyframe, on the bytes
+// of the deltas, and builds the mesh that blends the last two keyframes, or that shows how far per-node morph timing
+// has brought each node. One owner; no clock, no socket. Memory and time are linear in the sections, not in the scene.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "client/held_nodes.h"
-#include "client/keyframe_mesh.h"
-#include "client/morph_clock.h"
+#include "client/mesh/held_nodes.h"
+#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/morph_timing.h"
 #include "client/object_replica.h"
 #include "proto/codec/delta_codec.h"
 #include "proto/codec/object_stream.h"
@@ -20,71 +20,73 @@ namespace foreland::client {
 
 class Replica {
  public:
-  // The welcome has been decoded, hence checked.
+  // `welcome` has been decoded, and with that validated.
   explicit Replica(const proto::Welcome& welcome);
 
-  // Takes a keyframe: what was `to` becomes `from`. An Error (wrong base, bytes that are no delta, another fingerprint)
-  // leaves the sections as they were, and every later keyframe is refused: reconnect.
+  // Applies a keyframe: what was `to` becomes `from`. An Error (the delta starts from another keyframe, its bytes are
+  // malformed, or the section's fingerprint is not the server's) leaves the drawn sections as they were. Every later
+  // delta is then refused, except one that starts from nothing: reconnect.
   Status apply(const proto::KeyframeHeader& header, ByteSpan delta, Blend blend = Blend::kKeyframe);
-  // Whether nodes will not have come to rest when the mesh ends; and their next interval, for when no keyframe has
-  // come: both ends of the mesh then are the newest's.
-  bool isUnderWay() const;
+  // Whether some node is still in transition when the mesh ends.
+  bool isInTransition() const;
+  // Continues the transitions for another interval while no keyframe arrives. Both ends of the mesh then belong to the
+  // newest keyframe.
   void extend(Duration interval, Blend blend);
 
-  // The newest sections, to be presented to a server over a new connection; nothing if there are none, or a keyframe
-  // broke them. The next keyframe starts from them, or from nothing.
+  // The request to resume from the newest sections over a new connection; nullopt before the first keyframe and after
+  // an Error. The next keyframe must start from these sections or from nothing.
   std::optional<proto::Resume> makeResume(uint64_t scene_id);
 
-  // The mesh of the last step, origin near the newer keyframe's eye. After the first keyframe: that section, still.
+  // The mesh of the last apply() or extend(); its origin is near the newer keyframe's eye. After the first keyframe it
+  // shows that keyframe's section at both ends.
   KeyframeMesh buildMesh() const;
 
   const proto::GridTopology& grid() const { return domain_->grid; }
   const proto::FrameGrid& frameGrid() const { return domain_->frame; }
   const proto::KeyframeHeader& newest() const { return to_; }
-  // Drawn at the two ends of the mesh, and those of them that are on their way.
+  // The terrain's nodes that are drawn at the mesh's two ends, and those of them that are in transition.
   const HeldNodes& nodes() const { return nodes_; }
   const Morphs& morphs() const { return morphs_; }
   const proto::CutDelta& lastDelta() const { return delta_; }  // sorted
   proto::Section section() const { return morphs_.sectionOf(nodes_.newest()); }
   const std::vector<ObjectReplica>& objects() const { return objects_; }
 
-  // Height (m) of the newest section's surface, with what is leaving it, at a lattice place inside the data; nothing
-  // elsewhere or before a keyframe.
+  // Height (m above the zero surface) of the newest section's surface at a lattice position. Removed nodes that are
+  // still drawn refine it further. Nullopt outside the data and before the first keyframe. O(levels).
   std::optional<double> heightAt(double x, double y) const;
 
-  // Height in steps of a vertex that is drawn (base, or node of either end), or nothing.
+  // Height in quanta of a vertex that is drawn (base vertex, or node of either end); nullopt of any other.
   std::optional<int32_t> knownHeight(proto::NodeId v) const;
 
  private:
-  void startAfresh();
+  void reset();
   void makeObjects();
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
-  void keepLeaving();
-  void restoreLeaving();
+  bool adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder);
   void blend(const MeshSpan& span, const proto::CutDelta& change);
-  double intervals(const MorphClock& clock, proto::Slot slot) const;
+  double intervals(const MorphTiming& timing, proto::Slot slot) const;
 
-  // Behind pointers, for the adapter refers to them and replicas move.
+  // Behind pointers, because the adapter refers to them and replicas are moved.
   std::unique_ptr<const proto::TerrainDomain> domain_;
   std::unique_ptr<const std::vector<int32_t>> corner_heights_, centre_heights_;
   proto::TerrainAdapter adapter_;
-  proto::DeltaModel model_;  // of all deltas taken
-  HeldNodes nodes_;          // and those that can be added to the newest section
+  proto::DeltaModel model_;  // what the deltas since the last restart have taught the coder
+  HeldNodes nodes_;          // with the records of the newest section's addable nodes
   Morphs morphs_;
-  struct Leaving {
+  Motion motion_;  // between the last two keyframes
+  struct SavedRecord {
     proto::Slot slot;
     proto::NodeRecord record;
   };
-  std::vector<Leaving> leaving_;  // while the section steps
-  Motion motion_;                 // between the last two keyframes
+  std::vector<SavedRecord> saved_;  // scratch of adapt()
   std::unique_ptr<const proto::ObjectSet> object_set_;
   std::vector<ObjectReplica> objects_;
-  std::unique_ptr<proto::ObjectStream> stream_;  // none without objects: it is large
-  uint32_t fingerprint_ = 0;
-  proto::KeyframeHeader from_, to_;
+  std::unique_ptr<proto::ObjectStream> stream_;  // null in scenes without objects, because it is large
+  uint32_t fingerprint_ = 0;                     // of the newest sections
+  proto::KeyframeHeader from_, to_;              // index 0 before the first keyframe
   proto::CutDelta delta_;
   proto::AdaptScratch scratch_;
-  bool broken_ = false;
+  bool is_broken_ = false;  // after an Error
 };
 
 }  // namespace foreland::client

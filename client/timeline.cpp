@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kRecent = 16;
 constexpr Duration kLatencyMargin = Duration::milliseconds(10);
-constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // a keyframe
+constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, per keyframe
 
 }  // namespace
 
@@ -22,8 +22,8 @@ Duration Timeline::intervalOf(const KeyframeMesh& mesh) {
   return std::min(interval, *std::min_element(intervals_.begin(), intervals_.end()) + kLongestDelay);
 }
 
-// The worst recent latency beyond the keyframe's own time, outages apart; it falls a little at a time, so that t_d
-// glides when the link gets better.
+// The playout delay is the worst recent latency, outages apart, and a margin. It falls slowly, so that t_d does not
+// jump when the link gets better.
 void Timeline::updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kRecent) latencies_.pop_front();
@@ -34,7 +34,7 @@ void Timeline::updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival) {
 Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
   const bool first = entries_.empty(), predicted = strategy == proto::Strategy::kPredict;
   const Duration interval = intervalOf(*mesh);
-  // Judged by the delay in force while it was awaited; a still mesh is awaited by nobody.
+  // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
   const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + playout_delay_));
   if (predicted) {
     latencies_.clear();
@@ -51,7 +51,7 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
   const bool still = mesh->from.index == mesh->to.index;
   entries_.push_back({std::move(mesh), begin, end, next_version_++});
-  // A host that has stopped drawing keeps the newest few; each is whole in itself.
+  // A host that has stopped drawing keeps the newest meshes only; each can be drawn without those before it.
   if (entries_.size() > kMaxMeshes) entries_.pop_front();
   return still || first ? Duration{} : lateness;
 }

@@ -1,20 +1,22 @@
-// Which mesh is shown when (DESIGN section 4). Each keyframe mesh spans the scene times [from.time, to.time]; it is
-// shown during an interval of the client's clock that begins where the previous one ends, so what is drawn never jumps:
-//   predict          from from.time to to.time: geometry and clock agree, nothing is delayed
-//   delay, current   the same, later by T + lambda: T is the keyframe interval of the paper's formula for t_d, and lambda is what the
-//                    link and the server add to it (0 in the paper, where the server is the client); T is at most kLongestDelay
-//                    (base/latency.h) above the shortest recent one, so an outage is caught up with, not shown at length
-// A mesh that arrives late begins when it is there and still ends in time, if need be after kShortestBlend. When no
-// keyframe has come for kTimeout, nodes that are on their way go on, a kExtension at a time; not sooner, for that costs
-// what a keyframe's mesh costs, and a client that is late for those must not be made later. One owner; times are the
-// client's clock.
+// Decides which mesh is shown when (DESIGN section 4). A keyframe mesh spans the scene times [from.time, to.time] and
+// is shown during an interval of the client's clock that begins where that of the mesh before it ends, so what is drawn
+// never jumps:
+//   predict         from from.time to to.time: geometry and clock agree, and nothing is delayed
+//   delay, current  the same, later by T + playout delay. T is the keyframe interval of the paper's formula for t_d; the
+//                   playout delay is the recent latency of link and server (0 in the paper, where server and client are
+//                   one). T counts for at most kLongestDelay (base/latency.h) more than the shortest recent interval, so
+//                   after an outage the display catches up at once instead of replaying it
+// A mesh that arrives late begins on arrival and still ends in time, but lasts at least kShortestBlend. When no
+// keyframe has arrived for kTimeout, the host extends the transitions that are not over, by kExtension at a time. It
+// does not do so sooner because an extension costs as much as a keyframe's mesh, and must not make a client that is
+// late for keyframes later still. One owner; times are the client's clock.
 #pragma once
 
 #include <deque>
 #include <memory>
 
 #include "base/time.h"
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 
 namespace foreland::client {
 
@@ -25,14 +27,14 @@ class Timeline {
   static constexpr Duration kExtension = Duration::milliseconds(250);
   static constexpr size_t kMaxMeshes = 8;
 
-  // Takes the mesh that a keyframe completed. Returns how late it came for the time from which it was to be shown;
-  // negative is early.
+  // Schedules the mesh that a keyframe completed. Returns how late it arrived for the time from which it was to be
+  // shown; negative is early, and 0 is returned for the first mesh and for one that does not move.
   Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
 
-  // Shows a mesh that no keyframe brought for kExtension, after the last one.
+  // Schedules a mesh that extends transitions, for kExtension after the last one. There must have been a mesh.
   void extend(std::shared_ptr<const KeyframeMesh> mesh);
 
-  // Shows nothing until the next mesh comes; versions go on.
+  // Shows nothing until the next mesh is added. Versions are not reused.
   void clear() {
     entries_.clear();
     intervals_.clear();
@@ -40,13 +42,13 @@ class Timeline {
   }
 
   struct Shown {
-    const KeyframeMesh* mesh = nullptr;
-    double weight = 0;
-    Time scene_time;
-    uint32_t version = 0;
-    bool is_over = false;  // and there is none after it
+    const KeyframeMesh* mesh = nullptr;  // nullptr if there is none; valid until the next call of a member
+    double weight = 0;                   // of the mesh's `to`, from 0 to 1
+    Time scene_time;                     // t_d: the time in the scene that is shown
+    uint32_t version = 0;                // of the mesh; ascends, never 0
+    bool is_over = false;                // the mesh's interval has ended and no other mesh follows
   };
-  // What to show at `now`; drops meshes that are over. `now` does not decrease.
+  // What to show at `now`, which must not decrease. Drops meshes whose interval has ended.
   Shown at(Time now);
 
  private:
@@ -55,13 +57,13 @@ class Timeline {
     Time begin, end;  // the client's clock
     uint32_t version;
   };
-  // T of the mesh.
+  // The interval T that the mesh is delayed by.
   Duration intervalOf(const KeyframeMesh& mesh);
   void updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival);
 
   std::deque<Entry> entries_;
   std::deque<Duration> intervals_;  // of recent meshes
-  std::deque<Duration> latencies_;  // arrival - to.time of recent keyframes
+  std::deque<Duration> latencies_;  // arrival - to.time, of recent keyframes
   Duration playout_delay_;
   uint32_t next_version_ = 1;
 };

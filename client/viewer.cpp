@@ -10,7 +10,7 @@ namespace {
 
 constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
 
-// The own pose at an earlier time, between the two poses around it.
+// The camera's pose at an earlier time, interpolated.
 proto::Pose poseAt(const std::vector<proto::TimedPose>& poses, Time t) {
   const auto after = std::lower_bound(poses.begin(), poses.end(), t,
                                       [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
@@ -117,7 +117,7 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   if (is_greeted_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
 
   Timeline::Shown shown = timeline_.at(now);
-  if (shown.is_over && now - received_at_ >= Timeline::kTimeout && replica_->isUnderWay()) {
+  if (shown.is_over && now - received_at_ >= Timeline::kTimeout && replica_->isInTransition()) {
     replica_->extend(Timeline::kExtension, blend_);
     timeline_.extend(std::make_shared<KeyframeMesh>(replica_->buildMesh()));
     shown = timeline_.at(now);
@@ -134,7 +134,7 @@ void Viewer::countFrame(const FrameView& view) {
     return glm::distance(k.pose.eye, view.pose.eye) <= k.region_radius_m && angle <= k.region_angle_rad;
   };
   ++statistics_.frames;
-  // A section that does not show at all need not hold.
+  // At weight 0 or 1 one of the two sections is not shown, and its guarantee does not matter.
   const bool from_shows = view.weight<1, to_shows = view.weight> 0;
   if ((from_shows && !covers(view.mesh->from)) || (to_shows && !covers(view.mesh->to))) ++statistics_.frames_outside;
 }

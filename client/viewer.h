@@ -1,7 +1,6 @@
-// The client's whole side of a session: bytes and times in, bytes and meshes out. No socket, no clock, no thread
-// inside; the headless player (client/fly), the page (client/wasm) and the virtual world of the tests are thin hosts of
-// it. One owner. Times are the client's clock: microseconds since an epoch that the host chooses, the same one for its
-// whole life.
+// The client's side of a session: bytes and times in, bytes and meshes out. It has no socket, clock or thread; the
+// headless player (client/fly), the page (client/wasm) and the virtual world of the tests (tests/world) are its hosts.
+// One owner. Times are the client's clock: microseconds since an epoch that the host chooses once.
 #pragma once
 
 #include <deque>
@@ -9,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "client/blend.h"
-#include "client/keyframe_mesh.h"
+#include "client/mesh/blend.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "client/replica.h"
 #include "client/timeline.h"
 #include "proto/message/message.h"
@@ -21,19 +20,21 @@ namespace foreland::client {
 struct ViewerStatistics {
   uint64_t bytes_down = 0, bytes_up = 0;
   uint32_t keyframes = 0;       // received and applied
-  uint32_t late_keyframes = 0;  // arrived after the time they were to be shown from
+  uint32_t late_keyframes = 0;  // arrived after the time from which they were to be shown
   Duration last_lateness;       // of the newest keyframe; negative is early
   Duration worst_lateness;
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t frames = 0;                       // with something to draw
-  uint32_t resumed = 0, started_afresh = 0;  // new connections, by what their first keyframe started from
-  Duration longest_resume;                   // from a new connection to its first keyframe
-  uint64_t frames_outside = 0;  // of those: drawn from where one of the two keyframes does not promise its tolerance
+  uint64_t frames = 0;          // frames with something to draw
+  uint64_t frames_outside = 0;  // of these, frames whose camera is outside the region that a shown keyframe is computed
+                                // for, so their error is not guaranteed
+  uint32_t resumed = 0;         // reconnections whose first keyframe starts from the sections held
+  uint32_t started_afresh = 0;  // reconnections whose first keyframe starts from nothing
+  Duration longest_resume;      // from a reconnection to its first keyframe
 };
 
 // What to draw in one frame.
 struct FrameView {
-  const KeyframeMesh* mesh = nullptr;  // nullptr until the first keyframe is here; valid until the next call of frame()
+  const KeyframeMesh* mesh = nullptr;  // nullptr until the first keyframe; valid until the next call of frame()
   float weight = 0;                    // 0 shows mesh->from, 1 shows mesh->to
   proto::Pose pose;                    // the camera: M(t), or M(t_d) with strategy `delay`
   Time scene_time;                     // the time whose geometry is shown: t with `predict`, t_d otherwise
@@ -44,41 +45,42 @@ class Viewer {
  public:
   Viewer(const proto::ViewRequest& request, Duration pose_interval = Duration::milliseconds(50));
 
-  // Takes one message from the server. An Error ends the session: show it and disconnect; the state stays as it was.
+  // Handles one message from the server. An Error ends the session: show it and disconnect. What is drawn stays.
   Status receive(ByteSpan message, Time now);
-  // The connection was lost, and there is a new one, to this server or another: greets again, and goes on from the
-  // section held if the scene is the same. What was not sent yet is dropped.
+  // Starts a session over a new connection, to the same server or another, after the old one was lost. Resumes from the
+  // sections held if the scene is the same. Messages that were not sent yet are dropped.
   void reconnect(Time now);
-  // Next message for the server, oldest first; false when there is none.
+  // Moves the next message for the server, oldest first, into `message`; false if there is none.
   bool takeOutgoing(Bytes& message);
 
-  // The camera is at `pose` now. Queues pose updates as they are due. Call once per shown frame with non-decreasing
-  // times.
+  // What to draw with the camera at `pose`. Queues a pose update every pose interval. To be called once per frame, with
+  // times that do not decrease.
   FrameView frame(Time now, const proto::Pose& pose);
 
-  // Changes strategy, predictor, tolerance, lens in flight.
+  // Changes strategy, predictor, tolerance or lens during the session.
   void setRequest(const proto::ViewRequest& request);
   const proto::ViewRequest& request() const { return request_; }
-  // How what comes is blended, from the next keyframe on; what is on its way goes on from where it is.
+  // Changes the blend, from the next keyframe on. Nodes in transition continue from the weights that they have.
   void setBlend(Blend blend) { blend_ = blend; }
   Blend blend() const { return blend_; }
-  // Announces a planned path (predictor kKnownPath) on the client's clock.
+  // Announces a planned path, on the client's clock, for the predictor kKnownPath.
   void announcePath(const proto::Path& path);
   void requestTour(const std::string& name, double seconds);
   void requestGround(std::vector<glm::dvec2> lattice_points);
-  // Replies, once each.
+  // The reply to such a request, once; nullopt until it arrives.
   std::optional<proto::TourReply> takeTour();
   std::optional<proto::GroundReply> takeGround();
 
-  const std::optional<proto::Welcome>& welcome() const { return welcome_; }  // the last one
-  bool isGreeted() const { return is_greeted_; }                             // on this connection
-  // Valid after the welcome.
+  // The last welcome, of this connection or an earlier one.
+  const std::optional<proto::Welcome>& welcome() const { return welcome_; }
+  // Whether the welcome of this connection has arrived.
+  bool isGreeted() const { return is_greeted_; }
+  // To be called after the first welcome only.
   const proto::FrameGrid& frameGrid() const { return replica_->frameGrid(); }
-  // Ground height (m above the zero surface) of the newest section at a lattice place; nothing before the first
-  // keyframe.
+  // Height of the ground (m above the zero surface) at a lattice position, as Replica::heightAt.
   std::optional<double> groundHeight(double x, double y) const;
   const ViewerStatistics& statistics() const { return statistics_; }
-  // The sections held; nothing before the welcome. For tools and tests.
+  // The sections held; nullopt before the first welcome. For tools and tests.
   const std::optional<Replica>& replica() const { return replica_; }
 
  private:
@@ -92,15 +94,15 @@ class Viewer {
   Duration pose_interval_;
   Blend blend_ = Blend::kKeyframe;
   std::optional<proto::Welcome> welcome_;
-  bool is_greeted_ = false;             // on this connection
-  std::optional<Time> reconnected_at_;  // and no keyframe has come since
-  std::optional<proto::Path> path_;     // announced
+  bool is_greeted_ = false;
+  std::optional<Time> reconnected_at_;  // until the first keyframe after it
+  std::optional<proto::Path> path_;     // as announced
   std::optional<Replica> replica_;
   Timeline timeline_;
   proto::PoseMemory poses_sent_;
   proto::KeyframeMemory keyframes_taken_;
   std::deque<Bytes> outgoing_;
-  std::vector<proto::TimedPose> poses_;  // recent own poses, for M(t_d)
+  std::vector<proto::TimedPose> poses_;  // recent poses of the camera, for M(t_d)
   std::optional<Time> last_pose_sent_;
   uint32_t received_keyframe_ = 0;
   Time received_at_;

@@ -15,8 +15,8 @@ struct BlockRange {
 };
 
 BlockRange blocksOf(const client::KeyframeMesh& mesh, size_t triangle, uint32_t blocks_x, uint32_t blocks_y) {
-  const glm::vec2 a = mesh.places[mesh.indices[3 * triangle]], b = mesh.places[mesh.indices[3 * triangle + 1]],
-                  c = mesh.places[mesh.indices[3 * triangle + 2]];
+  const glm::vec2 a = mesh.parameters[mesh.indices[3 * triangle]], b = mesh.parameters[mesh.indices[3 * triangle + 1]],
+                  c = mesh.parameters[mesh.indices[3 * triangle + 2]];
   const auto block = [](float v, uint32_t count) {
     return std::min(static_cast<uint32_t>(std::max(v, 0.0f)) >> kBlockLog2, count - 1);
   };
@@ -31,7 +31,7 @@ struct Corner {
 
 Corner corner(const client::KeyframeMesh& mesh, uint32_t vertex, double weight, double share) {
   const glm::dvec3 from(mesh.from_positions[vertex]), to(mesh.to_positions[vertex]);
-  return {mesh.places[vertex].x, mesh.places[vertex].y, share * (mesh.origin + from + weight * (to - from))};
+  return {mesh.parameters[vertex].x, mesh.parameters[vertex].y, share * (mesh.origin + from + weight * (to - from))};
 }
 
 // Where the horizontal line at y enters and leaves the triangle.

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 
 namespace foreland::bench {
 

@@ -39,7 +39,7 @@ class Checker {
   }
 
   bool checkSizes() {
-    const size_t n = mesh_.places.size();
+    const size_t n = mesh_.parameters.size();
     if (mesh_.from_positions.size() != n || mesh_.to_positions.size() != n)
       found("positions and places differ in number");
     if (mesh_.indices.size() % 3 != 0) found("indices are not a multiple of three");
@@ -50,9 +50,9 @@ class Checker {
 
   // Gives vertices at one place one name, and compares their positions.
   void mergeVertices() {
-    std::vector<uint32_t> order(mesh_.places.size());
+    std::vector<uint32_t> order(mesh_.parameters.size());
     std::iota(order.begin(), order.end(), 0u);
-    const auto key = [this](uint32_t i) { return std::pair(mesh_.places[i].y, mesh_.places[i].x); };
+    const auto key = [this](uint32_t i) { return std::pair(mesh_.parameters[i].y, mesh_.parameters[i].x); };
     std::ranges::sort(order, {}, key);
     name_.resize(order.size());
     for (size_t k = 0; k < order.size(); ++k) {
@@ -60,18 +60,18 @@ class Checker {
       name_[i] = k > 0 && key(order[k - 1]) == key(i) ? name_[order[k - 1]] : i;
       if (mesh_.from_positions[i] != mesh_.from_positions[name_[i]] ||
           mesh_.to_positions[i] != mesh_.to_positions[name_[i]])
-        found("two vertices at " + text(mesh_.places[i]) + " are apart");
+        found("two vertices at " + text(mesh_.parameters[i]) + " are apart");
     }
   }
 
   void checkAreas() {
     double twice_total = 0;
     for (size_t t = 0; t < mesh_.triangleCount(); ++t) {
-      const glm::dvec2 a(mesh_.places[mesh_.indices[3 * t]]), b(mesh_.places[mesh_.indices[3 * t + 1]]),
-          c(mesh_.places[mesh_.indices[3 * t + 2]]);
+      const glm::dvec2 a(mesh_.parameters[mesh_.indices[3 * t]]), b(mesh_.parameters[mesh_.indices[3 * t + 1]]),
+          c(mesh_.parameters[mesh_.indices[3 * t + 2]]);
       const double twice_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
       if (!(twice_area > 0))
-        found("triangle " + std::to_string(t) + " at " + text(mesh_.places[mesh_.indices[3 * t]]) +
+        found("triangle " + std::to_string(t) + " at " + text(mesh_.parameters[mesh_.indices[3 * t]]) +
               " has no area or is flipped");
       twice_total += twice_area;
     }
@@ -83,7 +83,7 @@ class Checker {
   }
 
   bool isOnBorder(const Edge& e) const {
-    const glm::vec2 a = mesh_.places[e.low], b = mesh_.places[e.high];
+    const glm::vec2 a = mesh_.parameters[e.low], b = mesh_.parameters[e.high];
     const float max_x = static_cast<float>(shape_.samples_x - 1), max_y = static_cast<float>(shape_.samples_y - 1);
     return (a.x == b.x && (a.x == 0 || a.x == max_x)) || (a.y == b.y && (a.y == 0 || a.y == max_y));
   }
@@ -107,7 +107,7 @@ class Checker {
   void checkLine(const Edge& e, size_t triangles, bool is_opposed_pair) {
     const bool on_border = isOnBorder(e);
     if (on_border ? triangles == 1 : is_opposed_pair) return;
-    found("edge " + text(mesh_.places[e.low]) + " to " + text(mesh_.places[e.high]) +
+    found("edge " + text(mesh_.parameters[e.low]) + " to " + text(mesh_.parameters[e.high]) +
           (on_border ? " on the border" : "") + " has " + std::to_string(triangles) + " triangles" +
           (triangles == 2 ? ", on one side" : ""));
   }

@@ -5,13 +5,13 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "terrain/render/ray_caster.h"
 
 namespace foreland::bench {
 
 inline terrain::DrawnSurface::Triangles drawnTriangles(const client::BlendMesh& mesh, double weight) {
-  terrain::DrawnSurface::Triangles out{{}, {}, mesh.places, mesh.indices};
+  terrain::DrawnSurface::Triangles out{{}, {}, mesh.parameters, mesh.indices};
   out.positions.reserve(mesh.from_positions.size());
   out.heights_m.reserve(mesh.from_positions.size());
   for (size_t v = 0; v < mesh.from_positions.size(); ++v) {

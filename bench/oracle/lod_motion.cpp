@@ -18,9 +18,9 @@ void collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const p
     at = glm::dvec2(v.x, v.y) * (focal / -v.z);
     return std::fabs(at.x) <= 0.5 * lens.width_px && std::fabs(at.y) <= 0.5 * lens.height_px;
   };
-  std::vector<bool> drawn(mesh.places.size());  // others lie beyond the data
+  std::vector<bool> drawn(mesh.parameters.size());  // others lie beyond the data
   for (uint32_t vertex : mesh.indices) drawn[vertex] = true;
-  for (size_t i = 0; i < mesh.places.size(); ++i) {
+  for (size_t i = 0; i < mesh.parameters.size(); ++i) {
     glm::dvec2 before, after;
     if (drawn[i] && project(i, step.before, before) && project(i, step.after, after))
       out_px.push_back(glm::distance(before, after));

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "proto/space/frame_grid.h"
 #include "proto/space/pose.h"
 #include "proto/topology/grid.h"

@@ -12,13 +12,13 @@ namespace {
 constexpr uint32_t kUnused = 0xffffffffu;
 
 void takeMesh(const client::KeyframeMesh& mesh, double step_m, HeldMesh& out) {
-  std::vector<uint32_t> vertices(mesh.places.size(), kUnused);  // base vertices beyond the data are of no triangle
+  std::vector<uint32_t> vertices(mesh.parameters.size(), kUnused);  // base vertices beyond the data are of no triangle
   for (uint32_t index : mesh.indices) {
     if (vertices[index] == kUnused) {
       vertices[index] = static_cast<uint32_t>(out.scene.positions.size());
       const glm::vec4& p = mesh.to_positions[index];
       out.scene.positions.emplace_back(p.x, p.y, p.z);
-      out.lattice.positions.emplace_back(mesh.places[index].x, mesh.places[index].y,
+      out.lattice.positions.emplace_back(mesh.parameters[index].x, mesh.parameters[index].y,
                                          std::round(static_cast<double>(p.w) / step_m));
     }
     out.lattice.indices.push_back(vertices[index]);

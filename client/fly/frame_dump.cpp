@@ -45,13 +45,14 @@ Bytes encodePly(const KeyframeMesh& mesh, double weight) {
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment metres in the scene frame: x east, y north, z up at its origin\n"
       "element vertex " +
-      std::to_string(mesh.places.size()) + "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+      std::to_string(mesh.parameters.size()) +
+      "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
       std::to_string(mesh.triangleCount()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   Bytes out;
-  out.reserve(header.size() + mesh.places.size() * 24 + mesh.triangleCount() * 13);
+  out.reserve(header.size() + mesh.parameters.size() * 24 + mesh.triangleCount() * 13);
   ByteWriter writer(out);
   writer.putBytes(bytesOf(header));
-  for (size_t i = 0; i < mesh.places.size(); ++i) {
+  for (size_t i = 0; i < mesh.parameters.size(); ++i) {
     const glm::dvec3 from(mesh.from_positions[i]), to(mesh.to_positions[i]);
     const glm::dvec3 p = mesh.origin + from + weight * (to - from);
     writer.put(p.x), writer.put(p.y), writer.put(p.z);

@@ -88,7 +88,7 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.object_to_positions = addressOf(mesh.objects.to_positions.data());
   out.object_from_normals = addressOf(mesh.objects.from_normals.data());
   out.object_to_normals = addressOf(mesh.objects.to_normals.data());
-  out.object_places = addressOf(mesh.objects.places.data());
+  out.object_places = addressOf(mesh.objects.parameters.data());
   out.object_indices = addressOf(mesh.objects.indices.data());
   out.object_parts = addressOf(mesh.object_parts.data());
   out.object_part_count = static_cast<uint32_t>(mesh.object_parts.size());

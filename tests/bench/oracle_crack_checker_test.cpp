@@ -16,19 +16,19 @@ TEST(CrackChecker, PassesASoundMesh) { EXPECT_TRUE(test::hasNoCracks(soundMesh()
 
 TEST(CrackChecker, PassesAVertexThatIsStoredTwice) {
   client::KeyframeMesh mesh = soundMesh();
-  mesh.places.push_back(mesh.places[6]);
+  mesh.parameters.push_back(mesh.parameters[6]);
   mesh.from_positions.push_back(mesh.from_positions[6]);
   mesh.to_positions.push_back(mesh.to_positions[6]);
-  *std::ranges::find(mesh.indices, 6u) = static_cast<uint32_t>(mesh.places.size() - 1);
+  *std::ranges::find(mesh.indices, 6u) = static_cast<uint32_t>(mesh.parameters.size() - 1);
   EXPECT_TRUE(test::hasNoCracks(mesh, kShape));
 }
 
 TEST(CrackChecker, FindsAGapBetweenTwoVerticesAtOnePlace) {
   client::KeyframeMesh mesh = soundMesh();
-  mesh.places.push_back(mesh.places[6]);
+  mesh.parameters.push_back(mesh.parameters[6]);
   mesh.from_positions.push_back(mesh.from_positions[6]);
   mesh.to_positions.push_back(mesh.to_positions[6] + glm::vec4(0, 0, 1, 1));
-  *std::ranges::find(mesh.indices, 6u) = static_cast<uint32_t>(mesh.places.size() - 1);
+  *std::ranges::find(mesh.indices, 6u) = static_cast<uint32_t>(mesh.parameters.size() - 1);
   EXPECT_FALSE(test::hasNoCracks(mesh, kShape));
 }
 
@@ -54,8 +54,8 @@ TEST(CrackChecker, FindsAFlippedTriangle) {
 TEST(CrackChecker, FindsAVertexInTheInsideOfAnEdge) {
   client::KeyframeMesh mesh = soundMesh();
   const uint32_t a = mesh.indices[0], b = mesh.indices[1], d = mesh.indices[2],
-                 m = static_cast<uint32_t>(mesh.places.size());
-  mesh.places.push_back((mesh.places[a] + mesh.places[d]) * 0.5f);
+                 m = static_cast<uint32_t>(mesh.parameters.size());
+  mesh.parameters.push_back((mesh.parameters[a] + mesh.parameters[d]) * 0.5f);
   mesh.from_positions.push_back((mesh.from_positions[a] + mesh.from_positions[d]) * 0.5f);
   mesh.to_positions.push_back(mesh.from_positions.back());
   mesh.indices[2] = m;

@@ -7,7 +7,7 @@
 #include "bench/oracle/flight_truth.h"
 #include "bench/oracle/scene_truth.h"
 #include "client/fly/player.h"
-#include "client/morph_clock.h"
+#include "client/mesh/morph_timing.h"
 #include "server/session/session.h"
 #include "tests/support/scene.h"
 
@@ -106,7 +106,7 @@ TEST(Flight, WithGeomorphsMovesLessAtATimeAndIsNeverFarAboveTheTolerance) {
   EXPECT_EQ(geomorphs.cracks, 0u) << geomorphs.first_crack;
   EXPECT_EQ(geomorphs.uncovered_samples, 0u);
   EXPECT_LT(geomorphs.lod_motion.rms_px, keyframes.lod_motion.rms_px);
-  EXPECT_LT(geomorphs.frames.max_px, 1 / (1 - client::MorphClock::kMoved));
+  EXPECT_LT(geomorphs.frames.max_px, 1 / (1 - client::MorphTiming::kMoved));
   EXPECT_NE(geomorphs.frames.rms_px, keyframes.frames.rms_px);
 }
 

@@ -72,8 +72,8 @@ TEST(Oracle, MeasuresASpikeThatIsNotDrawn) {
 TEST(Oracle, IgnoresWhatTheCameraDoesNotSee) {
   Oracle oracle(flatTruth());
   client::KeyframeMesh mesh = test::flatMesh(4, kSize / 4);
-  for (size_t i = 0; i < mesh.places.size(); ++i)
-    if (mesh.places[i].y == 0) mesh.from_positions[i].z = 3;  // the south edge
+  for (size_t i = 0; i < mesh.parameters.size(); ++i)
+    if (mesh.parameters[i].y == 0) mesh.from_positions[i].z = 3;  // the south edge
   const proto::Pose north{{32, 20, 1}, proto::lookAlong({0, 1, 0}, {0, 0, 1})};
   EXPECT_NEAR(errorOf(oracle, mesh, 0, north).max_px, 0, 1e-9);
   const proto::Pose south{{32, 20, 1}, proto::lookAlong({0, -1, 0}, {0, 0, 1})};
@@ -101,7 +101,7 @@ TEST(Oracle, BlendsMeshesByShare) {
   Oracle oracle(flatTruth());
   Rng rng(7);
   client::KeyframeMesh mesh = test::flatMesh(8, kSize / 8);
-  for (size_t i = 0; i < mesh.places.size(); ++i) {
+  for (size_t i = 0; i < mesh.parameters.size(); ++i) {
     mesh.from_positions[i].z = static_cast<float>(rng.uniform(-3, 3));
     mesh.to_positions[i].z = static_cast<float>(rng.uniform(-3, 3));
   }
@@ -126,8 +126,8 @@ TEST(Oracle, AgreesWithProjectingEveryVertexOfAFullResolutionMesh) {
     uint64_t seen = 0;
     const double f = kLens.focalPx();
     const auto view = [&](glm::dvec3 p) { return glm::inverse(pose.orientation) * (p - pose.eye); };
-    for (size_t i = 0; i < mesh.places.size(); ++i) {
-      const glm::dvec3 t = view({mesh.places[i], 0}), d = view(glm::dvec3(mesh.from_positions[i]));
+    for (size_t i = 0; i < mesh.parameters.size(); ++i) {
+      const glm::dvec3 t = view({mesh.parameters[i], 0}), d = view(glm::dvec3(mesh.from_positions[i]));
       if (-t.z <= 1 || std::fabs(t.x) * f > -t.z * 400 || std::fabs(t.y) * f > -t.z * 400) continue;
       ++seen;
       expected = std::max(expected, f * std::hypot(t.x / -t.z - d.x / -d.z, t.y / -t.z - d.y / -d.z));

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::test {
@@ -20,7 +20,7 @@ inline client::KeyframeMesh flatMesh(uint32_t cells, uint32_t step) {
   for (uint32_t y = 0; y <= cells; ++y)
     for (uint32_t x = 0; x <= cells; ++x) {
       const float px = static_cast<float>(x * step), py = static_cast<float>(y * step);
-      mesh.places.emplace_back(px, py);
+      mesh.parameters.emplace_back(px, py);
       mesh.from_positions.emplace_back(px, py, 0, 0);
       mesh.to_positions.emplace_back(px, py, 0, 0);
     }

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::test {
@@ -31,7 +31,7 @@ class LatticeSurface {
     glm::dvec2 place[3];
     glm::dvec3 at[3];
     for (size_t k = 0; k < 3; ++k) {
-      place[k] = mesh.places[corners[k]];
+      place[k] = mesh.parameters[corners[k]];
       const glm::dvec3 from(mesh.from_positions[corners[k]]), to(mesh.to_positions[corners[k]]);
       at[k] = mesh.origin + from + weight * (to - from);
     }

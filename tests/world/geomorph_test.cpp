@@ -313,19 +313,19 @@ TEST(GeomorphWorld, ComesToRestAtTheSectionWhenNoKeyframeComes) {
   const auto scene = makeScene(301, 217, 11);
   World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 6));
   world.addClient(geomorphing(*scene, {Strategy::kPredict, Predictor::kKnownPath, "canyon", false}));
-  bool was_under_way = false;
+  bool was_in_transition = false;
   uint32_t version = 0;
   Time changed;
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
-    was_under_way = was_under_way || world.viewer(0).replica()->isUnderWay();
+    was_in_transition = was_in_transition || world.viewer(0).replica()->isInTransition();
     if (std::exchange(version, view.mesh_version) != view.mesh_version) changed = now;
   };
   world.run(Time::seconds(5));
-  EXPECT_TRUE(was_under_way);
+  EXPECT_TRUE(was_in_transition);
   world.loseConnection(0);
   world.run(Time::seconds(8));
   const client::Replica& replica = *world.viewer(0).replica();
-  EXPECT_FALSE(replica.isUnderWay());
+  EXPECT_FALSE(replica.isInTransition());
   EXPECT_GT(changed, Time::seconds(5.4)) << "nothing went on";
   EXPECT_LT(changed, Time::seconds(7.2)) << "still at it";
   EXPECT_EQ(replica.section(), replica.nodes().newest()) << "something is drawn that has gone";

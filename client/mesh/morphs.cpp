@@ -1,41 +1,42 @@
-#include "client/morphs.h"
+#include "client/mesh/morphs.h"
 
 namespace foreland::client {
 
 using proto::Slot;
 
-// Those that are still on their way, with those that set out or turn round; what has come or gone is left out.
+// Merges the nodes still in transition with those that the change starts or reverses, by ascending slot. Nodes whose
+// transition is over are dropped.
 void Morphs::begin(const proto::CutDelta& change) {
   merged_.clear();
   was_drawn_.clear();
   auto added = change.added.begin(), removed = change.removed.begin();
-  const auto setOut = [&](Slot before) {
+  const auto start = [&](Slot before) {
     while (true) {
-      const bool comes =
+      const bool is_added =
           added != change.added.end() && *added < before && (removed == change.removed.end() || *added < *removed);
-      if (!comes && (removed == change.removed.end() || *removed >= before)) return;
-      const double at = comes ? 0 : 1;
-      merged_.push_back({comes ? *added++ : *removed++, comes, 0, at, at});
-      if (!comes) was_drawn_.push_back(merged_.back().slot);
+      if (!is_added && (removed == change.removed.end() || *removed >= before)) return;
+      const double at = is_added ? 0 : 1;
+      merged_.push_back({is_added ? *added++ : *removed++, is_added, 0, at, at});
+      if (!is_added) was_drawn_.push_back(merged_.back().slot);
     }
   };
   for (const Morph& m : all_) {
-    setOut(m.slot);
-    const bool is_added = added != change.added.end() && *added == m.slot;
-    const bool is_removed = removed != change.removed.end() && *removed == m.slot;
-    added += is_added ? 1 : 0;
-    removed += is_removed ? 1 : 0;
-    DCHECK_TRUE(m.comes ? !is_added : !is_removed);
-    const bool comes = m.comes != (is_added || is_removed), was_drawn = (m.in & kInTo) != 0;
-    if (m.to == (comes ? 1 : 0) && was_drawn == comes) continue;
-    merged_.push_back({m.slot, comes, 0, m.to, m.to});
+    start(m.slot);
+    const bool in_added = added != change.added.end() && *added == m.slot;
+    const bool in_removed = removed != change.removed.end() && *removed == m.slot;
+    added += in_added ? 1 : 0;
+    removed += in_removed ? 1 : 0;
+    DCHECK_TRUE(m.is_added ? !in_added : !in_removed);
+    const bool is_added = m.is_added != (in_added || in_removed), was_drawn = (m.in & kInTo) != 0;
+    if (m.to == (is_added ? 1 : 0) && was_drawn == is_added) continue;
+    merged_.push_back({m.slot, is_added, 0, m.to, m.to});
     if (was_drawn) was_drawn_.push_back(m.slot);
   }
-  setOut(~Slot{0});
+  start(~Slot{0});
   all_.swap(merged_);
 }
 
-// In equal parts, as many as the clock has left.
+// What is left of the way, in equal steps over the intervals that are left for it.
 void Morphs::advance(Morph& m, double intervals) {
   const double left = m.goal() - m.from;
   if (!(intervals > 0)) {
@@ -64,7 +65,7 @@ proto::Section Morphs::sectionOf(proto::Section drawn) const {
   auto m = all_.begin();
   std::erase_if(drawn.slots, [&](Slot slot) {
     while (m != all_.end() && m->slot < slot) ++m;
-    return m != all_.end() && m->slot == slot && !m->comes;
+    return m != all_.end() && m->slot == slot && !m->is_added;
   });
   return drawn;
 }

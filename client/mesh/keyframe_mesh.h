@@ -1,8 +1,8 @@
 // The mesh between two keyframes: the union of the sections drawn at its two ends, with two positions per vertex. A
-// frame is mix(from, to, weight) and nothing else (P, theorem 1; DESIGN section 2), so drawing costs no work per frame
-// on the processor. The ends are the keyframes' sections, or with geomorphs as far as each node has come
-// (client/blend.h): the positions follow from the nodes' weights and are linear in them, so both are drawn by the same
-// mix. Plain data, built by Replica; one owner until published, then immutable.
+// frame is mix(from, to, weight) and nothing else (P, theorem 1; DESIGN section 2), so the processor does no work per
+// frame. The ends are the keyframes' sections, or with geomorphs (client/mesh/blend.h) as far as each node has morphed:
+// positions are linear in the nodes' weights, so the same mix draws both. Plain data, built by Replica; one owner until
+// it is published, immutable afterwards.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -19,11 +19,12 @@ struct BlendMesh {
   // One entry per vertex. xyz: metres from the origin, along the scene's axes; w: height above the zero surface,
   // metres (0 for objects).
   std::vector<glm::vec4> from_positions, to_positions;
-  // Unit normals of the two ends' own surfaces, as signed bytes x, y, z, 0.
+  // Unit normals of the surface at either end, packed by pack_normal.h.
   std::vector<uint32_t> from_normals, to_normals;
-  // The parameter that a vertex keeps whatever its position is: its lattice position; of objects its place in the
-  // model's image (proto/topology/atlas_layout.h), so that a vertex on a base edge stands there once for each face.
-  std::vector<glm::vec2> places;
+  // What identifies a vertex on the surface, whatever its position. Terrain: the lattice position. Objects: the texture
+  // coordinate in the model's image (proto/topology/atlas_layout.h), so a vertex on a base edge is stored once for each
+  // face that it belongs to.
+  std::vector<glm::vec2> parameters;
   // Triangles, counter-clockwise seen from above or outside.
   std::vector<uint32_t> indices;
 
@@ -38,13 +39,14 @@ struct ObjectPart {
 
 // The terrain, clipped to the data, and all objects.
 struct KeyframeMesh : BlendMesh {
-  // from.index == to.index: the first mesh, still, or one that goes on while the next keyframe is awaited.
+  // from.index == to.index for the first mesh, which does not move, and for one that extends transitions while the next
+  // keyframe is late.
   proto::KeyframeHeader from, to;
   glm::dvec3 origin{0};  // scene frame, metres; positions are relative to it
   BlendMesh objects;
   std::vector<ObjectPart> object_parts;
 
-  uint32_t from_nodes = 0, to_nodes = 0;  // of the terrain, drawn at the two ends
+  uint32_t from_nodes = 0, to_nodes = 0;  // terrain nodes drawn at either end
 };
 
 }  // namespace foreland::client

@@ -1,5 +1,5 @@
 // The weights of nodes on their way: a table of all nodes, stepped one by one, says what they must be.
-#include "client/morphs.h"
+#include "client/mesh/morphs.h"
 
 #include <gtest/gtest.h>
 
@@ -124,7 +124,7 @@ TEST_F(MorphsTest, AtOneIntervalEachAreTheTwoSections) {
   for (int i = 0; i < 100; ++i) {
     wander(20);
     morphs_.step(grid_, change(), [](Slot) { return 1.0; });
-    EXPECT_FALSE(morphs_.isUnderWay());
+    EXPECT_FALSE(morphs_.isInTransition());
     ASSERT_TRUE(morphs_.jumped().added.empty() && morphs_.jumped().removed.empty());
     CutDelta expected;
     proto::diff({{last.begin(), last.end()}}, told_, expected);
@@ -146,7 +146,7 @@ TEST_F(MorphsTest, TurnRoundWhereTheyAre) {
   EXPECT_DOUBLE_EQ(step({{slot}, {}}), 0.4);
   EXPECT_DOUBLE_EQ(step({{}, {slot}}), 0.2);
   EXPECT_DOUBLE_EQ(step({}), 0);
-  EXPECT_FALSE(morphs_.isUnderWay());
+  EXPECT_FALSE(morphs_.isInTransition());
   EXPECT_EQ(step({}), -1);
 }
 

@@ -1,5 +1,5 @@
 // How long changes take: by the laws that the header states.
-#include "client/morph_clock.h"
+#include "client/mesh/morph_timing.h"
 
 #include <gtest/gtest.h>
 
@@ -19,10 +19,10 @@ proto::View ahead() {
 MeshSpan span(Motion motion = {}) { return {Blend::kGeomorph, ahead(), motion, 0.1}; }
 
 double intervals(const MeshSpan& s, const glm::dvec3& centre, double radius_m) {
-  return MorphClock(s, s.from, s.motion.metres_per_s).intervals(centre, radius_m);
+  return MorphTiming(s, s.from, s.motion.metres_per_s).intervals(centre, radius_m);
 }
 
-TEST(MorphClock, IsOneIntervalForKeyframes) {
+TEST(MorphTiming, IsOneIntervalForKeyframes) {
   MeshSpan s = span({500, 2});
   s.blend = Blend::kKeyframe;
   EXPECT_EQ(intervals(s, {100, 0, 0}, 10), 1);
@@ -31,12 +31,12 @@ TEST(MorphClock, IsOneIntervalForKeyframes) {
   EXPECT_EQ(intervals(s, {100, 0, 0}, 10), 1);
 }
 
-TEST(MorphClock, TakesASecondAtRest) {
+TEST(MorphTiming, TakesASecondAtRest) {
   EXPECT_DOUBLE_EQ(intervals(span(), {100, 0, 0}, 10), 10);
   EXPECT_DOUBLE_EQ(intervals(span(), {1e6, 0, 0}, 10), 10);
 }
 
-TEST(MorphClock, IsOverBeforeTheEyeHasComeNearOrTurnedFar) {
+TEST(MorphTiming, IsOverBeforeTheEyeHasComeNearOrTurnedFar) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
   SCOPED_TRACE("seed " + std::to_string(seed));
   Rng rng(seed);
@@ -47,14 +47,14 @@ TEST(MorphClock, IsOverBeforeTheEyeHasComeNearOrTurnedFar) {
     ASSERT_GE(n, 1);
     ASSERT_LE(n, 10);
     if (n == 1) continue;
-    ASSERT_LE(seconds * motion.metres_per_s, MorphClock::kMoved * r * (1 + 1e-12));
-    ASSERT_LE(seconds * motion.radians_per_s, MorphClock::kTurned_rad * (1 + 1e-12));
+    ASSERT_LE(seconds * motion.metres_per_s, MorphTiming::kMoved * r * (1 + 1e-12));
+    ASSERT_LE(seconds * motion.radians_per_s, MorphTiming::kTurned_rad * (1 + 1e-12));
     ASSERT_LE(intervals(span({2 * motion.metres_per_s, motion.radians_per_s}), {r, 0, 0}, 0), n);
     ASSERT_GE(intervals(span(motion), {2 * r, 0, 0}, 0), n);
   }
 }
 
-TEST(MorphClock, IsNoneOutsideTheViewFromAnywhereInItsBall) {
+TEST(MorphTiming, IsNoneOutsideTheViewFromAnywhereInItsBall) {
   EXPECT_EQ(intervals(span(), {-100, 0, 0}, 10), 0);
   EXPECT_EQ(intervals(span(), {100, 120, 0}, 10), 0);
   EXPECT_GT(intervals(span(), {100, 120, 0}, 15), 0) << "its sphere reaches in";
@@ -65,7 +65,7 @@ TEST(MorphClock, IsNoneOutsideTheViewFromAnywhereInItsBall) {
   EXPECT_GT(intervals(s, {100, 120, 0}, 10), 0) << "the eye may turn there";
 }
 
-TEST(MorphClock, IsNoneForTheFirstSection) {
+TEST(MorphTiming, IsNoneForTheFirstSection) {
   MeshSpan s = span();
   s.is_first = true;
   EXPECT_EQ(intervals(s, {100, 0, 0}, 10), 0);

@@ -1,45 +1,47 @@
-#include "client/mesh_builder.h"
+#include "client/mesh/mesh_builder.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "client/pack_normal.h"
+#include "client/mesh/pack_normal.h"
 
 namespace foreland::client {
 
-MeshBuilder::MeshBuilder(const Replica& replica, KeyframeMesh& mesh)
-    : replica_(replica),
-      grid_(replica.grid()),
-      nodes_(replica.nodes(), replica.morphs().all()),
+MeshBuilder::MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
+                         KeyframeMesh& mesh)
+    : domain_(domain),
+      grid_(domain.grid),
+      held_(nodes),
+      nodes_(nodes, morphs),
       mesh_(mesh),
       limit_(static_cast<float>(grid_.shape().samples_x - 1), static_cast<float>(grid_.shape().samples_y - 1)) {}
 
 void MeshBuilder::run() {
-  placeBase();
+  addBaseVertices();
   for (uint32_t y = 0; y < grid_.shape().roots_y; ++y)
     for (uint32_t x = 0; x < grid_.shape().roots_x; ++x) visitRoot(x, y);
   finishNormals();
   writePositions();
 }
 
-// Vertices: corners, centres, then the nodes.
-void MeshBuilder::placeBase() {
+// The corners of the root squares, then their centres; vertices of nodes follow.
+void MeshBuilder::addBaseVertices() {
   const proto::GridShape& shape = grid_.shape();
   const uint32_t corners = (shape.roots_x + 1) * (shape.roots_y + 1), size = grid_.rootSize();
   const size_t count = corners + shape.roots_x * shape.roots_y + nodes_.size();
   vertices_.reserve(count);
-  numbers_.assign(nodes_.size(), kNoEnd);
-  mesh_.places.reserve(count);
+  vertex_of_node_.assign(nodes_.size(), kNoVertex);
+  mesh_.parameters.reserve(count);
   mesh_.indices.reserve(6 * count);
-  const auto place = [&](uint32_t x, uint32_t y) {
-    const glm::dvec4 own = knownPlace({static_cast<int32_t>(x), static_cast<int32_t>(y)});
-    vertices_.push_back({.drawn = {{{own, true}, {own, true}}}});
-    mesh_.places.emplace_back(static_cast<float>(x), static_cast<float>(y));
+  const auto add = [&](uint32_t x, uint32_t y) {
+    const glm::dvec4 position = truePosition({static_cast<int32_t>(x), static_cast<int32_t>(y)});
+    vertices_.push_back({.drawn = {{{position, true}, {position, true}}}});
+    mesh_.parameters.emplace_back(static_cast<float>(x), static_cast<float>(y));
   };
   for (uint32_t y = 0; y <= shape.roots_y; ++y)
-    for (uint32_t x = 0; x <= shape.roots_x; ++x) place(x * size, y * size);
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) add(x * size, y * size);
   for (uint32_t y = 0; y < shape.roots_y; ++y)
-    for (uint32_t x = 0; x < shape.roots_x; ++x) place(x * size + size / 2, y * size + size / 2);
+    for (uint32_t x = 0; x < shape.roots_x; ++x) add(x * size + size / 2, y * size + size / 2);
 }
 
 void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
@@ -56,102 +58,104 @@ void MeshBuilder::visitRoot(uint32_t root_x, uint32_t root_y) {
 }
 
 void MeshBuilder::visit(const Triangle& t) {
-  HeldNodes::Row::Found node;
-  if (t.levels > 0)
+  HeldNodes::Index::Found node;
+  if (t.levels_below > 0)
     node = nodes_.find(grid_.slot(proto::NodeId::at(static_cast<uint32_t>(t.m.x), static_cast<uint32_t>(t.m.y))));
-  if (const uint8_t ends_here = t.live & ~node.in; ends_here != 0) addNormals(ends_here, t);
+  if (const uint8_t is_leaf_in = t.in & ~node.in; is_leaf_in != 0) addNormals(is_leaf_in, t);
   if (node.in == 0) return emit(t.a, t.b, t.apex);
-  const uint32_t v = splitVertex(t, node);
-  const uint8_t live = t.live & node.in;
-  const Lattice rot{-t.d.y, t.d.x};
-  const Lattice in{(rot.x - t.d.x) / 2, (rot.y - t.d.y) / 2}, on{(rot.x + t.d.x) / 2, (rot.y + t.d.y) / 2};
-  visit({{t.m.x + in.x, t.m.y + in.y}, {-on.x, -on.y}, t.apex, t.a, v, t.levels - 1, live});
-  visit({{t.m.x + on.x, t.m.y + on.y}, in, t.b, t.apex, v, t.levels - 1, live});
+  const uint32_t v = vertexOf(t, node);
+  const uint8_t in = t.in & node.in;
+  const LatticePoint rot{-t.d.y, t.d.x};
+  const LatticePoint to_a{(rot.x - t.d.x) / 2, (rot.y - t.d.y) / 2}, to_b{(rot.x + t.d.x) / 2, (rot.y + t.d.y) / 2};
+  visit({{t.m.x + to_a.x, t.m.y + to_a.y}, {-to_b.x, -to_b.y}, t.apex, t.a, v, t.levels_below - 1, in});
+  visit({{t.m.x + to_b.x, t.m.y + to_b.y}, to_a, t.b, t.apex, v, t.levels_below - 1, in});
 }
 
-// The vertex of a node, placed when the first of its triangles gets there.
-uint32_t MeshBuilder::splitVertex(const Triangle& t, const HeldNodes::Row::Found& node) {
-  uint32_t& number = numbers_[node.position];
-  if (number != kNoEnd) return number;
-  number = static_cast<uint32_t>(vertices_.size());
-  Vertex vertex{.drawn = {}, .ends = {t.a, t.b}};
-  mesh_.places.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
-  const glm::dvec4 own = placeOf(t.m, nodes_.height(node));
+// The vertex of a node, made when the descent reaches the first of its triangles.
+uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found& node) {
+  uint32_t& index = vertex_of_node_[node.position];
+  if (index != kNoVertex) return index;
+  index = static_cast<uint32_t>(vertices_.size());
+  Vertex vertex{.drawn = {}, .endpoints = {t.a, t.b}};
+  mesh_.parameters.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
+  const glm::dvec4 position = positionAt(t.m, nodes_.height(node));
   const std::array<double, 2> weight = nodes_.weight(node);
   const auto displacement = [&] {
-    return own - 0.5 * (knownPlace({t.m.x - t.d.x, t.m.y - t.d.y}) + knownPlace({t.m.x + t.d.x, t.m.y + t.d.y}));
+    return position -
+           0.5 * (truePosition({t.m.x - t.d.x, t.m.y - t.d.y}) + truePosition({t.m.x + t.d.x, t.m.y + t.d.y}));
   };
   for (size_t s = 0; s < 2; ++s)
     vertex.drawn[s] = blendPosition(
-        vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], [&] { return own; }, displacement);
+        vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], [&] { return position; }, displacement);
   vertices_.push_back(vertex);
-  return number;
+  return index;
 }
 
-glm::dvec4 MeshBuilder::placeOf(Lattice at, int32_t height) const {
+glm::dvec4 MeshBuilder::positionAt(LatticePoint at, int32_t height) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  const double height_m = height * replica_.frameGrid().transform().frame().height_quantum_m;
-  return {replica_.frameGrid().position(v, height), height_m};
+  const double height_m = height * domain_.frame.transform().frame().height_quantum_m;
+  return {domain_.frame.position(v, height), height_m};
 }
 
-glm::dvec4 MeshBuilder::knownPlace(Lattice at) const {
+glm::dvec4 MeshBuilder::truePosition(LatticePoint at) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  return placeOf(at, *replica_.knownHeight(v));
+  return positionAt(at, held_.records().height(v));
 }
 
 void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {
   Vertex &a = vertices_[t.a], &b = vertices_[t.b], &apex = vertices_[t.apex];
   for (size_t s = 0; s < 2; ++s) {
     if (!(sections >> s & 1)) continue;
-    const glm::dvec3 from(a.drawn[s].at);
-    const glm::dvec3 n = glm::cross(glm::dvec3(b.drawn[s].at) - from, glm::dvec3(apex.drawn[s].at) - from);
+    const glm::dvec3 from(a.drawn[s].position);
+    const glm::dvec3 n = glm::cross(glm::dvec3(b.drawn[s].position) - from, glm::dvec3(apex.drawn[s].position) - from);
     for (Vertex* v : {&a, &b, &apex}) v->normal[s] += n;
   }
 }
 
 void MeshBuilder::emit(uint32_t a, uint32_t b, uint32_t c) {
-  if (beyond(a, 0) || beyond(b, 0) || beyond(c, 0) || beyond(a, 1) || beyond(b, 1) || beyond(c, 1))
+  if (isBeyond(a, 0) || isBeyond(b, 0) || isBeyond(c, 0) || isBeyond(a, 1) || isBeyond(b, 1) || isBeyond(c, 1))
     return clip({a, b, c});
   mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
 }
 
-// Sutherland and Hodgman against the two far borders of the data. Vertices on a border are made once per edge, so
-// neighbours still share them.
+// Sutherland and Hodgman's clipping against the two far borders of the data. Each edge gets its vertex on a border
+// once, so neighbouring triangles still share it.
 void MeshBuilder::clip(std::array<uint32_t, 3> corners) {
   std::vector<uint32_t> polygon(corners.begin(), corners.end()), next;
   for (int axis = 0; axis < 2; ++axis) {
     next.clear();
     for (size_t i = 0; i < polygon.size(); ++i) {
       const uint32_t p = polygon[i], q = polygon[(i + 1) % polygon.size()];
-      const bool p_out = beyond(p, axis), q_out = beyond(q, axis);
+      const bool p_out = isBeyond(p, axis), q_out = isBeyond(q, axis);
       if (!p_out) next.push_back(p);
       if (p_out != q_out) {
         const uint32_t inside = p_out ? q : p;
-        if (mesh_.places[inside][axis] == limit_[axis]) continue;  // the edge leaves the data at its own end
-        next.push_back(cut(inside, p_out ? p : q, axis));
+        if (mesh_.parameters[inside][axis] == limit_[axis]) continue;  // it lies on the border itself
+        next.push_back(cutEdge(inside, p_out ? p : q, axis));
       }
     }
     polygon.swap(next);
   }
-  // Only what has an area: a triangle that touches the border from outside leaves a point or an edge.
+  // A triangle that touches the border from outside leaves a point or an edge, which has no area and is not drawn.
   for (size_t i = 2; i < polygon.size(); ++i) {
-    const glm::vec2 a = mesh_.places[polygon[0]], b = mesh_.places[polygon[i - 1]], c = mesh_.places[polygon[i]];
+    const glm::vec2 a = mesh_.parameters[polygon[0]], b = mesh_.parameters[polygon[i - 1]],
+                    c = mesh_.parameters[polygon[i]];
     const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (area > 0) mesh_.indices.insert(mesh_.indices.end(), {polygon[0], polygon[i - 1], polygon[i]});
   }
 }
 
-uint32_t MeshBuilder::cut(uint32_t inside, uint32_t outside, int axis) {
-  const auto [it, is_new] = cuts_.try_emplace({inside, outside, static_cast<uint32_t>(axis)}, mesh_.places.size());
+uint32_t MeshBuilder::cutEdge(uint32_t inside, uint32_t outside, int axis) {
+  const auto [it, is_new] = cuts_.try_emplace({inside, outside, static_cast<uint32_t>(axis)}, mesh_.parameters.size());
   if (!is_new) return it->second;
-  const glm::vec2 p = mesh_.places[inside], q = mesh_.places[outside];
+  const glm::vec2 p = mesh_.parameters[inside], q = mesh_.parameters[outside];
   const double u = (static_cast<double>(limit_[axis]) - p[axis]) / (static_cast<double>(q[axis]) - p[axis]);
-  glm::vec2 place = p + static_cast<float>(u) * (q - p);
-  place[axis] = limit_[axis];
-  mesh_.places.push_back(place);
-  Vertex vertex{.drawn = {}, .ends = {inside, outside}};
+  glm::vec2 on_border = p + static_cast<float>(u) * (q - p);
+  on_border[axis] = limit_[axis];
+  mesh_.parameters.push_back(on_border);
+  Vertex vertex{.drawn = {}, .endpoints = {inside, outside}};
   for (size_t s = 0; s < 2; ++s) {
-    const glm::dvec4 from = vertices_[inside].drawn[s].at, to = vertices_[outside].drawn[s].at;
+    const glm::dvec4 from = vertices_[inside].drawn[s].position, to = vertices_[outside].drawn[s].position;
     vertex.drawn[s] = {from + u * (to - from), false};
   }
   vertices_.push_back(vertex);
@@ -160,8 +164,8 @@ uint32_t MeshBuilder::cut(uint32_t inside, uint32_t outside, int axis) {
 
 void MeshBuilder::finishNormals() {
   for (size_t s = 0; s < 2; ++s) {
-    settleNormals(
-        vertices_.size(), [this](size_t v) { return vertices_[v].ends; },
+    completeNormals(
+        vertices_.size(), [this](size_t v) { return vertices_[v].endpoints; },
         [this, s](size_t v) -> glm::dvec3& { return vertices_[v].normal[s]; });
     auto& packed = s == 0 ? mesh_.from_normals : mesh_.to_normals;
     packed.reserve(vertices_.size());
@@ -175,7 +179,7 @@ void MeshBuilder::writePositions() {
     auto& out = s == 0 ? mesh_.from_positions : mesh_.to_positions;
     out.reserve(vertices_.size());
     for (const Vertex& v : vertices_) {
-      const glm::dvec4& p = v.drawn[s].at;
+      const glm::dvec4& p = v.drawn[s].position;
       out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
     }
   }

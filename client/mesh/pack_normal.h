@@ -1,5 +1,5 @@
-// A unit normal as signed bytes x, y, z, 0; straight up for one of no length. There and back turns it by less than half
-// a degree.
+// A unit normal in four bytes: x, y and z as signed bytes, then 0. Packing and unpacking turns a normal by less than
+// half a degree.
 #pragma once
 
 #include <cmath>
@@ -9,6 +9,7 @@
 
 namespace foreland::client {
 
+// `n` need not be of unit length; a vector of no length packs as straight up.
 inline uint32_t packNormal(const glm::dvec3& n) {
   const double length = std::sqrt(glm::dot(n, n));
   const auto byte = [&](double v) {
@@ -18,8 +19,8 @@ inline uint32_t packNormal(const glm::dvec3& n) {
 }
 
 inline glm::dvec3 unpackNormal(uint32_t packed) {
-  const auto part = [&](int shift) { return static_cast<double>(static_cast<int8_t>(packed >> shift)); };
-  const glm::dvec3 n(part(0), part(8), part(16));
+  const auto component = [&](int shift) { return static_cast<double>(static_cast<int8_t>(packed >> shift)); };
+  const glm::dvec3 n(component(0), component(8), component(16));
   return n / glm::length(n);
 }
 

@@ -1,5 +1,5 @@
 // The nodes of two sections: equal to sets of slots, through any steps.
-#include "client/held_nodes.h"
+#include "client/mesh/held_nodes.h"
 
 #include <gtest/gtest.h>
 
@@ -47,21 +47,21 @@ class HeldNodesTest : public testing::Test {
     EXPECT_EQ(held_.newest().slots, std::vector<Slot>(to_.begin(), to_.end()));
     std::set<Slot> both = from_;
     both.insert(to_.begin(), to_.end());
-    const HeldNodes::Row row(held_);
-    ASSERT_EQ(row.size(), both.size());
-    EXPECT_EQ(row.fromCount(), from_.size());
-    EXPECT_EQ(row.toCount(), to_.size());
+    const HeldNodes::Index index(held_);
+    ASSERT_EQ(index.size(), both.size());
+    EXPECT_EQ(index.fromCount(), from_.size());
+    EXPECT_EQ(index.toCount(), to_.size());
     uint32_t position = 0;
     for (Slot slot : both) {
-      const HeldNodes::Row::Found found = row.find(slot);
+      const HeldNodes::Index::Found found = index.find(slot);
       ASSERT_EQ(found.position, position++);
-      ASSERT_EQ(row.height(found), heights_.at(slot));
+      ASSERT_EQ(index.height(found), heights_.at(slot));
       ASSERT_EQ(found.in, (from_.count(slot) ? kInFrom : 0) | (to_.count(slot) ? kInTo : 0));
       ASSERT_EQ(held_.in(slot), found.in);
     }
     for (const auto& [slot, height] : heights_) {
       if (both.count(slot)) continue;
-      ASSERT_EQ(row.find(slot).position, HeldNodes::Row::kAbsent);
+      ASSERT_EQ(index.find(slot).position, HeldNodes::Index::kAbsent);
       ASSERT_EQ(held_.in(slot), 0);
     }
   }

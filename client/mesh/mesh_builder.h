@@ -1,0 +1,73 @@
+// Builds the terrain's part of a keyframe mesh: descends from the root triangles through the union of the sections
+// drawn at its two ends, and writes two positions and two normals per vertex and the triangles, clipped to the data.
+//   position  from the weights of the nodes at either end (blend_position.h)
+//   normal    area-weighted over the triangles of that end's section alone, so shading does not jump where two meshes
+//             meet
+// Used once per mesh; one owner. O(vertices).
+#pragma once
+
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "client/mesh/blend_position.h"
+#include "client/mesh/complete_normals.h"
+#include "client/mesh/held_nodes.h"
+#include "client/mesh/keyframe_mesh.h"
+#include "proto/refine/terrain_domain.h"
+
+namespace foreland::client {
+
+class MeshBuilder {
+ public:
+  // Fills the terrain's part of `mesh`, whose keyframe headers are set. `morphs` are those of the terrain's nodes.
+  MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
+              KeyframeMesh& mesh);
+  void run();
+
+ private:
+  struct LatticePoint {
+    int32_t x, y;
+  };
+  // A triangle of the hierarchy: its refinement edge from m - d to m + d, and its apex at m + rot(d).
+  struct Triangle {
+    LatticePoint m, d;
+    uint32_t a, b, apex;  // vertex indices
+    int levels_below;     // how often it can be halved
+    uint8_t in;           // the sections (HeldNodes::in) of which it is a triangle
+  };
+
+  // What is known of a vertex at the two ends of the mesh. In one record, because triangles reach vertices in no order.
+  struct Vertex {
+    std::array<DrawnPosition<glm::dvec4>, 2> drawn;  // scene frame, and the height; metres
+    std::array<uint32_t, 2> endpoints{kNoVertex, kNoVertex};
+    std::array<glm::dvec3, 2> normal{};
+  };
+
+  void addBaseVertices();
+  void visitRoot(uint32_t root_x, uint32_t root_y);
+  void visit(const Triangle& t);
+  uint32_t vertexOf(const Triangle& t, const HeldNodes::Index::Found& node);
+  glm::dvec4 positionAt(LatticePoint at, int32_t height) const;
+  glm::dvec4 truePosition(LatticePoint at) const;
+  void addNormals(uint8_t sections, const Triangle& t);
+  void emit(uint32_t a, uint32_t b, uint32_t c);
+  void clip(std::array<uint32_t, 3> corners);
+  uint32_t cutEdge(uint32_t inside, uint32_t outside, int axis);
+  void finishNormals();
+  void writePositions();
+  bool isBeyond(uint32_t v, int axis) const { return mesh_.parameters[v][axis] > limit_[axis]; }
+
+  const proto::TerrainDomain& domain_;
+  const proto::GridTopology& grid_;
+  const HeldNodes& held_;
+  const HeldNodes::Index nodes_;
+  KeyframeMesh& mesh_;
+  glm::vec2 limit_;                       // the data's last samples
+  std::vector<Vertex> vertices_;          // in the order of the descent, so that it finds recent ones in the cache
+  std::vector<uint32_t> vertex_of_node_;  // by the node's position in the index; kNoVertex until it is reached
+  std::map<std::array<uint32_t, 3>, uint32_t> cuts_;  // inside, outside, axis: the vertex on the border
+};
+
+}  // namespace foreland::client

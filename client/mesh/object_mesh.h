@@ -1,0 +1,57 @@
+// The part of a keyframe mesh that is one object's: the union of the sections drawn at its two ends, with two positions
+// per vertex and the same weights as the terrain's (mesh_builder.h). One owner; cost and memory are linear in the
+// sections.
+#pragma once
+
+#include <array>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/morphs.h"
+#include "proto/codec/object_stream.h"
+
+namespace foreland::client {
+
+// The positions of an object's nodes, in quanta of its model: those of the newest section, from the stream, and those
+// of removed nodes that may still be drawn. A view.
+struct ObjectPositions {
+  const proto::ObjectStream& stream;
+  size_t object;
+  const std::unordered_map<proto::Slot, glm::ivec3>& removed;
+
+  const glm::ivec3& at(proto::Slot slot) const {
+    const auto it = removed.find(slot);
+    return it != removed.end() ? it->second : stream.position(object, slot);
+  }
+};
+
+// What of an object is drawn: the sections at the mesh's two ends, and its nodes in transition. A view.
+struct ObjectSections {
+  const proto::Section &from, &to, &newest;
+  std::span<const Morph> morphs;
+};
+
+struct ObjectMesh {
+  // By vertex, for the mesh's two ends: position in the scene's frame, metres, and packed normal.
+  std::array<std::vector<glm::dvec3>, 2> position;
+  std::array<std::vector<uint32_t>, 2> normal;
+  // A vertex as one face of the base mesh has it.
+  struct Corner {
+    uint32_t vertex;
+    glm::vec2 texture_coordinate;
+  };
+  std::vector<Corner> corners;
+  std::vector<uint32_t> indices;  // of corners, three a triangle
+  std::unordered_map<proto::NodeId, uint32_t> vertex_of;
+
+  void appendTo(KeyframeMesh& mesh, uint32_t model) const;
+};
+
+ObjectMesh buildObjectMesh(const proto::ObjectSet& objects, const ObjectPositions& positions,
+                           const ObjectSections& sections);
+
+}  // namespace foreland::client
