@@ -1,7 +1,6 @@
-// The client core as a WebAssembly module: a Viewer, a planned tour, and records for the page to read. A thin host:
-// every decision is in client/ or in the page. Times are milliseconds of the page's own clock; every text is UTF-8. One
-// page, one thread. A viewer's address is its handle; records and arrays stay valid until the next call into the
-// module.
+// The client core as a WebAssembly module: a Viewer, a planned tour, and records for the page to read. It only
+// converts; client/ and the page make the decisions. Times are milliseconds of the page's clock; texts are UTF-8. One
+// thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "client/viewer.h"
+#include "client/wasm/record_layout.h"
 #include "client/wasm/records.h"
 
 #define FORELAND_EXPORT(name) extern "C" __attribute__((export_name(#name)))
@@ -88,13 +88,13 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.object_to_positions = addressOf(mesh.objects.to_positions.data());
   out.object_from_normals = addressOf(mesh.objects.from_normals.data());
   out.object_to_normals = addressOf(mesh.objects.to_normals.data());
-  out.object_places = addressOf(mesh.objects.parameters.data());
+  out.object_texture_coordinates = addressOf(mesh.objects.parameters.data());
   out.object_indices = addressOf(mesh.objects.indices.data());
   out.object_parts = addressOf(mesh.object_parts.data());
   out.object_part_count = static_cast<uint32_t>(mesh.object_parts.size());
 }
 
-// Corners and centres of the roots that lie inside the data: all of the relief that is known before the first keyframe.
+// Corners and centres of the root squares that lie inside the data: the only relief known before the first keyframe.
 void collectLandmarks(const proto::Welcome& welcome, const proto::FrameTransform& transform, std::vector<double>& out) {
   const auto& shape = welcome.shape;
   const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_quantum_m;
@@ -111,18 +111,18 @@ void collectLandmarks(const proto::Welcome& welcome, const proto::FrameTransform
       add((i + 0.5) * size, (j + 0.5) * size, welcome.centre_heights[j * shape.roots_x + i]);
 }
 
-// Box around the data, from a net of lattice places at both extreme heights.
+// Box around the data, from a net of lattice positions at both extreme heights.
 void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transform, WelcomeRecord& out) {
-  constexpr int kPlaces = 8;
+  constexpr int kCells = 8;
   for (int axis = 0; axis < 3; ++axis) {
     out.low[axis] = std::numeric_limits<double>::infinity();
     out.high[axis] = -out.low[axis];
   }
-  for (int k = 0; k <= kPlaces; ++k)
-    for (int l = 0; l <= kPlaces; ++l)
+  for (int k = 0; k <= kCells; ++k)
+    for (int l = 0; l <= kCells; ++l)
       for (double height : {out.lowest_m, out.highest_m}) {
         const glm::dvec3 p = transform.toScene(proto::LatticePosition{
-            (welcome.shape.samples_x - 1.0) * k / kPlaces, (welcome.shape.samples_y - 1.0) * l / kPlaces, height});
+            (welcome.shape.samples_x - 1.0) * k / kCells, (welcome.shape.samples_y - 1.0) * l / kCells, height});
         for (int axis = 0; axis < 3; ++axis) {
           out.low[axis] = std::min(out.low[axis], p[axis]);
           out.high[axis] = std::max(out.high[axis], p[axis]);
@@ -132,7 +132,15 @@ void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transfo
 
 }  // namespace
 
-// Room for `size` bytes that the page writes before it calls a function that reads them.
+// The layout of the records, for the page's build (recordLayoutText) and for the page to check it.
+FORELAND_EXPORT(foreland_record_layout) const TextRecord* recordLayout() {
+  static const std::string text = recordLayoutText();
+  static TextRecord record;
+  record = {addressOf(text.data()), static_cast<uint32_t>(text.size())};
+  return &record;
+}
+
+// A buffer of `size` bytes, for the page to write what the next call reads.
 FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
   incoming().resize(size);
   return incoming().data();
@@ -144,14 +152,14 @@ Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_p
   return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
 }
 
-// There is a new connection after the one that was lost.
+// Continues over a new connection after the old one was lost (Viewer::reconnect).
 FORELAND_EXPORT(foreland_reconnect) void reconnect(Host* host, double now_ms) {
   host->viewer.reconnect(timeOf(now_ms));
 }
 
 FORELAND_EXPORT(foreland_destroy) void destroy(Host* host) { delete host; }
 
-// The message's bytes are in the buffer. 1: taken; 0: refused, and foreland_error tells why.
+// Handles the server's message in the buffer. 1 on success; 0 if it was refused, and foreland_error says why.
 FORELAND_EXPORT(foreland_receive) uint32_t receive(Host* host, double now_ms) {
   const Status status = host->viewer.receive(incoming(), timeOf(now_ms));
   if (!status.ok()) host->error = status.error().message;
@@ -192,19 +200,19 @@ void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_p
   host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
 }
 
-// client::Blend; what is none is refused.
+// `blend` is a client::Blend. 1 on success; 0 if there is no such blend.
 FORELAND_EXPORT(foreland_set_blend) uint32_t setBlend(Host* host, uint32_t blend) {
   if (blend > static_cast<uint32_t>(Blend::kGeomorph)) return 0;
   host->viewer.setBlend(static_cast<Blend>(blend));
   return 1;
 }
 
-// The tour's name is in the buffer.
+// Requests the tour whose name is in the buffer.
 FORELAND_EXPORT(foreland_request_tour) void requestTour(Host* host, double seconds) {
   host->viewer.requestTour(std::string(incoming().begin(), incoming().end()), seconds);
 }
 
-// Number of poses of a tour that has arrived since the last call; 0 when none has.
+// The number of poses of the tour that has arrived since the last call; 0 if none has.
 FORELAND_EXPORT(foreland_take_tour) uint32_t takeTour(Host* host) {
   std::optional<proto::TourReply> reply = host->viewer.takeTour();
   if (!reply) return 0;
@@ -218,14 +226,14 @@ FORELAND_EXPORT(foreland_start_tour) void startTour(Host* host, double start_ms)
   if (host->tour.validate().ok()) host->viewer.announcePath(host->tour);
 }
 
-// The tour's pose at a time; null when it is over.
+// The tour's pose at a time; null once the tour is over.
 FORELAND_EXPORT(foreland_tour_pose) const PoseRecord* tourPose(Host* host, double now_ms) {
   if (host->tour.poses.empty() || timeOf(now_ms) > host->tour.end()) return nullptr;
   host->pose_record = recordOf(host->tour.at(timeOf(now_ms)));
   return &host->pose_record;
 }
 
-// What the server said of the scene; null before it has, on this connection.
+// The server's welcome; null before it has arrived on this connection.
 FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   if (!host->viewer.isGreeted()) return nullptr;
   const proto::Welcome& from = *host->viewer.welcome();
@@ -250,7 +258,7 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   return &out;
 }
 
-// Where a point of the scene is: height, ground below, up, and its coordinates. Null before the welcome.
+// A point of the scene in the coordinates of the data's owner. Null before the welcome.
 FORELAND_EXPORT(foreland_place) const PlaceRecord* place(Host* host, double x, double y, double z) {
   if (!host->viewer.isGreeted()) return nullptr;
   const proto::FrameTransform& transform = host->viewer.frameGrid().transform();

@@ -1,9 +1,7 @@
-// What the page reads from the module's memory: plain records at fixed offsets, little-endian. client/web/src/core.ts
-// reads the same offsets; a change here is a change there, in one commit. Pointers are offsets into the module's
-// memory.
+// What the page reads from the module's memory: plain records, little-endian. Pointers are offsets into the module's
+// memory. record_layout.h lists the fields, and the page's readers are generated from that list.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -15,9 +13,8 @@ struct PoseRecord {
   double eye[3];          // scene frame, metres
   double orientation[4];  // x, y, z, w
 };
-static_assert(sizeof(PoseRecord) == 56);
 
-// What to draw: everything of FrameView and KeyframeMesh. The arrays are valid until the next call into the module.
+// What to draw: FrameView and its KeyframeMesh. The arrays are valid until the next call into the module.
 struct FrameRecord {
   PoseRecord pose;
   double origin[3];      // scene frame, metres; positions are relative to it
@@ -38,7 +35,7 @@ struct FrameRecord {
   uint32_t to_nodes;
   uint32_t from_index;  // keyframes
   uint32_t to_index;
-  float tau_px;  // in force at the newer keyframe
+  float tau_px;  // tolerance of the newer keyframe
   // The same arrays of the objects, whose positions have no height.
   uint32_t object_vertex_count;
   uint32_t object_index_count;
@@ -46,14 +43,11 @@ struct FrameRecord {
   Address object_to_positions;
   Address object_from_normals;
   Address object_to_normals;
-  Address object_places;  // float u, v in the model's image, from its upper left corner
+  Address object_texture_coordinates;  // float u, v in the model's image, from its upper left corner
   Address object_indices;
   Address object_parts;  // uint32 first index, number of indices, model
   uint32_t object_part_count;
 };
-static_assert(offsetof(FrameRecord, origin) == 56 && offsetof(FrameRecord, to_pose) == 104 &&
-              offsetof(FrameRecord, weight) == 160 && offsetof(FrameRecord, object_vertex_count) == 216 &&
-              sizeof(FrameRecord) == 256);
 
 struct WelcomeRecord {
   double low[3];  // box around the data, scene frame, metres
@@ -71,18 +65,16 @@ struct WelcomeRecord {
   uint32_t samples_y;
   uint32_t landmark_count;  // base vertices inside the data
   Address landmarks;        // double x, y, z, in the scene frame
-  uint32_t unused;
+  uint32_t unused;          // keeps the size a multiple of 8
 };
-static_assert(offsetof(WelcomeRecord, title) == 80 && sizeof(WelcomeRecord) == 120);
 
-// Where an eye is, in the owner's terms.
+// Where a point of the scene is, in the coordinates of the data's owner.
 struct PlaceRecord {
   double height_m;   // above the zero surface
-  double ground_m;   // height of the ground below, above the zero surface; NaN: not known, or beyond the data
+  double ground_m;   // height of the ground below, above the zero surface; NaN: unknown, or beyond the data
   double up[3];      // away from the zero surface
   double across[2];  // geographic: latitude and longitude, degrees; planar: northing and easting of the map, metres
 };
-static_assert(sizeof(PlaceRecord) == 56);
 
 struct StatisticsRecord {
   double bytes_down;
@@ -94,7 +86,6 @@ struct StatisticsRecord {
   uint32_t keyframes;
   uint32_t late_keyframes;
 };
-static_assert(sizeof(StatisticsRecord) == 56);
 
 struct TextRecord {
   Address text;  // UTF-8

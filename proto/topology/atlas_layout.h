@@ -7,9 +7,9 @@
 // `halvings` of quadrisection, the weights of proto::FacePoint times side / 2^halvings.
 //
 // Every pixel of a cell belongs to one of its two faces. Those beyond the triangles are the gutter: what lies on the
-// other side of the edge (terrain/surface_store/fill_gutters.h). It is wide enough for bilinear filtering of the image and of two more, each
-// half as large as the one before and the mean of 2 x 2 of its pixels: a viewer may let its graphics card make those,
-// and no others. The image can be halved so often without a rest.
+// other side of the edge (terrain/surface_store/fill_gutters.h). It is wide enough for bilinear filtering of the image
+// and of two more, each half as large as the one before and the mean of 2 x 2 of its pixels: a viewer may let its
+// graphics card make those, and no others. The image can be halved so often without a rest.
 //
 // Value type; portable; any thread.
 #pragma once

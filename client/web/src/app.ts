@@ -1,21 +1,21 @@
 // The page's parts and what flows between them, frame by frame: camera -> client core -> graphics card -> readout. It owns the one
 // mutable state of the page: the session, the settings and the camera.
 import * as THREE from 'three';
-import { lookOf } from './camera';
-import { Connection } from './connection';
-import { Controls } from './controls';
-import { Core, Viewer, type Frame, type Mesh, type Place, type Pose, type Request, type Welcome } from './core';
-import { FrozenView } from './frozen_view';
-import { showNotice } from './notice';
-import { Panel } from './panel';
-import { PredictionCheck } from './prediction_check';
-import { Readout } from './readout';
-import { kLens, type Address, type Settings, type Tour } from './settings';
-import { Sky } from './sky';
-import { startView } from './start_view';
-import { ObjectMesh } from './object_mesh';
-import { TerrainMesh } from './terrain_mesh';
-import { Tours } from './tours';
+import { lookOf } from './ui/camera';
+import { Connection } from './core/connection';
+import { Controls } from './ui/controls';
+import { Core, Viewer, type Frame, type Mesh, type Place, type Pose, type Request, type Welcome } from './core/core';
+import { FrozenView } from './draw/frozen_view';
+import { showNotice } from './ui/notice';
+import { Panel } from './ui/panel';
+import { PredictionCheck } from './core/prediction_check';
+import { Readout } from './ui/readout';
+import { kLens, type Address, type Settings, type Tour } from './ui/settings';
+import { Sky } from './draw/sky';
+import { startView } from './ui/start_view';
+import { ObjectMesh } from './draw/object_mesh';
+import { TerrainMesh } from './draw/terrain_mesh';
+import { Tours } from './ui/tours';
 
 const kResizeQuiet_ms = 200; // a new lens is asked for when resizing has paused
 const kHintShown_ms = 9000;

@@ -1,9 +1,9 @@
 // Starts the page: checks what the browser can do, loads the client core, runs the app.
-import './style.css';
+import './ui/style.css';
 import { App } from './app';
-import { Core } from './core';
-import { showNotice } from './notice';
-import { readAddress } from './settings';
+import { Core } from './core/core';
+import { showNotice } from './ui/notice';
+import { readAddress } from './ui/settings';
 
 declare global {
   interface Window {

@@ -1,29 +1,31 @@
-// The client core as WebAssembly without a browser: the module that the server sends, through the page's own core.ts, in a session
+// The client core as WebAssembly without a browser: the module that the server sends, through the page's core/core.ts, in a session
 // with the real server. Every wait is for a condition.
 import assert from 'node:assert/strict';
 import { randomInt } from 'node:crypto';
-import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { setImmediate } from 'node:timers/promises';
-import { transformWithEsbuild } from 'vite';
+import { createServer } from 'vite';
 import { openSocket } from './socket.mjs';
 import { makeFolder, makeScene, root, startServer } from './support.mjs';
 
 const kTest = { timeout: 120_000 };
 const kRequest = { fov_rad: 1.05, width_px: 640, height_px: 360, tau_px: 1, strategy: 'current', predictor: 'hold', keyframe_ms: 50 };
-let folder, server, Core, Viewer, wasm_url;
+let folder, server, vite, Core, Viewer, wasm_url;
 
 before(async () => {
   folder = await makeFolder();
   server = await startServer(await makeScene(folder.folder, { size: 257 }));
   wasm_url = new URL('foreland.wasm', server.url).href;
-  const path = join(root, 'client/web/src/core.ts');
-  const { code } = await transformWithEsbuild(await readFile(path, 'utf8'), path);
-  ({ Core, Viewer } = await import(`data:text/javascript,${encodeURIComponent(code)}`));
+  vite = await createServer({
+    root: join(root, 'client/web'), configFile: false, appType: 'custom', logLevel: 'error',
+    server: { middlewareMode: true, hmr: false, ws: false, watch: null },
+  });
+  ({ Core, Viewer } = await vite.ssrLoadModule('/src/core/core.ts'));
 }, kTest);
 
 after(async () => {
+  await vite?.close();
   await server?.stop();
   await folder?.remove();
 });

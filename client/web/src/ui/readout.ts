@@ -1,5 +1,5 @@
 // The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
-import type { Mesh, Place, Statistics, Welcome } from './core';
+import type { Mesh, Place, Statistics, Welcome } from '../core/core';
 
 const kWindow_ms = 2000; // over which rates are taken
 const kRefresh_ms = 250;

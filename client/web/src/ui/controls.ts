@@ -2,7 +2,7 @@
 // Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. The eye stays above the ground.
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
-import type { Place, Pose } from './core';
+import type { Place, Pose } from '../core/core';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
   KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],

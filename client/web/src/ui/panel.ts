@@ -1,5 +1,5 @@
 // The settings panel. It changes the Settings it is given and says so; it knows nothing else.
-import { kBlends, kPredictors, kStrategies } from './core';
+import { kBlends, kPredictors, kStrategies } from '../core/core';
 import type { Settings } from './settings';
 
 const kNames: Record<string, string> = {

@@ -1,6 +1,6 @@
 // Where a visit begins: above the relief, looking across the most prominent ground that the welcome tells of, into the scene.
 import type { Look } from './camera';
-import type { Welcome } from './core';
+import type { Welcome } from '../core/core';
 
 const kHeadings = 16;
 

@@ -2,7 +2,7 @@
 // between keyframes only one number changes, the weight.
 import * as THREE from 'three';
 import { bindBlend, blendChannels, channel, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
-import type { Mesh, Welcome } from './core';
+import type { Mesh, Welcome } from '../core/core';
 import { kTerrainFragment, kTerrainVertex } from './shaders';
 import { kSun } from './sky';
 import { WireLines } from './wire_lines';

@@ -1,14 +1,15 @@
-// The client core (client/wasm) as the page sees it: a module to load once, a Viewer for each connection. Records are read
-// at the offsets of client/wasm/records.h. Arrays point into the module's memory and are valid until the next call into it.
+// The client core (client/wasm) as the page sees it: a module to load once, and a Viewer for each session. Arrays point into
+// the module's memory and are valid until the next call into it.
+import {
+  kRecordLayout, readFrameRecord, readPlaceRecord, readPoseRecord, readStatisticsRecord, readTextRecord, readWelcomeRecord,
+  type PlaceRecord, type PoseRecord, type StatisticsRecord,
+} from './records';
 
-export interface Pose {
-  eye: [number, number, number]; // scene frame, metres
-  orientation: [number, number, number, number]; // x, y, z, w
-}
+export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z, w
 
 export const kStrategies = ['delay', 'current', 'predict'] as const;
 export const kPredictors = ['hold', 'velocity', 'acceleration', 'path'] as const;
-export const kBlends = ['keyframe', 'geomorph'] as const; // client/blend.h
+export const kBlends = ['keyframe', 'geomorph'] as const; // client/mesh/blend.h
 export type Strategy = (typeof kStrategies)[number];
 export type Predictor = (typeof kPredictors)[number];
 export type Blend = (typeof kBlends)[number];
@@ -42,14 +43,14 @@ export interface Mesh {
   objects: ObjectArrays;
 }
 
-// The same of all objects; `places` in their models' images, `parts` of each: first index, number of indices, model.
+// The same arrays for all objects. `parts` has three numbers for each object: first index, number of indices, model.
 export interface ObjectArrays {
   vertices: number;
   from_positions: Float32Array;
   to_positions: Float32Array;
   from_normals: Int8Array;
   to_normals: Int8Array;
-  places: Float32Array;
+  texture_coordinates: Float32Array; // u, v in the model's image
   indices: Uint32Array;
   parts: Uint32Array;
 }
@@ -75,25 +76,14 @@ export interface Welcome {
   landmarks: [number, number, number][];
 }
 
-export interface Place {
-  height_m: number;
-  ground_m: number | null;
-  up: [number, number, number];
-  across: [number, number];
-}
-
-export interface Statistics {
-  bytes_down: number;
-  bytes_up: number;
-  last_lateness_ms: number;
-  worst_lateness_ms: number;
-  keyframes: number;
-  late_keyframes: number;
-}
+// A point of the scene as client/wasm/records.h has it; `ground_m` is null where the ground's height is not known.
+export type Place = Omit<PlaceRecord, 'ground_m'> & { ground_m: number | null };
+export type Statistics = StatisticsRecord;
 
 interface Exports {
   memory: WebAssembly.Memory;
   _initialize(): void;
+  foreland_record_layout(): number;
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number): number;
   foreland_destroy(viewer: number): void;
@@ -126,7 +116,9 @@ export class Core {
     const exports = instance.exports as unknown as Exports;
     memory = exports.memory;
     exports._initialize();
-    return new Core(exports);
+    const core = new Core(exports);
+    if (core.textAt(exports.foreland_record_layout()) !== kRecordLayout) throw new Error(`${url} and the page are of different versions.`);
+    return core;
   }
 
   view(): DataView {
@@ -142,9 +134,13 @@ export class Core {
   text(address: number, size: number): string {
     return new TextDecoder().decode(this.copy(address, size));
   }
+  textAt(record: number): string {
+    const { text, size } = readTextRecord(this.view(), record);
+    return this.text(text, size);
+  }
 }
 
-// The module uses no system: what it says goes to the console, an exit is an error, anything else is "not supported".
+// The system calls that the module imports: its output goes to the console, an exit throws, and all others answer "not supported".
 function wasiImports(module: WebAssembly.Module, memory: () => WebAssembly.Memory): WebAssembly.Imports {
   const kNotSupported = 52;
   const imports: WebAssembly.ModuleImports = {};
@@ -170,7 +166,7 @@ function wasiImports(module: WebAssembly.Module, memory: () => WebAssembly.Memor
   return { wasi_snapshot_preview1: imports };
 }
 
-// One session's client side.
+// The client's side of a session.
 export class Viewer {
   private readonly handle: number;
   private frame_record = 0;
@@ -179,7 +175,7 @@ export class Viewer {
     this.handle = core.exports.foreland_create(...requestArguments(request));
   }
 
-  // There is a new connection after one that was lost: goes on from the section held, if the scene is the same.
+  // Continues over a new connection after the old one was lost: resumes from the sections held, if the scene is the same.
   reconnect(now_ms: number): void {
     this.core.exports.foreland_reconnect(this.handle, now_ms);
   }
@@ -191,66 +187,59 @@ export class Viewer {
   receive(message: Uint8Array, now_ms: number): string | null {
     this.core.put(message);
     if (this.core.exports.foreland_receive(this.handle, now_ms) === 1) return null;
-    return this.textAt(this.core.exports.foreland_error(this.handle));
+    return this.core.textAt(this.core.exports.foreland_error(this.handle));
   }
   takeOutgoing(): Uint8Array<ArrayBuffer> | null {
     const record = this.core.exports.foreland_take_outgoing(this.handle);
     if (record === 0) return null;
-    const view = this.core.view();
-    return this.core.copy(view.getUint32(record, true), view.getUint32(record + 4, true));
+    const { text, size } = readTextRecord(this.core.view(), record);
+    return this.core.copy(text, size);
   }
   setRequest(request: Request): void {
     this.core.exports.foreland_set_request(this.handle, ...requestArguments(request));
   }
 
-  // From the next keyframe on; what is on its way goes on from where it is.
+  // Takes effect with the next keyframe. Nodes in transition continue from the weights that they have.
   setBlend(blend: Blend): void {
     this.core.exports.foreland_set_blend(this.handle, kBlends.indexOf(blend));
   }
 
   frame(now_ms: number, pose: Pose): Frame {
     this.frame_record = this.core.exports.foreland_frame(this.handle, now_ms, ...pose.eye, ...pose.orientation);
-    const view = this.core.view();
-    return {
-      pose: poseAt(view, this.frame_record),
-      scene_time_ms: view.getFloat64(this.frame_record + 80, true),
-      weight: view.getFloat32(this.frame_record + 160, true),
-      mesh_version: view.getUint32(this.frame_record + 164, true),
-    };
+    const r = readFrameRecord(this.core.view(), this.frame_record);
+    return { pose: r.pose, scene_time_ms: r.scene_time_ms, weight: r.weight, mesh_version: r.mesh_version };
   }
   // The mesh of the last frame().
   mesh(): Mesh {
-    const at = this.frame_record;
     const view = this.core.view();
     const memory = view.buffer as ArrayBuffer;
-    const u32 = (offset: number) => view.getUint32(at + offset, true);
-    const vertices = u32(168);
-    const indices = u32(172);
+    const r = readFrameRecord(view, this.frame_record);
+    const [vertices, object_vertices] = [r.vertex_count, r.object_vertex_count];
     return {
-      version: u32(164),
-      origin: vectorAt(view, at + 56),
+      version: r.mesh_version,
+      origin: r.origin,
       vertices,
-      triangles: indices / 3,
-      to_time_ms: view.getFloat64(at + 96, true),
-      to_pose: poseAt(view, at + 104),
-      from_positions: new Float32Array(memory, u32(176), 4 * vertices),
-      to_positions: new Float32Array(memory, u32(180), 4 * vertices),
-      from_normals: new Int8Array(memory, u32(184), 4 * vertices),
-      to_normals: new Int8Array(memory, u32(188), 4 * vertices),
-      indices: new Uint32Array(memory, u32(192), indices),
-      from_nodes: u32(196),
-      to_nodes: u32(200),
-      to_index: u32(208),
-      tau_px: view.getFloat32(at + 212, true),
+      triangles: r.index_count / 3,
+      to_time_ms: r.to_time_ms,
+      to_pose: r.to_pose,
+      from_positions: new Float32Array(memory, r.from_positions, 4 * vertices),
+      to_positions: new Float32Array(memory, r.to_positions, 4 * vertices),
+      from_normals: new Int8Array(memory, r.from_normals, 4 * vertices),
+      to_normals: new Int8Array(memory, r.to_normals, 4 * vertices),
+      indices: new Uint32Array(memory, r.indices, r.index_count),
+      from_nodes: r.from_nodes,
+      to_nodes: r.to_nodes,
+      to_index: r.to_index,
+      tau_px: r.tau_px,
       objects: {
-        vertices: u32(216),
-        from_positions: new Float32Array(memory, u32(224), 4 * u32(216)),
-        to_positions: new Float32Array(memory, u32(228), 4 * u32(216)),
-        from_normals: new Int8Array(memory, u32(232), 4 * u32(216)),
-        to_normals: new Int8Array(memory, u32(236), 4 * u32(216)),
-        places: new Float32Array(memory, u32(240), 2 * u32(216)),
-        indices: new Uint32Array(memory, u32(244), u32(220)),
-        parts: new Uint32Array(memory, u32(248), 3 * u32(252)),
+        vertices: object_vertices,
+        from_positions: new Float32Array(memory, r.object_from_positions, 4 * object_vertices),
+        to_positions: new Float32Array(memory, r.object_to_positions, 4 * object_vertices),
+        from_normals: new Int8Array(memory, r.object_from_normals, 4 * object_vertices),
+        to_normals: new Int8Array(memory, r.object_to_normals, 4 * object_vertices),
+        texture_coordinates: new Float32Array(memory, r.object_texture_coordinates, 2 * object_vertices),
+        indices: new Uint32Array(memory, r.object_indices, r.object_index_count),
+        parts: new Uint32Array(memory, r.object_parts, 3 * r.object_part_count),
       },
     };
   }
@@ -259,83 +248,51 @@ export class Viewer {
     this.core.put(new TextEncoder().encode(name));
     this.core.exports.foreland_request_tour(this.handle, seconds);
   }
-  // True once for each tour that arrived.
+  // Whether a tour has arrived since the last call.
   takeTour(): boolean {
     return this.core.exports.foreland_take_tour(this.handle) > 0;
   }
   startTour(start_ms: number): void {
     this.core.exports.foreland_start_tour(this.handle, start_ms);
   }
-  // Null when the tour is over.
+  // Null once the tour is over.
   tourPose(now_ms: number): Pose | null {
     const record = this.core.exports.foreland_tour_pose(this.handle, now_ms);
-    return record === 0 ? null : poseAt(this.core.view(), record);
+    return record === 0 ? null : readPoseRecord(this.core.view(), record);
   }
 
   welcome(): Welcome | null {
     const at = this.core.exports.foreland_welcome(this.handle);
     if (at === 0) return null;
     const view = this.core.view();
-    const u32 = (offset: number) => view.getUint32(at + offset, true);
-    const f64 = (offset: number) => view.getFloat64(at + offset, true);
+    const r = readWelcomeRecord(view, at);
+    const vectorAt = (address: number) => [0, 8, 16].map((i) => view.getFloat64(address + i, true)) as [number, number, number];
     return {
-      low: vectorAt(view, at),
-      high: vectorAt(view, at + 24),
-      lowest_m: f64(48),
-      highest_m: f64(56),
-      tau_px: f64(64),
-      keyframe_ms: f64(72),
-      title: this.core.text(u32(80), u32(84)),
-      crs: this.core.text(u32(88), u32(92)),
-      is_geographic: u32(96) === 1,
-      samples: [u32(100), u32(104)],
-      landmarks: Array.from({ length: u32(108) }, (_, i) => vectorAt(view, u32(112) + 24 * i)),
+      low: r.low,
+      high: r.high,
+      lowest_m: r.lowest_m,
+      highest_m: r.highest_m,
+      tau_px: r.tau_px,
+      keyframe_ms: r.keyframe_ms,
+      title: this.core.text(r.title, r.title_size),
+      crs: this.core.text(r.crs, r.crs_size),
+      is_geographic: r.is_geographic === 1,
+      samples: [r.samples_x, r.samples_y],
+      landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
     };
   }
   place(point: readonly number[]): Place | null {
     const at = this.core.exports.foreland_place(this.handle, point[0]!, point[1]!, point[2]!);
     if (at === 0) return null;
-    const view = this.core.view();
-    const ground_m = view.getFloat64(at + 8, true);
-    return {
-      height_m: view.getFloat64(at, true),
-      ground_m: Number.isNaN(ground_m) ? null : ground_m,
-      up: vectorAt(view, at + 16),
-      across: [view.getFloat64(at + 40, true), view.getFloat64(at + 48, true)],
-    };
+    const r = readPlaceRecord(this.core.view(), at);
+    return { ...r, ground_m: Number.isNaN(r.ground_m) ? null : r.ground_m };
   }
   statistics(): Statistics {
-    const at = this.core.exports.foreland_statistics(this.handle);
-    const view = this.core.view();
-    return {
-      bytes_down: view.getFloat64(at, true),
-      bytes_up: view.getFloat64(at + 8, true),
-      last_lateness_ms: view.getFloat64(at + 16, true),
-      worst_lateness_ms: view.getFloat64(at + 24, true),
-      keyframes: view.getUint32(at + 48, true),
-      late_keyframes: view.getUint32(at + 52, true),
-    };
-  }
-
-  private textAt(record: number): string {
-    const view = this.core.view();
-    return this.core.text(view.getUint32(record, true), view.getUint32(record + 4, true));
+    return readStatisticsRecord(this.core.view(), this.core.exports.foreland_statistics(this.handle));
   }
 }
 
 function requestArguments(r: Request): [number, number, number, number, number, number, number] {
   const strategy = kStrategies.indexOf(r.strategy);
   return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms];
-}
-
-function vectorAt(view: DataView, at: number): [number, number, number] {
-  return [view.getFloat64(at, true), view.getFloat64(at + 8, true), view.getFloat64(at + 16, true)];
-}
-
-function poseAt(view: DataView, at: number): Pose {
-  const q = at + 24;
-  return {
-    eye: vectorAt(view, at),
-    orientation: [view.getFloat64(q, true), view.getFloat64(q + 8, true), view.getFloat64(q + 16, true), view.getFloat64(q + 24, true)],
-  };
 }

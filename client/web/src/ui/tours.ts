@@ -1,5 +1,5 @@
 // The tours: the server plans one, the page flies it. The buttons start and stop them.
-import type { Pose, Viewer } from './core';
+import type { Pose, Viewer } from '../core/core';
 import { kTours, type Tour } from './settings';
 
 const kTour_s = 180;

@@ -1,5 +1,5 @@
 // What the user can set, and its beginnings from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
-import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from './core';
+import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/core';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
 export type Tour = (typeof kTours)[number];

@@ -49,12 +49,12 @@ uniform vec3 u_origin;  // of the mesh, from the eye
 export const kTerrainVertex = kHead + kInterpolation + /* glsl */ `
 out vec3 v_from_eye;
 out vec3 v_normal;
-out vec3 v_place;  // x, y from the mesh's origin; height
+out vec3 v_texture_coordinate;  // x, y from the mesh's origin; height
 void main() {
   vec4 p = mix(from_position, to_position, u_weight);
   v_from_eye = p.xyz + u_origin;
   v_normal = mix(from_normal, to_normal, u_weight);
-  v_place = vec3(p.xy, p.w);
+  v_texture_coordinate = vec3(p.xy, p.w);
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(p.xyz, 1.0));
 }
 `;
@@ -85,7 +85,7 @@ float hazeAlong(float distance_m) {
 
 export const kTerrainFragment = kHead + kAtmosphere + kLight + /* glsl */ `
 in vec3 v_normal;
-in vec3 v_place;
+in vec3 v_texture_coordinate;
 out vec4 o_colour;
 
 uniform vec3 u_palette[6];    // from the lowest ground to the highest
@@ -114,12 +114,12 @@ float noise(vec2 p) {
 }
 
 // Mottling in [-0.5, 0.5]; octaves finer than about two pixels fade out.
-float mottling(vec2 place, float pixel_m) {
+float mottling(vec2 position, float pixel_m) {
   float sum = 0.0, amplitude = 0.5, wave_m = u_noise_m;
   for (int octave = 0; octave < 6; ++octave) {
     float visible = clamp(wave_m / (2.0 * pixel_m) - 1.0, 0.0, 1.0);
     if (visible == 0.0) break;
-    sum += visible * amplitude * noise(place / wave_m);
+    sum += visible * amplitude * noise(position / wave_m);
     amplitude *= 0.64;
     wave_m *= 0.25;
   }
@@ -143,11 +143,11 @@ float contour(float height) {
 
 vec3 groundColour(vec3 normal, float pixel_m) {
   float span = max(u_heights.y - u_heights.x, 1e-3);
-  float mottle = mottling(v_place.xy + u_origin_tile, pixel_m);
-  float t = (v_place.z - u_heights.x) / span;
+  float mottle = mottling(v_texture_coordinate.xy + u_origin_tile, pixel_m);
+  float t = (v_texture_coordinate.z - u_heights.x) / span;
   float steepness = 1.0 - dot(normal, u_up);
   vec3 colour = hypsometric(t + 0.16 * mottle) * (1.0 + 0.55 * mottle);
-  float strata = 0.10 * sin(v_place.z / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
+  float strata = 0.10 * sin(v_texture_coordinate.z / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
   vec3 rock = u_rock * (1.0 + 0.5 * mottle + strata);
   colour = mix(colour, rock, smoothstep(0.20, 0.42, steepness + 0.12 * mottle));
   float snow = smoothstep(0.70, 0.80, t + 0.14 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.12 * mottle));
@@ -161,35 +161,35 @@ void main() {
   float facing = max(-dot(normal, direction), 0.12);
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
   vec3 colour = lit(groundColour(normal, pixel_m), normal);
-  if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_place.z));
+  if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_texture_coordinate.z));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
 }
 `;
 
 export const kObjectVertex = kHead + kInterpolation + /* glsl */ `
-in vec2 place;  // in the model's image
+in vec2 texture_coordinate;  // in the model's image
 out vec3 v_from_eye;
 out vec3 v_normal;
-out vec2 v_place;
+out vec2 v_texture_coordinate;
 void main() {
   vec4 p = mix(from_position, to_position, u_weight);
   v_from_eye = p.xyz + u_origin;
   v_normal = mix(from_normal, to_normal, u_weight);
-  v_place = place;
+  v_texture_coordinate = texture_coordinate;
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(p.xyz, 1.0));
 }
 `;
 
 export const kObjectFragment = kHead + kAtmosphere + kLight + /* glsl */ `
 in vec3 v_normal;
-in vec2 v_place;
+in vec2 v_texture_coordinate;
 uniform sampler2D u_image;  // sRGB
 out vec4 o_colour;
 void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
-  vec3 colour = lit(pow(texture(u_image, v_place).rgb, vec3(2.2)), normalize(v_normal));
+  vec3 colour = lit(pow(texture(u_image, v_texture_coordinate).rgb, vec3(2.2)), normalize(v_normal));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
 }

@@ -1,8 +1,8 @@
-// The scene's objects on the graphics card: blended between two keyframes as the terrain is, by the same weight, each in the
-// colours of its model's image.
+// The scene's objects on the graphics card, blended between two keyframes by the terrain's weight and textured with the images
+// of their models.
 import * as THREE from 'three';
 import { bindBlend, blendChannels, channel, fill, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
-import type { Mesh } from './core';
+import type { Mesh } from '../core/core';
 import { kObjectFragment, kObjectVertex } from './shaders';
 import { WireLines } from './wire_lines';
 
@@ -13,12 +13,12 @@ export class ObjectMesh {
   private readonly wire: WireLines;
   private readonly geometry = new THREE.BufferGeometry();
   private readonly channels: BlendChannels;
-  private readonly place: Channel;
+  private readonly texture_coordinate: Channel;
   private readonly index: Channel;
   private readonly materials: THREE.RawShaderMaterial[] = [];
   private readonly origin = new THREE.Vector3();
   triangles = 0;
-  images = 0; // that have been loaded
+  images = 0; // how many have been loaded
 
   // `uniforms` are the terrain's: weight, eye, light and haze.
   constructor(
@@ -28,10 +28,10 @@ export class ObjectMesh {
   ) {
     const gl = renderer.getContext() as WebGL2RenderingContext;
     this.channels = blendChannels(gl);
-    this.place = channel(gl, gl.FLOAT, 2, 4);
+    this.texture_coordinate = channel(gl, gl.FLOAT, 2, 4);
     this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
     bindBlend(this.geometry, this.channels, this.index);
-    this.geometry.setAttribute('place', this.place.attribute as unknown as THREE.BufferAttribute);
+    this.geometry.setAttribute('texture_coordinate', this.texture_coordinate.attribute as unknown as THREE.BufferAttribute);
     const surfaces = new THREE.Mesh(this.geometry, this.materials);
     surfaces.frustumCulled = false; // the server culls
     this.wire = new WireLines(renderer, this.channels, uniforms);
@@ -51,7 +51,7 @@ export class ObjectMesh {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
     fillBlend(gl, this.channels, this.index, objects);
-    fill(gl, gl.ARRAY_BUFFER, this.place, objects.places, objects.vertices);
+    fill(gl, gl.ARRAY_BUFFER, this.texture_coordinate, objects.texture_coordinates, objects.vertices);
     this.geometry.clearGroups();
     for (let i = 0; i < objects.parts.length; i += 3) {
       const [first, count, model] = [objects.parts[i]!, objects.parts[i + 1]!, objects.parts[i + 2]!];
@@ -66,7 +66,7 @@ export class ObjectMesh {
     this.object.position.set(this.origin.x - eye[0]!, this.origin.y - eye[1]!, this.origin.z - eye[2]!);
   }
 
-  // Plain until its image is there; a model without one has none to be found.
+  // A plain colour until the model's image has been loaded, and for good if the model has none.
   private materialOf(model: number): THREE.RawShaderMaterial {
     const image = { value: textureOf(new Uint8Array(kPlain), 1, 1) };
     void this.load(model, image);
@@ -85,7 +85,7 @@ export class ObjectMesh {
   }
 }
 
-// The first row is the upper one, as texture coordinates count. Bilinear: images have gutters for that, and no more.
+// The first row is the upper one, as in texture coordinates. Bilinear and without mipmaps, which the images' gutters suffice for.
 function textureOf(texels: Uint8Array<ArrayBuffer>, width: number, height: number): THREE.Texture {
   const texture = new THREE.DataTexture(texels, width, height, THREE.RGBAFormat, THREE.UnsignedByteType);
   texture.magFilter = texture.minFilter = THREE.LinearFilter;

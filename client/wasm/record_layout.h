@@ -1,0 +1,138 @@
+// The layout of the records in records.h as text, so that the page's readers are generated
+// (client/web/make_records.mjs) instead of copied by hand. A record that is changed without its table below does not
+// compile.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <type_traits>
+
+#include "client/wasm/records.h"
+
+namespace foreland::client {
+
+struct RecordField {
+  const char* name;
+  const char* type;  // f64, f32, u32, or the name of a record
+  size_t offset, size, count;
+};
+
+struct RecordLayout {
+  const char* name;
+  size_t size;
+  std::span<const RecordField> fields;
+
+  // Whether the fields follow one another and fill the record.
+  constexpr bool isComplete() const {
+    size_t end = 0;
+    for (const RecordField& field : fields) {
+      if (field.offset != end) return false;
+      end += field.size;
+    }
+    return end == size;
+  }
+};
+
+template <class T>
+constexpr const char* recordTypeName() {
+  if constexpr (std::is_same_v<T, double>) return "f64";
+  if constexpr (std::is_same_v<T, float>) return "f32";
+  if constexpr (std::is_same_v<T, uint32_t>) return "u32";
+  if constexpr (std::is_same_v<T, PoseRecord>) return "PoseRecord";
+}
+
+#define FORELAND_FIELD(Record, field)                                                                         \
+  RecordField {                                                                                               \
+#field, recordTypeName < std::remove_extent_t < decltype(Record::field)>>(), offsetof(Record, field),     \
+        sizeof(Record::field), sizeof(Record::field) / sizeof(std::remove_extent_t <decltype(Record::field)>) \
+  }
+
+inline constexpr RecordField kPoseFields[] = {FORELAND_FIELD(PoseRecord, eye), FORELAND_FIELD(PoseRecord, orientation)};
+inline constexpr RecordField kFrameFields[] = {
+    FORELAND_FIELD(FrameRecord, pose),
+    FORELAND_FIELD(FrameRecord, origin),
+    FORELAND_FIELD(FrameRecord, scene_time_ms),
+    FORELAND_FIELD(FrameRecord, from_time_ms),
+    FORELAND_FIELD(FrameRecord, to_time_ms),
+    FORELAND_FIELD(FrameRecord, to_pose),
+    FORELAND_FIELD(FrameRecord, weight),
+    FORELAND_FIELD(FrameRecord, mesh_version),
+    FORELAND_FIELD(FrameRecord, vertex_count),
+    FORELAND_FIELD(FrameRecord, index_count),
+    FORELAND_FIELD(FrameRecord, from_positions),
+    FORELAND_FIELD(FrameRecord, to_positions),
+    FORELAND_FIELD(FrameRecord, from_normals),
+    FORELAND_FIELD(FrameRecord, to_normals),
+    FORELAND_FIELD(FrameRecord, indices),
+    FORELAND_FIELD(FrameRecord, from_nodes),
+    FORELAND_FIELD(FrameRecord, to_nodes),
+    FORELAND_FIELD(FrameRecord, from_index),
+    FORELAND_FIELD(FrameRecord, to_index),
+    FORELAND_FIELD(FrameRecord, tau_px),
+    FORELAND_FIELD(FrameRecord, object_vertex_count),
+    FORELAND_FIELD(FrameRecord, object_index_count),
+    FORELAND_FIELD(FrameRecord, object_from_positions),
+    FORELAND_FIELD(FrameRecord, object_to_positions),
+    FORELAND_FIELD(FrameRecord, object_from_normals),
+    FORELAND_FIELD(FrameRecord, object_to_normals),
+    FORELAND_FIELD(FrameRecord, object_texture_coordinates),
+    FORELAND_FIELD(FrameRecord, object_indices),
+    FORELAND_FIELD(FrameRecord, object_parts),
+    FORELAND_FIELD(FrameRecord, object_part_count),
+};
+inline constexpr RecordField kWelcomeFields[] = {
+    FORELAND_FIELD(WelcomeRecord, low),           FORELAND_FIELD(WelcomeRecord, high),
+    FORELAND_FIELD(WelcomeRecord, lowest_m),      FORELAND_FIELD(WelcomeRecord, highest_m),
+    FORELAND_FIELD(WelcomeRecord, tau_px),        FORELAND_FIELD(WelcomeRecord, keyframe_ms),
+    FORELAND_FIELD(WelcomeRecord, title),         FORELAND_FIELD(WelcomeRecord, title_size),
+    FORELAND_FIELD(WelcomeRecord, crs),           FORELAND_FIELD(WelcomeRecord, crs_size),
+    FORELAND_FIELD(WelcomeRecord, is_geographic), FORELAND_FIELD(WelcomeRecord, samples_x),
+    FORELAND_FIELD(WelcomeRecord, samples_y),     FORELAND_FIELD(WelcomeRecord, landmark_count),
+    FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, unused),
+};
+inline constexpr RecordField kPlaceFields[] = {
+    FORELAND_FIELD(PlaceRecord, height_m),
+    FORELAND_FIELD(PlaceRecord, ground_m),
+    FORELAND_FIELD(PlaceRecord, up),
+    FORELAND_FIELD(PlaceRecord, across),
+};
+inline constexpr RecordField kStatisticsFields[] = {
+    FORELAND_FIELD(StatisticsRecord, bytes_down),       FORELAND_FIELD(StatisticsRecord, bytes_up),
+    FORELAND_FIELD(StatisticsRecord, last_lateness_ms), FORELAND_FIELD(StatisticsRecord, worst_lateness_ms),
+    FORELAND_FIELD(StatisticsRecord, nodes_added),      FORELAND_FIELD(StatisticsRecord, nodes_removed),
+    FORELAND_FIELD(StatisticsRecord, keyframes),        FORELAND_FIELD(StatisticsRecord, late_keyframes),
+};
+inline constexpr RecordField kTextFields[] = {FORELAND_FIELD(TextRecord, text), FORELAND_FIELD(TextRecord, size)};
+
+#undef FORELAND_FIELD
+
+inline constexpr RecordLayout kRecordLayouts[] = {
+    {"PoseRecord", sizeof(PoseRecord), kPoseFields},
+    {"FrameRecord", sizeof(FrameRecord), kFrameFields},
+    {"WelcomeRecord", sizeof(WelcomeRecord), kWelcomeFields},
+    {"PlaceRecord", sizeof(PlaceRecord), kPlaceFields},
+    {"StatisticsRecord", sizeof(StatisticsRecord), kStatisticsFields},
+    {"TextRecord", sizeof(TextRecord), kTextFields},
+};
+
+constexpr bool areComplete(std::span<const RecordLayout> layouts) {
+  for (const RecordLayout& layout : layouts)
+    if (!layout.isComplete()) return false;
+  return true;
+}
+static_assert(areComplete(kRecordLayouts), "a field of a record is missing in its table, or out of order");
+
+// A line `record NAME SIZE` for each record, followed by a line `NAME TYPE OFFSET COUNT` for each of its fields.
+inline std::string recordLayoutText() {
+  std::string text;
+  for (const RecordLayout& layout : kRecordLayouts) {
+    text += "record " + std::string(layout.name) + " " + std::to_string(layout.size) + "\n";
+    for (const RecordField& f : layout.fields)
+      text +=
+          std::string(f.name) + " " + f.type + " " + std::to_string(f.offset) + " " + std::to_string(f.count) + "\n";
+  }
+  return text;
+}
+
+}  // namespace foreland::client
