@@ -235,13 +235,13 @@ def draw_region(flight):
     frames = [keyframe_of(flight, i) for i in indices]
     eyes = [k.view.pose.eye for k in frames]
     centre = [(min(e[i] for e in eyes) + max(e[i] for e in eyes)) / 2 for i in (0, 1)]
-    radius = max(k.view.ball for k in frames)
+    radius = max(k.view.region_radius for k in frames)
     across = max(e[1] for e in eyes) - min(e[1] for e in eyes) + 2.3 * radius
     m = Map(canvas, flight, (10, 36, 420, 330), centre, across * 420 / 330)
     tints = ("#d9591c", "#2f6fb0", "#11865a", "#8b5fbf")
     m.begin()
     for k, tint in zip(frames, tints):
-        canvas.circle(*m.at(k.view.pose.eye), k.view.ball * m.scale, fill=tint, fill_opacity="0.13", stroke=tint, stroke_width="1.6")
+        canvas.circle(*m.at(k.view.pose.eye), k.view.region_radius * m.scale, fill=tint, fill_opacity="0.13", stroke=tint, stroke_width="1.6")
     shown = [(t, p) for t, p in flight.poses if frames[0].time_s - 0.35 <= t <= frames[-1].time_s + 0.35]
     canvas.line([m.at(p.eye) for _, p in shown], stroke=LINE, stroke_width="1.4")
     for _, p in shown:

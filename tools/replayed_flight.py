@@ -84,21 +84,21 @@ class Flight:
             def height(self, n, least):
                 return flight.measure("height", n.level, lambda: super(Watched, self).height(n, least))
 
-            def answer_of_leaf(self, n, is_new, bound, least):
-                return flight.measure("decision", n.level, lambda: super(Watched, self).answer_of_leaf(n, is_new, bound, least))
+            def decision_of_leaf(self, n, is_new, bound, least):
+                return flight.measure("decision", n.level, lambda: super(Watched, self).decision_of_leaf(n, is_new, bound, least))
 
-            def answer_of_addable(self, n, is_new, bound, least):
+            def decision_of_addable(self, n, is_new, bound, least):
                 return flight.measure("decision", n.level,
-                                      lambda: super(Watched, self).answer_of_addable(n, is_new, bound, least))
+                                      lambda: super(Watched, self).decision_of_addable(n, is_new, bound, least))
 
         class WatchedSection(decoder.Section):
-            def remove(self, level, going):
+            def remove(self, level, leaves):
                 flight.is_removal, flight.level = True, level
-                return super().remove(level, going)
+                return super().remove(level, leaves)
 
-            def add(self, level, coming, arriving):
+            def add(self, level, addable, arriving):
                 flight.is_removal, flight.level = False, level
-                return super().add(level, coming, arriving)
+                return super().add(level, addable, arriving)
 
             def tests(self):  # only needed to compare with the golden expectations
                 return iter(())

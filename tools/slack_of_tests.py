@@ -24,17 +24,17 @@ class Camera:
             return None
         move = [b - a for a, b in zip(v.pose.eye, w.pose.eye)]
         x, y, z = dot(move, t.right), dot(move, t.up), dot(move, t.forward)
-        moved, region = math.hypot(*move), abs(w.ball - v.ball)
+        moved, region = math.hypot(*move), abs(w.region_radius - v.region_radius)
         beside = max(0.0, abs(x) * t.cos_x - z * t.sin_x, abs(y) * t.cos_y - z * t.sin_y) + moved * t.sin_w
         cosine = min(1.0, abs(dot(v.pose.orientation, w.pose.orientation)))
-        turned, scaled = 2 * math.acos(cosine) + abs(w.turn - v.turn), abs(w.tau / v.tau - 1)
+        turned, scaled = 2 * math.acos(cosine) + abs(w.region_angle - v.region_angle), abs(w.tau / v.tau - 1)
         return [(moved + region, turned + scaled), (beside + region, turned)]
 
     def longest(self, sphere, bound, pace):
         """(sensitivity, slack, distance, steps at this pace) of the sensitivity that lasts longest."""
         t = self.test
-        x, y, z, h = t.place(sphere)
-        R, K = sphere[4] + t.ball, ERROR_M[bound] * t.scale
+        x, y, z, h = t.view_position(sphere)
+        R, K = sphere[4] + t.region_radius, ERROR_M[bound] * t.scale
         depth, side = t.depth(x, y, z, R, 0.1), t.facing(x, y, z) + R
         b, c = 2 * depth + K, K * (h + R) - depth * depth
         seen = min(K * t.corner - depth, 2 * c / (b + math.sqrt(max(0.0, b * b + 4 * c))))

@@ -1,12 +1,12 @@
-// A sound file and what a fuzzer changes in it, after which the checksums are set right again: so an input of some
-// bytes reaches what stands behind the checksums, and none go into the zeros that fill pages. The input:
+// A valid file and a fuzzer's changes to it. The checksums are corrected after the changes, so that a short input
+// reaches the code behind the checksums, and no change is wasted on the zeros that fill pages. The input:
 //
-//   1 byte       255: the rest is the whole file, as it is. Else which sound file (modulo their number);
-//                with bit 6 the checksums are left wrong
-//   changes      place (1), offset (2, little-endian), count (1), then count % 16 + 1 bytes that go there
+//   1 byte       255: the rest is the whole file, unchanged. Otherwise the number of a valid file (modulo how many there
+//                are); bit 6 leaves the checksums wrong
+//   changes      part (1), offset (2, little-endian), count (1), then count % 16 + 1 bytes that replace those there
 //
-// A place is a header or the begin of a section, of the file or of one within it; offsets are modulo its size. The
-// place 255 cuts the file to `offset` bytes instead. Not thread-safe.
+// A part is a header or the beginning of a section, of the file or of one within it; offsets are modulo its size.
+// Part 255 truncates the file to `offset` bytes instead. Not thread-safe.
 #pragma once
 
 #include <memory>

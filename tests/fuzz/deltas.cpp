@@ -1,5 +1,5 @@
-// Any bytes as cut deltas one after the other, from nothing or from a presented section (tests/fuzz/toy_flight.h): each
-// leads to a closed section, or is an Error.
+// Takes any bytes as consecutive cut deltas, from an empty or a presented section (tests/fuzz/toy_flight.h). Each one
+// must lead to a closed section or to an Error.
 #include "base/check.h"
 #include "proto/codec/delta_codec.h"
 #include "tests/fuzz/toy_flight.h"
@@ -7,7 +7,7 @@
 namespace foreland::proto {
 namespace {
 
-// Made once for each of the 256 flights: what a client holds that begins with this section.
+// What a client of each of the 256 flights holds at first; made once.
 struct Begin {
   SparseNodes nodes;
   TerrainAdapter adapter;

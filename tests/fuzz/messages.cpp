@@ -1,5 +1,5 @@
-// Any bytes as a message, from either side: a value or an Error. And as a stream of messages, each with its size before
-// it in one byte, as one connection brings them: poses and keyframes follow those before them.
+// Decodes any bytes as a message of either side, and as one connection's stream of messages, each after its size in one
+// byte, in which poses and keyframes are delta-coded. The result must be a value or an Error.
 #include <algorithm>
 
 #include "base/check.h"
@@ -8,7 +8,7 @@
 namespace foreland::proto {
 namespace {
 
-// What is accepted can be said again, alone or after the same messages as before.
+// An accepted message can be encoded again, alone or after the same messages as before.
 void takeFromClient(ByteSpan bytes, PoseMemory& memory) {
   PoseMemory said = memory, heard = memory;
   const auto m = decodeClientMessage(bytes, memory);

@@ -1,4 +1,4 @@
-// Any bytes as a model, PLY or OBJ: a Model whose indices are in range, or an Error.
+// Reads any bytes as a model, PLY or OBJ. The result must be a Model whose indices are in range, or an Error.
 #include <cstring>
 #include <string_view>
 

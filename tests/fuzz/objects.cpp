@@ -1,5 +1,5 @@
-// Any bytes as changes of objects, keyframe after keyframe (tests/fuzz/toy_objects.h): each leads to closed sections
-// whose nodes have places, or is refused.
+// Takes any bytes as changes of objects, keyframe after keyframe (tests/fuzz/toy_objects.h). Each one must lead to
+// closed sections all of whose nodes have positions, or be refused.
 #include "base/check.h"
 #include "proto/codec/object_stream.h"
 #include "tests/fuzz/toy_objects.h"

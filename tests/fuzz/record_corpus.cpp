@@ -57,7 +57,7 @@ proto::Section closedSection(const Topology& topology, const Keeps& keeps) {
   return section;
 }
 
-// Which grid, then a section of it: fine about a place, and coarser the farther away.
+// A grid's number, then a section of it: fine around one point, and coarser with the distance.
 Bytes recordSection(uint8_t which, uint32_t at_x, uint32_t at_y) {
   const proto::GridTopology& grid = sectionGrids()[which];
   const proto::Section section = closedSection(grid, [&](proto::NodeId n) {

@@ -1,4 +1,5 @@
-// Runs a fuzz target over the files of a folder: its corpus, and what a fuzzer once found. Exits 1 if there is none.
+// Runs a fuzz target over the files of a folder: its corpus, with the inputs that fuzzers once found. Exits 1 if the
+// folder is empty.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Any change to a scene's file, or any bytes as one (tests/fuzz/changed_file.h): opened and readable throughout, its
-// objects too, or an Error.
+// Opens a changed scene file, or any bytes as one (tests/fuzz/changed_file.h). Everything in it, objects included, must
+// be readable, or the result an Error.
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/mapped_scene.h"
 #include "tests/fuzz/changed_file.h"

@@ -1,4 +1,4 @@
-// The grids whose sections are fuzzed: the first byte of an input says which (modulo their number).
+// The grids whose sections are fuzzed: the first byte of an input selects the grid (modulo how many there are).
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace foreland::test {
 
-// The least there is; roots that the data does not fill; one deep root.
+// The smallest grid; roots that the data does not fill; one deep root.
 inline const std::array<proto::GridTopology, 3>& sectionGrids() {
   using proto::GridTopology;
   static const std::array<GridTopology, 3> grids{*GridTopology::create({1, 1, 1, 3, 3}),

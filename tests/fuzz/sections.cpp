@@ -1,5 +1,5 @@
-// Any bytes as the sections that a client presents to go on with: closed sections, which can be said again, or an
-// Error. First byte: which grid, and whether objects stand on it.
+// Decodes any bytes as the sections that a client presents to resume from. The result must be closed sections that can
+// be encoded again, or an Error. The first byte selects the grid, and whether objects stand on it.
 #include "base/check.h"
 #include "proto/codec/section_codec.h"
 #include "proto/codec/surface_cut.h"

@@ -1,5 +1,5 @@
-// Any change to a surface's file, or any bytes as one (tests/fuzz/changed_file.h): opened and readable throughout, or
-// an Error.
+// Opens a changed surface file, or any bytes as one (tests/fuzz/changed_file.h). Everything in it must be readable, or
+// the result an Error.
 #include "terrain/surface_store/mapped_surface.h"
 #include "tests/fuzz/changed_file.h"
 

@@ -1,7 +1,6 @@
-// What the fuzzers of deltas and the recorder of their corpora agree on: the terrain, the views, and how an input says
-// deltas. Input: a byte that says where the camera goes (and on terrain whether it begins with a section that the
-// client presented: its lowest bit), then up to kToySteps deltas, each with its size before it in two bytes,
-// little-endian.
+// What the fuzzers of deltas share with the recorder of their corpora: the terrain, the views, and the layout of an
+// input. An input is a byte that selects the flight (for terrain, its lowest bit says whether the flight begins with a
+// section that the client presented), then up to kToySteps deltas, each after its size in two bytes, little-endian.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The objects that are fuzzed: what presented sections and changes of objects are of. Changes come as deltas of the
-// terrain do (toy_flight.h).
+// The objects of the fuzzers: presented sections and changes of objects refer to these. Changes are laid out like
+// deltas of the terrain (toy_flight.h).
 #pragma once
 
 #include "proto/refine/objects.h"

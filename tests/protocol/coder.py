@@ -1,4 +1,4 @@
-"""What goes through the range coder: section 11 of docs/PROTOCOL.md, and presented sections."""
+"""Range-coded data: deltas (section 11 of docs/PROTOCOL.md) and the sections that a client presents."""
 
 import math
 
@@ -21,9 +21,9 @@ class Model:
     """What both ends have learnt."""
 
     def __init__(self):
-        self.comes = [[contexts(4) for _ in range(8)] for _ in range(16)]
-        self.comes_later = [[contexts(8) for _ in range(8)] for _ in range(16)]
-        self.stays = [[contexts(8) for _ in range(4)] for _ in range(2)]
+        self.newly_addable = [[contexts(4) for _ in range(8)] for _ in range(16)]
+        self.addable = [[contexts(8) for _ in range(8)] for _ in range(16)]
+        self.leaf = [[contexts(8) for _ in range(4)] for _ in range(2)]
         self.height = [[[Number() for _ in range(2)] for _ in range(4)] for _ in range(28)]
         self.escape = contexts(32)
         self.radius = contexts(8)
@@ -108,7 +108,7 @@ def read_number(coder, c, sign, escape):
 
 
 class DeltaDecoder:
-    """Reads answers, heights and radii. `height_of(x, y)` and `displacement_of(x, y)` tell what is held: the latter 0 of base
+    """Reads decisions, heights and radii. `height_of(x, y)` and `displacement_of(x, y)` return what is held; the latter is 0 for base
     vertices."""
 
     def __init__(self, coder, model, grid, height_quantum_m, height_of, displacement_of):
@@ -120,7 +120,7 @@ class DeltaDecoder:
     def begin_group(self):
         self.before = 0
 
-    def surroundings(self, n):
+    def prediction_context(self, n):
         ends = sum(self.height_of(*v) for v in n.endpoints)
         twist = sum(self.height_of(*v) for v in n.apexes)
         displacements = [self.displacement_of(*v) for v in n.apexes]
@@ -130,22 +130,22 @@ class DeltaDecoder:
         curve, bends = twist + sum(displacements), sum(map(abs, displacements))
         return ends, curve, 0.25 * (2 * bends + abs(twist)) + 0.25
 
-    def answer_of_leaf(self, n, is_new, bound, least):
+    def decision_of_leaf(self, n, is_new, bound, least):
         own = abs(self.displacement_of(n.x, n.y)) + 0.25
         size = keep(half(own / self.steps[least]) + 5, 0, 7)
-        return self.coder.bit(self.model.stays[1 if is_new else 0][min(least - bound - 1, 3)][size])
+        return self.coder.bit(self.model.leaf[1 if is_new else 0][min(least - bound - 1, 3)][size])
 
-    def answer_of_addable(self, n, is_new, bound, least):
-        size = keep(half(self.surroundings(n)[2] / self.steps[least]) + 8, 0, 15)
+    def decision_of_addable(self, n, is_new, bound, least):
+        size = keep(half(self.prediction_context(n)[2] / self.steps[least]) + 8, 0, 15)
         scale = min((self.grid.last_level - n.level) >> 1, 7)
         if not is_new:
-            return self.coder.bit(self.model.comes_later[size][min(bound - least, 7)][scale])
-        answer = self.coder.bit(self.model.comes[size][scale][self.before])
-        self.before = (2 * self.before + answer) & 3
-        return answer
+            return self.coder.bit(self.model.addable[size][min(bound - least, 7)][scale])
+        decision = self.coder.bit(self.model.newly_addable[size][scale][self.before])
+        self.before = (2 * self.before + decision) & 3
+        return decision
 
     def height(self, n, least):
-        ends, curve, expected = self.surroundings(n)
+        ends, curve, expected = self.prediction_context(n)
         steps = self.steps[least]
         scale = keep(half(max(steps, expected)) + 4, 0, 27)
         at = half(expected / steps)
@@ -162,7 +162,7 @@ class DeltaDecoder:
 
 
 def section_contexts():
-    """Of presented sections: [level][before]."""
+    """The contexts of presented sections: [level][before]."""
     return [contexts(8) for _ in range(31)]
 
 
@@ -173,9 +173,9 @@ def read_section(coder, model, last_level, first_level, children):
     for level in range(1, last_level + 1):
         before, included = 0, set()
         for slot in sorted(candidates):
-            answer = coder.bit(model[level][before])
-            before = (2 * before + answer) & 7
-            if answer:
+            decision = coder.bit(model[level][before])
+            before = (2 * before + decision) & 7
+            if decision:
                 included.add(slot)
         slots |= included
         candidates = children(slots, included)

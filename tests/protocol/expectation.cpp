@@ -40,8 +40,8 @@ double leastNumber(const Passes& passes) {
   return std::bit_cast<double>(high);
 }
 
-// What the refinement test makes of a section's nodes, to the last bit: places, radii, least classes that pass; and of
-// some the least error and the least radius that pass.
+// The numbers in the refinement test of a section's nodes, to the last bit: view-space positions, radii, least
+// quantised errors that pass; and of some the least error and the least radius that pass.
 template <class Places>
 uint32_t testsCrc(const server::Hierarchy& h, const proto::Section& section, const proto::Metric& metric) {
   const Places places(h.domain(), metric);

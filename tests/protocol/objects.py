@@ -22,9 +22,9 @@ class ObjectModel:
     def __init__(self):
         self.changes = contexts(4)
         self.blocks = [[contexts(4) for _ in range(8)] for _ in range(2)]
-        self.goes = self.of_nodes()
-        self.comes = [[self.of_nodes() for _ in range(4)] for _ in range(2)]
-        self.place = [[Number() for _ in range(16)] for _ in range(4)]
+        self.removed = self.of_nodes()
+        self.added = [[self.of_nodes() for _ in range(4)] for _ in range(2)]
+        self.position = [[Number() for _ in range(16)] for _ in range(4)]
         self.escape = contexts(32)
 
     @staticmethod
@@ -53,8 +53,8 @@ class Sight(Test):
         self.looks, self.step_m = per_metre * per_metre, surface.step_m
         self.tan_x = self.tan_y * view.width / view.height
 
-    def offset(self, place):
-        return tuple(p * self.step_m - e for p, e in zip(place, self.eye))
+    def offset(self, position):
+        return tuple(p * self.step_m - e for p, e in zip(position, self.eye))
 
     def size(self, o):
         return self.looks / (o[0] * o[0] + o[1] * o[1] + o[2] * o[2] + self.step_m * self.step_m)
@@ -103,11 +103,11 @@ class ObjectSection:
         return [(a + b) >> 1 for a, b in zip(*(self.position(v) for v in self.surface.nodes[slot].endpoints))]
 
     def step(self, view, last, model, coder):
-        """To the section of a keyframe; returns how many nodes came and went."""
+        """To the section of a keyframe; returns how many nodes were added and removed."""
         self.model, self.coder = model, coder
         self.now = Sight(self.surface, self.placement, view)
         self.before = last and Sight(self.surface, self.placement, last)
-        self.come, self.gone = set(), set()
+        self.added, self.removed = set(), set()
         self.has_changed = coder.bit(model.changes[2 * self.has_changed + (1 if self.slots else 0)])
         if self.has_changed:
             levels = range(1, self.surface.last_level + 1)
@@ -115,7 +115,7 @@ class ObjectSection:
                 self.walk(GOES, self.leaves(level))
             for level in levels:
                 self.walk(COMES, self.addable(level))
-        return len(self.come), len(self.gone)
+        return len(self.added), len(self.removed)
 
     def leaves(self, level):
         return [s for s in self.slots if self.surface.nodes[s].level == level and self.slots.isdisjoint(self.surface.children(s))]
@@ -126,7 +126,7 @@ class ObjectSection:
         else:
             slots = {c for s in self.slots if self.surface.nodes[s].level == level - 1 for c in self.surface.children(s)
                      if self.slots.issuperset(self.surface.nodes[c].parents)}
-        return slots - self.slots - self.gone
+        return slots - self.slots - self.removed
 
     def walk(self, change, candidates):
         blocks = {}
@@ -153,15 +153,15 @@ class ObjectSection:
         if self.before:
             grown = self.now.size(offset) / self.before.size(self.before.offset(middle))
             trend = sum(grown >= edge for edge in (0.95, 0.995, 1.005, 1.05))
-        of_nodes = self.model.goes
+        of_nodes = self.model.removed
         if change == COMES:
             siblings = sum(c in self.slots for p in n.parents for c in self.surface.children(p))
-            of_nodes = self.model.comes[0 if self.come.isdisjoint(n.parents) else 1][min(siblings, 3)]
+            of_nodes = self.model.added[0 if self.added.isdisjoint(n.parents) else 1][min(siblings, 3)]
         return of_nodes[min(n.level, 4) - 1][trend][self.now.screen(offset)]
 
     def go(self, slot):
         self.slots.remove(slot)
-        self.gone.add(slot)
+        self.removed.add(slot)
         self.print -= self.weight * fingerprint(slot)
         self.known.use(slot, -1)
 
@@ -170,7 +170,7 @@ class ObjectSection:
             self.known.nodes[slot] = self.read_place(slot)
         self.known.use(slot, 1)
         self.slots.add(slot)
-        self.come.add(slot)
+        self.added.add(slot)
         self.print += self.weight * fingerprint(slot)
 
     def read_place(self, slot):
@@ -182,9 +182,9 @@ class ObjectSection:
             guess = middle[axis] + towards_zero(sum(d[axis] for d in of), 4 * count)
             like = (sum(bends) + 3 * bends[axis]) // (4 * count)
             prior = 0 if axis == 0 else 1 if most * 8 < like else 2 if most * 3 < like else 3
-            off = read_number(self.coder, self.model.place[prior][min(like.bit_length(), 15)], 0, self.model.escape)
+            off = read_number(self.coder, self.model.position[prior][min(like.bit_length(), 15)], 0, self.model.escape)
             most = max(most, abs(off))
-            require(abs(guess + off) <= MOST_STEPS, "an absurd place")
+            require(abs(guess + off) <= MOST_STEPS, "an absurd position")
             position.append(guess + off)
         return tuple(position), tuple(a - b for a, b in zip(position, middle))
 
@@ -228,7 +228,7 @@ class Objects:
         return sum(s.print for s in self.sections)
 
     def counts(self):
-        """Nodes of all sections, and how many of them came and went in the last step."""
+        """Nodes of all sections, and how many the last step added and removed."""
         return sum(len(s.slots) for s in self.sections), *(sum(change) for change in zip(*self.changes))
 
     def packed(self):

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Duration at(double seconds) { return Duration::seconds(seconds); }
 
-// Up and down between 0 and 1, once in `period`.
+// A triangle wave between 0 and 1.
 double zigzag(double x, double period) {
   const double u = x / period - std::floor(x / period);
   return u < 0.5 ? 2 * u : 2 - 2 * u;
@@ -45,7 +45,7 @@ std::shared_ptr<const server::World> worldOf(proto::FrameKind kind) {
   return std::make_shared<server::World>(makeScene(source, planar ? 0.005 : 0.25));
 }
 
-// Closed, smooth, by quadrisection; with borders, a little rough, by bisection.
+// A smooth closed model refined by quadrisection, and a slightly rough one with borders refined by bisection.
 struct Models {
   std::vector<terrain::TrueSurface> surfaces;
   std::vector<std::vector<proto::SurfaceRecord>> records;
@@ -58,7 +58,7 @@ struct Models {
   }
 };
 
-// Two of the one, one of the other, over low hills.
+// Two objects of the first model and one of the second, over low hills.
 std::shared_ptr<const server::World> worldWithObjects() {
   FormulaSource source(65, 65, [](uint32_t x, uint32_t y) { return 0.15 * country(x, y, 0); });
   source.info().title = "objects";
@@ -83,8 +83,8 @@ proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strate
   return {lens, tau_px, strategy, predictor, Duration::milliseconds(200)};
 }
 
-// Predicted: ahead, a turn, a climb; another tolerance, a connection lost and the section presented, another lens, a
-// budget; the path known at last.
+// With `predict`: straight on, a turn, a climb; then another tolerance, a lost connection after which the section is
+// presented, another lens, a budget, and at last a known path.
 Script planarScript() {
   using enum proto::Predictor;
   constexpr auto kPredict = proto::Strategy::kPredict;
@@ -109,8 +109,8 @@ Script planarScript() {
   return s;
 }
 
-// What has been told, later: around a valley, then away from it; a smaller server does not take the section that is
-// presented; ends with a request that is refused.
+// With `delay` and `current`: around a valley, then away from it. A server with a smaller limit does not accept the
+// section that is presented. The session ends with a request that is refused.
 Script geographicScript() {
   using enum proto::Strategy;
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
@@ -130,7 +130,8 @@ Script geographicScript() {
   return s;
 }
 
-// By objects and about them; another tolerance, a connection lost and the terrain's section presented, another lens.
+// Past objects and around them, with another tolerance, a lost connection after which all sections are presented, and
+// another lens.
 Script objectsScript() {
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
   constexpr auto kPredict = proto::Strategy::kPredict;

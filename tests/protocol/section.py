@@ -59,7 +59,7 @@ class Test:
             self.rows = [(dot(r, a), dot(r, b), dot(r, h), dot(r, o)) for r in rows]
 
     def see(self, eye, orientation, view):
-        """From there, with the lens, ball and turn of the view."""
+        """From there, with the lens and region of the view."""
         self.eye = eye
         self.right, self.up, self.forward = (rotate(orientation, v) for v in ((1, 0, 0), (0, 1, 0), (0, 0, -1)))
         sin_f, cos_f = sin_cos(0.5 * view.fov)
@@ -69,10 +69,10 @@ class Test:
         self.sin_x, self.sin_y = tan_x * self.cos_x, tan_y * self.cos_y
         self.corner = math.sqrt(1 + tan_x * tan_x + tan_y * tan_y)
         self.cos_corner = 1 / self.corner
-        self.ball = view.ball
-        self.sin_w, self.cos_w = sin_cos(min(view.turn, 1.5))
+        self.region_radius = view.region_radius
+        self.sin_w, self.cos_w = sin_cos(min(view.region_angle, 1.5))
 
-    def place(self, sphere):
+    def view_position(self, sphere):
         x, y, middle, position, _ = sphere
         if self.frame.is_planar:
             px, py, pz, e, n = (a * x + b * y + h * middle + o for a, b, h, o in self.rows)
@@ -89,10 +89,10 @@ class Test:
         d = math.sqrt(rho2 + z * z)
         return max((z * self.cos_w - math.sqrt(rho2) * self.sin_w) - R, (d - R) * self.cos_corner, nearest)
 
-    def of(self, place, radius):
+    def of(self, position, radius):
         """passes(error in metres) for a sphere, or None if it is out of view, so that no error passes."""
-        x, y, z, h = place
-        R = radius + self.ball
+        x, y, z, h = position
+        R = radius + self.region_radius
         if not self.facing(x, y, z) + R >= 0:
             return None
         depth = self.depth(x, y, z, R, 0.1)
@@ -103,20 +103,20 @@ class Test:
         return passes
 
     def passes(self, sphere, error_class):
-        test = self.of(self.place(sphere), sphere[4])
+        test = self.of(self.view_position(sphere), sphere[4])
         return test is not None and test(ERROR_M[error_class])
 
     def least(self, sphere):
         """The least class that passes; larger ones pass too."""
-        test = self.of(self.place(sphere), sphere[4])
+        test = self.of(self.view_position(sphere), sphere[4])
         return NONE if test is None else least(lambda c: test(ERROR_M[c]), NONE)
 
     def least_numbers(self, sphere):
         """The least error and the least radius that pass, to the last bit, at most 1e30."""
-        place, most = self.place(sphere), f64_bits(1e30)
-        test = self.of(place, sphere[4])
+        position, most = self.view_position(sphere), f64_bits(1e30)
+        test = self.of(position, sphere[4])
         error = most if test is None else least(lambda bits: test(bits_f64(bits)), most)
-        radius = least(lambda bits: self.of(place, bits_f64(bits)) is not None, most)
+        radius = least(lambda bits: self.of(position, bits_f64(bits)) is not None, most)
         return bits_f64(error), bits_f64(radius)
 
 
@@ -198,44 +198,44 @@ class Section:
     # ---- the step
 
     def step(self, view, coder):
-        """To the section of `view`; returns how many nodes came and went."""
+        """To the section of `view`; returns how many nodes were added and removed."""
         self.test = Test(self.frame, view)
         self.delta = DeltaDecoder(coder, self.model, self.grid, self.frame.height_quantum_m, self.height_of, self.displacement_of)
         levels = range(1, self.grid.last_level + 1)
-        going, coming = {level: {} for level in levels}, {level: {} for level in levels}  # slot to: is it new?
+        leaves, addable = {level: {} for level in levels}, {level: {} for level in levels}  # slot to: is it new?
         for slot, bound in self.bounds.items():
             is_leaf = slot in self.heights
             if self.test.passes(self.spheres[slot], bound) != is_leaf:
-                (going if is_leaf else coming)[self.nodes[slot].level][slot] = False
-        removed = sum(self.remove(level, going) for level in reversed(levels))
-        for slots in coming.values():
+                (leaves if is_leaf else addable)[self.nodes[slot].level][slot] = False
+        removed = sum(self.remove(level, leaves) for level in reversed(levels))
+        for slots in addable.values():
             for slot in [s for s in slots if s not in self.bounds]:
                 del slots[slot]
         arriving = {level: {} for level in range(1, self.grid.last_level + 2)}
         if self.is_first:
             self.seed(arriving)
-        added = sum(self.add(level, coming[level], arriving) for level in levels)
+        added = sum(self.add(level, addable[level], arriving) for level in levels)
         self.forget()
         return added, removed
 
     def seed(self, arriving):
-        """All addable nodes that are not on the frontier come to it."""
+        """Adds all addable nodes to the frontier that are not on it."""
         self.is_first = False
         children = [self.grid.node(*v) for slot in self.heights for v in self.nodes[slot].children]
         for n in [*self.grid.first_level(), *children]:
             if n.slot not in self.heights and n.slot not in self.bounds and self.has_parents(n):
                 arriving[n.level][n.slot] = n
 
-    def settle(self, slots):
-        """(slot, is it in, least class) of each, all answers read."""
-        settled, ordered = [], sorted(slots)
+    def resolve(self, slots):
+        """(slot, is it in, least class) of each, all decisions read."""
+        resolved, ordered = [], sorted(slots)
         for at, slot in enumerate(ordered):
             if at % 256 == 0:
                 self.delta.begin_group()
-            settled.append((slot, *self.settle_one(slot, slots[slot])))
-        return settled
+            resolved.append((slot, *self.resolve_one(slot, slots[slot])))
+        return resolved
 
-    def settle_one(self, slot, is_new):
+    def resolve_one(self, slot, is_new):
         least, bound, is_leaf = self.test.least(self.spheres[slot]), self.bounds[slot], slot in self.heights
         if least == NONE:
             if is_leaf:
@@ -243,34 +243,34 @@ class Section:
             return False, least
         if is_leaf == (bound >= least):
             return is_leaf, least
-        ask = self.delta.answer_of_leaf if is_leaf else self.delta.answer_of_addable
-        answer = bool(ask(self.nodes[slot], is_new, bound, least))
-        self.bounds[slot] = least if answer else least - 1
-        return answer, least
+        ask = self.delta.decision_of_leaf if is_leaf else self.delta.decision_of_addable
+        decision = bool(ask(self.nodes[slot], is_new, bound, least))
+        self.bounds[slot] = least if decision else least - 1
+        return decision, least
 
-    def remove(self, level, going):
-        gone = [slot for slot, stays, _ in self.settle(going[level]) if not stays]
-        for slot in gone:
+    def remove(self, level, leaves):
+        removed = [slot for slot, stays, _ in self.resolve(leaves[level]) if not stays]
+        for slot in removed:
             del self.heights[slot]
             self.fingerprint = (self.fingerprint - fingerprint(slot)) & 0xFFFFFFFF
-        for slot in gone:
+        for slot in removed:
             for child in self.nodes[slot].children:
                 self.unlist(self.grid.slot(*child))
             for parent in self.nodes[slot].parents:
                 if parent not in self.bounds and self.is_leaf(parent):
                     self.list(parent, 1)
-                    going[level - 1][parent] = True
-        return len(gone)
+                    leaves[level - 1][parent] = True
+        return len(removed)
 
-    def add(self, level, coming, arriving):
+    def add(self, level, addable, arriving):
         for slot, n in sorted(arriving[level].items()):
             if slot >> 8 not in self.pages:
                 self.pages[slot >> 8] = self.delta.radius()
             self.nodes[slot] = n
             self.list(slot, 255)
-            coming[slot] = True
-        come = [(slot, least) for slot, is_in, least in self.settle(coming) if is_in]
-        heights = {slot: self.delta.height(self.nodes[slot], least) for slot, least in come}
+            addable[slot] = True
+        passed = [(slot, least) for slot, is_in, least in self.resolve(addable) if is_in]
+        heights = {slot: self.delta.height(self.nodes[slot], least) for slot, least in passed}
         require(len(self.heights) + len(heights) <= MOST_NODES, "a section of too many nodes")
         self.heights.update(heights)
         for slot in heights:
@@ -284,11 +284,11 @@ class Section:
         return len(heights)
 
     def tests(self):
-        """What the last view's test makes of the section's nodes, as bytes: place, radius, least class that passes; and of some
+        """What the last view's test makes of the section's nodes, as bytes: view-space position, radius, least class that passes; and of some
         nodes the least error and the least radius that pass."""
         for slot in sorted(self.heights):
             sphere = self.sphere(slot)
-            yield struct.pack("<ddddfI", *self.test.place(sphere), sphere[4], self.test.least(sphere))
+            yield struct.pack("<ddddfI", *self.test.view_position(sphere), sphere[4], self.test.least(sphere))
             if slot % 32 == 0:
                 yield struct.pack("<dd", *self.test.least_numbers(sphere))
 

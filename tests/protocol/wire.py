@@ -189,7 +189,7 @@ class Numbers:
 
 
 def read_numbers(r):
-    """By itself."""
+    """An absolute pose."""
     eye = [r.zigzag() for _ in range(3)]
     return Numbers(eye, r.number("B") & 3, [r.number("h") for _ in range(3)])
 
@@ -268,7 +268,7 @@ class Poses:
 
     def next(self, bits):
         """(time, numbers), not yet added"""
-        require(self.times, "told after another, and there is none")
+        require(self.times, "delta-coded after none")
         (change,), self.time_width = bits.group(1, self.time_width)
         t = change + (self.gap(0) if len(self.times) > 1 else 0)
         if bits.take(1):
@@ -355,8 +355,8 @@ class View:
     height: int
     fov: float
     tau: float
-    ball: float
-    turn: float
+    region_radius: float
+    region_angle: float
 
 
 @dataclass
@@ -366,7 +366,7 @@ class Keyframe:
     time: int
     view: View
     fingerprint: int
-    mask: int  # which bits of the fingerprint are told
+    mask: int  # which bits of the fingerprint it carries
     delta: bytes
 
 
@@ -396,7 +396,7 @@ class Keyframes:
         view = View(numbers.pose(128, 8191), *lens_and_region)
         require(0 <= base < index < 1 << 32, "an absurd keyframe")
         require(1 <= view.width <= 16384 and 1 <= view.height <= 16384 and 0.017 <= view.fov <= 2.97, "an absurd lens")
-        require(0 < view.tau <= 1e9 and 0 <= view.ball <= 1e9 and 0 <= view.turn <= 1e9, "an absurd tolerance, ball or turn")
+        require(0 < view.tau <= 1e9 and 0 <= view.region_radius <= 1e9 and 0 <= view.region_angle <= 1e9, "an absurd tolerance or region")
         self.last = Keyframe(index, base, time, view, fingerprint, mask, delta)
         return self.last
 
@@ -415,8 +415,8 @@ class Keyframes:
             region = [float_of(bits.take(32)) for _ in range(2)]
         else:
             change, self.region_width = bits.group(2, self.region_width)
-            upper = [(bits_of(before) >> 16) + by for before, by in zip((last.ball, last.turn), change)]
-            require(all(0 <= v <= 0xFFFF for v in upper), "a ball or turn beyond 16 bits")
+            upper = [(bits_of(before) >> 16) + by for before, by in zip((last.region_radius, last.region_angle), change)]
+            require(all(0 <= v <= 0xFFFF for v in upper), "a region beyond 16 bits")
             region = [float_of(v << 16) for v in upper]
         shift = 8 * (index & 3)
         fingerprint = bits.take(8) << shift
