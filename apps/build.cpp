@@ -179,7 +179,7 @@ int build(const Arguments& arguments) {
   terrain::BuildOptions options{.output = arguments.output,
                                 .height_quantum_m = chooseVerticalStep(arguments, (*source)->info()),
                                 .threads = arguments.threads,
-                                .widen_step = !arguments.vertical_step_m};
+                                .widen_quantum = !arguments.vertical_step_m};
   for (const std::string& text : arguments.objects) {
     auto object = terrain::parseObject(text);
     if (!object.ok()) return fail(object.error());

@@ -64,7 +64,7 @@ class FrameTransform {
   // Inverse of toScene to 1e-6 m for points within 10^5 m of the ellipsoid.
   LatticePosition toLattice(const glm::dvec3& scene_m) const;
   Geodetic toGeodetic(const glm::dvec3& scene_m) const;  // geographic frames only
-  // The parts of toScene that depend on latitude or on longitude alone; FrameGrid tabulates them.
+  // The parts of toScene that depend on latitude or on longitude alone; GeographicTables tabulates them.
   struct Row {
     double sin, cos, normal;  // of the latitude; radius of curvature in the prime vertical, metres
   };

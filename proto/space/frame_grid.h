@@ -1,10 +1,9 @@
 // Positions of lattice vertices by table look-up: bit-identical to FrameTransform::toScene, without its trigonometry.
-// Costs 24 bytes per column and 32 per row of a geographic scene, nothing for a planar one. Immutable; any thread.
+// Immutable; any thread. Memory: that of its GeographicTables.
 #pragma once
 
-#include <vector>
-
 #include "proto/space/frame.h"
+#include "proto/space/geographic_tables.h"
 #include "proto/topology/node.h"
 
 namespace foreland::proto {
@@ -16,24 +15,23 @@ class FrameGrid {
 
   const FrameTransform& transform() const { return transform_; }
 
-  // Scene position of lattice vertex (x, y) at `height` steps.
+  // Scene position of lattice vertex (x, y) at a height of `height` quanta.
   glm::dvec3 position(NodeId v, int32_t height) const {
-    const double height_m = height * step_m_;
-    if (columns_.empty()) {
+    const double height_m = height * height_quantum_m_;
+    if (tables_.columns.empty()) {
       const double dx = v.x() - frame().anchor.x, dy = v.y() - frame().anchor.y;
       return {dx * frame().axis_x_m.x + dy * frame().axis_y_m.x, dx * frame().axis_x_m.y + dy * frame().axis_y_m.y,
               height_m};
     }
-    return transform_.fromTables(rows_[v.y()], columns_[v.x()], height_m);
+    return transform_.fromTables(tables_.rows[v.y()], tables_.columns[v.x()], height_m);
   }
 
  private:
   const Frame& frame() const { return transform_.frame(); }
 
   FrameTransform transform_;
-  double step_m_;
-  std::vector<FrameTransform::Row> rows_;
-  std::vector<FrameTransform::Column> columns_;
+  double height_quantum_m_;
+  GeographicTables tables_;
 };
 
 }  // namespace foreland::proto

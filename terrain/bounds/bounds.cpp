@@ -16,9 +16,12 @@ namespace {
 
 constexpr double kPad_m = 1e-5;
 
-// Errors of a row's nodes, unsaturated, in metres. Each worker has one for each level, with its scratch.
+// Errors of a row's nodes in metres, not saturated. Each worker has one for each level, with its scratch.
 class PlanarRows {
  public:
+  static PlanarError makeError(const BoundsJob& job, const proto::GeographicTables&) {
+    return {job.grid, job.frame, job.heights};
+  }
   PlanarRows(const PlanarError& error, const BoundsJob& job, const NodeLevel& level)
       : error_(error), fine_(job.grid, job.heights, level), is_fine_(level.s <= FineErrors::kLargestReach) {}
   void compute(const NodeRow& row, std::span<double> errors_m) {
@@ -36,6 +39,9 @@ class PlanarRows {
 
 class GeographicRows {
  public:
+  static GeographicError makeError(const BoundsJob& job, const proto::GeographicTables& tables) {
+    return {job.grid, job.frame, job.heights, tables};
+  }
   GeographicRows(const GeographicError& error, const BoundsJob&, const NodeLevel&) : error_(error) {}
   void compute(const NodeRow& row, std::span<double> errors_m) const {
     for (uint32_t i = 0; i < row.count; ++i) errors_m[i] = error_.metres(row.node(i));
@@ -51,8 +57,9 @@ class BoundsPass {
   explicit BoundsPass(const BoundsJob& job)
       : job_(job),
         levels_(job.grid, job.frame),
-        positions_(job.grid, job.frame, job.heights),
-        error_(job.grid, job.frame, job.heights) {}
+        tables_(proto::FrameTransform(job.frame), job.grid.maxX(), job.grid.maxY()),
+        positions_(job.grid, job.frame, job.heights, tables_),
+        error_(ErrorRows::makeError(job, tables_)) {}
 
   bool run() {
     double done = 0, all = 0;
@@ -75,20 +82,20 @@ class BoundsPass {
   }
 
  private:
-  // Relative: a node costs about what 32 samples cost to scan, and each level scans all samples.
+  // Relative cost of a level: a node costs about as much as scanning 32 samples, and each level scans all samples.
   double cost(int level) const {
     return 32.0 * (job_.grid.levelOffset(level + 1) - job_.grid.levelOffset(level)) +
-           static_cast<double>(job_.heights.steps.size());
+           static_cast<double>(job_.heights.quanta.size());
   }
 
-  // One worker's, for one level.
+  // Of one worker, for one level.
   struct Scratch {
     Scratch(const BoundsPass& pass, const NodeLevel& level)
         : errors(pass.error_, pass.job_, level),
           spheres(pass.job_.grid, pass.levels_, pass.positions_, pass.job_.nodes, level.level) {}
     ErrorRows errors;
     SphereRows spheres;
-    std::vector<NodeRecord> records;  // of the band at hand
+    std::vector<NodeRecord> records;  // of the current band
     proto::Slot first = 0;            // slot of records[0]
     std::vector<double> errors_m, radii_m;
     std::vector<uint8_t> child_errors;
@@ -115,7 +122,7 @@ class BoundsPass {
       }
   }
 
-  // One radius for all nodes of a page; padding stays zero.
+  // Gives all nodes of a page the largest of their radii; padding stays zero.
   void widen(proto::Slot first, std::span<NodeRecord> page) const {
     proto::QuantisedRadius most;
     for (const NodeRecord& r : page) most = std::max(most, r.radius());
@@ -135,9 +142,9 @@ class BoundsPass {
     row.forEachRun(job_.grid, [&](uint32_t i, proto::Slot slot, uint32_t count) {
       NodeRecord* record = &band.records[slot - band.first];
       for (uint32_t end = i + count; i < end; ++i, record += row.slot_step) {
-        const int32_t height = positions_.steps(row.first_x + i * row.step_x, row.y);
+        const int32_t height = positions_.quanta(row.first_x + i * row.step_x, row.y);
         *record = NodeRecord::of(
-            height, height - positions_.middleSteps(row.node(i)),
+            height, height - positions_.middleQuanta(row.node(i)),
             std::max(proto::QuantisedError::roundUp(band.errors_m[i]), proto::QuantisedError{band.child_errors[i]}),
             levels_.roundUp(level, band.radii_m[i] + kPad_m));
       }
@@ -147,7 +154,7 @@ class BoundsPass {
   struct Slots {
     proto::Slot first, count;
   };
-  // Of a band; all bands of a level have as many.
+  // The slots of a band; all bands of a level have the same number.
   Slots slots(const NodeLevel& level, uint32_t band) const {
     const proto::Slot begin = job_.grid.levelOffset(level.level),
                       each = (job_.grid.levelOffset(level.level + 1) - begin) / level.bands();
@@ -156,6 +163,7 @@ class BoundsPass {
 
   const BoundsJob& job_;
   proto::SphereLevels levels_;
+  proto::GeographicTables tables_;
   RowPositions positions_;
   Error error_;
   std::atomic<bool> stopped_{false};

@@ -2,9 +2,9 @@
 //
 //   error(n)   at least the error of leaving n out (error.h), and at least the error of each child. 0 where the support
 //              holds no data
-//   radius(n)  about the middle of n's edge; at least the distance to each child's, plus radius(c) + 1e-5 m, so a viewer's
-//              distance test is monotone in floating point too; at least the distance to each sample of the support, hence
-//              to every point of the true and of any coarser surface there
+//   radius(n)  of a sphere about the middle of n's edge; at least, for each child c, the distance to the middle of c's edge
+//              plus radius(c) + 1e-5 m, so a viewer's distance test is monotone in floating point too; and at least the
+//              distance to each sample of the support, hence to every point of the true and of any coarser surface there
 //
 // Level by level from the finest, in bands of tiles over `threads` threads; the result does not depend on their number.
 #pragma once
@@ -23,13 +23,13 @@ struct BoundsJob {
   const proto::GridTopology& grid;
   const proto::Frame& frame;
   Heights heights;
-  std::span<const NodeRecord> nodes;  // slotCount() records: what `store` was given, for reading back
+  std::span<const NodeRecord> nodes;  // slotCount() records, in which what `store` is given appears
   unsigned threads = 0;               // 0: one per processor
-  // Any thread, each slot once, whole tiles with zeros in their padding. False stops the work.
+  // Called from any thread, once for each slot, with whole tiles and zeros in their padding. False stops the work.
   std::function<bool(proto::Slot first, std::span<const NodeRecord>)> store;
-  // Any thread; a range of `nodes` that will not be read for a while, so that its pages may leave memory.
+  // Called from any thread with a range of `nodes` that will not be read for a while, so its pages may leave memory.
   std::function<void(std::span<const NodeRecord>)> onIdle = [](std::span<const NodeRecord>) {};
-  // On the calling thread, with the fraction done; false stops the work.
+  // Called on the calling thread with the fraction done. False stops the work.
   std::function<bool(double)> onProgress = [](double) { return true; };
 };
 

@@ -1,6 +1,7 @@
 #include "terrain/bounds/error.h"
 
 #include <cmath>
+#include <cstring>
 #include <glm/vec3.hpp>
 
 #include "terrain/bounds/fine_errors.h"
@@ -11,7 +12,7 @@ namespace foreland::terrain {
 
 namespace {
 
-// Largest of four at a time and of the few that remain at the end of a row.
+// The largest value so far: of those seen four at a time, and of those at the ends of rows.
 struct Largest {
   Four four{};
   double one = 0;
@@ -30,10 +31,22 @@ void scanRow(const int32_t* samples, int32_t count, double value, double slope, 
   for (; i < count; ++i) result.one = std::max(result.one, std::fabs(samples[i] - (value + slope * i)));
 }
 
+struct FourColumns {
+  Four sin, cos;
+};
+
+FourColumns loadFour(const proto::FrameTransform::Column* columns) {
+  static_assert(sizeof(*columns) == 2 * sizeof(double));
+  Four first, last;
+  std::memcpy(&first, columns, sizeof(first));
+  std::memcpy(&last, columns + 2, sizeof(last));
+  return {__builtin_shufflevector(first, last, 0, 2, 4, 6), __builtin_shufflevector(first, last, 1, 3, 5, 7)};
+}
+
 }  // namespace
 
 PlanarError::PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
-    : grid_(grid), heights_(heights), step_m_(frame.height_quantum_m) {}
+    : grid_(grid), heights_(heights), height_quantum_m_(frame.height_quantum_m) {}
 
 double PlanarError::metres(proto::NodeId n) const {
   const auto ends = grid_.endpoints(n);
@@ -52,29 +65,23 @@ double PlanarError::metres(proto::NodeId n) const {
   return inMetres(worst.value());
 }
 
-// Rounded up: the product itself may round down.
-double PlanarError::inMetres(double steps) const { return steps * step_m_ * (1 + 0x1p-51); }
+// Rounded up, since the product itself may round down.
+double PlanarError::inMetres(double quanta) const { return quanta * height_quantum_m_ * (1 + 0x1p-51); }
 
-GeographicError::GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights)
+GeographicError::GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
+                                 const proto::GeographicTables& tables)
     : grid_(grid),
       heights_(heights),
-      step_m_(frame.height_quantum_m),
-      polar_((1 - frame.flattening) * (1 - frame.flattening)) {
-  const proto::FrameTransform transform(frame);
-  for (uint32_t y = 0; y <= grid.maxY(); ++y)
-    rows_.push_back(transform.row(frame.latitude0_rad + y * frame.latitude_step_rad));
-  for (uint32_t x = 0; x <= grid.maxX(); ++x) {
-    const auto column = transform.column(frame.longitude0_rad + x * frame.longitude_step_rad);
-    sin_lon_.push_back(column.sin);
-    cos_lon_.push_back(column.cos);
-  }
-}
+      height_quantum_m_(frame.height_quantum_m),
+      polar_((1 - frame.flattening) * (1 - frame.flattening)),
+      tables_(tables) {}
 
 // Earth-centred, axes turned to the origin's meridian: distances are those of the scene frame.
 glm::dvec3 GeographicError::corner(proto::NodeId v) const {
-  const auto& row = rows_[v.y()];
-  const double height_m = heights_.clamped(v.x(), v.y()) * step_m_, ring = (row.normal + height_m) * row.cos;
-  return {ring * cos_lon_[v.x()], ring * sin_lon_[v.x()], (row.normal * polar_ + height_m) * row.sin};
+  const proto::FrameTransform::Row& row = tables_.rows[v.y()];
+  const proto::FrameTransform::Column& column = tables_.columns[v.x()];
+  const double height_m = heights_.clamped(v.x(), v.y()) * height_quantum_m_, ring = (row.normal + height_m) * row.cos;
+  return {ring * column.cos, ring * column.sin, (row.normal * polar_ + height_m) * row.sin};
 }
 
 double GeographicError::metres(proto::NodeId n) const {
@@ -88,27 +95,27 @@ double GeographicError::metres(proto::NodeId n) const {
       const uint32_t y = n.y() + static_cast<uint32_t>(dy), x = n.x() + static_cast<uint32_t>(first);
       if (y >= heights_.height || x >= heights_.width) return;
       const int32_t count = std::min(last - first + 1, static_cast<int32_t>(heights_.width - x));
-      const auto& row = rows_[y];
+      const proto::FrameTransform::Row& row = tables_.rows[y];
+      const proto::FrameTransform::Column* columns = &tables_.columns[x];
       const glm::dvec3 start = plane.at(first, dy), slope = plane.per_x;
       const int32_t* samples = heights_.row(y) + x;
-      const auto square = [&](Four steps, Four sin_lon, Four cos_lon, Four along) {
-        const Four height_m = steps * step_m_, ring = (row.normal + height_m) * row.cos;
-        const Four ox = ring * cos_lon - (start.x + slope.x * along), oy = ring * sin_lon - (start.y + slope.y * along);
+      const auto square = [&](Four quanta, const FourColumns& lon, Four along) {
+        const Four height_m = quanta * height_quantum_m_, ring = (row.normal + height_m) * row.cos;
+        const Four ox = ring * lon.cos - (start.x + slope.x * along), oy = ring * lon.sin - (start.y + slope.y * along);
         const Four oz = (row.normal * polar_ + height_m) * row.sin - (start.z + slope.z * along);
         return ox * ox + oy * oy + oz * oz;
       };
       int32_t i = 0;
       for (; i + 4 <= count; i += 4)
-        worst = larger(worst, square(loadFour(samples + i), loadFour(&sin_lon_[x + i]), loadFour(&cos_lon_[x + i]),
-                                     i + kZeroToThree));
+        worst = larger(worst, square(loadFour(samples + i), loadFour(columns + i), i + kZeroToThree));
       for (; i < count; ++i) {
         const Four one = {static_cast<double>(samples[i])};
-        worst = larger(
-            worst, Four{square(one, Four{sin_lon_[x + i]}, Four{cos_lon_[x + i]}, Four{static_cast<double>(i)})[0]});
+        const FourColumns lon{Four{columns[i].sin}, Four{columns[i].cos}};
+        worst = larger(worst, Four{square(one, lon, Four{static_cast<double>(i)})[0]});
       }
     });
   }
-  // Coordinates of 7e6 m carry 1e-9 m, and there are a handful of operations on them.
+  // Coordinates of 7e6 m are exact to 1e-9 m, and only a handful of operations follow.
   constexpr double kNothing_m = 2e-8, kRounding_m = 5e-8;
   const double error_m = std::sqrt(largest(worst));
   return error_m > kNothing_m ? error_m + kRounding_m : 0;

@@ -2,16 +2,14 @@
 // support, between the true surface and the surface without the node, at the same parameter. Not saturated; bounds.h
 // does that.
 //
-//   planar      both points lie above the same place, so the distance is vertical; exact
+//   planar      both points lie on the same vertical line, so the distance is vertical; exact
 //   geographic  in space, curvature included; overstated by at most 1e-7 m, which covers rounding; less than
 //               2e-8 m counts as nothing
 //
 // Immutable after construction; any thread. Cost: O(samples of the support), four samples at a time.
 #pragma once
 
-#include <vector>
-
-#include "proto/space/frame.h"
+#include "proto/space/geographic_tables.h"
 #include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 
@@ -21,17 +19,19 @@ class PlanarError {
  public:
   PlanarError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights);
   double metres(proto::NodeId n) const;
-  double inMetres(double steps) const;
+  double inMetres(double quanta) const;
 
  private:
   const proto::GridTopology& grid_;
   Heights heights_;
-  double step_m_;
+  double height_quantum_m_;
 };
 
 class GeographicError {
  public:
-  GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights);
+  // `tables` are those of the frame for all of the grid; the caller keeps them.
+  GeographicError(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
+                  const proto::GeographicTables& tables);
   double metres(proto::NodeId n) const;
 
  private:
@@ -39,10 +39,9 @@ class GeographicError {
 
   const proto::GridTopology& grid_;
   Heights heights_;
-  double step_m_;
-  double polar_;                                  // (1 - e^2): shortens the normal along the axis
-  std::vector<double> sin_lon_, cos_lon_;         // by column, grid wide
-  std::vector<proto::FrameTransform::Row> rows_;  // by row
+  double height_quantum_m_;
+  double polar_;  // (1 - e^2): shortens the normal along the axis
+  const proto::GeographicTables& tables_;
 };
 
 }  // namespace foreland::terrain

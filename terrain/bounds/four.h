@@ -1,5 +1,5 @@
-// Four doubles at a time, by the compiler's vector types: no intrinsics, any processor, the same results as one at a
-// time.
+// Four doubles at a time, by the compiler's vector types: no intrinsics, any processor, the same results as for one
+// double at a time.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +9,12 @@
 namespace foreland::terrain {
 
 using Four = double __attribute__((vector_size(32)));
-using FourSteps = int32_t __attribute__((vector_size(16)));
+using FourInts = int32_t __attribute__((vector_size(16)));
 inline constexpr Four kZeroToThree{0, 1, 2, 3};
 
-inline Four loadFour(const int32_t* steps) {
-  FourSteps four;
-  std::memcpy(&four, steps, sizeof(four));
+inline Four loadFour(const int32_t* values) {
+  FourInts four;
+  std::memcpy(&four, values, sizeof(four));
   return __builtin_convertvector(four, Four);
 }
 inline Four loadFour(const double* values) {

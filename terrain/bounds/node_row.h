@@ -1,6 +1,6 @@
-// The nodes of one level on one lattice row, evenly spaced: what bounds are computed for at a time, so that the
-// compiler can do several nodes at once. A level of sides has two kinds of row: on rows of its squares' corners lie the
-// sides along x, on those of their centres the sides along y. Value type; any thread.
+// The nodes of one level on one lattice row, evenly spaced. Bounds are computed a row at a time, so that the compiler
+// can vectorise over the nodes. A level of sides has two kinds of row: on rows of its squares' corners lie the sides
+// along x, on those of their centres the sides along y. Value type; any thread.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace foreland::terrain {
 
-inline constexpr uint32_t kTileCells = 16;  // cells a side of a tile of slots: so many in a run lie next to each other
+inline constexpr uint32_t kTileCells = 16;  // cells a side of a tile of slots: in a run, so many are consecutive
 
 struct NodeRow {
   uint32_t y = 0;

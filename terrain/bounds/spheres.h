@@ -1,5 +1,5 @@
 // Saturated spheres, row by row: about the middle of each node's edge (proto/section/bounds.h), large enough for its
-// children's spheres (bounds.h). A SphereRows keeps the rows of children that neighbouring rows of parents share. One
+// children's spheres (bounds.h). A SphereRows caches the rows of children that neighbouring rows of parents share. One
 // owner; reads nodes of the next finer level only.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "proto/section/bounds.h"
-#include "proto/space/frame.h"
+#include "proto/space/geographic_tables.h"
 #include "proto/topology/grid.h"
 #include "terrain/bounds/heights.h"
 #include "terrain/bounds/node_row.h"
@@ -20,28 +20,29 @@ namespace foreland::terrain {
 // Scene positions of lattice points, several at a time. Immutable; any thread.
 class RowPositions {
  public:
-  RowPositions(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights);
+  // `tables` are those of the frame for all of the grid; the caller keeps them.
+  RowPositions(const proto::GridTopology& grid, const proto::Frame& frame, const Heights& heights,
+               const proto::GeographicTables& tables);
 
-  // Coordinates in some frame that differs from the scene's by a rotation and a shift only: distances are the same.
+  // Coordinates in a frame that differs from the scene's by a rotation and a translation only: distances are the same.
   struct Out {
     double *x, *y, *z;
   };
-  // At the heights of the samples, or of the middles of the edges of the nodes of a level.
+  // Positions of the samples of a row, or of the middles of the edges of its nodes.
   void fill(const NodeRow& row, const Out& out) const;
   void fillMiddles(const NodeRow& row, const Out& out) const;
-  int32_t steps(uint32_t x, uint32_t y) const { return heights_.clamped(x, y); }
-  int32_t middleSteps(proto::NodeId n) const;
+  int32_t quanta(uint32_t x, uint32_t y) const { return heights_.clamped(x, y); }
+  int32_t middleQuanta(proto::NodeId n) const;
 
  private:
-  // Coordinates of points whose z holds their height in metres.
-  void place(const NodeRow& row, const Out& out) const;
+  // Replaces the heights in metres that out.z holds by coordinates.
+  void toPositions(const NodeRow& row, const Out& out) const;
 
   const proto::GridTopology* grid_;
   Heights heights_;
   proto::Frame frame_;
-  double polar_;                                  // 1 - e^2
-  std::vector<proto::FrameTransform::Row> rows_;  // geographic only
-  std::vector<double> sin_lon_, cos_lon_;
+  double polar_;  // 1 - e^2
+  const proto::GeographicTables& tables_;
 };
 
 class SphereRows {
@@ -49,11 +50,11 @@ class SphereRows {
   SphereRows(const proto::GridTopology& grid, const proto::SphereLevels& levels, const RowPositions& positions,
              std::span<const NodeRecord> nodes, int level);
 
-  // Least radii of the row's nodes, unpadded; and the largest error of each node's children.
+  // Smallest radii that saturate the row's nodes, without padding; and the largest error of each node's children.
   void compute(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors);
 
  private:
-  // Children on one lattice row, with one more at either end that reaches nowhere.
+  // Spheres on one lattice row, with an empty one more at either end, so loops need no bounds.
   struct Row {
     bool used = false;
     uint32_t y = 0;
@@ -61,9 +62,15 @@ class SphereRows {
     std::vector<uint8_t> error;
   };
   const Row& childRow(uint32_t y);
-  // Samples; middles of nodes' edges; or these with the spheres of the nodes of `level`.
-  enum class What : uint8_t { kSamples, kMiddles, kSpheres };
-  void load(Row& row, const NodeRow& where, What what);
+  // What a Row holds: samples, middles of nodes' edges, or the latter with the nodes' spheres.
+  enum class Content : uint8_t { kSamples, kMiddles, kSpheres };
+  void load(Row& row, const NodeRow& where, Content content);
+  // The columns of a Row from sphere `offset` on.
+  struct Spheres {
+    Spheres(const Row& row, int offset);
+    const double *x, *y, *z, *radius;
+    const uint8_t* error;
+  };
   void include(const Row& children, int offset, std::span<double> radii_m, std::span<uint8_t> child_errors) const;
   void includePairs(const Row& children, int offset, std::span<double> radii_m, std::span<uint8_t> child_errors) const;
   void corners(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors);

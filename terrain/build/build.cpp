@@ -18,31 +18,32 @@ constexpr uint64_t kWindowSamples = 1u << 22;
 
 Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
 
-// One sample's four bytes, first its height in metres, then in steps: a raster of 16385 x 16385 is kept once.
-class Raster {
+// The heights of all samples, first in metres and then in quanta, in the same four bytes each: a raster of 16385 x
+// 16385 fits in memory once.
+class HeightRaster {
  public:
-  explicit Raster(size_t count) : count_(count), bytes_(new (std::nothrow) std::byte[count * sizeof(float)]) {
+  explicit HeightRaster(size_t count) : count_(count), bytes_(new (std::nothrow) std::byte[count * sizeof(float)]) {
     if (bytes_) metres_ = new (bytes_.get()) float[count];
   }
   bool allocated() const { return bytes_ != nullptr; }
   std::span<float> metres() { return {metres_, count_}; }
 
-  // Ends the metres. Fails on heights that do not fit.
-  Status quantise(double step_m, HeightRange& range) {
+  // Replaces metres by quanta, so metres() must not be used afterwards. Error if a height does not fit.
+  Status quantise(double height_quantum_m, HeightRange& range) {
     range = {proto::kMaxHeight, -proto::kMaxHeight};
     for (size_t i = 0; i < count_; ++i) {
-      const double steps = std::nearbyint(metres_[i] / step_m);
-      if (!(std::fabs(steps) < proto::kMaxHeight))
+      const double quanta = std::nearbyint(metres_[i] / height_quantum_m);
+      if (!(std::fabs(quanta) < proto::kMaxHeight))
         return Error{ErrorCode::kLimit, "a height of " + std::to_string(metres_[i]) + " m does not fit steps of " +
-                                            std::to_string(step_m) +
+                                            std::to_string(height_quantum_m) +
                                             " m; use a larger --vertical-step or name the void value with --nodata"};
-      const auto value = static_cast<int32_t>(steps);
+      const auto value = static_cast<int32_t>(quanta);
       new (bytes_.get() + i * sizeof(float)) int32_t(value);
       range = {std::min(range.lowest, value), std::max(range.highest, value)};
     }
     return {};
   }
-  std::span<const int32_t> steps() const {
+  std::span<const int32_t> quanta() const {
     return {std::launder(reinterpret_cast<const int32_t*>(bytes_.get())), count_};
   }
 
@@ -52,7 +53,7 @@ class Raster {
   float* metres_ = nullptr;
 };
 
-Status readAll(ElevationSource& source, Raster& raster, const Progress& progress) {
+Status readAll(ElevationSource& source, HeightRaster& raster, const Progress& progress) {
   const ElevationInfo& info = source.info();
   const auto window = static_cast<uint32_t>(std::max<uint64_t>(1, kWindowSamples / info.width));
   progress.report("reading", 0);
@@ -67,7 +68,7 @@ Status readAll(ElevationSource& source, Raster& raster, const Progress& progress
   return {};
 }
 
-Status fill(Raster& raster, const ElevationInfo& info, SceneOrigin& origin) {
+Status fill(HeightRaster& raster, const ElevationInfo& info, SceneOrigin& origin) {
   const VoidReport voids = fillVoids(raster.metres(), info.width, info.height);
   if (voids.all_void)
     return Error{ErrorCode::kMalformed, info.title + ": holds no data, only voids; check the file and --nodata"};
@@ -76,19 +77,19 @@ Status fill(Raster& raster, const ElevationInfo& info, SceneOrigin& origin) {
   return {};
 }
 
-// The step that the heights, voids among them, allow.
-double stepFor(std::span<const float> metres, const BuildOptions& options, SceneOrigin& origin) {
-  if (!options.widen_step) return options.height_quantum_m;
-  for (const double step : {1.0, 0.5, 0.25}) {
-    if (step <= options.height_quantum_m) break;
-    const auto fits = [&](float h) { return !std::isfinite(h) || std::remainder(double{h}, step) == 0; };
+// The height quantum: the user's, or a wider one that represents every height of the source exactly.
+double chooseQuantum(std::span<const float> metres, const BuildOptions& options, SceneOrigin& origin) {
+  if (!options.widen_quantum) return options.height_quantum_m;
+  for (const double quantum_m : {1.0, 0.5, 0.25}) {
+    if (quantum_m <= options.height_quantum_m) break;
+    const auto fits = [&](float h) { return !std::isfinite(h) || std::remainder(double{h}, quantum_m) == 0; };
     if (!std::all_of(metres.begin(), metres.end(), fits)) continue;
     origin.notes.push_back("all heights are multiples of " +
-                           std::string(step == 1     ? "1"
-                                       : step == 0.5 ? "0.5"
-                                                     : "0.25") +
+                           std::string(quantum_m == 1     ? "1"
+                                       : quantum_m == 0.5 ? "0.5"
+                                                          : "0.25") +
                            " m, and are kept in steps of it");
-    return step;
+    return quantum_m;
   }
   return options.height_quantum_m;
 }
@@ -152,7 +153,7 @@ Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
   return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
 }
 
-// Between the four samples around a place; nothing beyond the data.
+// Bilinear height of the ground in metres at a lattice position; nothing outside the data.
 std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame, double x, double y) {
   if (!(x >= 0 && y >= 0 && x <= heights.width - 1.0 && y <= heights.height - 1.0)) return std::nullopt;
   const auto x0 = std::min(static_cast<uint32_t>(x), heights.width - 2),
@@ -177,7 +178,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   const auto grid = gridFor(info);
   if (!grid.ok()) return grid.error();
   const uint64_t samples = static_cast<uint64_t>(info.width) * info.height;
-  Raster raster(samples);
+  HeightRaster raster(samples);
   if (!raster.allocated())
     return Error{ErrorCode::kLimit, info.title + ": " + std::to_string(samples * sizeof(float) >> 20) +
                                         " MiB of heights do not fit this machine's memory"};
@@ -185,16 +186,16 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
 
   progress.report("filling voids", 0);
   SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
-  const double step_m = stepFor(raster.metres(), options, origin);
+  const double height_quantum_m = chooseQuantum(raster.metres(), options, origin);
   if (Status status = fill(raster, info, origin); !status.ok()) return status.error();
   progress.report("filling voids", 1);
 
   HeightRange range;
-  if (Status status = raster.quantise(step_m, range); !status.ok())
+  if (Status status = raster.quantise(height_quantum_m, range); !status.ok())
     return Error{status.error().code, info.title + ": " + status.error().message};
-  const Heights heights{raster.steps(), info.width, info.height};
+  const Heights heights{raster.quanta(), info.width, info.height};
   proto::Frame frame = info.frame;
-  frame.height_quantum_m = step_m;
+  frame.height_quantum_m = height_quantum_m;
   auto objects =
       makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
   if (!objects.ok()) return objects.error();
@@ -214,13 +215,13 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                      .samples = samples,
                      .voids_filled = origin.voids_filled,
                      .notes = origin.notes,
-                     .height_quantum_m = step_m,
+                     .height_quantum_m = height_quantum_m,
                      .levels = grid->maxLevel(),
                      .nodes = nodeCount(*grid),
                      .file_bytes = writer->fileBytes(),
                      .scene_id = *id,
-                     .lowest_m = range.lowest * step_m,
-                     .highest_m = range.highest * step_m};
+                     .lowest_m = range.lowest * height_quantum_m,
+                     .highest_m = range.highest * height_quantum_m};
 }
 
 }  // namespace foreland::terrain

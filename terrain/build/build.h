@@ -19,17 +19,17 @@ namespace foreland::terrain {
 
 struct BuildOptions {
   std::filesystem::path output;
-  double height_quantum_m = 0.1;  // heights are kept in whole steps: each is moved by at most half of one
+  double height_quantum_m = 0.1;  // heights become whole quanta: each moves by at most half of one
   unsigned threads = 0;           // 0: one per processor
-  // Of 1, 1/2 and 1/4 m the first that is larger than height_quantum_m and that every height of the source is a
-  // multiple of, if there is one, instead: no sample is moved, and a scene costs fewer bits to send. Filled voids are
-  // rounded.
-  bool widen_step = false;
-  std::vector<ObjectRequest> objects{};  // that stand on the terrain
+  // Whether to take the first of 1, 1/2 and 1/4 m instead that is larger than height_quantum_m and of which every
+  // height of the source is a multiple, if there is one: no sample moves, and the scene costs fewer bits to send.
+  // Filled voids are rounded.
+  bool widen_quantum = false;
+  std::vector<ObjectRequest> objects{};  // to place on the terrain
 };
 
-// Called on the caller's thread. `report` gets the stage's name and the fraction of it that is done, at least at 0 and
-// 1 of each; once `keepGoing` says false the build stops, leaves nothing behind and returns an error.
+// Called on the caller's thread. `report` gets the name of a stage and the fraction of it that is done, at least 0 and
+// 1 of each. Once `keepGoing` returns false the build stops, leaves no file behind and returns an error.
 struct Progress {
   std::function<void(std::string_view stage, double fraction)> report = [](std::string_view, double) {};
   std::function<bool()> keepGoing = [] { return true; };
@@ -39,8 +39,8 @@ struct BuildReport {
   uint32_t width = 0, height = 0;
   uint64_t samples = 0;
   uint64_t voids_filled = 0;
-  std::vector<std::string> notes;  // the source's, how voids were filled, and whether the step was widened
-  double height_quantum_m = 0;     // that was taken
+  std::vector<std::string> notes;  // those of the source, how voids were filled, and whether the quantum was widened
+  double height_quantum_m = 0;     // of the scene
   int levels = 0;
   uint64_t nodes = 0;  // refinement vertices; padding not counted
   uint64_t file_bytes = 0;

@@ -17,9 +17,9 @@ TEST(FineErrors, EqualTheErrorsOfOneNodeAtATime) {
                    height = 34 + static_cast<uint32_t>(rng.below(60));
     const proto::GridShape shape{(width - 2) / 32 + 1, (height - 2) / 32 + 1, 5, width, height};
     const auto grid = *proto::GridTopology::create(shape);
-    std::vector<int32_t> steps(static_cast<size_t>(width) * height);
-    for (int32_t& step : steps) step = static_cast<int32_t>(rng.below(1u << 30)) - (1 << 29);
-    const Heights heights{steps, width, height};
+    std::vector<int32_t> quanta(static_cast<size_t>(width) * height);
+    for (int32_t& quantum : quanta) quantum = static_cast<int32_t>(rng.below(1u << 30)) - (1 << 29);
+    const Heights heights{quanta, width, height};
     proto::Frame frame;
     frame.height_quantum_m = 1;
     const PlanarError reference(grid, frame, heights);

@@ -68,7 +68,7 @@ TEST(Build, WidensTheStepToWhatAllHeightsAreMultiplesOf) {
       if (x == 7 && y > 4) return nan();
       return unit * std::floor(300 * std::sin(0.3 * x + 0.2 * y)) + (x == 12 && y == 9 ? odd : 0);
     });
-    const auto report = buildScene(source, {.output = folder / "a.fls", .widen_step = true});
+    const auto report = buildScene(source, {.output = folder / "a.fls", .widen_quantum = true});
     ASSERT_TRUE(report.ok());
     EXPECT_EQ(report->height_quantum_m, step) << unit << " " << odd;
     EXPECT_EQ(report->notes.size(), step > 0.1 ? 2u : 1u);
