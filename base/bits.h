@@ -13,14 +13,14 @@
 
 namespace foreland {
 
-// Groups of signed numbers share one width, so small numbers cost little, and the width is told by how it differs from
-// that of the last group of the same kind, which both ends remember:
+// The numbers of a group share one width, so small numbers cost little. The width is coded as the difference from that
+// of the last group of the same kind, which both ends remember:
 //
 //   bit 0              the same width
-//   bits 1 0 and s     one more (s = 0) or one less (s = 1)
-//   bits 1 1 and five  that width, 0 to 31
+//   bits 1 0 and s     one bit more (s = 0) or less (s = 1)
+//   bits 1 1 and five  the width itself, 0 to 31
 //
-// then each number in zigzag (0, -1, 1, -2, ...) of as many bits. Numbers from -2^30 to 2^30 - 1 fit.
+// Then each number follows in zigzag code (0, -1, 1, -2, ...) of that width. Numbers from -2^30 to 2^30 - 1 fit.
 struct GroupWidth {
   int last = 0;
 };
@@ -38,26 +38,26 @@ inline bool fitsGroup(std::span<const int64_t> values) {
   return std::all_of(values.begin(), values.end(), [](int64_t v) { return v >= -kGroupLimit && v < kGroupLimit; });
 }
 
-// How a group is told: in no fewer bits than its numbers need, but in as many as the last one if that is shorter.
+// How a group is coded: with the width that its numbers need, or with the last width where that is shorter in all.
 struct GroupPlan {
-  int width = 0, bits = 0;  // of each number; of all
+  int width = 0, bits = 0;  // of each number; of the whole group
 };
 inline GroupPlan planGroup(std::span<const int64_t> values, GroupWidth width) {
   uint64_t all = 0;
   for (int64_t v : values) all |= toZigzag(v);
   const int needed = std::bit_width(all), count = static_cast<int>(values.size());
   const int change = needed - width.last;
-  const int told = change == 0 ? 1 : change == 1 || change == -1 ? 3 : 2 + kGroupWidthBits;
-  const GroupPlan exact{needed, told + count * needed}, as_before{width.last, 1 + count * width.last};
-  return needed <= width.last && as_before.bits <= exact.bits ? as_before : exact;
+  const int header = change == 0 ? 1 : change == 1 || change == -1 ? 3 : 2 + kGroupWidthBits;
+  const GroupPlan exact{needed, header + count * needed}, unchanged{width.last, 1 + count * width.last};
+  return needed <= width.last && unchanged.bits <= exact.bits ? unchanged : exact;
 }
 
 class BitWriter {
  public:
-  // Appends to `out`, which nobody else does meanwhile.
+  // Appends to `out`; nothing else may append to it before finish().
   explicit BitWriter(Bytes& out) : out_(out) {}
 
-  // The low `width` bits, 0 to 32, of `value`, which has no others.
+  // Writes `width` bits, 0 to 32. `value` must fit them.
   void put(uint64_t value, int width) {
     CHECK_EQ(value >> width, 0u);
     pending_ |= value << pending_bits_;
@@ -66,7 +66,7 @@ class BitWriter {
       pending_ >>= 8;
     }
   }
-  // The values fit (fitsGroup).
+  // The values must fit (fitsGroup).
   void putGroup(std::span<const int64_t> values, GroupWidth& width) {
     const int wanted = planGroup(values, width).width, change = wanted - width.last;
     if (change == 0) {
@@ -95,7 +95,7 @@ class BitReader {
   explicit BitReader(ByteSpan bytes) : bytes_(bytes) {}
 
   bool ok() const { return ok_; }
-  // 0 to 32 bits.
+  // Reads `width` bits, 0 to 32.
   uint64_t get(int width) {
     if (!ok_) return 0;
     for (; pending_bits_ < width; pending_bits_ += 8) {
@@ -113,13 +113,13 @@ class BitReader {
   void getGroup(std::span<int64_t> values, GroupWidth& width) {
     if (get(1) == 1) {
       const bool is_new = get(1) == 1;
-      const int told = static_cast<int>(get(is_new ? kGroupWidthBits : 1));
-      width.last = is_new ? told : told == 1 ? width.last - 1 : width.last + 1;
+      const int code = static_cast<int>(get(is_new ? kGroupWidthBits : 1));
+      width.last = is_new ? code : code == 1 ? width.last - 1 : width.last + 1;
     }
     if (width.last < 0 || width.last > kMaxGroupWidth) ok_ = false;
     for (int64_t& v : values) v = ok_ ? fromZigzag(get(width.last)) : 0;
   }
-  // The bytes after the one that was begun, whose rest must be zero: else `ok()` is false.
+  // The bytes after the last one that bits were read from. Its unread bits must be zero, else `ok()` becomes false.
   ByteSpan finish() {
     if (pending_ != 0) ok_ = false;
     pending_ = 0;

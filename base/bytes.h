@@ -60,7 +60,7 @@ class ByteReader {
     return value;
   }
   ByteSpan getBytes(size_t count) { return take(count) ? bytes_.subspan(at_ - count, count) : ByteSpan{}; }
-  // At most ten bytes; longer or overflowing encodings are refused.
+  // Reads at most ten bytes; a longer or overflowing encoding makes `ok()` false.
   uint64_t getVarint() {
     uint64_t value = 0;
     for (int shift = 0; shift < 64; shift += 7) {

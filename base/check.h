@@ -1,5 +1,5 @@
-// Checks for the caller's mistakes: they print both operands and abort. Never used for input from outside (see
-// result.h). Any thread. CHECK_* always runs; DCHECK_* only in builds without NDEBUG.
+// Checks for programming errors: a failed one prints both operands and aborts. Never for input from outside, which
+// result.h is for. Any thread. CHECK_* always runs; DCHECK_* only in builds without NDEBUG.
 #pragma once
 
 #include <cstdio>

@@ -1,6 +1,6 @@
-// How slow a link is, from the recent past: the slowest time that a message took, but for outages. What was held up for
-// seconds (a sleeping laptop, a tab in the background, a tunnel) says nothing about the messages after it.
-// Pure; any thread; portable to WebAssembly.
+// The usual worst latency of a link, estimated from recent messages: the largest one except for outages. A message that
+// was held up for seconds (a sleeping laptop, a tab in the background, a tunnel) says nothing about the messages after
+// it. Pure; any thread; portable to WebAssembly.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 
 namespace foreland {
 
-// Beyond the fastest of the recent past.
+// A latency larger than the smallest one by more than this counts as an outage.
 inline constexpr Duration kLongestDelay = Duration::seconds(2);
 
-// `latencies` is not empty; they may share an unknown offset. The largest within kLongestDelay of the smallest.
+// The largest of the latencies that are no outages. `latencies` is not empty; all may share an unknown offset.
 template <class Latencies>
 Duration slowestUsual(const Latencies& latencies) {
   const Duration least = *std::min_element(latencies.begin(), latencies.end());

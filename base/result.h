@@ -1,5 +1,5 @@
-// The world's mistakes (file, network, flag) as values: what went wrong, which thing, and the way out. Nothing throws.
-// Value types; any thread.
+// Errors of the outside world (file, network, flag) as values: what went wrong with what, and the remedy. Nothing
+// throws. Value types; any thread.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@
 namespace foreland {
 
 enum class ErrorCode : uint8_t {
-  kInvalidArgument,  // a flag or parameter that cannot be meant
+  kInvalidArgument,  // a flag or parameter that makes no sense
   kNotFound,         // the named thing does not exist
   kIo,               // the system refused: permission, disk full, port in use
-  kMalformed,        // bytes that are not what they claim to be
-  kUnsupported,      // well-formed, but not something this version can do
-  kLimit,            // larger or more than a stated limit
+  kMalformed,        // bytes that do not follow their format
+  kUnsupported,      // well-formed, but beyond what this version can do
+  kLimit,            // above a stated limit
 };
 
-// `message` names the thing and says what to do about it; it is shown to the user as it is.
+// `message` names what is wrong and how to remedy it; users see it unchanged.
 struct Error {
   ErrorCode code = ErrorCode::kInvalidArgument;
   std::string message;
@@ -30,7 +30,7 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}      // NOLINT: implicit by design, as `return value;`
+  Result(T value) : value_(std::move(value)) {}      // NOLINT: implicit, so that `return value;` works
   Result(Error error) : value_(std::move(error)) {}  // NOLINT
   bool ok() const { return value_.index() == 0; }
   explicit operator bool() const { return ok(); }

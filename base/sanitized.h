@@ -1,4 +1,4 @@
-// FORELAND_SANITIZED is 1 under ASan or TSan, else 0: for what must not be replaced there, or would take too long.
+// FORELAND_SANITIZED is 1 in builds with ASan or TSan, else 0: for code they do not allow and tests too slow for them.
 #pragma once
 
 #ifdef __has_feature  // clang

@@ -1,5 +1,5 @@
-// Time as int64 microseconds on some clock that the variable's name tells. Nothing here reads a clock: time is a
-// parameter everywhere but in mains, sockets and tools. Value types.
+// Points in time and durations, as int64 microseconds. The name of a variable says on which clock. Nothing here reads a
+// clock: time is a parameter everywhere but in mains, sockets and tools. Value types.
 #pragma once
 
 #include <compare>

@@ -1,4 +1,4 @@
-// Elevation data as the builder sees it: a raster of heights on a lattice, with the frame that places it. Implemented
+// Elevation data as the builder sees it: a raster of heights on a lattice, and the frame of that lattice. Implemented
 // by terrain/dem (files) and by tests (formulas). One owner; readRows may be called from one thread at a time.
 #pragma once
 
@@ -18,7 +18,7 @@ inline constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
 struct ElevationInfo {
   uint32_t width = 0;              // samples along lattice x
   uint32_t height = 0;             // samples along lattice y
-  proto::Frame frame;              // lattice (0, 0) is the south-west sample; the height step is left to the builder
+  proto::Frame frame;              // lattice (0, 0) is the south-west sample; the builder chooses its height quantum
   std::string title;               // file names, for people
   std::string crs_wkt;             // empty if none
   std::vector<std::string> notes;  // what was assumed about the input, a sentence each

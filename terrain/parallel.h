@@ -1,5 +1,5 @@
-// Runs independent pieces of work on several threads and waits for them. The pieces must write to disjoint places, so
-// the result does not depend on the number of threads. The calling thread works too, and only it calls `between`.
+// Runs independent pieces of work on several threads and waits for them. The pieces must write to disjoint memory, so
+// that the result does not depend on the number of threads. The calling thread works too, and only it calls `between`.
 #pragma once
 
 #include <algorithm>

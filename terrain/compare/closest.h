@@ -1,6 +1,6 @@
-// The exact closest place of a triangle mesh to a point: a box tree over its triangles. Shares no code with the
-// remesher, which it judges. Immutable once made; any thread. Cost: n log n to make, about log n a query near the
-// surface.
+// The exact closest point of a triangle mesh, by a bounding volume hierarchy over its triangles. Shares no code with
+// the remesher, which it judges. Immutable once made; any thread. Cost: O(n log n) to build, about O(log n) per query
+// near the surface.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct PointOnMesh {
   glm::dvec3 weights{1, 0, 0};  // of the face's corners; exactly 0 on the sides opposite to them
 };
 
-// Of one triangle (Ericson, "Real-Time Collision Detection", 5.1.5): weights of its corners.
+// The closest point of one triangle, as weights of its corners (Ericson, "Real-Time Collision Detection", 5.1.5).
 glm::dvec3 closestInTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 class ClosestPoint {
@@ -32,7 +32,8 @@ class ClosestPoint {
 
   const MeshView& mesh() const { return mesh_; }
   PointOnMesh find(const glm::dvec3& p) const;
-  // Among the faces whose normal has a positive share of `direction`; of all, if there is none such.
+  // The closest point among the faces whose normal has a positive dot product with `direction`; of all faces if there
+  // are none.
   PointOnMesh findFacing(const glm::dvec3& p, const glm::dvec3& direction) const;
 
   glm::dvec3 positionOf(const PointOnMesh& at) const;

@@ -1,5 +1,6 @@
-// How far two meshes lie apart, and whether one of them folds: what `foreland remesh` reports of its work, with no code
-// of the remesher's. Any thread; uses threads of its own while it runs; the result does not depend on their number.
+// How far two meshes lie apart, and whether one of them folds. `foreland remesh` reports these of its result; no code
+// is shared with the remesher. Any thread; uses threads of its own while it runs; the result does not depend on their
+// number.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,9 @@ namespace foreland::terrain {
 // corners to one triangle (the distance to a convex set is convex) and by its centre's plus its radius.
 [[nodiscard]] double largestDistance(MeshView from, const ClosestPoint& to, double tolerance, unsigned threads);
 
-// Triangles of `mesh` that face away from the surface at the place closest to their centre, or have no area; ascending.
-// On an edge or at a corner the surface faces as its angle-weighted normal does (Baerentzen and Aanaes, 2005).
+// Triangles of `mesh` that face away from the surface at the point closest to their centroid, or have no area;
+// ascending. On an edge or at a corner the surface faces as its angle-weighted normal does (Baerentzen and Aanaes,
+// 2005).
 [[nodiscard]] std::vector<uint32_t> findFlipped(MeshView mesh, const ClosestPoint& surface, unsigned threads);
 
 }  // namespace foreland::terrain

@@ -22,7 +22,7 @@ constexpr uint32_t kWindowRows = 64;
 // backwards.
 class RasterSource final : public ElevationSource {
  public:
-  RasterSource(Mosaic mosaic, const Placement& placement, ElevationInfo info)
+  RasterSource(Mosaic mosaic, const RasterPlacement& placement, ElevationInfo info)
       : mosaic_(std::move(mosaic)), placement_(placement), info_(std::move(info)) {}
 
   const ElevationInfo& info() const override { return info_; }
@@ -44,7 +44,7 @@ class RasterSource final : public ElevationSource {
   }
 
  private:
-  // Makes the window hold file row `row`.
+  // Loads the window that contains file row `row`.
   Status load(uint32_t row) {
     if (row >= window_first_ && row < window_first_ + window_count_) return {};
     window_first_ = row / kWindowRows * kWindowRows;
@@ -57,7 +57,7 @@ class RasterSource final : public ElevationSource {
     return {};
   }
 
-  // The part of a tile that lies in the window; only where no earlier tile has data.
+  // Copies the part of a tile that lies in the window, but only where no earlier tile has data.
   Status copyTile(Tile& tile, uint32_t window_count) {
     const uint32_t begin = std::max(window_first_, tile.row);
     const uint32_t end = std::min(window_first_ + window_count, tile.row + tile.raster->info().height);
@@ -75,7 +75,7 @@ class RasterSource final : public ElevationSource {
   }
 
   Mosaic mosaic_;
-  Placement placement_;
+  RasterPlacement placement_;
   ElevationInfo info_;
   std::vector<float> window_, tile_rows_;
   uint32_t window_first_ = 0, window_count_ = 0;
@@ -113,7 +113,7 @@ Extent extentOf(const Raster& raster) {
   return {info.name, info.width, info.height, info.survey.lowest, info.survey.highest};
 }
 
-// Every raster of every input, each with its map settled; what the files and their settling had to say goes to `notes`.
+// Every raster of every input with its map resolved. Adds what had to be assumed about each file to `notes`.
 Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& inputs, const OpenOptions& options,
                                     std::vector<std::string>& notes) {
   std::vector<Tile> tiles;
@@ -121,11 +121,11 @@ Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& in
     Result<std::vector<std::unique_ptr<Raster>>> rasters = openFile(input, options);
     if (!rasters.ok()) return rasters.error();
     for (std::unique_ptr<Raster>& raster : *rasters) {
-      std::vector<std::string> said = raster->info().notes;
-      Result<Georeference> map = settleMap(raster->info().georeference, extentOf(*raster), options, said);
+      std::vector<std::string> file_notes = raster->info().notes;
+      Result<Georeference> map = resolveMap(raster->info().georeference, extentOf(*raster), options, file_notes);
       if (!map.ok()) return map.error();
       const std::string file = std::filesystem::path(raster->info().name).filename().string();
-      for (const std::string& note : said) notes.push_back(file + ": " + note);
+      for (const std::string& note : file_notes) notes.push_back(file + ": " + note);
       tiles.push_back({.raster = std::move(raster), .map = std::move(map).value()});
     }
   }
@@ -149,9 +149,9 @@ Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::fi
   ElevationInfo info;
   Result<std::vector<Tile>> tiles = openTiles(inputs, options, info.notes);
   if (!tiles.ok()) return tiles.error();
-  Result<Mosaic> mosaic = layMosaic(std::move(tiles).value());
+  Result<Mosaic> mosaic = makeMosaic(std::move(tiles).value());
   if (!mosaic.ok()) return mosaic.error();
-  const Result<Placement> placement =
+  const Result<RasterPlacement> placement =
       placeRaster(mosaic->map, {titleOf(*mosaic), mosaic->width, mosaic->height, 0, 0}, options);
   if (!placement.ok()) return placement.error();
   info.width = mosaic->width;

@@ -1,5 +1,6 @@
-// Geodesy through GeographicLib: the reference that proto/frame's closed forms are tested against, and the few lengths
-// that building a scene needs. The only folder that includes GeographicLib. Pure functions; any thread; nothing throws.
+// Geodesy through GeographicLib: the reference that the closed forms of proto/space/frame.h are tested against, and the
+// few lengths that building a scene needs. The only folder that includes GeographicLib. Pure functions; any thread;
+// nothing throws.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,9 @@ struct Ellipsoid {
   double flattening = 1 / 298.257223563;
 };
 
-// Scene position of a place, and back, in a geographic frame; GeographicLib's LocalCartesian. Longitude in (-pi, pi].
+// Scene position of a geodetic position in a geographic frame, and back, by GeographicLib's LocalCartesian. Longitude
+// in
+// (-pi, pi].
 glm::dvec3 referenceToScene(const proto::Frame& frame, const proto::Geodetic& place);
 proto::Geodetic referenceToGeodetic(const proto::Frame& frame, const glm::dvec3& scene_m);
 

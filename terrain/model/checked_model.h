@@ -1,4 +1,5 @@
-// Builds a Model piece by piece and refuses what a Model may not hold, naming the vertex or face. One owner.
+// Builds a Model piece by piece. Whatever would break the invariants of a Model is an error that names the vertex or
+// face. One owner.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
-// A polygon model as its file has it: faces of any number of corners, colours and texture coordinates beside them. What
-// can be trusted after reading: every index is in range, every coordinate finite and within kMaxCoordinate, every face
-// has at least three corners. Whether it is a surface (manifold, no face without area) is terrain/remesh's to say.
-// Plain data; any thread may read it.
+// A polygon model as in its file: faces of any number of corners, with colours and texture coordinates. Readers
+// guarantee that every index is in range, every coordinate finite and within kMaxCoordinate, and every face has at
+// least three corners. Whether the model is a surface (manifold, no face without area) is checked by
+// terrain/remesh/original. Plain data; any thread may read it.
 #pragma once
 
 #include <array>

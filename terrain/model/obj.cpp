@@ -11,7 +11,7 @@ namespace {
 
 uint8_t toByte(double share) { return static_cast<uint8_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255)); }
 
-// The file that a `map_Kd` line names: its last word or words, behind options that begin with '-' and have numbers.
+// The file that a `map_Kd` line names: the rest of the line after options, which begin with '-' and have numbers.
 std::string textureName(Words words) {
   std::string_view rest = words.rest();
   while (!words.atEnd()) {
@@ -115,8 +115,8 @@ class ObjParser {
     if (resolved < 0 || resolved >= static_cast<int64_t>(kNoIndex)) return std::nullopt;
     return static_cast<uint32_t>(resolved);
   }
-  // "vertex", "vertex/texture", "vertex//normal" or "vertex/texture/normal". Later vertices may be named before they
-  // come, so whether they exist is asked at the end.
+  // "vertex", "vertex/texture", "vertex//normal" or "vertex/texture/normal". A face may name vertices that follow
+  // it, so whether they exist is checked at the end.
   Status parseFace(Words words) {
     while (!words.atEnd()) {
       const std::string_view word = words.next();

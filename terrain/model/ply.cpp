@@ -119,7 +119,7 @@ class PlyParser {
   }
 
  private:
-  // What the header promises must fit into the bytes that are there.
+  // The elements that the header announces must fit into the remaining bytes.
   Status checkCount(const PlyElement& element) const {
     uint64_t least = 0;
     for (const PlyProperty& property : element.properties)
@@ -206,7 +206,7 @@ class PlyParser {
     for (uint64_t i = 0; i < *count && numbers_.ok(); ++i) numbers_.next(property.type);
     return {};
   }
-  // A face, or an element that means nothing to us.
+  // A face, or an element of a kind that is skipped.
   Status parseLists(const PlyElement& element, bool is_face) {
     bool found = false;
     for (const PlyProperty& property : element.properties) {

@@ -1,6 +1,6 @@
 // Reads a polygon model: Wavefront OBJ (polygons, texture coordinates, mtllib and map_Kd, colours behind the vertices)
 // or PLY (ascii and both binary orders, colours, texture coordinates by vertex, "comment TextureFile"). Any bytes end
-// in a Model or an Error that names the file, its line or element, and the way out; every count is bounded by the bytes
+// in a Model or an Error that names the file, its line or element, and the remedy; every count is bounded by the bytes
 // that are there before it is believed. Textures are only named, not read. Pure but for the files; any thread. Cost:
 // linear in the file, which is held in memory meanwhile.
 #pragma once
@@ -18,8 +18,8 @@ namespace foreland::terrain {
 // By the name's suffix, .obj or .ply.
 [[nodiscard]] Result<Model> readModel(const std::filesystem::path& path);
 
-// The same from memory; `name` stands in messages. A material library that cannot be had gives no materials and no
-// error: the shape does not depend on it. `library` gives the text of the file that `mtllib` names.
+// The same from memory; messages use `name`. `library` returns the text of the file that `mtllib` names. A material
+// library that cannot be read is no error but leaves the model without materials: its shape does not depend on them.
 using LibraryReader = std::function<Result<Bytes>(const std::string& name)>;
 [[nodiscard]] Result<Model> parseObj(std::string_view text, const std::string& name, const LibraryReader& library);
 [[nodiscard]] Result<Model> parsePly(ByteSpan bytes, const std::string& name);

@@ -59,7 +59,7 @@ class Words {
   std::string_view rest_;
 };
 
-// The whole word as a number, or nothing. Real numbers may turn out infinite or NaN.
+// The whole word as a number; empty if it is none. Real numbers may be infinite or NaN.
 template <class T>
 std::optional<T> parseNumber(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);

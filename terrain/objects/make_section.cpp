@@ -17,7 +17,7 @@ Error refused(const ObjectRequest& request, const std::string& what) {
   return {ErrorCode::kInvalidArgument, "object " + request.model.string() + ": " + what};
 }
 
-// Where on the lattice the place lies that a request names.
+// The lattice position of the coordinates in a request.
 glm::dvec2 latticePlace(const proto::Frame& frame, const glm::dvec2& at) {
   if (frame.kind == proto::FrameKind::kGeographic)
     return {(at.y * kRadians - frame.longitude0_rad) / frame.longitude_step_rad,

@@ -32,13 +32,13 @@ struct ObjectRequest {
 [[nodiscard]] Result<ObjectRequest> parseObject(const std::string& text);
 
 // The section's bytes, empty without requests. `groundAt` tells the ground's height above the zero surface (m) at a
-// lattice place, and nothing beyond the data. Errors name the object and the way out.
+// lattice position, and is empty outside the data. Errors name the object and the remedy.
 [[nodiscard]] Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
                                               const std::function<std::optional<double>(double x, double y)>& groundAt);
 
 // Whether sessions can stream a surface: its bounds are spheroids, its image is laid out as AtlasLayout::of does.
 [[nodiscard]] Status checkModel(const MappedSurface& surface);
-// What is known of a surface before any node.
+// What a session is told of a surface before any of its nodes.
 [[nodiscard]] proto::ObjectModel modelOf(const MappedSurface& surface);
 
 struct PlacedObjects {
@@ -46,7 +46,7 @@ struct PlacedObjects {
   proto::ObjectSet set;
 };
 
-// Of a scene, which they keep open. An Error if the section is damaged.
+// The objects of a scene; they keep it open. Error if the section is damaged.
 [[nodiscard]] Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene);
 
 struct ObjectsReport {
@@ -54,8 +54,8 @@ struct ObjectsReport {
   std::vector<VerifyReport> models;  // in the scene's order
 };
 
-// Reads them and checks each model as verifySurface does. An Error as of readObjects, or if the scene cannot be opened;
-// it names the file. Uses threads of its own while it runs.
+// Reads the objects of a scene file and checks each model with verifySurface. Error, naming the file, if the scene
+// cannot be opened or its objects cannot be read. Uses threads of its own while it runs.
 [[nodiscard]] Result<ObjectsReport> verifyObjects(const std::filesystem::path& path, unsigned threads = 0);
 
 }  // namespace foreland::terrain

@@ -6,7 +6,7 @@
 
 namespace foreland::terrain {
 
-// Then `objects` placements, then `models` places, then the surface files at those places.
+// Followed by `objects` StoredPlacement, `models` StoredModel, and the surface files at the offsets that these state.
 struct ObjectSectionStart {
   uint32_t models = 0, objects = 0;
 };

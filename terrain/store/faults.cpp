@@ -36,7 +36,7 @@ void checkBlocks(ByteSpan file, const SectionPlace& checksums, unsigned threads,
       [&](uint64_t i, unsigned) {
         const ByteSpan block = blockAt(file, checksums, i);
         const bool intact = xxh64(block) == expected[i];
-        // Blocks begin at pages. A scene may be larger than memory: what has been read need not stay.
+        // Blocks begin at pages. A scene may be larger than memory, so blocks that have been read are released.
         ::madvise(const_cast<uint8_t*>(block.data()), block.size(), MADV_DONTNEED);
         if (!intact)
           faults.add(i, "block " + std::to_string(i) + " (at byte " + std::to_string(kPageBytes + i * kBlockBytes) +

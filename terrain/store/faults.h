@@ -1,4 +1,4 @@
-// What a check of a file finds. add() may be called by several threads at once.
+// The faults that a check of a file finds. add() may be called by several threads at once.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class Faults {
   std::vector<std::pair<uint64_t, std::string>> first_;
 };
 
-// Every block against its checksum. Uses threads of its own while it runs.
+// Compares every block with its checksum. Uses threads of its own while it runs.
 void checkBlocks(ByteSpan file, const SectionPlace& checksums, unsigned threads, Faults& faults);
 
 }  // namespace foreland::terrain

@@ -21,7 +21,7 @@ inline constexpr uint32_t kFormatVersion = 3;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
 
-// The first page of the file, as it lies there; the rest of the page is zero.
+// The start of the file's first page; the rest of the page is zero.
 struct FileHeader {
   std::array<char, 8> magic = kSceneMagic;
   uint32_t version = kFormatVersion;
@@ -45,7 +45,7 @@ static_assert(sizeof(FileHeader) == 328 && std::is_trivially_copyable_v<FileHead
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
-// Where everything goes for a grid of this shape with so much text and objects.
+// Where the sections of a file lie, given the grid and the sizes of the text and of the objects.
 struct FileLayout {
   std::array<SectionPlace, kSectionCount> sections;
   uint64_t file_bytes = 0;

@@ -16,7 +16,7 @@
 
 namespace foreland::terrain {
 
-// A section of a file that lies in memory, from the begin of a page on.
+// A section of a mapped file as records. Sections begin at pages, so records are aligned.
 template <class T>
 std::span<const T> sectionOf(ByteSpan file, const SectionPlace& place) {
   return {reinterpret_cast<const T*>(file.data() + place.offset), place.bytes / sizeof(T)};
@@ -50,8 +50,8 @@ struct HeaderStart {
 };
 static_assert(sizeof(HeaderStart) == 40);
 
-// Whether the file may be what `wanted` says (magic and version), its header whole and its size as the header has it.
-// `checksum` is what the header's should be. Errors name the path and the way out.
+// Checks that the file has the magic and version of `wanted`, an undamaged header (`checksum` is what its checksum must
+// be) and the size that the header states. Errors name the path and the remedy.
 Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, size_t header_bytes,
                   uint64_t checksum);
 
@@ -67,7 +67,7 @@ Result<Header> readHeader(ByteSpan file, const std::filesystem::path& path) {
   return header;
 }
 
-// The whole of a file, as `T::of` opens its bytes (their owner is the mapping).
+// Maps a whole file and opens its bytes with `T::of`, which keeps the mapping alive.
 template <class T>
 Result<std::shared_ptr<const T>> openMapped(const std::filesystem::path& path) {
   auto file = MappedFile::open(path);

@@ -27,7 +27,7 @@ MappedScene::MappedScene(ByteSpan bytes, std::shared_ptr<const void> owner, cons
                          proto::GridTopology grid)
     : Scene(std::move(grid), getFrame(header)), bytes_(bytes), owner_(std::move(owner)), header_(header) {}
 
-// Checks what the header says against what it must say, then points the spans into the file.
+// Checks the header against the sizes that follow from its grid, then points the spans into the file.
 Status MappedScene::adopt() {
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
   const uint64_t text_bytes = header_.sections[kText].bytes;

@@ -17,7 +17,8 @@ namespace foreland::terrain {
 class MappedScene final : public Scene {
  public:
   static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path);
-  // The same of a file's bytes, which `owner` keeps; they begin at a page. Errors call it `name`.
+  // The same for the bytes of a file in memory, kept alive by `owner` and aligned to a page. Errors call the file
+  // `name`.
   static Result<std::shared_ptr<const MappedScene>> of(ByteSpan bytes, const std::string& name,
                                                        std::shared_ptr<const void> owner);
   const FileHeader& header() const { return header_; }

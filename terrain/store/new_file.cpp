@@ -85,7 +85,7 @@ Status NewFile::openTemporary() {
 }
 
 Status NewFile::reserve() {
-  // A file size limit would send a signal instead of an error.
+  // Writing beyond a file size limit would raise a signal instead of returning an error.
   rlimit limit{};
   if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && bytes_ > limit.rlim_cur) {
     errno = EFBIG;
@@ -122,7 +122,7 @@ Status NewFile::finish() {
   return name();
 }
 
-// An unnamed file can be linked only where nothing is, so it passes through the hidden name for an instant.
+// linkat() cannot replace a file, so an unnamed file is linked to the hidden name first and then renamed.
 Status NewFile::name() {
   if (temporary_.empty()) {
     const auto hidden = hiddenName(target_);

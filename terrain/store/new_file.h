@@ -1,6 +1,6 @@
-// A file that comes to be whole or not at all: it has no name until it is complete and on the disk (O_TMPFILE; where
-// the file system has no unnamed files, a hidden temporary name that is removed on failure), then it replaces the
-// target in one rename. Space is reserved before anything is written, so a full disk is an Error and never a signal.
+// A file that appears whole or not at all: it has no name until it is complete and on the disk (O_TMPFILE; on file
+// systems without unnamed files, a hidden temporary name that is removed on failure), then it replaces the target in
+// one rename. Space is reserved before anything is written, so a full disk is an Error and never a signal.
 //
 // One owner; put() may be called by several threads at once.
 #pragma once
@@ -27,12 +27,12 @@ class NewFile {
   uint64_t bytes() const { return bytes_; }
   ByteSpan span() const { return {data_, bytes_}; }
 
-  // Writes at `offset`; data() shows it. Written rather than stored through the mapping: a third of the cost.
+  // Writes at `offset`; data() shows the result. A write call costs a third of stores through the mapping.
   Status put(uint64_t offset, ByteSpan what) const;
   // Lets pages of data() leave this process's memory; their content stays in the file.
   void release(ByteSpan what) const;
 
-  // To the disk, then the name. Call once, when everything is filled.
+  // Flushes the file to the disk and gives it its name. Call once, when everything is filled.
   Status finish();
 
  private:

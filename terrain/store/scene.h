@@ -41,7 +41,7 @@ class Scene {
   const proto::GridTopology& grid() const { return grid_; }
   const proto::Frame& frame() const { return frame_; }
   const proto::SphereLevels& spheres() const { return spheres_; }
-  // Names this very content; two builds of the same input share it. Clients resume by it.
+  // Identifies the content: two builds of the same input have the same id. Clients resume by it.
   uint64_t id() const { return id_; }
   HeightRange heightRange() const { return heights_; }  // over the data
   const SceneOrigin& origin() const { return origin_; }
@@ -53,10 +53,10 @@ class Scene {
   std::span<const int32_t> cornerHeights() const { return corners_; }
   std::span<const int32_t> centreHeights() const { return centres_; }
 
-  // What terrain/objects reads; empty if there are no objects.
+  // The section that terrain/objects reads; empty if there are no objects.
   ByteSpan objectSection() const { return objects_; }
 
-  // Height of any lattice point, node or base vertex, in steps.
+  // Height of any lattice point, node or base vertex, in quanta.
   int32_t height(proto::NodeId v) const;
 
  protected:

@@ -16,7 +16,7 @@ namespace foreland::terrain {
 
 class SceneWriter {
  public:
-  // What stands in the header; shape and frame are validated.
+  // The content of the header. Shape and frame must be valid.
   struct About {
     proto::GridShape shape;
     proto::Frame frame;
@@ -31,12 +31,13 @@ class SceneWriter {
   std::span<int32_t> centres();
   uint64_t fileBytes() const { return layout_.file_bytes; }
 
-  // Writes records from slot `first`; nodes() shows them.
+  // Writes records from slot `first` on; nodes() shows them.
   Status put(proto::Slot first, std::span<const NodeRecord> records) const;
   // Lets the pages of nodes() leave this process's memory; their content stays in the file.
   void release(std::span<const NodeRecord> nodes) const;
 
-  // Checksums, header, disk, name. Returns the scene's id. Call once, when everything is filled.
+  // Writes checksums and header, flushes to the disk and names the file. Returns the scene's id. Call once, when
+  // everything is filled.
   Result<uint64_t> finish();
 
  private:

@@ -1,4 +1,4 @@
-// The last step of writing: the checksums of the blocks, the id, the header, and the file gets its name.
+// The last step of writing a file: checksums of its blocks, its id and header, and its name.
 #pragma once
 
 #include <cstring>
@@ -9,10 +9,10 @@
 
 namespace foreland::terrain {
 
-// Fills the checksum table; what has been summed may leave memory.
+// Fills the checksum table and releases the blocks from memory.
 void sumBlocks(const NewFile& file, const SectionPlace& checksums);
 
-// `header` is complete but for its id and checksum. Returns the id.
+// `header` must be complete except for its id and checksum. Returns the id.
 template <class Header>
 Result<uint64_t> sealFile(NewFile& file, const SectionPlace& checksums, Header header) {
   sumBlocks(file, checksums);

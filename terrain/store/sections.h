@@ -30,8 +30,8 @@ inline uint64_t blockCount(const SectionPlace& checksums) {
 }
 ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index);
 
-// Puts sections of the given sizes one behind the other; the last place is the checksum table's. Returns the file's
-// size.
+// Lays out sections of the given sizes one after the other, and the checksum table after them as the last of `places`.
+// Returns the size of the file.
 uint64_t placeSections(std::span<const uint64_t> bytes, std::span<SectionPlace> places);
 
 // XXH64 of the header page: the header, then zeros.
@@ -45,7 +45,7 @@ uint64_t headerChecksum(Header header) {
 }
 
 uint64_t contentId(uint64_t page_hash, ByteSpan checksum_table);
-// The id of the content: of the header without its id and checksum, and of the table.
+// The id of a file's content: a hash of the header without its id and checksum, and of the checksum table.
 template <class Header>
 uint64_t contentId(Header header, ByteSpan checksum_table) {
   header.scene_id = 0;

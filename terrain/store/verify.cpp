@@ -75,7 +75,7 @@ class NodeCheck {
       faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners");
   }
   bool holdsItself(NodeId n) const { return n.x() < grid_.shape().samples_x && n.y() < grid_.shape().samples_y; }
-  // Distance from the middle of its edge; planar frames measure it along the vertical, where it is exact.
+  // Distance of a node from the middle of its edge; in planar frames along the vertical, where it is exact.
   double displacement(NodeId n) const {
     const auto ends = grid_.endpoints(n);
     const int32_t a = scene_.height(ends[0]), b = scene_.height(ends[1]), own = scene_.node(n).height();

@@ -22,10 +22,11 @@ struct VerifyReport {
   bool sound() const { return faults == 0; }
 };
 
-// Error: it could not be opened as a scene. Otherwise the report says what was checked and what was found.
+// Error if the file could not be opened as a scene. Otherwise the report says what was checked and which faults were
+// found.
 [[nodiscard]] Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned threads = 0);
 
-// The checksums alone, at the speed of the disk: what a server does before it shows a scene to anyone.
+// Checks the checksums alone, at the speed of the disk: a server does so before it serves a scene.
 [[nodiscard]] Status verifyChecksums(const std::filesystem::path& path, unsigned threads = 0);
 
 }  // namespace foreland::terrain

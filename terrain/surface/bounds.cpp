@@ -18,7 +18,7 @@ using proto::NodeId;
 using proto::Slot;
 using proto::SurfaceRecord;
 
-// Sums of displacements, by direction about an axis: what may be missing if each of them may be there or not.
+// Bound of the sum of any subset of displacements, by direction about an axis.
 struct AnyOf {
   double outward = 0, inward = 0, across = 0;
 
@@ -31,7 +31,7 @@ struct AnyOf {
   Extent extent(const glm::dvec3&) const { return {std::max(outward, inward), across}; }
 };
 
-// The sum itself: if all of them are missing.
+// The sum of all displacements.
 struct AllOf {
   glm::dvec3 sum{0};
 
@@ -100,7 +100,7 @@ class BoundsPass {
     else
       gather<AllOf>(n, all);
     all.cone_rad = std::acos(std::clamp(all.least_cosine, -1.0, 1.0)) + kPad_rad;
-    for (NodeId child : mesh_.children(n)) holdSphereAndCone(records_[mesh_.slot(child)], all);
+    for (NodeId child : mesh_.children(n)) includeSphereAndCone(records_[mesh_.slot(child)], all);
     const Extent error = errorShape(n, all);
     record.radius = proto::CompactBound::roundUp(all.radius + pad_m_);
     record.cone_sine = proto::CompactShare::roundUp(all.cone_rad < kRightAngle_rad ? std::sin(all.cone_rad) : 1);
@@ -130,7 +130,7 @@ class BoundsPass {
     SupportWalk<Missing, decltype(coefficient), decltype(visit)>(mesh_, coefficient, visit).run(n);
   }
 
-  void holdSphereAndCone(const SurfaceRecord& child, Gathered& all) const {
+  void includeSphereAndCone(const SurfaceRecord& child, Gathered& all) const {
     const glm::dvec3 aside = glm::dvec3(child.position) * surface_.step_m - all.position,
                      normal = child.normal.unpack();
     const double distance = glm::length(aside), radius = child.radius.metres();
@@ -149,7 +149,8 @@ class BoundsPass {
     all.bulge = std::max(all.bulge, tilted + child.bulge.value() * radius);
   }
 
-  // About the gathered errors and the children's shapes: first about points of their outlines, then about all of them.
+  // Fitted to the gathered errors and to points on the outlines of the children's shapes, then grown to contain these
+  // wholly.
   Extent errorShape(NodeId n, Gathered& all) const {
     const auto children = mesh_.children(n);
     const auto shapeOf = [&](NodeId child) -> Extent {

@@ -5,16 +5,16 @@
 //            any error of their vertex in V(n), and its children's spheres
 //   cone     about the node's normal, holds the normals of all full-resolution triangles at V(n), and its children's cones
 //   bulge    the planes of those triangles pass no farther from the node, and so do all planes that a child allows: with a
-//            sphere's worth of room for each triangle (S 3.3.2), a support seems to turn away later than it does
+//            whole sphere of margin for each triangle (S 3.3.2), a support would seem to turn away later than it does
 //   error    about the node's normal, holds the *parametric* error (drawn position minus true position, at the same
 //            parameter) of every vertex of V(n) in every section that has neither this node nor a coarser one whose hat
 //            reaches the vertex, and its children's shapes
 //
 // A section without the node need not be the coarser level everywhere around it: by quadrisection its neighbours may be
 // there. S equation 2 takes the whole finer surface away, which says less. What is missing at a vertex is the sum of
-// the missing nodes' displacements times their hats; any of the finer ones may be missing, so what is held is the sum
-// of those that point outward, that of those that point inward, and that of the parts across. Where all point the same
-// way, as on the sphere, this is equation 2. By bisection the triangle that is drawn instead has true corners, and
+// the missing nodes' displacements times their hats; any of the finer ones may be missing, so the shape contains the
+// sum of those that point outward, that of those that point inward, and that of the parts across. Where all point the
+// same way, as on the sphere, this is equation 2. By bisection the triangle that is drawn instead has true corners, and
 // equation 2 is exact.
 //
 // So every vertex's error is held by the shape of some missing node whose support holds the vertex. A point of a
@@ -39,7 +39,7 @@ struct SurfaceBoundsJob {
   ErrorShape shape = ErrorShape::kSpheroid;
   ErrorFit fit = ErrorFit::kSmallest;
   unsigned threads = 0;  // 0: one per processor; the result does not depend on it
-  // On the calling thread, with the fraction done; false stops the work.
+  // Called on the calling thread with the fraction done. False stops the work.
   std::function<bool(double)> onProgress = [](double) { return true; };
 };
 

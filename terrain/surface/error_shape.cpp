@@ -43,7 +43,7 @@ Extent grownTo(ErrorShape kind, const Extent& shape, std::span<const Extent> err
   return growth == 0 ? Extent{} : Extent{shape.along * growth, shape.across * growth};
 }
 
-// Keeps those that no other exceeds both ways: from the longest to the widest.
+// Keeps only the errors that no other exceeds in both components, from the longest to the widest.
 void thin(std::vector<Extent>& errors) {
   std::sort(errors.begin(), errors.end(), [](const Extent& a, const Extent& b) {
     return a.along != b.along ? a.along > b.along : a.across > b.across;
@@ -80,8 +80,8 @@ Extent boundingShapeByLargest(ErrorShape kind, std::span<const Extent> errors) {
   return grownTo(kind, shape, errors);
 }
 
-// By thirds over the logarithm of the axes' ratio: for each error the spheroid's mean square radius is convex in it, so
-// the largest of them is.
+// Ternary search over the logarithm of the ratio of the axes. The mean square radius that an error demands is convex in
+// it, so the maximum over all errors is convex too.
 Extent boundingShape(ErrorShape kind, std::vector<Extent>& errors) {
   thin(errors);
   const auto shapeAt = [&](double log_ratio) { return grownTo(kind, {1, std::exp(-log_ratio)}, errors); };

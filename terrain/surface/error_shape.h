@@ -1,5 +1,5 @@
-// Fitting error shapes (proto/section/surface_bounds.h) to errors. An error vector counts by its parts along and across
-// the normal. Pure; any thread.
+// Fits error shapes (proto/section/surface_bounds.h) to errors. Of an error vector only the components along and across
+// the normal matter. Pure; any thread.
 #pragma once
 
 #include <span>
@@ -29,7 +29,7 @@ Extent boundingShapeByLargest(ErrorShape kind, std::span<const Extent> errors);
 // Root of the mean square, over all directions, of the radius that a shape shows to the eye.
 double meanRadius(ErrorShape kind, const Extent& shape);
 
-// Points on the outline of `other`, whose normal is at an angle, by their parts along and across this normal.
+// Adds points on the outline of `other`, whose normal is at an angle, by their components along and across this normal.
 void addOutline(ErrorShape kind, const Extent& other, double cosine, double sine, std::vector<Extent>& points);
 
 // The factor by which `shape` about `normal` must grow until it holds `other` about `other_normal`. Unit normals. At

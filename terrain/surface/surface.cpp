@@ -8,7 +8,7 @@ namespace foreland::terrain {
 
 namespace {
 
-// Steps of a surface under construction; remembers the first vertex that does not fit.
+// Quantises the positions of a surface under construction; remembers the first vertex that does not fit.
 class Quantiser {
  public:
   explicit Quantiser(double step_m) : step_m_(step_m) {}

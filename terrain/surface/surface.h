@@ -1,6 +1,6 @@
-// A surface of any topology: a base mesh, how it is refined, and where every vertex truly is. Positions are whole steps
-// in the object's own frame, so that both ends compute the same ones and bounds are exact for what is drawn. Plain
-// data; any thread.
+// A surface of any topology: a base mesh, its rule of refinement, and the true position of every vertex. Positions are
+// whole quanta in the object's own frame, so that both ends compute the same ones and bounds are exact for what is
+// drawn. Plain data; any thread.
 #pragma once
 
 #include <functional>
@@ -26,11 +26,12 @@ struct TrueSurface {
   glm::dvec3 position(proto::NodeId v) const { return glm::dvec3(steps(v)) * step_m; }
 };
 
-// True positions: (vertex, the middle of its endpoints' true positions; for a face's centre, of its corners) -> metres.
+// The true position of a vertex in metres, given the middle of its endpoints' true positions (for a face's centre, of
+// the face's corners).
 using TruePosition = std::function<glm::dvec3(proto::NodeId, const glm::dvec3& middle)>;
 
-// Asks for every vertex but those of the base mesh, whose positions are given, coarse levels first. An Error names the
-// first vertex that is not finite or beyond kMaxSteps steps.
+// Calls `truePosition` for every vertex, coarse levels first, except those of the base mesh, whose positions are
+// `corners`. Error, naming the first such vertex, for a position that is not finite or beyond kMaxSteps quanta.
 Result<TrueSurface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
                                 const TruePosition& truePosition);
 

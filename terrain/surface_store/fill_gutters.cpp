@@ -20,7 +20,7 @@ class Sewing {
   Sewing(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std::span<Texel> texels)
       : atlas_(atlas), mesh_(mesh), texels_(texels), side_(static_cast<int32_t>(atlas.side)) {}
 
-  // At a vertex, what one of its faces has.
+  // Gives all texels at a vertex the colour that one of its faces has there.
   void shareEdge(HalfEdge h) {
     if (!mesh_.isFirst(h))
       for (int32_t step = 1; step < side_; ++step) onSide(h, step) = onSide(mesh_.twin(h), side_ - step);
@@ -43,15 +43,15 @@ class Sewing {
     const glm::ivec2 p = atlas_.pixel(face, i, j);
     return texels_[static_cast<uint64_t>(p.y) * atlas_.width() + static_cast<uint64_t>(p.x)];
   }
-  // Texel number `step` of the half-edge's side of its face.
+  // Texel number `step` along a half-edge, in its own face.
   Texel& onSide(HalfEdge h, int32_t step) {
     const int32_t back = side_ - step;
     if (h % 3 == 0) return texel(h / 3, step, 0);
     return h % 3 == 1 ? texel(h / 3, back, step) : texel(h / 3, 0, back);
   }
 
-  // What makes the square of four texels across the slanting side linear: bilinear filtering then sees along the side
-  // what it sees along the other sides.
+  // Along the hypotenuse, the fourth texel of a square extends the other three linearly: bilinear filtering then
+  // interpolates along it as it does along the other two sides.
   Texel continued(uint32_t face, int32_t i, int32_t j) {
     const Texel left = texel(face, i - 1, j), above = texel(face, i, j - 1), both = texel(face, i - 1, j - 1);
     Texel result = 0;
@@ -63,8 +63,8 @@ class Sewing {
     return result;
   }
 
-  // The texel at these weights where neighbouring faces are unfolded into the face's plane, each as the parallelogram
-  // over their edge. Beyond a border, and where unfolding leads too far, the nearest weights of the last face.
+  // The texel at barycentric weights outside the face: neighbouring faces are unfolded into its plane, each as the
+  // parallelogram over their edge. Beyond a border, or after too many faces, the weights are clamped to the last face.
   Texel unfolded(uint32_t face, int32_t i, int32_t j) {
     std::array<int32_t, 3> weights{side_ - i - j, i, j};
     for (int crossed = 0; crossed < kMostEdgesCrossed; ++crossed) {

@@ -1,6 +1,6 @@
-// What makes one image of a surface's base faces: both faces of a base edge hold the same texels along it, and beyond
-// each face's triangle lies what the surface goes on with, so that a filter that reaches over an edge finds the right
-// colours there (docs/SCENE_FORMAT.md has the rules).
+// Makes one seamless image of the texels of a surface's base faces: both faces of a base edge get the same texels along
+// it, and the gutter around each face's triangle gets the colours of the neighbouring faces, so that a filter that
+// reaches over an edge finds the right colours there (docs/SCENE_FORMAT.md has the rules).
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace foreland::terrain {
 
-// Takes the texels of the faces' triangles as given, makes those on base edges agree, and fills every pixel around
-// them; pixels of no face become 0. Doing it again changes nothing. The result does not depend on the number of
-// threads.
+// Keeps the texels inside the faces' triangles, makes those on base edges agree, and fills the gutters; pixels of no
+// face become 0. Idempotent. The result does not depend on the number of threads.
 void fillGutters(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, std::span<Texel> texels,
                  unsigned threads);
 
-// What is wrong with an image that fillGutters would change; nothing if it would not. Takes a copy while it runs.
+// Describes the first fault of an image that fillGutters would change; empty if it would not. Copies the image
+// meanwhile.
 [[nodiscard]] std::optional<std::string> findSeam(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh,
                                                   std::span<const Texel> texels, unsigned threads);
 

@@ -16,7 +16,7 @@ constexpr uint32_t kMostFaces = proto::BaseMesh::kMaxFaces;
 
 Status malformed(const char* what) { return Error{ErrorCode::kMalformed, what}; }
 
-// What can be said of the header alone; bounds all that sizes are computed from.
+// Checks what depends on the header alone, and bounds every number that sizes are computed from.
 Status checkNumbers(const SurfaceHeader& h) {
   if (h.rule > static_cast<uint32_t>(proto::MeshRule::kBisection))
     return malformed("its rule of refinement is unknown");
@@ -36,7 +36,7 @@ Status checkNumbers(const SurfaceHeader& h) {
   return {};
 }
 
-// The sections must lie where the header's numbers put them.
+// Checks that the sections lie where the header's numbers put them.
 Status checkPlaces(const SurfaceHeader& header) {
   const uint64_t text_bytes = header.sections[kSurfaceText].bytes;
   if (text_bytes > kMaxTextBytes) return malformed("its text is too long");

@@ -21,19 +21,21 @@ namespace foreland::terrain {
 class MappedSurface {
  public:
   static Result<std::shared_ptr<const MappedSurface>> open(const std::filesystem::path& path);
-  // The same of a file's bytes, which `owner` keeps; they begin at a page. Errors call it `name`.
+  // The same for the bytes of a file in memory, kept alive by `owner` and aligned to a page. Errors call the file
+  // `name`.
   static Result<std::shared_ptr<const MappedSurface>> of(ByteSpan bytes, const std::string& name,
                                                          std::shared_ptr<const void> owner);
 
   const proto::MeshTopology& topology() const { return topology_; }
   const SurfaceHeader& header() const { return header_; }
   ByteSpan file() const { return bytes_; }
-  uint64_t id() const { return header_.scene_id; }  // names this very content
+  uint64_t id() const { return header_.scene_id; }  // identifies the content
   const SceneOrigin& about() const { return about_; }
 
   double step_m() const { return header_.step_m; }
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
-  // Steps; by base vertex (centres of faces behind them, by bisection), and by slot. Padding holds zeros.
+  // Positions in quanta, by base vertex (under bisection, centres of faces after them), and nodes by slot with zeros as
+  // padding.
   std::span<const glm::ivec3> basePositions() const { return section<glm::ivec3>(kSurfaceVertices); }
   std::span<const proto::SurfaceRecord> nodes() const { return section<proto::SurfaceRecord>(kSurfaceNodes); }
   const glm::ivec3& steps(proto::NodeId v) const {
@@ -59,13 +61,13 @@ class MappedSurface {
   SceneOrigin about_;
 };
 
-// Whether the file begins as a surface's does. False if it cannot be read.
+// Whether the file begins like a surface file. False if it cannot be read.
 [[nodiscard]] bool isSurfaceFile(const std::filesystem::path& path);
 
-// Checks every block's checksum and the invariants of the nodes and of the image, reading the whole file once. Error:
-// it could not be opened as a surface. Uses threads of its own while it runs.
+// Checks every block's checksum and the invariants of the nodes and of the image, reading the whole file once. Error if
+// the file could not be opened as a surface. Uses threads of its own while it runs.
 [[nodiscard]] Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads = 0);
-// The same of one that is open, wherever its bytes lie.
+// The same for a surface that is open already.
 [[nodiscard]] VerifyReport verifySurface(const MappedSurface& surface, unsigned threads = 0);
 
 }  // namespace foreland::terrain

@@ -51,7 +51,8 @@ static_assert(offsetof(SurfaceHeader, step_m) == 72 && offsetof(SurfaceHeader, s
 // Base vertices with a position: those of the base mesh and, by bisection, the faces' centres.
 uint64_t storedVertices(const SurfaceHeader& header);
 
-// Where everything goes, and how many bytes the file has, for the numbers in the header and so much text.
+// Writes the sections' positions and the size of the file into the header, from its other numbers and the size of the
+// text.
 uint64_t placeSurface(SurfaceHeader& header, uint64_t text_bytes);
 
 }  // namespace foreland::terrain

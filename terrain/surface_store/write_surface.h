@@ -12,13 +12,13 @@
 
 namespace foreland::terrain {
 
-// What goes into the file; the caller keeps it alive.
+// The content of a file; the caller keeps it alive.
 struct SurfaceContent {
   const TrueSurface& surface;
   std::span<const proto::SurfaceRecord> records;  // by slot (terrain/surface/bounds.h)
   proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
   proto::AtlasLayout atlas{};       // without an image if there are no colours
-  std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top, sewn
+  std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top, with filled gutters
   SceneOrigin about{};
 };
 

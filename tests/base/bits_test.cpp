@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "base/rng.h"
+#include "tests/support/seed.h"
 
 namespace foreland {
 namespace {
 
 TEST(Bits, FieldsAndGroupsComeBack) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed = test::seedOr(1);
   Rng rng(seed);
   for (int round = 0; round < 500; ++round) {
     Bytes bytes;

@@ -1,4 +1,4 @@
-// Files of tests: a folder that goes away, and whole files as bytes.
+// Files of tests: a temporary folder, and whole files as bytes.
 #pragma once
 
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 
 namespace foreland::test {
 
-// A folder of its own that goes away with the object.
+// A new folder that is removed with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -40,7 +40,8 @@ inline std::vector<char> slurp(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
-// Anew: file systems flush a file that is emptied and written again, which would take minutes here.
+// Removes the old file first: file systems flush a file that is truncated and written again, which would take minutes
+// here.
 inline void spit(const std::filesystem::path& path, const std::vector<char>& bytes) {
   std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

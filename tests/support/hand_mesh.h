@@ -1,4 +1,5 @@
-// Small meshes made by hand, for tests of what judges or writes meshes: a square lattice of vertices over flat ground.
+// Small meshes made by hand, for tests of code that judges or writes meshes: a square lattice of vertices over flat
+// ground.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A mesh between two keyframes as what it is drawn for: where each sample of the lattice lies. Brute force, by the
-// places of triangles alone.
+// The surface that a mesh between two keyframes shows: the position of each lattice sample. Brute force, from the
+// triangles' lattice positions alone.
 #pragma once
 
 #include <glm/vec2.hpp>

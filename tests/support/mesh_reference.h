@@ -1,5 +1,5 @@
-// Subdivision done by hand: every triangle of every level, explicitly, corners by their weights in the base face. What
-// proto/topology/mesh_topology.h computes by arithmetic is read off here. For small meshes.
+// Explicit subdivision: every triangle of every level, its corners as weights in the base face. The reference for what
+// proto/topology/mesh_topology.h computes by arithmetic. For small meshes.
 #pragma once
 
 #include <algorithm>

@@ -24,7 +24,7 @@ struct ProgramOptions {
   uint64_t largest_file_bytes = RLIM_INFINITY;  // a write beyond it fails, as on a full disk
 };
 
-// A running foreland-NAME. It is killed with the object if it has not ended.
+// A running program foreland-NAME. The destructor kills it if it has not ended.
 class Program {
  public:
   Program(const std::string& name, std::vector<std::string> arguments, ProgramOptions options = {}) {
@@ -56,7 +56,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  // The next line; empty at the end.
+  // The next line of output; empty at the end.
   std::string readLine() {
     std::string line;
     for (int c = std::fgetc(output_); c != EOF && c != '\n'; c = std::fgetc(output_))
@@ -69,7 +69,7 @@ class Program {
     return all;
   }
   void signal(int number) { ::kill(pid_, number); }
-  // The exit code, or -1 for another end.
+  // Waits for the program's end. Returns the exit code, or -1 if a signal ended it.
   int wait() {
     int status = 0;
     ::waitpid(pid_, &status, 0);
@@ -94,7 +94,7 @@ inline Outcome runProgram(const std::string& name, std::vector<std::string> argu
   return {program.wait(), std::move(output)};
 }
 
-// Of the line in which a server says where it is; 0 if there is none.
+// The port in the line in which a server prints its address; 0 if there is none.
 inline uint16_t portOf(const std::string& line) {
   const size_t at = line.rfind(':');
   return at == std::string::npos ? uint16_t{0} : static_cast<uint16_t>(std::stoi(line.substr(at + 1)));

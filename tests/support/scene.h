@@ -81,14 +81,15 @@ inline HeightFunction hills(uint64_t seed) {
   };
 }
 
-// Every sample on its own: the roughest terrain there is.
+// Independent random samples: the roughest terrain possible.
 inline HeightFunction noise(uint64_t seed, double metres) {
   return [seed, metres](uint32_t x, uint32_t y) {
     return Rng(seed ^ (static_cast<uint64_t>(y) << 32 | x)).uniform(0, metres);
   };
 }
 
-// Builds, opens, and removes the file's name; the scene lives as long as it is held. Aborts the test on failure.
+// Builds and opens a scene file and removes its name; the scene exists as long as it is referenced. Aborts the test on
+// failure.
 inline std::shared_ptr<const terrain::Scene> makeScene(terrain::ElevationSource& source, double height_quantum_m = 0.1,
                                                        unsigned threads = 1) {
   const TemporaryFolder folder;

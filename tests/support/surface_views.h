@@ -1,4 +1,4 @@
-// Views of a surface about the origin, drawn at random: of what the oracles judge refined surfaces by.
+// Random views of a surface about the origin, by which oracles judge refined surfaces.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ inline proto::Pose lookAt(const glm::dvec3& eye, const glm::dvec3& target) {
   return {eye, proto::lookAlong(glm::normalize(target - eye), {0, 0, 1})};
 }
 
-// A view and how it tests: from 1.2 to 12 away, either tolerance of its own, with and without room to move and to turn.
+// A view and its test: from 1.2 to 12 away, with separate tolerances, with and without a region.
 struct SurfaceView {
   proto::View view;
   proto::SurfaceTest test;
@@ -36,7 +36,7 @@ inline SurfaceView anySurfaceView(Rng& rng, bool is_closed) {
   return made;
 }
 
-// Any pose that the view promises something for: in its ball, turned no farther than it says.
+// A random pose in the region of the view.
 inline proto::Pose anyPoseOf(const proto::View& view, Rng& rng) {
   proto::Pose pose = view.pose;
   if (view.region_radius_m > 0) pose.eye += anyPlace(rng) * (view.region_radius_m / std::sqrt(3.0));

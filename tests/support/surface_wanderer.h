@@ -1,5 +1,5 @@
 // A camera that wanders about a surface of size one or so: mostly small steps, now and then a jump, another tolerance,
-// ball, sweep or lens. The same views for the same seed.
+// region or lens. The same views for the same seed.
 #pragma once
 
 #include <cmath>

@@ -21,14 +21,15 @@ struct NamedSurface {
   bool is_closed = true;
 };
 
-// In the cube of half side 1. Drawn one by one: in which order arguments are evaluated depends on the compiler.
+// A random point in the cube of half side 1. Coordinates are drawn one by one, since the order of evaluation of
+// arguments depends on the compiler.
 inline glm::dvec3 anyPlace(Rng& rng) {
   const double z = rng.uniform(-1, 1), y = rng.uniform(-1, 1), x = rng.uniform(-1, 1);
   return {x, y, z};
 }
 
-// The base's vertices at random places about a sphere, every node off the middle of its edge by up to `rough` of the
-// edge's length, any way.
+// The base's vertices lie at random points of a sphere; every node is displaced by up to `rough` of its edge's length
+// in a random direction.
 inline terrain::TrueSurface roughSurface(const NamedBase& base, proto::MeshRule rule, uint32_t halvings, double rough,
                                          uint64_t seed) {
   Rng rng(seed);
@@ -64,7 +65,7 @@ inline std::vector<NamedSurface> surfaces(proto::MeshRule rule, uint32_t halving
                  *terrain::makeSurface(std::move(flat), 1e-6, {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},
                                        [](proto::NodeId, const glm::dvec3& m) { return glm::dvec3(m.x, m.y, 0.05); }),
                  false});
-  // All nodes of a level in one place: triangles without area, normals from nowhere.
+  // All nodes at one point: triangles without area or normal.
   auto topology = *proto::MeshTopology::create({rule, halvings, 3, {{0, 1, 2}}});
   all.push_back({"Collapsed",
                  *terrain::makeSurface(std::move(topology), 1e-6, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},

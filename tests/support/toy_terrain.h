@@ -1,4 +1,4 @@
-// A small terrain straight from chance, without a file: heights, saturated errors, spheres that nest.
+// A small random terrain without a file: heights, saturated errors, nested spheres.
 #pragma once
 
 #include <algorithm>
@@ -56,7 +56,7 @@ class ToyTerrain {
     return section;
   }
 
-  // From above some place, at some height, looking somewhere; mostly a little further than the one before.
+  // A random view from above; mostly close to the one before.
   proto::View wander(Rng& rng, proto::View view) const {
     if (rng.below(8) == 0)
       view.pose.eye = {rng.uniform(-200, 1000), rng.uniform(-200, 1000), rng.uniform(50, 3000)};

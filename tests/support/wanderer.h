@@ -1,4 +1,4 @@
-// A wandering camera over a scene: mostly small steps, now and then a turn, a jump, another tolerance, ball, sweep or
+// A wandering camera over a scene: mostly small steps, now and then a turn, a jump, another tolerance, region or
 // lens. The same views for the same seed.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace foreland::test {
 
-// At a lattice place and a height (m), looking along an azimuth and down by -pitch.
+// At a lattice position and a height (m), looking along an azimuth and down by -pitch.
 inline proto::View viewAt(const server::Hierarchy& h, double x, double y, double height, double yaw, double pitch) {
   proto::View view;
   view.pose.eye = h.frame().transform().toScene(proto::LatticePosition{x, y, height});
@@ -36,10 +36,10 @@ class Wanderer {
         tau_ = std::pow(2, rng_.uniform(-3, 3));
         break;
       case 3:
-        ball_ = rng_.uniform(0, 60);
+        region_radius_m_ = rng_.uniform(0, 60);
         break;
       case 4:
-        turn_ = rng_.below(2) ? rng_.uniform(0, 0.5) : 0;
+        region_angle_rad_ = rng_.below(2) ? rng_.uniform(0, 0.5) : 0;
         break;
       case 5:
         fov_ = rng_.uniform(0.4, 1.8);
@@ -56,8 +56,8 @@ class Wanderer {
     last_ = viewAt(hierarchy_, std::fmod(x_ + shape.samples_x, shape.samples_x),
                    std::fmod(y_ + shape.samples_y, shape.samples_y), height_, yaw_, pitch_);
     last_.tau_px = tau_;
-    last_.region_radius_m = ball_;
-    last_.region_angle_rad = turn_;
+    last_.region_radius_m = region_radius_m_;
+    last_.region_angle_rad = region_angle_rad_;
     last_.lens.vertical_fov_rad = fov_;
     return last_;
   }
@@ -73,7 +73,8 @@ class Wanderer {
 
   const server::Hierarchy& hierarchy_;
   Rng rng_;
-  double x_ = 0, y_ = 0, height_ = 0, yaw_ = 0, pitch_ = 0, tau_ = 1, ball_ = 0, turn_ = 0, fov_ = 1;
+  double x_ = 0, y_ = 0, height_ = 0, yaw_ = 0, pitch_ = 0, tau_ = 1, region_radius_m_ = 0, region_angle_rad_ = 0,
+         fov_ = 1;
   proto::View last_;
 };
 

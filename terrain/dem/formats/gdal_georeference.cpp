@@ -25,7 +25,7 @@ std::string exportWkt(OGRSpatialReferenceH crs) {
   return wkt;
 }
 
-// Map positions of sample centres; false if the dataset has none that can be meant.
+// Reads the map positions of sample centres. False if the dataset has none, or a degenerate transform.
 bool readTransform(GDALDatasetH dataset, Georeference& out, std::vector<std::string>& notes) {
   std::array<double, 6> t{};
   if (GDALGetGeoTransform(dataset, t.data()) != CE_None) return false;

@@ -1,4 +1,4 @@
-// What a GDAL dataset says about its place, as a Georeference. Thread of the dataset.
+// The georeference of a GDAL dataset. Thread of the dataset.
 #pragma once
 
 #include <string>
@@ -11,10 +11,11 @@ typedef void* GDALDatasetH;  // as GDAL declares it
 
 namespace foreland::terrain {
 
-// Adds to `notes` what had to be assumed. Refuses systems that a scene cannot stand in (geocentric, rotated pole).
+// Adds what had to be assumed to `notes`. Error for reference systems that a scene cannot have (geocentric, rotated
+// pole).
 Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& name, std::vector<std::string>& notes);
 
-// The same reference system, whatever its spelling. Two unknown ones count as the same.
+// Whether two reference systems are the same, however they are spelled. Two unknown ones count as the same.
 bool isSameReferenceSystem(const Georeference& a, const Georeference& b);
 
 }  // namespace foreland::terrain

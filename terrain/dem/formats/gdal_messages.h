@@ -1,5 +1,5 @@
-// Keeps GDAL's messages of this thread off the terminal while it lives, and collects them for ours. Stack-like, as
-// GDAL's own handlers.
+// While an object of this class lives, GDAL's messages on this thread do not reach the terminal but are collected here,
+// so that errors can quote them. Objects nest like GDAL's own handlers.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ class GdalMessages {
   std::string errors() const { return joined(errors_); }
   std::string all() const;
 
-  // For the C callback.
+  // Called by GDAL's error handler.
   void add(bool is_error, std::string text);
 
  private:

@@ -35,7 +35,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Metres per unit of height; nothing if the unit is unknown.
+// Metres per unit of height; empty if the unit is unknown.
 std::optional<double> heightUnit(const std::string& name) {
   const std::string unit = lower(name);
   for (const char* metre : {"", "m", "metre", "metres", "meter", "meters"})
@@ -101,7 +101,7 @@ class GdalRaster final : public Raster {
   std::vector<float> other_;  // scratch: the second and third colour bands, and the mask
 };
 
-// Says so if the contents are of another format than the suffix.
+// Adds a note if the format of the contents differs from what the suffix says.
 void GdalRaster::noteFormat() {
   const std::string suffix = lower(std::filesystem::path(info_.name).extension().string());
   const GDALDriverH driver = GDALGetDatasetDriver(dataset_.get());
@@ -191,7 +191,7 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
   const ReadRaw read = [this](uint32_t first, uint32_t count, std::span<float> out) {
     return readRaw(first, count, out);
   };
-  // A damaged file is told from a picture by reading it, so this comes first.
+  // Reading shows whether the file is damaged, which a picture is not, so this comes before the check for pictures.
   if (Status s = surveyHeights(info_.width, info_.height, read, *decoder_); !s.ok()) return s;
   info_.survey = decoder_->survey();
   if (options.encoding == HeightEncoding::kPlain && !options.channel && isPicture())
@@ -243,7 +243,7 @@ Error openError(const std::string& name, const std::string& said) {
   return {ErrorCode::kMalformed, fmt::format("{}: {}{}", name, hint, said.empty() ? "" : " (GDAL says: " + said + ")")};
 }
 
-// The subdataset of a file with several variables, by the variable's name at the end of it.
+// The name of the subdataset that holds the requested variable; subdataset names end in the variable's name.
 Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, const OpenOptions& options) {
   char** list = GDALGetMetadata(dataset, "SUBDATASETS");
   std::string known;

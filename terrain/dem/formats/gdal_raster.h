@@ -1,5 +1,5 @@
-// Elevation files that GDAL reads, archives included. Every GDAL message is caught and folded into ours. One owner, one
-// thread.
+// Elevation files that GDAL reads, archives included. GDAL's messages become part of our errors and notes. One owner,
+// one thread.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@
 
 namespace foreland::terrain {
 
-// Once per process, by whoever uses GDAL first.
+// Registers GDAL's drivers on the first call; later calls do nothing. Any thread.
 void registerGdalDrivers();
 
-// One raster, or all that an archive (.zip) holds. Each has been surveyed and has at least one height.
+// The one raster of a file, or all rasters in an archive (.zip). Each has been surveyed and has at least one height.
 Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path,
                                                              const OpenOptions& options);
 

@@ -1,4 +1,5 @@
-// A file under a temporary name beside its destination: commit() moves it there, anything else removes it. One owner.
+// A file under a temporary name beside its destination: commit() renames it, the destructor removes it otherwise. One
+// owner.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +17,7 @@ class PendingFile {
 
   const std::filesystem::path& path() const { return temporary_; }
   const std::filesystem::path& destination() const { return destination_; }
-  // Call when everything is written and closed: to the disk, then to its name.
+  // Flushes the file to the disk and renames it. Call once everything is written and closed.
   Status commit();
 
  private:

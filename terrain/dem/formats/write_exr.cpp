@@ -1,5 +1,5 @@
-// Height maps as OpenEXR: one float channel "height", the spacing as an attribute. Through a stream of our own, because
-// OpenEXR's destructor would swallow a full disk.
+// Height maps as OpenEXR: one float channel "height", the spacing as an attribute. Written through a stream of our own,
+// because OpenEXR's destructor would hide the error of a full disk.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -42,7 +42,7 @@ class CheckedStream final : public Imf::OStream {
   void seekp(uint64_t to) override {
     if (fseeko(file_, static_cast<off_t>(to), SEEK_SET) != 0) fail();
   }
-  // 0, or the first errno of the stream's life.
+  // Closes the file. Returns 0, or the errno of the first failed operation.
   int close() {
     const int failed = std::fclose(file_) == 0 ? 0 : errno;
     file_ = nullptr;

@@ -36,7 +36,7 @@ class TiffWriter final : public ElevationWriter {
     dataset_ = GDALCreate(GDALGetDriverByName("GTiff"), pending_.path().c_str(), static_cast<int>(width_),
                           static_cast<int>(height_), 1, GDT_Float32, options);
     if (dataset_ == nullptr) return refusal(pending_, messages);
-    // The transform speaks of pixel corners.
+    // GDAL's transform refers to pixel corners.
     std::array<double, 6> corner{-0.5 * spacing_m, spacing_m, 0, (height_ - 0.5) * spacing_m, 0, -spacing_m};
     if (GDALSetGeoTransform(dataset_, corner.data()) != CE_None || GDALSetProjection(dataset_, kLocalMap) != CE_None)
       return refusal(pending_, messages);

@@ -23,7 +23,7 @@ struct Offset {
 
 double determinant(const std::array<double, 6>& t) { return t[1] * t[5] - t[2] * t[4]; }
 
-// Where a map position lies among the first tile's samples.
+// The column and row of a map position, in samples of a raster with transform `t`.
 Offset toSamples(const std::array<double, 6>& t, double x, double y) {
   const double dx = x - t[0], dy = y - t[3], det = determinant(t);
   return {(dx * t[5] - dy * t[2]) / det, (dy * t[1] - dx * t[4]) / det};
@@ -43,7 +43,7 @@ Status checkCompatible(const Tile& first, const Tile& tile) {
                  fmt::format("{}: different reference systems ({}; {}); bring them to one with gdalwarp -t_srs", both,
                              first.map.crs_name.empty() ? "none" : first.map.crs_name,
                              tile.map.crs_name.empty() ? "none" : tile.map.crs_name)};
-  // Walking along the tile's sides, its own steps and the first tile's must stay together.
+  // Along the tile's sides, its own samples must not drift away from those of the first tile.
   const auto& t = tile.map.transform;
   const double w = tile.raster->info().width - 1.0, h = tile.raster->info().height - 1.0;
   const Offset o = toSamples(first.map.transform, t[0], t[3]);
@@ -58,7 +58,7 @@ Status checkCompatible(const Tile& first, const Tile& tile) {
   return {};
 }
 
-// A tile beyond the date line comes to the side on which the first one lies.
+// Moves a tile across the date line to the side on which the first tile lies.
 void unwrap(const Tile& first, Tile& tile) {
   if (tile.map.kind != MapKind::kGeographic) return;
   const double turn = 2 * std::numbers::pi / tile.map.unit;
@@ -67,7 +67,7 @@ void unwrap(const Tile& first, Tile& tile) {
 
 }  // namespace
 
-Result<Mosaic> layMosaic(std::vector<Tile> tiles) {
+Result<Mosaic> makeMosaic(std::vector<Tile> tiles) {
   Mosaic out;
   out.tiles = std::move(tiles);
   const Tile& first = out.tiles.front();

@@ -1,5 +1,5 @@
-// Several rasters on one lattice. Each keeps its own samples: none is resampled, so tiles that share a seam share its
-// very samples. Pure functions.
+// Several rasters on one lattice. None is resampled: each keeps its own samples, so tiles that meet in a seam share the
+// samples on it. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace foreland::terrain {
 
 struct Tile {
   std::unique_ptr<Raster> raster;
-  Georeference map;              // settled
+  Georeference map;              // resolved (placement.h)
   uint32_t column = 0, row = 0;  // of its first sample in the mosaic
 };
 
@@ -24,7 +24,8 @@ struct Mosaic {
   std::vector<std::string> notes;
 };
 
-// Every tile's map is settled. Refuses tiles of different reference systems or resolutions, naming both files.
-Result<Mosaic> layMosaic(std::vector<Tile> tiles);
+// The lattice is that of the first tile. Error, naming both files, for tiles of different reference systems or
+// resolutions.
+Result<Mosaic> makeMosaic(std::vector<Tile> tiles);
 
 }  // namespace foreland::terrain

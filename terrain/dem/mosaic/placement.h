@@ -1,6 +1,5 @@
-// From what files say about their place to the scene frame: which rows and columns to turn around so that the lattice
-// counts eastward and northward and is right-handed, and where its axes lie in metres. Pure functions; no file format
-// here.
+// From georeferences to the scene frame: which of rows and columns to reverse, so that the lattice counts eastward and
+// northward and is right-handed, and how its axes lie in metres. Pure functions; no file format here.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +19,19 @@ struct Extent {
   float lowest_m = 0, highest_m = 0;
 };
 
-struct Placement {
+struct RasterPlacement {
   proto::Frame frame;
   bool is_column_reversed = false;  // lattice x = width - 1 - column
   bool is_row_reversed = true;      // lattice y = height - 1 - row, as image rows count from the top
   std::vector<std::string> notes;
 };
 
-// Settles what an input without a reference system means (degrees, metres, nothing) by its numbers and the options.
-Result<Georeference> settleMap(const Georeference& said, const Extent& extent, const OpenOptions& options,
-                               std::vector<std::string>& notes);
+// Decides by the numbers and the options what coordinates without a reference system mean: degrees, metres, or no
+// position at all. Adds what was assumed to `notes`.
+Result<Georeference> resolveMap(const Georeference& stated, const Extent& extent, const OpenOptions& options,
+                                std::vector<std::string>& notes);
 
-// `settled` comes from settleMap; the transform is that of the whole mosaic.
-Result<Placement> placeRaster(const Georeference& settled, const Extent& extent, const OpenOptions& options);
+// `resolved` comes from resolveMap, with the transform of the whole mosaic.
+Result<RasterPlacement> placeRaster(const Georeference& resolved, const Extent& extent, const OpenOptions& options);
 
 }  // namespace foreland::terrain

@@ -11,8 +11,8 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr double kRareGap_m = 2000;   // a rare sentinel must be this far from every height ...
-constexpr double kCommonGap_m = 500;  // ... one that is more than a trace, only this far
+constexpr double kRareGap_m = 2000;   // from all heights: a rare sentinel is a void if it lies farther away than this,
+constexpr double kCommonGap_m = 500;  // a frequent one if it lies farther away than this
 constexpr double kTrace = 0.001;
 constexpr uint64_t kSurveyAll = uint64_t{1} << 25;  // samples
 constexpr uint32_t kBandRows = 64, kBands = 16;
@@ -32,7 +32,7 @@ Status surveyRows(uint32_t first, uint32_t count, uint32_t width, const ReadRaw&
     const uint32_t n = std::min(kBandRows, count - done);
     const std::span<float> part(rows.data(), size_t{width} * n);
     if (Status s = read(first + done, n, part); !s.ok()) return s;
-    decoder.look(part);
+    decoder.observe(part);
   }
   return {};
 }
@@ -45,7 +45,7 @@ HeightDecoder::HeightDecoder(std::optional<double> nodata, Units units) : units_
 
 bool HeightDecoder::isTaggedVoid(float raw) const { return !std::isfinite(raw) || (nodata_ && raw == *nodata_); }
 
-void HeightDecoder::look(std::span<const float> raw) {
+void HeightDecoder::observe(std::span<const float> raw) {
   survey_.samples += raw.size();
   for (const float value : raw) {
     if (isTaggedVoid(value)) {
@@ -63,15 +63,15 @@ void HeightDecoder::look(std::span<const float> raw) {
       implausible_example_ = value;
       continue;
     }
-    survey_.lowest = seen_ ? std::min(survey_.lowest, height) : height;
-    survey_.highest = seen_ ? std::max(survey_.highest, height) : height;
-    seen_ = true;
+    survey_.lowest = has_height_ ? std::min(survey_.lowest, height) : height;
+    survey_.highest = has_height_ ? std::max(survey_.highest, height) : height;
+    has_height_ = true;
   }
 }
 
-void HeightDecoder::settle() {
+void HeightDecoder::classifySentinels() {
   const HeightSurvey others = survey_;
-  const bool any_other = seen_;
+  const bool any_other = has_height_;
   for (size_t i = 0; i < kSentinels.size(); ++i) {
     const float height = metres(kSentinels[i]);
     const double gap = std::max({0.0, double{others.lowest} - height, double{height} - others.highest});
@@ -103,7 +103,7 @@ void HeightDecoder::decode(std::span<float> values) const {
 }
 
 std::vector<std::string> HeightDecoder::notes() const {
-  // A share, as not every sample of a large raster was looked at.
+  // A percentage, because of a large raster only some samples were observed.
   const auto percent = [&](uint64_t count) {
     return 100.0 * static_cast<double>(count) / static_cast<double>(survey_.samples);
   };
@@ -128,12 +128,12 @@ Status surveyHeights(uint32_t width, uint32_t height, const ReadRaw& read, Heigh
       const auto first = static_cast<uint32_t>(uint64_t{band} * (height - kBandRows) / (kBands - 1));
       if (Status s = surveyRows(first, kBandRows, width, read, decoder); !s.ok()) return s;
     }
-    decoder.settle();
+    decoder.classifySentinels();
     if (decoder.survey().voids < decoder.survey().samples) return {};
     decoder = fresh;
   }
   if (Status s = surveyRows(0, height, width, read, decoder); !s.ok()) return s;
-  decoder.settle();
+  decoder.classifySentinels();
   return {};
 }
 

@@ -1,5 +1,5 @@
-// From a file's raw numbers to heights in metres: which of them mean "no data", which cannot be heights. First `look`
-// at (some of) the data, then `settle`, then `decode` rows. One owner.
+// From a file's raw numbers to heights in metres: decides which numbers mean "no data" and which cannot be heights.
+// First `observe` (some of) the data, then `classifySentinels`, then `decode` rows. One owner.
 //
 // Besides the tagged nodata value and what is not finite, -999, -9999, -32767, -32768 and 32767 are voids when no other
 // height lies near them: such files exist, with the sentinel in the data and not in the header.
@@ -29,9 +29,9 @@ class HeightDecoder {
   };
   HeightDecoder(std::optional<double> nodata, Units units);
 
-  void look(std::span<const float> raw);
-  void settle();
-  void decode(std::span<float> values) const;  // after settle
+  void observe(std::span<const float> raw);
+  void classifySentinels();
+  void decode(std::span<float> values) const;  // raw numbers become metres, kVoid where there is no data
 
   const HeightSurvey& survey() const { return survey_; }
   std::vector<std::string> notes() const;
@@ -47,13 +47,13 @@ class HeightDecoder {
   std::array<bool, kSentinels.size()> sentinel_is_void_{};
   uint64_t implausible_ = 0;
   float implausible_example_ = 0;
-  bool seen_ = false;  // some height
+  bool has_height_ = false;  // whether a raw number was a height beyond doubt
 };
 
 using ReadRaw = std::function<Status(uint32_t first, uint32_t count, std::span<float> out)>;
 
-// Looks at the whole raster, or at bands spread over a large one; at all of a large one if the bands hold nothing but
-// voids.
+// Lets `decoder` observe the whole raster, or only bands spread over a large one, unless these hold nothing but voids;
+// then classifies the sentinels.
 Status surveyHeights(uint32_t width, uint32_t height, const ReadRaw& read, HeightDecoder& decoder);
 
 }  // namespace foreland::terrain

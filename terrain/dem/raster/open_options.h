@@ -1,4 +1,4 @@
-// How elevation files are to be understood where they leave it open, as the user says it. Plain data.
+// How to understand elevation files where they do not say it themselves: the user's choices. Plain data.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ enum class HeightEncoding : uint8_t {
 };
 
 struct OpenOptions {
-  std::optional<double> nodata{};        // replaces the file's own
+  std::optional<double> nodata{};        // instead of the file's own value
   std::optional<double> spacing_m{};     // for inputs without a reference system (EXR, images)
   std::optional<std::string> channel{};  // EXR channel, band number, or variable of a file with several
   FrameChoice frame = FrameChoice::kAuto;

@@ -27,11 +27,12 @@ struct VoidRegions {
   uint32_t regionAt(uint32_t x, uint32_t y) const;
 };
 
-// Nothing if there are more runs than `max_runs`.
+// Empty if there are more runs than `max_runs`.
 std::optional<VoidRegions> findVoidRegions(std::span<const float> heights, uint32_t width, uint32_t height,
                                            size_t max_runs);
 
-// Tenth percentile of the finite heights beside a region's samples. Cost: the runs of all regions, once per call.
+// Tenth percentile of the finite heights beside a region's samples, 0 if there are none. Cost: linear in the runs of
+// all regions.
 float lowRim(std::span<const float> heights, uint32_t width, uint32_t height, const VoidRegions& found,
              uint32_t region);
 

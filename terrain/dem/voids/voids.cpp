@@ -18,8 +18,8 @@ namespace {
 
 constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
 constexpr size_t kMaxRuns = size_t{1} << 24;
-constexpr double kFlatShare = 0.02;  // a region this large may be filled flat ...
-constexpr int kFlatLevels = 5;       // ... wherever a block of 2^5 samples a side lies wholly inside it
+constexpr double kFlatShare = 0.02;  // of all samples: regions at least this large are filled flat,
+constexpr int kFlatLevels = 5;       // wherever a block of 2^5 samples a side lies wholly inside the region
 constexpr int kRelaxations = 8;
 
 struct Level {
@@ -87,7 +87,7 @@ void push(const Level& coarse, Level& fine) {
   for (int sweep = 0; sweep < kRelaxations; ++sweep) relax(fine, holes);
 }
 
-// Flat heights for the regions that get one; NaN for the others.
+// Of each region: the height at which it is filled flat, or NaN for a membrane.
 std::vector<float> flatHeights(std::span<const float> heights, uint32_t width, uint32_t height,
                                const VoidRegions& found) {
   std::vector<float> flat(found.regions.size(), kHole);
@@ -97,8 +97,8 @@ std::vector<float> flatHeights(std::span<const float> heights, uint32_t width, u
   return flat;
 }
 
-// A block of this level that has no data at all lies inside one region, as a block is connected: that of any of its
-// samples.
+// Fills the blocks of this level that have no data at all. A block is connected, so all of its samples are of one
+// region.
 void pinFlat(Level& level, int log2, const VoidRegions& found, const std::vector<float>& flat) {
   for (uint32_t y = 0; y < level.height; ++y)
     for (uint32_t x = 0; x < level.width; ++x)

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <random>
 #include <vector>
 
 #include "base/rng.h"
 #include "terrain/elevation_source.h"
+#include "tests/support/seed.h"
 
 namespace foreland::terrain {
 namespace {
@@ -35,9 +35,7 @@ void punch(Grid& grid, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
 }
 
 TEST(Voids, DataIsNeverChangedAndNoVoidIsLeftWithinTheRangeOfTheData) {
-  const uint64_t seed = std::random_device{}();
-  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
-  Rng rng(seed);
+  Rng rng(test::randomSeed());
   for (int round = 0; round < 30; ++round) {
     Grid grid = plane(static_cast<uint32_t>(1 + rng.below(70)), static_cast<uint32_t>(1 + rng.below(70)));
     grid.at(0, 0) = 100;
