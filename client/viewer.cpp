@@ -4,22 +4,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "proto/space/timed_poses.h"
+
 namespace foreland::client {
 
 namespace {
 
 constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
-
-// The camera's pose at an earlier time, interpolated.
-proto::Pose poseAt(const std::vector<proto::TimedPose>& poses, Time t) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), t,
-                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
-  if (after == poses.begin()) return poses.front().pose;
-  if (after == poses.end()) return poses.back().pose;
-  const proto::TimedPose &a = after[-1], &b = *after;
-  return proto::interpolate(a.pose, b.pose,
-                            static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
-}
 
 }  // namespace
 
@@ -123,7 +114,7 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
     shown = timeline_.at(now);
   }
   FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
-  if (request_.strategy == proto::Strategy::kDelay && shown.mesh) view.pose = poseAt(poses_, shown.scene_time);
+  if (request_.strategy == proto::Strategy::kDelay && shown.mesh) view.pose = proto::poseAt(poses_, shown.scene_time);
   if (view.mesh) countFrame(view);
   return view;
 }

@@ -8,6 +8,7 @@ readonly build_packages=(
   libgdal-dev gdal-bin proj-data
   libopenexr-dev
   libpng-dev
+  libpugixml-dev
   libgeographiclib-dev
   libglm-dev
   libembree-dev libtbb-dev

@@ -1,7 +1,7 @@
 // Recorded flights: IGC (gliders, paragliders) and GPX (everything else) read into fixes in time order. Readers accept
-// any bytes: a line or point that is not what it should be is counted and skipped, with a note that names it; no usable
-// fix is an Error. Times start at zero and strictly increase; flights over midnight go on. Pure functions on text, but
-// readTrack, which opens the file. Any thread.
+// any bytes: a line or point that is not what it should be is counted and skipped, with a note that names it. Markup
+// that is not well-formed and a track of fewer than two usable fixes are Errors. Times start at zero and strictly
+// increase; flights over midnight go on. Pure functions on text, but readTrack, which opens the file. Any thread.
 #pragma once
 
 #include <filesystem>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "proto/space/timed_poses.h"
+
 namespace foreland::server {
 
 namespace {
@@ -25,15 +27,7 @@ void PoseHistory::add(const proto::TimedPose& pose) {
   poses_.push_back(pose);
 }
 
-proto::Pose PoseHistory::at(Time t) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
-                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
-  if (after == poses_.begin()) return poses_.front().pose;
-  if (after == poses_.end()) return poses_.back().pose;
-  const proto::TimedPose &a = after[-1], &b = *after;
-  return proto::interpolate(a.pose, b.pose,
-                            static_cast<double>((t - a.time).us) / static_cast<double>((b.time - a.time).us));
-}
+proto::Pose PoseHistory::at(Time t) const { return proto::poseAt(poses_, t); }
 
 size_t PoseHistory::before(size_t i) const {
   size_t j = i;

@@ -143,7 +143,7 @@ class Geomorphs : public testing::Test {
     }
   }
 
-  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed();
   Rng rng_{seed_};
   std::shared_ptr<const terrain::Scene> scene_;
   std::optional<server::Hierarchy> hierarchy_;

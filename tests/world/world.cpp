@@ -10,8 +10,6 @@ namespace foreland::test {
 
 namespace {
 
-constexpr Duration kFrame{16'667};
-
 void earliest(std::optional<Time>& best, std::optional<Time> t) {
   if (t && (!best || *t < *best)) best = t;
 }

@@ -48,6 +48,8 @@ ClientOptions onKnownTour(const terrain::Scene& scene, const std::string& tour, 
 
 class World {
  public:
+  static constexpr Duration kFrame{16'667};  // between two frames of a client
+
   World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
         uint64_t seed, server::SceneObjects objects = {});
 

@@ -131,6 +131,35 @@ TEST(Gpx, SkipsBadPointsNamingTheirLines) {
     EXPECT_TRUE(mentions(*track, line)) << line;
 }
 
+TEST(Gpx, RefusesMarkupThatIsNotWellFormedNamingTheLine) {
+  const auto open = parseGpx("<gpx>\n<trkpt lat='0' lon='0'>\n<trkpt lat='0' lon='1'/>\n</gpx>", "a.gpx");
+  ASSERT_FALSE(open.ok());
+  EXPECT_NE(open.error().message.find("a.gpx:4: "), std::string::npos) << open.error().message;
+  EXPECT_NE(open.error().message.find("tag"), std::string::npos) << open.error().message;
+  EXPECT_FALSE(parseGpx("<gpx><trkpt lat='0' lon='0'/><trkpt", "a.gpx").ok());
+}
+
+TEST(Gpx, SkipsDatesThatDoNotExistAndKeepsLeapDays) {
+  const auto at = [](const std::string& time) { return "<trkpt lat='0' lon='0'><time>" + time + "</time></trkpt>\n"; };
+  const auto track = parseGpx("<gpx>" + at("2020-02-29T23:59:58Z") + at("2020-03-01T00:00:00Z") +
+                                  at("2021-02-29T00:00:00Z") + at("2021-01-01T00:00:00+24:00") + "</gpx>",
+                              "a.gpx");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->fixes.size(), 2u);
+  EXPECT_EQ(track->fixes[1].time_s, 2);
+  EXPECT_TRUE(mentions(*track, "a.gpx:3: time is not a date and time"));
+  EXPECT_TRUE(mentions(*track, "a.gpx:4: "));
+}
+
+TEST(Gpx, ReadsNamesWithAPrefixAndCharacterReferences) {
+  const auto track = parseGpx(
+      "<g:gpx xmlns:g='http://www.topografix.com/GPX/1/1'><g:trkpt lat='&#52;6' lon='7'/>"
+      "<g:trkpt lat='46' lon='8'/></g:gpx>",
+      "a.gpx");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_NEAR(track->fixes[0].latitude_rad, 46 * kDeg, 1e-12);
+}
+
 TEST(Track, IsRefusedWithoutTwoFixesAndTheMessageNamesTheFile) {
   for (const std::string& text : {std::string(), std::string("hello\nB\n"), fixAt("080000"), std::string("<gpx></gpx>"),
                                   std::string("<gpx><trkpt")}) {

@@ -1,4 +1,4 @@
-// The nodes of two sections: equal to sets of slots, through any steps.
+// The nodes of two sections equal two sets of slots, through any steps.
 #include "client/mesh/held_nodes.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using proto::Slot;
 
 class HeldNodesTest : public testing::Test {
  protected:
-  // Up to `most` nodes that are not there, and as many that are.
+  // Adds up to `most` nodes that are not in `to_`, and removes an eighth of those that are.
   proto::CutDelta drawDelta(uint64_t most) {
     const uint64_t reach = uint64_t{1} << (4 + rng_.below(26));
     std::set<Slot> added, removed;
@@ -33,7 +33,7 @@ class HeldNodesTest : public testing::Test {
       heights_[slot] = static_cast<int32_t>(rng_.below(20000)) - 10000;
       held_.records().make(slot) = NodeRecord::of(heights_[slot], 0, {}, {});
     }
-    for (uint64_t i = rng_.below(200); i > 0; --i) {  // known, but of no section
+    for (uint64_t i = rng_.below(200); i > 0; --i) {  // known, but in no section
       const Slot slot = static_cast<Slot>(rng_.below(1u << 30));
       if (!to_.count(slot) && !heights_.count(slot)) held_.records().make(slot) = NodeRecord::of(7, 0, {}, {});
     }
@@ -66,13 +66,13 @@ class HeldNodesTest : public testing::Test {
     }
   }
 
-  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed();
   Rng rng_{seed_};
   const proto::GridTopology grid_ = proto::GridTopology::create({2, 2, 6, 129, 129}).value();
   const std::vector<int32_t> corners_ = std::vector<int32_t>(9), centres_ = std::vector<int32_t>(4);
   HeldNodes held_{grid_, {corners_, centres_}};
   std::set<Slot> from_, to_;
-  std::map<Slot, int32_t> heights_;  // of all that were ever of a section
+  std::map<Slot, int32_t> heights_;  // of all nodes that were ever in a section
 };
 
 TEST_F(HeldNodesTest, FollowTheSections) {

@@ -1,4 +1,4 @@
-// The weights of nodes on their way: a table of all nodes, stepped one by one, says what they must be.
+// The weights of nodes in transition, compared with a table of all nodes that is stepped one by one.
 #include "client/mesh/morphs.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@ using proto::Slot;
 
 class MorphsTest : public testing::Test {
  protected:
-  // A node with all its ancestors comes, or one with all its descendants goes.
-  void wander(uint64_t changes) {
+  // Adds a node with all its ancestors, or removes one with all its descendants, `changes` times.
+  void changeSection(uint64_t changes) {
     while (changes > 0) {
       const NodeId n = grid_.node(static_cast<Slot>(rng_.below(grid_.slotCount())));
       if (grid_.isBase(n)) continue;  // padding
@@ -38,12 +38,12 @@ class MorphsTest : public testing::Test {
 
   CutDelta change() {
     CutDelta delta;
-    proto::diff(told_, {{section_.begin(), section_.end()}}, delta);
-    told_.slots.assign(section_.begin(), section_.end());
+    proto::diff(last_section_, {{section_.begin(), section_.end()}}, delta);
+    last_section_.slots.assign(section_.begin(), section_.end());
     return delta;
   }
 
-  // The same of all nodes, at rest or not.
+  // Steps the table: every node, in transition or not.
   void stepTable(const std::map<Slot, double>& lengths) {
     before_ = to_;
     for (Slot slot = 0; slot < grid_.slotCount(); ++slot) {
@@ -55,7 +55,7 @@ class MorphsTest : public testing::Test {
     }
   }
 
-  // Those with a weight, and all their ancestors.
+  // The nodes with a weight, and all their ancestors.
   std::set<Slot> drawnBy(std::map<Slot, double>& weights) const {
     std::set<Slot> drawn;
     const auto draw = [&](auto& self, Slot slot) -> void {
@@ -90,11 +90,11 @@ class MorphsTest : public testing::Test {
     ASSERT_EQ(morphs_.sectionOf({{to.begin(), to.end()}}).slots, std::vector<Slot>(section_.begin(), section_.end()));
   }
 
-  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed_ = testing::UnitTest::GetInstance()->random_seed();
   Rng rng_{seed_};
   const proto::GridTopology grid_ = proto::GridTopology::create({2, 1, 3, 17, 9}).value();
   std::set<Slot> section_;
-  proto::Section told_;
+  proto::Section last_section_;
   std::map<Slot, double> before_, from_, to_;
   Morphs morphs_;
 };
@@ -103,7 +103,7 @@ TEST_F(MorphsTest, AreTheTableOfAllNodesThroughAnySectionsAndLengths) {
   SCOPED_TRACE("seed " + std::to_string(seed_));
   size_t turned = 0, late_parents = 0;
   for (int i = 0; i < 300; ++i) {
-    wander(rng_.below(3) == 0 ? 0 : rng_.below(40));
+    changeSection(rng_.below(3) == 0 ? 0 : rng_.below(40));
     std::map<Slot, double> lengths;
     for (Slot slot = 0; slot < grid_.slotCount(); ++slot) lengths[slot] = rng_.below(6) == 0 ? 0 : rng_.uniform(0.5, 9);
     const CutDelta delta = change();
@@ -114,27 +114,27 @@ TEST_F(MorphsTest, AreTheTableOfAllNodesThroughAnySectionsAndLengths) {
     ASSERT_NO_FATAL_FAILURE(expectSame()) << "step " << i;
     for (const Morph& m : morphs_.all()) late_parents += m.in == (kInFrom | kInTo) && m.from == 0 && m.to == 0;
   }
-  EXPECT_GT(turned, 20u) << "none turned round half-way";
-  EXPECT_GT(late_parents, 10u) << "none stayed for its children";
+  EXPECT_GT(turned, 20u) << "no transition was reversed half-way";
+  EXPECT_GT(late_parents, 10u) << "no node was drawn for its children's sake";
 }
 
 TEST_F(MorphsTest, AtOneIntervalEachAreTheTwoSections) {
   SCOPED_TRACE("seed " + std::to_string(seed_));
   std::set<Slot> last;
   for (int i = 0; i < 100; ++i) {
-    wander(20);
+    changeSection(20);
     morphs_.step(grid_, change(), [](Slot) { return 1.0; });
     EXPECT_FALSE(morphs_.isInTransition());
     ASSERT_TRUE(morphs_.jumped().added.empty() && morphs_.jumped().removed.empty());
     CutDelta expected;
-    proto::diff({{last.begin(), last.end()}}, told_, expected);
+    proto::diff({{last.begin(), last.end()}}, last_section_, expected);
     ASSERT_EQ(morphs_.drawn(), expected);
     for (const Morph& m : morphs_.all()) ASSERT_EQ(weightsOf(m.in), (std::array{m.from, m.to}));
     last = section_;
   }
 }
 
-TEST_F(MorphsTest, TurnRoundWhereTheyAre) {
+TEST_F(MorphsTest, ReverseFromTheWeightThatTheyHave) {
   const Slot slot = grid_.levelOffset(1);
   const auto step = [&](const CutDelta& delta) {
     morphs_.step(grid_, delta, [](Slot) { return 5.0; });

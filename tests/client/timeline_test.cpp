@@ -1,0 +1,141 @@
+// Which mesh is shown when: the laws of the header first, then one example for each strategy.
+#include "client/timeline.h"
+
+#include <gtest/gtest.h>
+
+#include "base/rng.h"
+
+namespace foreland::client {
+namespace {
+
+using proto::Strategy;
+
+Time at(double ms) { return Time{} + Duration{static_cast<int64_t>(ms * 1000)}; }
+
+// The mesh from the keyframe at `from_ms` with index `index` to the next one at `to_ms`.
+std::shared_ptr<KeyframeMesh> mesh(uint32_t index, double from_ms, double to_ms) {
+  auto made = std::make_shared<KeyframeMesh>();
+  made->from.index = index;
+  made->from.time = at(from_ms);
+  made->to.index = index + 1;
+  made->to.time = at(to_ms);
+  return made;
+}
+
+std::shared_ptr<KeyframeMesh> stillMesh(double ms) {
+  auto made = mesh(1, ms, ms);
+  made->to.index = 1;
+  return made;
+}
+
+TEST(Timeline, NeverGoesBackAndNeverSkipsWhateverTheArrivals) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Rng rng(seed);
+  for (Strategy strategy : {Strategy::kDelay, Strategy::kCurrent, Strategy::kPredict}) {
+    Timeline timeline;
+    timeline.add(stillMesh(0), at(100), strategy);
+    double arrival = 100;
+    uint32_t next = 1;
+    Timeline::Shown last;
+    for (double now = 100; now < 20'000; now += 5) {
+      if (now >= arrival && next < 80) {
+        timeline.add(mesh(next, 200.0 * (next - 1), 200.0 * next), at(now), strategy);
+        arrival = std::max(arrival, 200.0 * next++) + rng.uniform(0, rng.below(10) == 0 ? 900 : 60);
+      }
+      const Timeline::Shown shown = timeline.at(at(now));
+      ASSERT_NE(shown.mesh, nullptr);
+      ASSERT_GE(shown.weight, 0);
+      ASSERT_LE(shown.weight, 1);
+      ASSERT_GE(shown.scene_time, last.scene_time) << now;
+      ASSERT_LE(shown.version - last.version, last.version > 0 ? 1u : 2u) << now;
+      if (shown.version != last.version && last.version > 0) {
+        // 5 ms of at least kShortestBlend at either side of the change.
+        ASSERT_GE(last.weight, 0.9 - 1e-9) << now;
+        ASSERT_LE(shown.weight, 0.1 + 1e-9) << now;
+      }
+      last = shown;
+    }
+    EXPECT_EQ(last.version, 80u);
+    EXPECT_TRUE(last.is_over);
+  }
+}
+
+TEST(Timeline, ShowsNothingBeforeTheFirstMeshAndAfterClear) {
+  Timeline timeline;
+  EXPECT_EQ(timeline.at(at(0)).mesh, nullptr);
+  EXPECT_EQ(timeline.add(stillMesh(0), at(10), Strategy::kPredict), Duration{});
+  const uint32_t version = timeline.at(at(10)).version;
+  EXPECT_GT(version, 0u);
+  timeline.clear();
+  EXPECT_EQ(timeline.at(at(20)).mesh, nullptr);
+  timeline.add(stillMesh(0), at(30), Strategy::kPredict);
+  EXPECT_GT(timeline.at(at(30)).version, version) << "versions are not reused";
+}
+
+TEST(Timeline, PredictShowsTheTimeThatItIs) {
+  Timeline timeline;
+  timeline.add(stillMesh(0), at(0), Strategy::kPredict);
+  EXPECT_EQ(timeline.add(mesh(1, 200, 400), at(150), Strategy::kPredict), Duration::milliseconds(-50));
+  for (double now : {200.0, 250.0, 300.0, 399.0}) {
+    const auto shown = timeline.at(at(now));
+    EXPECT_NEAR(shown.weight, (now - 200) / 200, 1e-9);
+    EXPECT_EQ(shown.scene_time, at(now));
+    EXPECT_FALSE(shown.is_over);
+  }
+  EXPECT_TRUE(timeline.at(at(400)).is_over);
+}
+
+TEST(Timeline, DelayShowsTheSceneLaterByTheIntervalAndThePlayoutDelay) {
+  Timeline timeline;
+  timeline.add(stillMesh(0), at(30), Strategy::kDelay);
+  timeline.add(mesh(1, 0, 200), at(230), Strategy::kDelay);
+  // The latency is 30 ms, and the margin 10 ms: from.time + T + playout delay = 240 ms.
+  EXPECT_EQ(timeline.at(at(240)).weight, 0);
+  EXPECT_NEAR(timeline.at(at(340)).weight, 0.5, 1e-9);
+  EXPECT_EQ(timeline.at(at(340)).scene_time, at(100));
+  EXPECT_EQ(timeline.at(at(440)).scene_time, at(200));
+}
+
+TEST(Timeline, ALateMeshBeginsOnArrivalEndsInTimeAndLastsTheShortestBlendAtLeast) {
+  Timeline timeline;
+  timeline.add(stillMesh(0), at(0), Strategy::kPredict);
+  EXPECT_EQ(timeline.add(mesh(1, 200, 400), at(300), Strategy::kPredict), Duration::milliseconds(100));
+  EXPECT_EQ(timeline.at(at(300)).weight, 0);
+  EXPECT_NEAR(timeline.at(at(350)).weight, 0.5, 1e-9);
+  EXPECT_EQ(timeline.add(mesh(2, 400, 600), at(590), Strategy::kPredict), Duration::milliseconds(190));
+  EXPECT_EQ(timeline.at(at(590)).weight, 0);
+  EXPECT_NEAR(timeline.at(at(615)).weight, 0.5, 1e-9) << "50 ms from its arrival";
+  EXPECT_TRUE(timeline.at(at(640)).is_over);
+}
+
+TEST(Timeline, ExtendsAfterTheLastMesh) {
+  Timeline timeline;
+  timeline.add(stillMesh(0), at(0), Strategy::kPredict);
+  timeline.add(mesh(1, 0, 200), at(0), Strategy::kPredict);
+  auto extension = mesh(2, 200, 200);
+  extension->to.index = 2;
+  timeline.extend(extension);
+  EXPECT_EQ(timeline.at(at(199)).mesh->to.index, 2u);
+  EXPECT_EQ(timeline.at(at(199)).mesh->from.index, 1u);
+  EXPECT_EQ(timeline.at(at(200)).mesh, extension.get());
+  EXPECT_NEAR(timeline.at(at(325)).weight, 0.5, 1e-9);
+  EXPECT_TRUE(timeline.at(at(450)).is_over);
+}
+
+TEST(Timeline, KeepsTheNewestMeshesOnlyWhenNothingIsDrawn) {
+  Timeline timeline;
+  timeline.add(stillMesh(0), at(0), Strategy::kPredict);
+  std::weak_ptr<KeyframeMesh> oldest;
+  for (uint32_t i = 1; i <= Timeline::kMaxMeshes; ++i) {
+    const auto made = mesh(i, 200.0 * i, 200.0 * (i + 1));
+    if (i == 1) oldest = made;
+    timeline.add(made, at(0), Strategy::kPredict);
+  }
+  EXPECT_FALSE(oldest.expired());
+  timeline.add(mesh(9, 1800, 2000), at(0), Strategy::kPredict);
+  EXPECT_TRUE(oldest.expired());
+}
+
+}  // namespace
+}  // namespace foreland::client
