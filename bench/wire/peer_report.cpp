@@ -18,9 +18,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-enum Peer : uint8_t { kQuantizedMesh, kMeshoptimizer, kDraco, kDracoExact };
-constexpr std::array<const char*, 4> kPeerNames = {"quantized_mesh_gzip", "meshoptimizer_zstd", "draco_qp14",
-                                                   "draco_exact"};
+enum Peer : uint8_t { kQuantizedMesh, kMeshoptimizer, kMeshoptimizerExact, kDraco, kDracoExact };
+constexpr std::array<const char*, 5> kPeerNames = {"quantized_mesh_gzip", "meshoptimizer_zstd",
+                                                   "meshoptimizer_exact_zstd", "draco_qp14", "draco_exact"};
 
 struct PeerTally {
   size_t bytes = 0;
@@ -49,7 +49,7 @@ class Comparison {
     tally.own_bytes += held.bytes;
     tally.height_entropy_bits += nodes * orderZeroEntropyBits(held.heights);
     tally.displacement_entropy_bits += nodes * orderZeroEntropyBits(held.displacements);
-    for (Peer peer : {kQuantizedMesh, kMeshoptimizer, kDraco, kDracoExact})
+    for (Peer peer : {kQuantizedMesh, kMeshoptimizer, kMeshoptimizerExact, kDraco, kDracoExact})
       if (Status s = run(peer, held, tally.peers[peer]); !s.ok()) return s;
     return {};
   }
@@ -85,7 +85,9 @@ class Comparison {
   const std::string& skipped() const { return skipped_; }
 
  private:
-  static bool isOnLattice(Peer peer) { return peer == kQuantizedMesh || peer == kDracoExact; }
+  static bool isOnLattice(Peer peer) {
+    return peer == kQuantizedMesh || peer == kMeshoptimizerExact || peer == kDracoExact;
+  }
 
   Result<PeerCode> code(Peer peer, const PeerMesh& mesh) const {
     switch (peer) {
@@ -93,6 +95,8 @@ class Comparison {
         return codeQuantizedMesh(mesh, options_.quantized_mesh);
       case kMeshoptimizer:
         return codeMeshoptimizer(mesh);
+      case kMeshoptimizerExact:
+        return codeMeshoptimizerExactly(mesh);
       case kDraco:
         return codeDraco(mesh);
       default:

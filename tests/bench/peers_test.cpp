@@ -107,22 +107,23 @@ void PrintTo(const Codec& c, std::ostream* out) { *out << c.name; }
 class EveryCodec : public testing::TestWithParam<Codec> {};
 
 TEST_P(EveryCodec, GivesBackWhatItWasGiven) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
-  Rng rng(seed);
+  const int seed = testing::UnitTest::GetInstance()->random_seed();
+  Rng rng(static_cast<uint64_t>(seed) + 1);
   for (const auto& [width, height] : {std::pair{2u, 2u}, {3u, 17u}, {40u, 31u}, {120u, 90u}}) {
     const PeerMesh mesh = roughGrid(width, height, rng);
     const auto code = GetParam().code(mesh);
     ASSERT_TRUE(code.ok()) << code.error().message;
     const auto match = matchMeshes(mesh, *code);
-    ASSERT_TRUE(match.ok()) << match.error().message << "; seed " << seed << ", " << width << " x " << height;
+    ASSERT_TRUE(match.ok()) << match.error().message << "; --gtest_random_seed=" << seed << ", " << width << " x "
+                            << height;
     EXPECT_EQ(match->size(), mesh.positions.size());
     EXPECT_TRUE(glm::all(glm::lessThan(code->tolerance, glm::dvec3(0.2)))) << "too coarse to mean anything";
   }
 }
 
 TEST_P(EveryCodec, IsFoundOutWhenFedAnotherMesh) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
-  Rng rng(seed);
+  const int seed = testing::UnitTest::GetInstance()->random_seed();
+  Rng rng(static_cast<uint64_t>(seed) + 1);
   const PeerMesh mesh = roughGrid(40, 31, rng);
   const auto whole = GetParam().code(mesh);
   ASSERT_TRUE(whole.ok());
@@ -131,7 +132,7 @@ TEST_P(EveryCodec, IsFoundOutWhenFedAnotherMesh) {
       PeerMesh damaged = mesh;
       damage.apply(damaged, whole->tolerance, rng);
       const auto code = GetParam().code(damaged);
-      EXPECT_FALSE(code.ok() && matchMeshes(mesh, *code).ok()) << damage.name << "; seed " << seed;
+      EXPECT_FALSE(code.ok() && matchMeshes(mesh, *code).ok()) << damage.name << "; --gtest_random_seed=" << seed;
     }
 }
 
@@ -153,6 +154,7 @@ TEST_P(EveryCodec, TakesTheMeshesThatAClientHolds) {
 
 INSTANTIATE_TEST_SUITE_P(Peers, EveryCodec,
                          testing::Values(Codec{"quantized_mesh", codeTile}, Codec{"meshoptimizer", codeMeshoptimizer},
+                                         Codec{"meshoptimizer_exact", codeMeshoptimizerExactly},
                                          Codec{"draco", codeDraco}, Codec{"draco_exact", codeDracoExactly}));
 
 TEST(QuantizedMesh, HasItsEdgesAndEndsWithThem) {
@@ -199,15 +201,20 @@ TEST(QuantizedMesh, SaysHowToInstallItsDecoder) {
   EXPECT_NE(code.error().message.find("npm ci --prefix " + empty.path().string()), std::string::npos);
 }
 
-TEST(DracoExactly, MovesNothing) {
+TEST(ExactCodecs, MoveNothing) {
   Rng rng(6);
-  const PeerMesh mesh = roughGrid(50, 50, rng);
-  const auto code = codeDracoExactly(mesh);
-  ASSERT_TRUE(code.ok());
-  EXPECT_EQ(code->tolerance, glm::dvec3(0));
-  const auto match = matchMeshes(mesh, *code);
-  ASSERT_TRUE(match.ok());
-  for (size_t i = 0; i < match->size(); ++i) EXPECT_EQ(code->decoded.positions[i], mesh.positions[(*match)[i]]);
+  PeerMesh mesh = roughGrid(50, 50, rng);
+  for (const double farthest : {1000.0, 100'000.0}) {  // the latter needs more than 16 bits
+    mesh.positions[7].z = farthest;
+    for (const auto& codec : {codeDracoExactly, codeMeshoptimizerExactly}) {
+      const auto code = codec(mesh);
+      ASSERT_TRUE(code.ok());
+      EXPECT_EQ(code->tolerance, glm::dvec3(0));
+      const auto match = matchMeshes(mesh, *code);
+      ASSERT_TRUE(match.ok());
+      for (size_t i = 0; i < match->size(); ++i) EXPECT_EQ(code->decoded.positions[i], mesh.positions[(*match)[i]]);
+    }
+  }
 }
 
 TEST(MatchMeshes, AllowsNewNamesAndTurnedCorners) {

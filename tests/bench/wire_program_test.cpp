@@ -31,12 +31,14 @@ TEST_F(WireProgram, ComparesWithOthersOnTheSameMeshes) {
     const nlohmann::json& meshes = peers.at(kind);
     EXPECT_EQ(meshes.at("meshes"), std::string(kind) == "in_flight" ? 3 : 1);
     EXPECT_TRUE(meshes.at("quantized_mesh_gzip").is_null());
-    for (const char* codec : {"foreland", "meshoptimizer_zstd", "draco_qp14", "draco_exact"}) {
+    for (const char* codec :
+         {"foreland", "meshoptimizer_zstd", "meshoptimizer_exact_zstd", "draco_qp14", "draco_exact"}) {
       EXPECT_NEAR(meshes.at(codec).at("bits_per_vertex").get<double>(),
                   8 * meshes.at(codec).at("bytes").get<double>() / meshes.at("vertices").get<double>(), 1e-9)
           << codec;
     }
-    EXPECT_EQ(meshes.at("draco_exact").at("max_error_m"), 0);
+    for (const char* codec : {"draco_exact", "meshoptimizer_exact_zstd"})
+      EXPECT_EQ(meshes.at(codec).at("max_error_m"), 0) << codec;
     EXPECT_GT(meshes.at("draco_qp14").at("max_error_m"), 0);
     EXPECT_GT(meshes.at("height_entropy_bits_per_node"), meshes.at("displacement_entropy_bits_per_node"));
     EXPECT_LT(meshes.at("foreland_over_draco_exact"), 1);
