@@ -1,8 +1,5 @@
 #include "bench/wire/times.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "base/check.h"
 #include "bench/timing.h"
 #include "bench/wire/wire_client.h"
@@ -11,32 +8,29 @@ namespace foreland::bench {
 
 namespace {
 
-constexpr int kPasses = 3;
+constexpr int kPasses = 5;
 
 // `begin()` makes what goes through the flight; work(it, i) takes it to keyframe i.
 template <class Begin, class Work>
-FlightSeconds leastOfPasses(size_t keyframes, const Begin& begin, const Work& work) {
-  constexpr double kEndless = std::numeric_limits<double>::infinity();
-  FlightSeconds least{kEndless, kEndless};
+FlightSeconds medianOfPasses(size_t keyframes, const Begin& begin, const Work& work) {
+  std::vector<double> first_s, rest_s;
   for (int pass = 0; pass < kPasses; ++pass) {
     auto traveller = begin();
-    double at = threadSeconds(), first = 0;
-    const double started = at;
-    for (size_t i = 0; i < keyframes; ++i) {
-      work(traveller, i);
-      at = threadSeconds();
-      if (i == 0) first = at - started;
-    }
-    least = {std::min(least.first_s, first), std::min(least.rest_s, at - started - first)};
+    const double started = threadSeconds();
+    work(traveller, 0);
+    const double first_done = threadSeconds();
+    for (size_t i = 1; i < keyframes; ++i) work(traveller, i);
+    first_s.push_back(first_done - started);
+    rest_s.push_back(threadSeconds() - first_done);
   }
-  return least;
+  return {median(first_s), median(rest_s)};
 }
 
 FlightSeconds timeAdapting(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight) {
   proto::InMemoryNodes source = hierarchy.source();
   proto::AdaptScratch scratch;
   proto::CutDelta delta;
-  return leastOfPasses(
+  return medianOfPasses(
       flight.size(), [&] { return proto::TerrainAdapter(hierarchy.domain()); },
       [&](proto::TerrainAdapter& adapter, size_t i) {
         delta.added.clear();
@@ -49,7 +43,7 @@ FlightSeconds timeSending(const server::Hierarchy& hierarchy, const std::vector<
                           Duration keyframe_interval) {
   server::SendScratch scratch;
   Bytes message;
-  return leastOfPasses(
+  return medianOfPasses(
       views.size(), [&] { return server::SectionSender(hierarchy); },
       [&](server::SectionSender& sender, size_t i) {
         message.clear();
@@ -58,7 +52,7 @@ FlightSeconds timeSending(const server::Hierarchy& hierarchy, const std::vector<
 }
 
 FlightSeconds timeDecoding(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight) {
-  return leastOfPasses(
+  return medianOfPasses(
       flight.size(), [&] { return WireClient(hierarchy); },
       [&](WireClient& client, size_t i) { client.take(flight[i].message); });
 }

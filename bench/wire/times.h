@@ -1,4 +1,4 @@
-// How long a recorded flight takes each end, in processor time of one thread: the least of some passes over the whole
+// How long a recorded flight takes each end, in processor time of one thread: the median of five passes over the whole
 // flight, each by a sender, an adapter or a client of its own that does nothing else meanwhile.
 #pragma once
 
