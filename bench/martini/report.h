@@ -1,5 +1,5 @@
-// `foreland bench refine`: refinement from scratch on one core, beside MARTINI on the same heights in the same run.
-// What each key means: bench/README.md. Blocks for about a minute.
+// `foreland bench refine`: refinement from scratch on one core, beside MARTINI, in C++ and in JavaScript, on the same
+// heights in the same run. What each key means: bench/README.md. Blocks for about a minute.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,9 @@
 
 namespace foreland::bench {
 
-// `hierarchy` refines the views of a tour; `martini_folder` holds martini.mjs and, once installed, node_modules.
-// Without them the report has `martini` null and the reason in `martini_skipped`.
+// `views` are those of a flight; `martini_folder` holds martini.mjs and, once installed, node_modules. Without them
+// MARTINI is measured in C++ alone: the report has `martini_javascript` null and the reason in
+// `martini_javascript_skipped`.
 nlohmann::ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene,
                                     const std::vector<proto::View>& views, const std::filesystem::path& martini_folder);
 

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "bench/martini/plain_martini.h"
 #include "bench/programs/run_program.h"
 #include "bench/programs/temporary_folder.h"
+#include "bench/timing.h"
 
 namespace foreland::bench {
 
@@ -16,15 +21,21 @@ namespace fs = std::filesystem;
 
 constexpr uint32_t kMaxGridSize = 4097;
 
-// Metres, row by row from the south-west, as floats of this machine's order.
-Status writeHeights(const terrain::Scene& scene, uint32_t size, const fs::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  std::vector<float> row(size);
-  for (uint32_t y = 0; y < size; ++y) {
+// Metres, row by row from the south-west.
+std::vector<float> heightsOf(const terrain::Scene& scene, uint32_t size) {
+  std::vector<float> heights;
+  heights.reserve(size_t{size} * size);
+  for (uint32_t y = 0; y < size; ++y)
     for (uint32_t x = 0; x < size; ++x)
-      row[x] = static_cast<float>(scene.height(proto::NodeId::at(x, y)) * scene.frame().height_quantum_m);
-    file.write(reinterpret_cast<const char*>(row.data()), static_cast<std::streamsize>(row.size() * sizeof(float)));
-  }
+      heights.push_back(static_cast<float>(scene.height(proto::NodeId::at(x, y)) * scene.frame().height_quantum_m));
+  return heights;
+}
+
+// As floats of this machine's order.
+Status writeHeights(const std::vector<float>& heights, const fs::path& path) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(heights.data()),
+             static_cast<std::streamsize>(heights.size() * sizeof(float)));
   file.close();
   if (!file)
     return Error{ErrorCode::kIo,
@@ -61,7 +72,59 @@ Result<MartiniResult> parse(const std::string& text) {
   }
 }
 
+template <class Work>
+double milliseconds(const Work& work) {
+  const double begin = threadSeconds();
+  work();
+  return 1e3 * (threadSeconds() - begin);
+}
+
+// As martini.mjs repeats: at least five times, then until a second and a half has gone.
+template <class Work>
+double medianMilliseconds(const Work& work) {
+  constexpr size_t kFewest = 5, kMost = 41;
+  std::vector<double> times;
+  for (double total = 0; times.size() < kFewest || (times.size() < kMost && total < 1500); total += times.back())
+    times.push_back(milliseconds(work));
+  return median(times);
+}
+
+// By bisection, to half a percent or as near as the heights' steps allow, with martini.mjs's arithmetic.
+double errorForTriangles(PlainMartini& tile, double wanted) {
+  double low = 0, high = tile.largestError_m(), best = high, distance = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 30 && distance > 0.005 * wanted; ++i) {
+    const double error = (low + high) / 2, count = static_cast<double>(tile.mesh(error).triangleCount());
+    if (std::fabs(count - wanted) < distance) best = error, distance = std::fabs(count - wanted);
+    (count > wanted ? low : high) = error;
+  }
+  return best;
+}
+
+MartiniMesh measure(PlainMartini& tile, const MartiniRequest& request) {
+  const double error = request.triangles > 0 ? errorForTriangles(tile, request.triangles) : request.max_error_m;
+  const double ms = medianMilliseconds([&] { tile.mesh(error); });
+  const double triangles = static_cast<double>(tile.mesh(error).triangleCount());
+  return {.max_error_m = error,
+          .true_error_m = tile.trueError_m(),
+          .triangles = triangles,
+          .ms = ms,
+          .mtri_per_s = triangles / (1000 * ms)};
+}
+
 }  // namespace
+
+MartiniResult runPlainMartini(const terrain::Scene& scene, const std::vector<MartiniRequest>& requests) {
+  MartiniResult result;
+  result.grid_size = martiniGridSize(scene.grid().shape());
+  std::vector<float> heights = heightsOf(scene, result.grid_size);
+  std::optional<MartiniTables> tables;
+  std::optional<PlainMartini> tile;
+  result.tables_ms = milliseconds([&] { tables.emplace(result.grid_size); });
+  result.tile_ms = milliseconds([&] { tile.emplace(*tables, std::move(heights)); });
+  result.clear_ms = medianMilliseconds([&] { tile->clearIndices(); });
+  for (const MartiniRequest& request : requests) result.meshes.push_back(measure(*tile, request));
+  return result;
+}
 
 uint32_t martiniGridSize(const proto::GridShape& shape) {
   const uint32_t intervals = std::min(shape.samples_x, shape.samples_y) - 1;
@@ -78,7 +141,7 @@ Result<MartiniResult> runMartini(const terrain::Scene& scene, const fs::path& fo
     return Error{ErrorCode::kIo, "no temporary folder can be made; set TMPDIR to where one can"};
   const uint32_t size = martiniGridSize(scene.grid().shape());
   const fs::path heights = scratch.path() / "heights.f32";
-  if (Status s = writeHeights(scene, size, heights); !s.ok()) return s.error();
+  if (Status s = writeHeights(heightsOf(scene, size), heights); !s.ok()) return s.error();
   // One thread, so that the processor time of the process is that of one core; it makes MARTINI no slower.
   const auto text = runProgram({"node", "--single-threaded", (folder / "martini.mjs").string(), heights.string(),
                                 std::to_string(size), toJson(requests).dump()});

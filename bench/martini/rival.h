@@ -1,7 +1,7 @@
-// MARTINI (npm @mapbox/martini), run by node on the heights of a scene. It extracts right-triangulated meshes of one
-// error in metres for the whole of a square of 2^k + 1 samples: it knows no view and culls nothing, and its error
-// parameter is no bound (it compares each midpoint with its own edge, not with the surface). Blocks; writes a temporary
-// file.
+// MARTINI on the heights of a scene: transcribed to C++ (plain_martini.h), and as its makers wrote it, run by node (npm
+// @mapbox/martini). It extracts right-triangulated meshes of one error in metres for the whole of a square of 2^k + 1
+// samples: it knows no view and culls nothing, and its error parameter is no bound, for it compares each midpoint with
+// its own edge and not with the surface. Blocks.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +29,7 @@ struct MartiniMesh {
 };
 
 struct MartiniResult {
-  std::string version, node;
+  std::string version, node;        // of the package and of node; empty in C++
   uint32_t grid_size = 0;           // samples a side
   double tables_ms = 0;             // once per grid size
   double tile_ms = 0;               // once per terrain: its errors
@@ -40,7 +40,11 @@ struct MartiniResult {
 // The largest square of 2^k + 1 samples that the data has, at most 4097 (MARTINI keeps 28 bytes a sample).
 uint32_t martiniGridSize(const proto::GridShape& shape);
 
-// `folder` holds martini.mjs and node_modules. kNotFound, with the way out, if node or the package is missing.
+// In C++, on the thread that calls.
+MartiniResult runPlainMartini(const terrain::Scene& scene, const std::vector<MartiniRequest>& requests);
+
+// In JavaScript; writes a temporary file. `folder` holds martini.mjs and node_modules. kNotFound, with the way out, if
+// node or the package is missing.
 Result<MartiniResult> runMartini(const terrain::Scene& scene, const std::filesystem::path& folder,
                                  const std::vector<MartiniRequest>& requests);
 
