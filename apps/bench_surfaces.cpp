@@ -1,7 +1,6 @@
 #include "apps/bench_surfaces.h"
 
-#include <iostream>
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/options.h"
 #include "bench/surfaces/model.h"
@@ -33,7 +32,8 @@ CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args) {
   surfaces->add_option("--frames", args.session.turning_frames, "of turning; half as many of coming near")
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();
-  surfaces->add_flag("--json", args.json, "print JSON");
+  surfaces->add_flag_callback(
+      "--json", [&args] { args.format = bench::ReportFormat::kJson; }, "print JSON");
   return surfaces;
 }
 
@@ -55,25 +55,20 @@ bool forEachSurface(const SurfaceArguments& args, const Visit& visit) {
 
 }  // namespace
 
-int runSurfaces(const SurfaceArguments& args) {
+Result<nlohmann::ordered_json> surfaces(const SurfaceArguments& args) {
   bench::SurfaceSession session = args.session;
   session.zoom_frames = session.turning_frames / 2;
   nlohmann::ordered_json report;
-  const bool all = forEachSurface(args, [&](const std::string& name, const Result<terrain::TrueSurface>& surface) {
+  std::optional<Error> error;
+  forEachSurface(args, [&](const std::string& name, const Result<terrain::TrueSurface>& surface) {
     if (surface)
       report[name] = bench::surfaceReport(*surface, session);
     else
-      std::cerr << "foreland bench: " << surface.error().message << "\n";
+      error = surface.error();
     return surface.ok();
   });
-  if (!all) return 2;
-  if (args.json) {
-    std::cout << report.dump(2) << "\n";
-    return 0;
-  }
-  for (const auto& [name, figures] : report.items())
-    for (const auto& [key, value] : figures.items()) std::cout << name << " " << key << "  " << value << "\n";
-  return 0;
+  if (error) return *error;
+  return report;
 }
 
 }  // namespace foreland::apps

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+#include "bench/report.h"
 #include "bench/surfaces/measure.h"
 
 namespace foreland::apps {
@@ -15,13 +17,13 @@ struct SurfaceArguments {
   std::string shape = "both";
   std::vector<std::string> models;  // in place of the shapes, if there are any
   uint32_t halvings = 5, base_triangles = 200;
-  bool json = false;
+  bench::ReportFormat format = bench::ReportFormat::kText;
 };
 
 // Registers the subcommand; `args` must outlive the parsing.
 CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args);
 
-// Prints the report; 0, or 2 and a message if a surface cannot be made.
-int runSurfaces(const SurfaceArguments& args);
+// The report. An Error if a surface cannot be made.
+Result<nlohmann::ordered_json> surfaces(const SurfaceArguments& args);
 
 }  // namespace foreland::apps

@@ -38,6 +38,7 @@ Time timeSince(Clock::time_point epoch) {
 // What is needed beside the server, opened before the flight so that mistakes show at once.
 struct Ground {
   std::shared_ptr<const terrain::Scene> truth;
+  std::optional<bench::SceneOracle> oracle;  // of `truth`
   std::optional<client::FrameDump> dump;
 };
 
@@ -47,6 +48,9 @@ Result<Ground> prepare(const FlyOptions& o) {
     auto scene = terrain::Scene::open(o.truth);
     if (!scene.ok()) return scene.error();
     ground.truth = *scene;
+    auto oracle = bench::sceneOracle(*scene);
+    if (!oracle.ok()) return oracle.error();
+    ground.oracle.emplace(std::move(oracle).value());
   }
   if (!o.dump.empty()) {
     auto dump = client::FrameDump::create(o.dump);
@@ -139,8 +143,8 @@ Status dumpFlight(const client::FlightLog& log, uint32_t every, client::FrameDum
   return status;
 }
 
-bench::FlightTruth measure(const client::FlightLog& log, const Ground& ground, const FlyOptions& o, double flown_s) {
-  bench::Oracle oracle(bench::truthOf(ground.truth));
+bench::FlightTruth measure(const client::FlightLog& log, const Ground& ground, bench::SceneOracle& oracle,
+                           const FlyOptions& o, double flown_s) {
   bench::FlightTruthOptions options{
       .frame_every = o.truth_every, .section_at = exactSections(ground.truth), .on_progress = {}};
   double told_s = 0;
@@ -181,10 +185,10 @@ int run(const FlyOptions& o) {
     summary.dumped_frames = ground->dump->written();
   }
   if (ground->truth) {
-    summary.truth = measure(player.log(), *ground, o, summary.flight.seconds);
+    summary.truth = measure(player.log(), *ground, *ground->oracle, o, summary.flight.seconds);
     summary.has_terms = true;
   }
-  std::fputs((o.output == FlyOptions::Output::kJson ? toJson(summary) : toText(summary)).c_str(), stdout);
+  std::fputs(text(summary, o.format).c_str(), stdout);
   return exit_code;
 }
 

@@ -18,17 +18,20 @@ Report (--json prints one object with these keys):
   keyframes, late_keyframes     received while flying; those that came after the time they were to be shown from
   bytes_down, bytes_up          everything since the connection, the first section included
   seconds, frames               flown; shown
-  frames_outside                drawn from where a keyframe does not promise its tolerance
+  frames_outside                drawn from where a keyframe does not guarantee its tolerance
   nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
   strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
 With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as far as it is
                                 drawn at its time)
-  max_error_px_frames           every --truth-every'th frame as it was drawn; frames_over_tau counts those above tolerance
-  cracks, uncovered_samples     must be 0
+  max_error_px_frames           frames as they were drawn, one in --truth-every; frames_over_tau counts those above tolerance
+  cracks, uncovered_samples     of terrain and objects; must be 0
+  measure_every, weights_judged the stride that was taken; how many weights between two keyframes were judged
+  object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times
+                                object_interior_per_tau is guaranteed; max_error_px_* count the latter divided by that
   interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
                                 _m; mean is that over frames of the largest in each
-  lod_motion_*_px               what the change of detail alone moves in a 60th of a second
+  lod_motion_*_px               what the change of detail alone moves in a 60th of a second; p99 of what moves
   delay_max_ms, delay_mean_ms   t - t_d
 
 Exit code: 0 when the flight was flown to its end, 2 otherwise.)";
@@ -71,7 +74,6 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
 
 ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   FlyOptions o;
-  bool wants_json = false;
   CLI::App app("Fly through a served scene without a screen, and report.", "foreland fly");
   app.footer(kFooter);
   app.add_option("URL", o.url, "the server, as ws://HOST:PORT")->required();
@@ -106,7 +108,9 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)")->check(isFinite());
   CLI::Option* truth =
       app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
-  app.add_option("--truth-every", o.truth_every, "measure every Nth frame (default 6; keyframes always)")
+  app.add_option("--truth-every", o.truth_every,
+                 "measure one in N frames, more if N shares a factor with the frames per keyframe (default 7; "
+                 "keyframes always)")
       ->needs(truth)
       ->check(CLI::PositiveNumber);
   CLI::Option* dump =
@@ -114,11 +118,11 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")
       ->needs(dump)
       ->check(CLI::PositiveNumber);
-  app.add_flag("--json", wants_json, "print the report as JSON");
+  app.add_flag_callback(
+      "--json", [&o] { o.format = bench::ReportFormat::kJson; }, "print the report as JSON");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return {std::move(o), app.exit(e) == 0 ? 0 : 2}; }
-  o.output = wants_json ? FlyOptions::Output::kJson : FlyOptions::Output::kText;
   return {std::move(o), std::nullopt};
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "base/result.h"
+#include "bench/oracle/flight_truth.h"
+#include "bench/report.h"
 #include "client/fly/player.h"
 
 namespace foreland::apps {
@@ -26,10 +28,10 @@ struct FlyOptions {
   std::string viewport = "1920x1080";
   double fov_deg = 60;
   std::filesystem::path truth;
-  uint32_t truth_every = 6;
+  uint32_t truth_every = bench::FlightTruthOptions{}.frame_every;
   std::filesystem::path dump;
   uint32_t dump_every = 60;
-  enum class Output : uint8_t { kText, kJson } output = Output::kText;
+  bench::ReportFormat format = bench::ReportFormat::kText;
 };
 
 // The options, or the exit code with which the program is to end at once (0 after --help, 2 for a mistake, already

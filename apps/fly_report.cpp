@@ -1,8 +1,5 @@
 #include "apps/fly_report.h"
 
-#include <nlohmann/json.hpp>
-#include <sstream>
-
 namespace foreland::apps {
 
 namespace {
@@ -31,12 +28,19 @@ void addTruth(Json& json, const FlySummary& s) {
   json["cracks"] = t.cracks;
   if (!t.first_crack.empty()) json["first_crack"] = t.first_crack;
   json["uncovered_samples"] = t.uncovered_samples;
+  json["measure_every"] = t.frame_every;
+  json["weights_judged"] = bench::toJson(t.weights_judged);
+  json["object_vertices_judged"] = t.object_vertices_judged;
+  json["object_silhouette_error_px"] = t.object_silhouette_error_px;
+  json["object_interior_error_px"] = t.object_interior_error_px;
+  json["object_interior_per_tau"] = t.object_interior_per_tau;
   if (s.has_terms) {
     addTerm(json, "interpolation_error", t.interpolation);
     addTerm(json, "view_error", t.view);
     addTerm(json, "extrapolation_error", t.extrapolation);
   }
   json["lod_motion_max_px"] = t.lod_motion.max_px;
+  json["lod_motion_p99_px"] = t.lod_motion_p99_px;
   json["lod_motion_mean_px"] = t.lod_motion.mean_px;
   json["lod_motion_rms_px"] = t.lod_motion.rms_px;
   json["delay_max_ms"] = t.delay_max_ms;
@@ -78,27 +82,8 @@ Json reportOf(const FlySummary& s) {
 
 }  // namespace
 
-std::string toJson(const FlySummary& summary) {
-  return reportOf(summary).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
-
-// The same numbers under the same names, so that nobody has to learn two lists.
-std::string toText(const FlySummary& summary) {
-  std::ostringstream out;
-  const Json report = reportOf(summary);
-  for (const auto& [key, value] : report.items()) {
-    if (value.is_array()) {
-      for (const auto& line : value) out << "note: " << line.get<std::string>() << "\n";
-      continue;
-    }
-    out << key << std::string(std::max<size_t>(28, key.size() + 1) - key.size(), ' ');
-    if (value.is_string())
-      out << value.get<std::string>();
-    else
-      out << value;
-    out << "\n";
-  }
-  return out.str();
+std::string text(const FlySummary& summary, bench::ReportFormat format) {
+  return bench::text(reportOf(summary), format);
 }
 
 }  // namespace foreland::apps

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/oracle/flight_truth.h"
+#include "bench/report.h"
 #include "client/fly/player.h"
 
 namespace foreland::apps {
@@ -21,7 +22,6 @@ struct FlySummary {
   std::optional<std::string> error;  // why the flight ended early
 };
 
-std::string toJson(const FlySummary& summary);
-std::string toText(const FlySummary& summary);
+std::string text(const FlySummary& summary, bench::ReportFormat format);
 
 }  // namespace foreland::apps

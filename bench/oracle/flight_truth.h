@@ -1,7 +1,11 @@
-// Measures a recorded flight against the truth: replays it frame by frame (client/fly/player.h) and asks the oracle.
-// Since the replay shows exactly what the flight showed, measuring costs the flight nothing and may take its time.
+// Measures a recorded flight against the truth: replays it frame by frame (client/fly/player.h) and puts frames before
+// the oracle. Since the replay shows exactly what the flight showed, measuring costs the flight nothing and may take
+// its time.
 //
 // What is measured, and where each number comes from (DESIGN section 4):
+// Errors at keyframes and in frames are those of all that is drawn, terrain and objects (scene_oracle.h); the terms
+// below them are the terrain's.
+//
 //   error at keyframes  what is drawn when each keyframe's time has come (weight 1: its section, but for geomorphs) against the
 //                       truth, seen from the pose it was computed for
 //   error in frames     what is drawn against the truth, seen as the frame shows it
@@ -12,25 +16,27 @@
 //   extrapolation       |S_view(t_i) - S_extra(t_i)|, once per keyframe, seen from the true pose at t_i; `predict` only
 //   delay               t - t_d
 //   lod motion          what the weights alone move on the screen from the frame before to this one, both seen from this one's
-//                       pose, for a 60th of a second (lod_motion.h); frames whose mesh is new are left out
+//                       pose, for a 60th of a second (lod_motion.h); frames whose mesh is new are left out. The root mean
+//                       square is over all vertices seen, the 99th percentile over those that move
 // S_view(t) is refined for the pose at t alone. Where a keyframe was refined for a region around its pose, its
-// counterpart for the true pose gets the same margins: they are the promise's doing, not extrapolation's. Norms of the
-// terms are taken over the samples that the frame sees. `max` is the largest over all frames of the largest in a frame,
-// `mean` the mean over frames of the largest in a frame, `rms` the root of the mean over frames of the mean square in a
-// frame. One owner.
+// counterpart for the true pose gets the same region, for that is the error guarantee's doing, not extrapolation's.
+// Norms of the terms are taken over the samples that the frame sees. `max` is the largest over all frames of the
+// largest in a frame, `mean` the mean over frames of the largest in a frame, `rms` the root of the mean over frames of
+// the mean square in a frame. One owner.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "bench/oracle/oracle.h"
+#include "bench/oracle/frame_sampling.h"
+#include "bench/oracle/scene_oracle.h"
 #include "client/fly/player.h"
 
 namespace foreland::bench {
 
-// What a section is to be computed for. The margins are those of a keyframe's promise (proto::KeyframeHeader); none for
-// S_view.
+// What a section is to be computed for. The region is that in which a keyframe guarantees its tolerance
+// (proto::KeyframeHeader); S_view has none.
 struct SectionRequest {
   proto::Pose pose;
   proto::Lens lens;
@@ -55,20 +61,27 @@ struct FlightTruth {
   TermNorms keyframes, frames;                   // against the truth
   TermNorms interpolation, view, extrapolation;  // of DESIGN section 4; empty without a SectionAt
   TermNorms lod_motion;                          // pixels only
+  double lod_motion_p99_px = 0;
+  uint32_t frame_every = 1;  // the stride that was taken: at least the one asked for, without a factor in common with
+                             // the frames per keyframe at 60 a second
+  JudgedWeights weights_judged;                                      // of frames
+  double object_silhouette_error_px = 0;                             // largest, keyframes and frames
+  double object_interior_error_px = 0, object_interior_per_tau = 1;  // the same; its tolerance, as a multiple of tau
+  uint64_t object_vertices_judged = 0;
   double delay_max_ms = 0, delay_mean_ms = 0;
   uint64_t frames_over_tau = 0;    // of those measured
-  uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle
+  uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle: samples of the terrain, vertices of objects
   uint64_t cracks = 0;
   std::string first_crack;
   double seconds = 0;  // flown so far, for progress
 };
 
 struct FlightTruthOptions {
-  uint32_t frame_every = 6;                             // frames are measured every so many; keyframes always
-  SectionAt section_at;                                 // absent: no error terms
+  uint32_t frame_every = 7;  // one frame in so many is measured, or more (FlightTruth); keyframes always
+  SectionAt section_at;      // absent: no error terms
   std::function<void(const FlightTruth&)> on_progress;  // now and then; may be empty
 };
 
-FlightTruth measureFlight(const client::FlightLog& log, Oracle& oracle, const FlightTruthOptions& options);
+FlightTruth measureFlight(const client::FlightLog& log, SceneOracle& oracle, const FlightTruthOptions& options);
 
 }  // namespace foreland::bench

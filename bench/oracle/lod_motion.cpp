@@ -4,27 +4,49 @@
 #include <glm/geometric.hpp>
 
 #include "bench/oracle/oracle.h"
+#include "bench/oracle/surface/oracle_eye.h"
 
 namespace foreland::bench {
 
-void collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
-                      const proto::Lens& lens, std::vector<double>& out_px) {
-  const double focal = lens.focalPx();
-  const auto project = [&](size_t vertex, double weight, glm::dvec2& at) {
-    const glm::dvec3 from(mesh.from_positions[vertex]), to(mesh.to_positions[vertex]);
-    const glm::dvec3 p = glm::mix(from, to, weight) + mesh.origin;
-    const glm::dvec3 v = glm::conjugate(pose.orientation) * (p - pose.eye);
-    if (v.z > -Oracle::kDefaultNear_m) return false;
-    at = glm::dvec2(v.x, v.y) * (focal / -v.z);
-    return std::fabs(at.x) <= 0.5 * lens.width_px && std::fabs(at.y) <= 0.5 * lens.height_px;
-  };
-  std::vector<bool> drawn(mesh.parameters.size());  // others lie beyond the data
-  for (uint32_t vertex : mesh.indices) drawn[vertex] = true;
-  for (size_t i = 0; i < mesh.parameters.size(); ++i) {
-    glm::dvec2 before, after;
-    if (drawn[i] && project(i, step.before, before) && project(i, step.after, after))
-      out_px.push_back(glm::distance(before, after));
+namespace {
+
+struct Step {
+  const OracleEye& eye;
+  glm::dvec3 origin;
+  WeightStep weights;
+
+  // Whether the point between two positions is seen, and where.
+  bool project(const glm::dvec3& from, const glm::dvec3& to, double weight, glm::dvec2& at) const {
+    const glm::dvec3 p = glm::mix(from, to, weight) + origin;
+    if (eye.depth(p) < Oracle::kDefaultNear_m) return false;
+    at = eye.project(p);
+    return eye.sees(at);
   }
+};
+
+size_t collect(const client::BlendMesh& mesh, const Step& step, std::vector<double>& out_px) {
+  std::vector<bool> is_drawn(mesh.parameters.size());  // vertices of no triangle lie beyond the data
+  for (uint32_t vertex : mesh.indices) is_drawn[vertex] = true;
+  size_t seen = 0;
+  for (size_t i = 0; i < mesh.parameters.size(); ++i) {
+    const glm::dvec3 from(mesh.from_positions[i]), to(mesh.to_positions[i]);
+    glm::dvec2 before, after;
+    if (!is_drawn[i] || !step.project(from, to, step.weights.before, before) ||
+        !step.project(from, to, step.weights.after, after))
+      continue;
+    ++seen;
+    if (from != to) out_px.push_back(glm::distance(before, after));
+  }
+  return seen;
+}
+
+}  // namespace
+
+size_t collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
+                        const proto::Lens& lens, std::vector<double>& out_px) {
+  const OracleEye eye(pose, lens);
+  const Step seen{eye, mesh.origin, step};
+  return collect(mesh, seen, out_px) + collect(mesh.objects, seen, out_px);
 }
 
 }  // namespace foreland::bench

@@ -14,8 +14,10 @@ struct WeightStep {
   double before = 0, after = 1;
 };
 
-// Appends the pixels that each vertex of the terrain moves which is seen at both weights, more than 1 m in front.
-void collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
-                      const proto::Lens& lens, std::vector<double>& out_px);
+// Appends the pixels by which each vertex moves that has two different positions and is seen at both weights, more than
+// 1 m in front of the eye; vertices of the terrain and of objects alike. Returns how many vertices are so seen, still
+// ones included.
+size_t collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const proto::Pose& pose,
+                        const proto::Lens& lens, std::vector<double>& out_px);
 
 }  // namespace foreland::bench

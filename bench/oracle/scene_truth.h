@@ -1,9 +1,10 @@
-// The oracle's truth from a scene file's heights.
+// The truth of a scene file, as the oracles take it.
 #pragma once
 
 #include <memory>
 
-#include "bench/oracle/oracle.h"
+#include "bench/oracle/scene_oracle.h"
+#include "terrain/objects/placed_objects.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::bench {
@@ -15,6 +16,15 @@ inline Truth truthOf(std::shared_ptr<const terrain::Scene> scene) {
             for (size_t i = 0; i < out.size(); ++i)
               out[i] = scene->height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
           }};
+}
+
+// Terrain and objects. An Error if the section of objects is damaged.
+inline Result<SceneOracle> sceneOracle(const std::shared_ptr<const terrain::Scene>& scene) {
+  const auto objects = terrain::readObjects(scene);
+  if (!objects) return objects.error();
+  std::vector<std::span<const proto::SurfaceRecord>> records;
+  for (const auto& model : objects->models) records.push_back(model->nodes());
+  return SceneOracle(truthOf(scene), objectsTruth(objects->set, records));
 }
 
 }  // namespace foreland::bench

@@ -1,4 +1,4 @@
-// The views of a tour's keyframes, as a session with the known path would refine them. Pure.
+// The views of the keyframes of a flight along a path, as a session that knows the path would refine them. Pure.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,8 @@
 
 namespace foreland::bench {
 
-enum class Promise { kKeyframesOnly, kEveryFrame };
+// Where a section keeps tau: at its keyframe's pose alone, or from anywhere between the keyframes before and after it.
+enum class Guarantee { kKeyframesOnly, kEveryFrame };
 
 struct FlightOptions {
   proto::Lens lens{1.0471975511965976, 1920, 1080};
@@ -18,12 +19,13 @@ struct FlightOptions {
   double seconds = 60;
 };
 
-inline std::vector<proto::View> keyframeViews(const proto::Path& path, const FlightOptions& options, Promise promise) {
+inline std::vector<proto::View> keyframeViews(const proto::Path& path, const FlightOptions& options,
+                                              Guarantee guarantee) {
   std::vector<proto::View> views;
   const Duration T = options.keyframe_interval;
   for (Time t; t <= Time::seconds(options.seconds); t = t + T) {
     proto::View view{path.at(t), options.lens, options.tau_px};
-    if (promise == Promise::kEveryFrame) {
+    if (guarantee == Guarantee::kEveryFrame) {
       const server::Sweep sweep = server::sweepOf(
           view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);
       view.region_radius_m = sweep.region_radius_m;

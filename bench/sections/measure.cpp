@@ -6,14 +6,8 @@
 #include <thread>
 
 #include "bench/allocation_count.h"
-#include "bench/oracle/crack_checker.h"
-#include "bench/oracle/lod_motion.h"
-#include "bench/oracle/oracle.h"
-#include "bench/oracle/scene_truth.h"
 #include "bench/timing.h"
-#include "client/replica.h"
 #include "server/section/sender.h"
-#include "server/session/world.h"
 
 namespace foreland::bench {
 
@@ -25,17 +19,34 @@ double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 double sum(const std::vector<double>& values) {
   double total = 0;
   for (double v : values) total += v;
   return total;
+}
+
+// Work done per second of the wall clock by `threads` threads, each adapting sessions of its own along the views.
+double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views, unsigned threads) {
+  constexpr int kRounds = 3;
+  const auto fly = [&] {
+    for (int round = 0; round < kRounds; ++round) {
+      proto::TerrainAdapter adapter(hierarchy.domain());
+      proto::InMemoryNodes source = hierarchy.source();
+      proto::AdaptScratch adapt_scratch;
+      proto::CutDelta delta;
+      for (const proto::View& view : views) {
+        delta.added.clear();
+        delta.removed.clear();
+        CHECK_TRUE(adapter.adapt(view, kNoLimit, source, adapt_scratch, delta));
+      }
+    }
+  };
+  const double begin = secondsNow();
+  {
+    std::vector<std::jthread> pool;
+    for (unsigned i = 0; i < threads; ++i) pool.emplace_back(fly);
+  }
+  return threads * kRounds * static_cast<double>(views.size()) / (secondsNow() - begin);
 }
 
 }  // namespace
@@ -47,7 +58,7 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
   proto::InMemoryNodes source = hierarchy.source();
   proto::AdaptScratch adapt_scratch;
   proto::CutDelta delta;
-  std::vector<double> refine_s, adapt_s, triangles, nodes, changes, fractions;
+  std::vector<double> refine_s, adapt_s, speeds, triangles, nodes, changes, fractions;
   SectionCosts costs;
   uint64_t allocations_before = 0;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -62,12 +73,11 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
     const double t3 = threadSeconds();
     if (i > views.size() / 2) allocations_before += allocationCount() - allocations;
     CHECK_EQ(adapter.nodeCount(), section.slots.size());
-    costs.bytes_per_node = std::max(
-        costs.bytes_per_node, static_cast<double>(adapter.bytes()) / static_cast<double>(adapter.nodeCount() + 1));
     if (i == 0) continue;  // the first keyframe is refined from nothing by both
     refine_s.push_back(t1 - t0);
     adapt_s.push_back(t3 - t2);
     triangles.push_back(static_cast<double>(proto::triangleCount(hierarchy.grid(), section)));
+    speeds.push_back(1e-6 * triangles.back() / refine_s.back());
     nodes.push_back(static_cast<double>(section.slots.size()));
     changes.push_back(static_cast<double>(delta.added.size() + delta.removed.size()));
     fractions.push_back(changes.back() / nodes.back());
@@ -77,13 +87,34 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
   costs.nodes = sum(nodes) / n;
   costs.triangles = sum(triangles) / n;
   costs.changed_fraction = sum(fractions) / n;
-  costs.refine_ms = 1e3 * quantile(refine_s, 0.5);
-  costs.adapt_ms = 1e3 * quantile(adapt_s, 0.5);
-  costs.refine_mtri_per_s = 1e-6 * sum(triangles) / sum(refine_s);
+  costs.refine_ms = 1e3 * median(refine_s);
+  costs.adapt_ms = 1e3 * median(adapt_s);
+  costs.refine_mtri_per_s = median(speeds);
   costs.adapt_us_per_change = 1e6 * sum(adapt_s) / sum(changes);
   costs.ratio = costs.refine_ms / costs.adapt_ms;
   costs.keyframes_per_s_per_core = 1e3 / costs.adapt_ms;
   return costs;
+}
+
+SessionMemory measureMemory(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views) {
+  server::SendScratch scratch;
+  Bytes message;
+  SessionMemory memory;
+  for (const bool is_counted : {false, true}) {  // the first pass grows what belongs to the worker
+    const size_t before = liveBytes();
+    server::SectionSender sender(hierarchy);
+    for (size_t i = 0; i < views.size(); ++i) {
+      message.clear();
+      sender.send(views[i], Time{} + Duration::milliseconds(static_cast<int64_t>(i)), scratch, message);
+      size_t nodes = sender.adapter().nodeCount();
+      for (const proto::SurfaceAdapter& object : sender.objects()) nodes += object.nodeCount();
+      if (!is_counted || liveBytes() == 0) continue;
+      const double bytes = static_cast<double>(liveBytes() - before + sizeof(sender));
+      memory.bytes = std::max(memory.bytes, bytes);
+      memory.bytes_per_node = std::max(memory.bytes_per_node, bytes / static_cast<double>(std::max<size_t>(nodes, 1)));
+    }
+  }
+  return memory;
 }
 
 double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views) {
@@ -115,71 +146,18 @@ Result<double> tauForTriangles(const server::Hierarchy& hierarchy, std::vector<p
   return Error{ErrorCode::kInvalidArgument, "no tolerance gives so many triangles in the mean; ask for more or fewer"};
 }
 
-SectionErrors measureErrors(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
-                            const proto::Path& path, const FlightOptions& options, uint32_t frames_per_keyframe,
-                            uint32_t measure_every) {
-  const terrain::Scene& scene = hierarchy.scene();
-  client::Replica replica(server::welcomeTo(hierarchy));
-  server::SectionSender sender(hierarchy);
-  server::SendScratch scratch;
-  Truth truth{scene.frame(), scene.grid().shape(), [&scene](uint32_t x, uint32_t y, std::span<int32_t> out) {
-                for (size_t i = 0; i < out.size(); ++i)
-                  out[i] = scene.height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
-              }};
-  Oracle oracle(std::move(truth));
-  SectionErrors errors;
-  std::vector<double> motions;
-  uint64_t frame = 0;
-  for (size_t i = 0; i < views.size(); ++i) {
-    Bytes message;
-    sender.send(views[i], Time{} + options.keyframe_interval * static_cast<int64_t>(i), scratch, message);
-    CHECK_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes())).ok());
-    const client::KeyframeMesh mesh = replica.buildMesh();
-    errors.cracks += findCracks(mesh, scene.grid().shape()).cracks;
-    const DrawnShare at_keyframe{&mesh, 1, 1};
-    errors.max_error_px_keyframes =
-        std::max(errors.max_error_px_keyframes, oracle.error({&at_keyframe, 1}, views[i].pose, options.lens).max_px);
-    if (i == 0) continue;
-    const Time begin = mesh.from.time;
-    for (uint32_t f = 0; f < frames_per_keyframe; ++f) {
-      if (frame++ % measure_every != 0) continue;
-      const double weight = static_cast<double>(f) / frames_per_keyframe;
-      const Time t = begin + Duration{options.keyframe_interval.us * f / frames_per_keyframe};
-      const DrawnShare drawn{&mesh, weight, 1};
-      const Deviation error = oracle.error({&drawn, 1}, path.at(t), options.lens);
-      errors.max_error_px_frames = std::max(errors.max_error_px_frames, error.max_px);
-      errors.frames_over_tau += error.max_px > options.tau_px ? 1 : 0;
-      ++errors.frames;
-    }
-    const Time middle = begin + Duration{options.keyframe_interval.us / 2};
-    collectLodMotion(mesh, {}, path.at(middle), options.lens, motions);
-  }
-  errors.lod_motion_px_per_frame = quantile(motions, 1) / frames_per_keyframe;
-  errors.lod_motion_px_per_frame_p99 = quantile(motions, 0.99) / frames_per_keyframe;
-  return errors;
-}
-
-double keyframesPerSecond(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views, unsigned threads) {
-  constexpr int kRounds = 3;
-  const auto fly = [&] {
-    for (int round = 0; round < kRounds; ++round) {
-      proto::TerrainAdapter adapter(hierarchy.domain());
-      proto::InMemoryNodes source = hierarchy.source();
-      proto::AdaptScratch adapt_scratch;
-      proto::CutDelta delta;
-      for (const proto::View& view : views) {
-        delta.added.clear();
-        delta.removed.clear();
-        CHECK_TRUE(adapter.adapt(view, kNoLimit, source, adapt_scratch, delta));
-      }
-    }
-  };
-  const double begin = secondsNow();
-  {
-    std::vector<std::jthread> pool;
-    for (unsigned i = 0; i < threads; ++i) pool.emplace_back(fly);
-  }
-  return threads * kRounds * static_cast<double>(views.size()) / (secondsNow() - begin);
+SectionComparisons measureComparisons(const server::Hierarchy& hierarchy, const proto::Path& path,
+                                      const FlightOptions& options) {
+  const auto plain = keyframeViews(path, options, Guarantee::kKeyframesOnly),
+             guaranteed = keyframeViews(path, options, Guarantee::kEveryFrame);
+  // Hierarchies may share a scene, which outlives both.
+  const std::shared_ptr<const terrain::Scene> scene(&hierarchy.scene(), [](const terrain::Scene*) {});
+  const server::Hierarchy isotropic(scene, proto::ErrorBound::kSphere);
+  const double triangles = meanTriangles(hierarchy, guaranteed);
+  return {.two_threads_over_one =
+              keyframesPerSecond(hierarchy, guaranteed, 2) / keyframesPerSecond(hierarchy, guaranteed, 1),
+          .promise_triangle_overhead = triangles / meanTriangles(hierarchy, plain) - 1,
+          .spheroid_triangle_saving = 1 - triangles / meanTriangles(isotropic, guaranteed)};
 }
 
 }  // namespace foreland::bench

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "bench/oracle/surface/surface_truth.h"
 #include "bench/surfaces/draw.h"
 #include "bench/timing.h"
 #include "proto/refine/surface_nodes.h"

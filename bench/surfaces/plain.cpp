@@ -1,19 +1,12 @@
 #include "bench/surfaces/plain.h"
 
+#include "bench/oracle/surface/surface_truth.h"
 #include "proto/topology/mesh_triangles.h"
 
 namespace foreland::bench {
 
-namespace {
-
 using proto::NodeId;
 using proto::Slot;
-
-SurfacePoint oraclePlace(const proto::FacePoint& place) {
-  return {place.face, {static_cast<int32_t>(place.weights[1]), static_cast<int32_t>(place.weights[2])}};
-}
-
-}  // namespace
 
 PlainSection plainRefine(const terrain::TrueSurface& surface, std::span<const proto::SurfaceRecord> records,
                          const proto::SurfaceMetric& metric) {
@@ -106,36 +99,13 @@ std::vector<DrawnTriangle> drawnTriangles(const terrain::TrueSurface& surface, c
     const auto visit = [&](NodeId a, NodeId b, NodeId c) {
       DrawnTriangle t{face, {}, {position(a), position(b), position(c)}};
       const NodeId corners[3] = {a, b, c};
-      for (size_t i = 0; i < 3; ++i) t.weights[i] = oraclePlace(mesh.placeIn(face, corners[i])).weights;
+      for (size_t i = 0; i < 3; ++i) t.weights[i] = surfacePoint(mesh.placeIn(face, corners[i])).weights;
       triangles.push_back(t);
     };
     proto::forEachTriangleOf(
         mesh, face, [&](NodeId n) { return section.holds(mesh, n); }, visit);
   }
   return triangles;
-}
-
-SurfaceTruth truthOf(const terrain::TrueSurface& surface) {
-  const proto::MeshTopology& mesh = surface.topology;
-  SurfaceTruth truth;
-  std::vector<uint32_t> number(mesh.slotCount());
-  const auto add = [&](NodeId v) {
-    truth.places.push_back(oraclePlace(mesh.place(v)));
-    truth.positions.push_back(surface.position(v));
-  };
-  for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) add(proto::baseVertexId(v));
-  terrain::forEachNode(mesh, [&](NodeId n, Slot slot) {
-    number[slot] = static_cast<uint32_t>(truth.places.size());
-    add(n);
-  });
-  const auto vertex = [&](NodeId v) { return mesh.isBase(v) ? proto::baseVertexOf(v) : number[mesh.slot(v)]; };
-  proto::forEachTriangle(
-      mesh, [](NodeId) { return true; },
-      [&](NodeId a, NodeId b, NodeId c) {
-        truth.triangles.push_back({vertex(a), vertex(b), vertex(c)});
-      });
-  truth.is_closed = mesh.base().isClosed();
-  return truth;
 }
 
 }  // namespace foreland::bench

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/oracle/surface_oracle.h"
+#include "bench/oracle/surface/surface_oracle.h"
 #include "proto/refine/surface_metric.h"
 #include "terrain/surface/surface.h"
 
@@ -37,8 +37,7 @@ struct MeshToDraw {
 };
 void meshToDraw(const terrain::TrueSurface& surface, const PlainSection& section, MeshToDraw& mesh);
 
-// What is drawn, and what is true, for the oracle.
+// What is drawn, for the oracle.
 std::vector<DrawnTriangle> drawnTriangles(const terrain::TrueSurface& surface, const PlainSection& section);
-SurfaceTruth truthOf(const terrain::TrueSurface& surface);
 
 }  // namespace foreland::bench

@@ -84,6 +84,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<prot
   }
   const double keyframes = static_cast<double>(flight.size() - 1);
   costs.keyframes = flight.size() - 1;
+  costs.objects = hierarchy.objects().set.size();
   costs.nodes_added = static_cast<uint64_t>(rest.added);
   costs.nodes_removed = static_cast<uint64_t>(rest.removed);
   costs.asked_per_added = rest.asked / rest.added;

@@ -30,7 +30,42 @@ struct WireCosts {
   double send_mnodes_per_s = 0;                      // adaptation and encoding together
   double first_encode_mnodes_per_s = 0, first_decode_mnodes_per_s = 0;
   double encode_ms = 0, decode_ms = 0;  // means per keyframe
-  uint32_t digest = 0;                  // of the last section (digest.h)
+  uint32_t digest = 0;                  // of the last section (digest.h); not a figure
+  uint64_t objects = 0;                 // that stand in the scene
+
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("keyframes", keyframes);
+    visit("nodes_added", nodes_added);
+    visit("nodes_removed", nodes_removed);
+    visit("bits_per_added_node", bits_per_added_node);
+    visit("height_bits", height_bits);
+    visit("structure_bits", structure_bits);
+    visit("asked_per_added", asked_per_added);
+    visit("framing_bits", framing_bits);
+    visit("framing_share", framing_share);
+    visit("first_section_nodes", first_section_nodes);
+    visit("first_section_bytes", first_section_bytes);
+    visit("first_section_bits_per_node", first_section_bits_per_node);
+    visit("first_section_height_bits", first_section_height_bits);
+    visit("first_section_structure_bits", first_section_structure_bits);
+    visit("kbit_per_s", kbit_per_s);
+    visit("objects", objects);
+    visit("object_nodes_added", object_nodes_added);
+    visit("object_places", object_places);
+    visit("bits_per_object_node", bits_per_object_node);
+    visit("object_structure_bits", object_structure_bits);
+    visit("object_place_bits", object_place_bits);
+    visit("object_framing_bits", object_framing_bits);
+    visit("encode_mnodes_per_s", encode_mnodes_per_s);
+    visit("decode_mnodes_per_s", decode_mnodes_per_s);
+    visit("decode_beyond_adaptation_mnodes_per_s", decode_beyond_adaptation_mnodes_per_s);
+    visit("send_mnodes_per_s", send_mnodes_per_s);
+    visit("first_encode_mnodes_per_s", first_encode_mnodes_per_s);
+    visit("first_decode_mnodes_per_s", first_decode_mnodes_per_s);
+    visit("encode_ms", encode_ms);
+    visit("decode_ms", decode_ms);
+  }
 };
 
 // Whole messages, as a session sends them, `views` being what it was asked for. Checks that both ends hold the same

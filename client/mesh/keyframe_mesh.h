@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "proto/message/message.h"
+#include "proto/topology/atlas_layout.h"
 
 namespace foreland::client {
 
@@ -22,14 +23,20 @@ struct BlendMesh {
   // Unit normals of the surface at either end, packed by pack_normal.h.
   std::vector<uint32_t> from_normals, to_normals;
   // What identifies a vertex on the surface, whatever its position. Terrain: the lattice position. Objects: the texture
-  // coordinate in the model's image (proto/topology/atlas_layout.h), so a vertex on a base edge is stored once for each
-  // face that it belongs to.
+  // coordinate by parameterLayout, so a vertex on a base edge is stored once for each face that it belongs to.
   std::vector<glm::vec2> parameters;
   // Triangles, counter-clockwise seen from above or outside.
   std::vector<uint32_t> indices;
 
   size_t triangleCount() const { return indices.size() / 3; }
 };
+
+// How the texture coordinates of a model's vertices follow from base face and weights: by the layout of its image, or by
+// one of 64 texels a base edge if it has none, so that coordinates identify vertices in any case.
+inline proto::AtlasLayout parameterLayout(uint32_t faces, uint32_t atlas_side) {
+  constexpr uint32_t kWithoutImage = 64;
+  return proto::AtlasLayout::of(faces, atlas_side > 0 ? atlas_side : kWithoutImage);
+}
 
 // The triangles of one object.
 struct ObjectPart {

@@ -42,7 +42,7 @@ class Builder {
         mesh_(objects.domain(positions.object).topology()),
         model_(objects.modelOf(positions.object)),
         placement_(objects.placement(positions.object)),
-        atlas_(objects.atlasOf(positions.object)),
+        layout_(parameterLayout(mesh_.base().faceCount(), model_.atlas_side)),
         scale_(mesh_.placeScale()),
         out_(out) {
     in_from_.insert(sections.from);
@@ -113,8 +113,7 @@ class Builder {
     if (is_new) {
       const proto::FacePoint point = mesh_.placeIn(face, v);
       const glm::dvec3 weights(point.weights[0], point.weights[1], point.weights[2]);
-      out_.corners.push_back(
-          {vertex(v), atlas_.side > 0 ? glm::vec2(atlas_.coordinates(face, weights / scale_)) : glm::vec2(0)});
+      out_.corners.push_back({vertex(v), glm::vec2(layout_.coordinates(face, weights / scale_))});
     }
     return it->second;
   }
@@ -142,7 +141,7 @@ class Builder {
   const proto::MeshTopology& mesh_;
   const proto::ObjectModel& model_;
   const proto::ObjectPlacement& placement_;
-  const proto::AtlasLayout atlas_;
+  const proto::AtlasLayout layout_;
   const double scale_;
   ObjectMesh& out_;
   SlotSet in_from_, in_to_, in_either_;

@@ -52,9 +52,6 @@ class ObjectSet {
   const ObjectPlacement& placement(size_t object) const { return placements_[object]; }
   const ObjectModel& modelOf(size_t object) const { return models_[placements_[object].model]; }
   const SurfaceDomain& domain(size_t object) const { return domains_[object]; }
-  AtlasLayout atlasOf(size_t object) const {
-    return AtlasLayout::of(domains_[object].topology().base().faceCount(), modelOf(object).atlas_side);
-  }
 
  private:
   std::vector<ObjectModel> models_;

@@ -10,6 +10,7 @@
 #include "client/mesh/morph_timing.h"
 #include "server/session/session.h"
 #include "tests/support/scene.h"
+#include "tests/world/ring_of_objects.h"
 
 namespace foreland::bench {
 namespace {
@@ -64,15 +65,15 @@ struct Flight {
   Status status;
 };
 
-Flight flown(const client::PlayerOptions& options) {
+Flight flown(const client::PlayerOptions& options, server::SceneObjects objects = {}) {
   Flight flight{client::Player(options), {}};
-  server::Session session(std::make_shared<server::World>(alps()), {});
+  server::Session session(std::make_shared<server::World>(alps(), std::move(objects)), {});
   flight.status = fly(flight.player, session);
   return flight;
 }
 
-FlightTruth measured(const client::Player& player) {
-  Oracle oracle(truthOf(alps()));
+FlightTruth measured(const client::Player& player, const server::SceneObjects& objects = {}) {
+  SceneOracle oracle(truthOf(alps()), objectsTruth(objects.set, objects.records));
   return measureFlight(player.log(), oracle,
                        {.frame_every = 20, .section_at = apps::exactSections(alps()), .on_progress = {}});
 }
@@ -96,6 +97,23 @@ TEST(Flight, KeepsToleranceInEveryFrameWithoutCracksOrExtrapolationErrorOnAKnown
   EXPECT_EQ(truth.delay_max_ms, 0);
   EXPECT_GT(truth.lod_motion.max_px, 0);
   EXPECT_LE(truth.lod_motion.max_px, 2.0 / 12 * 1.1);  // 2 tau over the frames of 200 ms
+}
+
+TEST(Flight, OverASceneWithObjectsKeepsTheirTolerancesToo) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "orbit";
+  const Flight flight = flown(options, test::objectsIn(*alps(), 12));
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  const FlightTruth truth = measured(flight.player, test::objectsIn(*alps(), 12));
+  EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+  EXPECT_EQ(truth.uncovered_samples, 0u);
+  EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+  EXPECT_GT(truth.object_vertices_judged, 1000u);
+  EXPECT_GT(truth.object_silhouette_error_px, 0.1);
+  EXPECT_LE(truth.object_silhouette_error_px, 1.01);
+  EXPECT_LE(truth.object_interior_error_px, 1.01 * truth.object_interior_per_tau);
+  EXPECT_EQ(truth.frame_every, 23u);  // 20 was asked for, of 12 frames a keyframe
+  EXPECT_EQ(truth.weights_judged.distinct(), truth.frames.count);
 }
 
 TEST(Flight, WithGeomorphsMovesLessAtATimeAndIsNeverFarAboveTheTolerance) {

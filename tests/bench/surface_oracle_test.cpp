@@ -1,6 +1,6 @@
-// The surface oracle on frames whose errors are known, and its verdict on refined surfaces: the promise (DESIGN section
-// 3) for every vertex of every kind of surface.
-#include "bench/oracle/surface_oracle.h"
+// The surface oracle on frames whose errors are known, and its verdict on refined surfaces: the error guarantee (DESIGN
+// section 3) for every vertex of every kind of surface.
+#include "bench/oracle/surface/surface_oracle.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "bench/oracle/surface/surface_truth.h"
 #include "bench/surfaces/plain.h"
 #include "terrain/surface/bounds.h"
 #include "tests/support/surface_views.h"
@@ -97,12 +98,14 @@ TEST(PlainRefinement, TakesExactlyTheNodesThatPass) {
   }
 }
 
-class Promise : public testing::TestWithParam<std::tuple<MeshRule, ErrorShape>> {};
+class ErrorGuarantee : public testing::TestWithParam<std::tuple<MeshRule, ErrorShape>> {};
 
-// No vertex is drawn farther from its place than the tolerance of where it is, from anywhere in the ball and however
-// the eye has turned meanwhile.
-TEST_P(Promise, HoldsForEveryVertexAndEveryEyeInTheBall) {
+// No vertex is drawn farther from its true position than the tolerance there, from anywhere in the region of the view
+// and however the eye has turned in it.
+TEST_P(ErrorGuarantee, HoldsForEveryVertexAndEveryEyeInTheRegion) {
   const auto& [rule, kind] = GetParam();
+  uint64_t judged = 0;
+  double nearest = 0;  // to the tolerance, as a share of it: a bound that nothing comes near is not tested
   for (const test::NamedSurface& named : test::surfaces(rule, 4)) {
     SCOPED_TRACE(named.name);
     const SurfaceOracle oracle(truthOf(named.surface));
@@ -119,13 +122,18 @@ TEST_P(Promise, HoldsForEveryVertexAndEveryEyeInTheBall) {
         EXPECT_LE(verdict.silhouette.max_px, view.tau_px);
         EXPECT_LE(verdict.interior.max_px, test.interior_px);
         EXPECT_EQ(verdict.uncovered, 0u);
+        judged += verdict.silhouette.vertices + verdict.interior.vertices;
+        nearest =
+            std::max({nearest, verdict.silhouette.max_px / view.tau_px, verdict.interior.max_px / test.interior_px});
       }
     }
   }
+  EXPECT_GT(judged, 10'000u);
+  EXPECT_GT(nearest, 0.5);
 }
 
 // Where the shape's long axis points at the eye, only the support's extent shows the error.
-TEST_P(Promise, HoldsRightAboveEveryNode) {
+TEST_P(ErrorGuarantee, HoldsRightAboveEveryNode) {
   const auto& [rule, kind] = GetParam();
   for (const test::NamedSurface& named : test::surfaces(rule, 3)) {
     SCOPED_TRACE(named.name);
@@ -133,6 +141,7 @@ TEST_P(Promise, HoldsRightAboveEveryNode) {
     const SurfaceOracle oracle(truthOf(surface));
     const auto records = terrain::computeBounds(surface, {.shape = kind, .threads = 1});
     Rng rng(1);
+    uint64_t judged = 0;
     terrain::forEachNode(surface.topology, [&](proto::NodeId n, proto::Slot slot) {
       const proto::SurfaceBounds bounds = proto::SurfaceBounds::of(records[slot], surface.step_m);
       View view;
@@ -147,11 +156,13 @@ TEST_P(Promise, HoldsRightAboveEveryNode) {
       const auto section = plainRefine(surface, records, proto::SurfaceMetric(view, test));
       const auto verdict = oracle.judge(drawnTriangles(surface, section), view.pose, kScreen, test.nearest_m);
       EXPECT_LE(std::max(verdict.silhouette.max_px, verdict.interior.max_px), test.interior_px);
+      judged += verdict.silhouette.vertices + verdict.interior.vertices;
     });
+    EXPECT_GT(judged, 1000u);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, Promise,
+INSTANTIATE_TEST_SUITE_P(Kinds, ErrorGuarantee,
                          testing::Combine(testing::Values(MeshRule::kQuadrisection, MeshRule::kBisection),
                                           testing::Values(ErrorShape::kSpheroid, ErrorShape::kHoppe)));
 

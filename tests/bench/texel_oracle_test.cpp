@@ -1,6 +1,6 @@
 // The parametric bound, seen on textures: the oracle of texels on frames whose errors are known, and its verdict on
 // refined surfaces that are drawn with the coordinates of their atlas.
-#include "bench/oracle/texel_oracle.h"
+#include "bench/oracle/surface/texel_oracle.h"
 
 #include <gtest/gtest.h>
 
@@ -82,8 +82,8 @@ TexelOracle oracleOf(const TrueSurface& surface, const AtlasLayout& atlas, bool 
 
 class Texels : public testing::TestWithParam<MeshRule> {};
 
-// Textures finer and coarser than the full mesh, on every kind of surface: no texel is drawn farther from its place
-// than the tolerance of where it is, from anywhere in the ball and however the eye has turned meanwhile.
+// Textures finer and coarser than the full mesh, on every kind of surface: no texel is drawn farther from where it
+// belongs than the tolerance there, from anywhere in the region of the view and however the eye has turned in it.
 TEST_P(Texels, AreDrawnWithinTheTolerances) {
   size_t left_out = 0;
   for (const test::NamedSurface& named : test::surfaces(GetParam(), 4))

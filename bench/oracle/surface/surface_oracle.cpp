@@ -1,4 +1,4 @@
-#include "bench/oracle/surface_oracle.h"
+#include "bench/oracle/surface/surface_oracle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "bench/oracle/oracle_eye.h"
+#include "bench/oracle/surface/oracle_eye.h"
 
 namespace foreland::bench {
 
@@ -21,7 +21,7 @@ int64_t twiceArea(const Weights& a, const Weights& b, const Weights& c) {
   return int64_t{b[0] - a[0]} * (c[1] - a[1]) - int64_t{b[1] - a[1]} * (c[0] - a[0]);
 }
 
-// Where a drawn triangle puts a place, if it holds it.
+// Where a drawn triangle has the point of these weights, if it covers it.
 std::optional<glm::dvec3> positionAt(const DrawnTriangle& t, const Weights& at) {
   const int64_t u = twiceArea(at, t.weights[1], t.weights[2]), v = twiceArea(t.weights[0], at, t.weights[2]),
                 w = twiceArea(t.weights[0], t.weights[1], at);
@@ -34,27 +34,27 @@ std::optional<glm::dvec3> positionAt(const DrawnTriangle& t, const Weights& at) 
 }  // namespace
 
 SurfaceOracle::SurfaceOracle(SurfaceTruth truth) : truth_(std::move(truth)) {
-  CHECK_EQ(truth_.places.size(), truth_.positions.size());
-  by_place_.resize(truth_.places.size());
-  std::iota(by_place_.begin(), by_place_.end(), 0u);
-  std::sort(by_place_.begin(), by_place_.end(), [&](uint32_t a, uint32_t b) {
-    const SurfacePoint &p = truth_.places[a], &q = truth_.places[b];
+  CHECK_EQ(truth_.points.size(), truth_.positions.size());
+  by_point_.resize(truth_.points.size());
+  std::iota(by_point_.begin(), by_point_.end(), 0u);
+  std::sort(by_point_.begin(), by_point_.end(), [&](uint32_t a, uint32_t b) {
+    const SurfacePoint &p = truth_.points[a], &q = truth_.points[b];
     return std::tie(p.face, p.weights) < std::tie(q.face, q.weights);
   });
-  for (uint32_t i = 0; i < by_place_.size(); ++i)
-    while (first_of_.size() <= truth_.places[by_place_[i]].face) first_of_.push_back(i);
-  first_of_.push_back(static_cast<uint32_t>(by_place_.size()));
+  for (uint32_t i = 0; i < by_point_.size(); ++i)
+    while (first_of_.size() <= truth_.points[by_point_[i]].face) first_of_.push_back(i);
+  first_of_.push_back(static_cast<uint32_t>(by_point_.size()));
 }
 
 std::vector<std::optional<glm::dvec3>> SurfaceOracle::drawnPositions(std::span<const DrawnTriangle> drawn) const {
-  std::vector<std::optional<glm::dvec3>> result(truth_.places.size());
+  std::vector<std::optional<glm::dvec3>> result(truth_.points.size());
   for (const DrawnTriangle& t : drawn) {
     if (t.face + 1 >= first_of_.size()) continue;
     const auto [low, high] = std::minmax({t.weights[0][0], t.weights[1][0], t.weights[2][0]});
-    const auto begin = by_place_.begin() + first_of_[t.face], end = by_place_.begin() + first_of_[t.face + 1];
-    const auto below = [&](uint32_t v, int32_t weight) { return truth_.places[v].weights[0] < weight; };
-    for (auto v = std::lower_bound(begin, end, low, below); v != end && truth_.places[*v].weights[0] <= high; ++v)
-      if (!result[*v]) result[*v] = positionAt(t, truth_.places[*v].weights);
+    const auto begin = by_point_.begin() + first_of_[t.face], end = by_point_.begin() + first_of_[t.face + 1];
+    const auto below = [&](uint32_t v, int32_t weight) { return truth_.points[v].weights[0] < weight; };
+    for (auto v = std::lower_bound(begin, end, low, below); v != end && truth_.points[*v].weights[0] <= high; ++v)
+      if (!result[*v]) result[*v] = positionAt(t, truth_.points[*v].weights);
   }
   return result;
 }

@@ -26,15 +26,15 @@
 
 namespace foreland::bench {
 
-// A place in the parameter domain: weights of a base face's second and third corner, of a sum that is the same
-// throughout.
+// A point of the parameter domain: the weights of a base face's second and third corner. The sum of the three weights
+// is the same for all points of a surface.
 struct SurfacePoint {
   uint32_t face = 0;
   std::array<int32_t, 2> weights{};
 };
 
 struct SurfaceTruth {
-  std::vector<SurfacePoint> places;  // of each vertex, in one of the faces that hold it
+  std::vector<SurfacePoint> points;  // of each vertex, in one of the faces that hold it
   std::vector<glm::dvec3> positions;
   std::vector<std::array<uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   bool is_closed = true;
@@ -58,6 +58,14 @@ struct SurfaceErrors {
   void finish() {  // after the last one
     if (vertices > 0) rms_px = std::sqrt(rms_px / static_cast<double>(vertices));
   }
+  // Both finished: as if all had been added to this one.
+  void merge(const SurfaceErrors& o) {
+    if (o.vertices == 0) return;
+    const double n = static_cast<double>(vertices), m = static_cast<double>(o.vertices);
+    rms_px = std::sqrt((n * rms_px * rms_px + m * o.rms_px * o.rms_px) / (n + m));
+    max_px = std::max(max_px, o.max_px);
+    vertices += o.vertices;
+  }
 };
 struct SurfaceJudgement {
   SurfaceErrors silhouette, interior;
@@ -78,8 +86,8 @@ class SurfaceOracle {
   std::vector<Side> sides(const glm::dvec3& eye) const;
 
   SurfaceTruth truth_;
-  std::vector<uint32_t> by_place_;  // vertices, by face, then by weights
-  std::vector<uint32_t> first_of_;  // of each face in by_place_
+  std::vector<uint32_t> by_point_;  // vertices, by face, then by weights
+  std::vector<uint32_t> first_of_;  // of each face in by_point_
 };
 
 }  // namespace foreland::bench

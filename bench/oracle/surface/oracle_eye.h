@@ -27,6 +27,15 @@ struct OracleEye {
   glm::dvec2 project(const glm::dvec3& p) const {
     return glm::dvec2(glm::dot(p - at, right), glm::dot(p - at, up)) * (focal / depth(p));
   }
+  // False only if no point of the sphere is in view.
+  bool maySee(const glm::dvec3& centre, double radius) const {
+    const glm::dvec3 d = centre - at;
+    const double ahead = glm::dot(d, forward);
+    const auto isWithin = [&](double across, double half) {
+      return std::fabs(across) * focal - ahead * half <= radius * std::hypot(focal, half);
+    };
+    return ahead > -radius && isWithin(glm::dot(d, right), half_width) && isWithin(glm::dot(d, up), half_height);
+  }
   bool sees(const glm::dvec2& pixel) const {
     return std::fabs(pixel.x) <= half_width && std::fabs(pixel.y) <= half_height;
   }

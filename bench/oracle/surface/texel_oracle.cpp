@@ -1,4 +1,4 @@
-#include "bench/oracle/texel_oracle.h"
+#include "bench/oracle/surface/texel_oracle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/check.h"
-#include "bench/oracle/oracle_eye.h"
+#include "bench/oracle/surface/oracle_eye.h"
 
 namespace foreland::bench {
 

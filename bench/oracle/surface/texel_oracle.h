@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/oracle/surface_oracle.h"
+#include "bench/oracle/surface/surface_oracle.h"
 
 namespace foreland::bench {
 

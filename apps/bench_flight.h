@@ -1,0 +1,46 @@
+// The flight that `foreland bench` measures: its options, and the path that they ask for.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "bench/report.h"
+#include "bench/sections/flight_views.h"
+#include "client/fly/track_path.h"
+#include "server/section/hierarchy.h"
+
+namespace foreland::apps {
+
+struct FlightArguments {
+  std::string scene, tour = "survey";
+  std::filesystem::path track;  // empty: the tour
+  client::TrackOptions track_options;
+  bench::FlightOptions flight;
+  double keyframe_ms = 200;
+  bench::ReportFormat format = bench::ReportFormat::kText;
+};
+
+// Fills `args` when the command line is parsed.
+void addFlightOptions(CLI::App& app, FlightArguments& args);
+
+struct PlannedFlight {
+  std::shared_ptr<const terrain::Scene> scene;
+  proto::Path path;
+  bench::FlightOptions options;  // `seconds` is at most the path's length
+};
+
+// Opens the scene and plans the tour over it, or the track as `foreland fly` would fly it. Prints what has been noted
+// about a track on stderr.
+Result<PlannedFlight> planFlight(const FlightArguments& args);
+
+// The scene's terrain and objects.
+Result<server::Hierarchy> hierarchyOf(const std::shared_ptr<const terrain::Scene>& scene);
+
+// What was flown: the first figures of every report.
+nlohmann::ordered_json flightReport(const FlightArguments& args, const PlannedFlight& flight);
+
+}  // namespace foreland::apps

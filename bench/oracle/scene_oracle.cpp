@@ -1,0 +1,37 @@
+#include "bench/oracle/scene_oracle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace foreland::bench {
+
+SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
+                                  const proto::Lens& lens) {
+  const DrawnShare drawn{.mesh = &mesh, .weight = weight};
+  SceneDeviation all{terrain_.error({&drawn, 1}, pose, lens)};
+  const SurfaceJudgement objects = objects_.judge(mesh, weight, pose, lens);
+  all.silhouette_px = objects.silhouette.max_px;
+  all.interior_px = objects.interior.max_px;
+  all.object_vertices = objects.silhouette.vertices + objects.interior.vertices;
+  SurfaceErrors pixels{all.max_px, all.rms_px, all.samples}, interior = objects.interior;
+  interior.max_px /= objects_.interiorPerTau();
+  interior.rms_px /= objects_.interiorPerTau();
+  pixels.merge(objects.silhouette);
+  pixels.merge(interior);
+  all.max_px = pixels.max_px;
+  all.rms_px = pixels.rms_px;
+  all.samples = pixels.vertices;
+  all.max_m = std::max(all.max_m, objects.max_m);
+  all.uncovered += objects.uncovered;
+  return all;
+}
+
+CrackReport SceneOracle::findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const {
+  CrackReport all = bench::findCracks(mesh, shape);
+  const CrackReport objects = objects_.findCracks(mesh);
+  if (all.cracks == 0) all.first = objects.first;
+  all.cracks += objects.cracks;
+  return all;
+}
+
+}  // namespace foreland::bench
