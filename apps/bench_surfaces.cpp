@@ -39,7 +39,7 @@ CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args) {
 
 namespace {
 
-// Names the surfaces asked for and makes them, one after the other, until one cannot be made.
+// Makes the surfaces that the arguments name and calls visit(name, surface) for each, until it returns false.
 template <class Visit>
 bool forEachSurface(const SurfaceArguments& args, const Visit& visit) {
   for (const std::string& model : args.models) {

@@ -1,6 +1,6 @@
-// The section computed exactly for a pose (as it travels, rounded to the millimetre, so that a known path has no
-// extrapolation error), as a mesh: what the error terms of DESIGN section 4 compare with. Here the program introduces
-// the oracle, which must not know the refiner, to the refiner. One owner.
+// The section computed exactly for a pose, as a mesh: what the error terms of DESIGN section 4 are measured against.
+// The pose is rounded to the millimetre as on the wire, so that a known path has no extrapolation error. The oracle
+// calls the refiner through this function, for it must not know the refiner's code. One owner.
 #pragma once
 
 #include <memory>

@@ -184,10 +184,7 @@ int run(const FlyOptions& o) {
     if (Status s = dumpFlight(player.log(), o.dump_every, *ground->dump); !s.ok()) exit_code = fail(s.error());
     summary.dumped_frames = ground->dump->written();
   }
-  if (ground->truth) {
-    summary.truth = measure(player.log(), *ground, *ground->oracle, o, summary.flight.seconds);
-    summary.has_terms = true;
-  }
+  if (ground->truth) { summary.truth = measure(player.log(), *ground, *ground->oracle, o, summary.flight.seconds); }
   std::fputs(text(summary, o.format).c_str(), stdout);
   return exit_code;
 }

@@ -16,7 +16,6 @@ struct FlySummary {
   client::Blend blend = client::Blend::kKeyframe;
   client::FlightReport flight;
   std::optional<bench::FlightTruth> truth;
-  bool has_terms = false;  // the error terms of DESIGN section 4 were measured
   uint64_t dumped_frames = 0;
   std::vector<std::string> notes;
   std::optional<std::string> error;  // why the flight ended early

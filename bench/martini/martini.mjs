@@ -44,7 +44,7 @@ function medianTime_ms(work) {
 
 const triangleCount = (mesh) => mesh.triangles.length / 3;
 
-// Bisection: the count falls as the error grows. Ends within half a percent, or where the heights' steps let it come no nearer.
+// Bisection: the count falls as the error grows. Ends within half a percent, or as near as the heights' quanta allow.
 function errorForTriangles(tile, wanted) {
   let low = 0, high = tile.errors.reduce((a, b) => Math.max(a, b), 0);
   let best = { error: high, distance: Infinity };

@@ -89,7 +89,7 @@ double medianMilliseconds(const Work& work) {
   return median(times);
 }
 
-// By bisection, to half a percent or as near as the heights' steps allow, with martini.mjs's arithmetic.
+// By bisection, to half a percent or as near as the heights' quanta allow, with martini.mjs's arithmetic.
 double errorForTriangles(PlainMartini& tile, double wanted) {
   double low = 0, high = tile.largestError_m(), best = high, distance = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 30 && distance > 0.005 * wanted; ++i) {

@@ -21,8 +21,8 @@ struct MartiniRequest {
 };
 
 struct MartiniMesh {
-  double max_error_m = 0;   // what it was asked for
-  double true_error_m = 0;  // what it is
+  double max_error_m = 0;   // its parameter
+  double true_error_m = 0;  // largest difference in height between mesh and samples
   double triangles = 0;
   double ms = 0;  // median
   double mtri_per_s = 0;

@@ -1,5 +1,5 @@
-// The oracle's rasteriser: drawn positions at lattice samples, block by block, from triangles given by lattice place.
-// Blocks keep a tile in the processor's cache and make the work local. One owner.
+// The oracle's rasteriser: drawn positions at lattice samples, block by block, from triangles given by lattice
+// position. Blocks keep a tile in the processor's cache and make the work local. One owner.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Tile {
 // Which triangles meet which of some chosen blocks.
 class TriangleBins {
  public:
-  // `rank` has an entry per block of the grid, row by row: -1 for blocks that are not chosen, else its place among the
+  // `rank` has an entry per block of the grid, row by row: -1 for blocks that are not chosen, else its index among the
   // chosen.
   void build(const client::KeyframeMesh& mesh, std::span<const int32_t> rank, uint32_t blocks_x, uint32_t blocks_y,
              size_t chosen);
@@ -36,7 +36,7 @@ class TriangleBins {
 };
 
 // Adds `share` times the mesh's position, mix(from, to, weight), at every sample of the block under one of `triangles`;
-// samples on a shared edge count once. `covered` is told for this mesh alone.
+// samples on a shared edge count once. `covered` is that of this mesh alone.
 void rasterise(const client::KeyframeMesh& mesh, double weight, double share, std::span<const uint32_t> triangles,
                uint32_t block_x, uint32_t block_y, Tile& tile, std::array<uint32_t, kBlock>& covered);
 

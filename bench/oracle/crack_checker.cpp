@@ -28,7 +28,7 @@ class Checker {
 
  private:
   struct Edge {
-    uint32_t low, high;  // vertices, merged by place
+    uint32_t low, high;  // vertices, merged by lattice position
     bool runs_up;        // from low to high in its triangle
     bool operator<(const Edge& o) const { return std::tie(low, high, runs_up) < std::tie(o.low, o.high, o.runs_up); }
     bool isSameLine(const Edge& o) const { return low == o.low && high == o.high; }
@@ -48,7 +48,7 @@ class Checker {
     return report_.cracks == 0;
   }
 
-  // Gives vertices at one place one name, and compares their positions.
+  // Gives vertices at one lattice position one name, and compares their positions.
   void mergeVertices() {
     std::vector<uint32_t> order(mesh_.parameters.size());
     std::iota(order.begin(), order.end(), 0u);

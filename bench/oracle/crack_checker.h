@@ -1,10 +1,10 @@
-// Looks for cracks in a mesh between two keyframes, by its lattice places alone; shares no code with what builds
+// Looks for cracks in a mesh between two keyframes, by its lattice positions alone; shares no code with what builds
 // meshes. Sound means:
 //   every edge is shared by exactly two triangles with opposite directions, or lies on the border of the data
 //   (so no vertex stands in the inside of an edge: the edge beside it would have one triangle only)
-//   vertices at one place are at one position, in both keyframes
+//   vertices at one lattice position are at one position in space, in both keyframes
 //   every triangle has positive area in the lattice (counter-clockwise seen from above)
-//   the areas add up to the data's: it is covered once, for with the above it can be neither less nor more in parts
+//   the areas add up to the data's, so that with the above every part of it is covered exactly once
 // Pure; any thread. O(n log n).
 #pragma once
 
@@ -16,7 +16,7 @@
 namespace foreland::bench {
 
 struct CrackReport {
-  uint64_t cracks = 0;  // findings of any kind
+  uint64_t cracks = 0;  // violations of any kind
   std::string first;    // the first of them, in words; empty if none
 };
 

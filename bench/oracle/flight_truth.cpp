@@ -28,7 +28,9 @@ class Measurement {
         strategy_(log.options.request.strategy),
         blend_(log.options.blend),
         lens_(log.options.request.lens),
-        asked_interval_(log.options.request.keyframe_interval) {}
+        asked_interval_(log.options.request.keyframe_interval) {
+    truth_.has_terms = options.section_at != nullptr;
+  }
 
   bool onFrame(const Player& player, Time now) {
     if (player.phase() != Player::Phase::kFlying && player.phase() != Player::Phase::kDone) return true;

@@ -6,7 +6,7 @@
 // Errors at keyframes and in frames are those of all that is drawn, terrain and objects (scene_oracle.h); the terms
 // below them are the terrain's.
 //
-//   error at keyframes  what is drawn when each keyframe's time has come (weight 1: its section, but for geomorphs) against the
+//   error at keyframes  what is drawn at each keyframe's time (weight 1: its section, but for geomorphs) against the
 //                       truth, seen from the pose it was computed for
 //   error in frames     what is drawn against the truth, seen as the frame shows it
 //   interpolation       |S_view(s) - S_inter(s)|, s the scene time shown. `delay`, `current`, geomorphs: S_inter is what is drawn.
@@ -53,6 +53,15 @@ struct TermNorms {
   double max_m = 0, mean_m = 0, rms_m = 0;
   uint64_t count = 0;  // frames or keyframes measured
 
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("max_px", max_px);
+    visit("mean_px", mean_px);
+    visit("rms_px", rms_px);
+    visit("max_m", max_m);
+    visit("mean_m", mean_m);
+    visit("rms_m", rms_m);
+  }
   void add(const Deviation& d);
   void finish();
 };
@@ -73,7 +82,46 @@ struct FlightTruth {
   uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle: samples of the terrain, vertices of objects
   uint64_t cracks = 0;
   std::string first_crack;
-  double seconds = 0;  // flown so far, for progress
+  double seconds = 0;      // flown so far, for progress
+  bool has_terms = false;  // there was a SectionAt
+
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("max_error_px_keyframes", keyframes.max_px);
+    visit("mean_error_px_keyframes", keyframes.mean_px);
+    visit("max_error_px_frames", frames.max_px);
+    visit("mean_error_px_frames", frames.mean_px);
+    visit("rms_error_px_frames", frames.rms_px);
+    visit("measured_keyframes", keyframes.count);
+    visit("measured_frames", frames.count);
+    visit("measure_every", frame_every);
+    visit("weights_judged", weights_judged);
+    visit("frames_over_tau", frames_over_tau);
+    visit("cracks", cracks);
+    if (!first_crack.empty()) visit("first_crack", first_crack);
+    visit("uncovered_samples", uncovered_samples);
+    visit("object_vertices_judged", object_vertices_judged);
+    visit("object_silhouette_error_px", object_silhouette_error_px);
+    visit("object_interior_error_px", object_interior_error_px);
+    visit("object_interior_per_tau", object_interior_per_tau);
+    if (has_terms) {
+      term("interpolation_error_", interpolation, visit);
+      term("view_error_", view, visit);
+      term("extrapolation_error_", extrapolation, visit);
+    }
+    visit("lod_motion_max_px", lod_motion.max_px);
+    visit("lod_motion_p99_px", lod_motion_p99_px);
+    visit("lod_motion_mean_px", lod_motion.mean_px);
+    visit("lod_motion_rms_px", lod_motion.rms_px);
+    visit("delay_max_ms", delay_max_ms);
+    visit("delay_mean_ms", delay_mean_ms);
+  }
+
+ private:
+  template <class Visit>
+  static void term(const std::string& name, const TermNorms& norms, const Visit& visit) {
+    norms.fields([&](const char* norm, double value) { visit((name + norm).c_str(), value); });
+  }
 };
 
 struct FlightTruthOptions {

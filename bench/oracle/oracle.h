@@ -1,12 +1,12 @@
 // The truth oracle: judges what is drawn against every full-resolution sample, by brute force. For each sample of the
-// terrain that the camera sees, its true position and the position on the drawn mesh at the same parameter (lattice
-// place) are both projected; the distance between them on the screen is the error (DESIGN section 3: correspond by
+// terrain that the camera sees, its true position and the position on the drawn mesh at the same lattice position are
+// both projected; the distance between them on the screen is the error (DESIGN section 3: correspond by
 // parameter, never by nearest point). It knows heights, the frame and the drawn triangles, nothing of sections, errors
-// or bounds, and shares no code with the refiner; that is why its word counts.
+// or bounds, and shares no code with the refiner, so a mistake of the refiner's cannot hide itself.
 //
 // A sample is seen if its *true* position is in front of the eye by more than `near_m` along the view direction and
-// projects inside the viewport; occlusion is not considered. A seen sample under no triangle is counted as uncovered: a
-// hole.
+// projects inside the viewport; occlusion is not considered. A seen sample under no triangle is a hole and counts as
+// uncovered.
 //
 // One owner (it caches heights block by block). Cost: about 15 ns per sample seen and 0.1 microseconds per triangle;
 // the first call also reads all heights.
@@ -30,7 +30,7 @@ namespace foreland::bench {
 struct Truth {
   proto::Frame frame;
   proto::GridShape shape;
-  // Writes the heights (steps) of samples (x .. x + out.size() - 1, y); called only inside the data.
+  // Writes the heights (quanta) of samples (x .. x + out.size() - 1, y); called only inside the data.
   std::function<void(uint32_t x, uint32_t y, std::span<int32_t> out)> heights;
 };
 

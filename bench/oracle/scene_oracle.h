@@ -3,7 +3,7 @@
 //
 // What is guaranteed differs: the terrain and the silhouettes of objects keep tau, the inside of objects an interior
 // tolerance that is a multiple of it. So that one figure can be compared with tau, errors inside objects count divided
-// by that multiple; they are also told as they are.
+// by that multiple; their own values are reported as well.
 //
 // One owner. Cost: that of the two oracles.
 #pragma once

@@ -1,4 +1,4 @@
-// A folder for what is handed to other programs; it goes away with the object. Any thread.
+// A folder for what is handed to other programs; it is removed with the object. Any thread.
 #pragma once
 
 #include <filesystem>

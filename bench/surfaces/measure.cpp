@@ -14,30 +14,31 @@ namespace foreland::bench {
 
 namespace {
 
-struct Ball {
+struct Sphere {
   glm::dvec3 centre;
   double radius;
 };
 
-Ball ballAround(const terrain::TrueSurface& surface) {
+Sphere sphereAround(const terrain::TrueSurface& surface) {
   glm::dvec3 low(1e300), high(-1e300);
   const auto forEachPosition = [&](const auto& visit) {
     for (uint32_t v = 0; v < surface.topology.baseVertexCount(); ++v) visit(surface.position(proto::baseVertexId(v)));
     terrain::forEachNode(surface.topology, [&](proto::NodeId n, proto::Slot) { visit(surface.position(n)); });
   };
   forEachPosition([&](const glm::dvec3& p) { low = glm::min(low, p), high = glm::max(high, p); });
-  Ball ball{0.5 * (low + high), 0};
-  forEachPosition([&](const glm::dvec3& p) { ball.radius = std::max(ball.radius, glm::length(p - ball.centre)); });
-  return ball;
+  Sphere sphere{0.5 * (low + high), 0};
+  forEachPosition(
+      [&](const glm::dvec3& p) { sphere.radius = std::max(sphere.radius, glm::length(p - sphere.centre)); });
+  return sphere;
 }
 
-proto::Pose lookAt(const Ball& ball, const glm::dvec3& direction, double distance) {
-  return {ball.centre + direction * distance, proto::lookAlong(-direction, {0, 0, 1})};
+proto::Pose lookAt(const Sphere& sphere, const glm::dvec3& direction, double distance) {
+  return {sphere.centre + direction * distance, proto::lookAlong(-direction, {0, 0, 1})};
 }
 
-// From which a ball covers this share of the screen's height.
-double distanceFor(const Ball& ball, const proto::Lens& lens, double disc) {
-  return ball.radius / std::sin(std::atan(disc * std::tan(0.5 * lens.vertical_fov_rad)));
+// The distance from which a sphere covers this share of the screen's height.
+double distanceFor(const Sphere& sphere, const proto::Lens& lens, double disc) {
+  return sphere.radius / std::sin(std::atan(disc * std::tan(0.5 * lens.vertical_fov_rad)));
 }
 
 template <class Work>
@@ -55,13 +56,13 @@ double medianMilliseconds(const Work& work) {
 
 proto::Pose poseAtDisc(const terrain::TrueSurface& surface, const SurfaceSession& session, double disc,
                        const glm::dvec3& direction) {
-  const Ball ball = ballAround(surface);
-  return lookAt(ball, direction, distanceFor(ball, session.lens, disc));
+  const Sphere sphere = sphereAround(surface);
+  return lookAt(sphere, direction, distanceFor(sphere, session.lens, disc));
 }
 
 std::vector<proto::Pose> sessionPoses(const terrain::TrueSurface& surface, const SurfaceSession& session) {
-  const Ball ball = ballAround(surface);
-  const double far = distanceFor(ball, session.lens, session.disc), near = 1.15 * ball.radius;
+  const Sphere sphere = sphereAround(surface);
+  const double far = distanceFor(sphere, session.lens, session.disc), near = 1.15 * sphere.radius;
   const auto direction = [](double turns, double rise) {
     const double around = 2 * std::numbers::pi * turns;
     return glm::dvec3(std::cos(around) * std::cos(rise), std::sin(around) * std::cos(rise), std::sin(rise));
@@ -69,11 +70,11 @@ std::vector<proto::Pose> sessionPoses(const terrain::TrueSurface& surface, const
   std::vector<proto::Pose> poses;
   for (uint32_t i = 0; i < session.turning_frames; ++i) {
     const double done = static_cast<double>(i) / session.turning_frames;
-    poses.push_back(lookAt(ball, direction(2 * done, 0.9 * std::cos(std::numbers::pi * done)), far));
+    poses.push_back(lookAt(sphere, direction(2 * done, 0.9 * std::cos(std::numbers::pi * done)), far));
   }
   for (uint32_t i = 0; i < session.zoom_frames; ++i) {
     const double done = (i + 1.0) / session.zoom_frames;
-    poses.push_back(lookAt(ball, direction(2, -0.9 + 0.6 * done), far * std::pow(near / far, done)));
+    poses.push_back(lookAt(sphere, direction(2, -0.9 + 0.6 * done), far * std::pow(near / far, done)));
   }
   return poses;
 }
@@ -83,7 +84,7 @@ SurfaceBench::SurfaceBench(const terrain::TrueSurface& surface, proto::ErrorShap
       shape_(shape),
       full_(truthOf(surface)),
       oracle_(full_),
-      nearest_m_(1e-3 * ballAround(surface).radius) {
+      nearest_m_(1e-3 * sphereAround(surface).radius) {
   const double begin = threadSeconds();
   records_ = terrain::computeBounds(surface, {.shape = shape, .fit = fit, .threads = 1});
   bounds_seconds_ = threadSeconds() - begin;

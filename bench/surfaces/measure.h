@@ -15,7 +15,7 @@ struct SurfaceSession {
   proto::Lens lens{1.0471975511965976, 640, 480};
   double silhouette_px = 0.5;
   double interior_px = 3.5;
-  uint32_t turning_frames = 120;  // two turns, from above to below
+  uint32_t turning_frames = 120;  // two rotations, from above to below
   uint32_t zoom_frames = 60;
   double disc = 0.6;  // the object's bounding sphere covers this share of the screen's height while it turns
 };
@@ -50,8 +50,8 @@ class SurfaceBench {
   };
   AtEqualError atEqualError(const SurfaceSession& session, const std::vector<proto::Pose>& poses, double share) const;
 
-  // The same section by the adapter that sessions have, which goes from pose to pose; the milliseconds of this step.
-  // CHECKs that it is what refinement from scratch gives.
+  // The same section by the adapter that sessions have, which adapts from pose to pose. Returns the milliseconds of
+  // this adaptation. CHECKs that it is what refinement from scratch gives.
   double adapt(const SurfaceSession& session, const proto::Pose& pose, proto::SurfaceAdapter& adapter) const;
   proto::SurfaceDomain domain(const SurfaceSession& session) const;
 

@@ -1,5 +1,4 @@
-// A flight as the wire sees it: keyframe after keyframe, as a server sends them. Recorded once, read as often as one
-// likes.
+// The keyframes of a flight as a server sends them, recorded so that several measurements can read the same bytes.
 #pragma once
 
 #include <vector>
@@ -10,7 +9,7 @@
 namespace foreland::bench {
 
 struct RecordedKeyframe {
-  proto::View view;  // as it is told
+  proto::View view;  // as the header states it
   Bytes message;
   size_t delta_bytes = 0;  // the message's last
   proto::DeltaBits bits;   // where they went

@@ -11,11 +11,11 @@
 namespace foreland::bench {
 
 struct HeldMesh {
-  // The same mesh twice, the vertices in the same order: on the lattice (x, y in samples, heights in steps: integers,
-  // as what the wire sends is), and in the scene's metres as the client draws them. Where triangles are clipped at the
-  // data's border, the heights on the lattice are rounded to a step.
+  // The same mesh twice, the vertices in the same order: on the lattice (x, y in samples, heights in quanta: the
+  // integers that the wire sends), and in the scene's metres as the client draws them. Where triangles are clipped at
+  // the data's border, the heights on the lattice are rounded to a quantum.
   PeerMesh lattice, scene;
-  // Of the section's nodes, in steps: height, and height less the mean of the edge's ends (rounded down).
+  // Of the section's nodes, in quanta: height, and height less the mean of the edge's ends (rounded down).
   std::vector<int32_t> heights, displacements;
   size_t bytes = 0;  // of the keyframe that brought it to a client that held nothing, header included
 };

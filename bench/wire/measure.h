@@ -11,20 +11,20 @@ struct WireCosts {
   uint64_t keyframes = 0, nodes_added = 0, nodes_removed = 0;  // after the first keyframe
   double bits_per_added_node = 0;  // all bytes down after the first keyframe, over the nodes that they add
   double height_bits = 0;          // of that: heights
-  double structure_bits = 0;       // which nodes come: answers to questions, radii
-  double asked_per_added = 0;      // questions, for each node that comes
+  double structure_bits = 0;       // which nodes are added: decisions, radii
+  double asked_per_added = 0;      // decisions coded, for each node that is added
   double framing_bits = 0;         // headers: the keyframe's and WebSocket's
   double framing_share = 0;        // of all bytes down after the first keyframe
   double first_section_bits_per_node = 0, first_section_height_bits = 0, first_section_structure_bits = 0;
   uint64_t first_section_nodes = 0, first_section_bytes = 0;
   double kbit_per_s = 0;  // after the first keyframe
-  // Over the whole flight, the first section included: nodes of objects that came to a section, those whose place was
-  // sent (another object of the model did not have it), and what each node that came cost: which come and go, where
-  // they are, and objects' share of framing by their share of the deltas' bits.
+  // Over the whole flight, the first section included: nodes added to the sections of objects, those of them whose
+  // position was sent (no other object of the model had it), and the bits of each node added: which nodes are added and
+  // removed, their positions, and objects' share of framing by their share of the deltas' bits.
   uint64_t object_nodes_added = 0, object_places = 0;
   double bits_per_object_node = 0, object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
-  // Millions of nodes that come or go per second (times.h), the first section apart. Encoding is what sending takes
-  // beyond adaptation alone; decoding includes the adaptation that it steps.
+  // Millions of nodes added or removed per second (times.h), the first section apart. Encoding is what sending takes
+  // beyond adaptation alone; decoding includes the client's adaptation.
   double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;
   double decode_beyond_adaptation_mnodes_per_s = 0;  // decoding less adaptation alone, as encoding is counted
   double send_mnodes_per_s = 0;                      // adaptation and encoding together
@@ -68,7 +68,7 @@ struct WireCosts {
   }
 };
 
-// Whole messages, as a session sends them, `views` being what it was asked for. Checks that both ends hold the same
+// Whole messages, as a session sends them, `views` being those of its keyframes. Checks that both ends hold the same
 // section and heights.
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
                       const std::vector<RecordedKeyframe>& flight, Duration keyframe_interval);

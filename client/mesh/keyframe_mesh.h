@@ -31,8 +31,8 @@ struct BlendMesh {
   size_t triangleCount() const { return indices.size() / 3; }
 };
 
-// How the texture coordinates of a model's vertices follow from base face and weights: by the layout of its image, or by
-// one of 64 texels a base edge if it has none, so that coordinates identify vertices in any case.
+// How the texture coordinates of a model's vertices follow from base face and weights: by the layout of its image, or
+// by one of 64 texels a base edge if it has none, so that coordinates identify vertices in any case.
 inline proto::AtlasLayout parameterLayout(uint32_t faces, uint32_t atlas_side) {
   constexpr uint32_t kWithoutImage = 64;
   return proto::AtlasLayout::of(faces, atlas_side > 0 ? atlas_side : kWithoutImage);

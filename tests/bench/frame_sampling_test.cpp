@@ -5,7 +5,7 @@
 namespace foreland::bench {
 namespace {
 
-// The law: whatever is asked for, every frame between two keyframes has its turn.
+// With any stride that is asked for, every frame between two keyframes is judged in its turn.
 TEST(CoprimeStride, JudgesEveryWeight) {
   for (uint32_t frames = 1; frames <= 60; ++frames)
     for (uint32_t asked = 1; asked <= 30; ++asked) {

@@ -159,7 +159,7 @@ TEST_F(ObjectsOracleTest, AFlippedTriangleIsACrack) {
 
 TEST_F(ObjectsOracleTest, AVertexAtTextureCoordinatesOfNoneIsACrack) {
   client::KeyframeMesh mesh = drawnMesh();
-  mesh.objects.places[mesh.objects.indices[0]] += 0.001f;
+  mesh.objects.parameters[mesh.objects.indices[0]] += 0.001f;
   EXPECT_GT(oracle_.findCracks(mesh).cracks, 0u);
 }
 

@@ -1,4 +1,5 @@
-// Other makers' codecs give back what they were given, to what they promise; fed anything else, they are found out.
+// Other makers' codecs give back what they were given to their stated tolerance; if they are given another mesh, the
+// judge finds out.
 #include <gtest/gtest.h>
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-// `foreland bench surfaces` on a small sphere: the report has what bench/README.md promises, and its figures agree.
+// `foreland bench surfaces` on a small sphere: the report has the keys of bench/README.md, and its figures agree.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

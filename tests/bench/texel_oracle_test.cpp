@@ -114,7 +114,7 @@ TEST_P(Texels, AreDrawnWithinTheTolerances) {
 
 INSTANTIATE_TEST_SUITE_P(Rules, Texels, testing::Values(MeshRule::kQuadrisection, MeshRule::kBisection));
 
-// With coordinates that follow the drawn shape in place of its parameters, a texture does slide, and the oracle sees
+// With coordinates that follow the drawn shape instead of its parameters, a texture does slide, and the oracle sees
 // it.
 TEST(Texels, ASlidingTextureIsSeen) {
   const TrueSurface torus = *terrain::makeTorus({2, 0.8, 4, 3}, {MeshRule::kQuadrisection, 4, 1e-6});

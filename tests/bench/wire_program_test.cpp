@@ -1,4 +1,4 @@
-// `foreland bench wire` on a tiny scene: the report has what bench/README.md promises of the comparison.
+// `foreland bench wire` on a tiny scene: the report has the keys of bench/README.md.
 #include <nlohmann/json.hpp>
 
 #include "bench/programs/run_program.h"

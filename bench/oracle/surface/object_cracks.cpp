@@ -67,7 +67,7 @@ class Checker {
 
   bool cornerAt(uint32_t index, Corner& out) {
     const uint32_t v = mesh_.indices[index];
-    const auto point = v < mesh_.places.size() ? pointAt(model_, mesh_.places[v]) : std::nullopt;
+    const auto point = v < mesh_.parameters.size() ? pointAt(model_, mesh_.parameters[v]) : std::nullopt;
     if (!point || point->face >= model_.faces.size()) {
       found("vertex " + std::to_string(v) + " is no point of the surface");
       return false;

@@ -84,7 +84,7 @@ std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeM
     bool is_sound = true;
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t v = drawn.indices[i + k];
-      const auto point = pointAt(truth_.models[truth.model], drawn.places[v]);
+      const auto point = pointAt(truth_.models[truth.model], drawn.parameters[v]);
       is_sound = is_sound && point && (k == 0 || point->face == t.face);
       if (!is_sound) break;
       t.face = point->face;

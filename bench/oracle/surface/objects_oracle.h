@@ -13,7 +13,7 @@
 
 #include "bench/oracle/crack_checker.h"
 #include "bench/oracle/surface/surface_oracle.h"
-#include "client/keyframe_mesh.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "proto/refine/objects.h"
 #include "proto/section/surface_bounds.h"
 

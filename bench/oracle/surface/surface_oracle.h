@@ -2,7 +2,7 @@
 // force. Each vertex's true position and the position on the drawn mesh at the same parameter (base face and weights)
 // are both projected; the distance between them on the screen is the error (S 3.3.3: parametric, so texture cannot
 // slide). It knows positions, parameters and triangles, nothing of nodes, sections or bounds, and shares no code with
-// what computes those; that is why its word counts.
+// what computes those, so a mistake there cannot hide itself.
 //
 // A vertex is on the silhouette if true triangles at it face the eye and others face away, inside if all face the eye;
 // on a closed surface, where all face away, it is not seen. It is seen if its *true* position is in front of the eye by

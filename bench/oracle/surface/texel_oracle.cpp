@@ -19,7 +19,7 @@ double twiceArea(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) 
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// Calls visit(texel, its place on the triangle) for each texel whose centre the triangle holds.
+// Calls visit(texel, its barycentric weights) for each texel whose centre the triangle covers.
 template <class Visit>
 void forEachTexel(const TexturedTriangle& t, uint32_t width, uint32_t height, const Visit& visit) {
   const auto& [a, b, c] = t.texels;

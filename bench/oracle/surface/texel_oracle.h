@@ -1,7 +1,7 @@
 // The truth oracle for textures on surfaces: how far from where it belongs each texel is drawn. It fills triangles in
 // the texture itself, by brute force: those of the full-resolution surface say where the centre of each texel belongs,
-// those drawn say where it is, and both places are projected. It knows triangles with texture coordinates, nothing of
-// base faces, atlases, nodes or bounds, so whatever makes a texture slide is seen.
+// those drawn say where it is, and both positions are projected. It knows triangles with texture coordinates, nothing
+// of base faces, atlases, nodes or bounds, so whatever makes a texture slide is seen.
 //
 // A texel is on the silhouette if it lies on true triangles of which one faces the eye and another faces away, inside
 // if all that it lies on face the eye; others are not seen on a closed surface. Otherwise as the oracle of vertices

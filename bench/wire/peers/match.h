@@ -1,5 +1,6 @@
-// Is a decoded mesh the one that was encoded? The judge of every codec in this room; shares no code with any of them.
-// Codecs may renumber vertices and triangles and rotate the corners of a triangle, but not turn it round. Any thread.
+// Is a decoded mesh the one that was encoded? It judges every codec of this folder and shares no code with any of them.
+// Codecs may renumber vertices and triangles and rotate the corners of a triangle, but not reverse its orientation. Any
+// thread.
 #pragma once
 
 #include "base/result.h"

@@ -1,7 +1,7 @@
 // A mesh as it is put before other makers' codecs, and what one of them made of it. Plain data.
 //
-// Which space the positions are in is the caller's affair: the scene's metres, or the lattice (x and y in samples,
-// height in steps), where quantised-mesh and Draco on the exact grid are at home.
+// The caller chooses the space of the positions: the scene's metres, or the lattice (x and y in samples, height in
+// quanta), whose integers the exact codecs take.
 #pragma once
 
 #include <cstdint>
