@@ -40,12 +40,13 @@ async function fly(isDone, { blend = 'keyframe', request = () => null } = {}) {
     const refusal = viewer.receive(message, now());
     if (refusal !== null) refusals.push(refusal);
   });
-  for (let frame = null; frame === null || !isDone(viewer, frame); await setImmediate()) {
+  for (let is_done = false; !is_done; await setImmediate()) {
     const welcome = viewer.welcome();
     const middle = welcome ? [0, 1].map((i) => 0.5 * (welcome.low[i] + welcome.high[i])) : [0, 0];
     // Moves a little, so that sections change.
     const eye = [middle[0] + 0.05 * now(), middle[1], (welcome?.high[2] ?? 0) + 500];
-    frame = viewer.frame(now(), { eye, orientation: [0, 0, 0, 1] });
+    // At once: a mesh may be gone when messages have arrived.
+    is_done = isDone(viewer, viewer.frame(now(), { eye, orientation: [0, 0, 0, 1] }));
     const wanted = request();
     if (wanted !== null) viewer.setRequest(wanted);
     for (let bytes = viewer.takeOutgoing(); bytes !== null; bytes = viewer.takeOutgoing()) socket.send(Buffer.from(bytes));
