@@ -110,7 +110,7 @@ namespace {
 
 // The radii of pages as an adapter knows them, for another adapter that is made from a section. Making one loads no
 // nodes and decides nothing.
-class KnownRadii final : public proto::NodeSource<proto::TerrainBatch> {
+class KnownRadii final : public proto::TerrainSource {
  public:
   explicit KnownRadii(const proto::TerrainAdapter& adapter) : adapter_(adapter) {}
   proto::QuantisedRadius radius(Slot first) override { return adapter_.radius(first); }

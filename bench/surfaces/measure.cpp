@@ -8,7 +8,7 @@
 #include "bench/oracle/surface/surface_truth.h"
 #include "bench/surfaces/draw.h"
 #include "bench/timing.h"
-#include "proto/refine/surface_nodes.h"
+#include "proto/refine/adapter.h"
 
 namespace foreland::bench {
 
@@ -105,12 +105,11 @@ PlainSection SurfaceBench::refine(const SurfaceSession& session, const proto::Po
 
 double SurfaceBench::adapt(const SurfaceSession& session, const proto::Pose& pose,
                            proto::SurfaceAdapter& adapter) const {
-  proto::InMemorySurfaceNodes source(records_);
   proto::AdaptScratch scratch;
   proto::CutDelta delta;
   const double begin = threadSeconds();
-  CHECK_TRUE(adapter.adapt({pose, session.lens, session.silhouette_px}, surface_.topology.slotCount(), source, scratch,
-                           delta));
+  CHECK_TRUE(adapter.adapt({pose, session.lens, session.silhouette_px}, surface_.topology.slotCount(), records_,
+                           scratch, delta));
   const double ms = 1e3 * (threadSeconds() - begin);
   const PlainSection expected = refine(session, pose, 1);
   CHECK_EQ(adapter.nodeCount(), expected.nodes);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/surfaces/plain.h"
-#include "proto/refine/surface_nodes.h"
+#include "proto/refine/adapter.h"
 #include "terrain/surface/bounds.h"
 
 namespace foreland::bench {

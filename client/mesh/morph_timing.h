@@ -74,7 +74,7 @@ class MorphTiming {
  private:
   bool meetsFrustum(const glm::dvec3& centre, double radius_m) const {
     const glm::dvec3 p = centre - eye_;
-    return frustum_.sideDistance(frustum_.place(p.x, p.y, p.z)) + radius_m + region_radius_ >= 0;
+    return frustum_.sideDistance(frustum_.toView(p.x, p.y, p.z)) + radius_m + region_radius_ >= 0;
   }
 
   MeshSpan span_;

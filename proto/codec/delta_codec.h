@@ -22,15 +22,13 @@
 #include "proto/codec/prediction_context.h"
 #include "proto/codec/symbols.h"
 #include "proto/refine/adapter.h"
-#include "proto/refine/terrain_batch.h"
+#include "proto/refine/terrain_source.h"
 #include "proto/section/node_tables.h"
 
 namespace foreland::proto {
 
 // Nodes in a section that a client accepts.
 inline constexpr size_t kMaxSectionNodes = 1u << 24;
-
-using TerrainAdapter = Adapter<TerrainBatch>;
 
 // What both ends have learnt.
 struct DeltaModel {
@@ -71,7 +69,7 @@ struct DeltaBits {
 };
 
 // The server's end: appends a delta to `out` as an adapter steps.
-class DeltaEncoder final : public NodeSource<TerrainBatch> {
+class DeltaEncoder final : public TerrainSource {
  public:
   DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out)
       : domain_(domain), nodes_(nodes), model_(model), coder_(out) {}
@@ -96,7 +94,7 @@ class DeltaEncoder final : public NodeSource<TerrainBatch> {
 
 // The client's end: reads a delta into `nodes` as an adapter steps. If the step fails, or finish() does, the bytes were
 // no delta for this section.
-class DeltaDecoder final : public NodeSource<TerrainBatch> {
+class DeltaDecoder final : public TerrainSource {
  public:
   DeltaDecoder(const TerrainDomain& domain, SparseNodes& nodes, DeltaModel& model, ByteSpan bytes)
       : domain_(domain), nodes_(nodes), model_(model), coder_(bytes) {}
@@ -115,24 +113,6 @@ class DeltaDecoder final : public NodeSource<TerrainBatch> {
   RangeDecoder coder_;
   CachedContexts cached_contexts_;
   bool absurd_ = false;
-};
-
-// The server's records without a wire.
-class InMemoryNodes final : public NodeSource<TerrainBatch> {
- public:
-  explicit InMemoryNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
-  QuantisedRadius radius(Slot first) override { return nodes_[first].radius(); }
-  void load(TerrainBatch& batch) override {
-    for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_[batch.slot[i]].middle();
-  }
-  bool decide(int, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
-    for (size_t i = 0; i < predicates.size(); ++i)
-      decisions[i] = nodes_[predicates[i].slot].error() >= predicates[i].least ? 1 : 0;
-    return true;
-  }
-
- private:
-  const NodeRecord* nodes_;
 };
 
 }  // namespace foreland::proto

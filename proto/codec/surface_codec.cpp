@@ -90,30 +90,26 @@ class Transcoder {
   }
 
  private:
-  using PageIterator = SurfaceCut::Pages::iterator;
-
-  // Pages of the next level may come meanwhile.
   bool walk(Change change, int level) {
-    const uint32_t end = mesh_.levelOffset(level + 1) / kPageSlots;
     size_t before = 0;  // whether anything changed in the last two blocks
-    for (PageIterator page = cut_.firstPageOf(level); page != cut_.end() && page->first < end; ++page) {
-      const SlotBits candidates = candidatesOf(page->second, change);
+    for (const SurfaceCut::Pages::PageName& name : cut_.pagesOf(level)) {
+      const SlotBits candidates = candidatesOf(cut_.page(name.number), change);
       for (uint8_t word = 0; word < 4; ++word) {
         if (candidates.words[word] == 0) continue;
-        const bool any = walkBlock(change, level, page, word, candidates.words[word], before);
+        const bool any = walkBlock(change, level, name.number, word, candidates.words[word], before);
         before = (2 * before + (any ? 1 : 0)) & 3;
         if (link_.hasFailed(cut_)) return false;
       }
     }
     return true;
   }
-  bool walkBlock(Change change, int level, PageIterator page, uint8_t word, uint64_t candidates, size_t before) {
-    const Slot first = page->first * kPageSlots + word * 64u;
+  bool walkBlock(Change change, int level, uint32_t page, uint8_t word, uint64_t candidates, size_t before) {
+    const Slot page_begin = cut_.page(page).first(), first = page_begin + word * 64u;
     uint64_t wanted = 0;
     for (uint64_t bits = candidates; bits != 0; bits &= bits - 1)
       if (link_.wants(change, first + static_cast<Slot>(std::countr_zero(bits)))) wanted |= bits & -bits;
     if (!coder_.code(blockContext(change, std::popcount(candidates), before), wanted != 0)) return false;
-    const auto nodes = mesh_.pageNodes(level, page->first * kPageSlots);
+    const auto nodes = mesh_.pageNodes(level, page_begin);
     bool any = false;
     for (uint64_t bits = candidates; bits != 0; bits &= bits - 1) {
       const int at = std::countr_zero(bits);
@@ -131,12 +127,12 @@ class Transcoder {
     return true;
   }
 
-  void remove(PageIterator page, uint8_t low, Slot slot) {
+  void remove(uint32_t page, uint8_t low, Slot slot) {
     cut_.remove(page, low);
     end_.known.release(slot);
     link_.onRemoved(slot);
   }
-  void add(PageIterator page, uint8_t low, NodeId n, Slot slot, int level) {
+  void add(uint32_t page, uint8_t low, NodeId n, Slot slot, int level) {
     if (end_.known.find(slot) == nullptr) {
       link_.beginPosition(coder_);
       const glm::ivec3 position = codePosition(n, level, link_.position(slot));

@@ -3,54 +3,42 @@
 #include <algorithm>
 #include <functional>
 
-#include "proto/refine/surface_batch.h"
-#include "proto/refine/terrain_batch.h"
+#include "proto/refine/slack.h"
 
 namespace foreland::proto {
 
 namespace {
 
-// A step rounds a slack by at most 2^-24 of it. Slacks are kept 2^-9 short, and all entries are tested anew before 2^15
-// steps can use that up.
-constexpr double kSlackShare = 1 - 0x1p-9;
-constexpr uint32_t kMostSteps = 1u << 15;
-constexpr int kNonePasses = 256;
-constexpr QuantisedError kAnyError{255}, kSomeError{1}, kNoError{0};
-
-uint8_t lowOf(Slot slot) { return static_cast<uint8_t>(slot); }
 bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
 
 }  // namespace
 
-// Endless if the views cannot be compared.
-template <class Batch>
-MotionBound Adapter<Batch>::motionBoundTo(const View& view) const {
-  if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0)
-    return domain_->metric(*last_).motionBoundTo(*last_, view);
+// Unbounded if the views cannot be compared.
+template <class Tester>
+MotionBound Adapter<Tester>::motionBoundTo(const View& view) const {
+  if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0) return domain_->motionBound(*last_, view);
   return MotionBound::unbounded();
 }
 
-// One adaptation under way.
-template <class Batch>
-class Adapter<Batch>::Step {
+// One adaptation in progress.
+template <class Tester>
+class Adapter<Tester>::Step {
  public:
-  using Candidate = AdaptScratch::Candidate;
-
-  Step(Adapter& adapter, const View& view, const MotionBound& motion, size_t max_nodes, NodeSource<Batch>& source,
+  Step(Adapter& adapter, const View& view, const MotionBound& motion, size_t max_nodes, Source& source,
        AdaptScratch& scratch, CutDelta& delta)
       : a_(adapter),
         frontier_(adapter.frontier_),
-        domain_(*adapter.domain_),
-        topology_(domain_.topology()),
-        metric_(domain_.metric(view)),
+        nodes_(adapter.frontier_.nodes()),
+        topology_(adapter.domain_->topology()),
         motion_(motion),
         max_nodes_(max_nodes),
         source_(source),
         scratch_(scratch),
-        delta_(delta) {
-    scratch_.undecided.assign(frontier_.pageCount(), {});
-    scratch_.has_undecided.assign(frontier_.pageCount(), 0);
-    scratch_.seeds.clear();
+        delta_(delta),
+        tester_(*adapter.domain_, view, motion, source, scratch.decisions) {
+    scratch_.undecided.assign(nodes_.pageCount(), {});
+    scratch_.has_undecided.assign(nodes_.pageCount(), 0);
+    scratch_.initial.clear();
     scratch_.pending.clear();
   }
 
@@ -60,7 +48,7 @@ class Adapter<Batch>::Step {
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
     std::reverse(delta_.removed.begin() + static_cast<std::ptrdiff_t>(removed), delta_.removed.end());
-    if (!a_.has_seeds_) seed();
+    if (!a_.is_complete_) findFrontier();
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
     frontier_.endStep();
@@ -69,229 +57,181 @@ class Adapter<Batch>::Step {
 
  private:
   Slot begin(int level) const { return topology_.levelOffset(level); }
-  bool isInSection(Slot slot) const { return frontier_.isInSection(slot); }
-  bool hasActiveChild(NodeId n, int level) const {
+  bool isInSection(Slot slot) const { return nodes_.isInSection(slot); }
+  bool hasChildInSection(NodeId n, int level) const {
     for (NodeId child : topology_.children(n))
       if (isInSection(topology_.slot(child, level + 1))) return true;
     return false;
   }
-  bool hasItsParents(NodeId n, int level) const {
+  bool hasParentsInSection(NodeId n, int level) const {
     for (NodeId parent : topology_.parents(n))
       if (!isInSection(topology_.slot(parent, level - 1))) return false;
     return true;
   }
 
-  void undecided(uint32_t page, uint8_t low) {
+  void markUndecided(uint32_t page, uint8_t low) {
     scratch_.undecided[page].set(low);
     scratch_.has_undecided[page] = 1;
   }
 
-  void test() {
-    batch_.testWithSlack(metric_, motion_, kSlackShare);
-    a_.tests_ += batch_.count;
-  }
-
-  // An entry whose bound settles its test gets a new slack; the others are open.
+  // Stale entries that still hold get a new slack; the others are undecided.
   void testStale() {
     int level = 1;
-    batch_.count = 0;
-    frontier_.consume(motion_, [&](uint32_t number, std::span<const uint32_t> places) {
-      const Frontier::Page& page = frontier_.page(number);
+    frontier_.consume(motion_, [&](uint32_t number, std::span<const uint32_t> indices) {
+      const FrontierPage& page = nodes_.page(number);
       while (page.first() >= begin(level + 1)) ++level;
       const auto nodes = topology_.pageNodes(level, page.first());
-      const float radius = domain_.radius(level, page.radius);
-      for (uint32_t place : places) {
-        const Entry& entry = frontier_.entryAt(place);
-        stale_[batch_.count] = {number, place, page.in_section.has(entry.low())};
-        batch_.push(nodes.at(entry.low()), page.first() | entry.low(), level, entry.bound(), radius);
-        if (batch_.full()) finishStale();
+      for (uint32_t index : indices) {
+        const FrontierEntry entry = frontier_.entryAt(index);
+        stale_[tester_.count()] = {number, index, page.in_section.has(entry.low())};
+        tester_.push(nodes.at(entry.low()), level, page, entry);
+        if (tester_.full()) finishStale();
       }
     });
     finishStale();
   }
   void finishStale() {
-    source_.load(batch_);
-    batch_.locate(domain_, metric_);
-    test();
-    for (size_t i = 0; i < batch_.count; ++i)
-      if ((batch_.passes[i] != 0) == stale_[i].is_in_section)
-        frontier_.renew(stale_[i].place, batch_.slack[i], batch_.constraint[i]);
+    tester_.test();
+    a_.tests_ += tester_.count();
+    for (size_t i = 0; i < tester_.count(); ++i)
+      if (tester_.passes(i) == stale_[i].is_in_section)
+        frontier_.renew(stale_[i].index, tester_.entry(i), tester_.slack(i));
       else
-        undecided(stale_[i].page, lowOf(batch_.slot[i]));
-    batch_.count = 0;
+        markUndecided(stale_[i].page, lowOf(tester_.slot(i)));
+    tester_.clear();
   }
 
-  // Takes a level's open nodes that are active, or the others, ascending.
+  // Takes the undecided nodes of a level that are in the section, or those that are not, as candidates; ascending.
   enum class Which { kLeaves, kAddable };
   void collect(int level, Which which) {
     scratch_.candidates.clear();
-    for (const Frontier::PageName& name : frontier_.pagesOf(begin(level), begin(level + 1))) {
+    for (const Frontier::Nodes::PageName& name : nodes_.pagesOf(begin(level), begin(level + 1))) {
       const uint32_t number = name.number;
       if (!scratch_.has_undecided[number]) continue;
-      const Frontier::Page& page = frontier_.page(number);
+      const FrontierPage& page = nodes_.page(number);
       SlotBits& undecided = scratch_.undecided[number];
       const SlotBits taken = which == Which::kLeaves ? undecided & page.in_section : undecided - page.in_section;
       undecided = undecided - taken;
       if (which == Which::kAddable) frontier_.reserve(number, (taken - page.on_frontier).count());
       taken.forEach([&](uint8_t low) {
-        const bool is_new = !page.on_frontier.has(low);
-        const QuantisedError known = !is_new                   ? frontier_.bound(page, low)
-                                     : which == Which::kLeaves ? kSomeError
-                                                               : kAnyError;
-        scratch_.candidates.push_back({{page.first() | low, known, {}, which == Which::kLeaves, is_new}, number});
+        scratch_.candidates.push_back(
+            {page.first() | low, number, which == Which::kLeaves, !page.on_frontier.has(low)});
       });
     }
   }
 
-  // Calls visit(candidate, node) for the candidates from `begin` to `end`, which are of one level.
+  // Calls visit(candidate, node) for candidates of one level.
   template <class Visit>
-  void forEach(int level, std::span<Candidate> candidates, const Visit& visit) {
-    uint32_t page = Frontier::kNone;
+  void forEach(int level, std::span<AdaptCandidate> candidates, const Visit& visit) {
+    uint32_t page = Frontier::Nodes::kNone;
     auto nodes = topology_.pageNodes(level, begin(level));
-    for (Candidate& c : candidates) {
-      if (c.page != page) nodes = topology_.pageNodes(level, frontier_.page(page = c.page).first());
-      visit(c, nodes.at(lowOf(c.predicate.slot)));
+    for (AdaptCandidate& c : candidates) {
+      if (c.page != page) nodes = topology_.pageNodes(level, nodes_.page(page = c.page).first());
+      visit(c, nodes.at(lowOf(c.slot)));
     }
   }
 
-  // Settles what each candidate is from now on (question.is_in_section) and gives each an entry.
+  // Decides for each candidate whether it is in the section from now on, and gives each an entry.
   bool resolve(int level) {
-    std::vector<Candidate>& candidates = scratch_.candidates;
-    for (size_t begin = 0; begin < candidates.size(); begin += Batch::kSize)
-      if (!resolve(level, std::span(candidates).subspan(begin, std::min(Batch::kSize, candidates.size() - begin))))
+    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
+    tester_.beginLevel();
+    for (size_t begin = 0; begin < candidates.size(); begin += Tester::kSize)
+      if (!resolve(level, std::span(candidates).subspan(begin, std::min(Tester::kSize, candidates.size() - begin))))
         return false;
     return true;
   }
-  bool resolve(int level, std::span<Candidate> part) {
-    batch_.count = 0;
-    forEach(level, part, [&](const Candidate& c, NodeId n) {
-      batch_.push(n, c.predicate.slot, level, c.predicate.known, domain_.radius(level, frontier_.page(c.page).radius));
-    });
-    source_.load(batch_);
-    batch_.locate(domain_, metric_);
-    batch_.findLeast(metric_);
-    if (!ask(level, part)) return false;
-    test();
-    for (size_t i = 0; i < part.size(); ++i)
-      frontier_.list(part[i].page, lowOf(batch_.slot[i]), batch_.bound[i], batch_.slack[i], batch_.constraint[i]);
+  bool resolve(int level, std::span<AdaptCandidate> part) {
+    tester_.clear();
+    forEach(level, part,
+            [&](const AdaptCandidate& c, NodeId n) { tester_.push(n, level, nodes_.page(c.page), entryOf(c)); });
+    if (!tester_.decide(level, part)) return false;
+    a_.tests_ += part.size();
+    for (size_t i = 0; i < part.size(); ++i) frontier_.put(part[i].page, tester_.entry(i), tester_.slack(i));
+    tester_.clear();
     return true;
   }
-
-  // Asks where what is known does not settle the test. The bounds of the entries are the batch's from now on.
-  bool ask(int level, std::span<Candidate> part) {
-    scratch_.predicates.clear();
-    scratch_.asked.clear();
-    for (size_t i = 0; i < part.size(); ++i) {
-      Predicate& q = part[i].predicate;
-      if (batch_.least[i] == kNonePasses) {
-        if (q.is_in_section) batch_.bound[i] = kAnyError;
-        q.is_in_section = false;
-        continue;
-      }
-      q.least = {static_cast<uint8_t>(batch_.least[i])};
-      if (q.least == kNoError) {
-        batch_.bound[i] = kNoError;
-        q.is_in_section = true;
-        continue;
-      }
-      // For addable nodes that have just come, and for leaves that turn round, it may be settled after all.
-      if (q.is_in_section ? q.known >= q.least : q.known < q.least) continue;
-      scratch_.predicates.push_back(q);
-      scratch_.asked.push_back(static_cast<uint32_t>(i));
-    }
-    scratch_.decisions.resize(scratch_.predicates.size());
-    if (!scratch_.predicates.empty() && !source_.decide(level, scratch_.predicates, scratch_.decisions)) return false;
-    for (size_t k = 0; k < scratch_.asked.size(); ++k) {
-      const uint32_t i = scratch_.asked[k];
-      Predicate& q = part[i].predicate;
-      q.is_in_section = scratch_.decisions[k] != 0;
-      batch_.bound[i] = q.is_in_section ? q.least : QuantisedError{static_cast<uint8_t>(q.least.value - 1)};
-    }
-    return true;
+  FrontierEntry entryOf(const AdaptCandidate& c) const {
+    if (!c.is_new) return frontier_.entry(nodes_.page(c.page), lowOf(c.slot));
+    return c.is_in_section ? FrontierEntry::newLeaf(lowOf(c.slot)) : FrontierEntry::newAddable(lowOf(c.slot));
   }
 
-  // Leaves of a level that go take their children off the frontier and may bring their parents to it, which may go in
-  // turn.
+  // Removes leaves of a level. Their children leave the frontier; parents without other children come to it, and may be
+  // removed in turn.
   bool remove(int level) {
     collect(level, Which::kLeaves);
     dropInner(level);
     if (!resolve(level)) return false;
-    std::vector<Candidate>& candidates = scratch_.candidates;
-    std::erase_if(candidates, [](const Candidate& c) { return c.predicate.is_in_section; });
+    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
+    std::erase_if(candidates, [](const AdaptCandidate& c) { return c.is_in_section; });
     a_.nodes_in_section_ -= candidates.size();
-    forEach(level, candidates, [&](const Candidate& c, NodeId n) {
-      frontier_.setInSection(c.page, lowOf(c.predicate.slot), false);
-      for (NodeId child : topology_.children(n)) unlist(topology_.slot(child, level + 1));
+    forEach(level, candidates, [&](const AdaptCandidate& c, NodeId n) {
+      frontier_.removeFromSection(c.page, lowOf(c.slot));
+      for (NodeId child : topology_.children(n)) removeFromFrontier(topology_.slot(child, level + 1));
       for (NodeId parent : topology_.parents(n)) {
         const Slot above = topology_.slot(parent, level - 1);
-        undecided(frontier_.find(above), lowOf(above));
+        markUndecided(nodes_.find(above), lowOf(above));
       }
     });
-    for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].predicate.slot);
+    for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].slot);
     return true;
   }
-  // Parents of what has gone that have other children.
+  // Drops candidates that are no leaves: parents of removed nodes that have other children.
   void dropInner(int level) {
     size_t kept = 0;
-    forEach(level, scratch_.candidates, [&](const Candidate& c, NodeId n) {
-      if (!c.predicate.is_new || !hasActiveChild(n, level)) scratch_.candidates[kept++] = c;
+    forEach(level, scratch_.candidates, [&](const AdaptCandidate& c, NodeId n) {
+      if (!c.is_new || !hasChildInSection(n, level)) scratch_.candidates[kept++] = c;
     });
     scratch_.candidates.resize(kept);
   }
-  void unlist(Slot slot) {
-    const uint32_t page = frontier_.find(slot);
-    if (page == Frontier::kNone || !frontier_.page(page).on_frontier.has(lowOf(slot))) return;
-    frontier_.unlist(page, lowOf(slot));
+  void removeFromFrontier(Slot slot) {
+    const uint32_t page = nodes_.find(slot);
+    if (!nodes_.page(page).on_frontier.has(lowOf(slot))) return;
+    frontier_.remove(page, lowOf(slot));
     scratch_.undecided[page].clear(lowOf(slot));
   }
 
-  // The whole frontier of a section of which only its own nodes are known.
-  void seed() {
-    a_.has_seeds_ = true;
+  // Finds all nodes that can be added to a section of which only the leaves have entries.
+  void findFrontier() {
+    a_.is_complete_ = true;
     for (Slot slot = begin(1); slot < begin(2); ++slot)
-      if (!topology_.isBase(topology_.node(slot))) considerAddable(slot, scratch_.seeds);
-    frontier_.forEachInSection([this](Slot slot) {
+      if (!topology_.isBase(topology_.node(slot))) considerAddable(slot, scratch_.initial);
+    nodes_.forEachInSection([this](Slot slot) {
       const NodeId n = topology_.node(slot);
       const int below = topology_.level(n) + 1;
       for (NodeId child : topology_.children(n))
-        if (hasItsParents(child, below)) considerAddable(topology_.slot(child, below), scratch_.seeds);
+        if (hasParentsInSection(child, below)) considerAddable(topology_.slot(child, below), scratch_.initial);
     });
-    std::sort(scratch_.seeds.begin(), scratch_.seeds.end(), std::greater<>());
+    std::sort(scratch_.initial.begin(), scratch_.initial.end(), std::greater<>());
   }
-  // A node that can be added.
+  // Takes a node whose parents are in the section as undecided, unless it is known; `pending` if its page does not
+  // exist.
   void considerAddable(Slot slot, std::vector<Slot>& pending) {
-    const uint32_t page = frontier_.find(slot);
-    if (page == Frontier::kNone)
+    const uint32_t page = nodes_.find(slot);
+    if (page == Frontier::Nodes::kNone)
       pending.push_back(slot);
-    else if (!frontier_.page(page).in_section.has(lowOf(slot)) && !frontier_.page(page).on_frontier.has(lowOf(slot)))
-      undecided(page, lowOf(slot));
+    else if (!nodes_.page(page).in_section.has(lowOf(slot)) && !nodes_.page(page).on_frontier.has(lowOf(slot)))
+      markUndecided(page, lowOf(slot));
   }
 
-  // Candidates of a level: those whose test is open, and those that have just become addable.
+  // Adds nodes of a level: of those whose test is undecided and those that have just become addable.
   bool add(int level) {
     makePages(level);
     collect(level, Which::kAddable);
-    std::vector<Candidate>& candidates = scratch_.candidates;
-    scratch_.slots.clear();
-    for (const Candidate& c : candidates)
-      if (c.predicate.is_new) scratch_.slots.push_back(c.predicate.slot);
-    if (!scratch_.slots.empty()) source_.onAddable(level, scratch_.slots);
+    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
+    tester_.tellAddable(level, candidates);
     if (!resolve(level)) return false;
-    std::erase_if(candidates, [](const Candidate& c) { return !c.predicate.is_in_section; });
-    if (candidates.empty()) return true;
-    if (a_.nodes_in_section_ + candidates.size() > max_nodes_) return false;
-    scratch_.slots.clear();
-    scratch_.passed.clear();
-    for (const Candidate& c : candidates) {
-      scratch_.slots.push_back(c.predicate.slot);
-      scratch_.passed.push_back(c.predicate.least);
+    const auto count = static_cast<size_t>(
+        std::count_if(candidates.begin(), candidates.end(), [](const AdaptCandidate& c) { return c.is_in_section; }));
+    if (count == 0) return true;
+    if (a_.nodes_in_section_ + count > max_nodes_ || !tester_.tellAdded(level, candidates)) return false;
+    std::erase_if(candidates, [](const AdaptCandidate& c) { return !c.is_in_section; });
+    a_.nodes_in_section_ += count;
+    for (const AdaptCandidate& c : candidates) {
+      delta_.added.push_back(c.slot);
+      frontier_.addToSection(c.page, lowOf(c.slot));
     }
-    if (!source_.onAdded(level, scratch_.slots, scratch_.passed)) return false;
-    a_.nodes_in_section_ += candidates.size();
-    delta_.added.insert(delta_.added.end(), scratch_.slots.begin(), scratch_.slots.end());
-    for (const Candidate& c : candidates) frontier_.setInSection(c.page, lowOf(c.predicate.slot), true);
-    forEach(level, candidates, [&](const Candidate&, NodeId n) {
-      for (NodeId parent : topology_.parents(n)) unlist(topology_.slot(parent, level - 1));
+    forEach(level, candidates, [&](const AdaptCandidate&, NodeId n) {
+      for (NodeId parent : topology_.parents(n)) removeFromFrontier(topology_.slot(parent, level - 1));
       for (NodeId child : topology_.children(n))
         if (topology_.hasOtherParent(child, n, [&](NodeId other) { return isInSection(topology_.slot(other, level)); }))
           considerAddable(topology_.slot(child, level + 1), scratch_.pending);
@@ -299,11 +239,12 @@ class Adapter<Batch>::Step {
     return true;
   }
 
+  // Makes the pages of the undecided nodes of a level that have none.
   void makePages(int level) {
-    std::vector<Slot>&seeds = scratch_.seeds, &pending = scratch_.pending;
-    for (; !seeds.empty() && seeds.back() < begin(level + 1); seeds.pop_back()) pending.push_back(seeds.back());
+    std::vector<Slot>&initial = scratch_.initial, &pending = scratch_.pending;
+    for (; !initial.empty() && initial.back() < begin(level + 1); initial.pop_back()) pending.push_back(initial.back());
     if (pending.empty()) return;
-    std::vector<Slot>& pages = scratch_.pages;
+    std::vector<Slot>& pages = scratch_.new_pages;
     pages.clear();
     for (Slot slot : pending)
       if (pages.empty() || !arePageMates(pages.back(), slot))
@@ -313,69 +254,69 @@ class Adapter<Batch>::Step {
     std::sort(pages.begin(), pages.end());
     pages.erase(std::unique(pages.begin(), pages.end(), arePageMates), pages.end());
     for (Slot slot : pages)
-      if (frontier_.find(slot) == Frontier::kNone) frontier_.makePage(slot, source_.radius(slot));
-    scratch_.undecided.resize(frontier_.pageCount());
-    scratch_.has_undecided.resize(frontier_.pageCount());
-    for (Slot slot : pending) undecided(frontier_.find(slot), lowOf(slot));
+      if (nodes_.find(slot) == Frontier::Nodes::kNone) frontier_.makePage(slot, Tester::radiusOf(source_, slot));
+    scratch_.undecided.resize(nodes_.pageCount());
+    scratch_.has_undecided.resize(nodes_.pageCount());
+    for (Slot slot : pending) markUndecided(nodes_.find(slot), lowOf(slot));
     frontier_.orderPages();
     pending.clear();
   }
 
   struct Stale {
-    uint32_t page, place;
+    uint32_t page, index;
     bool is_in_section;
   };
 
   Adapter& a_;
   Frontier& frontier_;
-  const Domain& domain_;
+  const Frontier::Nodes& nodes_;
   const typename Domain::Topology& topology_;
-  const typename Domain::Metric metric_;
   const MotionBound motion_;
   const size_t max_nodes_;
-  NodeSource<Batch>& source_;
+  Source& source_;
   AdaptScratch& scratch_;
   CutDelta& delta_;
-  Batch batch_;
-  std::array<Stale, Batch::kSize> stale_;
+  Tester tester_;
+  std::array<Stale, Tester::kSize> stale_;  // of the nodes in the tester
 };
 
-// The leaves are due at once; the rest of the frontier is found by the first step.
-template <class Batch>
-Adapter<Batch>::Adapter(const Domain& domain, std::span<const Slot> section, NodeSource<Batch>& source)
+// Leaves get entries without slack, so the first step tests them all; it finds the rest of the frontier, too.
+template <class Tester>
+Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, Source& source)
     : domain_(&domain), nodes_in_section_(section.size()) {
   const auto& topology = domain.topology();
+  const Frontier::Nodes& nodes = frontier_.nodes();
   for (Slot slot : section) {
-    if (frontier_.find(slot) == Frontier::kNone) frontier_.makePage(slot, source.radius(slot));
-    frontier_.setInSection(frontier_.find(slot), lowOf(slot), true);
+    if (nodes.find(slot) == Frontier::Nodes::kNone) frontier_.makePage(slot, Tester::radiusOf(source, slot));
+    frontier_.addToSection(nodes.find(slot), lowOf(slot));
   }
   frontier_.orderPages();
   for (Slot slot : section) {
     bool is_leaf = true;
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
-    if (is_leaf) frontier_.list(frontier_.find(slot), lowOf(slot), kSomeError, 0, 0);
+    if (is_leaf) frontier_.put(nodes.find(slot), FrontierEntry::newLeaf(lowOf(slot)), 0);
   }
 }
 
-template <class Batch>
-bool Adapter<Batch>::adapt(const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
-                           CutDelta& delta) {
+template <class Tester>
+bool Adapter<Tester>::adapt(const View& view, size_t max_nodes, Source& source, AdaptScratch& scratch,
+                            CutDelta& delta) {
   ++steps_;
   const MotionBound motion = motionBoundTo(view);
   last_ = view;
   return Step(*this, view, motion, max_nodes, source, scratch, delta).run();
 }
 
-template <class Batch>
-Section Adapter<Batch>::section() const {
+template <class Tester>
+Section Adapter<Tester>::section() const {
   Section section;
   section.slots.reserve(nodes_in_section_);
-  frontier_.forEachInSection([&](Slot slot) { section.slots.push_back(slot); });
+  frontier_.nodes().forEachInSection([&](Slot slot) { section.slots.push_back(slot); });
   return section;
 }
 
-template <class Batch>
-void Adapter<Batch>::validate() const {
+template <class Tester>
+void Adapter<Tester>::validate() const {
   frontier_.validate();
   const auto& topology = domain_->topology();
   const auto in_section = [&](NodeId n) { return contains(topology.slot(n)); };
@@ -388,13 +329,13 @@ void Adapter<Batch>::validate() const {
     const bool rooted = std::all_of(parents.begin(), parents.end(), in_section),
                leaf = std::none_of(children.begin(), children.end(), in_section);
     if (in_section(n)) CHECK_TRUE(rooted);
-    CHECK_EQ(in_section(n) ? leaf : rooted, frontier_.isOnFrontier(slot));
-    on_frontier += frontier_.isOnFrontier(slot);
+    CHECK_EQ(in_section(n) ? leaf : rooted, frontier_.nodes().isOnFrontier(slot));
+    on_frontier += frontier_.nodes().isOnFrontier(slot);
   }
   CHECK_EQ(on_frontier, frontier_.entryCount());
 }
 
-template class Adapter<TerrainBatch>;
-template class Adapter<SurfaceBatch>;
+template class Adapter<TerrainTester>;
+template class Adapter<SurfaceTester>;
 
 }  // namespace foreland::proto

@@ -1,19 +1,15 @@
-// From the previous section to the next at a cost that follows the changes. Only the frontier (removable and addable
-// nodes) can change, and a frontier node's test only once the camera has moved far enough: each entry carries its
-// slack, the motion that its outcome is sure to survive (Metric::outcome). A step takes its motion off every slack,
-// page by page, and tests again only where it is used up. Equal to refine(), node for node, for any motion.
+// From the previous section to the next at a cost that follows the changes. Only the frontier (leaves, which can be
+// removed, and nodes that can be added) can change, and the test of a frontier node only once the camera has moved far
+// enough: each entry has a slack, the motion that its last result is sure to survive (motion_margin.h). A step
+// subtracts its motion from every slack, page by page, and tests again only the nodes whose slack is used up. The
+// result equals refine(), node for node, for any motion.
 //
 // S 3.4 moves the cut by testing all of it; the slack is ours.
 //
-// Both ends run it: the server on the scene's records, the client on what it is sent. Neither needs to know a node's
-// error: an entry has a bound on it, from below for a node of the section, from above for one that can be added. Only
-// where that does not settle the test is there a question, "is the error at least the least that passes?", and its
-// answer becomes the entry's bound. So the answers, in the order of the questions, are all that a client must be told
-// of what comes and what goes (delta_codec.h). A node that leaves the frontier is forgotten: what is known is a matter
-// of the section and of the views since.
-//
-// Terrain and surfaces share it: a Batch says how nodes are tested (terrain_batch.h, surface_batch.h), its Domain how
-// they are named. A surface's records settle every test, so of it no questions are asked.
+// Both ends run it: the server on the scene's records, the client on what it is sent. This file steps the frontier.
+// What differs between terrain and surfaces is their tester: terrain_tester.h decides by bounds on errors and by
+// predicates that its source decides, surface_tester.h by records. A node that leaves the frontier is forgotten: what
+// is known is a function of the section and of the views since.
 //
 // One owner (a session, a replica). No allocation once grown to the section's size.
 #pragma once
@@ -22,84 +18,40 @@
 #include <span>
 #include <vector>
 
+#include "proto/refine/adapt_scratch.h"
 #include "proto/refine/frontier.h"
+#include "proto/refine/surface_tester.h"
+#include "proto/refine/terrain_tester.h"
 #include "proto/section/section.h"
 
 namespace foreland::proto {
 
-// Is the error of a node at least of class `least`? One of these is true: it is at least `known` (and `least` is more,
-// and the node is in the section), or at most `known` (and `least` is no more, and the node is not).
-struct Predicate {
-  Slot slot = 0;
-  QuantisedError known, least;
-  bool is_in_section = false;
-  bool is_new = false;  // the node has come to the frontier in this step
-};
-
-// Where an adapter's records and answers come from. Of either end; called during one step only. The order of calls and
-// of what they are asked is a matter of the section and the view.
-template <class Batch>
-class NodeSource {
- public:
-  virtual ~NodeSource() = default;
-  // Of all nodes of a page none of which is known; `first` is to be known first.
-  virtual QuantisedRadius radius(Slot first) = 0;
-  // Nodes of a level that have come to the frontier, ascending; before anything else is asked of them.
-  virtual void onAddable(int, std::span<const Slot>) {}
-  // Fills in what the batch's tests take: the heights of spheres, or records.
-  virtual void load(Batch& batch) = 0;
-  // Questions about nodes of one level, ascending. False stops the step.
-  virtual bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) = 0;
-  // Nodes of one level that come to the section, ascending, and the least class that each passed with. False stops.
-  virtual bool onAdded(int, std::span<const Slot>, std::span<const QuantisedError>) { return true; }
-};
-
-// A worker's own; reused from call to call.
-struct AdaptScratch {
-  struct Candidate {
-    Predicate predicate;
-    uint32_t page;
-  };
-  // Nodes whose test is open, or that may have come to the frontier; by page.
-  std::vector<SlotBits> undecided;
-  std::vector<uint8_t> has_undecided;
-  std::vector<Slot> seeds, pending;  // the same on pages that are not there: of any level, of the next one
-  std::vector<Slot> pages;           // of each such page the first of them
-  std::vector<Candidate> candidates;
-  std::vector<uint32_t> asked;  // of a batch: those in question
-  std::vector<Predicate> predicates;
-  std::vector<uint8_t> decisions;
-  std::vector<Slot> slots;
-  std::vector<QuantisedError> passed;
-};
-
-template <class Batch>
+template <class Tester>
 class Adapter {
  public:
-  using Domain = typename Batch::Domain;
+  using Domain = typename Tester::Domain;
+  using Source = typename Tester::Source;
 
   // Begins with the empty section.
   explicit Adapter(const Domain& domain) : domain_(&domain) {}
-  // Begins with a closed section, of whose nodes nothing is known but that they are there. The source tells the radii
-  // of its pages. On both ends the same.
-  Adapter(const Domain& domain, std::span<const Slot> section, NodeSource<Batch>& source);
+  // Begins with a closed section; nothing is known of its nodes' errors. The source gives the radii of its pages.
+  Adapter(const Domain& domain, std::span<const Slot> section, Source& source);
 
   // Moves to the section of `view` and appends what changed to `delta`, ascending. False if the section would exceed
-  // `max_nodes` or the source stopped: the adapter is then of no more use.
-  [[nodiscard]] bool adapt(const View& view, size_t max_nodes, NodeSource<Batch>& source, AdaptScratch& scratch,
-                           CutDelta& delta);
+  // `max_nodes` or the source stopped: the adapter must not be used after that.
+  [[nodiscard]] bool adapt(const View& view, size_t max_nodes, Source& source, AdaptScratch& scratch, CutDelta& delta);
 
   size_t nodeCount() const { return nodes_in_section_; }
   Section section() const;  // ascending
-  bool contains(Slot slot) const { return frontier_.isInSection(slot); }
-  // Of the page of a node of the section.
-  QuantisedRadius radius(Slot slot) const { return frontier_.radius(slot); }
-  // Whether any of the 64 slots from `first` on, a multiple of 64, is of the section or its frontier.
-  bool knowsBlock(Slot first) const { return frontier_.hasAnyOf64(first); }
-  size_t bytes() const { return frontier_.bytes(); }  // of this session's state
+  bool contains(Slot slot) const { return frontier_.nodes().isInSection(slot); }
+  // The radius of a node of the section.
+  QuantisedRadius radius(Slot slot) const { return frontier_.nodes().pageAt(slot).radius; }
+  // Whether any of the 64 slots from `first` on, a multiple of 64, is in the section or on its frontier.
+  bool knowsBlock(Slot first) const { return frontier_.nodes().hasAnyOf64(first); }
+  size_t bytes() const { return frontier_.bytes(); }  // memory of this session's state
   size_t frontierSize() const { return frontier_.entryCount(); }
-  uint64_t testCount() const { return tests_; }  // since the start
-  // CHECKs that the section is closed and that exactly the nodes of its frontier have an entry. O(scene); for tests.
+  uint64_t testCount() const { return tests_; }  // nodes tested since the start
+  // CHECKs that the section is closed and that exactly its frontier nodes have an entry. O(scene); for tests.
   void validate() const;
 
  private:
@@ -109,10 +61,13 @@ class Adapter {
   const Domain* domain_;
   Frontier frontier_;
   std::optional<View> last_;
-  bool has_seeds_ = false;  // the nodes without parents are on the frontier
+  bool is_complete_ = false;  // the whole frontier has entries, as after any step
   size_t nodes_in_section_ = 0;
   uint64_t tests_ = 0;
   uint32_t steps_ = 0;
 };
+
+using TerrainAdapter = Adapter<TerrainTester>;
+using SurfaceAdapter = Adapter<SurfaceTester>;
 
 }  // namespace foreland::proto

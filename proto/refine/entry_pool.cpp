@@ -22,20 +22,20 @@ void EntryPool::reserve(Block& block, uint32_t count, uint32_t wanted) {
   if (wanted > kSizes[block.size]) move(block, count, sizeFor(wanted));
 }
 
-void EntryPool::insert(Block& block, uint32_t count, uint32_t at, float slack, Entry entry) {
+void EntryPool::insert(Block& block, uint32_t count, uint32_t at, float slack, FrontierEntry entry) {
   reserve(block, count, count + 1);
   float* s = this->slack(block);
-  Entry* e = entries(block);
+  FrontierEntry* e = entries(block);
   std::copy_backward(s + at, s + count, s + count + 1);
   std::copy_backward(e + at, e + count, e + count + 1);
   s[at] = slack;
   e[at] = entry;
 }
 
-// A room that is half empty is left for a smaller one.
+// A block that is half empty is exchanged for a smaller one.
 void EntryPool::erase(Block& block, uint32_t count, uint32_t at) {
   float* s = slack(block);
-  Entry* e = entries(block);
+  FrontierEntry* e = entries(block);
   std::copy(s + at + 1, s + count, s + at);
   std::copy(e + at + 1, e + count, e + at);
   const uint32_t left = count - 1;
@@ -48,7 +48,7 @@ void EntryPool::move(Block& block, uint32_t count, uint8_t size) {
   Block next;
   if (size != 0) {
     next = take(size);
-    if (count < kSizes[block.size] && next.size >= block.size) return give(next);  // no smaller one to be had
+    if (count < kSizes[block.size] && next.size >= block.size) return give(next);  // no smaller one is free
     std::fill(std::copy_n(slack(block), count, slack(next)), slack(next) + kSizes[next.size], kEndless);
     std::copy_n(entries(block), count, entries(next));
   }
@@ -70,7 +70,7 @@ EntryPool::Block EntryPool::take(uint8_t size) {
   return block;
 }
 
-// If none is free, one of the next two sizes, before the pool grows.
+// A free block of this size or one of the next two, else a new one.
 EntryPool::Block EntryPool::find(uint8_t size) {
   for (uint8_t s = size; s < kSizes.size() && s <= size + 2; ++s) {
     if (free_[s] == kNone) continue;
@@ -80,7 +80,7 @@ EntryPool::Block EntryPool::find(uint8_t size) {
   }
   const Block block{static_cast<uint32_t>(slack_.size()), size};
   resizeByEighths(slack_, slack_.size() + kSizes[size], kEndless);
-  resizeByEighths(entries_, entries_.size() + kSizes[size], Entry{});
+  resizeByEighths(entries_, entries_.size() + kSizes[size], FrontierEntry{});
   return block;
 }
 

@@ -1,7 +1,7 @@
-// Where a frontier's entries live: in rooms of one pool, a room for each page that has entries, in two columns, so that
-// a step's motion is one pass of vector instructions over each. Rooms come in few sizes, all multiples of a vector, so
-// those that are given back are of use to others; a slack behind a room's last entry is endless. One owner; grows by an
-// eighth at a time, for a session's memory is counted.
+// Where a frontier's entries live: in one pool, a block of it for each page that has entries. Entries and their slacks
+// are two columns, so that subtracting a step's motion is one pass of vector instructions over each. Blocks come in few
+// sizes, all multiples of a vector, so a block that is given back fits others; behind a block's last entry the slacks
+// are endless. One owner; grows by an eighth at a time, for a session's memory is counted.
 #pragma once
 
 #include <algorithm>
@@ -11,32 +11,38 @@
 #include <limits>
 #include <vector>
 
-#include "proto/refine/metric.h"
 #include "proto/section/bounds.h"
 
 namespace foreland::proto {
 
-// What is known of a frontier node's error: that it is at least `bound` if the node is active, at most if it is not.
-// And what its slack, which stands apart, is held to: by which guard (Metric::TestResult), and how far from the eye the
-// node can be at most while it lasts.
-struct Entry {
-  uint32_t bits = 0;  // from the lowest: slot within the page (8), bound (8), guard (2), reach rounded up (14)
+// How motion is taken off a slack: the kind of motion that counts (Sensitivity in motion_margin.h), and the largest
+// distance from the eye that the node can have while the slack lasts, rounded up by at most 2^-6. 16 bits.
+struct MotionConstraint {
+  uint16_t bits = 0;  // from the lowest: sensitivity (2), upper bits of the distance as a float (14)
 
-  static Entry of(uint8_t low, QuantisedError bound, uint16_t constraint) {
-    return {low | uint32_t{bound.value} << 8 | uint32_t{constraint} << 16};
+  static MotionConstraint of(uint32_t sensitivity, float max_distance_m) {
+    return {static_cast<uint16_t>((std::bit_cast<uint32_t>(max_distance_m) + 0x1ffff) >> 17 << 2 | sensitivity)};
   }
+};
+
+// What is known of a frontier node, except its slack: that its error is at least `bound` if it is in the section, at
+// most `bound` if it is not (of a surface, whose records are known, no bound is kept), and its motion constraint.
+struct FrontierEntry {
+  uint32_t bits = 0;  // from the lowest: slot within the page (8), bound (8), constraint (16)
+
+  static FrontierEntry of(uint8_t low, QuantisedError bound, MotionConstraint constraint) {
+    return {low | uint32_t{bound.value} << 8 | uint32_t{constraint.bits} << 16};
+  }
+  // Of a node of whose error nothing is known but that it is not 0, for it is in the section; and that has any error.
+  static FrontierEntry newLeaf(uint8_t low) { return of(low, {1}, {}); }
+  static FrontierEntry newAddable(uint8_t low) { return of(low, {255}, {}); }
+
   uint8_t low() const { return static_cast<uint8_t>(bits); }
   QuantisedError bound() const { return {static_cast<uint8_t>(bits >> 8)}; }
   uint32_t sensitivity() const { return bits >> 16 & 3; }
-  float max_distance() const { return std::bit_cast<float>(bits >> 18 << 17); }
-  void setConstraint(uint16_t constraint) { bits = (bits & 0xffff) | uint32_t{constraint} << 16; }
-
-  // The upper half of an entry.
-  static uint16_t constraint(float max_distance, uint32_t sensitivity) {
-    return static_cast<uint16_t>((std::bit_cast<uint32_t>(max_distance) + 0x1ffff) >> 17 << 2 | sensitivity);
-  }
+  float maxDistance() const { return std::bit_cast<float>(bits >> 18 << 17); }
 };
-static_assert(sizeof(Entry) == 4);
+static_assert(sizeof(FrontierEntry) == 4);
 
 class EntryPool {
  public:
@@ -49,39 +55,39 @@ class EntryPool {
 
   static constexpr uint32_t kVector = 8;                                // entries that are worked on at once
   static constexpr float kEndless = std::numeric_limits<float>::max();  // no motion takes anything off it
-  // Entries by size of room; 0 stands for no room.
+  // Entries by size of a block; 0 stands for no block.
   static constexpr std::array<uint16_t, 11> kSizes{0, 8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
 
   struct Block {
     uint32_t first = 0;
-    uint8_t size = 0;  // of kSizes
+    uint8_t size = 0;  // index into kSizes
   };
 
   float* slack(const Block& block) { return slack_.data() + block.first; }
-  Entry* entries(const Block& block) { return entries_.data() + block.first; }
-  const Entry* entries(const Block& block) const { return entries_.data() + block.first; }
-  float& slackAt(uint32_t place) { return slack_[place]; }
-  Entry& entryAt(uint32_t place) { return entries_[place]; }
-  const Entry& entryAt(uint32_t place) const { return entries_[place]; }
+  FrontierEntry* entries(const Block& block) { return entries_.data() + block.first; }
+  const FrontierEntry* entries(const Block& block) const { return entries_.data() + block.first; }
+  float& slackAt(uint32_t index) { return slack_[index]; }
+  FrontierEntry& entryAt(uint32_t index) { return entries_[index]; }
+  const FrontierEntry& entryAt(uint32_t index) const { return entries_[index]; }
 
-  // The room is wanted soon.
+  // For a block that is read soon.
   void prefetch(const Block& block) const {
     __builtin_prefetch(slack_.data() + block.first);
     __builtin_prefetch(entries_.data() + block.first);
   }
-  // Block for `wanted`, of which `count` are there.
+  // Makes a block that holds `count` entries large enough for `wanted`.
   void reserve(Block& block, uint32_t count, uint32_t wanted);
-  // Puts an entry at place `at` of `count`, or takes it out.
-  void insert(Block& block, uint32_t count, uint32_t at, float slack, Entry entry);
+  // Inserts an entry before the one at `at`, of `count`; erases the one at `at`.
+  void insert(Block& block, uint32_t count, uint32_t at, float slack, FrontierEntry entry);
   void erase(Block& block, uint32_t count, uint32_t at);
 
-  // Entries in rooms that are held, and in memory.
+  // Entries for which blocks are taken, and for which there is memory.
   size_t held() const { return held_; }
   size_t capacity() const { return slack_.capacity(); }
-  // Takes a room for the first `count` entries of another pool's.
+  // Takes a block for the first `count` entries of another pool's block and copies them.
   Block copy(const EntryPool& from, const Block& block, uint32_t count);
 
-  size_t bytes() const { return slack_.capacity() * sizeof(float) + entries_.capacity() * sizeof(Entry); }
+  size_t bytes() const { return slack_.capacity() * sizeof(float) + entries_.capacity() * sizeof(FrontierEntry); }
 
  private:
   static constexpr uint32_t kNone = 0xffffffffu;
@@ -92,9 +98,9 @@ class EntryPool {
   void give(const Block& block);
 
   std::vector<float> slack_;
-  std::vector<Entry> entries_;
+  std::vector<FrontierEntry> entries_;
   size_t held_ = 0;
-  // The first free room of each size; its first entry's bits are the place of the next.
+  // The first free block of each size; the bits of a free block's first entry are the index of the next free block.
   std::array<uint32_t, kSizes.size()> free_ = [] {
     std::array<uint32_t, kSizes.size()> none{};
     none.fill(kNone);

@@ -1,5 +1,5 @@
 // How far a change of view may have moved the camera, for each kind of motion that a test result can be sensitive to
-// (Metric::Sensitivity). Each adaptation step subtracts it from the slack of every test result (adapter.h). Plain
+// (motion_margin.h). Each adaptation step subtracts it from the slack of every test result (adapter.h). Plain
 // values; any thread.
 #pragma once
 

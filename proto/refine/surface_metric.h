@@ -4,8 +4,8 @@
 // leaves pixels alone.
 //
 // Let c be the node seen from the eye, d = |c|, N its normal, g = -N.c and h = |N x c|, R its sphere's radius plus that
-// of the ball the eye stays in, q its bulge plus the same. Over all normals m of the cone (half angle A), m . (eye - x)
-// for a point x of a triangle of the support is between
+// of the region that the eye stays in, q its bulge plus the same. Over all normals m of the cone (half angle A), m .
+// (eye - x) for a point x of a triangle of the support is between
 //     front = g cos A + h sin A + q      back = g cos A - h sin A - q
 // so the support faces away entirely unless front > 0, and may hold a silhouette only if back < 0, too.
 //
@@ -19,8 +19,8 @@
 // points to be near at once; so, with l the middle's distance from the axis, hypot(z_min, l + R) |e| stands for it
 // where it is less: |p| / z of a visible point is at most hypot(z_min, l + R) / z_min.
 //
-// All of this changes by no more than the eye moves (B by sqrt(2) |e| times as much), so an outcome can say how much
-// motion it is sure to survive; turning by an angle counts as moving by it times the distance. The basis of adaptation
+// All of this changes by no more than the eye moves (B by sqrt(2) |e| times as much), so the motion that a result is
+// sure to survive follows; turning by an angle counts as moving by it times the distance. The basis of adaptation
 // by slack (adapter.h).
 //
 // front, -back, B / z_min^2, |e| only grow and z_min only shrinks when sphere, cone, bulge and shape grow; a parent's
@@ -42,10 +42,10 @@
 
 namespace foreland::proto {
 
-// What a view does not say; its own tolerance is the silhouette's.
+// What the test depends on beside the view, whose tolerance is the silhouette's.
 struct SurfaceTest {
   double interior_px = 1;  // where it is less than the silhouette's, it holds there too
-  double nearest_m = 0.1;  // nothing nearer is promised anything: metres of depth
+  double nearest_m = 0.1;  // metres of depth below which nothing is guaranteed
   bool is_closed = true;   // back faces are not seen
   ErrorShape shape = ErrorShape::kSpheroid;
 };
@@ -58,7 +58,7 @@ class SurfaceMetric {
         eye_(view.pose.eye),
         silhouette_(std::min(view.tau_px, test.interior_px) / view.lens.focalPx()),
         interior_(test.interior_px / view.lens.focalPx()),
-        ball_(view.region_radius_m),
+        region_radius_(view.region_radius_m),
         least_front_(test.is_closed ? 0 : -std::numeric_limits<double>::infinity()),
         end_on_(test.shape == ErrorShape::kSpheroid ? 1 : 0) {}
 
@@ -67,31 +67,32 @@ class SurfaceMetric {
     const Facing f = facingOf(n, s.g, s.h);
     const bool is_silhouette = (f.front > 0) & (f.back > 0);
     const double tolerance = is_silhouette ? silhouette_ : interior_;
-    const bool seen = (s.B > tolerance * s.z * s.z) & (s.longest * frustum_.inverseCosCorner() > tolerance * s.z);
-    return seen & (f.front > least_front_) & (s.side_room >= 0);
+    const bool is_visible = (s.B > tolerance * s.z * s.z) & (s.longest * frustum_.inverseCosCorner() > tolerance * s.z);
+    return is_visible & (f.front > least_front_) & (s.side_margin >= 0);
   }
 
   struct TestResult {
     bool passes;
-    double slack_m;  // 0 or more, never too much
+    double slack_m;  // at least 0, and never more than is safe
   };
   [[gnu::always_inline]] TestResult testResult(const SurfaceBounds& n) const {
     const Seen s = seenFrom(n);
     const Facing f = facingOf(n, s.g, s.h);
-    // Rooms: positive if a condition holds, by the motion that it takes to change it. All: the least; any: the largest.
-    const double as_silhouette = std::min(seenRoom(s, silhouette_), std::min(f.front, f.back));
-    const double seen = std::max(seenRoom(s, interior_), as_silhouette);
-    const double room = std::min(std::min(seen, f.front - least_front_), s.side_room);
-    return {passes(n), std::fabs(room)};
+    // Margins are positive where a condition holds, and measure the motion that it takes to change it. All conditions
+    // hold by the least of their margins, any of them by the largest.
+    const double as_silhouette = std::min(visibleMargin(s, silhouette_), std::min(f.front, f.back));
+    const double visible = std::max(visibleMargin(s, interior_), as_silhouette);
+    const double margin = std::min(std::min(visible, f.front - least_front_), s.side_margin);
+    return {passes(n), std::fabs(margin)};
   }
 
-  // From the eye, never less than what is promised something.
+  // Distance from the eye, at least the nearest depth.
   double distance(const SurfaceBounds& n) const {
     const double x = n.x - eye_.x, y = n.y - eye_.y, z = n.z - eye_.z;
     return std::max(std::sqrt(x * x + y * y + z * z), frustum_.nearest());
   }
-  // What a change of view takes off any slack; lens and kind of surface are the same. A tolerance q times as large acts
-  // like depths q times as large, or less.
+  // The motion from one view to the next, for any slack; lens and kind of surface are the same. A tolerance q times as
+  // large acts like depths q times as large, or less.
   static MotionBound motionBoundTo(const View& from, const View& next) {
     const double moved =
         glm::distance(from.pose.eye, next.pose.eye) + std::fabs(next.region_radius_m - from.region_radius_m);
@@ -104,8 +105,8 @@ class SurfaceMetric {
     return motion;
   }
 
-  // Parts of the test, for those who want to know which one decides.
-  bool meetsFrustum(const SurfaceBounds& n) const { return seenFrom(n).side_room >= 0; }
+  // Parts of the test, for callers that want to know which one decides.
+  bool meetsFrustum(const SurfaceBounds& n) const { return seenFrom(n).side_margin >= 0; }
   // Positive if the support may face the eye, and if it may face away: metres.
   struct Facing {
     double front, back;
@@ -118,30 +119,30 @@ class SurfaceMetric {
  private:
   // A node as the eye sees it, in the letters above; z is z_min.
   struct Seen {
-    double g, h, z, B, longest, side_room;
+    double g, h, z, B, longest, side_margin;
   };
   [[gnu::always_inline]] Seen seenFrom(const SurfaceBounds& n) const {
     const double x = n.x - eye_.x, y = n.y - eye_.y, z = n.z - eye_.z, d2 = x * x + y * y + z * z;
-    const Frustum::Place place = frustum_.place(x, y, z);
-    const double R = n.radius + ball_;
+    const ViewPosition position = frustum_.toView(x, y, z);
+    const double R = n.radius + region_radius_;
     Seen s;
     s.g = -(n.normal_x * x + n.normal_y * y + n.normal_z * z);
     s.h = std::sqrt(std::max(0.0, d2 - s.g * s.g));
-    s.z = frustum_.leastDepth(place, R);
+    s.z = frustum_.leastDepth(position, R);
     s.longest = std::max(n.along, n.across);
-    const double aside = frustum_.mostAside(place) + R;
+    const double offset = frustum_.largestOffset(position) + R;
     s.B = std::min(errorAcross(n, s.g, s.h, std::sqrt(d2)) + s.longest * R,
-                   s.longest * std::sqrt(s.z * s.z + aside * aside));
-    s.side_room = frustum_.sideDistance(place) + R;
+                   s.longest * std::sqrt(s.z * s.z + offset * offset));
+    s.side_margin = frustum_.sideDistance(position) + R;
     return s;
   }
   [[gnu::always_inline]] Facing facingOf(const SurfaceBounds& n, double g, double h) const {
     const double along = g * std::sqrt(std::max(0.0, 1 - n.sin_cone * n.sin_cone));
-    const double across = h * n.sin_cone + n.bulge + ball_;
+    const double across = h * n.sin_cone + n.bulge + region_radius_;
     return {across + along, across - along};
   }
   // Until z + x reaches |e| / (tolerance cos(corner)), or tolerance (z + x)^2 reaches B - kRate |e| x.
-  [[gnu::always_inline]] double seenRoom(const Seen& s, double tolerance) const {
+  [[gnu::always_inline]] double visibleMargin(const Seen& s, double tolerance) const {
     const double b = 2 * tolerance * s.z + kRate * s.longest, c = s.B - tolerance * s.z * s.z;
     const double across = 2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * tolerance * c)));
     return std::min(s.longest * frustum_.inverseCosCorner() / tolerance - s.z, across);
@@ -157,7 +158,7 @@ class SurfaceMetric {
   Frustum frustum_;
   glm::dvec3 eye_;
   double silhouette_, interior_;  // as shares of the focal length
-  double ball_;
+  double region_radius_;
   double least_front_;  // 0, or no bound for surfaces of which both sides are seen
   double end_on_;       // 1 if the shape seen along its normal has an extent of its own: 0 for Hoppe's
 };

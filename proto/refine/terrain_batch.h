@@ -1,11 +1,13 @@
-// Nodes that are tested together, in columns, so that the test becomes vector instructions. A worker's own; too large
-// to be copied about.
+// Terrain nodes that are tested together, in columns, so that the test becomes vector instructions. A worker's own; too
+// large to be copied.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "proto/refine/entry_pool.h"
 #include "proto/refine/metric.h"
+#include "proto/refine/motion_bound.h"
 #include "proto/refine/terrain_domain.h"
 
 namespace foreland::proto {
@@ -13,25 +15,26 @@ namespace foreland::proto {
 struct TerrainBatch {
   using Domain = TerrainDomain;
   static constexpr size_t kSize = 256;
+  static constexpr uint16_t kNonePasses = 256;
 
   size_t count = 0;
   std::array<Slot, kSize> slot;
   std::array<uint8_t, kSize> level;
-  std::array<QuantisedError, kSize> bound;  // what is tested
-  std::array<int32_t, kSize> x, y;          // lattice
-  std::array<int32_t, kSize> height;        // of the sphere's middle, steps
-  std::array<float, kSize> radius;          // metres
-  std::array<float, kSize> error;           // of `bound`; filled by the tests
+  std::array<QuantisedError, kSize> bound;  // the error that is tested
+  std::array<int32_t, kSize> x, y;          // lattice position
+  std::array<int32_t, kSize> height;        // of the sphere's centre, height quanta
+  std::array<float, kSize> radius;          // of the sphere, metres
+  std::array<float, kSize> error;           // `bound` in metres, by the tests
   std::array<uint8_t, kSize> passes;        // by the tests
-  // By testWithSlack(): how much motion each outcome is sure to survive, and the upper half of its entry (Entry::hold).
+  // By testWithSlack(): how much motion each result is sure to survive, and how motion is taken off it.
   std::array<float, kSize> slack;
-  std::array<uint16_t, kSize> constraint;
-  // By findLeast(): the least class of error with which each would pass; 256 if none does.
+  std::array<MotionConstraint, kSize> constraint;
+  // By findLeast(): the least quantised error with which each node would pass; kNonePasses if there is none.
   std::array<uint16_t, kSize> least;
 
   bool full() const { return count == kSize; }
 
-  // The node's name alone; the rest is left to be filled in.
+  // Sets the columns that follow from the node's name; the caller sets the others.
   void push(NodeId n, Slot s, int at_level) {
     slot[count] = s;
     level[count] = static_cast<uint8_t>(at_level);
@@ -46,19 +49,19 @@ struct TerrainBatch {
 
   void test(const TerrainDomain& domain, const Metric& metric);
 
-  // Finds the places, which the tests below take.
+  // Computes the nodes' positions, which the functions below need.
   void locate(const TerrainDomain& domain, const Metric& metric);
   void findLeast(const Metric& metric);
-  // `share` of each slack is taken. `motion` is the step's, and guards are chosen to last at its pace.
-  void testWithSlack(const Metric& metric, const MotionBound& motion, double share);
+  // `motion` is the step's: the sensitivity of each result is the one that lasts longest at its pace.
+  void testWithSlack(const Metric& metric, const MotionBound& motion);
 
  private:
-  Metric::Place place(size_t i) const { return {right_[i], up_[i], depth_[i], horizontal_[i]}; }
+  NodePosition position(size_t i) const { return {{right_[i], up_[i], depth_[i]}, horizontal_[i]}; }
   void lookUpErrors() {
     for (size_t i = 0; i < count; ++i) error[i] = bound[i].metres();
   }
 
-  std::array<double, kSize> right_, up_, depth_, horizontal_;  // Metric::Place
+  std::array<double, kSize> right_, up_, depth_, horizontal_;  // NodePosition
 };
 
 }  // namespace foreland::proto

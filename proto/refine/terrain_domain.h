@@ -3,7 +3,7 @@
 // Immutable; any thread.
 #pragma once
 
-#include "proto/refine/metric.h"
+#include "proto/refine/motion_margin.h"
 #include "proto/section/bounds.h"
 #include "proto/space/frame_grid.h"
 #include "proto/topology/grid.h"
@@ -32,6 +32,9 @@ struct TerrainDomain {
 
   const GridTopology& topology() const { return grid; }
   Metric metric(const View& view) const { return Metric(view, has_vertical_errors); }
+  MotionBound motionBound(const View& from, const View& to) const {
+    return MotionMargin(metric(from)).motionBoundTo(from, to);
+  }
   float radius(int level, QuantisedRadius c) const { return spheres.radius(level, c); }
   bool isPlanar() const { return frame.transform().frame().kind == FrameKind::kPlanar; }
 };

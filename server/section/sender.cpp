@@ -25,8 +25,7 @@ void SectionSender::resume(const proto::HeldSections& sections, uint32_t keyfram
   adapter_ = proto::TerrainAdapter(hierarchy_->domain(), sections.terrain.slots, source);
   const SceneObjects& objects = hierarchy_->objects();
   for (size_t i = 0; i < objects_.size(); ++i) {
-    proto::InMemorySurfaceNodes nodes(objects.recordsOf(i));
-    objects_[i] = proto::SurfaceAdapter(objects.set.domain(i), sections.objects[i].slots, nodes);
+    objects_[i] = proto::SurfaceAdapter(objects.set.domain(i), sections.objects[i].slots, objects.recordsOf(i));
     stream_->hold(i, sections.objects[i], objects.recordsOf(i));
   }
   keyframe_.index = keyframe;
@@ -85,9 +84,8 @@ void SectionSender::sendObjects(const proto::View& view, SendScratch& scratch, p
     delta.added.clear();
     delta.removed.clear();
     const std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
-    proto::InMemorySurfaceNodes source(records);
     CHECK_TRUE(objects_[i].adapt(objects.set.placement(i).toObject(view), objects.set.domain(i).topology().slotCount(),
-                                 source, scratch.adapt, delta));
+                                 records, scratch.adapt, delta));
     stream_->encode(i, delta, records, coder, object_bits_);
     keyframe_.fingerprint += proto::fingerprintOf(i, delta);
   }

@@ -8,7 +8,7 @@
 #include "proto/codec/object_stream.h"
 #include "proto/codec/section_codec.h"
 #include "proto/message/message.h"
-#include "proto/refine/surface_nodes.h"
+#include "proto/refine/adapter.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {

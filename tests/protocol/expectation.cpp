@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdio>
 
-#include "proto/refine/places.h"
+#include "proto/refine/node_positions.h"
 
 namespace foreland::test {
 
@@ -42,15 +42,15 @@ double leastNumber(const Passes& passes) {
 
 // The numbers in the refinement test of a section's nodes, to the last bit: view-space positions, radii, least
 // quantised errors that pass; and of some the least error and the least radius that pass.
-template <class Places>
+template <class Positions>
 uint32_t testsCrc(const server::Hierarchy& h, const proto::Section& section, const proto::Metric& metric) {
-  const Places places(h.domain(), metric);
+  const Positions positions(h.domain(), metric);
   Crc crc;
   for (proto::Slot slot : section.slots) {
     const proto::NodeId n = h.grid().node(slot);
     const proto::NodeRecord& record = h.nodes()[slot];
     const auto x = static_cast<int32_t>(n.x()), y = static_cast<int32_t>(n.y());
-    const proto::Metric::Place p = places(x, y, record.middle());
+    const proto::NodePosition p = positions(x, y, record.middle());
     const float radius = h.domain().radius(h.grid().level(n), record.radius());
     for (double value : {p.x, p.y, p.z, p.horizontal}) crc.add(value);
     crc.add(std::bit_cast<uint32_t>(radius));
@@ -101,8 +101,9 @@ std::string terrainColumns(const server::Hierarchy& hierarchy, const proto::View
     heights.add(static_cast<uint32_t>(hierarchy.nodes()[slot].height()));
   }
   const proto::Metric metric = hierarchy.domain().metric(view);
-  const uint32_t tests = hierarchy.domain().isPlanar() ? testsCrc<proto::PlanarPlaces>(hierarchy, now.terrain, metric)
-                                                       : testsCrc<proto::CurvedPlaces>(hierarchy, now.terrain, metric);
+  const uint32_t tests = hierarchy.domain().isPlanar()
+                             ? testsCrc<proto::PlanarPositions>(hierarchy, now.terrain, metric)
+                             : testsCrc<proto::CurvedPositions>(hierarchy, now.terrain, metric);
   char text[120];
   std::snprintf(text, sizeof(text), "%zu %zu %zu %08x %08x %08x %08x", now.terrain.slots.size(), delta.added.size(),
                 delta.removed.size(), proto::fingerprint(now), slots.value(), heights.value(), tests);

@@ -6,7 +6,7 @@
 
 #include "proto/codec/object_stream.h"
 #include "proto/codec/section_codec.h"
-#include "proto/refine/surface_nodes.h"
+#include "proto/refine/adapter.h"
 #include "terrain/surface/bounds.h"
 #include "tests/support/surface_wanderer.h"
 #include "tests/support/surfaces.h"
@@ -40,8 +40,7 @@ struct Ends {
     server.begin(view);
     sent.assign(set.size(), {});
     for (size_t i = 0; i < set.size(); ++i) {
-      InMemorySurfaceNodes source(records);
-      EXPECT_TRUE(adapters[i].adapt(set.placement(i).toObject(view), set.domain(i).topology().slotCount(), source,
+      EXPECT_TRUE(adapters[i].adapt(set.placement(i).toObject(view), set.domain(i).topology().slotCount(), records,
                                     scratch, sent[i]));
       server.encode(i, sent[i], records, out, bits);
     }
@@ -87,8 +86,7 @@ struct Ends {
     ASSERT_EQ(*presented, held());
     server = ObjectStream(set);
     for (size_t i = 0; i < set.size(); ++i) {
-      InMemorySurfaceNodes source(records);
-      adapters[i] = SurfaceAdapter(set.domain(i), presented->objects[i].slots, source);
+      adapters[i] = SurfaceAdapter(set.domain(i), presented->objects[i].slots, records);
       server.hold(i, presented->objects[i], records);
     }
   }

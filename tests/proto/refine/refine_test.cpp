@@ -37,9 +37,8 @@ std::vector<Slot> everyNodeThatPasses(const Hierarchy& h, const View& view) {
     if (h.grid().isBase(n)) continue;
     const NodeRecord& r = h.nodes()[slot];
     const glm::dvec3 p = h.frame().position(n, r.middle()) - view.pose.eye;
-    const Metric::Place place{glm::dot(p, metric.right()), glm::dot(p, metric.up()), glm::dot(p, metric.forward()),
-                              std::hypot(p.x, p.y)};
-    if (metric.passes(place, h.domain().radius(h.grid().level(n), r.radius()), r.error().metres()))
+    const NodePosition position{metric.frustum().toView(p.x, p.y, p.z), std::hypot(p.x, p.y)};
+    if (metric.passes(position, h.domain().radius(h.grid().level(n), r.radius()), r.error().metres()))
       slots.push_back(slot);
   }
   return slots;

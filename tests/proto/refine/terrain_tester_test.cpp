@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "proto/refine/places.h"
+#include "proto/refine/node_positions.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
 
@@ -28,7 +28,7 @@ struct Event {
 using Events = std::vector<Event>;
 
 // The adapter's, as it asks.
-class Listener final : public NodeSource<TerrainBatch> {
+class Listener final : public TerrainSource {
  public:
   explicit Listener(const Hierarchy& h) : plain_(h.nodes()) {}
   Events events;
@@ -109,15 +109,15 @@ class Reference {
   int levelOf(Slot slot) const { return grid_.level(grid_.node(slot)); }
   const NodeRecord& record(Slot slot) const { return h_.nodes()[slot]; }
 
-  Metric::Place place(Slot slot) const {
+  NodePosition positionOf(Slot slot) const {
     const NodeId n = grid_.node(slot);
     const auto x = static_cast<int32_t>(n.x()), y = static_cast<int32_t>(n.y());
-    if (h_.domain().isPlanar()) return PlanarPlaces(h_.domain(), *metric_)(x, y, record(slot).middle());
-    return CurvedPlaces(h_.domain(), *metric_)(x, y, record(slot).middle());
+    if (h_.domain().isPlanar()) return PlanarPositions(h_.domain(), *metric_)(x, y, record(slot).middle());
+    return CurvedPositions(h_.domain(), *metric_)(x, y, record(slot).middle());
   }
   double radius(Slot slot) const { return h_.domain().radius(levelOf(slot), record(slot).radius()); }
   bool passes(Slot slot, int c) const {
-    return metric_->passes(place(slot), radius(slot), QuantisedError{static_cast<uint8_t>(c)}.metres());
+    return metric_->passes(positionOf(slot), radius(slot), QuantisedError{static_cast<uint8_t>(c)}.metres());
   }
   // Passing grows with the class: a search instead of the metric's guess.
   int leastClass(Slot slot) const {

@@ -1,5 +1,5 @@
-// A node's place in view coordinates, for planar and for curved frames. Both refinement from scratch and adaptation use
-// exactly these, so that they agree to the last bit. Immutable while a view lasts; any thread.
+// Positions of terrain nodes relative to the eye, for planar and for curved frames. Refinement from scratch and
+// adaptation both use exactly these, so that they agree to the last bit. Immutable while a view lasts; any thread.
 #pragma once
 
 #include <array>
@@ -11,21 +11,23 @@
 
 namespace foreland::proto {
 
-// Places of a planar scene are affine in lattice position and height: the coefficients fold in frame, eye and rotation.
-class PlanarPlaces {
+// In a planar scene positions are affine in lattice position and height; the coefficients combine frame, eye and
+// rotation.
+class PlanarPositions {
  public:
-  PlanarPlaces(const TerrainDomain& domain, const Metric& metric) {
+  PlanarPositions(const TerrainDomain& domain, const Metric& metric) {
     const Frame& f = domain.frame.transform().frame();
+    const Frustum& view = metric.frustum();
     const glm::dvec3 ax(f.axis_x_m, 0), ay(f.axis_y_m, 0), ah(0, 0, f.height_quantum_m);
     const glm::dvec3 base = -f.anchor.x * ax - f.anchor.y * ay - metric.eye();
-    const std::array<glm::dvec3, 5> rows{metric.right(), metric.up(), metric.forward(), {1, 0, 0}, {0, 1, 0}};
+    const std::array<glm::dvec3, 5> rows{view.right(), view.up(), view.forward(), {1, 0, 0}, {0, 1, 0}};
     for (size_t i = 0; i < rows.size(); ++i)
       k_[i] = {glm::dot(rows[i], ax), glm::dot(rows[i], ay), glm::dot(rows[i], ah), glm::dot(rows[i], base)};
   }
-  [[gnu::always_inline]] Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
+  [[gnu::always_inline]] NodePosition operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
     const double x = lattice_x, y = lattice_y, h = height;
     const double east = row(3, x, y, h), north = row(4, x, y, h);
-    return {row(0, x, y, h), row(1, x, y, h), row(2, x, y, h), std::sqrt(east * east + north * north)};
+    return {{row(0, x, y, h), row(1, x, y, h), row(2, x, y, h)}, std::sqrt(east * east + north * north)};
   }
 
  private:
@@ -35,15 +37,14 @@ class PlanarPlaces {
   std::array<std::array<double, 4>, 5> k_;
 };
 
-class CurvedPlaces {
+class CurvedPositions {
  public:
-  CurvedPlaces(const TerrainDomain& domain, const Metric& metric) : frame_(domain.frame), metric_(metric) {}
-  [[gnu::always_inline]] Metric::Place operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
+  CurvedPositions(const TerrainDomain& domain, const Metric& metric) : frame_(domain.frame), metric_(metric) {}
+  [[gnu::always_inline]] NodePosition operator()(int32_t lattice_x, int32_t lattice_y, int32_t height) const {
     const glm::dvec3 p =
         frame_.position(NodeId::at(static_cast<uint32_t>(lattice_x), static_cast<uint32_t>(lattice_y)), height) -
         metric_.eye();
-    return {glm::dot(p, metric_.right()), glm::dot(p, metric_.up()), glm::dot(p, metric_.forward()),
-            std::sqrt(p.x * p.x + p.y * p.y)};
+    return {metric_.frustum().toView(p.x, p.y, p.z), std::sqrt(p.x * p.x + p.y * p.y)};
   }
 
  private:

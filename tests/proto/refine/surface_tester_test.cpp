@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "proto/refine/adapter.h"
-#include "proto/refine/surface_batch.h"
-#include "proto/refine/surface_nodes.h"
 #include "terrain/surface/bounds.h"
 #include "tests/support/surface_wanderer.h"
 #include "tests/support/surfaces.h"
@@ -35,15 +33,14 @@ TEST_P(SurfaceAdaptation, EqualsTheNodesThatPassOnAnyMotion) {
     const SurfaceDomain domain{
         .mesh = &named.surface.topology, .step_m = named.surface.step_m, .is_closed = named.is_closed};
     SurfaceWanderer wanderer(seed);
-    Adapter<SurfaceBatch> adapter(domain);
-    InMemorySurfaceNodes source(records);
+    SurfaceAdapter adapter(domain);
     AdaptScratch scratch;
     Section held;
     size_t most = 0;
     for (int i = 0; i < 300; ++i) {
       const View view = wanderer.next();
       CutDelta delta;
-      ASSERT_TRUE(adapter.adapt(view, kNoLimit, source, scratch, delta));
+      ASSERT_TRUE(adapter.adapt(view, kNoLimit, records, scratch, delta));
       adapter.validate();
       const Section expected = everyNodeThatPasses(domain, records, view);
       ASSERT_EQ(adapter.section(), expected) << named.name << ", seed " << seed << ", step " << i;
@@ -61,16 +58,15 @@ TEST(SurfaceAdapter, TestsOnlyAFewNodesOnASmallMotion) {
   const terrain::TrueSurface sphere = *terrain::makeSphere(1, {MeshRule::kQuadrisection, 5, 1e-6});
   const auto records = terrain::computeBounds(sphere, {.threads = 1});
   const SurfaceDomain domain{.mesh = &sphere.topology, .step_m = sphere.step_m};
-  Adapter<SurfaceBatch> adapter(domain);
-  InMemorySurfaceNodes source(records);
+  SurfaceAdapter adapter(domain);
   AdaptScratch scratch;
   CutDelta delta;
   View view;
   view.pose = {{0, -3, 0}, lookAlong({0, 1, 0}, {0, 0, 1})};
-  ASSERT_TRUE(adapter.adapt(view, kNoLimit, source, scratch, delta));
+  ASSERT_TRUE(adapter.adapt(view, kNoLimit, records, scratch, delta));
   const uint64_t from_scratch = adapter.testCount();
   view.pose.eye.x += 0.001;
-  ASSERT_TRUE(adapter.adapt(view, kNoLimit, source, scratch, delta));
+  ASSERT_TRUE(adapter.adapt(view, kNoLimit, records, scratch, delta));
   EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 5);
   EXPECT_GT(adapter.nodeCount(), 100u);
 }

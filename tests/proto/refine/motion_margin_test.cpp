@@ -1,6 +1,6 @@
-// Guards, tried out: an outcome stands until the motions of its own guard have used its slack up, whatever the camera
-// does. The flight here calls passes() and nothing else of the test's.
-#include "proto/refine/metric.h"
+// The law of margins: a result of the refinement test stands until the motions it is sensitive to have used up its
+// slack, whatever the camera does. The flights here judge by passes() alone.
+#include "proto/refine/motion_margin.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ struct Node {
   double radius_m, error_m;
 };
 
-// A camera that keeps its habits: how it moves, climbs, turns, and how its promise and tolerance change.
+// A camera that keeps its habits: how it moves, climbs and turns, and how its region and tolerance change.
 class Flight {
  public:
   explicit Flight(Rng& rng) : rng_(rng) {
@@ -58,14 +58,14 @@ class Flight {
   double ahead_, aside_, climb_, turn_, growth_, scale_;
 };
 
-Metric::Place place(const Metric& m, const glm::dvec3& at) {
+NodePosition positionOf(const Metric& m, const glm::dvec3& at) {
   const glm::dvec3 p = at - m.eye();
-  return {glm::dot(p, m.right()), glm::dot(p, m.up()), glm::dot(p, m.forward()), std::hypot(p.x, p.y)};
+  return {m.frustum().toView(p.x, p.y, p.z), std::hypot(p.x, p.y)};
 }
 
 bool passes(const View& view, bool vertical, const Node& node) {
   const Metric m(view, vertical);
-  return m.passes(place(m, node.at), node.radius_m, node.error_m);
+  return m.passes(positionOf(m, node.at), node.radius_m, node.error_m);
 }
 
 // Somewhere about the camera, with an error about which the test is in doubt.
@@ -74,21 +74,22 @@ Node randomNode(const View& view, bool vertical, Rng& rng) {
   const double distance = std::exp(rng.uniform(2, 9));
   const glm::dvec3 at = view.pose.eye + distance * (view.pose.forward() + rng.uniform(-1.2, 1.2) * view.pose.right() +
                                                     rng.uniform(-0.8, 0.8) * view.pose.up());
-  const double radius = distance * rng.uniform(0, 0.2), least = m.leastError(place(m, at), radius);
+  const double radius = distance * rng.uniform(0, 0.2), least = m.leastError(positionOf(m, at), radius);
   const double error = std::isinf(least) ? rng.uniform(0, 10) : least * std::exp(rng.uniform(-0.5, 0.5));
   return {at, radius, error};
 }
 
 // Flies on while the slack lasts. Returns the steps that it lasted.
-int flyOut(Flight flight, bool vertical, const Node& node, Metric::Sensitivity sensitivity, double slack,
+int flyOut(Flight flight, bool vertical, const Node& node, Sensitivity sensitivity, double slack,
            const std::string& what) {
   const bool passed = passes(flight.view(), vertical, node);
   const double max_distance = glm::distance(node.at, flight.view().pose.eye) + slack;
   for (int steps = 0; steps < 50; ++steps) {
     const View last = flight.view();
     flight.step();
-    slack -=
-        Metric(last, vertical).motionBoundTo(last, flight.view()).of(static_cast<size_t>(sensitivity), max_distance);
+    slack -= MotionMargin(Metric(last, vertical))
+                 .motionBoundTo(last, flight.view())
+                 .of(static_cast<size_t>(sensitivity), max_distance);
     if (slack < 0) return steps;
     EXPECT_EQ(passes(flight.view(), vertical, node), passed) << what << ", step " << steps << ", slack left " << slack;
     if (testing::Test::HasFailure()) return steps;
@@ -96,7 +97,7 @@ int flyOut(Flight flight, bool vertical, const Node& node, Metric::Sensitivity s
   return 50;
 }
 
-TEST(Metric, TestResultsStandAsLongAsTheirSlackLasts) {
+TEST(MotionMargin, ResultsStandAsLongAsTheirSlackLasts) {
   const uint64_t seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed()) + 1;
   Rng rng(seed);
   std::array<int, MotionBound::kSensitivities> taken{}, steps{};
@@ -106,10 +107,12 @@ TEST(Metric, TestResultsStandAsLongAsTheirSlackLasts) {
     const Metric m(flight.view(), vertical);
     Flight next = flight;
     next.step();
-    const MotionBound motion = m.motionBoundTo(flight.view(), next.view());
+    const MotionMargin margin(m);
+    const MotionBound motion = margin.motionBoundTo(flight.view(), next.view());
     const Node node = randomNode(flight.view(), vertical, rng);
-    const Metric::TestResult testResult = m.testResult(place(m, node.at), node.radius_m, node.error_m, motion);
+    const TestResult testResult = margin.testResult(positionOf(m, node.at), node.radius_m, node.error_m, motion);
     const auto sensitivity = static_cast<size_t>(testResult.sensitivity);
+    EXPECT_EQ(testResult.passes, m.passes(positionOf(m, node.at), node.radius_m, node.error_m));
     EXPECT_GE(testResult.slack, 0);
     ++taken[sensitivity];
     steps[sensitivity] += flyOut(flight, vertical, node, testResult.sensitivity, testResult.slack,

@@ -1,0 +1,41 @@
+// Memory of an adaptation step that is reused from step to step (adapter.h). A worker's own.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "proto/refine/paged_nodes.h"
+#include "proto/refine/terrain_source.h"
+
+namespace foreland::proto {
+
+// A node whose membership in the section is undecided in a step.
+struct AdaptCandidate {
+  Slot slot = 0;
+  uint32_t page = 0;  // its number
+  bool is_in_section = false;
+  bool is_new = false;  // to the frontier, in this step
+};
+
+// For terrain only: the predicates of some candidates (terrain_tester.h).
+struct DecisionScratch {
+  std::vector<Predicate> predicates;
+  std::vector<uint32_t> asked;  // the batch index of each predicate
+  std::vector<uint8_t> decisions;
+  std::vector<QuantisedError> least;  // of each candidate of a level
+  std::vector<Slot> slots;
+  std::vector<QuantisedError> passed;
+};
+
+struct AdaptScratch {
+  // By page: nodes whose test is undecided, or that may have come to the frontier; and whether there are any.
+  std::vector<SlotBits> undecided;
+  std::vector<uint8_t> has_undecided;
+  // Undecided nodes whose pages do not exist yet: of any level, descending; and of the level that is next.
+  std::vector<Slot> initial, pending;
+  std::vector<Slot> new_pages;  // of each such page the first undecided node
+  std::vector<AdaptCandidate> candidates;
+  DecisionScratch decisions;
+};
+
+}  // namespace foreland::proto

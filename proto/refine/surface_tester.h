@@ -1,0 +1,61 @@
+// How an adapter (adapter.h) tests nodes of a surface: their records are known, so every test is decided at once. Nodes
+// are tested in batches, in columns. A step's own; too large to be copied.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "proto/refine/adapt_scratch.h"
+#include "proto/refine/frontier.h"
+#include "proto/refine/surface_domain.h"
+
+namespace foreland::proto {
+
+class SurfaceTester {
+ public:
+  using Domain = SurfaceDomain;
+  using Source = const std::span<const SurfaceRecord>;  // by slot
+  static constexpr size_t kSize = 256;
+
+  SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, DecisionScratch&)
+      : metric_(domain.metric(view)), step_m_(domain.step_m), records_(records.data()) {}
+
+  // Spheres are in the records, so pages have no radius.
+  static QuantisedRadius radiusOf(Source&, Slot) { return {}; }
+
+  size_t count() const { return count_; }
+  bool full() const { return count_ == kSize; }
+  void clear() { count_ = 0; }
+  void push(NodeId, int, const FrontierPage& page, FrontierEntry entry) {
+    slot_[count_++] = page.first() | entry.low();
+  }
+
+  // As TerrainTester has them.
+  void test();
+  void beginLevel() {}
+  bool decide(int, std::span<AdaptCandidate> candidates) {
+    test();
+    for (size_t i = 0; i < candidates.size(); ++i) candidates[i].is_in_section = passes(i);
+    return true;
+  }
+  Slot slot(size_t i) const { return slot_[i]; }
+  bool passes(size_t i) const { return passes_[i] != 0; }
+  FrontierEntry entry(size_t i) const { return FrontierEntry::of(lowOf(slot_[i]), {}, constraint_[i]); }
+  float slack(size_t i) const { return slack_[i]; }
+  void tellAddable(int, std::span<const AdaptCandidate>) {}
+  bool tellAdded(int, std::span<const AdaptCandidate>) { return true; }
+
+ private:
+  const SurfaceMetric metric_;
+  const double step_m_;
+  const SurfaceRecord* records_;
+  size_t count_ = 0;
+  std::array<Slot, kSize> slot_;
+  std::array<SurfaceBounds, kSize> bounds_;
+  std::array<uint8_t, kSize> passes_;
+  std::array<float, kSize> slack_;
+  std::array<MotionConstraint, kSize> constraint_;
+};
+
+}  // namespace foreland::proto

@@ -1,0 +1,58 @@
+// Where a terrain adapter's heights and decisions come from (adapter.h): the scene's records, an encoder that writes
+// what it tells, or a decoder that reads it (codec/delta_codec.h). Control is inverted: the adapter's step calls the
+// source for what it needs next, and which calls it makes in which order follows from the section and the views alone,
+// so both ends make the same calls. One owner; called during one step only.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "proto/refine/terrain_batch.h"
+#include "proto/section/bounds.h"
+
+namespace foreland::proto {
+
+// Is the error of a node at least `least`? Either the node is in the section, its error at least `known`, and `least`
+// is more; or it is not, its error at most `known`, and `least` is no more.
+struct Predicate {
+  Slot slot = 0;
+  QuantisedError known, least;
+  bool is_in_section = false;
+  bool is_new = false;  // the node has come to the frontier in this step
+};
+
+class TerrainSource {
+ public:
+  virtual ~TerrainSource() = default;
+  // The radius of all nodes of a page that was empty so far; `first` is the first of them to be tested.
+  virtual QuantisedRadius radius(Slot first) = 0;
+  // Tells of nodes of a level that have come to the frontier, ascending; before anything else is asked of them.
+  virtual void onAddable(int, std::span<const Slot>) {}
+  // Fills in the heights of the batch's spheres.
+  virtual void load(TerrainBatch& batch) = 0;
+  // Decides predicates about nodes of one level, ascending: 1 for true. False stops the step.
+  virtual bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) = 0;
+  // Tells of nodes of one level that are added to the section, ascending, and of the least error with which the view
+  // shows each. False stops the step.
+  virtual bool onAdded(int, std::span<const Slot>, std::span<const QuantisedError>) { return true; }
+};
+
+// A scene's records, without a wire.
+class InMemoryNodes final : public TerrainSource {
+ public:
+  explicit InMemoryNodes(std::span<const NodeRecord> nodes) : nodes_(nodes.data()) {}
+  QuantisedRadius radius(Slot first) override { return nodes_[first].radius(); }
+  void load(TerrainBatch& batch) override {
+    for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_[batch.slot[i]].middle();
+  }
+  bool decide(int, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
+    for (size_t i = 0; i < predicates.size(); ++i)
+      decisions[i] = nodes_[predicates[i].slot].error() >= predicates[i].least ? 1 : 0;
+    return true;
+  }
+
+ private:
+  const NodeRecord* nodes_;
+};
+
+}  // namespace foreland::proto

@@ -1,0 +1,70 @@
+// How an adapter (adapter.h) tests terrain, of whose nodes neither end needs to know the error: an entry has a bound on
+// it, from below for a node of the section, from above for one that can be added. Most tests are resolved by that
+// bound. Where it leaves a test open, a predicate, "is the error at least the least that passes?", is put to the
+// source, and the decision becomes the entry's bound. So the decisions, in the order of the predicates, are all that a
+// client must be told of which nodes are added and removed.
+//
+// A step's own; too large to be copied.
+#pragma once
+
+#include <span>
+
+#include "proto/refine/adapt_scratch.h"
+#include "proto/refine/frontier.h"
+#include "proto/refine/terrain_batch.h"
+#include "proto/refine/terrain_source.h"
+
+namespace foreland::proto {
+
+class TerrainTester {
+ public:
+  using Domain = TerrainDomain;
+  using Source = TerrainSource;
+  static constexpr size_t kSize = TerrainBatch::kSize;
+
+  TerrainTester(const Domain& domain, const View& view, const MotionBound& motion, Source& source,
+                DecisionScratch& scratch)
+      : domain_(domain), metric_(domain.metric(view)), motion_(motion), source_(source), scratch_(scratch) {}
+
+  // The radius of a page's nodes.
+  static QuantisedRadius radiusOf(Source& source, Slot first) { return source.radius(first); }
+
+  size_t count() const { return batch_.count; }
+  bool full() const { return batch_.full(); }
+  void clear() { batch_.count = 0; }
+  void push(NodeId n, int level, const FrontierPage& page, FrontierEntry entry) {
+    batch_.push(n, page.first() | entry.low(), level, entry.bound(), domain_.radius(level, page.radius));
+  }
+
+  // Tests the nodes pushed by the bounds of their entries.
+  void test();
+  // Decides for the candidates of a level, all of which were pushed, whether they are in the section from now on.
+  // beginLevel() comes first, then as many parts as it takes. False if the source stopped.
+  void beginLevel() { scratch_.least.clear(); }
+  bool decide(int level, std::span<AdaptCandidate> candidates);
+  // What test() and decide() found of node `i`.
+  Slot slot(size_t i) const { return batch_.slot[i]; }
+  bool passes(size_t i) const { return batch_.passes[i] != 0; }
+  FrontierEntry entry(size_t i) const {
+    return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i]);
+  }
+  float slack(size_t i) const { return batch_.slack[i]; }
+
+  // Tells the source which of a level's candidates are new to the frontier, and then which are added. False if the
+  // source stopped.
+  void tellAddable(int level, std::span<const AdaptCandidate> candidates);
+  bool tellAdded(int level, std::span<const AdaptCandidate> candidates);
+
+ private:
+  bool resolve(size_t i, AdaptCandidate& candidate);
+  bool askSource(int level, std::span<AdaptCandidate> candidates);
+
+  const Domain& domain_;
+  const Metric metric_;
+  const MotionBound motion_;
+  Source& source_;
+  DecisionScratch& scratch_;
+  TerrainBatch batch_;
+};
+
+}  // namespace foreland::proto

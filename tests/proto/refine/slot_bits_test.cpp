@@ -1,0 +1,41 @@
+// Sets of slots against std::set.
+#include "proto/refine/slot_bits.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+#include "base/rng.h"
+
+namespace foreland::proto {
+namespace {
+
+TEST(SlotBits, AreASetOfSlots) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  Rng rng(seed);
+  SlotBits bits, others;
+  std::set<int> expected, other;
+  for (int i = 0; i < 3000; ++i) {
+    const uint8_t low = static_cast<uint8_t>(rng.next()), at = static_cast<uint8_t>(rng.next());
+    if (rng.below(2))
+      bits.set(low), expected.insert(low);
+    else
+      bits.clear(low), expected.erase(low);
+    others.set(at), other.insert(at);
+    ASSERT_EQ(bits.any(), !expected.empty());
+    ASSERT_EQ(bits.count(), expected.size());
+    ASSERT_EQ(bits.has(at), expected.contains(at)) << "seed " << seed;
+    ASSERT_EQ(bits.countBefore(at), std::distance(expected.begin(), expected.lower_bound(at))) << "seed " << seed;
+    std::vector<int> seen;
+    bits.forEach([&](uint8_t slot) { seen.push_back(slot); });
+    ASSERT_EQ(seen, std::vector<int>(expected.begin(), expected.end()));
+    const SlotBits both = bits & others, rest = bits - others;
+    ASSERT_EQ(both.has(low), expected.contains(low) && other.contains(low));
+    ASSERT_EQ(rest.has(low), expected.contains(low) && !other.contains(low));
+    if (i % 300 == 0) others = {}, other.clear();
+  }
+}
+
+}  // namespace
+}  // namespace foreland::proto
