@@ -69,8 +69,8 @@ Status Session::take(const proto::TourRequest& request, Time) {
 
 Status Session::take(const proto::GroundRequest& request, Time) {
   proto::GroundReply reply{request.id, {}};
-  reply.heights_m.reserve(request.places.size());
-  for (const glm::dvec2& p : request.places)
+  reply.heights_m.reserve(request.positions.size());
+  for (const glm::dvec2& p : request.positions)
     reply.heights_m.push_back(static_cast<float>(
         groundHeight(world_->hierarchy.scene(), p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
   replies_.push_back(proto::encode(reply));

@@ -71,7 +71,7 @@ TABLES = {
                     ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint")],
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
-    "GroundRequest": [("id", "uint"), ("places", "[Vec2]")],
+    "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
     "Model": [("rule", "ubyte"), ("halvings", "uint"), ("vertices", "uint"), ("faces", "[uint]"), ("base", "[int]"),
               ("step_m", "double"), ("atlas_side", "uint")],
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),

@@ -68,7 +68,7 @@ TEST(Message, ControlMessagesRoundTrip) {
   const auto got_tour = std::get<TourRequest>(*decodeClientMessage(encode(TourRequest{4, "canyon", 30})));
   EXPECT_EQ(got_tour.name, "canyon");
   const auto got_ground = std::get<GroundRequest>(*decodeClientMessage(encode(GroundRequest{4, {{1, 2}, {3, 4}}})));
-  EXPECT_EQ(got_ground.places, (std::vector<glm::dvec2>{{1, 2}, {3, 4}}));
+  EXPECT_EQ(got_ground.positions, (std::vector<glm::dvec2>{{1, 2}, {3, 4}}));
   EXPECT_EQ(std::get<GroundReply>(*decodeServerMessage(encode(GroundReply{4, {1.5f}}))).heights_m,
             std::vector<float>{1.5f});
   EXPECT_EQ(std::get<Refusal>(*decodeServerMessage(encode(Refusal{"no"}))).message, "no");

@@ -1,21 +1,18 @@
-#include "proto/message/message_compact.h"
+#include "proto/message/compact.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 
-#include "proto/message/wire_pose.h"
+#include "proto/message/kind.h"
 
 namespace foreland::proto {
 
 namespace {
 
-constexpr int kKindBits = 3;
-constexpr int kAgeBits = 8;                        // ages are told in 256 us
-constexpr int64_t kHorizon_us = int64_t{1} << 60;  // of times
-
-MessageKind kindOf(ByteSpan bytes) { return static_cast<MessageKind>(bytes[0] & ((1 << kKindBits) - 1)); }
+constexpr int kAgeBits = 8;                        // ages are in units of 256 us
+constexpr int64_t kHorizon_us = int64_t{1} << 60;  // largest time, either way
 
 void putKind(MessageKind kind, BitWriter& w) { w.put(static_cast<uint64_t>(kind), kKindBits); }
 
@@ -23,7 +20,7 @@ bool isNear(Time t) { return t.us >= -kHorizon_us && t.us <= kHorizon_us; }
 
 // ---- pose updates
 
-Bytes putWholePose(const PoseUpdate& m, const WirePose& pose) {
+Bytes putAbsolutePose(const PoseUpdate& m, const WirePose& pose) {
   Bytes out;
   ByteWriter w(out);
   w.put(MessageKind::kPose);
@@ -34,7 +31,7 @@ Bytes putWholePose(const PoseUpdate& m, const WirePose& pose) {
   return out;
 }
 
-std::optional<PoseUpdate> getWholePose(ByteSpan bytes, WirePose& pose) {
+std::optional<PoseUpdate> getAbsolutePose(ByteSpan bytes, WirePose& pose) {
   ByteReader r(bytes.subspan(1));
   PoseUpdate m;
   m.pose.time = {r.getZigzag()};
@@ -47,7 +44,7 @@ std::optional<PoseUpdate> getWholePose(ByteSpan bytes, WirePose& pose) {
   return m;
 }
 
-// How old an acknowledged keyframe is, rounded down: so it never seems to have come earlier than it did.
+// How long ago the acknowledged keyframe arrived, rounded down, so that it never seems to have arrived earlier.
 int64_t ageOf(const PoseUpdate& m) { return (m.pose.time - m.received_at).us >> kAgeBits; }
 
 bool canPutPoseStep(const PoseUpdate& m, const WirePose& pose, const PoseMemory& memory) {
@@ -56,7 +53,7 @@ bool canPutPoseStep(const PoseUpdate& m, const WirePose& pose, const PoseMemory&
          memory.poses.canPutNext(m.pose.time, pose);
 }
 
-// It can. The memory takes of the acknowledgement what the other end will have.
+// canPutPoseStep() holds. The memory keeps the acknowledgement as the other end decodes it.
 Bytes putPoseStep(const PoseUpdate& m, const WirePose& pose, PoseMemory& memory) {
   Bytes out;
   BitWriter w(out);
@@ -111,7 +108,7 @@ constexpr uint32_t kLongBits = 0xffff;  // of a float, zero in short ones
 uint32_t bitsOf(float value) { return std::bit_cast<uint32_t>(value); }
 float floatOf(uint64_t bits) { return std::bit_cast<float>(static_cast<uint32_t>(bits)); }
 
-void putWholeHeader(const KeyframeHeader& h, const WirePose& pose, Bytes& out) {
+void putAbsoluteHeader(const KeyframeHeader& h, const WirePose& pose, Bytes& out) {
   ByteWriter w(out);
   w.put(MessageKind::kKeyframe);
   w.putVarint(h.index);
@@ -127,7 +124,7 @@ void putWholeHeader(const KeyframeHeader& h, const WirePose& pose, Bytes& out) {
   w.put(h.fingerprint);
 }
 
-std::optional<KeyframeMessage> getWholeHeader(ByteSpan bytes, WirePose& pose) {
+std::optional<KeyframeMessage> getAbsoluteHeader(ByteSpan bytes, WirePose& pose) {
   ByteReader r(bytes.subspan(1));
   KeyframeHeader h;
   const uint64_t index = r.getVarint(), base = r.getVarint();
@@ -148,7 +145,7 @@ std::optional<KeyframeMessage> getWholeHeader(ByteSpan bytes, WirePose& pose) {
   return KeyframeMessage{h, bytes.subspan(bytes.size() - r.remaining())};
 }
 
-// What a header may tell beside the usual; a bit each.
+// Fields that a header has only if they are unusual; a bit each.
 constexpr int kExtraBits = 4;
 constexpr uint64_t kNewOrder = 1, kNewLens = 2, kNewTau = 4, kLongRegion = 8;
 
@@ -180,7 +177,7 @@ void putExtras(const KeyframeHeader& h, const KeyframeHeader& last, uint64_t ext
   }
 }
 
-// What is not told stays as it is. False if the order is none.
+// Leaves the fields that do not follow as they are. False if the indices are out of range.
 bool getExtras(BitReader& r, uint64_t extras, KeyframeHeader& h) {
   GroupWidth none;
   std::array<int64_t, 2> order{1, 1};
@@ -207,10 +204,10 @@ std::array<int64_t, 2> upperHalves(const KeyframeHeader& h) {
   return {bitsOf(h.region_radius_m) >> 16, bitsOf(h.region_angle_rad) >> 16};
 }
 
-// Of the fingerprint a quarter is told, each in its turn.
-constexpr int kToldBits = 8;
-constexpr uint32_t kToldMask = 0xff;
-int toldFrom(uint32_t index) { return kToldBits * static_cast<int>(index % 4); }
+// Each header carries a quarter of the fingerprint, in turns.
+constexpr int kQuarterBits = 8;
+constexpr uint32_t kQuarterMask = 0xff;
+int quarterBegin(uint32_t index) { return kQuarterBits * static_cast<int>(index % 4); }
 
 void putShortRegion(const KeyframeHeader& h, KeyframeMemory& memory, BitWriter& w) {
   const auto now = upperHalves(h), before = upperHalves(memory.last);
@@ -221,7 +218,7 @@ void getShortRegion(BitReader& r, KeyframeMemory& memory, KeyframeHeader& h) {
   const auto before = upperHalves(memory.last);
   std::array<int64_t, 2> change{};
   r.getGroup(change, memory.region_width);
-  // Beyond 16 bits there is no float: they become one that is refused.
+  // Numbers beyond 16 bits are no floats: they become one that isSane() refuses.
   const auto changed = [](int64_t upper) {
     return upper >= 0 && upper <= 0xffff ? floatOf(static_cast<uint64_t>(upper) << 16) : -1.0f;
   };
@@ -233,7 +230,7 @@ bool canPutHeaderStep(const KeyframeHeader& h, const WirePose& pose, const Keyfr
   return !memory.poses.empty() && fitsGroup(orderOf(h, memory.last)) && memory.poses.canPutNext(h.time, pose);
 }
 
-// It can.
+// canPutHeaderStep() holds.
 void putHeaderStep(const KeyframeHeader& h, const WirePose& pose, KeyframeMemory& memory, Bytes& out) {
   BitWriter w(out);
   putKind(MessageKind::kKeyframeStep, w);
@@ -243,7 +240,7 @@ void putHeaderStep(const KeyframeHeader& h, const WirePose& pose, KeyframeMemory
   memory.poses.putNext(h.time, pose, w);
   putExtras(h, memory.last, extras, w);
   if (!(extras & kLongRegion)) putShortRegion(h, memory, w);
-  w.put(h.fingerprint >> toldFrom(h.index) & kToldMask, kToldBits);
+  w.put(h.fingerprint >> quarterBegin(h.index) & kQuarterMask, kQuarterBits);
   w.finish();
 }
 
@@ -258,8 +255,8 @@ std::optional<KeyframeMessage> getHeaderStep(ByteSpan bytes, KeyframeMemory& mem
   pose = next->pose;
   h.time = next->time;
   if (!(extras & kLongRegion)) getShortRegion(r, memory, h);
-  h.fingerprint = static_cast<uint32_t>(r.get(kToldBits)) << toldFrom(h.index);
-  h.fingerprint_mask = kToldMask << toldFrom(h.index);
+  h.fingerprint = static_cast<uint32_t>(r.get(kQuarterBits)) << quarterBegin(h.index);
+  h.fingerprint_mask = kQuarterMask << quarterBegin(h.index);
   const ByteSpan delta = r.finish();
   if (!r.ok()) return std::nullopt;
   return KeyframeMessage{h, delta};
@@ -274,16 +271,6 @@ bool isSane(const KeyframeHeader& h) {
 
 }  // namespace
 
-bool isPose(ByteSpan bytes) {
-  return bytes[0] == static_cast<uint8_t>(MessageKind::kPose) || kindOf(bytes) == MessageKind::kPoseStep;
-}
-
-bool isKeyframe(ByteSpan bytes) {
-  return bytes[0] == static_cast<uint8_t>(MessageKind::kKeyframe) || kindOf(bytes) == MessageKind::kKeyframeStep;
-}
-
-bool isResume(ByteSpan bytes) { return bytes[0] == static_cast<uint8_t>(MessageKind::kResume); }
-
 Bytes encode(const Resume& m) {
   Bytes out;
   ByteWriter w(out);
@@ -296,7 +283,7 @@ Bytes encode(const Resume& m) {
   return out;
 }
 
-Result<ClientMessage> decodeResume(ByteSpan bytes) {
+Result<Resume> decodeResume(ByteSpan bytes) {
   ByteReader r(bytes.subspan(1));
   Resume m;
   m.scene_id = r.get<uint64_t>();
@@ -308,27 +295,28 @@ Result<ClientMessage> decodeResume(ByteSpan bytes) {
     return malformed("a presented section is cut short or absurd");
   const ByteSpan section = bytes.subspan(bytes.size() - r.remaining());
   m.section.assign(section.begin(), section.end());
-  return ClientMessage(std::move(m));
+  return m;
 }
 
-Result<ClientMessage> decodePose(ByteSpan bytes, PoseMemory& memory) {
+Result<PoseUpdate> decodePose(ByteSpan bytes, PoseMemory& memory) {
   WirePose pose;
-  auto m = kindOf(bytes) == MessageKind::kPose ? getWholePose(bytes, pose) : getPoseStep(bytes, memory, pose);
+  auto m = kindOf(bytes) == MessageKind::kPose ? getAbsolutePose(bytes, pose) : getPoseStep(bytes, memory, pose);
   if (m) m->pose.pose = fromWire(pose, kPoseSteps);
   if (!m || !isUsable(m->pose.pose))
     return malformed("a pose update is cut short, too long or absurd, more than 10^8 m away, or follows none");
   remember(*m, pose, memory);
-  return ClientMessage(*m);
+  return *m;
 }
 
-Result<ServerMessage> decodeKeyframe(ByteSpan bytes, KeyframeMemory& memory) {
+Result<KeyframeMessage> decodeKeyframe(ByteSpan bytes, KeyframeMemory& memory) {
   WirePose pose;
-  auto m = kindOf(bytes) == MessageKind::kKeyframe ? getWholeHeader(bytes, pose) : getHeaderStep(bytes, memory, pose);
+  auto m =
+      kindOf(bytes) == MessageKind::kKeyframe ? getAbsoluteHeader(bytes, pose) : getHeaderStep(bytes, memory, pose);
   if (m) m->header.pose = fromWire(pose, kKeyframeSteps);
   if (!m || !isSane(m->header)) return malformed("a keyframe's header is cut short, absurd, or follows none");
   memory.poses.add(m->header.time, pose);
   memory.last = m->header;
-  return ServerMessage(*m);
+  return *m;
 }
 
 Bytes encode(const PoseUpdate& m, PoseMemory& memory) {
@@ -339,7 +327,7 @@ Bytes encode(const PoseUpdate& m, PoseMemory& memory) {
     return out;
   }
   remember(m, pose, memory);
-  return putWholePose(m, pose);
+  return putAbsolutePose(m, pose);
 }
 
 void encodeHeader(const KeyframeHeader& h, KeyframeMemory& memory, Bytes& out) {
@@ -347,7 +335,7 @@ void encodeHeader(const KeyframeHeader& h, KeyframeMemory& memory, Bytes& out) {
   if (canPutHeaderStep(h, pose, memory))
     putHeaderStep(h, pose, memory, out);
   else
-    putWholeHeader(h, pose, out);
+    putAbsoluteHeader(h, pose, out);
   memory.poses.add(h.time, pose);
   memory.last = h;
 }
@@ -360,16 +348,6 @@ Bytes encode(const PoseUpdate& m) {
 void encodeHeader(const KeyframeHeader& h, Bytes& out) {
   KeyframeMemory none;
   encodeHeader(h, none, out);
-}
-
-Result<ClientMessage> decodeClientMessage(ByteSpan bytes) {
-  PoseMemory none;
-  return decodeClientMessage(bytes, none);
-}
-
-Result<ServerMessage> decodeServerMessage(ByteSpan bytes) {
-  KeyframeMemory none;
-  return decodeServerMessage(bytes, none);
 }
 
 Pose asSent(const Pose& pose) { return fromWire(toWire(pose, kPoseSteps), kPoseSteps); }

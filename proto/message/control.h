@@ -1,0 +1,103 @@
+// Control messages: what a client asks for, and what the server answers, besides poses and keyframes (compact.h). Plain
+// values, and their bytes: byte 1, then a FlatBuffer (message.fbs). Decoders accept any bytes and end in a value that
+// keeps what its type says (usable lenses and poses, valid frames, shapes and paths) or in an Error; every count is
+// bounded before it is used. Pure functions; any thread; portable to WebAssembly.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "proto/refine/objects.h"
+#include "proto/space/frame.h"
+#include "proto/space/path.h"
+#include "proto/space/pose.h"
+#include "proto/topology/grid.h"
+
+namespace foreland::proto {
+
+inline constexpr uint32_t kProtocolVersion = 4;
+inline constexpr size_t kMaxGroundPoints = 65'536;
+
+// P section 4; DESIGN section 4.
+enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
+enum class Predictor : uint8_t { kHold = 0, kConstantVelocity = 1, kConstantAcceleration = 2, kKnownPath = 3 };
+
+// "delay", "current", "predict"; "hold", "velocity", "acceleration", "path". Empty for other names.
+const char* name(Strategy strategy);
+const char* name(Predictor predictor);
+std::optional<Strategy> strategyNamed(std::string_view name);
+std::optional<Predictor> predictorNamed(std::string_view name);
+
+struct ViewRequest {
+  Lens lens;
+  double tau_px = 0;  // 0: the server's own
+  Strategy strategy = Strategy::kPredict;
+  Predictor predictor = Predictor::kConstantVelocity;
+  Duration keyframe_interval;         // 0: the server's own
+  uint32_t max_triangles = 0;         // that the client can draw; 0: no limit
+  uint32_t max_bytes_per_second = 0;  // that the client can receive; 0: no limit
+};
+
+struct TourRequest {
+  uint32_t id = 0;
+  std::string name;  // survey, canyon, spin, orbit
+  double seconds = 60;
+};
+
+struct GroundRequest {
+  uint32_t id = 0;
+  std::vector<glm::dvec2> positions;  // on the lattice
+};
+
+struct Welcome {
+  uint64_t scene_id = 0;
+  std::string title;
+  std::string crs;
+  Frame frame;
+  GridShape shape;
+  int32_t lowest = 0, highest = 0;      // heights over the data, height quanta
+  std::vector<int32_t> corner_heights;  // (roots_x + 1) * (roots_y + 1), row by row from the south, height quanta
+  std::vector<int32_t> centre_heights;  // roots_x * roots_y
+  double tau_px = 1;                    // in force
+  Duration keyframe_interval;           // in force
+  std::vector<ObjectModel> models;
+  std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
+};
+
+struct TourReply {
+  uint32_t id = 0;
+  Duration step;
+  std::vector<Pose> poses;
+};
+
+struct GroundReply {
+  uint32_t id = 0;
+  std::vector<float> heights_m;  // NaN beyond the data
+};
+
+// The server closes the connection after it.
+struct Refusal {
+  std::string message;
+};
+
+using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest>;
+using ServerControl = std::variant<Welcome, TourReply, GroundReply, Refusal>;
+
+Bytes encode(const ViewRequest& message);
+Bytes encode(const Path& message);
+Bytes encode(const TourRequest& message);
+Bytes encode(const GroundRequest& message);
+Bytes encode(const Welcome& message);
+Bytes encode(const TourReply& message);
+Bytes encode(const GroundReply& message);
+Bytes encode(const Refusal& message);
+
+// The message is of kind kControl.
+Result<ClientControl> decodeClientControl(ByteSpan bytes);
+Result<ServerControl> decodeServerControl(ByteSpan bytes);
+
+}  // namespace foreland::proto

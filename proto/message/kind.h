@@ -1,0 +1,36 @@
+// The kind of a message, which its first byte tells. For the files of this folder; others include message.h. Pure; any
+// thread; portable to WebAssembly.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/bytes.h"
+#include "base/result.h"
+
+namespace foreland::proto {
+
+// In the low three bits of the first byte. The other bits of the byte belong to the message where it is written as bits
+// (steps, which are relative to an earlier message), and are zero elsewhere.
+enum class MessageKind : uint8_t {
+  kNone = 0,  // no message has it
+  kControl = 1,
+  kPose = 2,
+  kKeyframe = 3,
+  kResume = 4,
+  kPoseStep = 5,
+  kKeyframeStep = 6
+};
+
+inline constexpr int kKindBits = 3;
+
+// The message is not empty.
+inline MessageKind kindOf(ByteSpan bytes) {
+  const auto kind = static_cast<MessageKind>(bytes[0] & ((1 << kKindBits) - 1));
+  if (kind == MessageKind::kPoseStep || kind == MessageKind::kKeyframeStep) return kind;
+  return bytes[0] <= static_cast<uint8_t>(MessageKind::kResume) ? kind : MessageKind::kNone;
+}
+
+inline Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "message: " + what}; }
+
+}  // namespace foreland::proto
