@@ -6,7 +6,7 @@ import math
 import section as steps
 from terrain import ERROR_M
 
-MOTION, TOWARDS_SIDE_PLANE = range(2)  # Metric::Sensitivity
+MOTION, TOWARDS_SIDE_PLANE = range(2)  # Sensitivity in motion_margin.h
 
 
 def dot(a, b):
