@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/result.h"
 #include "terrain/model/model.h"
 
@@ -22,5 +23,7 @@ inline constexpr uint64_t kMaxImagePixels = 1u << 28;  // a gigabyte
 
 // Of any depth and kind; becomes 8 bits a channel, sRGB.
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& path);
+// A file's bytes: 8 bits a channel, red, green, blue, alpha, lossless. An Error only if memory does not suffice.
+[[nodiscard]] Result<Bytes> encodePng(const Image& image);
 
 }  // namespace foreland::terrain
