@@ -35,7 +35,7 @@ Status checkTarget(const std::filesystem::path& target) {
   struct stat about {};
   if (target.filename().empty() || (::stat(target.c_str(), &about) == 0 && !S_ISREG(about.st_mode)))
     return Error{ErrorCode::kInvalidArgument,
-                 target.string() + ": not a file that can be written; name a file to create, as scene.fls"};
+                 target.string() + ": not a file that can be written; name a file to create"};
   return {};
 }
 
@@ -44,7 +44,7 @@ Status checkTarget(const std::filesystem::path& target) {
 Error NewFile::systemError(const std::string& doing) const {
   const std::string why = std::strerror(errno);
   const std::string way_out = errno == ENOSPC || errno == EFBIG || errno == EDQUOT
-                                  ? "; the scene needs " + std::to_string((bytes_ >> 20) + 1) + " MiB"
+                                  ? "; the file needs " + std::to_string((bytes_ >> 20) + 1) + " MiB"
                                   : "";
   return {ErrorCode::kIo, target_.string() + ": " + doing + ": " + why + way_out};
 }
