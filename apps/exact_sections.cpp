@@ -11,8 +11,10 @@ namespace {
 // Refines from nothing and lets a replica make the mesh, as a viewer would on its first keyframe.
 class ExactSections {
  public:
-  explicit ExactSections(std::shared_ptr<const terrain::Scene> scene)
-      : scene_(std::move(scene)), hierarchy_(scene_), welcome_(server::welcomeTo(hierarchy_)) {}
+  ExactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects)
+      : scene_(std::move(scene)),
+        hierarchy_(scene_, proto::ErrorBound::kSpheroid, std::move(objects)),
+        welcome_(server::welcomeTo(hierarchy_)) {}
 
   std::shared_ptr<const client::KeyframeMesh> at(const bench::SectionRequest& wanted) {
     const proto::View view{wanted.pose, wanted.lens, wanted.tau_px, wanted.region_radius_m, wanted.region_angle_rad};
@@ -33,8 +35,8 @@ class ExactSections {
 
 }  // namespace
 
-bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene) {
-  const auto sections = std::make_shared<ExactSections>(std::move(scene));
+bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects) {
+  const auto sections = std::make_shared<ExactSections>(std::move(scene), std::move(objects));
   return [sections](const bench::SectionRequest& wanted) { return sections->at(wanted); };
 }
 

@@ -6,10 +6,12 @@
 #include <memory>
 
 #include "bench/oracle/flight_truth.h"
+#include "server/section/hierarchy.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::apps {
 
-bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene);
+// Of the terrain, and of `objects` if they are given (server::objectsOf).
+bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects = {});
 
 }  // namespace foreland::apps

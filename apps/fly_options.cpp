@@ -1,9 +1,9 @@
 #include "apps/fly_options.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <string_view>
 
+#include "apps/lens_option.h"
 #include "apps/options.h"
 
 namespace foreland::apps {
@@ -38,22 +38,8 @@ Exit code: 0 when the flight was flown to its end, 2 otherwise.)";
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
-// "1920x1080"
-Result<proto::Lens> lensOf(const FlyOptions& o) {
-  proto::Lens lens{.vertical_fov_rad = o.fov_deg * 0.017453292519943295};
-  const char *begin = o.viewport.data(), *end = begin + o.viewport.size();
-  const auto [cross, width_error] = std::from_chars(begin, end, lens.width_px);
-  if (width_error != std::errc{} || cross == end || *cross != 'x')
-    return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
-  const auto [last, height_error] = std::from_chars(cross + 1, end, lens.height_px);
-  if (height_error != std::errc{} || last != end)
-    return invalid("--viewport '" + o.viewport + "': write WIDTHxHEIGHT in pixels");
-  if (!proto::isUsable(lens)) return invalid("--fov must be 1 to 170 degrees, --viewport 1x1 to 16384x16384 pixels");
-  return lens;
-}
-
 Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
-  const Result<proto::Lens> lens = lensOf(o);
+  const Result<proto::Lens> lens = parseLens(o.viewport, o.fov_deg);
   if (!lens.ok()) return lens.error();
   const auto strategy = proto::strategyNamed(o.strategy);
   if (!strategy) return invalid("--strategy '" + o.strategy + "': choose delay, current or predict");

@@ -32,6 +32,12 @@ void clampWeights(std::array<double, 3>& weights) {
   for (double& w : weights) w /= sum;
 }
 
+const TriangleCorner& nearestCorner(const std::array<TriangleCorner, 3>& corners, const glm::dvec3& point) {
+  return *std::min_element(corners.begin(), corners.end(), [&](const TriangleCorner& a, const TriangleCorner& b) {
+    return glm::distance(a.position, point) < glm::distance(b.position, point);
+  });
+}
+
 RayHit pointOn(const Ray& ray, const std::array<TriangleCorner, 3>& corners, const EmbreeHit& found) {
   std::array<double, 3> weights = weightsAt(ray, corners, found);
   clampWeights(weights);
@@ -44,8 +50,7 @@ RayHit pointOn(const Ray& ray, const std::array<TriangleCorner, 3>& corners, con
   }
   hit.position = ray.origin + from_eye;
   hit.distance_m = glm::dot(from_eye, ray.direction);
-  hit.corner =
-      corners[static_cast<size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin())].parameter;
+  hit.corner = nearestCorner(corners, hit.position).parameter;
   const glm::dvec3 n = glm::cross(corners[1].position - corners[0].position, corners[2].position - corners[0].position);
   hit.normal = n / std::max(glm::length(n), std::numeric_limits<double>::min());
   return hit;

@@ -43,8 +43,8 @@ struct RayHit {
   glm::dvec3 position{0};  // scene frame, metres
   glm::dvec3 normal{0};    // unit, of the triangle: upward from the terrain, outward from objects
   int32_t object = kTerrain;
-  // The parameter of the point, and of the triangle's corner nearest to it (largest weight): lattice position on the
-  // terrain; on objects texture coordinates in the model's image, all (0, 0) if it has none.
+  // The parameter of the point, and of the triangle's corner nearest to it: lattice position on the terrain; on objects
+  // texture coordinates in the model's image, all (0, 0) if it has none.
   glm::dvec2 parameter{0}, corner{0};
   double height_m = 0;  // above the zero surface, interpolated between the corners; 0 on objects
 };

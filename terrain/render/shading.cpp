@@ -1,0 +1,104 @@
+#include "terrain/render/shading.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+
+namespace foreland::terrain {
+
+namespace {
+
+// Linear; from the lowest ground to the highest, then rock and snow.
+constexpr std::array<glm::vec3, 6> kPalette{{{0.044f, 0.084f, 0.039f},
+                                             {0.089f, 0.141f, 0.060f},
+                                             {0.205f, 0.202f, 0.091f},
+                                             {0.223f, 0.147f, 0.084f},
+                                             {0.159f, 0.125f, 0.102f},
+                                             {0.314f, 0.292f, 0.271f}}};
+constexpr glm::vec3 kRock{0.15f, 0.13f, 0.115f}, kSnow{0.80f, 0.84f, 0.90f}, kPlain{0.45f, 0.45f, 0.45f};
+constexpr glm::vec3 kHaze{0.36f, 0.50f, 0.68f}, kZenith{0.030f, 0.105f, 0.310f};
+constexpr glm::vec3 kSunlight{2.15f, 1.92f, 1.56f}, kSkylight{0.17f, 0.24f, 0.36f}, kGroundlight{0.09f, 0.08f, 0.07f};
+// North-west, 36 degrees high.
+const glm::vec3 kSun = glm::normalize(glm::vec3(-0.5714f, 0.5714f, 0.589f));
+
+glm::vec3 hypsometric(float t) {
+  const float at = std::clamp(t, 0.0f, 1.0f) * (kPalette.size() - 1);
+  const size_t i = std::min(static_cast<size_t>(at), kPalette.size() - 2);
+  return glm::mix(kPalette[i], kPalette[i + 1], glm::smoothstep(0.0f, 1.0f, at - static_cast<float>(i)));
+}
+
+glm::vec3 fromSrgb(Texel texel) {
+  const auto part = [&](int shift) { return std::pow(static_cast<float>(texel >> shift & 0xff) / 255, 2.2f); };
+  return {part(0), part(8), part(16)};
+}
+
+glm::vec3 lit(const glm::vec3& albedo, const glm::vec3& normal, const glm::vec3& up) {
+  const float openness = 0.5f + 0.5f * glm::dot(normal, up);
+  return albedo * (kSunlight * std::max(glm::dot(normal, kSun), 0.0f) + glm::mix(kGroundlight, kSkylight, openness));
+}
+
+}  // namespace
+
+Result<Shading> Shading::of(const std::shared_ptr<const Scene>& scene) {
+  Result<PlacedObjects> objects = readObjects(scene);
+  if (!objects.ok()) return objects.error();
+  return Shading(scene, std::move(*objects));
+}
+
+// Haze veils two thirds at the distance of the scene's diagonal.
+Shading::Shading(std::shared_ptr<const Scene> scene, PlacedObjects objects)
+    : scene_(std::move(scene)), objects_(std::move(objects)), transform_(scene_->frame()) {
+  const double quantum_m = scene_->frame().height_quantum_m;
+  lowest_m_ = static_cast<float>(scene_->heightRange().lowest * quantum_m);
+  span_m_ = std::max(static_cast<float>(scene_->heightRange().highest * quantum_m) - lowest_m_, 1e-3f);
+  const proto::GridShape& shape = scene_->grid().shape();
+  haze_m_ = static_cast<float>(
+      glm::distance(transform_.toScene(proto::LatticePosition{0, 0, 0}),
+                    transform_.toScene(proto::LatticePosition{shape.samples_x - 1.0, shape.samples_y - 1.0, 0})));
+}
+
+glm::vec3 Shading::ground(const RayHit& hit, const glm::vec3& up) const {
+  const float t = (static_cast<float>(hit.height_m) - lowest_m_) / span_m_;
+  const float steepness = 1 - glm::dot(glm::vec3(hit.normal), up);
+  const glm::vec3 bare = glm::mix(hypsometric(t), kRock, glm::smoothstep(0.20f, 0.42f, steepness));
+  return glm::mix(bare, kSnow, glm::smoothstep(0.70f, 0.80f, t) * (1 - glm::smoothstep(0.26f, 0.44f, steepness)));
+}
+
+glm::vec3 Shading::object(const RayHit& hit) const {
+  const MappedSurface& model = *objects_.models[objects_.set.placement(static_cast<size_t>(hit.object)).model];
+  const proto::AtlasLayout atlas = model.atlas();
+  if (atlas.side == 0) return kPlain;
+  const auto pixel = [](double coordinate, uint32_t size) {
+    return static_cast<size_t>(std::clamp(coordinate * size, 0.0, size - 1.0));
+  };
+  return fromSrgb(
+      model.texels()[pixel(hit.parameter.y, atlas.height()) * atlas.width() + pixel(hit.parameter.x, atlas.width())]);
+}
+
+glm::vec3 Shading::surface(const Ray& ray, const RayHit& hit) const {
+  const glm::vec3 up(transform_.upAt(hit.position));
+  const glm::vec3 albedo = hit.object == RayHit::kTerrain ? ground(hit, up) : object(hit);
+  const float clear = std::exp(-static_cast<float>(hit.distance_m) / haze_m_);
+  return glm::mix(
+      sky({ray.origin, glm::normalize(ray.direction - glm::dot(ray.direction, glm::dvec3(up)) * glm::dvec3(up))}),
+      lit(albedo, glm::vec3(hit.normal), up), clear);
+}
+
+glm::vec3 Shading::sky(const Ray& ray) const {
+  const auto height = static_cast<float>(glm::dot(ray.direction, transform_.upAt(ray.origin)));
+  return glm::mix(kHaze, kZenith, 1 - std::exp(-5.5f * std::max(height, 0.0f)));
+}
+
+glm::vec3 toScreen(const glm::vec3& linear) {
+  const glm::vec3 x = linear * 0.80f;
+  const glm::vec3 filmic = glm::clamp(x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f), 0.0f, 1.0f);
+  glm::vec3 screen;
+  for (int i = 0; i < 3; ++i)
+    screen[i] = filmic[i] < 0.0031308f ? 12.92f * filmic[i] : 1.055f * std::pow(filmic[i], 1 / 2.4f) - 0.055f;
+  return screen;
+}
+
+}  // namespace foreland::terrain

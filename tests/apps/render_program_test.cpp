@@ -1,0 +1,88 @@
+// `foreland render` as people run it.
+#include <gtest/gtest.h>
+
+#include "terrain/model/png.h"
+#include "tests/apps/expect_refusal.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+namespace {
+
+// A scene file of 65 x 65 samples, 10 m apart, whose map begins at (-320, -320).
+std::string writeScene(const TemporaryFolder& folder) {
+  const std::string path = folder / "land.fls";
+  FormulaSource source(65, 65, hills(3));
+  CHECK_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1}).ok());
+  return path;
+}
+
+const std::vector<std::string> kSmall{"--viewport", "64x48"};
+
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more = kSmall) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(RenderProgram, WritesOnePictureInAllFormatsAskedFor) {
+  const TemporaryFolder folder;
+  const std::string scene = writeScene(folder), png = folder / "a.png", exr = folder / "a.exr";
+  const Outcome outcome =
+      runProgram("render", with({scene, "--pose", "0,-100,200,10,-20", "-o", png, "-o", exr, "--error", "--tau", "2"}));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("largest error"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find(" 0 of the terrain"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("left"), std::string::npos) << "no progress where nobody watches";
+  EXPECT_EQ(filesIn(folder.path()), 3u);
+  const auto image = terrain::readPng(png);
+  ASSERT_TRUE(image.ok());
+  EXPECT_EQ(image->width, 64u);
+  EXPECT_EQ(image->height, 48u);
+}
+
+TEST(RenderProgram, NumbersASequenceAndTellsTheTimeLeft) {
+  const TemporaryFolder folder;
+  const std::string scene = writeScene(folder), pattern = folder / "frame_%03d.png";
+  const Outcome outcome = runProgram("render", with({scene, "--tour", "survey", "--seconds", "1", "--every", "0.5",
+                                                     "--section", "--progress", "-o", pattern}));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("3 of 3 pictures, 0:00:00 left"), std::string::npos) << outcome.output;
+  for (const char* name : {"frame_000.png", "frame_001.png", "frame_002.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  EXPECT_EQ(filesIn(folder.path()), 4u);
+}
+
+TEST(RenderProgram, RefusesWhatItCannotDoByName) {
+  const TemporaryFolder folder;
+  const std::string scene = writeScene(folder), png = folder / "a.png";
+  const std::vector<std::string> here{"--pose", "0,0,50"};
+  expectRefusal("render", {scene}, {"--output"});
+  expectRefusal("render", {scene, "-o", png}, {"--pose", "--tour", "--track"});
+  expectRefusal("render", with({folder / "none.fls", "-o", png}, here), {"none.fls"});
+  expectRefusal("render", with({scene, "-o", folder / "a.tif"}, here), {"a.tif", ".exr or .png"});
+  expectRefusal("render", with({scene, "-o", folder / "nowhere/a.png"}, here), {"nowhere"});
+  expectRefusal("render", with({scene, "-o", folder / "a_%s.png"}, here), {"a_%s.png", "%"});
+  expectRefusal("render", with({scene, "-o", png, "--tau", "0"}, here), {"--tau"});
+  expectRefusal("render", with({scene, "-o", png, "--viewport", "9"}, here), {"--viewport", "WIDTHxHEIGHT"});
+  expectRefusal("render", with({scene, "-o", png, "--section", "--full"}, here), {"--full"});
+  for (const char* pose : {"5", "a,b,c", "1,2", "1,2,3,4,5,6", "1,2,nan", "1,2,3,"})
+    expectRefusal("render", {scene, "-o", png, "--pose", pose}, {pose, "LAT,LON,HEIGHT"});
+  expectRefusal("render", {scene, "-o", png, "--pose", "400,0,50"}, {"400,0,50", "beyond the data"});
+  expectRefusal("render", {scene, "-o", png, "--pose", "0,0,-1"}, {"0,0,-1", "under the ground"});
+  expectRefusal("render", {scene, "-o", png, "--pose", "0,0,5,0,91"}, {"PITCH"});
+  expectRefusal("render", {scene, "-o", png, "--tour", "survey"}, {"a.png", "%04d"});
+  expectRefusal("render", {scene, "-o", folder / "%d.png", "--tour", "loop"}, {"loop", "survey"});
+  expectRefusal("render", {scene, "-o", folder / "%d.png", "--track", folder / "none.igc"}, {"none.igc"});
+  expectRefusal("render", {scene, "-o", folder / "%d.png", "--tour", "survey", "--every", "0"}, {"--every"});
+  EXPECT_EQ(filesIn(folder.path()), 1u) << "nothing but the scene";
+}
+
+TEST(RenderProgram, AFullDiskIsSaidAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const std::string scene = writeScene(folder);
+  for (const std::string file : {folder / "a.png", folder / "a.exr"})
+    expectRefusal("render", with({scene, "--pose", "0,0,50", "-o", file}), {file, "MiB"}, {.largest_file_bytes = 1024});
+  EXPECT_EQ(filesIn(folder.path()), 1u);
+}
+
+}  // namespace
+}  // namespace foreland::test
