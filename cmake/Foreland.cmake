@@ -7,7 +7,7 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 find_program(FORELAND_CCACHE ccache)
 if(FORELAND_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${FORELAND_CCACHE})
-  if(FORELAND_PRECOMPILE)  # else it would not keep what such headers went into
+  if(NOT FORELAND_PRECOMPILE STREQUAL "OFF")  # else it would not keep what such headers went into
     set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros ${FORELAND_CCACHE})
   endif()
 endif()
@@ -28,7 +28,7 @@ if(FORELAND_SANITIZE)
     $<$<CXX_COMPILER_ID:Clang>:-fsanitize-ignorelist=${CMAKE_SOURCE_DIR}/cmake/not_ours.ignorelist>)
   target_link_options(foreland_options INTERFACE -fsanitize=${FORELAND_SANITIZE})
 endif()
-if(FORELAND_PRECOMPILE)
+if(FORELAND_PRECOMPILE STREQUAL "ON")
   target_compile_options(foreland_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>)
 endif()
 

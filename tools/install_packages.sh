@@ -59,7 +59,7 @@ for group in "$@"; do
 done
 
 if ! command -v dpkg-query >/dev/null; then
-  echo "install_packages: this is no Debian system; install the equivalents of: ${wanted[*]}" >&2
+  echo "install_packages: this is not a Debian system; install the equivalents of: ${wanted[*]}" >&2
   exit 2
 fi
 

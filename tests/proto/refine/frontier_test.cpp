@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -108,6 +109,20 @@ class Pair {
   std::set<Slot> nodes_in_section_;
   std::map<Slot, Expected> entries_;
 };
+
+// A distance that is rounded down would let a turn take too little off a slack.
+TEST(MotionConstraint, RoundsTheLargestDistanceUpByAtMost2Percent) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  Rng rng(seed);
+  for (int i = 0; i < 20000; ++i) {
+    const float distance = static_cast<float>(std::exp2(rng.uniform(-4, 28)));
+    const uint32_t sensitivity = static_cast<uint32_t>(i) % 4;
+    const auto entry = FrontierEntry::of(7, QuantisedError{60}, MotionConstraint::of(sensitivity, distance));
+    ASSERT_GE(entry.maxDistance(), distance) << "seed " << seed;
+    ASSERT_LE(entry.maxDistance(), 1.02 * distance) << "seed " << seed;
+    ASSERT_EQ(entry.sensitivity(), sensitivity) << "seed " << seed;
+  }
+}
 
 TEST(Frontier, KeepsItsEntriesAndFindsTheStaleOnes) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
