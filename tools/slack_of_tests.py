@@ -1,4 +1,4 @@
-"""How long the result of a refinement test is sure to hold, for the figures: the two simpler sensitivities of Metric::testResult in
+"""How long the result of a refinement test is sure to hold, for the figures: the two simpler sensitivities of MotionMargin::testResult in
 proto/refine, for planar terrain, one node at a time."""
 
 import math

@@ -42,7 +42,7 @@ TEST(Session, RefusesAnAcknowledgementOfAKeyframeNeverSent) {
   Session session(smallWorld(), {});
   ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
   proto::PoseUpdate update = poseAt(0);
-  update.received_keyframe = 7;
+  update.received_keyframe = 1;  // one more than were sent
   EXPECT_FALSE(session.receive(proto::encode(update), Time{}).ok());
 }
 

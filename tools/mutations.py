@@ -1,0 +1,88 @@
+"""The mutations of tools/mutate.py: lines of the engine that must not be wrong, and the tests that should notice if they are.
+
+A line is an expression, or a statement if it ends with `;`; it must occur exactly once under its folder. `instead` takes its
+place. A test is EXECUTABLE or EXECUTABLE:FILTER (a GoogleTest filter).
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Mutation:
+    name: str
+    under: str
+    line: str
+    instead: str
+    tests: tuple
+
+
+def of(name, under, line, instead, *tests):
+    return Mutation(name, under, line, instead, tests)
+
+
+GRID, ADAPT, DELTA = "proto_test:*Grid*", "refine_test:*Adaptation*:Metric*", "proto_test:DeltaCodec*"
+BOUNDS = "terrain_bounds_test"
+FLIGHT = "world_test:World.ErrorInEveryFrame*:*EveryStrategy*"
+
+MUTATIONS = [
+    # topology
+    of("diagonal: sign", "proto/topology/grid", "if (diagonalRises(x, y, t)) return {NodeId::at(x - s, y - s), NodeId::at(x + s, y + s)};",
+       "if (!diagonalRises(x, y, t)) return {NodeId::at(x - s, y - s), NodeId::at(x + s, y + s)};", GRID),
+    of("data: off by one", "proto/topology/grid", "n.x() - s < shape_.samples_x - 1", "n.x() - s <= shape_.samples_x - 1", GRID),
+    # bounds
+    of("error: rounded down", "proto/section", "(eighths + kEach - 1) / kEach + 1", "(eighths + kEach - 1) / kEach",
+       "proto_test:QuantisedError*"),
+    of("saturation: children dropped", "terrain/bounds",
+       "std::max(proto::QuantisedError::roundUp(band.errors_m[i]), proto::QuantisedError{band.child_errors[i]})",
+       "proto::QuantisedError::roundUp(band.errors_m[i])", BOUNDS),
+    of("sphere: of the page's last", "terrain/bounds", "std::max(most, r.radius())", "r.radius()", BOUNDS),
+    of("sphere: children's radii", "terrain/bounds", "std::sqrt(dx * dx + dy * dy + dz * dz) + child.radius[i]",
+       "std::sqrt(dx * dx + dy * dy + dz * dz)", BOUNDS),
+    of("error: tail of a row", "terrain/bounds", "std::fabs(samples[i] - (value + slope * i))", "0.0", BOUNDS),
+    # the test and its slack
+    of("frustum: sign", "proto/refine/metric", "is_visible & (frustum_.sideDistance(p) + R >= 0)", "is_visible & (frustum_.sideDistance(p) - R >= 0)",
+       "refine_test:*Metric*", FLIGHT),
+    of("region: radius ignored", "proto/refine/metric", "view.region_radius_m", "0.0", FLIGHT, "protocol_test"),
+    of("region: angle ignored", "proto/refine/frustum", "std::min(view.region_angle_rad, 1.5)", "0.0", FLIGHT, "protocol_test"),
+    of("slack: side planes ignored", "proto/refine/motion_margin", "passed ? std::min(visible_margin, n.side_margin) : -visible_margin",
+       "passed ? visible_margin : -visible_margin", ADAPT),
+    of("slack: too long", "proto/refine", "result.slack * kSlackShare", "result.slack * 4", ADAPT),
+    of("motion: turning ignored", "proto/refine/motion_margin", "set(Sensitivity::kMotion, moved + region, turned + scaled);",
+       "set(Sensitivity::kMotion, moved + region, scaled);", ADAPT),
+    of("motion: sides ignored", "proto/refine/motion_margin",
+       "set(Sensitivity::kTowardsSidePlane, frustum.sideApproach(seen, moved) + region, turned);",
+       "set(Sensitivity::kTowardsSidePlane, region, turned);", ADAPT),
+    of("motion: aside ignored", "proto/refine/motion_margin", "ahead + std::fabs(move.z) + kAdvanceStray * (aside + rising + region)",
+       "ahead + std::fabs(move.z)", ADAPT),
+    of("slack: distance ignored", "proto/refine", "(fixed + per_distance * entries[i].maxDistance())", "fixed", ADAPT),
+    of("constraint: rounded down", "proto/refine", "(std::bit_cast<uint32_t>(max_distance_m) + 0x1ffff)", "std::bit_cast<uint32_t>(max_distance_m)",
+       "refine_test:MotionConstraint*"),
+    # the step
+    of("removal: closure dropped", "proto/refine/adapter", "!c.is_new || !hasChildInSection(n, level)", "true", ADAPT),
+    of("addition: parents stay removable", "proto/refine/adapter",
+       "for (NodeId parent : topology_.parents(n)) removeFromFrontier(topology_.slot(parent, level - 1));", ";", ADAPT),
+    of("bound: off by one", "proto/refine", "QuantisedError{static_cast<uint8_t>(least.value - 1)}", "least", ADAPT, DELTA),
+    # the codec
+    of("height: prediction", "proto/codec", "3 * curve()", "2 * curve()", DELTA),
+    of("decision: context", "proto/codec", "(2 * before_ + (got ? 1 : 0)) & 3", "(2 * before_ + (got ? 1 : 0)) & 1", DELTA),
+    of("height: displacement", "proto/codec/delta_codec", "height - record.middle()", "height", DELTA),
+    of("section: closure dropped", "proto/codec/section_codec", "std::all_of(parents.begin(), parents.end(), isIn)",
+       "std::any_of(parents.begin(), parents.end(), isIn) || parents.begin() == parents.end()", "refine_test:PresentedSections*"),
+    of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",
+       "addToFrontier(mesh_->slot(parent, level - 1));", "refine_test:*SurfaceCodec*"),
+    # the server
+    of("fingerprint: removals", "server/section", "proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed)",
+       "proto::fingerprint(scratch.delta.added)", FLIGHT),
+    of("acknowledgement: off by one", "server/session", "update.received_keyframe > keyframe().index",
+       "update.received_keyframe > keyframe().index + 1", "session_test"),
+    of("region: half the interval", "server/view", "(end - begin).us * i / steps", "(end - begin).us * i / steps / 2", FLIGHT),
+    of("deadline: an interval late", "server/session", "clocks_.sendBy(*target_ - T)", "clocks_.sendBy(*target_)", FLIGHT),
+    of("budget: sign", "server/section", "std::log(triangles_ / (kMiddle * budget.triangles))", "-std::log(triangles_ / (kMiddle * budget.triangles))",
+       "world_test:World.ATriangleBudget*"),
+    # the client
+    of("timeline: jump", "client", "begin = std::max(begin, entries_.back().end);", ";", "client_test:*Timeline*", "world_test:World.Strategies*"),
+    of("blend: weight", "client", "weight * displacement()", "(1 - weight) * displacement()", "world_test:*Geomorph*"),
+    of("mesh: crack at the border", "client", "from + u * (to - from)", "from + 0.9 * u * (to - from)", FLIGHT),
+    of("morph: off by one", "client", "m.from + left / steps", "m.from + left / (steps + 1)", "client_test"),
+    of("morph: region ignored", "client", "radius_m + region_radius_", "radius_m - region_radius_", "client_test"),
+]
