@@ -53,7 +53,7 @@ ordered_json describeSurface(const terrain::MappedSurface& surface) {
   about["full_triangles"] = s.full_triangles;
   about["low"] = {s.low.x, s.low.y, s.low.z};
   about["high"] = {s.high.x, s.high.y, s.high.z};
-  about["step"] = surface.step_m();
+  about["step"] = surface.stepMetres();
   about["image"] = {{"width", surface.atlas().width()},
                     {"height", surface.atlas().height()},
                     {"texels_per_base_edge", surface.atlas().side}};
@@ -72,7 +72,7 @@ void printSurface(const std::string& path, const terrain::MappedSurface& surface
   std::printf("hierarchy  %s, %d levels, %" PRIu64 " nodes, %" PRIu64 " triangles in all\n", s.rule,
               surface.topology().maxLevel(), s.nodes, s.full_triangles);
   std::printf("box        (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g), in steps of %g\n", s.low.x, s.low.y, s.low.z,
-              s.high.x, s.high.y, s.high.z, surface.step_m());
+              s.high.x, s.high.y, s.high.z, surface.stepMetres());
   if (surface.atlas().side > 0)
     std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),
                 surface.atlas().height(), surface.atlas().side);

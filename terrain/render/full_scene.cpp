@@ -87,9 +87,9 @@ class FullModel {
   Status commit() {
     std::vector<glm::vec3> vertices;
     for (const glm::ivec3& steps : surface_->basePositions())
-      vertices.emplace_back(glm::dvec3(steps) * surface_->step_m());
+      vertices.emplace_back(glm::dvec3(steps) * surface_->stepMetres());
     for (const proto::SurfaceRecord& node : surface_->nodes())
-      vertices.emplace_back(glm::dvec3(node.position) * surface_->step_m());
+      vertices.emplace_back(glm::dvec3(node.position) * surface_->stepMetres());
     embree_.addTriangles(vertices, indices_);
     return embree_.commit();
   }
@@ -99,7 +99,7 @@ class FullModel {
     const proto::MeshTopology& mesh = surface_->topology();
     const uint32_t v = indices_[3 * size_t{triangle} + i], nodes = v - mesh.baseVertexCount();
     const NodeId id = v < mesh.baseVertexCount() ? proto::baseVertexId(v) : mesh.node(nodes);
-    return {glm::dvec3(surface_->steps(id)) * surface_->step_m(), textureCoordinates(triangle, id), 0};
+    return {glm::dvec3(surface_->steps(id)) * surface_->stepMetres(), textureCoordinates(triangle, id), 0};
   }
 
  private:

@@ -32,7 +32,7 @@ class MappedSurface {
   uint64_t id() const { return header_.scene_id; }  // identifies the content
   const SceneOrigin& about() const { return about_; }
 
-  double step_m() const { return header_.step_m; }
+  double stepMetres() const { return header_.step_m; }
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
   // Positions in quanta, by base vertex (under bisection, centres of faces after them), and nodes by slot with zeros as
   // padding.

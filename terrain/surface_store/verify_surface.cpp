@@ -40,7 +40,7 @@ class SurfaceCheck {
       return false;
     }
     if (!isInBox(record.position)) fault(slot, "lies outside the surface's box");
-    const auto bounds = proto::SurfaceBounds::of(record, surface_.step_m());
+    const auto bounds = proto::SurfaceBounds::of(record, surface_.stepMetres());
     if (!std::isfinite(bounds.radius) || !std::isfinite(bounds.along) || !std::isfinite(bounds.across)) {
       fault(slot, "has a bound that is no number");
       return true;
@@ -59,7 +59,7 @@ class SurfaceCheck {
   }
   void checkChild(proto::Slot slot, const proto::SurfaceBounds& bounds, proto::Slot child) const {
     const proto::SurfaceRecord& record = surface_.nodes()[child];
-    const auto below = proto::SurfaceBounds::of(record, surface_.step_m());
+    const auto below = proto::SurfaceBounds::of(record, surface_.stepMetres());
     const std::string whose = " of its child in slot " + std::to_string(child);
     if (glm::distance(bounds.position(), below.position()) + below.radius > bounds.radius)
       fault(slot, "has a sphere that does not hold that" + whose);

@@ -84,7 +84,7 @@ TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
         EXPECT_EQ((*read)->id(), *id);
         EXPECT_EQ((*read)->topology().shape(), made.surface.topology.shape());
         EXPECT_EQ((*read)->topology().base().isClosed(), base.closed);
-        EXPECT_EQ((*read)->step_m(), 0.001);
+        EXPECT_EQ((*read)->stepMetres(), 0.001);
         EXPECT_TRUE(std::ranges::equal((*read)->basePositions(), made.surface.base));
         forEachNode(made.surface.topology,
                     [&](proto::NodeId n, proto::Slot) { EXPECT_EQ((*read)->steps(n), made.surface.steps(n)); });
