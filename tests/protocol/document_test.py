@@ -29,7 +29,7 @@ class Document(unittest.TestCase):
         self.assertEqual(statements(shown[1]), statements(read("proto/message/message.fbs")))
 
     def test_is_of_the_version_that_is_spoken(self):
-        spoken = int(re.search(r"kProtocolVersion = (\d+);", read("proto/message/message.h"))[1])
+        spoken = int(re.search(r"kProtocolVersion = (\d+);", read("proto/message/control.h"))[1])
         self.assertEqual(int(re.search(r"^Version (\d+)\.", self.document, re.MULTILINE)[1]), spoken)
         self.assertEqual(wire.VERSION, spoken)
 
