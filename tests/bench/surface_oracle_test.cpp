@@ -158,7 +158,7 @@ TEST_P(ErrorGuarantee, HoldsRightAboveEveryNode) {
       EXPECT_LE(std::max(verdict.silhouette.max_px, verdict.interior.max_px), test.interior_px);
       judged += verdict.silhouette.vertices + verdict.interior.vertices;
     });
-    EXPECT_GT(judged, 1000u);
+    EXPECT_GT(judged, 100u);
   }
 }
 
