@@ -4,10 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <glm/vec2.hpp>
@@ -19,6 +17,7 @@
 
 #include "apps/options.h"
 #include "apps/output_file.h"
+#include "apps/stop_signal.h"
 #include "terrain/build/build.h"
 #include "terrain/dem/open.h"
 #include "terrain/geo/geodesy.h"
@@ -27,11 +26,6 @@ namespace {
 
 using namespace foreland;
 using Clock = std::chrono::steady_clock;
-
-std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-void onSignal(int) { stop_requested = true; }
 
 struct Arguments {
   std::vector<std::filesystem::path> inputs;
@@ -189,7 +183,7 @@ int build(const Arguments& arguments) {
   const auto report =
       terrain::buildScene(**source, options,
                           {.report = [&](std::string_view stage, double done) { line.show(stage, done); },
-                           .keepGoing = [] { return !stop_requested.load(); }});
+                           .keepGoing = [] { return !apps::isStopRequested(); }});
   line.end();
   if (!report.ok()) return fail(report.error());
   describeScene(*report, arguments.output, std::chrono::duration<double>(Clock::now() - begun).count());
@@ -208,7 +202,6 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "foreland build: %s (see foreland build --help)\n", error.what());
     return 2;
   }
-  std::signal(SIGINT, onSignal);
-  std::signal(SIGTERM, onSignal);
+  apps::catchStopSignals();
   return build(arguments);
 }

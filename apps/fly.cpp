@@ -1,7 +1,6 @@
 // `foreland fly`: the headless player over a WebSocket, in real time; then, if asked, dumps and measures the flight on
 // a replay of it. One thread. The only clock is here. Exit code 0 when the flight was flown to its end, 2 otherwise.
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -10,6 +9,7 @@
 #include "apps/exact_sections.h"
 #include "apps/fly_options.h"
 #include "apps/fly_report.h"
+#include "apps/stop_signal.h"
 #include "bench/oracle/scene_truth.h"
 #include "client/fly/frame_dump.h"
 #include "client/fly/net/web_socket_client.h"
@@ -23,8 +23,6 @@ namespace {
 using Clock = client::WebSocketClient::Clock;
 constexpr std::chrono::nanoseconds kFrame{1'000'000'000 / 60};
 constexpr std::chrono::milliseconds kConnectTimeout{10'000};
-
-volatile std::sig_atomic_t g_interrupted = 0;
 
 int fail(const Error& error) {
   std::fprintf(stderr, "foreland fly: %s\n", error.message.c_str());
@@ -116,7 +114,7 @@ Status fly(Link& link, client::Player& player, const Ground& ground, const FlyOp
   Clock::time_point next = epoch;
   bool is_scene_checked = false;
   while (player.phase() != client::Player::Phase::kDone) {
-    if (g_interrupted) return Error{ErrorCode::kIo, "interrupted"};
+    if (isStopRequested()) return Error{ErrorCode::kIo, "interrupted"};
     if (Status s = player.frame(timeSince(epoch)); !s.ok()) return s;
     next = std::max(next + kFrame, Clock::now() - kFrame);  // a stall is not made up for by a burst of frames
     if (Status s = link.run(player, epoch, next); !s.ok()) return s;
@@ -196,8 +194,6 @@ int run(const FlyOptions& o) {
 int main(int argc, char** argv) {
   const foreland::apps::ParsedFlyOptions parsed = foreland::apps::parseFlyOptions(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
-  const auto interrupt = [](int) { foreland::apps::g_interrupted = 1; };
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  foreland::apps::catchStopSignals();
   return foreland::apps::run(parsed.options);
 }

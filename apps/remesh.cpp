@@ -1,9 +1,7 @@
 // foreland-remesh: a polygon model in, one surface file out, and a report of how far it is from the model. Exit codes:
 // 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -13,6 +11,7 @@
 #include "apps/options.h"
 #include "apps/output_file.h"
 #include "apps/remesh_report.h"
+#include "apps/stop_signal.h"
 #include "terrain/model/png.h"
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/paint/paint.h"
@@ -25,11 +24,6 @@ namespace {
 
 using namespace foreland;
 using Clock = std::chrono::steady_clock;
-
-std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-void onSignal(int) { stop_requested = true; }
 
 struct Arguments {
   std::filesystem::path input, output;
@@ -139,7 +133,7 @@ int remesh(Arguments& arguments) {
   if (!original.ok()) return fail(original.error());
   const double finest = arguments.step.value_or(terrain::finestQuantum(original->positions));
   if (Status s = terrain::checkQuantum(original->positions, finest); !s.ok()) return fail(s.error());
-  arguments.remesh.keep_going = [](int) { return !stop_requested.load(); };
+  arguments.remesh.keep_going = [](int) { return !apps::isStopRequested(); };
   const auto remeshed = terrain::remesh(*original, arguments.remesh);
   if (!remeshed.ok()) return fail(remeshed.error());
 
@@ -154,8 +148,8 @@ int remesh(Arguments& arguments) {
   report.atlas = finished.painted.atlas;
   finished.about.notes.push_back(apps::sentence(report));
   const auto records = terrain::computeBounds(
-      *surface, {.threads = arguments.remesh.threads, .onProgress = [](double) { return !stop_requested.load(); }});
-  if (stop_requested) return fail({ErrorCode::kInvalidArgument, "stopped; nothing was written"});
+      *surface, {.threads = arguments.remesh.threads, .onProgress = [](double) { return !apps::isStopRequested(); }});
+  if (apps::isStopRequested()) return fail({ErrorCode::kInvalidArgument, "stopped; nothing was written"});
   const auto id = terrain::writeSurface(arguments.output, {.surface = *surface,
                                                            .records = records,
                                                            .atlas = finished.painted.atlas,
@@ -181,7 +175,6 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "foreland remesh: %s (see foreland remesh --help)\n", error.what());
     return 2;
   }
-  std::signal(SIGINT, onSignal);
-  std::signal(SIGTERM, onSignal);
+  apps::catchStopSignals();
   return remesh(arguments);
 }

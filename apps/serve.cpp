@@ -2,13 +2,11 @@
 // SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 for a scene, flag or port that will not do. The main thread
 // waits for the signal; the server has threads of its own (docs/THREADS.md).
 #include <fmt/format.h>
-#include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -20,6 +18,7 @@
 #include <vector>
 
 #include "apps/options.h"
+#include "apps/stop_signal.h"
 #include "base/result.h"
 #include "server/net/listen_address.h"
 #include "server/net/server.h"
@@ -96,21 +95,6 @@ void log(server::Severity severity, const std::string& line) {
   spdlog::log(kLevels[static_cast<size_t>(severity)], line);
 }
 
-// Before any thread starts, so that all inherit it and only awaitStop sees them.
-sigset_t blockStopSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signals;
-}
-
-void awaitStop(const sigset_t& signals) {
-  int signal = 0;
-  sigwait(&signals, &signal);
-}
-
 // Scenes of this size may not stay in memory.
 constexpr size_t kLargeSceneBytes = size_t{256} << 20;
 
@@ -147,7 +131,7 @@ std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects)
 int main(int argc, char** argv) {
   Flags flags;
   if (const auto exit_code = parseFlags(argc, argv, flags)) return *exit_code;
-  const sigset_t stop_signals = blockStopSignals();
+  const sigset_t stop_signals = apps::blockStopSignals();
   startLog(flags.log_level);
 
   auto listen = server::parseListenAddress(flags.listen);
@@ -169,7 +153,7 @@ int main(int argc, char** argv) {
   listen->port = (*running)->port();
   std::printf("serving %s at http://%s/\n", title.c_str(), toString(*listen).c_str());
   std::fflush(stdout);
-  awaitStop(stop_signals);
+  apps::waitForStop(stop_signals);
   (*running)->stop();
   return 0;
 }
