@@ -4,7 +4,7 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 
-#include "tests/server/net_client.h"
+#include "tests/server/net/client.h"
 #include "tests/support/program.h"
 #include "tests/support/scene.h"
 

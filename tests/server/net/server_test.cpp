@@ -11,7 +11,7 @@
 #include "client/viewer.h"
 #include "proto/message/message.h"
 #include "server/net/steady_clock.h"
-#include "tests/server/net_client.h"
+#include "tests/server/net/client.h"
 #include "tests/support/scene.h"
 
 namespace foreland::server {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "terrain/build/build.h"
-#include "tests/server/net_client.h"
+#include "tests/server/net/client.h"
 #include "tests/support/program.h"
 #include "tests/support/scene.h"
 
