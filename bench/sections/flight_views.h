@@ -5,7 +5,7 @@
 
 #include "proto/space/path.h"
 #include "proto/space/view.h"
-#include "server/view/sweep.h"
+#include "server/view/region.h"
 
 namespace foreland::bench {
 
@@ -26,10 +26,9 @@ inline std::vector<proto::View> keyframeViews(const proto::Path& path, const Fli
   for (Time t; t <= Time::seconds(options.seconds); t = t + T) {
     proto::View view{path.at(t), options.lens, options.tau_px};
     if (guarantee == Guarantee::kEveryFrame) {
-      const server::Sweep sweep = server::sweepOf(
-          view.pose, [&](Time when) { return path.at(when); }, t - T, t + T);
-      view.region_radius_m = sweep.region_radius_m;
-      view.region_angle_rad = sweep.region_angle_rad;
+      const server::Region region = server::regionOf(view.pose, server::ExpectedMotion(path), t - T, t + T);
+      view.region_radius_m = region.radius_m;
+      view.region_angle_rad = region.angle_rad;
     }
     views.push_back(view);
   }

@@ -3,6 +3,7 @@
 // use from any thread.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
@@ -20,6 +21,11 @@ struct Path {
   Time end() const { return start + step * static_cast<int64_t>(poses.empty() ? 0 : poses.size() - 1); }
   // Catmull-Rom through the eyes, slerp between orientations; before the start and after the end the path holds still.
   Pose at(Time t) const;
+  // The time of the first pose after `t`; nothing after the last one. Between two neighbouring poses the path is
+  // smooth.
+  std::optional<Time> nextPoseTime(Time t) const;
+  // The largest acceleration of the eye in [begin, end], metres per second squared. No pose lies inside.
+  double maxAcceleration(Time begin, Time end) const;
   // Two to kMaxPoses usable poses, a step of 1 ms to 60 s.
   Status validate() const;
 };

@@ -11,7 +11,8 @@ namespace foreland::server {
 
 namespace {
 
-constexpr Sweep kPoseRounding{0.01, 4e-4};
+// Poses are rounded on the wire, both ways.
+constexpr Region kPoseRounding{0.01, 4e-4};
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
 // Where bytes are limited: what a node that comes costs, how much coarser is tried next, up to where, and how long the
 // first section may take.
@@ -96,7 +97,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   return {};
 }
 
-// A section that cannot be gone on from is no mistake of the viewer's: it gets all of it anew.
+// A section that cannot be resumed from is no mistake of the viewer's: it is sent a whole section then.
 Status Session::take(const proto::Resume& resume, Time) {
   if (!isFirst() || !history_.empty())
     return Error{ErrorCode::kMalformed, "a section is presented before the first pose, or not at all"};
@@ -120,7 +121,7 @@ Time Session::gridAtOrAfter(Time t) const {
 void Session::aim() {
   if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict) return;
   const Duration T = request_->keyframe_interval;
-  // Needed by the client when the grid point before it is reached.
+  // The client needs a keyframe when it reaches the grid point before it.
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
   if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
   const Time next = isFirst() ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
@@ -140,7 +141,7 @@ std::optional<Session::Plan> Session::plan() const {
     const Time deadline = clocks_.sendBy(*target_ - T) - options_.safety;
     return Plan{*target_, {deadline - compute_time_, deadline}, skippedTo(*target_)};
   }
-  // The pose of the grid point must be known; of several, the newest one counts.
+  // The pose of the grid point must have arrived; if those of several have, the newest one counts.
   const Time newest = history_.newest().time;
   if (first) return Plan{newest, {now_, now_}, 0};
   if (newest < next) return std::nullopt;
@@ -155,18 +156,18 @@ std::optional<Session::Due> Session::due() const {
   return prefetch;
 }
 
-// Any time in the next half second will do: a keyframe's deadline comes first.
+// Its deadline is half a second later, so that keyframes are preferred.
 std::optional<Session::Due> Session::prefetchDue() const {
   if (options_.prefetch_ahead == Duration{} || isFirst()) return std::nullopt;
   return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery};
 }
 
-// Refining for where the viewer will be reads the very pages that its keyframes will need, while nobody waits for them.
+// Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
 void Session::prefetch(SessionScratch& scratch) {
   proto::View view = viewFor(history_.newest().time + options_.prefetch_ahead);
   view.tau_px = keyframe().tau_px;
   view.region_radius_m = view.region_angle_rad = 0;
-  // Too large a section has read more than enough.
+  // If the section is too large, more than enough has been read.
   (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
   next_prefetch_ = now_ + kPrefetchEvery;
   ++statistics_.prefetches;
@@ -181,29 +182,25 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   if (const auto due = prefetchDue(); due && due->release <= now_) prefetch(scratch);
 }
 
-// Where the camera was, is, or is expected to be.
-proto::Pose Session::expectedPose(Time t) const {
-  const bool predicted = request_->strategy == proto::Strategy::kPredict;
-  if (predicted && request_->predictor == proto::Predictor::kKnownPath && path_) return path_->at(t);
-  if (t <= history_.newest().time) return history_.at(t);
-  // With `delay` and `current` only the interval after the keyframe lies ahead.
-  return history_.predict(predicted ? request_->predictor : proto::Predictor::kConstantVelocity, path_, t);
+// Where the camera was, is, and is expected to be.
+ExpectedMotion Session::expectedMotion() const {
+  // With `delay` and `current` only the interval after the keyframe has to be predicted.
+  if (request_->strategy != proto::Strategy::kPredict) return {history_, proto::Predictor::kConstantVelocity};
+  if (request_->predictor == proto::Predictor::kKnownPath && path_) return ExpectedMotion(*path_);
+  return {history_, request_->predictor};
 }
 
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
 proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
-  proto::View view{expectedPose(t), request_->lens, request_->tau_px};
-  // The first section is shown as soon as it is there.
+  const ExpectedMotion motion = expectedMotion();
+  proto::View view{motion.at(t), request_->lens, request_->tau_px};
+  // The first section is shown as soon as it arrives.
   const Time begin = std::min(isFirst() ? history_.newest().time : keyframe().time, t - T);
-  const Sweep sweep = sweepOf(
-      view.pose, [this](Time when) { return expectedPose(when); }, begin, t + T);
-  const Sweep miss = prediction_errors_.estimate();
-  // As the header has them: what is sent is what is kept. Poses travel rounded, both ways.
-  view.region_radius_m =
-      static_cast<float>(sweep.region_radius_m + miss.region_radius_m + kPoseRounding.region_radius_m);
-  view.region_angle_rad =
-      static_cast<float>(sweep.region_angle_rad + miss.region_angle_rad + kPoseRounding.region_angle_rad);
+  const Region region = regionOf(view.pose, motion, begin, t + T), error = prediction_errors_.estimate();
+  // Floats, as in the keyframe's header.
+  view.region_radius_m = static_cast<float>(region.radius_m + error.radius_m + kPoseRounding.radius_m);
+  view.region_angle_rad = static_cast<float>(region.angle_rad + error.angle_rad + kPoseRounding.angle_rad);
   return view;
 }
 
@@ -256,7 +253,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   statistics_.section_nodes = nodes;
 }
 
-// Rises at once, falls slowly: a plan should hold for the slower of the recent keyframes.
+// The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
 void Session::noteComputeTime(Duration spent) {
   compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
 }

@@ -22,7 +22,8 @@
 #include "server/session/clock_map.h"
 #include "server/session/world.h"
 #include "server/view/pose_history.h"
-#include "server/view/sweep.h"
+#include "server/view/prediction_errors.h"
+#include "server/view/region.h"
 
 namespace foreland::server {
 
@@ -98,7 +99,7 @@ class Session {
   // No keyframe has been sent on this connection.
   bool isFirst() const { return statistics_.keyframes == 0; }
   Time gridAtOrAfter(Time t_client) const;
-  proto::Pose expectedPose(Time t_client) const;
+  ExpectedMotion expectedMotion() const;
   proto::View viewFor(Time t_client) const;
   size_t mostNodes() const;
   std::optional<Due> prefetchDue() const;

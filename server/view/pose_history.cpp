@@ -1,7 +1,10 @@
 #include "server/view/pose_history.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+
+#include "proto/space/timed_poses.h"
 
 #include "proto/space/timed_poses.h"
 
@@ -9,7 +12,7 @@ namespace foreland::server {
 
 namespace {
 
-// The rotation `q` raised to a real power: the same axis, `factor` times the angle, by the shorter way round.
+// The rotation about the axis of `q` by `factor` times its angle, taken by the shorter way round.
 glm::dquat scaled(glm::dquat q, double factor) {
   if (q.w < 0) q = -q;
   const glm::dvec3 axis(q.x, q.y, q.z);
@@ -35,27 +38,42 @@ size_t PoseHistory::before(size_t i) const {
   return j;
 }
 
-proto::Pose PoseHistory::predict(proto::Predictor predictor, const std::optional<proto::Path>& path, Time t) const {
+Extrapolation PoseHistory::extrapolate(proto::Predictor predictor) const {
   const proto::TimedPose& last = poses_.back();
-  if (predictor == proto::Predictor::kKnownPath && path) return path->at(t);
   const size_t n = poses_.size() - 1, m = before(n);
-  if (predictor == proto::Predictor::kHold || t <= last.time || m == n) return last.pose;
-  const double ahead = std::min(t - last.time, kHorizon).toSeconds();
-  const double span = (last.time - poses_[m].time).toSeconds();
-  const glm::dvec3 velocity = (last.pose.eye - poses_[m].pose.eye) / span;
-  const glm::dquat turn = last.pose.orientation * glm::conjugate(poses_[m].pose.orientation);
-  proto::Pose result;
-  result.eye = last.pose.eye + velocity * ahead;
-  result.orientation = glm::normalize(scaled(turn, ahead / span) * last.pose.orientation);
+  Extrapolation result;
+  if (predictor == proto::Predictor::kHold || m == n) return result;
+  result.span_s = (last.time - poses_[m].time).toSeconds();
+  result.velocity = (last.pose.eye - poses_[m].pose.eye) / result.span_s;
+  result.rotation = last.pose.orientation * glm::conjugate(poses_[m].pose.orientation);
   const size_t k = before(m);
   if (predictor == proto::Predictor::kConstantAcceleration && k < m) {
     const double earlier_span = (poses_[m].time - poses_[k].time).toSeconds();
     const glm::dvec3 earlier = (poses_[m].pose.eye - poses_[k].pose.eye) / earlier_span;
-    const glm::dvec3 acceleration = (velocity - earlier) / (0.5 * (span + earlier_span));
-    // `velocity` is that of half a span ago.
-    result.eye += acceleration * (0.5 * span * ahead + 0.5 * ahead * ahead);
+    result.acceleration = (result.velocity - earlier) / (0.5 * (result.span_s + earlier_span));
   }
   return result;
+}
+
+proto::Pose PoseHistory::predict(proto::Predictor predictor, Time t) const {
+  const proto::TimedPose& last = poses_.back();
+  if (predictor == proto::Predictor::kHold || poses_.size() == 1 || t <= last.time) return last.pose;
+  const Extrapolation motion = extrapolate(predictor);
+  const double ahead = std::min(t - last.time, kHorizon).toSeconds(), span = motion.span_s;
+  proto::Pose result;
+  // `velocity` is that of half a span ago.
+  result.eye = last.pose.eye + motion.velocity * ahead;
+  result.eye += motion.acceleration * (0.5 * span * ahead + 0.5 * ahead * ahead);
+  result.orientation = glm::normalize(scaled(motion.rotation, ahead / span) * last.pose.orientation);
+  return result;
+}
+
+std::optional<Time> PoseHistory::nextCorner(Time t) const {
+  const auto after =
+      std::upper_bound(poses_.begin(), poses_.end(), t, [](Time v, const proto::TimedPose& p) { return v < p.time; });
+  if (after != poses_.end()) return after->time;
+  const Time horizon = newest().time + kHorizon;
+  return t < horizon ? std::optional(horizon) : std::nullopt;
 }
 
 }  // namespace foreland::server

@@ -1,40 +1,58 @@
 // What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (DESIGN
-// section 4). One owner. Bounded: the last kCapacity poses.
+// section 4). One owner. Bounded: it keeps the last kCapacity poses.
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "proto/message/message.h"
-#include "proto/space/path.h"
+#include "proto/space/pose.h"
 
 namespace foreland::server {
+
+// Motion beyond the newest pose: the eye at constant acceleration, the orientation turning evenly about one axis.
+struct Extrapolation {
+  glm::dvec3 velocity{0};           // over the last `span_s`, m/s
+  glm::dvec3 acceleration{0};       // m/s^2
+  glm::dquat rotation{1, 0, 0, 0};  // over the last `span_s`
+  double span_s = 1;
+
+  // Radians a second.
+  double turnRate() const { return proto::angleBetween(glm::dquat(1, 0, 0, 0), rotation) / span_s; }
+};
 
 class PoseHistory {
  public:
   static constexpr size_t kCapacity = 64;
+  static constexpr Duration kHorizon = Duration::milliseconds(3000);
+  static constexpr Duration kBaseline = Duration::milliseconds(80);
 
-  // Poses that are not newer than the last one are dropped.
+  // A pose that is not newer than the last one is dropped.
   void add(const proto::TimedPose& pose);
   bool empty() const { return poses_.empty(); }
+
+  // All that follows needs at least one pose.
+
   const proto::TimedPose& newest() const { return poses_.back(); }
-  // Between the poses around `t`; the oldest or newest pose beyond them. Not empty.
+  // Interpolated between the poses around `t`; the oldest or newest pose outside of their times.
   proto::Pose at(Time t) const;
 
-  // The pose expected at `t`, which may be ahead of the newest one by up to kHorizon (later times are cut to it). Not
-  // empty.
-  //   hold          the newest pose
-  //   velocity      its motion goes on: straight and turning evenly
-  //   acceleration  so does its change of speed; turning stays even
-  //   path          the announced path; constant velocity if there is none
-  proto::Pose predict(proto::Predictor predictor, const std::optional<proto::Path>& path, Time t) const;
+  // The pose expected at `t`, after the newest one; beyond kHorizon the camera is expected to stand still.
+  proto::Pose predict(proto::Predictor predictor, Time t) const;
 
-  static constexpr Duration kHorizon = Duration::milliseconds(3000);
+  // How `predictor` takes the motion to continue.
+  //   hold          not at all
+  //   velocity      straight and turning evenly, as over the last kBaseline (or more, between sparse poses)
+  //   acceleration  velocity changes as it did between the last two such spans; turning stays even
+  //   path          as velocity: no path is known here
+  Extrapolation extrapolate(proto::Predictor predictor) const;
+
+  // The first time after `t` at which at() or predict() may have a corner; nothing if there is none.
+  std::optional<Time> nextCorner(Time t) const;
 
  private:
-  // The newest pose that is at least kBaseline older than the one at `i`, or the oldest.
+  // The index of the newest pose that is at least kBaseline older than that at `i`, or of the oldest one.
   size_t before(size_t i) const;
-  static constexpr Duration kBaseline = Duration::milliseconds(80);
 
   std::vector<proto::TimedPose> poses_;  // ascending
 };

@@ -1,0 +1,40 @@
+// What a session expects of its viewer's camera, past and future: along the announced path, or as the poses received
+// and a predictor say. Besides the pose at a time it tells what a bound over an interval needs: where the motion has
+// corners, and how strongly it bends between them. Borrows what it is made of. Const use from any thread.
+#pragma once
+
+#include <optional>
+
+#include "proto/space/path.h"
+#include "server/view/pose_history.h"
+
+namespace foreland::server {
+
+class ExpectedMotion {
+ public:
+  // The camera follows `path` at all times.
+  explicit ExpectedMotion(const proto::Path& path) : path_(&path) {}
+  // The camera was where `history`, which is not empty, says, and moves on from its newest pose as `predictor` says.
+  ExpectedMotion(const PoseHistory& history, proto::Predictor predictor) : history_(&history), predictor_(predictor) {}
+
+  // Continuous in `t`.
+  proto::Pose at(Time t) const;
+
+  // The first time after `t` at which the motion may have a corner; nothing if there is none. Between two neighbouring
+  // corners the eye follows a polynomial of time, and the orientation turns about one axis and one way.
+  std::optional<Time> nextCorner(Time t) const;
+
+  // The largest acceleration of the eye in [begin, end], m/s^2. No corner lies inside.
+  double maxAcceleration(Time begin, Time end) const;
+
+  // The angle that the orientation turns through from `begin` to `end`, radians; may be more than half a turn. No
+  // corner lies inside.
+  double turn(Time begin, Time end) const;
+
+ private:
+  const proto::Path* path_ = nullptr;
+  const PoseHistory* history_ = nullptr;
+  proto::Predictor predictor_ = proto::Predictor::kHold;
+};
+
+}  // namespace foreland::server
