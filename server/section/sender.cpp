@@ -6,8 +6,9 @@ namespace foreland::server {
 
 namespace {
 
-// A section is not taken to more than double between two keyframes of a moving viewer.
-bool isNear(const proto::View& a, const proto::View& b) {
+// Whether the section of `b` is at most about twice that of `a`: the regions meet, and tolerance and direction differ
+// little.
+bool isSimilar(const proto::View& a, const proto::View& b) {
   return a.lens == b.lens && glm::distance(a.pose.eye, b.pose.eye) <= a.region_radius_m + b.region_radius_m &&
          b.tau_px > 0.7 * a.tau_px && glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
 }
@@ -33,17 +34,16 @@ void SectionSender::resume(const proto::HeldSections& sections, uint32_t keyfram
   keyframe_.fingerprint = fingerprint;
 }
 
-bool SectionSender::fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
-  if (keyframe_.index > 0 && 2 * adapter_.nodeCount() < max_nodes && isNear(proto::viewOf(keyframe_), view))
-    return true;
-  return refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section);
+bool SectionSender::fitsSurely(const proto::View& view, size_t max_nodes) const {
+  return keyframe_.index > 0 && 2 * adapter_.nodeCount() < max_nodes && isSimilar(proto::viewOf(keyframe_), view);
 }
 
-size_t SectionSender::countAdded(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
-  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section)) return max_nodes;
+SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
+  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section))
+    return {.fits = false, .added = max_nodes};
   const auto& slots = scratch.section.slots;
-  return static_cast<size_t>(
-      std::count_if(slots.begin(), slots.end(), [&](proto::Slot slot) { return !adapter_.contains(slot); }));
+  const auto is_new = [&](proto::Slot slot) { return !adapter_.contains(slot); };
+  return {.fits = true, .added = static_cast<size_t>(std::count_if(slots.begin(), slots.end(), is_new))};
 }
 
 void SectionSender::send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out) {
@@ -68,7 +68,7 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   encoder.finish();
 
   proto::KeyframeHeader header = keyframe_;
-  header.pose = view.pose;  // rounded on its way, once
+  header.pose = view.pose;  // the encoder rounds it; rounding twice could differ
   const size_t begin = out.size();
   proto::encodeHeader(header, headers_sent_, out);
   header_bytes_ = out.size() - begin;

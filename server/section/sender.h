@@ -1,6 +1,6 @@
-// The server's end of a stream of sections to one viewer: adapts to a view and writes the keyframe that takes the
-// viewer's section there. The viewer's replica does the same steps on what it reads. One owner (a session); no
-// allocation but the message once grown to the session's size.
+// The server's end of a stream of sections to one viewer: adapts its section to a view and writes the keyframe message
+// from which the viewer's replica takes the same steps. One owner (a session). Allocates nothing but the message once
+// its buffers have grown to the session's size.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace foreland::server {
 
-// What a worker brings; one per worker, reused.
+// Working memory that a worker lends; one per worker, reused.
 struct SendScratch {
   proto::AdaptScratch adapt;
   proto::CutDelta delta, object_delta;
@@ -21,33 +21,41 @@ struct SendScratch {
   proto::Section section;
 };
 
+struct SectionSize {
+  bool fits;     // has at most as many nodes as asked for
+  size_t added;  // nodes that the viewer does not hold yet; if the section does not fit, as many nodes as asked for
+};
+
 class SectionSender {
  public:
   explicit SectionSender(const Hierarchy& hierarchy);
 
-  // Goes on from closed sections that the viewer presents as those of its keyframe. Nothing has been sent yet.
+  // Starts from `sections`, which the viewer holds from an earlier connection as those of its keyframe `keyframe`. They
+  // are closed under parents; nothing has been sent yet.
   void resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
 
-  // Whether the view's section has at most `max_nodes`. Cost: nothing if it cannot be much larger than the last one,
-  // else one refinement from scratch.
-  [[nodiscard]] bool fits(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
+  // Whether the section of `view` is sure to have at most `max_nodes`, because the last keyframe's has less than half
+  // as many and its view is similar (a section hardly more than doubles between two keyframes of a moving viewer).
+  // Cost: none.
+  [[nodiscard]] bool fitsSurely(const proto::View& view, size_t max_nodes) const;
 
-  // How many nodes of the terrain's section for the view the viewer does not hold, objects' not counted; `max_nodes` if
-  // the section has more than that. Cost: one refinement from scratch.
-  [[nodiscard]] size_t countAdded(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
+  // Measures the terrain's section for `view`; objects do not count. Cost: one refinement from scratch, which ends
+  // early if there are more than `max_nodes`.
+  [[nodiscard]] SectionSize measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
-  // Appends the keyframe for `view` to `out` and stands there: at the view as the viewer decodes it
-  // (proto::asSentInHeader; tolerance as a float; ball and turn as short floats, no smaller), which is in keyframe().
-  // What changed is in scratch.delta, in no order.
+  // Adapts the sections to `view` and appends the keyframe message to `out`. keyframe() then holds the view as the
+  // viewer decodes it: pose as by proto::asSentInHeader, tolerance as a float, region as short floats that are no
+  // smaller. scratch.delta holds the nodes of the terrain that were added and removed, in no order. Cost: one
+  // adaptation.
   void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out);
 
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
   const proto::TerrainAdapter& adapter() const { return adapter_; }
   const std::vector<proto::SurfaceAdapter>& objects() const { return objects_; }
-  // Of the mesh that the viewer draws, about: two to a node, and the base's.
+  // About how many triangles the viewer draws: two for each node, and those of the objects' base meshes.
   double triangles() const;
-  // Of the last one: where its bits went, and how many bytes stand before the delta.
-  const proto::DeltaBits& bits() const { return bits_; }
+  // Of the last keyframe: where the bits of its delta went, and how many bytes its header has.
+  const proto::DeltaBits& bits() const { return bits_; }                 // of the terrain
   const proto::SurfaceBits& objectBits() const { return object_bits_; }  // of all objects
   size_t headerBytes() const { return header_bytes_; }
 
@@ -56,9 +64,9 @@ class SectionSender {
 
   const Hierarchy* hierarchy_;
   proto::TerrainAdapter adapter_;
-  proto::DeltaModel model_;  // of all deltas sent
+  proto::DeltaModel model_;  // adapts over all deltas sent
   std::vector<proto::SurfaceAdapter> objects_;
-  std::unique_ptr<proto::ObjectStream> stream_;  // none without objects: it is large
+  std::unique_ptr<proto::ObjectStream> stream_;  // null without objects, for it is large
   proto::KeyframeHeader keyframe_;
   proto::KeyframeMemory headers_sent_;
   proto::DeltaBits bits_;

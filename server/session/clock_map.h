@@ -1,9 +1,9 @@
-// How the viewer's clock and the server's relate over the link, from what messages tell: no synchronisation, no round
-// of its own.
-//   pose arrives:  server time - its stamp       = offset + L_up
-//   keyframe:      arrival stamp - server time   = L_down - offset   (the client acknowledges with the arrival's stamp)
-// So the client's time "now, as far as heard", and the server time by which something must leave to be there at a
-// client time, follow without knowing the offset. Estimates keep to the recent past. One owner.
+// How the viewer's clock and the server's relate over the link, from the stamps of ordinary messages: clocks are not
+// synchronised, and no message is sent for this. With offset = server clock - client clock and latencies L,
+//   a pose arrives:           server time - stamp of the pose            = offset + L_up
+//   a keyframe is acknowledged: stamp of its arrival - time of sending   = L_down - offset
+// From these follow, without the offset itself, the client's time as its newest poses show it, and the server time at
+// which a message must leave to arrive at a given client time. Estimates are of the last kMemory messages. One owner.
 #pragma once
 
 #include <cstddef>
@@ -18,15 +18,16 @@ class ClockMap {
   void poseArrived(Time stamp_client, Time now);
   void keyframeArrived(Time arrival_client, Time sent);
 
+  // Whether a pose has arrived; what follows needs one.
   bool isKnown() const { return !up_.empty(); }
-  // The client's time as its newest poses have it: behind the true one by the fastest recent L_up.
+  // The client's time less the fastest recent L_up.
   Time clientTime(Time now) const { return now - Duration{least_up_}; }
-  // Server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down, outages
-  // apart.
+  // The server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down that is
+  // no outage (slowestUsual in base/latency.h).
   Time sendBy(Time arrival_client) const { return Time{arrival_client.us - most_down_}; }
 
  private:
-  static constexpr size_t kMemory = 32;
+  static constexpr size_t kMemory = 32;               // messages, each way
   static constexpr int64_t kFirstGuess_us = 150'000;  // of L_up + L_down, until a keyframe has been acknowledged
 
   std::deque<int64_t> up_;

@@ -14,10 +14,14 @@ namespace {
 // Poses are rounded on the wire, both ways.
 constexpr Region kPoseRounding{0.01, 4e-4};
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
-// Where bytes are limited: what a node that comes costs, how much coarser is tried next, up to where, and how long the
-// first section may take.
-constexpr double kBitsOfNode = 10, kCoarser = 1.3, kCoarsest_px = 200;
+
+// Where a viewer limits its bytes: what an added node costs, beyond which tolerance bytes count no more, and how long
+// the first section may take on the link.
+constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
 constexpr Duration kFirstThrough = Duration::seconds(1);
+
+// By which factor the tolerance rises while a section has too many nodes for the server, the viewer, or the link.
+constexpr double kCoarserForServer = 2, kCoarserForViewer = 1.15, kCoarserForLink = 1.3;
 
 }  // namespace
 
@@ -212,22 +216,36 @@ size_t Session::mostNodes() const {
   return std::min(options_.max_section_nodes, static_cast<size_t>(std::max(1.0, nodes)));
 }
 
-// At the tolerance that the budget allows; coarser at once if the section would still be too large.
+// Sets the tolerance that the viewer's budget allows, and a coarser one if the section would still be too large for the
+// viewer or the link. One refinement answers both questions, and is all that is done in most keyframes.
 void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
-  view.tau_px =
+  const size_t most_nodes = mostNodes();
+  std::optional<std::pair<double, SectionSize>> last;  // tolerance and size of the section that was measured last
+  const auto sizeAt = [&](double tau_px) {
+    if (last && last->first == tau_px) return last->second;
+    view.tau_px = tau_px;
+    last = {tau_px, sender_.measure(view, most_nodes, scratch.send)};
+    return last->second;
+  };
+  double tau_px =
       static_cast<float>(tolerance_.next(request_->tau_px, {request_->max_triangles, request_->max_bytes_per_second}));
-  const double factor = request_->max_triangles > 0 ? 1.15 : 2;
-  while (!sender_.fits(view, mostNodes(), scratch.send)) view.tau_px = static_cast<float>(view.tau_px * factor);
-  while (!isThroughInTime(view, scratch)) view.tau_px = static_cast<float>(view.tau_px * kCoarser);
-  tolerance_.force(view.tau_px);
+  view.tau_px = tau_px;
+  if (!sender_.fitsSurely(view, most_nodes))
+    tau_px = raiseUntil(tau_px, request_->max_triangles > 0 ? kCoarserForViewer : kCoarserForServer,
+                        [&](double tau) { return sizeAt(tau).fits; });
+  if (request_->max_bytes_per_second > 0)
+    tau_px = raiseUntil(tau_px, kCoarserForLink, [&](double tau) {
+      return tau >= kCoarsest_px || static_cast<double>(sizeAt(tau).added) <= mostAdded();
+    });
+  view.tau_px = tau_px;
+  tolerance_.force(tau_px);
 }
 
-// A delta that takes the link longer than an interval makes this keyframe late, and the next ones.
-bool Session::isThroughInTime(const proto::View& view, SessionScratch& scratch) const {
-  if (request_->max_bytes_per_second == 0 || view.tau_px >= kCoarsest_px) return true;
+// How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
+// late, and the next ones.
+double Session::mostAdded() const {
   const Duration allowed = isFirst() ? kFirstThrough : request_->keyframe_interval;
-  const double nodes = 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
-  return static_cast<double>(sender_.countAdded(view, mostNodes(), scratch.send)) <= nodes;
+  return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
 }
 
 void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {

@@ -1,12 +1,12 @@
-// One viewer's state machine: messages and times in, messages out. No socket, clock or thread inside: the server's I/O
-// thread, the pool and the tests' virtual world all drive the same code.
+// One viewer's state machine: messages and times in, messages out. It has no socket, clock or thread inside, so that
+// the server's I/O thread, the pool and the tests' virtual world can all drive the same code.
 //
-// Owned by whoever holds it: its host, or exactly one worker at a time; never locked. Server times are any monotonic
-// clock; the client's clock appears only where a name says so.
+// A session is owned by its host or by exactly one worker at a time, and never locked. Server times are of any
+// monotonic clock; times of the client's clock say so in their names.
 //
-// Keyframes lie on a grid of the client's clock, T apart (DESIGN section 4). `predict` computes the one at t_{i+1} so
-// that it is there at t_i; `delay` and `current` compute the one at t_i when the pose of t_i is there. Whoever cannot
-// keep up skips grid points; each keyframe that is sent is whole.
+// Keyframes lie on a grid of the client's clock, T apart (DESIGN section 4). With `predict`, the keyframe for t_{i+1}
+// is computed so that it arrives by t_i; with `delay` and `current`, that for t_i is computed when the pose of t_i has
+// arrived. If viewer, link or server cannot keep up, grid points are skipped; no keyframe is sent in part.
 #pragma once
 
 #include <deque>
@@ -28,26 +28,26 @@
 namespace foreland::server {
 
 struct SessionOptions {
-  double tau_px = 1;                                         // for viewers that name none
-  Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that name none
-  Duration safety = Duration::milliseconds(15);  // a predicted keyframe aims to be there this long before it is needed
-  size_t max_section_nodes = 1'500'000;          // beyond it the tolerance is doubled until the section fits
-  Duration prefetch_ahead{};      // touch what will be needed this much later, for scenes larger than memory; 0: do not
-  size_t max_unacknowledged = 8;  // keyframes on their way; more would only queue in the link
+  double tau_px = 1;                                         // for viewers that ask for no tolerance
+  Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that ask for none
+  Duration safety = Duration::milliseconds(15);  // a predicted keyframe should arrive this long before it is needed
+  size_t max_section_nodes = 1'500'000;          // of a section with more, the tolerance is doubled until it fits
+  Duration prefetch_ahead{};      // reads what will be needed this much later, for scenes larger than memory; 0: never
+  size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link
 };
 
-// What a worker brings to a step; one per worker, reused.
+// Working memory that a worker lends to a step; one per worker, reused.
 struct SessionScratch {
   SendScratch send;
 };
 
 struct SessionStatistics {
   uint64_t keyframes = 0;
-  uint64_t skipped_keyframes = 0;  // grid points passed over
+  uint64_t skipped_keyframes = 0;  // grid points without a keyframe
   uint64_t nodes_added = 0, nodes_removed = 0;
   size_t section_nodes = 0;
   uint64_t prefetches = 0;
-  bool resumed = false;  // from a section that the viewer presented
+  bool resumed = false;  // started from a section that the viewer held from an earlier connection
 };
 
 class Session {
@@ -57,25 +57,30 @@ class Session {
   // Takes one message from the viewer. An Error means: send a Refusal with its message, then close.
   Status receive(ByteSpan message, Time now);
 
-  // When there is something to do, and by when it should be done (earliest deadline first). Nothing: wait for messages.
+  // When the session has something to do, and by when it should be done (earliest deadline first); nothing if it waits
+  // for messages.
   struct Due {
     Time release;
     Time deadline;
   };
   std::optional<Due> due() const;
 
-  // Does what is due at `now`: hands over replies, and computes at most one keyframe. Appends whole messages to `out`.
-  // Called early, it does nothing. Cost: one adaptation. Tell afterwards how long it took with noteComputeTime.
+  // Does what is due at `now`: hands over replies, and computes at most one keyframe or prefetches once. Appends whole
+  // messages to `out`. Called early, it does nothing. Report afterwards how long it took with noteComputeTime.
+  //
+  // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, or one of more than
+  // half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the section then is too
+  // large, at most 17 for each of the two limits (raiseUntil), most of which end early.
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out);
   void noteComputeTime(Duration spent);
 
-  // The transport has handed on every byte of earlier steps; until then no keyframe is computed (at most one unsent
-  // delta).
+  // To be called when the transport has sent every byte of earlier steps. Until then no keyframe is computed, so at
+  // most one delta waits to be sent.
   void onDrained(Time now);
 
   const World& world() const { return *world_; }
   const SessionStatistics& statistics() const { return statistics_; }
-  // What the client holds once it has read everything sent; and the keyframe that it belongs to.
+  // The terrain's section that the client holds once it has read everything sent, and the keyframe it belongs to.
   proto::Section section() const { return sender_.adapter().section(); }
   const proto::KeyframeHeader& keyframe() const { return sender_.keyframe(); }
 
@@ -94,9 +99,10 @@ class Session {
     uint64_t skipped;
   };
   std::optional<Plan> plan() const;
-  // With `predict`: chooses the grid point to aim at, and keeps to it until it is hopelessly late.
+  // With `predict`: chooses the grid point that the next keyframe is for, and keeps to it until that keyframe would be
+  // late by more than half an interval.
   void aim();
-  // No keyframe has been sent on this connection.
+  // Whether no keyframe has been sent on this connection.
   bool isFirst() const { return statistics_.keyframes == 0; }
   Time gridAtOrAfter(Time t_client) const;
   ExpectedMotion expectedMotion() const;
@@ -105,7 +111,7 @@ class Session {
   std::optional<Due> prefetchDue() const;
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
-  bool isThroughInTime(const proto::View& view, SessionScratch& scratch) const;
+  double mostAdded() const;
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
@@ -113,12 +119,12 @@ class Session {
   std::optional<proto::ViewRequest> request_;
   PoseHistory history_;
   PredictionErrors prediction_errors_;
-  std::deque<proto::TimedPose> predictions_;  // not yet overtaken by true poses
+  std::deque<proto::TimedPose> predictions_;  // of times for which no true pose has arrived yet
   std::optional<proto::Path> path_;
   ClockMap clocks_;
   proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
-  std::optional<Time> target_;  // grid point aimed at with `predict`, the client's clock
+  std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
   std::vector<Bytes> replies_;
 
   SectionSender sender_;
@@ -130,7 +136,7 @@ class Session {
     Time at;
   };
   std::deque<Sent> in_flight_;
-  Duration compute_time_ = Duration::milliseconds(10);  // a high recent value
+  Duration compute_time_ = Duration::milliseconds(10);  // of the slower of the recent keyframes
   Time next_prefetch_;
   SessionStatistics statistics_;
 };

@@ -14,7 +14,7 @@ struct World {
   Hierarchy hierarchy;
 };
 
-// What a client is told about a scene; tolerance and keyframe interval are the session's to fill in.
+// The message that tells a client about a scene. The session fills in tolerance and keyframe interval.
 proto::Welcome welcomeTo(const Hierarchy& hierarchy);
 
 }  // namespace foreland::server
