@@ -1,5 +1,5 @@
-// What all connections of a server share. Private to server/net. Owned by the Server, outlives every connection; the
-// fields that change belong to the I/O thread, but for the metrics and the host.
+// What all connections of a server share. Private to server/net. The Server owns it, and it outlives every connection.
+// What changes in it is used by the I/O thread alone, except the metrics and the host, which any thread may use.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -31,7 +31,7 @@ struct ServerContext {
   }
 };
 
-// Counts one socket while it lives, whichever protocol it speaks.
+// Counts one open socket in the metrics for as long as this object lives, whichever protocol the socket speaks.
 class ConnectionCount {
  public:
   explicit ConnectionCount(Metrics& metrics) : metrics_(&metrics) { ++metrics_->connections; }

@@ -16,7 +16,7 @@ namespace http = beast::http;
 namespace {
 
 constexpr uint32_t kMaxHeaderBytes = 8u << 10;
-constexpr uint64_t kMaxBodyBytes = 4u << 10;  // nothing here takes a body
+constexpr uint64_t kMaxBodyBytes = 4u << 10;  // no request here needs a body
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -38,7 +38,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void onRead(beast::error_code error) {
     if (error == http::error::end_of_stream) return shutDown();
     if (error && error.category() == make_error_code(http::error::bad_version).category()) return refuse(error);
-    if (error) return;  // reset or timed out; the socket closes with this
+    if (error) return;  // reset or timed out; the socket is closed when this object is destroyed
     const auto& request = parser_->get();
     if (beast::websocket::is_upgrade(request)) {
       acceptViewer(std::move(stream_), std::move(count_), parser_->release(), context_);
@@ -94,7 +94,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
-  std::shared_ptr<const std::string> body_;  // what the response points into
+  std::shared_ptr<const std::string> body_;  // which the response points into
   http::response<http::span_body<const char>> response_;
 };
 

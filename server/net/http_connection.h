@@ -1,4 +1,4 @@
-// One socket that speaks HTTP, until it closes or asks for WebSocket. Private to server/net; on the I/O thread.
+// One socket that speaks HTTP until it closes or asks for WebSocket. Private to server/net; runs on the I/O thread.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -7,8 +7,8 @@
 
 namespace foreland::server {
 
-// Serves requests, then hands the socket to a ViewerConnection if it is asked to; lives as long as it has something to
-// do.
+// Serves the requests of `socket`, and hands it to a ViewerConnection if one of them asks for WebSocket. Returns at
+// once; the connection keeps itself alive until it is closed or handed over.
 void serveHttp(boost::asio::ip::tcp::socket socket, ServerContext& context);
 
 }  // namespace foreland::server

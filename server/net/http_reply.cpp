@@ -15,7 +15,7 @@ std::optional<int> hexDigit(char c) {
   return std::nullopt;
 }
 
-// The path of a target, percent-encoding undone; nothing if it is malformed or hides a zero byte.
+// The path of a request's target with percent-encoding undone; nothing if it is malformed or contains a zero byte.
 std::optional<std::string> pathOf(std::string_view target) {
   target = target.substr(0, target.find_first_of("?#"));
   std::string path;

@@ -1,4 +1,4 @@
-// What the server answers to a plain HTTP request, as values: no socket, no library types. Pure; any thread.
+// What the server answers to a plain HTTP request, as values without a socket or a library's types. Pure; any thread.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@ namespace foreland::server {
 
 struct HttpRequest {
   std::string_view method;         // "GET"
-  std::string_view target;         // path and query as they came
+  std::string_view target;         // path and query, percent-encoded
   std::string_view if_none_match;  // empty if absent
 };
 
@@ -20,21 +20,21 @@ struct HttpReply {
   unsigned status = 200;
   std::string content_type = "text/plain; charset=utf-8";
   std::string cache_control = "no-store";
-  std::string etag{};                         // empty: none
+  std::string etag{};                         // empty for replies that have none
   std::shared_ptr<const std::string> body{};  // never null
 };
 
-// What plain requests can reach.
+// All that plain requests can reach.
 struct HttpSite {
   StaticFiles files;
-  std::function<std::string()> metrics;  // text of /metrics
+  std::function<std::string()> metrics;  // returns the text of /metrics
 };
 
-// /healthz, /metrics, /fly (which asks for WebSocket), else a file. HEAD is answered as GET; whoever sends leaves the
-// body out.
+// Answers /healthz, /metrics, /fly (with the advice to use WebSocket), and files by their paths. HEAD is answered as
+// GET; the sender leaves the body out.
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site);
 
-// A short plain text, for what goes wrong.
+// A reply of one line of plain text, for errors.
 HttpReply textReply(unsigned status, std::string text);
 
 }  // namespace foreland::server

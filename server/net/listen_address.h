@@ -1,4 +1,4 @@
-// Where to listen, as people write it. Pure; any thread.
+// Parses and prints the address to listen on. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@ namespace foreland::server {
 
 struct ListenAddress {
   std::string host = "127.0.0.1";  // an IPv4 or IPv6 address without brackets
-  uint16_t port = 8080;            // 0: any free one
+  uint16_t port = 8080;            // 0 for any free one
 };
 
-// "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or a port alone (then on 127.0.0.1). No other names are looked up.
+// Takes "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or a port alone (on 127.0.0.1 then). Other names are an Error;
+// nothing is looked up.
 Result<ListenAddress> parseListenAddress(std::string_view text);
 
 // "127.0.0.1:8080" or "[::1]:8080".

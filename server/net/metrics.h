@@ -1,5 +1,5 @@
-// What the server counts, and its text for Prometheus. Atomic counters: any thread adds, the I/O thread reads; a reader
-// may see one counter a step ahead of another.
+// What the server counts, and the text of it for Prometheus. The counters are atomic: any thread adds, the I/O thread
+// reads, and may see one counter a step ahead of another.
 #pragma once
 
 #include <atomic>
@@ -11,22 +11,22 @@
 namespace foreland::server {
 
 struct Metrics {
-  std::atomic<int64_t> connections{0};    // sockets open now
-  std::atomic<int64_t> sessions{0};       // viewers now
-  std::atomic<int64_t> section_nodes{0};  // held for them in all
+  std::atomic<int64_t> connections{0};    // open sockets
+  std::atomic<int64_t> sessions{0};       // connected viewers
+  std::atomic<int64_t> section_nodes{0};  // of all viewers together
   std::atomic<uint64_t> sessions_opened{0};
-  std::atomic<uint64_t> refusals{0};  // viewers told to go
+  std::atomic<uint64_t> refusals{0};  // viewers that were disconnected for what they sent or did not read
   std::atomic<uint64_t> http_requests{0};
   std::atomic<uint64_t> keyframes{0};
-  std::atomic<uint64_t> skipped_keyframes{0};  // the last delta was still unsent
+  std::atomic<uint64_t> skipped_keyframes{0};  // because the last delta was still unsent
   std::atomic<uint64_t> late_keyframes{0};     // ready after their deadline
   std::atomic<uint64_t> bytes_down{0};         // payload written to viewers
   std::atomic<uint64_t> bytes_up{0};           // payload read from viewers
   std::atomic<uint64_t> messages_up{0};
-  Histogram compute;  // time of one step of a session
+  Histogram compute;  // the time of one step of a session
 };
 
-// What the pool knows, beside the above.
+// The state of the pool.
 struct PoolMetrics {
   size_t threads = 0;
   size_t queue_depth = 0;

@@ -45,7 +45,7 @@ Error cannotListen(const ListenAddress& address, const ErrorOf& why) {
 
 }  // namespace
 
-// Fields are in the order of their lives: each uses those above it.
+// Members use those declared above them, so they are destroyed in the right order.
 class Server::Impl {
  public:
   Impl(std::shared_ptr<const World> world, ServeOptions options, StaticFiles files, Clock clock)
@@ -80,7 +80,7 @@ class Server::Impl {
 
   uint16_t port() const { return port_; }
 
-  // The written order: port, viewers, I/O thread, workers.
+  // The order of docs/THREADS.md: port, viewers, I/O thread, workers.
   void stop() {
     if (io_thread_.joinable()) {
       net::post(io_, [this] { takeLeave(); });
@@ -95,7 +95,7 @@ class Server::Impl {
     while (!io_.stopped()) {
       try {
         io_.run();
-      } catch (const std::exception& e) {  // of one connection, out of memory say; the others go on
+      } catch (const std::exception& e) {  // one connection failed (out of memory, say); the others continue
         context_.log(Severity::kWarning, std::string("a connection failed: ") + e.what());
       }
     }
@@ -110,7 +110,7 @@ class Server::Impl {
     });
   }
 
-  // Out of descriptors, usually: let some close.
+  // Usually there are no descriptors left: wait for some connections to close.
   void retryAccept(const ErrorOf& error) {
     context_.log(Severity::kWarning, "cannot accept a connection: " + error.message());
     accept_timer_.expires_after(std::chrono::milliseconds(100));
@@ -125,7 +125,7 @@ class Server::Impl {
                    fmt::format("closed a connection: there are {} already", options_.max_connections));
       return;
     }
-    ErrorOf ignored;  // a socket that died meanwhile shows it at the first read
+    ErrorOf ignored;  // a socket that was closed meanwhile fails at the first read
     socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(net::socket_base::send_buffer_size(static_cast<int>(options_.send_buffer_bytes)), ignored);
     serveHttp(std::move(socket), context_);
@@ -151,14 +151,14 @@ class Server::Impl {
     awaitLeave();
   }
 
-  // Looks often, since it happens once: no connection needs to tell when it is the last.
+  // Polls, for that happens once only, and no connection has to report that it was the last.
   void awaitLeave() {
     if (context_.viewers.empty() || std::chrono::steady_clock::now() >= stop_by_) return io_.stop();
     watch_timer_.expires_after(std::chrono::milliseconds(5));
     watch_timer_.async_wait([this](ErrorOf) { awaitLeave(); });
   }
 
-  // A copy: viewers leave the set while they are called.
+  // Iterates over a copy, because a call may remove its viewer from the set.
   std::vector<std::shared_ptr<ViewerConnection>> everyViewer() const {
     return {context_.viewers.begin(), context_.viewers.end()};
   }
@@ -174,7 +174,7 @@ class Server::Impl {
   Pool pool_;
   SessionHost host_;
   HttpSite site_;
-  net::io_context io_{1};  // with the sockets in its handlers; the destructor of those uses what is above
+  net::io_context io_{1};  // its handlers hold the connections, whose destructors use the members above
   ServerContext context_;
   tcp::acceptor acceptor_{io_};
   net::steady_timer accept_timer_{io_};

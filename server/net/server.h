@@ -1,5 +1,6 @@
-// The server on its port: viewers by WebSocket, the page and its instruments by HTTP. One I/O thread owns the sockets,
-// a pool computes; docs/THREADS.md says who owns what. The library behind it shows only in this folder.
+// The server on its port: it serves viewers by WebSocket, and the page, its files and the metrics by HTTP. One I/O
+// thread owns the sockets and a pool computes; docs/THREADS.md says which thread owns what. Boost.Beast is used in this
+// folder only.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@
 namespace foreland::server {
 
 enum class Severity : uint8_t { kDebug, kInfo, kWarning };
-// Called by the I/O thread, one line at a time.
+// Takes one line; called by the I/O thread.
 using Log = std::function<void(Severity, const std::string&)>;
 
 struct ServeOptions {
@@ -26,21 +27,21 @@ struct ServeOptions {
   size_t threads = 2;
   SessionOptions session;
   HostLimits limits;
-  std::filesystem::path web;  // empty: no page
-  // Further files, by path: the images of the scene's models, as the page asks for them.
+  std::filesystem::path web;  // directory of the page's files; empty for no page
+  // More files by their paths in URLs: the images of the scene's models.
   std::map<std::string, std::string> files;
-  size_t max_connections = 1024;          // further ones are closed at once
+  size_t max_connections = 1024;          // one more is closed at once
   size_t max_unread_messages = 64;        // a viewer that leaves more replies unread is refused
-  size_t send_buffer_bytes = 128u << 10;  // of the system, per viewer; small, so that a slow link is noticed soon
+  size_t send_buffer_bytes = 128u << 10;  // the system's, for each viewer; small, so that a slow link is noticed early
   Duration http_timeout = Duration::seconds(10);  // for a request to arrive, and for its reply to leave
   Duration idle_timeout = Duration::seconds(30);  // a viewer that sends nothing, or reads nothing of what waits for it
-  Duration stop_grace = Duration::milliseconds(500);  // for viewers to take leave
+  Duration stop_grace = Duration::milliseconds(500);  // for viewers to answer the close frame
   Log log;                                            // may be empty
 };
 
 class Server {
  public:
-  // Listens and serves until stop(). Errors: the address is bad or taken, the page's files cannot be read.
+  // Listens and serves until stop(). An Error if the address cannot be listened on or the page's files cannot be read.
   static Result<std::unique_ptr<Server>> listen(std::shared_ptr<const World> world, ServeOptions options, Clock clock);
   ~Server();
   Server(const Server&) = delete;
@@ -48,8 +49,8 @@ class Server {
 
   uint16_t port() const;
 
-  // Closes the port, takes leave of the viewers, joins the threads; within stop_grace and the steps in progress. May be
-  // called again; by the owner's thread only.
+  // Closes the port and the viewers' connections and joins the threads. Takes as long as stop_grace and the steps in
+  // progress. May be called again; by the owner's thread only.
   void stop();
 
  private:

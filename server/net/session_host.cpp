@@ -9,7 +9,7 @@
 namespace foreland::server {
 namespace {
 
-// Messages are read at once if a worker is free; a keyframe that is due within this time goes first.
+// Messages are read at once if a worker is free, but after keyframes whose deadlines lie within this time.
 constexpr Duration kMessageTimeout = Duration::milliseconds(20);
 
 }  // namespace
@@ -68,7 +68,7 @@ void SessionActor::enqueue(Event event) {
   if (closed_) return;
   const Time now = event.time;
   inbox_.push_back(std::move(event));
-  if (lease_ == Lease::kRunning) return;  // that worker looks into the inbox before it returns the lease
+  if (lease_ == Lease::kRunning) return;  // the worker that runs it reads the inbox before it returns the lease
   if (lease_ == Lease::kQueued) {
     if (ticket_.due.release <= now) return;
     if (!host_.pool_.cancel(ticket_)) return;  // a worker is about to take the lease

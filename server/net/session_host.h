@@ -1,9 +1,9 @@
 // Runs sessions on the pool. Each is an actor: the I/O thread puts events into its inbox, and whichever worker holds
-// its lease (at most one at a time) feeds them to the Session, steps it when it is due and hands what it wrote to the
+// its lease (at most one at a time) feeds them to the Session, steps it when it is due and hands its messages to the
 // outlet.
 //
-// What is bounded: the inbox (HostLimits); the outbox, since a Session computes no keyframe while an earlier one is
-// unsent, and the outlet's owner limits unread replies. No lock is held while a Session works.
+// The inbox is bounded by HostLimits; the outbox too, since a Session computes no keyframe while an earlier one is
+// unsent and the outlet's owner limits unread replies. No lock is held while a Session works.
 #pragma once
 
 #include <cstdint>
@@ -28,11 +28,11 @@ struct HostLimits {
   size_t inbox_bytes = 32u << 20;  // two of the largest messages
 };
 
-// Where a session's messages go. Called by workers, in order, never two at a time; must not block. Nothing is called
-// after refuse.
+// Where a session's messages are sent to. Workers call it, in order and never two at a time; it must not block. After
+// refuse nothing is called any more.
 struct Outlet {
   std::function<void(std::vector<Bytes>)> send;     // a batch, never empty
-  std::function<void(std::string message)> refuse;  // tell the viewer why, then close
+  std::function<void(std::string message)> refuse;  // tells the viewer why, then closes
 };
 
 class SessionActor;
@@ -63,20 +63,20 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   SessionActor(SessionHost& host, Outlet outlet);
   ~SessionActor();
 
-  // A whole message from the viewer. An Error means that the inbox overflows: refuse the viewer.
+  // Takes a whole message from the viewer. An Error means that the inbox is full, and the viewer is to be refused.
   Status deliver(Bytes message);
 
-  // The transport has handed over `batches` of the outlet's batches in all.
+  // To be called when the transport has sent `batches` of the outlet's batches in all.
   void sent(uint64_t batches);
 
-  // The viewer is gone: the session runs no more (a step in progress still ends).
+  // To be called when the viewer is gone. The session takes no further step; one in progress still ends.
   void close();
 
  private:
   enum class Lease : uint8_t { kIdle, kQueued, kRunning };
   struct Event {
     Time time;
-    std::optional<Bytes> message;  // nothing: `sent_batches` has risen
+    std::optional<Bytes> message;  // nothing if the event is that `sent_batches` has risen
     uint64_t sent_batches = 0;
   };
 

@@ -35,12 +35,12 @@ std::string contentType(const fs::path& path) {
   return "application/octet-stream";
 }
 
-// Vite puts a hash of the content into the names of what it puts in assets/; the other names live on with new content.
+// Vite names the files in assets/ by a hash of their content; the other names stay when their content changes.
 std::string cacheControl(std::string_view path) {
   return path.starts_with("/assets/") ? "public, max-age=31536000, immutable" : "no-cache";
 }
 
-// FNV-1a, 64 bits: tells versions of a file apart; nothing is secured by it.
+// FNV-1a, 64 bits: it distinguishes versions of a file, and secures nothing.
 std::string etagOf(const std::string& body) {
   uint64_t hash = 0xcbf29ce484222325ull;
   for (const char c : body) hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3ull;
@@ -82,7 +82,7 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
                                directory.string(), kMaxFiles, kMaxTotalBytes >> 20)};
     auto body = readWhole(it->path(), size);
     if (!body) return body.error();
-    std::string path = "/";  // and not `+`, at which g++ 12 warns in error
+    std::string path = "/";  // not by `+`, for which g++ 12 gives a false warning
     path += it->path().lexically_relative(directory).generic_string();
     auto shared = std::make_shared<const std::string>(std::move(*body));
     const std::string etag = etagOf(*shared);

@@ -1,5 +1,5 @@
-// The page's files, read once at the start. A request only looks a name up in a table, so no request can reach any
-// other file, and the I/O thread never waits for a disk. Immutable; any thread.
+// The page's files, read once at the start. A request only looks up a path in a table, so it can reach no other file,
+// and the I/O thread never waits for a disk. Immutable once filled; any thread.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct StaticFile {
   std::shared_ptr<const std::string> body;
   std::string content_type;
   std::string cache_control;
-  std::string etag;  // quoted; of the content
+  std::string etag;  // quoted; a hash of the content
 };
 
 class StaticFiles {
@@ -27,19 +27,19 @@ class StaticFiles {
 
   StaticFiles() = default;  // no files
 
-  // Regular files below `directory`, links not followed. Refuses what is not a directory, lacks index.html or exceeds
-  // the limits.
+  // Reads the regular files below `directory`; links are not followed. An Error if that is no directory, has no
+  // index.html or exceeds the limits.
   static Result<StaticFiles> load(const std::filesystem::path& directory);
 
-  // A file that is not the page's own.
+  // Adds a file under a path that begins with a slash.
   void add(std::string path, std::string body);
 
-  // `path` as in a URL, percent-encoding undone, without the query: "/", "/assets/a.js". A folder's path finds its
-  // index.html. Nothing if there is no such file. The pointer lives as long as this.
+  // The file of a URL's path, with percent-encoding undone and without the query: "/", "/assets/a.js". The path of a
+  // folder finds its index.html. Null if there is no such file. The pointer is valid as long as this object.
   const StaticFile* find(std::string_view path) const;
 
  private:
-  std::map<std::string, StaticFile, std::less<>> files_;  // by path with a leading slash
+  std::map<std::string, StaticFile, std::less<>> files_;  // by path, with a leading slash
 };
 
 }  // namespace foreland::server

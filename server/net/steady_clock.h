@@ -1,4 +1,4 @@
-// The clock of servers that face real sockets: monotonic, from an arbitrary zero. Any thread.
+// The clock of servers with real sockets: monotonic, from an arbitrary zero. Any thread.
 #pragma once
 
 #include <chrono>

@@ -15,9 +15,9 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 namespace {
 
-// Large messages leave in pieces, so that a slow link that moves can be told from one that stands still.
+// Large messages are sent in pieces, so that a slow link can be distinguished from one that has stopped.
 constexpr size_t kPieceBytes = 64u << 10;
-// A read buffer that grew for a path is given back.
+// A read buffer that has grown beyond this, for a path, is freed.
 constexpr size_t kKeptBufferBytes = 64u << 10;
 constexpr Duration kCloseGrace = Duration::seconds(2);
 constexpr size_t kMaxReasonBytes = 120;  // of a close frame
@@ -38,7 +38,7 @@ ViewerConnection::ViewerConnection(beast::tcp_stream stream, ConnectionCount cou
     : context_(context), count_(std::move(count)), stream_(std::move(stream)) {}
 
 void ViewerConnection::accept(UpgradeRequest request) {
-  beast::get_lowest_layer(stream_).expires_never();  // check() watches the time from here on
+  beast::get_lowest_layer(stream_).expires_never();  // from here on check() enforces the timeouts
   peer_ = peerOf(beast::get_lowest_layer(stream_));
   stream_.set_option(
       websocket::stream_base::timeout{.handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
@@ -49,7 +49,7 @@ void ViewerConnection::accept(UpgradeRequest request) {
   stream_.read_message_max(proto::kMaxClientMessageBytes);
   stream_.auto_fragment(false);
   stream_.binary(true);
-  context_.viewers.insert(shared_from_this());  // from now on, so that a stop takes leave of it too
+  context_.viewers.insert(shared_from_this());  // before the handshake ends, so that a stop of the server closes it too
   auto shared = std::make_shared<UpgradeRequest>(std::move(request));
   stream_.async_accept(*shared,
                        [self = shared_from_this(), shared](beast::error_code error) { self->onAccept(error); });
@@ -97,7 +97,7 @@ void ViewerConnection::onRead(beast::error_code error) {
   if (error) return finish(error == websocket::error::closed ? "left" : "was lost: " + error.message());
   heard_at_ = context_.clock();
   if (stream_.is_message_done()) deliver();
-  read();  // while closing, too: it finds the viewer's close frame
+  read();  // while closing too, to receive the viewer's close frame
 }
 
 void ViewerConnection::deliver() {
@@ -134,7 +134,7 @@ void ViewerConnection::write() {
 
 void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   is_writing_ = false;
-  if (error || state_ == State::kGone) return cut();  // the read that is always under way ends with it
+  if (error || state_ == State::kGone) return cut();  // the pending read then fails and calls finish()
   progress_at_ = context_.clock();
   context_.metrics.bytes_down += bytes;
   written_of_first_ += bytes;
@@ -160,7 +160,7 @@ void ViewerConnection::refuse(const std::string& message) {
 
 void ViewerConnection::leave(websocket::close_code code, const std::string& reason) {
   const websocket::close_reason why{code, reason.substr(0, kMaxReasonBytes)};
-  if (state_ == State::kAccepting) close_reason_ = why;  // onAccept goes on with it
+  if (state_ == State::kAccepting) close_reason_ = why;  // for onAccept
   if (state_ != State::kOpen) return;
   startClosing(State::kClosing, why);
   if (!is_writing_) sendCloseFrame();
@@ -173,14 +173,14 @@ void ViewerConnection::startClosing(State state, websocket::close_reason reason)
   actor_->close();
 }
 
-// Not while a piece is being written. Its answer, or its failure, ends the read.
+// Must not be called while a piece is being written. The viewer's answer, or a failure, ends the pending read.
 void ViewerConnection::sendCloseFrame() {
   state_ = State::kClosing;
   stream_.async_close(close_reason_, [self = shared_from_this()](beast::error_code) {});
 }
 
 void ViewerConnection::check(Time now) {
-  if (state_ == State::kAccepting) return;  // its handshake has a timeout of its own
+  if (state_ == State::kAccepting) return;  // the handshake has a timeout of its own
   const Duration timeout = context_.options.idle_timeout;
   if (state_ == State::kFlushing || state_ == State::kClosing) {
     if (now > close_by_) cut();

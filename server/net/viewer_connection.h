@@ -1,5 +1,5 @@
-// One viewer's WebSocket: whole messages in, whole messages out in order. Private to server/net; on the I/O thread but
-// for the outlet, which posts to it.
+// One viewer's WebSocket: it takes whole messages and sends whole messages in order. Private to server/net. It runs on
+// the I/O thread; workers reach it only through the outlet, which posts to that thread.
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -27,13 +27,14 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
 
   void accept(UpgradeRequest request);
 
-  // Sends a Refusal with `message` after what is half sent, then closes.
+  // Completes the message that is being sent, sends a Refusal with `message`, then closes.
   void refuse(const std::string& message);
 
-  // Closes with a close frame that carries `reason`, without sending what waits.
+  // Closes with a close frame that carries `reason`; messages that wait are not sent.
   void leave(boost::beast::websocket::close_code code, const std::string& reason);
 
-  // Called now and then: closes a viewer that sends nothing, reads nothing, or does not take leave in time.
+  // To be called now and then: closes a viewer that sends nothing, reads nothing, or does not answer a close frame in
+  // time.
   void check(Time now);
 
  private:
@@ -60,18 +61,18 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   ConnectionCount count_;
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;  // false: no permessage-deflate
   std::string peer_;
-  std::shared_ptr<SessionActor> actor_;  // while open
+  std::shared_ptr<SessionActor> actor_;  // null unless open
   State state_ = State::kAccepting;
   boost::beast::websocket::close_reason close_reason_;
   Time close_by_;  // while flushing or closing
 
   boost::beast::flat_buffer read_buffer_;
-  Time heard_at_;  // last bytes from the viewer
+  Time heard_at_;  // when the viewer last sent bytes
 
   std::deque<Outgoing> outbox_;
   size_t written_of_first_ = 0;
   bool is_writing_ = false;
-  Time progress_at_;  // last piece that the system took
+  Time progress_at_;  // when the system last took a piece
   uint64_t batches_sent_ = 0;
 };
 

@@ -1,4 +1,5 @@
-// The clock as a parameter: mains and tests pass it in, so nothing in the scheduler or the host reads one by itself.
+// The clock as a parameter: mains and tests pass one in, so that neither the scheduler nor the session host reads a
+// clock by itself.
 #pragma once
 
 #include <functional>
@@ -7,7 +8,7 @@
 
 namespace foreland::server {
 
-// The present on some monotonic clock; called from any thread.
+// Returns the present time of some monotonic clock; called from any thread.
 using Clock = std::function<Time()>;
 
 }  // namespace foreland::server

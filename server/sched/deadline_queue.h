@@ -1,5 +1,5 @@
-// Which job is next: those whose release time has come, earliest deadline first, equal deadlines in the order they
-// came. Plain data without clock or lock; Pool protects it. Every operation costs O(log n).
+// The order of jobs: of those whose release time has come, the one with the earliest deadline is next; of equal
+// deadlines, the one added first. Plain data without clock or lock; Pool protects it. Every operation costs O(log n).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace foreland::server {
 
-// A function of its captures and the worker that runs it (0 .. threads - 1, to find that worker's scratch). It neither
-// blocks nor waits for other jobs, and throws nothing.
+// A job gets the number of the worker that runs it (0 to threads - 1), to find that worker's scratch. It neither blocks
+// nor waits for other jobs, and throws nothing.
 using Job = std::function<void(size_t worker)>;
 
 // When a job may start, and by when it should be done.
@@ -24,7 +24,7 @@ struct Due {
 
 class DeadlineQueue {
  public:
-  // Names one job of one queue for good.
+  // Identifies one job of one queue; tickets are never reused.
   struct Ticket {
     Due due;
     uint64_t sequence = 0;
@@ -36,17 +36,18 @@ class DeadlineQueue {
 
   Ticket add(Due due, Job job);
 
-  // The job, to be destroyed outside the caller's lock; nothing if it was taken before.
+  // Removes a job and returns it, so that it can be destroyed outside the caller's lock; nothing if it was taken
+  // before.
   std::optional<Job> cancel(const Ticket& ticket);
 
-  // The next job at `now`, or nothing if none is released.
+  // Removes the job that is next at `now` and returns it; nothing if none is released.
   std::optional<Entry> take(Time now);
 
-  // When the next job that waits will be released; nothing if none waits. A time in the past means: take() now.
+  // The earliest release among jobs not released at the last take(); nothing if there are none. May lie in the past.
   std::optional<Time> nextRelease() const;
 
   size_t size() const { return waiting_.size() + ready_.size(); }
-  // Jobs that were released and not taken. As of the last take().
+  // How many jobs were released and not taken, as of the last take().
   size_t readyCount() const { return ready_.size(); }
 
  private:

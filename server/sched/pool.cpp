@@ -9,7 +9,8 @@
 
 namespace foreland::server {
 namespace {
-constexpr Duration kLongestWait = Duration::seconds(3600);  // keeps the library's sums of times from overflowing
+constexpr Duration kLongestWait =
+    Duration::seconds(3600);  // so that std::condition_variable's sums of times do not overflow
 }
 
 Pool::Pool(size_t threads, Clock clock) : clock_(std::move(clock)), worker_count_(std::max<size_t>(1, threads)) {
@@ -31,7 +32,7 @@ Pool::Ticket Pool::submit(Due due, Job job) {
 }
 
 bool Pool::cancel(const Ticket& ticket) {
-  std::optional<Job> dropped;  // destroyed after the lock: what it holds may submit or cancel in turn
+  std::optional<Job> dropped;  // destroyed after the lock: its destructor may submit or cancel
   const std::lock_guard lock(mutex_);
   dropped = queue_.cancel(ticket);
   ready_count_.store(queue_.readyCount(), std::memory_order_relaxed);
@@ -64,7 +65,7 @@ std::optional<DeadlineQueue::Entry> Pool::next(std::stop_token stop) {
     auto entry = queue_.take(clock_());
     ready_count_.store(queue_.readyCount(), std::memory_order_relaxed);
     if (entry) {
-      // This worker leaves the watch over the jobs that are left, ready or waiting, to another one.
+      // Another worker is woken to wait for the jobs that are left, released or not, while this one is busy.
       if (queue_.size() > 0) {
         ++changes_;
         changed_.notify_one();

@@ -1,6 +1,6 @@
-// The worker threads: they take released jobs from a DeadlineQueue, earliest deadline first. The queue's mutex is held
-// to add and to take, never while a job runs. A timed wait on the same queue is the timer of the whole server. Any
-// thread may submit and cancel, jobs included.
+// The worker threads, which take released jobs from a DeadlineQueue, earliest deadline first. The queue's mutex is held
+// to add and to take a job, never while a job runs. The server needs no other timer: a job may be released later. Any
+// thread may submit and cancel, jobs too.
 #pragma once
 
 #include <atomic>
@@ -20,27 +20,27 @@ class Pool {
  public:
   using Ticket = DeadlineQueue::Ticket;
 
-  // Starts `threads` workers (at least one), named worker-0, worker-1, ... . `clock` decides what is released and what
-  // is late. Waits for a release last real time, so `clock` should run with it; a clock that jumps is noticed at the
-  // next submit().
+  // Starts `threads` workers (at least one), named worker-0, worker-1, ... . `clock` decides which jobs are released
+  // and which are late. Workers wait for a release in real time, so `clock` should run at its pace; a jump of `clock`
+  // is noticed at the next submit().
   Pool(size_t threads, Clock clock);
   ~Pool() { stop(); }
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
 
-  // After stop() the job is dropped.
+  // Queues a job; after stop() drops it.
   Ticket submit(Due due, Job job);
 
-  // True if the job will not run; false if it runs, ran or was dropped.
+  // True if the job was queued and now will not run; false if it runs, has run or was dropped.
   bool cancel(const Ticket& ticket);
 
-  // Lets running jobs end, joins the workers, drops the jobs left. May be called again; not from a job.
+  // Waits for running jobs to end, joins the workers and drops the queued jobs. May be called again, but not by a job.
   void stop();
 
   size_t threadCount() const { return worker_count_; }
   // Jobs released and not yet started.
   size_t queueDepth() const { return ready_count_.load(std::memory_order_relaxed); }
-  // By how much jobs ended after their deadline; those in time count as zero.
+  // By how much jobs ended after their deadline; jobs that ended in time count as zero.
   const Histogram& lateness() const { return lateness_; }
 
  private:
@@ -59,7 +59,7 @@ class Pool {
   bool stopped_ = false;
   std::condition_variable_any changed_;
 
-  std::vector<std::jthread> workers_;  // last, so that they see whole fields
+  std::vector<std::jthread> workers_;  // last: they use the members above from the moment they start
 };
 
 }  // namespace foreland::server

@@ -1,5 +1,5 @@
-// What the refiner reads: one scene's terrain and objects, without the file that they come from. Immutable; shared by
-// all threads.
+// What the refiner reads: one scene's terrain and objects, whatever file they come from. Immutable; shared by all
+// threads.
 #pragma once
 
 #include <memory>
@@ -18,13 +18,13 @@ namespace foreland::server {
 struct SceneObjects {
   proto::ObjectSet set;
   std::vector<std::span<const proto::SurfaceRecord>> records;  // of each model
-  std::vector<std::span<const uint32_t>> texels;  // of each model's image (proto::AtlasLayout); empty: none
-  std::shared_ptr<const void> owner;              // keeps all of that
+  std::vector<std::span<const uint32_t>> texels;  // of each model's image (proto::AtlasLayout); empty without an image
+  std::shared_ptr<const void> owner;              // of the memory that the spans point into
 
   std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return records[set.placement(object).model]; }
 };
 
-// As the scene's file has them; an Error if they are damaged.
+// The objects in the scene's file; an Error if they are damaged.
 [[nodiscard]] Result<SceneObjects> objectsOf(const std::shared_ptr<const terrain::Scene>& scene);
 
 class Hierarchy {
@@ -42,7 +42,7 @@ class Hierarchy {
   proto::DenseNodes table() const {
     return {grid(), {scene_->cornerHeights(), scene_->centreHeights()}, scene_->nodes()};
   }
-  // As an adapter takes them.
+  // The nodes as an adapter reads them.
   proto::InMemoryNodes source() const { return proto::InMemoryNodes(nodes()); }
 
  private:

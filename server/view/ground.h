@@ -1,4 +1,5 @@
-// The ground of a scene at any lattice place, from its full-resolution samples. Immutable; any thread; O(1).
+// The height of the ground of a scene at any lattice position, from its full-resolution samples. Pure; any thread;
+// O(1).
 #pragma once
 
 #include <optional>
@@ -7,8 +8,8 @@
 
 namespace foreland::server {
 
-// Metres above the zero surface, bilinear between samples; nothing beyond the data or for coordinates that are not
-// finite.
+// Metres above the zero surface, bilinear between samples. Nothing for a position beyond the data or with coordinates
+// that are not finite.
 std::optional<double> groundHeight(const terrain::Scene& scene, double lattice_x, double lattice_y);
 
 }  // namespace foreland::server

@@ -17,7 +17,7 @@ constexpr Duration kStep = Duration::milliseconds(100);
 
 double radians(double degrees) { return degrees * kPi / 180; }
 
-// The scene as a planner sees it: a rectangle of ground around the origin of the scene frame, metres.
+// The scene as the planners of tours need it: a rectangle of ground around the origin of the scene frame, in metres.
 class Ground {
  public:
   explicit Ground(const terrain::Scene& scene) : scene_(scene), transform_(scene.frame()) {
@@ -35,23 +35,24 @@ class Ground {
   glm::dvec2 middle() const { return middle_; }
   double halfWidth() const { return glm::length(axis_x_); }
   double halfDepth() const { return glm::length(axis_y_); }
-  // Unit vectors along the raster, and metres by which everything shrinks on small scenes.
+  // Unit vectors along the raster.
   glm::dvec2 alongX() const { return glm::normalize(axis_x_); }
   glm::dvec2 alongY() const { return glm::normalize(axis_y_); }
+  // The factor by which a tour's distances shrink on small scenes.
   double scale() const { return std::min(1.0, 2 * std::min(halfWidth(), halfDepth()) / 6000); }
 
-  // Lattice place below a point of the tangent plane, kept inside the data.
+  // The lattice position, with the ground's height, below a point of the tangent plane; clamped to the data.
   proto::LatticePosition below(glm::dvec2 p) const {
-    // Two rounds: a point of the plane lies above the curved ground, and its depth there shifts the place.
-    proto::LatticePosition place = transform_.toLattice({p, 0});
+    // A point of the plane lies above the curved ground, and how far shifts its lattice position: two iterations.
+    proto::LatticePosition position = transform_.toLattice({p, 0});
     for (int i = 0; i < 2 && transform_.frame().kind == proto::FrameKind::kGeographic; ++i) {
-      place.height_m = 0;
-      place = transform_.toLattice({p, transform_.toScene(place).z});
+      position.height_m = 0;
+      position = transform_.toLattice({p, transform_.toScene(position).z});
     }
-    place.x = std::clamp(place.x, 0.0, last_x_);
-    place.y = std::clamp(place.y, 0.0, last_y_);
-    place.height_m = groundHeight(scene_, place.x, place.y).value_or(0);
-    return place;
+    position.x = std::clamp(position.x, 0.0, last_x_);
+    position.y = std::clamp(position.y, 0.0, last_y_);
+    position.height_m = groundHeight(scene_, position.x, position.y).value_or(0);
+    return position;
   }
   double height(glm::dvec2 p) const { return below(p).height_m; }
   bool contains(glm::dvec2 p, double margin) const {
@@ -60,9 +61,9 @@ class Ground {
            std::fabs(glm::dot(d, alongY())) < halfDepth() - margin;
   }
   glm::dvec3 above(glm::dvec2 p, double height_m) const {
-    proto::LatticePosition place = below(p);
-    place.height_m = height_m;
-    return transform_.toScene(place);
+    proto::LatticePosition position = below(p);
+    position.height_m = height_m;
+    return transform_.toScene(position);
   }
 
  private:
@@ -77,8 +78,8 @@ proto::Pose look(const glm::dvec3& eye, glm::dvec2 heading, double pitch_rad) {
   return {eye, proto::lookAlong(forward, {0, 0, 1})};
 }
 
-// Heights over a track: the ground, the highest within `reach` samples, smoothed twice over as many, plus the
-// clearance.
+// The heights at which to fly along a track: the highest ground within `reach` samples, smoothed twice by a mean over
+// as many, never below the ground itself, plus the clearance.
 std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dvec2>& track, size_t reach,
                                  double clearance_m) {
   const size_t n = track.size();
@@ -105,7 +106,7 @@ proto::Path alongTrack(const Ground& ground, const std::vector<glm::dvec2>& trac
                        double pitch_rad) {
   proto::Path path{Time{}, kStep, {}};
   for (size_t i = 0; i < track.size(); ++i) {
-    // Headings over a second of flight, so that the camera does not twitch.
+    // The heading is that over a second of flight, so that the camera does not twitch.
     const size_t a = i > 5 ? i - 5 : 0, b = std::min(i + 5, track.size() - 1);
     path.poses.push_back(look(ground.above(track[i], levels[i]), track[b] - track[a], pitch_rad));
   }

@@ -1,10 +1,11 @@
-// Built-in tours: paths of the camera planned over a scene's own ground, so that every client, test and benchmark can
-// fly the same.
+// Built-in tours: paths of the camera, planned over a scene's own ground, so that every client, test and benchmark can
+// fly the same path.
 //   survey  straight, 150 m/s, 300 m above the ground
 //   canyon  80 m/s, 60 m above the ground, following the valleys
 //   spin    in place, 90 degrees a second
 //   orbit   around the highest summit near the middle, looking at it
-// Scenes too small for those distances get them scaled down. Pure functions; any thread; milliseconds.
+// On scenes that are too small for these distances, all of them shrink alike. Pure functions; any thread. Cost:
+// milliseconds.
 #pragma once
 
 #include <string>
@@ -15,7 +16,8 @@
 
 namespace foreland::server {
 
-// A path of `seconds` that starts at time 0, with steps of 100 ms. An Error names the tours there are.
+// A path that lasts `seconds` (1 to 3600), starts at time 0 and has steps of 100 ms. The Error for an unknown name
+// lists the tours.
 Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds);
 
 }  // namespace foreland::server

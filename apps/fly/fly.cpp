@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "apps/exact_sections.h"
-#include "apps/fly_options.h"
-#include "apps/fly_report.h"
+#include "apps/fly/fly_options.h"
+#include "apps/fly/fly_report.h"
 #include "apps/stop_signal.h"
 #include "bench/oracle/scene_truth.h"
 #include "client/fly/frame_dump.h"

@@ -10,7 +10,7 @@
 
 #include "apps/options.h"
 #include "apps/output_file.h"
-#include "apps/remesh_report.h"
+#include "apps/remesh/remesh_report.h"
 #include "apps/stop_signal.h"
 #include "terrain/model/png.h"
 #include "terrain/model/read_model.h"

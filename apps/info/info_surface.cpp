@@ -1,4 +1,4 @@
-#include "apps/info_surface.h"
+#include "apps/info/info_surface.h"
 
 #include <cinttypes>
 #include <cstdio>

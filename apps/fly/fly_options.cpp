@@ -1,4 +1,4 @@
-#include "apps/fly_options.h"
+#include "apps/fly/fly_options.h"
 
 #include <CLI/CLI.hpp>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "apps/remesh_report.h"
+#include "apps/remesh/remesh_report.h"
 
 #include <cinttypes>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "apps/fly_report.h"
+#include "apps/fly/fly_report.h"
 
 namespace foreland::apps {
 

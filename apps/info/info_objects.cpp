@@ -1,9 +1,9 @@
-#include "apps/info_objects.h"
+#include "apps/info/info_objects.h"
 
 #include <cinttypes>
 #include <cstdio>
 
-#include "apps/info_surface.h"
+#include "apps/info/info_surface.h"
 
 namespace foreland::apps {
 

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "apps/info_objects.h"
-#include "apps/info_surface.h"
+#include "apps/info/info_objects.h"
+#include "apps/info/info_surface.h"
 #include "terrain/store/scene.h"
 
 namespace {
