@@ -36,7 +36,7 @@ struct Arguments {
   std::vector<std::string> objects;
 };
 
-// One line that is redrawn on a terminal, one line a stage otherwise.
+// Shows progress: on a terminal by one line that is redrawn, otherwise by one line for each stage.
 class ProgressLine {
  public:
   void show(std::string_view stage, double fraction) {
@@ -84,22 +84,23 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
       ->required();
   app.add_option("-o,--output", arguments.output, "The scene file to write")->required();
   app.add_option("--nodata", arguments.open.nodata, "The value that means 'no data', instead of the file's own");
-  app.add_option(
-         "--vertical-step", arguments.vertical_step_m,
-         "Metres per step of a stored height; by default 1, 0.5 or 0.25 if all heights are multiples of it, else "
-         "0.1, and finer for samples closer than 2 m")
+  app.add_option("--vertical-step", arguments.vertical_step_m,
+                 "Heights are stored as multiples of this many metres; by default 1, 0.5 or 0.25 if all heights are "
+                 "multiples of it, else "
+                 "0.1, and finer for samples closer than 2 m")
       ->check(CLI::Validator(
           [](const std::string& text) {
             double step_m = 0;
             return CLI::detail::lexical_cast(text, step_m) && step_m > 0 && std::isfinite(step_m)
                        ? std::string()
-                       : text + " is no positive number of metres";
+                       : text + " is not a positive number of metres";
           },
           "METRES"));
   app.add_option("--spacing", arguments.open.spacing_m, "Metres between samples, for files without a reference system")
       ->check(apps::isFinite());
   app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several");
-  app.add_option("--threads", arguments.threads, "Worker threads; 0 for one a processor")->check(CLI::Range(0u, 1024u));
+  app.add_option("--threads", arguments.threads, "Worker threads; 0 for one per processor")
+      ->check(CLI::Range(0u, 1024u));
   app.add_option(
          "--object", arguments.objects,
          "A surface made by `foreland remesh` that stands on the terrain: "
@@ -110,13 +111,13 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
                                                                   {"geographic", terrain::FrameChoice::kGeographic}};
   app.add_option_function<std::string>(
          "--frame", [&](const std::string& name) { arguments.open.frame = frames.at(name); },
-         "How the coordinates are meant")
+         "How to interpret the coordinates")
       ->check(CLI::IsMember(std::vector<std::string>{"auto", "planar", "geographic"}));
   static const std::map<std::string, terrain::HeightEncoding> encodings{
       {"plain", terrain::HeightEncoding::kPlain}, {"terrarium", terrain::HeightEncoding::kTerrarium}};
   app.add_option_function<std::string>(
          "--encoding", [&](const std::string& name) { arguments.open.encoding = encodings.at(name); },
-         "How numbers become heights; terrarium: red * 256 + green + blue / 256 - 32768")
+         "How samples encode heights; terrarium: red * 256 + green + blue / 256 - 32768")
       ->check(CLI::IsMember(std::vector<std::string>{"plain", "terrarium"}));
 }
 
@@ -125,7 +126,7 @@ int fail(const Error& error) {
   return 2;
 }
 
-// Before hours are spent on what cannot be written.
+// Called first, so that hours are not spent on a file that cannot be written.
 Status checkOutput(const Arguments& arguments) {
   if (Status s = apps::checkOutput(arguments.output, "scene file"); !s.ok()) return s;
   for (const std::filesystem::path& input : arguments.inputs)
@@ -145,7 +146,7 @@ double chooseVerticalStep(const Arguments& arguments, const terrain::ElevationIn
   const glm::dvec2 spacing_m = terrain::sampleSpacing(info.frame, info.width, info.height);
   const double closest_m = std::min(spacing_m.x, spacing_m.y), step_m = defaultVerticalStep(closest_m);
   if (step_m < 0.1)
-    std::fprintf(stderr, "samples lie %.3g m apart, so heights are kept in steps of %g m (--vertical-step)\n",
+    std::fprintf(stderr, "samples lie %.3g m apart, so heights are stored as multiples of %g m (--vertical-step)\n",
                  closest_m, step_m);
   return step_m;
 }
@@ -193,7 +194,7 @@ int build(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Makes a scene file of elevation data.", "foreland build"};
+  CLI::App app{"Makes a scene file from elevation data.", "foreland build"};
   Arguments arguments;
   describeOptions(app, arguments);
   try {

@@ -8,7 +8,7 @@ namespace foreland::apps {
 
 namespace {
 
-// Refines from nothing and lets a replica make the mesh, as a viewer would on its first keyframe.
+// Sends one keyframe to a new replica and takes its mesh, as a viewer would at its first keyframe.
 class ExactSections {
  public:
   ExactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects)

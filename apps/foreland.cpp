@@ -1,7 +1,6 @@
-// The program `foreland`: as git has them, `foreland NAME ARGS...` runs the executable foreland-NAME that lies beside
-// it, so that only those which read foreign files are linked with the libraries that do. Exit code 2 and the list of
-// subcommands for a name that is not there; otherwise whatever the subcommand returns.
-// One thread.
+// The program `foreland`: `foreland NAME ARGS...` runs the executable foreland-NAME beside it, as git does with its
+// subcommands, so that only the programs that read foreign files are linked with the libraries that do. The exit code
+// is the subcommand's; for an unknown name it is 2, after a list of the subcommands. One thread.
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What several programs ask of their options. Header only; main thread.
+// Checks of command-line options that several programs share. Header only; main thread.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 
 namespace foreland::apps {
 
-// CLI11's ranges let a NaN through, for it is not outside of them. Text that is no number at all is CLI11's to refuse.
+// Accepts finite numbers only; CLI11's ranges let a NaN through. Text that is no number is left for CLI11 to refuse.
 inline CLI::Validator isFinite() {
   return {[](std::string& text) {
             char* end = nullptr;

@@ -1,4 +1,4 @@
-// What programs that write a file ask of its path before they work for hours. Header only; any thread.
+// Checks of the path of an output file, for programs to make before they work for hours. Header only; any thread.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace foreland::apps {
 
-// Whether `output` can be the name of a file: it is no directory, and lies in one. `kind` is what it will be.
+// An Error if `output` is a directory or does not lie in one. `kind` says in the message what the file would be.
 inline Status checkOutput(const std::filesystem::path& output, const std::string& kind) {
   std::error_code failed;
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
@@ -20,7 +20,7 @@ inline Status checkOutput(const std::filesystem::path& output, const std::string
   return {};
 }
 
-// Whether it is another file than `input`. `role` is what that one is.
+// An Error if `output` is the file `input`, whose `role` the message names.
 inline Status checkApart(const std::filesystem::path& output, const std::filesystem::path& input,
                          const std::string& role) {
   std::error_code failed;

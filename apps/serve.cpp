@@ -1,5 +1,5 @@
 // `foreland serve SCENE`: serves one scene to viewers over WebSocket, and the page that shows it over HTTP, until
-// SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 for a scene, flag or port that will not do. The main thread
+// SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 if scene, options or port cannot be used. The main thread
 // waits for the signal; the server has threads of its own (docs/THREADS.md).
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -40,11 +40,11 @@ struct Flags {
   size_t threads = std::max(1u, std::thread::hardware_concurrency());
   double tau_px = 1;
   int64_t keyframe_ms = 200;
-  std::string web;  // empty: where builds and installations put it
+  std::string web;  // empty for where builds and installations put it
   std::string log_level = "info";
 };
 
-// Nothing if the program should go on; else its exit code.
+// The exit code if the program should end at once; nothing if it should serve.
 std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   CLI::App app("Serve a scene to viewers, and the page that shows it.", "foreland serve");
   app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->required();
@@ -95,7 +95,7 @@ void log(server::Severity severity, const std::string& line) {
   spdlog::log(kLevels[static_cast<size_t>(severity)], line);
 }
 
-// Scenes of this size may not stay in memory.
+// Larger scenes may not stay in memory, so sessions prefetch.
 constexpr size_t kLargeSceneBytes = size_t{256} << 20;
 
 server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress& listen, const terrain::Scene& scene) {
@@ -110,7 +110,7 @@ server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress
   return options;
 }
 
-// As the page takes them: width and height, then texels row by row.
+// The images of the models in the format that the page reads: width and height, then texels row by row.
 std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects) {
   std::map<std::string, std::string> files;
   for (size_t i = 0; i < objects.texels.size(); ++i) {

@@ -27,7 +27,7 @@ int fail(const Error& error) {
   return 2;
 }
 
-// Image rows count from the north, the landscape's from the south.
+// Rows of the image are counted from the north, those of the landscape from the south.
 void makeWindow(const terrain::Landscape& land, uint32_t top, uint32_t count, std::vector<float>& rows) {
   const uint32_t size = land.info().width;
   rows.resize(size_t{count} * size);
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Makes a synthetic mountain landscape.", "foreland synth"};
   Arguments arguments;
   app.add_option("-o,--output", arguments.output, "The file to write; .exr or .tif")->required();
-  app.add_option("--size", arguments.landscape.size, "Samples a side, at least 2")->capture_default_str();
+  app.add_option("--size", arguments.landscape.size, "Samples along each side, at least 2")->capture_default_str();
   app.add_option("--spacing", arguments.landscape.spacing_m, "Metres between samples")
       ->check(apps::isFinite())
       ->capture_default_str();

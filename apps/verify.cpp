@@ -1,5 +1,5 @@
-// foreland-verify: checks a scene, its objects too, or a surface file and says what it checked. Exit codes: 0 sound, 2
-// damaged or neither.
+// foreland-verify: checks a scene with its objects, or a surface, and prints what it checked. Exit codes: 0 if the file
+// is sound; 2 if it is damaged, or no scene or surface.
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace foreland;
 
-// What is checked of base vertices and of nodes.
+// What is checked of base vertices and of nodes, in words.
 struct Checks {
   const char* base;
   const char* nodes;
@@ -34,7 +34,7 @@ void printChecks(const Checks& checks, const terrain::VerifyReport& found) {
                 found.texels);
 }
 
-// How many there are; the first ones named.
+// Prints the first faults and returns how many there are.
 uint64_t printFaults(const std::string& where, const terrain::VerifyReport& found) {
   for (const std::string& fault : found.first_faults)
     std::fprintf(stderr, "foreland verify: %s: %s\n", where.c_str(), fault.c_str());
@@ -73,7 +73,7 @@ int verifyScene(const std::string& path, unsigned threads) {
   const auto objects = terrain::verifyObjects(path, threads);
   if (!objects.ok()) return fail(objects.error());
   if (objects->objects > 0)
-    std::printf("%" PRIu64 " objects: each of a model, turned by a rotation, places and scales within bounds\n",
+    std::printf("%" PRIu64 " objects: models exist, orientations are rotations, positions and scales within bounds\n",
                 objects->objects);
   for (size_t i = 0; i < objects->models.size(); ++i) {
     const std::string name = "model " + std::to_string(i);

@@ -1,5 +1,6 @@
-// `foreland fly`: the headless player over a WebSocket, in real time; then, if asked, dumps and measures the flight on
-// a replay of it. One thread. The only clock is here. Exit code 0 when the flight was flown to its end, 2 otherwise.
+// `foreland fly`: flies the headless player over a WebSocket, in real time. Afterwards it dumps frames and measures
+// errors, if asked to, on a replay of the flight. One thread; the clock is read here only. Exit code 0 when the flight
+// was flown to its end, 2 otherwise.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -33,7 +34,7 @@ Time timeSince(Clock::time_point epoch) {
   return {std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - epoch).count()};
 }
 
-// What is needed beside the server, opened before the flight so that mistakes show at once.
+// The files that the options name, opened before the flight so that mistakes are reported at once.
 struct Ground {
   std::shared_ptr<const terrain::Scene> truth;
   std::optional<bench::SceneOracle> oracle;  // of `truth`
@@ -66,14 +67,14 @@ Status checkScene(const client::Player& player, const Ground& ground, const FlyO
                                                 "'); name that scene's file"};
 }
 
-// The link to the server: frames go on while it is lost.
+// The link to the server. While it is lost, frames continue and a new connection is tried.
 class Link {
  public:
   Link(client::WebSocketClient connection, std::string url)
       : connection_(std::move(connection)), url_(std::move(url)) {}
 
-  // Moves messages until `until`. When the connection is lost, tries to get another one, and tells the player of it; an
-  // Error if there was none for kTimeout.
+  // Sends and receives messages until `until`. When the connection is lost, it tries to make a new one, with which the
+  // player resumes; an Error if that fails for kTimeout.
   Status run(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
     if (connection_) {
       for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
@@ -108,7 +109,7 @@ class Link {
   Clock::time_point lost_at_;
 };
 
-// Until the path's end, an Error, or Ctrl-C.
+// Flies until the path's end; an Error if the session fails or the program is interrupted.
 Status fly(Link& link, client::Player& player, const Ground& ground, const FlyOptions& o) {
   const Clock::time_point epoch = Clock::now();
   Clock::time_point next = epoch;
@@ -116,7 +117,7 @@ Status fly(Link& link, client::Player& player, const Ground& ground, const FlyOp
   while (player.phase() != client::Player::Phase::kDone) {
     if (isStopRequested()) return Error{ErrorCode::kIo, "interrupted"};
     if (Status s = player.frame(timeSince(epoch)); !s.ok()) return s;
-    next = std::max(next + kFrame, Clock::now() - kFrame);  // a stall is not made up for by a burst of frames
+    next = std::max(next + kFrame, Clock::now() - kFrame);  // after a stall there is no burst of frames
     if (Status s = link.run(player, epoch, next); !s.ok()) return s;
     if (is_scene_checked || !player.viewer().welcome()) continue;
     if (Status s = checkScene(player, ground, o); !s.ok()) return s;
@@ -177,7 +178,7 @@ int run(const FlyOptions& o) {
   summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());
   int exit_code = flown.ok() ? 0 : fail(flown.error());
   if (!flown.ok()) summary.error = flown.error().message;
-  if (summary.flight.frames == 0) return exit_code == 0 ? 2 : exit_code;  // nothing to report
+  if (summary.flight.frames == 0) return exit_code == 0 ? 2 : exit_code;  // there is nothing to report
   if (ground->dump) {
     if (Status s = dumpFlight(player.log(), o.dump_every, *ground->dump); !s.ok()) exit_code = fail(s.error());
     summary.dumped_frames = ground->dump->written();

@@ -1,8 +1,10 @@
 #include "apps/fly/fly_options.h"
 
 #include <CLI/CLI.hpp>
+#include <string>
 #include <string_view>
 
+#include "apps/fly/fly_report.h"
 #include "apps/lens_option.h"
 #include "apps/options.h"
 
@@ -10,30 +12,11 @@ namespace foreland::apps {
 
 namespace {
 
-constexpr const char* kFooter = R"(
-The flight is flown in real time at 60 frames a second. Predictor: `path` for tours and tracks unless --predictor says
-otherwise, for a planned path is known; it is then announced to the server.
-
-Report (--json prints one object with these keys):
-  keyframes, late_keyframes     received while flying; those that came after the time they were to be shown from
-  bytes_down, bytes_up          everything since the connection, the first section included
-  seconds, frames               flown; shown
-  frames_outside                drawn from where a keyframe does not guarantee its tolerance
-  nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
-  strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, lifted and other notes
-With --truth SCENE, measured after landing on a replay of the flight:
-  max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as far as it is
-                                drawn at its time)
-  max_error_px_frames           frames as they were drawn, one in --truth-every; frames_over_tau counts those above tolerance
-  cracks, uncovered_samples     of terrain and objects; must be 0
-  measure_every, weights_judged the stride that was taken; how many weights between two keyframes were judged
-  object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times
-                                object_interior_per_tau is guaranteed; max_error_px_* count the latter divided by that
-  interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
-                                _m; mean is that over frames of the largest in each
-  lod_motion_*_px               what the change of detail alone moves in a 60th of a second; p99 of what moves
-  delay_max_ms, delay_mean_ms   t - t_d
-
+constexpr const char* kFlight = R"(
+The flight is flown in real time at 60 frames a second. The predictor is `path` unless --predictor names another one:
+the path of a tour or track is known, and is announced to the server.
+)";
+constexpr const char* kExitCodes = R"(
 Exit code: 0 when the flight was flown to its end, 2 otherwise.)";
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
@@ -61,7 +44,7 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
 ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   FlyOptions o;
   CLI::App app("Fly through a served scene without a screen, and report.", "foreland fly");
-  app.footer(kFooter);
+  app.footer(std::string(kFlight) + reportHelp() + kExitCodes);
   app.add_option("URL", o.url, "the server, as ws://HOST:PORT")->required();
   CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
   app.add_option("--tour", o.tour, "fly a built-in tour: survey (default), canyon, spin, orbit")->excludes(track);
@@ -83,7 +66,9 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
       ->excludes(agl);
   app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
   app.add_option("--blend", o.blend,
-                 "keyframe (default): the promise in every frame; geomorph: each node on its own clock");
+                 "keyframe (default): all detail changes from keyframe to keyframe, within the tolerance in every "
+                 "frame; geomorph: "
+                 "each node changes at a time of its own");
   app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");

@@ -24,7 +24,7 @@ struct FlyOptions {
   std::optional<std::string> predictor;
   double tau_px = 1;
   int64_t keyframe_ms = 200;
-  uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0: none
+  uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0 for none
   std::string viewport = "1920x1080";
   double fov_deg = 60;
   std::filesystem::path truth;
@@ -34,15 +34,15 @@ struct FlyOptions {
   bench::ReportFormat format = bench::ReportFormat::kText;
 };
 
-// The options, or the exit code with which the program is to end at once (0 after --help, 2 for a mistake, already
-// told).
+// The options, or the exit code with which the program is to end at once: 0 after --help, 2 after a mistake, about
+// which a message was printed.
 struct ParsedFlyOptions {
   FlyOptions options;
   std::optional<int> exit_code;
 };
 ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv);
 
-// Reads the track, checks every option. Errors say which option and what it may be.
+// Checks every option and reads the track. Errors name the option and the values it may have.
 Result<client::PlayerOptions> playerOptions(const FlyOptions& options);
 
 }  // namespace foreland::apps

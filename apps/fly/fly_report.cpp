@@ -41,6 +41,33 @@ Json reportOf(const FlySummary& s) {
 
 }  // namespace
 
+const char* reportHelp() {
+  return R"(
+Report (--json prints one object with these keys):
+  keyframes, late_keyframes     received while flying; those that arrived after the time they were to be shown from
+  bytes_down, bytes_up          everything since the connection was made, the first section included
+  seconds, frames               flown; shown
+  frames_without_mesh           shown before the first keyframe arrived
+  frames_outside                drawn from a pose for which a keyframe does not guarantee its tolerance
+  nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
+  resumed, started_afresh       new connections, by what their first keyframe started from; longest_resume_ms
+  nodes_added, nodes_removed    in all keyframes
+  strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, notes
+With --truth SCENE, measured after landing on a replay of the flight:
+  max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is
+                                drawn at its time)
+  max_error_px_frames           frames as they were drawn, one in --truth-every; frames_over_tau counts those above tolerance
+  cracks, uncovered_samples     of terrain and objects; must be 0
+  measure_every, weights_judged the stride that was taken; how many weights between two keyframes were judged
+  object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times
+                                object_interior_per_tau is guaranteed; max_error_px_* count the latter divided by that
+  interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
+                                _m; mean is that over frames of the largest in each
+  lod_motion_*_px               what the change of detail alone moves in a 60th of a second; p99 of what moves
+  delay_max_ms, delay_mean_ms   t - t_d
+)";
+}
+
 std::string text(const FlySummary& summary, bench::ReportFormat format) {
   return bench::text(reportOf(summary), format);
 }

@@ -1,4 +1,4 @@
-// What `foreland fly` prints.
+// The report that `foreland fly` prints. Pure; any thread.
 #pragma once
 
 #include <optional>
@@ -22,5 +22,7 @@ struct FlySummary {
 };
 
 std::string text(const FlySummary& summary, bench::ReportFormat format);
+// What the keys of the report mean, for --help.
+const char* reportHelp();
 
 }  // namespace foreland::apps

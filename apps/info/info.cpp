@@ -1,5 +1,5 @@
-// foreland-info: what a scene or surface file holds, for people or (--json) for programs. Exit codes: 0 done, 2 not a
-// readable one.
+// foreland-info: prints what a scene or surface file holds, for people or (--json) for programs. Exit codes: 0 done, 2
+// if the file cannot be read as either.
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
@@ -31,7 +31,7 @@ uint64_t nodeCount(const proto::GridTopology& grid) {
 
 ordered_json pair(const glm::dvec2& v) { return {v.x, v.y}; }
 
-// Everything that is needed to go from a position in the scene frame to the map, and back.
+// Everything that is needed to convert a position in the scene frame to the map and back.
 ordered_json describeFrame(const terrain::Scene& scene) {
   const proto::Frame& f = scene.frame();
   ordered_json frame;
@@ -108,7 +108,7 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("roots      %u x %u squares of %u samples a side\n", shape.roots_x, shape.roots_y,
               scene.grid().rootSize() + 1);
   std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
-  std::printf("heights    %.3f to %.3f m, in steps of %g m\n", scene.heightRange().lowest * step_m,
+  std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * step_m,
               scene.heightRange().highest * step_m, step_m);
   printFrame(scene.frame(), scene.origin().crs_wkt);
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);

@@ -1,4 +1,4 @@
-// What objects stand in a scene, for `foreland info`. Main thread.
+// Describes the objects of a scene, for `foreland info`. Main thread.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,9 +7,9 @@
 
 namespace foreland::apps {
 
-// `count` of all, and of each model what describeSurface says and how many of them are `placed`.
+// The `count` of all objects, and `models`: for each the keys of describeSurface, and how often it is `placed`.
 nlohmann::ordered_json describeObjects(const terrain::PlacedObjects& objects);
-// Nothing without objects.
+// Prints nothing if there are no objects.
 void printObjects(const terrain::PlacedObjects& objects);
 
 }  // namespace foreland::apps

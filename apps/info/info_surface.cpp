@@ -71,7 +71,7 @@ void printSurface(const std::string& path, const terrain::MappedSurface& surface
               s.border_edges == 0 ? "closed" : (std::to_string(s.border_edges) + " border edges").c_str());
   std::printf("hierarchy  %s, %d levels, %" PRIu64 " nodes, %" PRIu64 " triangles in all\n", s.rule,
               surface.topology().maxLevel(), s.nodes, s.full_triangles);
-  std::printf("box        (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g), in steps of %g\n", s.low.x, s.low.y, s.low.z,
+  std::printf("box        (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g), multiples of %g\n", s.low.x, s.low.y, s.low.z,
               s.high.x, s.high.y, s.high.z, surface.stepMetres());
   if (surface.atlas().side > 0)
     std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),

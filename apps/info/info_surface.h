@@ -1,4 +1,4 @@
-// What a surface file holds, for `foreland info`. Main thread.
+// Describes a surface file, for `foreland info`. Main thread.
 #pragma once
 
 #include <nlohmann/json.hpp>

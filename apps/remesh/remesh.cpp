@@ -38,7 +38,7 @@ CLI::Validator isPositive() {
   return {[](std::string& text) {
             double value = 0;
             const bool is_number = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
-            return is_number ? std::string() : text + " is no positive number";
+            return is_number ? std::string() : text + " is not a positive number";
           },
           "LENGTH"};
 }
@@ -46,7 +46,8 @@ CLI::Validator isPositive() {
 void describeOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("MODEL", arguments.input, "A polygon model: .obj or .ply, closed or with borders")->required();
   app.add_option("-o,--output", arguments.output, "The surface file to write")->required();
-  app.add_option("--levels", arguments.remesh.levels, "Times that each base triangle is cut into four")
+  app.add_option("--levels", arguments.remesh.levels,
+                 "Levels of refinement: how often each base triangle is cut into four")
       ->check(CLI::Range(1, terrain::Lattice::kMaxLevels))
       ->capture_default_str();
   app.add_option("--base-triangles", arguments.remesh.base_triangles, "About how many triangles the base mesh has")
@@ -56,13 +57,14 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
                                                             {"bisection", proto::MeshRule::kBisection}};
   app.add_option_function<std::string>(
          "--rule", [&](const std::string& name) { arguments.rule = rules.at(name); },
-         "How triangles are cut: into four; or in two, twice a level, after each face's centre is put in")
+         "How triangles are cut: into four; or, after a vertex is added in the middle of each face, in two, twice a "
+         "level")
       ->check(CLI::IsMember(std::vector<std::string>{"quadrisection", "bisection"}));
   app.add_option("--attempts", arguments.remesh.attempts, "Base meshes tried; each learns from the one before")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--step", arguments.step,
-                 "Positions are whole multiples of so many of the model's units; by default a sixteenth of what the "
+                 "Positions are stored as multiples of this, in the model's units; by default a sixteenth of what the "
                  "finest level adds")
       ->check(isPositive());
   app.add_option(
@@ -70,7 +72,7 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "Intervals of colour along a base edge, rounded up to a multiple of four; by default as fine as the model's "
          "colours; 0 for none")
       ->check(CLI::Range(0u, proto::AtlasLayout::kMaxPixels));
-  app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one a processor")
+  app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one per processor")
       ->check(CLI::Range(0u, 1024u));
   app.add_flag("--json", arguments.json, "Print the report as JSON");
 }
@@ -85,7 +87,7 @@ Status checkOutput(const Arguments& arguments) {
   return apps::checkApart(arguments.output, arguments.input, "the model");
 }
 
-// Textures that cannot be read are noted, and the material's own colour stands for them.
+// For a texture that cannot be read, a note is made, and the material's own colour is used.
 std::vector<terrain::Image> readTextures(const terrain::Model& model, std::vector<std::string>& notes) {
   std::vector<terrain::Image> textures(model.materials.size());
   for (size_t i = 0; i < textures.size(); ++i) {
@@ -99,7 +101,7 @@ std::vector<terrain::Image> readTextures(const terrain::Model& model, std::vecto
   return textures;
 }
 
-// What is said and shown of a surface, beside its shape.
+// What the file holds of a surface besides its shape.
 struct Finished {
   terrain::Painted painted;
   terrain::SceneOrigin about;
@@ -120,7 +122,7 @@ Status addColours(const Arguments& arguments, const terrain::Model& model, const
 
 void noteRepairs(const terrain::Original& original, std::vector<std::string>& notes) {
   if (original.welded > 0)
-    notes.push_back(std::to_string(original.welded) + " vertices welded to others at their place");
+    notes.push_back(std::to_string(original.welded) + " vertices welded to others at the same position");
   if (original.flipped > 0) notes.push_back(std::to_string(original.flipped) + " faces turned over");
 }
 
@@ -165,7 +167,7 @@ int remesh(Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Makes a surface of a polygon model: a base mesh, and where each vertex of its refinement lies.",
+  CLI::App app{"Makes a surface from a polygon model: a base mesh, and the position of each vertex of its refinement.",
                "foreland remesh"};
   Arguments arguments;
   describeOptions(app, arguments);

@@ -1,4 +1,4 @@
-// What `foreland remesh` says of its work. Main thread.
+// The report of `foreland remesh`: how far the surface is from the model. Main thread.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct RemeshReport {
   uint64_t base_vertices = 0, base_triangles = 0, full_triangles = 0;
   int levels = 0;
   double diagonal = 0;  // of the original's box, in its units
-  // Largest distance of a point of one surface from the other, as shares of the diagonal. The true ones are at most
-  // `tolerance` larger.
+  // The largest distance of a point of one surface from the other, as a share of the diagonal. The true distance is at
+  // most `tolerance` larger.
   double to_original = 0, to_surface = 0, tolerance = 0;
   uint64_t flipped = 0;
   double step = 0;
@@ -27,9 +27,10 @@ struct RemeshReport {
   double hausdorff() const { return to_original > to_surface ? to_original : to_surface; }
 };
 
-// Of the positions as the surface holds them; the image is the caller's to fill in.
+// Compares the surface, with its rounded positions, with the original. The caller fills in atlas and seconds.
 RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueSurface& surface, unsigned threads);
 
+// One sentence, for the notes in the surface's file.
 std::string sentence(const RemeshReport& report);
 void printReport(const RemeshReport& report, const std::filesystem::path& output, uint64_t id, bool as_json);
 

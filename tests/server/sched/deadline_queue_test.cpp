@@ -1,4 +1,4 @@
-// The order of jobs, as a law against a plain list, and the queue's small promises.
+// The order of jobs, compared with a plain list, and cancelling.
 #include <gtest/gtest.h>
 
 #include <rapidcheck.h>
@@ -16,7 +16,7 @@ struct Listed {
   size_t order;  // of arrival
 };
 
-// The rule itself, in a line: released, then earliest deadline, then first come.
+// The rule itself: of the released jobs the one with the earliest deadline, of equal ones the first added.
 std::optional<size_t> takeFromList(std::vector<Listed>& list, Time now) {
   auto best = list.end();
   for (auto it = list.begin(); it != list.end(); ++it)
@@ -27,7 +27,7 @@ std::optional<size_t> takeFromList(std::vector<Listed>& list, Time now) {
   return order;
 }
 
-TEST(DeadlineQueue, TakesWhatAPlainListWouldAtEveryTime) {
+TEST(DeadlineQueue, TakesTheJobsOfAPlainListAtEveryTime) {
   EXPECT_TRUE(rc::check([] {
     const auto times = *rc::gen::container<std::vector<std::pair<uint8_t, uint8_t>>>(
         rc::gen::arbitrary<std::pair<uint8_t, uint8_t>>());

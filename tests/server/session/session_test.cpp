@@ -1,4 +1,4 @@
-// A session's manners: what it answers, what it refuses, when it has something to do.
+// A session by itself: what it answers, what it refuses, when it has something to do.
 #include <gtest/gtest.h>
 
 #include "server/session/session.h"
@@ -33,7 +33,7 @@ TEST(Session, GreetsWithTheSceneAndTheToleranceInForce) {
   EXPECT_EQ(welcome.keyframe_interval, Duration::milliseconds(200));
 }
 
-TEST(Session, RefusesWhateverComesBeforeAViewRequest) {
+TEST(Session, RefusesEveryOtherMessageBeforeAViewRequest) {
   Session session(smallWorld(), {});
   EXPECT_FALSE(session.receive(proto::encode(poseAt(0)), Time{}).ok());
 }
