@@ -42,7 +42,6 @@ namespace foreland::proto {
 enum class Sensitivity : uint8_t { kMotion = 0, kTowardsSidePlane = 1, kApproach = 2, kAdvance = 3 };
 
 struct TestResult {
-  bool passes;
   Sensitivity sensitivity;
   double slack;  // metres; at least 0, and never more than is safe
 };
@@ -51,9 +50,11 @@ class MotionMargin {
  public:
   explicit MotionMargin(const Metric& metric);
 
+  const Metric& metric() const { return metric_; }
+
   static constexpr double kStray = 3, kAdvanceStray = 12;
 
-  // The result of metric.passes() with the same arguments, which motion it is sensitive to, and how much of it is safe.
+  // Which motion the result of metric.passes() with the same arguments is sensitive to, and how much of it is safe.
   [[gnu::always_inline]] TestResult testResult(const NodePosition& p, double radius_m, double error_m,
                                                const MotionBound& pace) const {
     const bool passed = metric_.passes(p, radius_m, error_m);
@@ -79,8 +80,7 @@ class MotionMargin {
     const double special =
         passed ? lasts(special_margin, Sensitivity::kAdvance) : lasts(special_margin, Sensitivity::kApproach);
     const bool is_special = special > motion, is_beside = beside > std::max(special, motion);
-    return {passed,
-            is_beside    ? Sensitivity::kTowardsSidePlane
+    return {is_beside    ? Sensitivity::kTowardsSidePlane
             : is_special ? (passed ? Sensitivity::kAdvance : Sensitivity::kApproach)
                          : Sensitivity::kMotion,
             std::max(0.0, is_beside    ? -n.side_margin

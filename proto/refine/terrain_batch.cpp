@@ -65,7 +65,7 @@ void TerrainBatch::findLeast(const Metric& metric) {
 
 void TerrainBatch::testWithSlack(const Metric& metric, const MotionBound& motion) {
   lookUpErrors();
-  const MotionMargin margin(metric);
+  const MotionMargin margin(metric);  // with a metric in its own memory, so that the loop vectorises
   const MotionBound pace = motion.isUnbounded() ? MotionBound::even() : motion;
   const size_t n = count;  // a copy, for the bytes written might be its own
   for (size_t i = 0; i < n; ++i) {
@@ -73,7 +73,7 @@ void TerrainBatch::testWithSlack(const Metric& metric, const MotionBound& motion
     const TestResult result = margin.testResult(p, radius[i], error[i], pace);
     const double safe = result.slack * kSlackShare;
     const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
-    passes[i] = result.passes;
+    passes[i] = margin.metric().passes(p, radius[i], error[i]);
     slack[i] = static_cast<float>(safe);
     constraint[i] =
         MotionConstraint::of(static_cast<uint32_t>(result.sensitivity), static_cast<float>(distance + safe));
