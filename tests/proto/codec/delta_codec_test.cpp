@@ -52,7 +52,7 @@ void expectSame(const test::ToyTerrain& terrain, const Client& client, const Vie
 }
 
 TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   for (const GridShape& shape : {GridShape{3, 2, 4, 45, 30}, GridShape{1, 1, 6, 65, 65}, GridShape{5, 5, 1, 11, 10}}) {
     const test::ToyTerrain terrain(shape, rng.next());
@@ -73,7 +73,7 @@ TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
 
 // Two ends that know nothing of a section but its nodes go on from it.
 TEST(DeltaCodec, GoesOnFromAPresentedSection) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   const test::ToyTerrain terrain({2, 2, 5, 65, 60}, rng.next());
   for (int round = 0; round < 30; ++round) {
@@ -98,7 +98,7 @@ TEST(DeltaCodec, GoesOnFromAPresentedSection) {
 }
 
 TEST(DeltaCodec, AnyBytesEndInAClosedSectionOrAnError) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   const test::ToyTerrain terrain({2, 2, 4, 33, 33}, rng.next());
   int accepted = 0;

@@ -13,7 +13,7 @@ namespace foreland::proto {
 namespace {
 
 TEST(QuantisedError, RoundsUpByAtMostAStepAndKeepsOrder) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   const double step = std::exp2(1.0 / QuantisedError::kPerOctave) * 1.000001;
   for (int i = 0; i < 100000; ++i) {
@@ -30,7 +30,7 @@ TEST(QuantisedError, RoundsUpByAtMostAStepAndKeepsOrder) {
 }
 
 TEST(QuantisedError, FastConversionsAreTheSame) {
-  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed() + 1;
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   for (int c = 1; c < 256; ++c) {
     const float metres = QuantisedError{static_cast<uint8_t>(c)}.metres();
