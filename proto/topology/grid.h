@@ -56,6 +56,10 @@ class GridTopology {
   // One past the largest slot.
   Slot slotCount() const { return level_offset_[maxLevel() + 1]; }
   Slot levelOffset(int level) const { return level_offset_[level]; }
+  // The level of the centres whose coordinates have 2^scale as their largest power of two; the sides' is the next.
+  int levelOfScale(uint32_t scale) const { return 2 * static_cast<int>(shape_.root_log2 - 1 - scale); }
+  // A page has the centres, or half of the sides, of a tile of so many samples times 2^scale.
+  static constexpr uint32_t kTileSide = 32;
 
   bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
 

@@ -1,0 +1,58 @@
+// Along a flight, whatever a viewer's server calls hidden at a keyframe is hidden from the keyframe's whole region,
+// however long ago it was found out; and most of it is not found out anew.
+#include "server/occlusion/viewer_occlusion.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/server/occlusion/height_field.h"
+#include "tests/support/scene.h"
+#include "tests/support/wanderer.h"
+
+namespace foreland::server {
+namespace {
+
+using proto::BlockId;
+
+TEST(ViewerOcclusion, CallsHiddenWhatIsHiddenFromTheWholeRegion) {
+  const uint64_t seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Rng rng(seed);
+  const auto scene = test::makeScene(257, 257, 7);
+  const Hierarchy hierarchy(scene);
+  const auto shared = SceneOcclusion::create(hierarchy).value();
+  ViewerOcclusion viewer(hierarchy, *shared);
+  const test::HeightField field(hierarchy);
+  std::map<std::pair<uint32_t, uint32_t>, bool> blocks;
+  uint64_t hidden = 0, first_rays = 0;
+  for (int keyframe = 0; keyframe < 60; ++keyframe) {
+    const double x = 40 + 0.4 * keyframe, y = 128 + 10 * std::sin(0.05 * keyframe);
+    proto::View view = test::viewAt(hierarchy, x, y, field.at(x, y) + 60, 0, 0);
+    view.tau_px = 1;
+    view.region_radius_m = 5;
+    viewer.begin(view);
+    for (uint32_t j = 0; j < 32; ++j)
+      for (uint32_t i = 0; i < 32; ++i) {
+        const BlockId block{0, i, j};
+        const auto known = blocks.find({i, j});
+        const bool is_hidden =
+            known == blocks.end() ? viewer.isHidden(block) : viewer.isStillHidden(block, known->second);
+        blocks[{i, j}] = is_hidden;
+        if (!is_hidden || i < (x + 30) / 8 || std::abs(8.0 * j + 4 - y) > 0.3 * (8 * i - x)) continue;
+        ++hidden;
+        const double sx = 8 * i + rng.uniform(0, 8), sy = 8 * j + rng.uniform(0, 8);
+        const glm::dvec3 point =
+            hierarchy.frame().transform().toScene(proto::LatticePosition{sx, sy, field.at(sx, sy)});
+        const glm::dvec3 eye = view.pose.eye + glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)) *
+                                                   (view.region_radius_m / std::sqrt(3.0));
+        EXPECT_FALSE(field.isClear(eye, point, 0.5)) << "keyframe " << keyframe << " block " << i << " " << j;
+      }
+    if (keyframe == 0) first_rays = viewer.statistics().rays;
+  }
+  EXPECT_GT(hidden, 400u);
+  EXPECT_LT((viewer.statistics().rays - first_rays) / 59, first_rays / 3);
+}
+
+}  // namespace
+}  // namespace foreland::server
