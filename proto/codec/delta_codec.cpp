@@ -49,7 +49,8 @@ class LevelCoder {
       for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(predicates[begin + i], places[i]);
       for (size_t i = 0; i < count; ++i) got[i] = codeDecision(contexts[i], decisions[begin + i] != 0) ? 1 : 0;
       for (size_t i = 0; i < count; ++i)
-        if (got[i] && !predicates[begin + i].is_in_section) cached_contexts_.keep(contexts[i].context);
+        if (got[i] && !predicates[begin + i].is_in_section)
+          cached_contexts_.keep(predicates[begin + i].slot, contexts[i].context);
       std::copy_n(got.begin(), count, decisions.begin() + static_cast<std::ptrdiff_t>(begin));
     }
   }
@@ -57,7 +58,7 @@ class LevelCoder {
   // Of all nodes that come, in order. `passed` is the least class that showed the node. An encoder passes the height, a
   // decoder gets it.
   int32_t codeHeight(Slot slot, QuantisedError passed, int32_t height) {
-    const PredictionContext* known = cached_contexts_.take();
+    const PredictionContext* known = cached_contexts_.take(slot);
     const PredictionContext context =
         known ? *known : PredictionContext::of(PredictionContext::find(grid_, nodes_, names_.at(slot), level_));
     const double least = stepsOf(passed), expected = context.expected();
@@ -162,6 +163,24 @@ bool DeltaEncoder::onAdded(int level, std::span<const Slot> slots, std::span<con
   return true;
 }
 
+bool DeltaEncoder::reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) {
+  CHECK_TRUE(model_.tells_blocks || !visibility_);
+  if (!model_.tells_blocks) return true;
+  const double before = coder_.bits();
+  BlockCoder(coder_, model_.blocks).codeChanges(blocks, visibility_, hides, changed);
+  bits_.blocks += coder_.bits() - before;
+  bits_.blocks_changed += changed.size();
+  return true;
+}
+
+bool DeltaEncoder::isHidden(const HiddenBlocks& blocks, const BlockId& block) {
+  const double before = coder_.bits();
+  const bool is_hidden = BlockCoder(coder_, model_.blocks).codeHidden(blocks, block, visibility_->isHidden(block));
+  bits_.blocks += coder_.bits() - before;
+  ++bits_.blocks_asked;
+  return is_hidden;
+}
+
 QuantisedRadius DeltaDecoder::radius(Slot) {
   const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], 0);
   return {static_cast<uint8_t>(std::min<uint32_t>(value, QuantisedRadius::kMost))};
@@ -203,6 +222,15 @@ bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<con
   }
   cached_contexts_.clear();
   return true;
+}
+
+bool DeltaDecoder::reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) {
+  if (model_.tells_blocks) BlockCoder(coder_, model_.blocks).codeChanges(blocks, nullptr, hides, changed);
+  return !coder_.overrun();
+}
+
+bool DeltaDecoder::isHidden(const HiddenBlocks& blocks, const BlockId& block) {
+  return BlockCoder(coder_, model_.blocks).codeHidden(blocks, block, false);
 }
 
 Status DeltaDecoder::finish() const {

@@ -19,6 +19,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "proto/codec/block_coder.h"
 #include "proto/codec/prediction_context.h"
 #include "proto/codec/symbols.h"
 #include "proto/refine/adapter.h"
@@ -40,43 +41,60 @@ struct DeltaModel {
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;
+  BlockModel blocks;
+  bool tells_blocks = false;  // of the connection (Welcome::occlusion): deltas say which blocks are hidden
+
+  // As at the start of a connection.
+  static DeltaModel forConnection(bool tells_blocks) {
+    DeltaModel model;
+    model.tells_blocks = tells_blocks;
+    return model;
+  }
 };
 
 // What was found around the nodes whose answer was yes, until their heights are coded; in order, of one level, as many
 // as there is room for.
 class CachedContexts {
  public:
-  void keep(const PredictionContext& context) {
-    if (count_ < contexts_.size()) contexts_[count_] = context;
-    ++count_;
+  void keep(Slot slot, const PredictionContext& context) {
+    if (count_ < contexts_.size()) {
+      slots_[count_] = slot;
+      contexts_[count_++] = context;
+    }
   }
-  // Of the next, if it was kept.
-  const PredictionContext* take() {
-    const size_t next = taken_++;
-    return next < std::min(count_, contexts_.size()) ? &contexts_[next] : nullptr;
+  // That of a node, if it was kept; nodes are asked for in the order in which they were kept, but not all of them.
+  const PredictionContext* take(Slot slot) {
+    while (taken_ < count_ && slots_[taken_] < slot) ++taken_;
+    return taken_ < count_ && slots_[taken_] == slot ? &contexts_[taken_] : nullptr;
   }
   void clear() { count_ = taken_ = 0; }
 
  private:
+  std::array<Slot, 1024> slots_;
   std::array<PredictionContext, 1024> contexts_;
   size_t count_ = 0, taken_ = 0;
 };
 
 // Where a coder's bits went, and for how many.
 struct DeltaBits {
-  double decisions = 0, heights = 0, radii = 0;
-  uint64_t asked = 0, added = 0;
+  double decisions = 0, heights = 0, radii = 0, blocks = 0;
+  uint64_t asked = 0, added = 0, blocks_asked = 0, blocks_changed = 0;
 };
 
 // The server's end: appends a delta to `out` as an adapter steps.
 class DeltaEncoder final : public TerrainSource {
  public:
-  DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out)
-      : domain_(domain), nodes_(nodes), model_(model), coder_(out) {}
+  // Nodes of blocks that `visibility` calls hidden are left out; of none if it is null, which it must be unless the
+  // model tells blocks.
+  DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out,
+               BlockVisibility* visibility = nullptr)
+      : domain_(domain), nodes_(nodes), model_(model), coder_(out), visibility_(visibility) {}
   QuantisedRadius radius(Slot first) override;
   void load(TerrainBatch& batch) override;
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
   bool onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) override;
+  bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
+  bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
   // For what else the delta has: the nodes of objects.
   RangeEncoder& coder() { return coder_; }
   // Writes what is left. Nothing may follow the delta's bytes.
@@ -88,6 +106,7 @@ class DeltaEncoder final : public TerrainSource {
   const DenseNodes& nodes_;
   DeltaModel& model_;
   RangeEncoder coder_;
+  BlockVisibility* visibility_;
   CachedContexts cached_contexts_;
   DeltaBits bits_;
 };
@@ -103,6 +122,8 @@ class DeltaDecoder final : public TerrainSource {
   void load(TerrainBatch& batch) override;
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
   bool onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) override;
+  bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
+  bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
   RangeDecoder& coder() { return coder_; }
   Status finish() const;
 

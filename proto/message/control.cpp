@@ -124,6 +124,7 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
   out.keyframe_interval = {m.keyframe_interval_us()};
   out.max_triangles = m.max_triangles();
   out.max_bytes_per_second = m.max_bytes_per_second();
+  out.occlusion = m.occlusion();
   if (out.keyframe_interval != Duration{} &&
       (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
     return malformed("the keyframe interval must be 20 to 10000 ms, or 0 for the server's own");
@@ -245,6 +246,7 @@ Result<ServerControl> read(const fb::Welcome& m) {
   out.highest = m.highest();
   out.tau_px = m.tau_px();
   out.keyframe_interval = {m.keyframe_interval_us()};
+  out.occlusion = m.occlusion();
   if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0)
     return malformed("the welcome's tolerance or interval is not positive");
   if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
@@ -275,7 +277,7 @@ Bytes encode(const ViewRequest& m) {
   const fb::Lens lens = toFb(m.lens);
   const auto body = fb::CreateViewRequest(
       b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy), static_cast<uint8_t>(m.predictor),
-      static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles, m.max_bytes_per_second);
+      static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles, m.max_bytes_per_second, m.occlusion);
   return finish(b, fb::Body_ViewRequest, body.Union());
 }
 
@@ -337,7 +339,7 @@ Bytes encode(const Welcome& m) {
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
   const auto body =
       fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest, corners,
-                        centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models, objects);
+                        centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models, objects, m.occlusion);
   return finish(b, fb::Body_Welcome, body.Union());
 }
 

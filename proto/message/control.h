@@ -40,6 +40,8 @@ struct ViewRequest {
   Duration keyframe_interval;         // 0: the server's own
   uint32_t max_triangles = 0;         // that the client can draw; 0: no limit
   uint32_t max_bytes_per_second = 0;  // that the client can receive; 0: no limit
+  // Whether what ridges hide may be left out. If the first request of a connection says no, later ones cannot say yes.
+  bool occlusion = false;
 };
 
 struct TourRequest {
@@ -66,6 +68,7 @@ struct Welcome {
   Duration keyframe_interval;           // in force
   std::vector<ObjectModel> models;
   std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
+  bool occlusion = false;                // deltas on this connection tell hidden blocks (codec/block_coder.h)
 };
 
 struct TourReply {

@@ -25,6 +25,7 @@ struct DecisionScratch {
   std::vector<QuantisedError> least;  // of each candidate of a level
   std::vector<Slot> slots;
   std::vector<QuantisedError> passed;
+  std::vector<BlockId> changed_blocks;
 };
 
 struct AdaptScratch {

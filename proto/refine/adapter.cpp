@@ -35,7 +35,7 @@ class Adapter<Tester>::Step {
         source_(source),
         scratch_(scratch),
         delta_(delta),
-        tester_(*adapter.domain_, view, motion, source, scratch.decisions) {
+        tester_(*adapter.domain_, view, motion, source, adapter.memory_, scratch.decisions) {
     scratch_.undecided.assign(nodes_.pageCount(), {});
     scratch_.has_undecided.assign(nodes_.pageCount(), 0);
     scratch_.initial.clear();
@@ -43,6 +43,7 @@ class Adapter<Tester>::Step {
   }
 
   bool run() {
+    if (!tester_.reviseBlocks(nodes_, [this](uint32_t page, uint8_t low) { markUndecided(page, low); })) return false;
     testStale();
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
@@ -52,6 +53,7 @@ class Adapter<Tester>::Step {
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
     frontier_.endStep();
+    tester_.endStep(nodes_, a_.steps_);
     return true;
   }
 
@@ -283,7 +285,7 @@ class Adapter<Tester>::Step {
 // Leaves get entries without slack, so the first step tests them all; it finds the rest of the frontier, too.
 template <class Tester>
 Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, Source& source)
-    : domain_(&domain), nodes_in_section_(section.size()) {
+    : domain_(&domain), memory_(domain), nodes_in_section_(section.size()) {
   const auto& topology = domain.topology();
   const Frontier::Nodes& nodes = frontier_.nodes();
   for (Slot slot : section) {

@@ -33,7 +33,7 @@ class Adapter {
   using Source = typename Tester::Source;
 
   // Begins with the empty section.
-  explicit Adapter(const Domain& domain) : domain_(&domain) {}
+  explicit Adapter(const Domain& domain) : domain_(&domain), memory_(domain) {}
   // Begins with a closed section; nothing is known of its nodes' errors. The source gives the radii of its pages.
   Adapter(const Domain& domain, std::span<const Slot> section, Source& source);
 
@@ -48,7 +48,9 @@ class Adapter {
   QuantisedRadius radius(Slot slot) const { return frontier_.nodes().pageAt(slot).radius; }
   // Whether any of the 64 slots from `first` on, a multiple of 64, is in the section or on its frontier.
   bool knowsBlock(Slot first) const { return frontier_.nodes().hasAnyOf64(first); }
-  size_t bytes() const { return frontier_.bytes(); }  // memory of this session's state
+  // What the tester remembers from step to step.
+  const typename Tester::Memory& memory() const { return memory_; }
+  size_t bytes() const { return frontier_.bytes() + memory_.bytes(); }  // memory of this session's state
   size_t frontierSize() const { return frontier_.entryCount(); }
   uint64_t testCount() const { return tests_; }  // nodes tested since the start
   // CHECKs that the section is closed and that exactly its frontier nodes have an entry. O(scene); for tests.
@@ -60,6 +62,7 @@ class Adapter {
 
   const Domain* domain_;
   Frontier frontier_;
+  typename Tester::Memory memory_;
   std::optional<View> last_;
   bool is_complete_ = false;  // the whole frontier has entries, as after any step
   size_t nodes_in_section_ = 0;

@@ -16,12 +16,14 @@ NodeId idOf(LatticePoint p) { return NodeId::at(static_cast<uint32_t>(p.x), stat
 // the lower one, or the one on the left, or the only one. Each node is then tested once.
 class Descent {
  public:
-  Descent(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const Metric& metric, RefineScratch& scratch)
+  Descent(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const Metric& metric, RefineScratch& scratch,
+          const HiddenBlocks* hidden)
       : domain_(domain),
         grid_(domain.grid),
         nodes_(nodes.data()),
         metric_(metric),
         scratch_(scratch),
+        hidden_(hidden),
         max_x_(static_cast<int32_t>(grid_.maxX())),
         max_y_(static_cast<int32_t>(grid_.maxY())) {}
 
@@ -80,6 +82,7 @@ class Descent {
     batch_.test(domain_, metric_);
     for (size_t i = 0; i < batch_.count; ++i) {
       if (!batch_.passes[i]) continue;
+      if (hidden_ && hidden_->isKnownHidden(idOf({batch_.x[i], batch_.y[i]}))) continue;
       scratch_.slots.push_back(batch_.slot[i]);
       scratch_.next.push_back({batch_.x[i], batch_.y[i]});
     }
@@ -91,6 +94,7 @@ class Descent {
   const NodeRecord* nodes_;
   const Metric& metric_;
   RefineScratch& scratch_;
+  const HiddenBlocks* hidden_;
   int32_t max_x_, max_y_;
   int level_ = 0;
   TerrainBatch batch_;
@@ -113,9 +117,9 @@ void sortSlots(std::vector<Slot>& slots, std::vector<Slot>& other) {
 }  // namespace
 
 bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view, size_t max_nodes,
-            RefineScratch& scratch, Section& section) {
+            RefineScratch& scratch, Section& section, const HiddenBlocks* hidden) {
   const Metric metric(view, domain.has_vertical_errors);
-  const bool fits = Descent(domain, nodes, metric, scratch).run(max_nodes);
+  const bool fits = Descent(domain, nodes, metric, scratch, hidden).run(max_nodes);
   if (!fits) return false;
   sortSlots(scratch.slots, scratch.sorted);
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "proto/refine/hidden_blocks.h"
 #include "proto/refine/metric.h"
 #include "proto/refine/terrain_domain.h"
 #include "proto/section/section.h"
@@ -24,9 +25,10 @@ struct RefineScratch {
 };
 
 // Fills `section` (ascending slots). False, with `section` unspecified, if it would hold more than `max_nodes`.
-// `nodes` is indexed by slot.
+// `nodes` is indexed by slot. Nodes that are known to be hidden are left out, if `hidden` is given.
 [[nodiscard]] bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
-                          size_t max_nodes, RefineScratch& scratch, Section& section);
+                          size_t max_nodes, RefineScratch& scratch, Section& section,
+                          const HiddenBlocks* hidden = nullptr);
 
 // Triangles of a section's mesh before clipping: 4 per root, one more per border node, two more per other node.
 size_t triangleCount(const GridTopology& grid, const Section& section);

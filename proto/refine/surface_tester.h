@@ -18,11 +18,23 @@ class SurfaceTester {
   using Source = const std::span<const SurfaceRecord>;  // by slot
   static constexpr size_t kSize = 256;
 
-  SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, DecisionScratch&)
+  // Nothing is remembered beside the frontier.
+  struct Memory {
+    explicit Memory(const Domain&) {}
+    size_t bytes() const { return 0; }
+  };
+
+  SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, Memory&, DecisionScratch&)
       : metric_(domain.metric(view)), step_m_(domain.step_m), records_(records.data()) {}
 
   // Spheres are in the records, so pages have no radius.
   static QuantisedRadius radiusOf(Source&, Slot) { return {}; }
+
+  template <class Undecide>
+  bool reviseBlocks(const Frontier::Nodes&, const Undecide&) {
+    return true;
+  }
+  void endStep(const Frontier::Nodes&, uint32_t) {}
 
   size_t count() const { return count_; }
   bool full() const { return count_ == kSize; }

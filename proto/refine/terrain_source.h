@@ -6,7 +6,9 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "proto/refine/hidden_blocks.h"
 #include "proto/refine/terrain_batch.h"
 #include "proto/section/bounds.h"
 
@@ -32,6 +34,12 @@ class TerrainSource {
   virtual void load(TerrainBatch& batch) = 0;
   // Decides predicates about nodes of one level, ascending: 1 for true. False stops the step.
   virtual bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) = 0;
+  // Before anything else in a step: whether nodes of hidden blocks are left out of the section, and which of the blocks
+  // that are known (`blocks`) are hidden that were not, or the other way round, appended to `changed`. False stops the
+  // step. A source that hides nothing leaves both alone.
+  virtual bool reviseBlocks(const HiddenBlocks&, bool& /*hides*/, std::vector<BlockId>& /*changed*/) { return true; }
+  // Whether a block that was unknown is hidden; asked only if this step leaves hidden nodes out.
+  virtual bool isHidden(const HiddenBlocks&, const BlockId&) { return false; }
   // Tells of nodes of one level that are added to the section, ascending, and of the least error with which the view
   // shows each. False stops the step.
   virtual bool onAdded(int, std::span<const Slot>, std::span<const QuantisedError>) { return true; }

@@ -20,7 +20,19 @@ bool TerrainTester::decide(int level, std::span<AdaptCandidate> candidates) {
   batch_.findLeast(metric_);
   if (!askSource(level, candidates)) return false;
   batch_.testWithSlack(metric_, motion_);
+  if (memory_.hides) leaveOutHidden(candidates);
   return true;
+}
+
+// Nothing is known of the error of a node that is held back, and no motion of the camera changes that it is.
+void TerrainTester::leaveOutHidden(std::span<AdaptCandidate> candidates) {
+  const auto ask = [&](const BlockId& block) { return source_.isHidden(memory_.blocks, block); };
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (is_held_back_[i] == 0 && (!candidates[i].is_in_section || !memory_.blocks.isHidden(node(i), ask))) continue;
+    candidates[i].is_in_section = false;
+    batch_.bound[i] = kAnyError;
+    batch_.slack[i] = EntryPool::kEndless;
+  }
 }
 
 // Whether what is known of the error decides. The view may say that no error passes, or that any does.
@@ -48,6 +60,11 @@ bool TerrainTester::askSource(int level, std::span<AdaptCandidate> candidates) {
     AdaptCandidate& c = candidates[i];
     const QuantisedError least{static_cast<uint8_t>(batch_.least[i])};
     s.least.push_back(least);
+    is_held_back_[i] = memory_.hides && memory_.blocks.isKnownHidden(node(i)) ? 1 : 0;
+    if (is_held_back_[i] != 0) {
+      c.is_in_section = false;
+      continue;
+    }
     if (resolve(i, c)) continue;
     s.predicates.push_back({c.slot, batch_.bound[i], least, c.is_in_section, c.is_new});
     s.asked.push_back(static_cast<uint32_t>(i));
@@ -68,6 +85,12 @@ void TerrainTester::tellAddable(int level, std::span<const AdaptCandidate> candi
   for (const AdaptCandidate& c : candidates)
     if (c.is_new) scratch_.slots.push_back(c.slot);
   if (!scratch_.slots.empty()) source_.onAddable(level, scratch_.slots);
+}
+
+void TerrainTester::endStep(const Frontier::Nodes& nodes, uint32_t steps) {
+  constexpr uint32_t kPeriod = 8;
+  if (!memory_.hides || steps % kPeriod != 0) return;
+  memory_.blocks.retainTiles([&](const BlockId& lowest) { return hasNodesNear(domain_.grid, nodes, lowest); });
 }
 
 bool TerrainTester::tellAdded(int level, std::span<const AdaptCandidate> candidates) {

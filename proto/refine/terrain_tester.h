@@ -7,10 +7,13 @@
 // A step's own; too large to be copied.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "proto/refine/adapt_scratch.h"
+#include "proto/refine/block_nodes.h"
 #include "proto/refine/frontier.h"
+#include "proto/refine/hidden_blocks.h"
 #include "proto/refine/terrain_batch.h"
 #include "proto/refine/terrain_source.h"
 
@@ -21,10 +24,29 @@ class TerrainTester {
   using Domain = TerrainDomain;
   using Source = TerrainSource;
   static constexpr size_t kSize = TerrainBatch::kSize;
+  // What is remembered from step to step beside the frontier.
+  struct Memory {
+    HiddenBlocks blocks;
+    bool hides = false;  // nodes of hidden blocks are left out
+    explicit Memory(const Domain& domain) : blocks(domain.grid) {}
+    size_t bytes() const { return blocks.bytes(); }
+  };
 
-  TerrainTester(const Domain& domain, const View& view, const MotionBound& motion, Source& source,
+  TerrainTester(const Domain& domain, const View& view, const MotionBound& motion, Source& source, Memory& memory,
                 DecisionScratch& scratch)
-      : domain_(domain), metric_(domain.metric(view)), motion_(motion), source_(source), scratch_(scratch) {}
+      : domain_(domain),
+        metric_(domain.metric(view)),
+        motion_(motion),
+        source_(source),
+        memory_(memory),
+        scratch_(scratch) {}
+
+  // First in a step: has the source revise the blocks, and calls undecide(page number, low) for each frontier node that
+  // this may concern. False if the source stopped.
+  template <class Undecide>
+  bool reviseBlocks(const Frontier::Nodes& nodes, const Undecide& undecide);
+  // Last in a step: forgets blocks without nodes.
+  void endStep(const Frontier::Nodes& nodes, uint32_t steps);
 
   // The radius of a page's nodes.
   static QuantisedRadius radiusOf(Source& source, Slot first) { return source.radius(first); }
@@ -58,13 +80,37 @@ class TerrainTester {
  private:
   bool resolve(size_t i, AdaptCandidate& candidate);
   bool askSource(int level, std::span<AdaptCandidate> candidates);
+  NodeId node(size_t i) const {
+    return NodeId::at(static_cast<uint32_t>(batch_.x[i]), static_cast<uint32_t>(batch_.y[i]));
+  }
+  void leaveOutHidden(std::span<AdaptCandidate> candidates);
 
   const Domain& domain_;
   const Metric metric_;
   const MotionBound motion_;
   Source& source_;
+  Memory& memory_;
   DecisionScratch& scratch_;
   TerrainBatch batch_;
+  std::array<uint8_t, kSize> is_held_back_;  // by blocks that are known to be hidden
 };
+
+template <class Undecide>
+bool TerrainTester::reviseBlocks(const Frontier::Nodes& nodes, const Undecide& undecide) {
+  std::vector<BlockId>& changed = scratch_.changed_blocks;
+  changed.clear();
+  const bool hid = memory_.hides;
+  if (!source_.reviseBlocks(memory_.blocks, memory_.hides, changed)) return false;
+  for (const BlockId& block : changed) {
+    const bool is_hidden = memory_.blocks.state(block) != BlockState::kHidden;
+    memory_.blocks.set(block, is_hidden);
+    forEachNodeAbout(domain_.grid, nodes, block, undecide);
+  }
+  if (memory_.hides != hid) {
+    memory_.blocks.clear();
+    nodes.forEachOnFrontier([&](Slot slot) { undecide(nodes.find(slot), lowOf(slot)); });
+  }
+  return true;
+}
 
 }  // namespace foreland::proto

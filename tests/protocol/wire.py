@@ -52,7 +52,7 @@ class Reader:
 
 # ---- section 4: FlatBuffers, as far as they are needed
 
-NUMBERS = {"ubyte": "B", "uint": "I", "int": "i", "ulong": "Q", "long": "q", "float": "f", "double": "d"}
+NUMBERS = {"ubyte": "B", "bool": "?", "uint": "I", "int": "i", "ulong": "Q", "long": "q", "float": "f", "double": "d"}
 STRUCTS = {
     "Vec2": ["double"] * 2,
     "Vec3": ["double"] * 3,
@@ -68,7 +68,8 @@ TABLES = {
               ("flattening", "double"), ("origin", "Geodetic")],
     "Shape": [(name, "uint") for name in ("roots_x", "roots_y", "root_log2", "samples_x", "samples_y")],
     "ViewRequest": [("protocol", "uint"), ("lens", "Lens"), ("tau_px", "double"), ("strategy", "ubyte"), ("predictor", "ubyte"),
-                    ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint")],
+                    ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint"),
+                    ("occlusion", "bool")],
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
@@ -77,7 +78,7 @@ TABLES = {
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
-                ("objects", "[Placement]")],
+                ("objects", "[Placement]"), ("occlusion", "bool")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],
