@@ -42,6 +42,7 @@ struct Flags {
   int64_t keyframe_ms = 200;
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info";
+  std::string occlusion = "off";
 };
 
 // The exit code if the program should end at once; nothing if it should serve.
@@ -50,6 +51,10 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->required();
   app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")->capture_default_str();
   app.add_option("--threads", flags.threads, "threads that compute")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.add_option("--occlusion", flags.occlusion,
+                 "on: what ridges hide is not sent to viewers that ask for that (foreland fly --occlusion on)")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
       ->check(CLI::Range(0.01, 1000.0) & apps::isFinite())
       ->capture_default_str();
@@ -142,7 +147,13 @@ int main(int argc, char** argv) {
   const std::string title = (*scene)->origin().title;
   auto objects = server::objectsOf(*scene);
   if (!objects) return fail(objects.error());
-  const auto world = std::make_shared<const server::World>(*scene, std::move(*objects));
+  const auto world = std::make_shared<server::World>(*scene, std::move(*objects));
+  if (flags.occlusion == "on") {
+    auto occlusion = server::SceneOcclusion::create(world->hierarchy);
+    if (!occlusion) return fail(occlusion.error());
+    world->occlusion = std::move(*occlusion);
+    spdlog::info("occluders take {:.1f} MiB", static_cast<double>(world->occlusion->bytes()) / (1 << 20));
+  }
 
   server::ServeOptions options = makeOptions(flags, *listen, **scene);
   options.files = imagesOf(world->hierarchy.objects());

@@ -29,6 +29,7 @@ Replica::Replica(const proto::Welcome& welcome)
       nodes_(domain_->grid, {*corner_heights_, *centre_heights_}),
       object_set_(std::make_unique<proto::ObjectSet>(
           std::move(proto::ObjectSet::create(welcome.models, welcome.objects)).value())) {
+  model_.tells_blocks = welcome.occlusion;
   makeObjects();
 }
 
@@ -99,7 +100,7 @@ void Replica::reset() {
   adapter_ = proto::TerrainAdapter(*domain_);
   nodes_ = HeldNodes(domain_->grid, {*corner_heights_, *centre_heights_});
   morphs_ = {};
-  model_ = {};
+  model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
   fingerprint_ = 0;
   from_ = to_ = {};
   is_broken_ = false;
@@ -123,15 +124,15 @@ class KnownRadii final : public proto::TerrainSource {
 
 }  // namespace
 
-std::optional<proto::Resume> Replica::makeResume(uint64_t scene_id) {
+std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome) {
   if (is_broken_ || to_.index == 0) return std::nullopt;
   proto::HeldSections held{section(), {}};
   for (const ObjectReplica& object : objects_) held.objects.push_back(object.section());
   KnownRadii radii(adapter_);
   adapter_ = proto::TerrainAdapter(*domain_, held.terrain.slots, radii);
-  model_ = {};
+  model_ = proto::DeltaModel::forConnection(welcome.occlusion);
   if (stream_) stream_->restart();
-  proto::Resume resume{scene_id, to_.index, to_.time, fingerprint_, {}};
+  proto::Resume resume{welcome.scene_id, to_.index, to_.time, fingerprint_, {}};
   proto::encodeSections(domain_->grid, *object_set_, held, resume.section);
   return resume;
 }

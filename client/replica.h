@@ -35,7 +35,8 @@ class Replica {
 
   // The request to resume from the newest sections over a new connection; nullopt before the first keyframe and after
   // an Error. The next keyframe must start from these sections or from nothing.
-  std::optional<proto::Resume> makeResume(uint64_t scene_id);
+  // `welcome` is the new connection's.
+  std::optional<proto::Resume> makeResume(const proto::Welcome& welcome);
 
   // The mesh of the last apply() or extend(); its origin is near the newer keyframe's eye. After the first keyframe it
   // shows that keyframe's section at both ends.

@@ -61,7 +61,7 @@ Status Viewer::onWelcome(proto::Welcome welcome) {
   std::optional<proto::Resume> section;
   if (welcome_ && welcome_->scene_id == welcome.scene_id && welcome_->shape == welcome.shape &&
       welcome_->frame == welcome.frame)
-    section = replica_->makeResume(welcome.scene_id);
+    section = replica_->makeResume(welcome);
   if (section) {
     send(proto::encode(*section));
   } else {

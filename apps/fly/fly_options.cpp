@@ -36,7 +36,8 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .predictor = *predictor,
                             .keyframe_interval = Duration::milliseconds(o.keyframe_ms),
                             .max_triangles = o.max_triangles,
-                            .max_bytes_per_second = o.max_kbit_per_s * 125};
+                            .max_bytes_per_second = o.max_kbit_per_s * 125,
+                            .occlusion = o.occlusion == "on"};
 }
 
 }  // namespace
@@ -69,6 +70,9 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
                  "keyframe (default): all detail changes from keyframe to keyframe, within the tolerance in every "
                  "frame; geomorph: "
                  "each node changes at a time of its own");
+  app.add_option("--occlusion", o.occlusion,
+                 "on: ask for sections without what ridges hide, of a server with --occlusion on (default off)")
+      ->check(CLI::IsMember({"on", "off"}));
   app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");

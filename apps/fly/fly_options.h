@@ -22,6 +22,7 @@ struct FlyOptions {
   std::string strategy = "predict";
   std::string blend = "keyframe";
   std::optional<std::string> predictor;
+  std::string occlusion = "off";
   double tau_px = 1;
   int64_t keyframe_ms = 200;
   uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0 for none

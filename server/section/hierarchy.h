@@ -53,8 +53,9 @@ class Hierarchy {
 
 // The section of a view, from scratch (proto/refine/refine.h).
 [[nodiscard]] inline bool refine(const Hierarchy& hierarchy, const proto::View& view, size_t max_nodes,
-                                 proto::RefineScratch& scratch, proto::Section& section) {
-  return proto::refine(hierarchy.domain(), hierarchy.nodes(), view, max_nodes, scratch, section);
+                                 proto::RefineScratch& scratch, proto::Section& section,
+                                 const proto::HiddenBlocks* hidden = nullptr) {
+  return proto::refine(hierarchy.domain(), hierarchy.nodes(), view, max_nodes, scratch, section, hidden);
 }
 
 }  // namespace foreland::server

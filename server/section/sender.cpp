@@ -39,14 +39,15 @@ bool SectionSender::fitsSurely(const proto::View& view, size_t max_nodes) const 
 }
 
 SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
-  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section))
+  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks()))
     return {.fits = false, .added = max_nodes};
   const auto& slots = scratch.section.slots;
   const auto is_new = [&](proto::Slot slot) { return !adapter_.contains(slot); };
   return {.fits = true, .added = static_cast<size_t>(std::count_if(slots.begin(), slots.end(), is_new))};
 }
 
-void SectionSender::send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out) {
+void SectionSender::send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out,
+                         proto::BlockVisibility* visibility) {
   scratch.delta.added.clear();
   scratch.delta.removed.clear();
   keyframe_.base_index = keyframe_.index++;
@@ -59,7 +60,8 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
 
   Bytes delta;
   const proto::DenseNodes table = hierarchy_->table();
-  proto::DeltaEncoder encoder(hierarchy_->domain(), table, model_, delta);
+  proto::DeltaEncoder encoder(hierarchy_->domain(), table, model_, delta, visibility);
+  if (visibility) visibility->begin(proto::viewOf(keyframe_));
   CHECK_TRUE(
       adapter_.adapt(proto::viewOf(keyframe_), hierarchy_->grid().slotCount(), encoder, scratch.adapt, scratch.delta));
   bits_ = encoder.bits();
@@ -89,6 +91,10 @@ void SectionSender::sendObjects(const proto::View& view, SendScratch& scratch, p
     stream_->encode(i, delta, records, coder, object_bits_);
     keyframe_.fingerprint += proto::fingerprintOf(i, delta);
   }
+}
+
+const proto::HiddenBlocks* SectionSender::hiddenBlocks() const {
+  return adapter_.memory().hides ? &adapter_.memory().blocks : nullptr;
 }
 
 double SectionSender::triangles() const {

@@ -34,6 +34,9 @@ class SectionSender {
   // are closed under parents; nothing has been sent yet.
   void resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
 
+  // Makes deltas tell hidden blocks, as the viewer's welcome says they do. Nothing has been sent yet.
+  void tellBlocks() { model_.tells_blocks = true; }
+
   // Whether the section of `view` is sure to have at most `max_nodes`, because the last keyframe's has less than half
   // as many and its view is similar (a section hardly more than doubles between two keyframes of a moving viewer).
   // Cost: none.
@@ -46,11 +49,15 @@ class SectionSender {
   // Adapts the sections to `view` and appends the keyframe message to `out`. keyframe() then holds the view as the
   // viewer decodes it: pose as by proto::asSentInHeader, tolerance as a float, region as short floats that are no
   // smaller. scratch.delta holds the nodes of the terrain that were added and removed, in no order. Cost: one
-  // adaptation.
-  void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out);
+  // adaptation. Nodes of blocks that `visibility` calls hidden are left out; of none if it is null,
+  // which it must be without tellBlocks().
+  void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out,
+            proto::BlockVisibility* visibility = nullptr);
 
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
   const proto::TerrainAdapter& adapter() const { return adapter_; }
+  // What the last keyframe left out of the terrain; null if it left out nothing.
+  const proto::HiddenBlocks* hiddenBlocks() const;
   const std::vector<proto::SurfaceAdapter>& objects() const { return objects_; }
   // About how many triangles the viewer draws: two for each node, and those of the objects' base meshes.
   double triangles() const;

@@ -51,9 +51,14 @@ Status Session::take(const proto::ViewRequest& request, Time) {
   if (request_->tau_px == 0) request_->tau_px = options_.tau_px;
   if (request_->keyframe_interval == Duration{}) request_->keyframe_interval = options_.keyframe_interval;
   if (first) {
+    if (world_->occlusion && request.occlusion) {
+      occlusion_ = std::make_unique<ViewerOcclusion>(world_->hierarchy, *world_->occlusion);
+      sender_.tellBlocks();
+    }
     proto::Welcome welcome = welcomeTo(world_->hierarchy);
     welcome.tau_px = request_->tau_px;
     welcome.keyframe_interval = request_->keyframe_interval;
+    welcome.occlusion = occlusion_ != nullptr;
     replies_.push_back(proto::encode(welcome));
   }
   target_.reset();
@@ -254,7 +259,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   proto::View view = viewFor(plan.time_client);
   fitBudget(view, scratch);
   Bytes message;
-  sender_.send(view, plan.time_client, scratch.send, message);
+  sender_.send(view, plan.time_client, scratch.send, message, request_->occlusion ? occlusion_.get() : nullptr);
   const size_t nodes = sender_.adapter().nodeCount();
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
