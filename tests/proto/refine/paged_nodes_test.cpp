@@ -22,12 +22,12 @@ class PagedNodesAndReference {
   explicit PagedNodesAndReference(uint64_t seed) : rng_(seed) {}
 
   void change(bool grows) {
-    const Slot slot = static_cast<Slot>(rng_.below(40) << 8 | rng_.below(256));
+    const Slot slot = static_cast<Slot>(rng_.below(40) << 8 | rng_.below(8) << 5 | 7);
     const uint8_t low = lowOf(slot);
     uint32_t page = nodes_.find(slot);
     const bool is_section = rng_.below(2) == 0;
     std::set<Slot>& set = is_section ? in_section_ : on_frontier_;
-    if (grows ? rng_.below(4) > 0 : rng_.below(4) == 0) {
+    if (grows ? rng_.below(4) > 0 : rng_.below(16) == 0) {
       if (page == Nodes::kNone) nodes_.page(page = nodes_.makePage(slot)).own = slot / kPageSlots;
       is_section ? nodes_.addToSection(page, low) : nodes_.addToFrontier(page, low);
       set.insert(slot);
@@ -38,7 +38,9 @@ class PagedNodesAndReference {
   }
   void endStep() {
     nodes_.orderPages();
+    const size_t before = nodes_.size();
     nodes_.dropEmpty();
+    dropped_ += before - nodes_.size();
     if (rng_.below(3) == 0) nodes_.compact([](Page&) {});
   }
   void compare() {
@@ -63,6 +65,8 @@ class PagedNodesAndReference {
     ASSERT_EQ(keys, expected);
   }
 
+  size_t dropped() const { return dropped_; }
+
  private:
   static bool hasAny(const std::set<Slot>& slots, Slot first, Slot count) {
     const auto it = slots.lower_bound(first);
@@ -72,6 +76,7 @@ class PagedNodesAndReference {
   Rng rng_;
   Nodes nodes_;
   std::set<Slot> in_section_, on_frontier_;
+  size_t dropped_ = 0;
 };
 
 TEST(PagedNodes, AreTwoSetsOfSlots) {
@@ -79,12 +84,13 @@ TEST(PagedNodes, AreTwoSetsOfSlots) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   PagedNodesAndReference pair(seed);
   for (int step = 0; step < 400; ++step) {
-    // Up to nearly all slots and down to nothing.
-    for (int i = 0; i < 800; ++i) pair.change(step / 100 % 2 == 0);
+    // Up to most slots and down to few, so that pages are made and dropped.
+    for (int i = 0; i < 100; ++i) pair.change(step / 50 % 2 == 0);
     pair.endStep();
     pair.compare();
     if (testing::Test::HasFatalFailure()) return;
   }
+  EXPECT_GT(pair.dropped(), 100u);
 }
 
 }  // namespace
