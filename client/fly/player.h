@@ -57,7 +57,7 @@ struct FlightReport {
   size_t triangles = 0;                       // of the newest mesh shown
   double mean_nodes = 0, mean_triangles = 0;  // over frames with a mesh
   uint32_t keyframes_flying = 0, late_keyframes_flying = 0;
-  uint64_t frames_outside = 0;  // drawn from where one of the two keyframes does not promise its tolerance
+  uint64_t frames_outside = 0;  // drawn from where one of the two keyframes does not guarantee its tolerance
   ViewerStatistics session;     // everything since the connection
 };
 

@@ -1,6 +1,6 @@
 // What is known of one node of a surface, at its slot: where it is, and the bounds of leaving it out
 // (terrain/surface/bounds.h says what they hold). 24 bytes. Every bound is rounded outward about what is stored, so a
-// decoded record keeps what was promised. Value types; any thread; portable to WebAssembly.
+// decoded record keeps what was guaranteed. Value types; any thread; portable to WebAssembly.
 #pragma once
 
 #include <bit>

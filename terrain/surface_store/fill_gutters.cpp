@@ -111,11 +111,11 @@ void fillGutters(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh, s
 
 std::optional<std::string> findSeam(const proto::AtlasLayout& atlas, const proto::BaseMesh& mesh,
                                     std::span<const Texel> texels, unsigned threads) {
-  std::vector<Texel> sewn(texels.begin(), texels.end());
-  fillGutters(atlas, mesh, sewn, threads);
-  const auto differs = std::mismatch(sewn.begin(), sewn.end(), texels.begin());
-  if (differs.first == sewn.end()) return std::nullopt;
-  const auto at = static_cast<uint64_t>(differs.first - sewn.begin());
+  std::vector<Texel> filled(texels.begin(), texels.end());
+  fillGutters(atlas, mesh, filled, threads);
+  const auto differs = std::mismatch(filled.begin(), filled.end(), texels.begin());
+  if (differs.first == filled.end()) return std::nullopt;
+  const auto at = static_cast<uint64_t>(differs.first - filled.begin());
   const glm::uvec2 pixel(at % atlas.width(), at / atlas.width());
   const std::string name = "pixel (" + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) + ") of the image ";
   const std::optional<uint32_t> face = atlas.faceAt(pixel);

@@ -122,13 +122,13 @@ class DeltaDecoder:
 
     def prediction_context(self, n):
         ends = sum(self.height_of(*v) for v in n.endpoints)
-        twist = sum(self.height_of(*v) for v in n.apexes)
+        difference = sum(self.height_of(*v) for v in n.apexes)
         displacements = [self.displacement_of(*v) for v in n.apexes]
         if len(n.apexes) == 1:
-            twist, displacements = 2 * twist, 2 * displacements
-        twist -= ends
-        curve, bends = twist + sum(displacements), sum(map(abs, displacements))
-        return ends, curve, 0.25 * (2 * bends + abs(twist)) + 0.25
+            difference, displacements = 2 * difference, 2 * displacements
+        difference -= ends
+        curve, magnitude = difference + sum(displacements), sum(map(abs, displacements))
+        return ends, curve, 0.25 * (2 * magnitude + abs(difference)) + 0.25
 
     def decision_of_leaf(self, n, is_new, bound, least):
         own = abs(self.displacement_of(n.x, n.y)) + 0.25
@@ -149,9 +149,9 @@ class DeltaDecoder:
         steps = self.steps[least]
         scale = keep(half(max(steps, expected)) + 4, 0, 27)
         at = half(expected / steps)
-        leans = 1 if 2 * abs(curve) >= steps else 0
-        sign = 0 if not leans else 1 if curve < 0 else 2
-        contexts_of = self.model.height[scale][sum(edge <= at for edge in (-2, 0, 2))][leans]
+        curved = 1 if 2 * abs(curve) >= steps else 0
+        sign = 0 if not curved else 1 if curve < 0 else 2
+        contexts_of = self.model.height[scale][sum(edge <= at for edge in (-2, 0, 2))][curved]
         height = ((8 * ends + 3 * curve + 8) >> 4) + read_number(self.coder, contexts_of, sign, self.model.escape)
         require(abs(height) <= MOST_HEIGHT, "an absurd height")
         return height

@@ -90,12 +90,12 @@ TEST(AtlasLayout, FiltersReadPixelsOfTheirFaceAlone) {
   }
 }
 
-struct Sewn {
+struct FilledAtlas {
   proto::AtlasLayout atlas;
   proto::BaseMesh mesh;
   std::vector<Texel> texels;
 
-  Sewn(const test::NamedBase& base, uint32_t side)
+  FilledAtlas(const test::NamedBase& base, uint32_t side)
       : atlas(proto::AtlasLayout::of(static_cast<uint32_t>(base.faces.size()), side)),
         mesh(proto::BaseMesh::create(base.vertices, base.faces).value()),
         texels(uint64_t{atlas.width()} * atlas.height(), 0xdeadbeef) {}
@@ -144,7 +144,7 @@ TEST(FillGutters, AFlatTorusGoesOnBeyondItsEdges) {
       };
       return corner(0) * step + i * way(1) + j * way(2);
     };
-    Sewn filled(base, side);
+    FilledAtlas filled(base, side);
     filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
       if (filled.isInside(i, j)) filled.at(face, i, j) = colour(place(face, i, j));
     });
@@ -160,7 +160,7 @@ TEST(FillGutters, AFlatTorusGoesOnBeyondItsEdges) {
 TEST(FillGutters, GuttersHoldColoursOfFacesThatTouch) {
   for (const test::NamedBase& base : test::baseMeshes()) {
     SCOPED_TRACE(base.name);
-    Sewn filled(base, 16);
+    FilledAtlas filled(base, 16);
     filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
       if (filled.isInside(i, j)) filled.at(face, i, j) = face;
     });
@@ -182,9 +182,9 @@ TEST(FillGutters, ADoneImageStaysAndAnyOtherPixelIsNamed) {
   Rng rng(kSeed);
   for (const test::NamedBase& base : test::baseMeshes()) {
     SCOPED_TRACE(base.name);
-    Sewn filled(base, 4);
+    FilledAtlas filled(base, 4);
     for (Texel& texel : filled.texels) texel = static_cast<Texel>(rng.next());
-    Sewn other = filled;
+    FilledAtlas other = filled;
     filled.sew(1);
     other.sew(3);
     ASSERT_EQ(filled.texels, other.texels);
