@@ -36,8 +36,8 @@ class LevelCoder {
         scale_(static_cast<size_t>(std::min((grid_.maxLevel() - level) / 2, 7))),
         steps_per_m_(1 / domain.frame.transform().frame().height_quantum_m) {}
 
-  // An encoder passes the answers, a decoder gets them. What is known around some nodes is looked up before the first
-  // of them is coded, for look-ups wait for memory side by side and coding goes step by step.
+  // An encoder passes the decisions, a decoder gets them. The contexts of some nodes are looked up before the first of
+  // them is coded, so that their look-ups wait for memory together.
   void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
     constexpr size_t kAhead = 64;
     std::array<Places, kAhead> places;
@@ -55,8 +55,8 @@ class LevelCoder {
     }
   }
 
-  // Of all nodes that come, in order. `passed` is the least class that showed the node. An encoder passes the height, a
-  // decoder gets it.
+  // The height of an added node; nodes come in order. `passed` is the least error with which the view shows it. An
+  // encoder passes the height, a decoder gets it.
   int32_t codeHeight(Slot slot, QuantisedError passed, int32_t height) {
     const PredictionContext* known = cached_contexts_.take(slot);
     const PredictionContext context =
@@ -73,13 +73,13 @@ class LevelCoder {
   }
 
  private:
-  // Of an answer: a bit, or four by the last two answers.
+  // The context of a decision: a bit, or four bits, of which the last two decisions choose one.
   struct Context {
     AdaptiveBit* bits;
     bool has_before;
-    PredictionContext context;  // unless the node is active
+    PredictionContext context;  // unless the node is in the section
   };
-  // What its context depends on: of a node that is active, itself.
+  // What the context depends on: the record of a node that is in the section, else the records around the node.
   struct Places {
     const NodeRecord* own;
     PredictionContext::Places context;
@@ -110,7 +110,7 @@ class LevelCoder {
   }
 
   double stepsOf(QuantisedError c) const { return static_cast<double>(c.metres()) * steps_per_m_; }
-  // Hostile bytes only are not.
+  // Only hostile bytes lead outside the range.
   static int32_t inRange(int64_t height) {
     return static_cast<int32_t>(std::clamp<int64_t>(height, -kMaxHeight - 1, kMaxHeight + 1));
   }
@@ -125,7 +125,7 @@ class LevelCoder {
   Symbols<Coder> symbols_;
   size_t scale_;
   double steps_per_m_;
-  size_t before_ = 0;  // the last two answers
+  size_t before_ = 0;  // the last two decisions
 };
 
 }  // namespace
@@ -186,7 +186,7 @@ QuantisedRadius DeltaDecoder::radius(Slot) {
   return {static_cast<uint8_t>(std::min<uint32_t>(value, QuantisedRadius::kMost))};
 }
 
-// Until it comes, a node is known by the middle of its edge.
+// Until a node is added, only the middle of its edge is known.
 void DeltaDecoder::onAddable(int level, std::span<const Slot> slots) {
   LevelNodes names(domain_.grid, level);
   for (Slot slot : slots) {

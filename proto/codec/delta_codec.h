@@ -1,17 +1,17 @@
-// Cut deltas as bytes. Which nodes come and go is hardly sent: both ends run the same adaptation (refine/adapter.h) for
-// the keyframe's view, and what the view and the bounds that both know settle costs nothing. What is sent, in the order
-// in which the adapter asks, is
-//   answers  whether a node's error is at least the least that the view shows
-//   heights  of the nodes that come to the section, exact
-//   radii    one for each page of which nothing was known
-// and then the same for each object of the scene (surface_codec.h),
-// each by adaptive range coding, with what both ends know of the node's surroundings as context.
-// docs/decisions/0006 has the measurements.
+// Cut deltas as bytes. Both ends run the same adaptation (refine/adapter.h) for the keyframe's view, so whatever
+// follows from the view and from the bounds that both ends know is not sent. Sent are, in the order in which the
+// adapter pulls them from its source,
+//   blocks     which blocks of the terrain are hidden (block_coder.h), on connections that tell them
+//   decisions  of predicates: whether a node's error is at least the least that the view shows
+//   heights    of the nodes that are added to the section, exact
+//   radii      one for each page that was empty so far
+// and then the changes of each object of the scene (surface_codec.h). Each is coded by an adaptive range coder, with
+// what both ends know around the node as context. docs/decisions/0006 has the measurements.
 //
-// Encoder and decoder are sources of an adapter's answers: the adapter's step drives them. The model keeps what it has
-// learnt from delta to delta; both ends begin with a new one wherever a delta starts from a section that was presented,
-// or from nothing. Any bytes end in a closed section or in an Error, in time and memory linear in the bytes and the
-// section held. One owner of a model; otherwise pure; any thread. Portable to WebAssembly.
+// Encoder and decoder are sources of an adapter: the adapter's step calls them. The model keeps what it has learnt from
+// delta to delta; both ends begin with a new one wherever a delta starts from a resumed section or from nothing. Any
+// bytes end in a closed section or in an Error, in time and memory linear in the bytes and the section held. One owner
+// of a model; otherwise pure; any thread. Portable to WebAssembly.
 #pragma once
 
 #include <algorithm>
@@ -52,8 +52,8 @@ struct DeltaModel {
   }
 };
 
-// What was found around the nodes whose answer was yes, until their heights are coded; in order, of one level, as many
-// as there is room for.
+// The contexts of nodes of one level that a decision has put into the section, kept until their heights are coded; in
+// order, as many as fit.
 class CachedContexts {
  public:
   void keep(Slot slot, const PredictionContext& context) {
@@ -62,7 +62,8 @@ class CachedContexts {
       contexts_[count_++] = context;
     }
   }
-  // That of a node, if it was kept; nodes are asked for in the order in which they were kept, but not all of them.
+  // The context of a node, or null if it was not kept. Nodes come in the order in which they were kept; some may be
+  // left out.
   const PredictionContext* take(Slot slot) {
     while (taken_ < count_ && slots_[taken_] < slot) ++taken_;
     return taken_ < count_ && slots_[taken_] == slot ? &contexts_[taken_] : nullptr;

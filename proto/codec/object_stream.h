@@ -1,11 +1,11 @@
 // What both ends hold of the objects that are sent to a viewer, object by object and keyframe by keyframe: the
-// sections, where their nodes are, and what the coder has learnt. The server writes each object's change, the client
-// reads it, and both hold the same. A node's place is sent once for all objects of a model (KnownPositions in
+// sections, the positions of their nodes, and what the coder has learnt. The server writes each object's change, the
+// client reads it, and both hold the same. A node's position is sent once for all objects of a model (KnownPositions in
 // surface_codec.h).
 //
-// It begins with empty sections, nothing known and a new model, and so it does anew after a keyframe from nothing. With
-// sections that a client presents on a new connection both ends know where their nodes are, and nothing else.
-// One owner (a session, a replica). Memory is linear in the sections. Portable to WebAssembly.
+// It begins with empty sections, no known positions and a new model, and does so again after a keyframe from nothing.
+// After a client has resumed on a new connection, both ends know the positions of its sections' nodes, and nothing
+// else. One owner (a session, a replica). Memory is linear in the sections. Portable to WebAssembly.
 #pragma once
 
 #include <optional>
@@ -25,9 +25,9 @@ class ObjectStream {
   // `objects` must outlive it.
   explicit ObjectStream(const ObjectSet& objects);
 
-  // Of a client that presents its sections.
+  // At the client, when it resumes on a new connection.
   void restart();
-  // Of a server that goes on from them: one object's. `records` of its model, by slot.
+  // At the server, when it resumes: one object's. `records` of its model, by slot.
   void hold(size_t object, const Section& section, std::span<const SurfaceRecord> records);
 
   // A keyframe; then each object's change follows, in their order.

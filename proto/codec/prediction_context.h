@@ -1,5 +1,5 @@
-// What both ends know around a node whose parents are there, before they know the node: where its edge lies, and what
-// that lets one expect of it. Pure; any thread; portable.
+// What both ends know around a node before they know its height: the vertices of the triangles that share its edge, and
+// what these let one expect of its height and error. Its parents are in the section. Pure; any thread; portable.
 #pragma once
 
 #include <array>
@@ -11,25 +11,25 @@
 
 namespace foreland::proto {
 
-// Steps. Heights are within kMaxHeight + 1, so that no sum overflows.
+// In quanta. Heights are within kMaxHeight + 1, so that no sum overflows.
 struct PredictionContext {
   int32_t ends = 0;              // sum of the edge's ends
   int32_t apex_difference = 0;   // sum of the triangles' apexes minus that of the ends
   int32_t parent_magnitude = 0;  // sum of the parents' displacements' sizes
   int32_t parent_sum = 0;        // sum of the parents' displacements
 
-  // A guess at the error.
+  // The expected error.
   double expected() const {
     return 0.25 * static_cast<double>(2 * int64_t{parent_magnitude} + std::abs(apex_difference)) + 0.25;
   }
 
   // Four times the displacement that a quadratic surface would have; real ones have three quarters of it.
   int32_t curve() const { return apex_difference + parent_sum; }
-  // At the height.
+  // The expected height.
   int32_t guess() const { return (8 * ends + 3 * curve() + 8) >> 4; }
 
-  // Where they are looked up. The records are on their way from memory once their places are found, so whoever finds
-  // the places of many nodes first does not wait for each.
+  // The vertices around a node. find() prefetches their records, so a caller that finds those of many nodes first does
+  // not wait for each.
   struct Places {
     std::array<VertexHeight, 2> ends, apexes;  // of a single apex, twice the same
   };

@@ -11,7 +11,8 @@ namespace foreland::proto {
 
 namespace {
 
-// Visits the candidates of each level; `answer(slot, context)` says which are in. Returns false when it gives up.
+// Visits the candidates of each level; `answer(slot, context)` says which are in the section. False once it returns
+// none.
 template <class Topology, class Answer>
 bool descend(const Topology& topology, Section& section, const Answer& decide) {
   std::vector<Slot> candidates, included;
@@ -19,7 +20,7 @@ bool descend(const Topology& topology, Section& section, const Answer& decide) {
     if (!topology.isBase(topology.node(slot))) candidates.push_back(slot);
   for (int level = 1; level <= topology.maxLevel() && !candidates.empty(); ++level) {
     included.clear();
-    size_t before = 0;  // the last three answers
+    size_t before = 0;  // the last three bits
     for (Slot slot : candidates) {
       const size_t context = static_cast<size_t>(level) * 8 + before;
       const int got = decide(slot, context);

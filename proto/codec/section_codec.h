@@ -1,6 +1,7 @@
-// Sections as bytes, about one bit a node: what a client presents to go on with them after its connection was lost, to
-// the same server or another with the same scene. The terrain's, then each object's. Level by level, for each node
-// whose parents are in the section, ascending: is it, too? Coded with the level and the answers just before as context.
+// Sections as bytes, about one bit a node: what a client sends to resume after its connection was lost, to the same
+// server or another with the same scene. The terrain's section comes first, then each object's. Level by level, one bit
+// for each node whose parents are in the section, ascending: is the node in it, too? The context is the level and the
+// three bits before.
 // Any bytes end in closed sections or in an Error, in time and memory linear in the bytes and the objects' base meshes.
 // Pure; any thread; portable to WebAssembly.
 #pragma once

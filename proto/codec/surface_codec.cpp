@@ -15,7 +15,7 @@ size_t scaleOf(int64_t size) {
   return std::min<size_t>(static_cast<size_t>(std::bit_width(static_cast<uint64_t>(size))), SurfaceModel::kScales - 1);
 }
 
-// Where a view has things, and how large: what decisions about nodes depend on.
+// Where on the screen a view has a point, and how large lengths look there: what decisions about nodes depend on.
 class ViewContext {
  public:
   ViewContext(const View& view, double step_m)
@@ -60,8 +60,8 @@ struct EdgeContext {
 
 enum class Change : uint8_t { kRemoved, kAdded };
 
-// Writes a change that it is told, or reads one: Link says what it wants, or whether reading has failed, and
-// hears what it was.
+// Codes a change: `Link` is a ChangeSource, which says what is to be written, or a ChangeSink, which takes what was
+// read and says whether reading has failed.
 template <class Coder, class Link>
 class Transcoder {
  public:

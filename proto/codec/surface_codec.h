@@ -1,11 +1,11 @@
-// A change of one object's section as decisions of a range coder: which nodes go and come, and where those are that
-// come. The server alone tests nodes (refine/adapter.h); both ends hold the same section (surface_cut.h), the positions
-// of its nodes and the views of the last two keyframes, and that is what decisions are conditioned on.
+// A change of one object's section as decisions of a range coder: which nodes are removed and added, and the positions
+// of added nodes. The server alone tests nodes (refine/adapter.h); both ends hold the same section (surface_cut.h), the
+// positions of its nodes and the views of the last two keyframes, and that is what decisions are conditioned on.
 //
 //   changes   does the section change at all?
-//   goes      from the finest level to the coarsest, for each 64 slots with leaves: do any go? If so, for each leaf: does it?
-//   comes     from the coarsest level to the finest, the same for addable nodes
-//   place     of a node that comes, unless it is known: by how much each coordinate differs from what is expected
+//   removed   from the finest level to the coarsest, for each 64 slots with leaves: is any removed? If so, which?
+//   added     from the coarsest level to the finest, the same for addable nodes
+//   position  of an added node, unless it is known: by how much each coordinate differs from what is expected
 //
 // Contexts of a decision about a node are its level, where on the screen it is, whether it looks larger than at the
 // last view, and how many of its parents' other children are there. docs/decisions/0014 has the measurements.
@@ -32,20 +32,20 @@ struct SurfaceModel {
   using NodeContexts = std::array<AdaptiveBit, kLevels * kTrends * kScreens>;
 
   std::array<AdaptiveBit, 4> changes;
-  std::array<std::array<AdaptiveBit, 8 * 4>, 2> blocks;  // of goes, of comes
+  std::array<std::array<AdaptiveBit, 8 * 4>, 2> blocks;  // of removals, of additions
   NodeContexts removed;
   std::array<NodeContexts, 2 * kSiblings> added;  // of nodes that were addable before the step, then of others
   std::array<NumberModel, kScales * kAxes> place;
   EscapeModel escape;
 };
 
-// What is known of the nodes of one model, whichever of its objects they were sent for. A node is known from when it is
-// sent until it is in no object's section and forgotten.
+// The positions of one model's nodes that were sent for any of its objects. A node is known from when it is sent until
+// no object's section has it and it is forgotten.
 class KnownPositions {
  public:
   struct Node {
-    glm::ivec3 position{0}, displacement{0};  // steps
-    uint32_t uses = 0;                        // in sections
+    glm::ivec3 position{0}, displacement{0};  // quanta
+    uint32_t uses = 0;                        // sections that have it
   };
   const Node* find(Slot slot) const {
     const auto it = nodes_.find(slot);
@@ -54,7 +54,8 @@ class KnownPositions {
   void learn(Slot slot, const Node& node) { nodes_[slot] = node; }
   void use(Slot slot) { used_ += nodes_[slot].uses++ == 0 ? 1 : 0; }
   void release(Slot slot) { used_ -= --nodes_[slot].uses == 0 ? 1 : 0; }
-  // Forgets what no section uses; or only if that is more than what some do. At the same time on both ends.
+  // Forgets the nodes that no section has; forgetIfMost() only if they are most of the known ones. Both ends do so at
+  // the same time.
   void forgetUnused();
   void forgetIfMost() {
     if (nodes_.size() > 2 * used_ + kFew) forgetUnused();
@@ -67,13 +68,13 @@ class KnownPositions {
   size_t used_ = 0;
 };
 
-// The middle of a node's edge, whose ends are base vertices or known; steps.
+// The middle of a node's edge, whose ends are base vertices or known; quanta.
 glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> base, const KnownPositions& known,
                         NodeId n);
 
 // What is known of one object on either end. A view; its parts must outlive it.
 struct SurfaceCodecState {
-  std::span<const glm::ivec3> base;  // positions, steps
+  std::span<const glm::ivec3> base;  // positions, quanta
   double step_m;
   View view;                 // of the keyframe, in the object's frame
   std::optional<View> last;  // of the keyframe before, if this connection had one
@@ -86,14 +87,14 @@ struct SurfaceCodecState {
 // Where an encoder's bits went, and for how many.
 struct SurfaceBits {
   double structure = 0, places = 0;
-  uint64_t added = 0, placed = 0;  // nodes that came; of these those whose place was sent
+  uint64_t added = 0, placed = 0;  // added nodes; those of them whose position was sent
 };
 
 // Steps the section by `delta` and writes it; `records` by slot.
 void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
                    RangeEncoder& coder, SurfaceBits& bits);
-// Reads a change, steps the section by it, and says in `delta` what it was, ascending. False if the bytes were none, or
-// the section would exceed `max_nodes`: what is known is then of no more use.
+// Reads a change, steps the section by it, and puts it into `delta`, ascending. False if the bytes are no change of
+// this section, or the section would exceed `max_nodes`: the state must not be used after that.
 [[nodiscard]] bool decodeSurface(const SurfaceCodecState& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta);
 
 }  // namespace foreland::proto

@@ -1,13 +1,13 @@
-// Poses as they travel: whole numbers, the same on both ends, so that one pose can be told by its difference from what
-// the earlier ones lead both to expect.
+// Poses as they travel: whole numbers, the same on both ends, so that a pose can be delta-coded:
+// told by its difference from what the earlier ones lead both to expect.
 //
-//   eye          in steps, rounded to nearest
+//   eye          in quanta, rounded to nearest
 //   orientation  the quaternion (w, x, y, z) without its largest component, whose number is told instead and whose sign
-//                is made positive; the others, in steps, rounded to nearest
+//                is made positive; the others, in quanta, rounded to nearest
 //
 // A viewer's own poses are exact to half a millimetre an axis and 8e-5 rad, those of keyframes to 4 mm and 3e-4 rad.
 //
-// A pose told by itself is bytes: three zigzag varints, a byte, three 16-bit integers. One that follows others is bits
+// An absolute pose is bytes: three zigzag varints, a byte, three 16-bit integers. A delta-coded pose is bits
 // (base/bits.h), with a width of its own for each kind of group, in brackets the first one to remember:
 //
 //   group of 1    [17] what the time since the last pose is more than the one before that, microseconds
@@ -25,7 +25,7 @@
 // for eye and components alike, in integers, division towards zero, products before quotients. Only if there are as
 // many poses, s1 (and s2) are positive, t is more than 0, at most 10 s, and t / 8 at most s1 (and s2), no coordinate of
 // the eye changed by more than 10^9 from one to the next, and, for the components, the same one is left out of all:
-// else the largest of 0, 1, 2 for which that is so. Whoever sends chooses what comes out shortest.
+// else the largest of 0, 1, 2 for which that is so. The sender chooses the shortest.
 //
 // Plain values; any thread; portable to WebAssembly.
 #pragma once
@@ -47,7 +47,7 @@ struct WirePose {
   bool operator==(const WirePose&) const = default;
 };
 
-// Steps to a metre, and to a component of 1 / sqrt(2), which is the most that one beside the largest can be.
+// Quanta to a metre, and to a component of 1 / sqrt(2), which is the most that one beside the largest can be.
 struct WireSteps {
   double per_metre, per_root_half;
 };
@@ -58,12 +58,12 @@ WirePose toWire(const Pose& pose, const WireSteps& steps);
 // Any numbers give an orientation; the eye may be too far away to be usable.
 Pose fromWire(const WirePose& pose, const WireSteps& steps);
 
-// By itself.
+// An absolute pose.
 void putPose(const WirePose& pose, ByteWriter& w);
 WirePose getPose(ByteReader& r);
 
 // The poses so far, of which the last three count. Either end of a connection has one for each kind of message that
-// tells poses; both take in the same poses in the same order, whether told by themselves or not.
+// tells poses; both add the same poses in the same order, absolute ones and delta-coded ones.
 class WirePoses {
  public:
   struct Moment {
@@ -75,11 +75,11 @@ class WirePoses {
   const Moment& last() const { return moments_[0]; }
   void add(Time time, const WirePose& pose);
 
-  // Not empty. Whether the pose can be told by its difference; else tell it by itself.
+  // Whether the pose can be delta-coded; if not, it must be sent as an absolute one. There must be a pose before it.
   bool canPutNext(Time time, const WirePose& pose) const;
-  // It can. Does not add it.
+  // Writes a delta-coded pose, for which canPutNext() is true; does not add it to the memory.
   void putNext(Time time, const WirePose& pose, BitWriter& w);
-  // Not empty. Nothing if there is no such pose; `r` may have run out, too. Does not add it.
+  // Reads a delta-coded pose; nullopt if the bits are none, which they also are when `r` has run out. Does not add it.
   std::optional<Moment> getNext(BitReader& r);
 
  private:

@@ -1,6 +1,6 @@
-// What both ends know of a node's bounds, in few bits: one class for its error, one for its sphere. Bounds are rounded
-// up to the next class, so a class never understates; being coarse they cost little to send, and both ends can run the
-// same refinement test on them (DESIGN section 7: removals then cost nothing). Immutable values; any thread; portable.
+// What both ends know of a node's bounds, in few bits: a quantised error and a quantised radius. Bounds are rounded
+// up, so they never understate; being coarse they cost little to send, and both ends can run the
+// same refinement test on them (so removals cost nothing on the wire). Immutable values; any thread; portable.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ inline float floatAbove(double x) {
 
 // An error in metres: 0, or a power of 2^(1/2) between 2^-24 and 2^103.
 struct QuantisedError {
-  static constexpr int kPerOctave = 2, kZero = 24 * kPerOctave + 1;  // class of one metre
+  static constexpr int kPerOctave = 2, kZero = 24 * kPerOctave + 1;  // the value of one metre
 
   uint8_t value = 0;
 
@@ -55,7 +55,7 @@ struct QuantisedError {
     const int eighths = bounds_detail::eighthsAbove(bounds_detail::floatAbove(metres)) + 8 * 24;
     return {static_cast<uint8_t>(eighths < 0 ? 1 : (eighths + kEach - 1) / kEach + 1)};
   }
-  // The same as roundUp() and metres() for errors from 2^-24 to 2^100 and classes above 0, in few operations on bits:
+  // The same as roundUp() and metres() for errors from 2^-24 to 2^100 and values above 0, in few operations on bits:
   // for loops that become vector instructions.
   static int32_t roundUpFast(float metres) {
     static_assert(kPerOctave == 2);
@@ -82,7 +82,7 @@ struct QuantisedError {
   }
 };
 
-// A sphere's radius as a multiple of what it would be on level ground: 2^(class/4). Level ground nests exactly, and so
+// A sphere's radius as a multiple of what it would be on level ground: 2^(value/4). Level ground nests exactly, and so
 // does any even slope, so rounding up does not add up from level to level.
 struct QuantisedRadius {
   static constexpr int kMost = 127;
@@ -102,10 +102,10 @@ struct QuantisedRadius {
   }
 };
 
-// Largest height, steps either way: heights and displacements fit a record, and their sums stay far inside int32.
+// Largest height, quanta either way: heights and displacements fit a record, and their sums stay far inside int32.
 inline constexpr int32_t kMaxHeight = (1 << 22) - 1;
 
-// What is known of one node, at its slot. Heights are in steps of Frame::height_quantum_m above the zero surface.
+// What is known of one node, at its slot. Heights are in quanta of Frame::height_quantum_m above the zero surface.
 //   error   saturated: largest distance (m) between the true surface and the surface without this node or any of its
 //           descendants, over this node's support; 0 beyond the data
 //   radius  saturated: sphere about the middle of the node's edge (SphereLevels) that holds its support and its
@@ -128,7 +128,7 @@ struct NodeRecord {
 };
 static_assert(sizeof(NodeRecord) == 8);
 
-// The middle of an edge, steps.
+// The middle of an edge, quanta.
 inline int32_t middleOf(int32_t a, int32_t b) { return static_cast<int32_t>((int64_t{a} + b) >> 1); }
 
 // Level by level, the spheres of level ground. A node's sphere is about its lattice position at the height of the
@@ -138,7 +138,7 @@ class SphereLevels {
   SphereLevels(const GridTopology& grid, const Frame& frame);
 
   float radius(int level, QuantisedRadius c) const { return flat_m_[static_cast<size_t>(level)] * c.factor(); }
-  // The least class whose sphere is not smaller.
+  // The least quantised radius whose sphere is not smaller.
   QuantisedRadius roundUp(int level, double radius_m) const;
 
  private:

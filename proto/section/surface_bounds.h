@@ -58,7 +58,7 @@ struct CompactShare {
 inline constexpr int32_t kMaxObjectQuanta = 1 << 28;
 
 struct SurfaceRecord {
-  glm::ivec3 position{0};    // steps
+  glm::ivec3 position{0};    // quanta
   CompactBound radius;       // of the sphere about `position` that holds the support, true and drawn
   CompactBound error_along;  // error shape about `normal`
   CompactBound error_across;

@@ -21,7 +21,8 @@ namespace foreland::test {
 
 inline constexpr std::chrono::seconds kTimeout{20};
 
-// Asks again and again, without sleeping, until it holds or the timeout ends. `holds` should do some waiting of its own.
+// Asks again and again, without sleeping, until it holds or the timeout ends. `holds` should do some waiting of its
+// own.
 template <class Condition>
 bool eventually(Condition holds) {
   const auto end = std::chrono::steady_clock::now() + kTimeout;
