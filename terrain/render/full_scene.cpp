@@ -18,7 +18,6 @@ namespace {
 using proto::NodeId;
 
 constexpr uint64_t kMaxSamples = 1u << 28;
-constexpr uint32_t kTerrainGeometry = 0;
 
 // The corners of a cell such that its triangles are (0, 1, 3) and (2, 3, 1), counter-clockwise seen from above. The
 // diagonal joins the corner whose coordinates are both even with the one where both are odd: it is the edge from the
