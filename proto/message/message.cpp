@@ -12,7 +12,7 @@ namespace {
 template <class Message, class... Types>
 Result<Message> widen(Result<std::variant<Types...>> control) {
   if (!control) return control.error();
-  return std::visit([](auto&& value) { return Message(std::move(value)); }, std::move(control).value());
+  return std::visit([](auto& value) { return Message(std::move(value)); }, *control);
 }
 template <class Message, class Value>
 Result<Message> widen(Result<Value> value) {

@@ -130,7 +130,7 @@ bool HiddenBlocks::isHidden(NodeId n, const Ask& ask) {
 
 template <class Visit>
 void HiddenBlocks::forEachTile(const Visit& visit) const {
-  for (uint8_t scale = 0; scale < scales_.size(); ++scale) {
+  for (size_t scale = 0; scale < scales_.size(); ++scale) {
     const Scale& level = scales_[scale];
     const uint32_t tiles = level.tiles_x * level.tiles_y;
     for (uint32_t first = 0; first < tiles; first += kChunkTiles) {
@@ -140,7 +140,8 @@ void HiddenBlocks::forEachTile(const Visit& visit) const {
         const Tile& tile = chunks_[chunk][i];
         const uint32_t at = first + i;
         if (tile.known != 0)
-          visit(BlockId{scale, at % level.tiles_x << kTileLog2, at / level.tiles_x << kTileLog2}, tile);
+          visit(BlockId{static_cast<uint8_t>(scale), at % level.tiles_x << kTileLog2, at / level.tiles_x << kTileLog2},
+                tile);
       }
     }
   }

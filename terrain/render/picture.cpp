@@ -29,7 +29,9 @@ class Projector {
     return {eye_, glm::normalize(forward_ + x * right_ + y * up_)};
   }
   double depth(const glm::dvec3& point) const { return glm::dot(point - eye_, forward_); }
-  double distance_px(const glm::dvec3& a, const glm::dvec3& b) const { return glm::distance(project(a), project(b)); }
+  double screenDistance(const glm::dvec3& a, const glm::dvec3& b) const {
+    return glm::distance(project(a), project(b));
+  }
 
  private:
   glm::dvec2 project(const glm::dvec3& point) const {
@@ -106,7 +108,7 @@ PixelErrors measureErrors(const RayCaster& truth, const ParameterLookup& drawn, 
     if (hit->object != RayHit::kTerrain && hit->parameter == glm::dvec2(0)) return;
     const std::optional<glm::dvec3> counterpart = drawn.at(*hit);
     errors.px[pixel] = counterpart && projector.depth(*counterpart) > 0
-                           ? static_cast<float>(projector.distance_px(hit->position, *counterpart))
+                           ? static_cast<float>(projector.screenDistance(hit->position, *counterpart))
                            : std::numeric_limits<float>::infinity();
   });
   return errors;
