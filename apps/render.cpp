@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -123,7 +124,7 @@ class ProgressLine {
   void show(size_t done) const {
     if (!is_shown_) return;
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    const auto left = static_cast<long>(seconds / static_cast<double>(done) * static_cast<double>(count_ - done) + 0.5);
+    const long left = std::lround(seconds / static_cast<double>(done) * static_cast<double>(count_ - done));
     std::fprintf(stderr, "\rforeland render: %zu of %zu pictures, %ld:%02ld:%02ld left ", done, count_, left / 3600,
                  left / 60 % 60, left % 60);
     std::fflush(stderr);

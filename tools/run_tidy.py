@@ -41,6 +41,18 @@ def flags_of(entry):
     return [w for w in words[:at] + words[at + 2:] if w not in ("-c", entry["file"])]
 
 
+def without_precompiled(entry):
+    """The entry without the precompiled header of g++, which clang cannot read."""
+    words, kept = shlex.split(entry["command"]), []
+    while words:
+        word = words.pop(0)
+        if word == "-include" and words[0].endswith("cmake_pch.hxx"):
+            words.pop(0)
+        elif word not in ("-Winvalid-pch", "-fpch-preprocess"):
+            kept.append(word)
+    return {**entry, "command": " ".join(shlex.quote(w) for w in kept)}
+
+
 def units_of(entries):
     """Lists of entries of one folder that are compiled alike."""
     groups = {}
@@ -86,11 +98,11 @@ def lint_unit(unit, stamp):
     return tidy(folder, source, *IN_UNIT, f"--header-filter={header_filter()}")[0] == 0
 
 
-def lint(unit, stamp, build):
+def lint(unit, stamp, database):
     """(sources with findings, what was found)."""
     found = [f"{e['file']}: includes a source\n" for e in unit if INCLUDES_SOURCE.search(read(e["file"]).decode())]
     if len(unit) == 1 or not lint_unit(unit, stamp):
-        results = [tidy(build, e["file"]) for e in unit]
+        results = [tidy(database, e["file"]) for e in unit]
         found += [text for code, text in results if code != 0]
     if not found:
         with open(stamp, "w", encoding="utf-8"):
@@ -106,12 +118,15 @@ def main():
     folder = os.path.join(build, "tidy")
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
-        entries = [e for e in json.load(file) if os.path.relpath(e["file"], source_files.ROOT).startswith(ROOMS)]
+        named = [e for e in json.load(file) if os.path.relpath(e["file"], source_files.ROOT).startswith(ROOMS)]
+    entries = [without_precompiled(e) for e in named]
+    with open(os.path.join(folder, "compile_commands.json"), "w", encoding="utf-8") as file:
+        json.dump(entries, file)
     headers = digest_of_all_headers()
     todo = [(u, s) for u in units_of(entries) if not os.path.exists(s := stamp_for(u, headers, folder))]
     bad = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for count, text in pool.map(lambda job: lint(*job, build), todo):
+        for count, text in pool.map(lambda job: lint(*job, folder), todo):
             if count != 0:
                 bad += count
                 print(text)
