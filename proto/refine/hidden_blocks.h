@@ -62,10 +62,8 @@ class HiddenBlocks {
   // The same with unknown blocks taken to be visible.
   bool isKnownHidden(NodeId n) const;
 
-  // Calls visit(block, is_hidden) for each block that is known by itself, ascending by scale, then tile by tile.
-  template <class Visit>
-  void forEachKnown(const Visit& visit) const;
-  // The same for tiles with known blocks: visit(BlockId of the lowest block, const Tile&).
+  // Calls visit(BlockId of the lowest block, const Tile&) for each tile with blocks that are known by themselves,
+  // ascending by scale, then row by row.
   template <class Visit>
   void forEachTile(const Visit& visit) const;
   // Forgets the tiles for which keep(BlockId of the lowest block) is false.
@@ -145,18 +143,6 @@ void HiddenBlocks::forEachTile(const Visit& visit) const {
       }
     }
   }
-}
-
-template <class Visit>
-void HiddenBlocks::forEachKnown(const Visit& visit) const {
-  forEachTile([&](const BlockId& lowest, const Tile& tile) {
-    for (uint32_t left = tile.known; left != 0; left &= left - 1) {
-      const auto bit = static_cast<uint32_t>(std::countr_zero(left));
-      constexpr uint32_t kMask = (1u << kTileLog2) - 1;
-      visit(BlockId{lowest.scale, lowest.x + (bit & kMask), lowest.y + (bit >> kTileLog2)},
-            (tile.hidden >> bit & 1) != 0);
-    }
-  });
 }
 
 template <class Keep>
