@@ -51,8 +51,8 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
   const bool still = mesh->from.index == mesh->to.index;
   entries_.push_back({std::move(mesh), begin, end, next_version_++});
-  // A host that has stopped drawing keeps the newest meshes only; each can be drawn without those before it.
-  if (entries_.size() > kMaxMeshes) entries_.pop_front();
+  ++undrawn_;
+  while (entries_.size() > (undrawn_ > kMaxUndrawn ? kMaxUndrawn : kMaxMeshes)) entries_.pop_front();
   return still || first ? Duration{} : lateness;
 }
 
@@ -62,6 +62,7 @@ void Timeline::extend(std::shared_ptr<const KeyframeMesh> mesh) {
 }
 
 Timeline::Shown Timeline::at(Time now) {
+  undrawn_ = 0;
   if (entries_.empty()) return {};
   while (entries_.size() > 1 && now >= entries_[1].begin) entries_.pop_front();
   const Entry& e = entries_.front();

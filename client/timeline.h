@@ -25,7 +25,11 @@ class Timeline {
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
   static constexpr Duration kTimeout = Duration::milliseconds(500);
   static constexpr Duration kExtension = Duration::milliseconds(250);
-  static constexpr size_t kMaxMeshes = 8;
+  // A host that has stopped drawing keeps the newest kMaxUndrawn meshes; each can be drawn without those before it. One
+  // that draws keeps them all, up to kMaxMeshes: the playout delay may hold kLongestDelay of them, and after a stall
+  // all that were on their way arrive between two frames. To drop one that is shown would make the display jump.
+  static constexpr size_t kMaxUndrawn = 8;
+  static constexpr size_t kMaxMeshes = 32;
 
   // Schedules the mesh that a keyframe completed. Returns how late it arrived for the time from which it was to be
   // shown; negative is early, and 0 is returned for the first mesh and for one that does not move.
@@ -65,6 +69,7 @@ class Timeline {
   std::deque<Duration> intervals_;  // of recent meshes
   std::deque<Duration> latencies_;  // arrival - to.time, of recent keyframes
   Duration playout_delay_;
+  size_t undrawn_ = 0;  // meshes added since at() was called last
   uint32_t next_version_ = 1;
 };
 

@@ -42,6 +42,8 @@ TEST(Timeline, NeverGoesBackAndNeverSkipsWhateverTheArrivals) {
       if (now >= arrival && next < 80) {
         timeline.add(mesh(next, 200.0 * (next - 1), 200.0 * next), at(now), strategy);
         arrival = std::max(arrival, 200.0 * next++) + rng.uniform(0, rng.below(10) == 0 ? 900 : 60);
+        // A server has no more than that on its way (server/session).
+        arrival = std::min(arrival, 200.0 * next + 1600);
       }
       const Timeline::Shown shown = timeline.at(at(now));
       ASSERT_NE(shown.mesh, nullptr);
@@ -127,14 +129,37 @@ TEST(Timeline, KeepsTheNewestMeshesOnlyWhenNothingIsDrawn) {
   Timeline timeline;
   timeline.add(stillMesh(0), at(0), Strategy::kPredict);
   std::weak_ptr<KeyframeMesh> oldest;
-  for (uint32_t i = 1; i <= Timeline::kMaxMeshes; ++i) {
+  for (uint32_t i = 1; i < Timeline::kMaxUndrawn; ++i) {
     const auto made = mesh(i, 200.0 * i, 200.0 * (i + 1));
     if (i == 1) oldest = made;
     timeline.add(made, at(0), Strategy::kPredict);
   }
   EXPECT_FALSE(oldest.expired());
+  timeline.add(mesh(8, 1600, 1800), at(0), Strategy::kPredict);
   timeline.add(mesh(9, 1800, 2000), at(0), Strategy::kPredict);
   EXPECT_TRUE(oldest.expired());
+}
+
+TEST(Timeline, ShowsEveryMeshOfABurstWhenTheHostDraws) {
+  Timeline timeline;
+  timeline.add(stillMesh(0), at(0), Strategy::kPredict);
+  uint32_t next = 1;
+  double now = 0;
+  for (int burst = 0; burst < 2; ++burst) {
+    for (size_t i = 0; i < Timeline::kMaxUndrawn; ++i, ++next)
+      timeline.add(mesh(next, 10.0 * next, 10.0 * (next + 1)), at(now), Strategy::kPredict);
+    now += 5;
+    timeline.at(at(now));
+  }
+  const uint32_t first = timeline.at(at(now)).version;
+  uint32_t last = first;
+  for (; !timeline.at(at(now)).is_over; now += 5) {
+    const uint32_t shown = timeline.at(at(now)).version;
+    ASSERT_LE(shown, last + 1);
+    last = shown;
+  }
+  EXPECT_EQ(last, next) << "one version for the first mesh";
+  EXPECT_LE(first, 2u);
 }
 
 }  // namespace
