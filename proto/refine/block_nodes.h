@@ -70,12 +70,12 @@ void forEachNodeAbout(const GridTopology& grid, const Frontier::Nodes& nodes, co
 // beside it. If not, no such node, of the scale or a finer one, depends on the tile's blocks.
 inline bool hasNodesNear(const GridTopology& grid, const Frontier::Nodes& nodes, const BlockId& lowest) {
   bool any = false;
-  const uint32_t x = lowest.x >> HiddenBlocks::kTileLog2, y = lowest.y >> HiddenBlocks::kTileLog2,
-                 x0 = std::max(x, 1u) - 1, y0 = std::max(y, 1u) - 1;
+  constexpr uint32_t kTile = 1u << HiddenBlocks::kTileLog2, kBlocks = GridTopology::kTileSide / BlockId::kSide;
+  const uint32_t x0 = (std::max(lowest.x, kTile) - kTile) / kBlocks, y0 = (std::max(lowest.y, kTile) - kTile) / kBlocks,
+                 x1 = (lowest.x + 2 * kTile - 1) / kBlocks, y1 = (lowest.y + 2 * kTile - 1) / kBlocks;
   for (int level : block_nodes_detail::levelsOf(grid, lowest.scale))
     if (level > 0)
-      block_nodes_detail::forEachPage(grid, nodes, level, lowest.scale, x0, y0, x + 1, y + 1,
-                                      [&](uint32_t) { any = true; });
+      block_nodes_detail::forEachPage(grid, nodes, level, lowest.scale, x0, y0, x1, y1, [&](uint32_t) { any = true; });
   return any;
 }
 

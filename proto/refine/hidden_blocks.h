@@ -1,16 +1,15 @@
 // Which blocks of the terrain are hidden from the viewer, as both ends of a stream know it (the server finds out, the
 // delta tells: delta_codec.h), and which nodes are hidden by that.
 //
-// A block of scale t is a square of the lattice with a side of 8 s, s = 2^t, aligned to its side. That it is hidden
+// A block of scale t is a square of the lattice with a side of 4 s, s = 2^t, aligned to its side. That it is hidden
 // says that nothing can be seen of what lies in it, true or drawn with nodes of scale s and finer left out; so the
 // blocks of finer scales in it are hidden, too. A node with s as the largest power of two in its coordinates is hidden
 // if all blocks of its scale are that the supports of the node and its descendants meet: a square about it that reaches
 // 3 s to each side for the centre of a square and 2 s for the middle of a side. A child's lies in its parent's, so if a
 // node is hidden, its descendants are, and a section without hidden nodes is closed.
 //
-// Blocks are kept in tiles of 4 by 4: a tile spans the slots of one page of the scale's centres, and of two pages of
-// its sides (grid.h). One owner; portable to WebAssembly. Memory: 4 bytes a tile that is known, in chunks of 64, and 4
-// bytes for each chunk of the scene.
+// Blocks are kept in tiles of 4 by 4. One owner; portable to WebAssembly. Memory: 4 bytes a tile that is known, in
+// chunks of 64, and 4 bytes for each chunk of the scene.
 #pragma once
 
 #include <array>
@@ -25,7 +24,7 @@
 namespace foreland::proto {
 
 struct BlockId {
-  static constexpr uint32_t kSideLog2 = 3, kSide = 1u << kSideLog2;  // in units of s
+  static constexpr uint32_t kSideLog2 = 2, kSide = 1u << kSideLog2;  // in units of s
 
   uint8_t scale = 0;
   uint32_t x = 0, y = 0;  // of its lower corner, in sides

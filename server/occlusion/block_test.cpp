@@ -14,32 +14,30 @@ constexpr double kNearest_m = 1;    // of a block that may be hidden
 constexpr double kMostAside = 0.8;  // wider blocks are too near
 constexpr double kWidest = 1.3;     // horizontal distance over distance ahead, at most
 constexpr double kFinest_px = 0.5;  // half of an interval
-constexpr int kMaxDepth = 5;
+constexpr int kFirstHalvings = 2, kMostHalvings = 6;
 constexpr uint32_t kSquares = proto::BlockId::kSide / 2;  // a side
+constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-bool BlockTest::isHidden(const proto::BlockId& block, const proto::View& view, double radius_m, uint64_t max_rays) {
+bool BlockTest::isHidden(const proto::BlockId& block, const proto::View& view, const EyeSweep& eyes,
+                         uint64_t max_rays) {
   if (block.scale < tops_.finestScale()) return false;
-  const double k = occluder_.steepness();
-  Ahead ahead;
-  ahead.eye = view.pose.eye + glm::dvec3(0, 0, radius_m * std::sqrt(1 + k * k));
-  finest_ = kFinest_px / view.lens.focalPx();
   last_ray_ = rays_ + max_rays;
-  return collectSquares(block, view, ahead) && isCovered(ahead, low_, high_, 0);
+  return collectSquares(block, eyes.eye) && raiseEye(view, eyes) && isCovered(low_, high_, 0);
 }
 
-bool BlockTest::collectSquares(const proto::BlockId& block, const proto::View& view, Ahead& ahead) {
+bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& eye) {
   const proto::GridTopology& grid = hierarchy_.grid();
   const auto position = [&](uint32_t x, uint32_t y, int32_t height) {
     return hierarchy_.frame().position(proto::NodeId::at(std::min(x, grid.maxX()), std::min(y, grid.maxY())), height);
   };
   const uint32_t side = 2u << block.scale, i0 = block.x * kSquares, j0 = block.y * kSquares;
-  const glm::dvec2 middle(position((i0 + kSquares / 2) * side, (j0 + kSquares / 2) * side, 0) - ahead.eye);
+  const glm::dvec2 middle(position((i0 + kSquares / 2) * side, (j0 + kSquares / 2) * side, 0) - eye);
   if (glm::length(middle) < kNearest_m) return false;
-  ahead.ahead = glm::normalize(middle);
-  ahead.aside = {-ahead.ahead.y, ahead.ahead.x};
-  ahead.length_m = low_ = std::numeric_limits<double>::infinity();
+  ahead_.ahead = glm::normalize(middle);
+  ahead_.aside = {-ahead_.ahead.y, ahead_.ahead.x};
+  ahead_.length_m = low_ = std::numeric_limits<double>::infinity();
   high_ = -low_;
   squares_.clear();
   const uint32_t i1 = std::min(i0 + kSquares, tops_.columns(block.scale)),
@@ -47,56 +45,83 @@ bool BlockTest::collectSquares(const proto::BlockId& block, const proto::View& v
   for (uint32_t j = j0; j < j1; ++j)
     for (uint32_t i = i0; i < i1; ++i) {
       const int32_t top = tops_.top(block.scale, i, j);
-      double nearest = std::numeric_limits<double>::infinity(), farthest = 0, highest = -nearest;
-      Square square{nearest, -nearest, 0};
+      constexpr double kFar = std::numeric_limits<double>::infinity();
+      Square square{kFar, -kFar, kFar, 0, -kFar, 0};
       for (uint32_t corner = 0; corner < 4; ++corner) {
-        const glm::dvec3 p = position((i + (corner & 1)) * side, (j + (corner >> 1)) * side, top) - ahead.eye;
-        const double forward = glm::dot(glm::dvec2(p), ahead.ahead);
+        const glm::dvec3 p = position((i + (corner & 1)) * side, (j + (corner >> 1)) * side, top) - eye;
+        const double forward = glm::dot(glm::dvec2(p), ahead_.ahead);
         if (forward < kNearest_m) return false;
-        const double aside = glm::dot(glm::dvec2(p), ahead.aside) / forward;
-        nearest = std::min(nearest, forward);
-        farthest = std::max(farthest, forward);
-        highest = std::max(highest, p.z);
+        const double aside = glm::dot(glm::dvec2(p), ahead_.aside) / forward;
+        square.nearest = std::min(square.nearest, forward);
+        square.farthest = std::max(square.farthest, forward);
+        square.height = std::max(square.height, p.z);
         square.aside_low = std::min(square.aside_low, aside);
         square.aside_high = std::max(square.aside_high, aside);
       }
       if (square.aside_low < -kMostAside || square.aside_high > kMostAside) return false;
-      const double slope = highest / (highest > 0 ? nearest : farthest);
-      // A vertical error e is seen as f e h / d^2 at the horizontal distance h and the distance d = h sqrt(1 +
-      // slope^2).
-      square.slope = slope + view.tau_px / view.lens.focalPx() * kWidest * (1 + slope * slope);
       squares_.push_back(square);
-      ahead.length_m = std::min(ahead.length_m, nearest);
+      ahead_.length_m = std::min(ahead_.length_m, square.nearest);
       low_ = std::min(low_, square.aside_low);
       high_ = std::max(high_, square.aside_high);
     }
   return !squares_.empty();
 }
 
+// Raises the eye by what all eyes of the sweep and all points of the block need, then has each square's slope. False if
+// the sweep reaches the block.
+bool BlockTest::raiseEye(const proto::View& view, const EyeSweep& eyes) {
+  const double k = occluder_.steepness(), tolerance = view.tau_px / view.lens.focalPx() * kWidest;
+  const double x = glm::dot(glm::dvec2(eyes.way), ahead_.ahead), y = glm::dot(glm::dvec2(eyes.way), ahead_.aside);
+  ahead_.begin_m = std::max(0.0, x);
+  if (ahead_.length_m - ahead_.begin_m < kNearest_m + eyes.radius_m) return false;
+  const auto slopeOf = [](const Square& s, double height) { return height / (height > 0 ? s.nearest : s.farthest); };
+  double lowest = std::numeric_limits<double>::infinity(), highest = 0;
+  for (const Square& s : squares_) {
+    lowest = std::min(lowest, s.height / (s.height > 0 ? s.farthest : s.nearest));
+    const double slope = slopeOf(s, s.height);
+    highest = std::max(highest, slope + tolerance * (1 + slope * slope));
+  }
+  highest += 0.5 * k * (high_ - low_);
+  const double ball = eyes.radius_m * std::sqrt(1 + k * k);
+  const double aside = std::max(std::fabs(y - low_ * x), std::fabs(y - high_ * x));
+  const double by_way = eyes.way.z + k * aside - (x > 0 ? lowest : highest) * x;
+  const double raise = ahead_.length_m / (ahead_.length_m - ahead_.begin_m) * (ball + std::max(0.0, by_way)) +
+                       tolerance * (1 + highest * highest) * std::max(0.0, -x);
+  finest_ = kFinest_px / view.lens.focalPx();
+  ahead_.start = eyes.eye + glm::dvec3(0, 0, raise);
+  for (Square& s : squares_) {
+    const double slope = slopeOf(s, s.height - raise);
+    // A vertical error e is seen as f e h / d^2 at the horizontal distance h and the distance d = h sqrt(1 +
+    // slope^2).
+    s.slope = slope + tolerance * (1 + slope * slope);
+  }
+  return true;
+}
+
 // What a line of sight must rise by to pass over all squares between two directions.
 double BlockTest::slopeOver(double low, double high) const {
-  double slope = -std::numeric_limits<double>::infinity();
+  double slope = kNothing;
   for (const Square& s : squares_)
     if (s.aside_low <= high && s.aside_high >= low) slope = std::max(slope, s.slope);
   return slope;
 }
 
-bool BlockTest::isBlocked(const Ahead& ahead, double aside, double slope) {
+bool BlockTest::isBlocked(double aside, double slope) {
   ++rays_;
-  const glm::dvec2 level = ahead.ahead + aside * ahead.aside;
-  return occluder_.blocks(ahead.eye, ahead.length_m * glm::dvec3(level, slope));
+  const glm::dvec3 line(ahead_.ahead + aside * ahead_.aside, slope);
+  return occluder_.blocks(ahead_.start + ahead_.begin_m * line, (ahead_.length_m - ahead_.begin_m) * line);
 }
 
-bool BlockTest::isCovered(const Ahead& ahead, double low, double high, int depth) {
-  const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
-  const double slope = slopeOver(low, high);
-  if (slope == -std::numeric_limits<double>::infinity()) return true;
+// The margin of a wide interval is so large that its line hardly ever is blocked.
+bool BlockTest::isCovered(double low, double high, int halvings) {
+  const double middle = 0.5 * (low + high), half = 0.5 * (high - low), slope = slopeOver(low, high);
+  if (slope == kNothing) return true;
   if (rays_ >= last_ray_) return false;
-  if (isBlocked(ahead, middle, slope + occluder_.steepness() * half)) return true;
-  if (depth == kMaxDepth || half < finest_) return false;
+  if (halvings >= kFirstHalvings && isBlocked(middle, slope + occluder_.steepness() * half)) return true;
+  if (halvings == kMostHalvings || half < finest_) return false;
   const double bare = slopeOver(middle, middle);
-  if (bare > -std::numeric_limits<double>::infinity() && !isBlocked(ahead, middle, bare)) return false;
-  return isCovered(ahead, low, middle, depth + 1) && isCovered(ahead, middle, high, depth + 1);
+  if (bare != kNothing && !isBlocked(middle, bare)) return false;
+  return isCovered(low, middle, halvings + 1) && isCovered(middle, high, halvings + 1);
 }
 
 }  // namespace foreland::server

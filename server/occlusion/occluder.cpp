@@ -189,15 +189,16 @@ Result<std::shared_ptr<const Occluder>> Occluder::create(const Hierarchy& hierar
   return std::shared_ptr<const Occluder>(std::move(occluder));
 }
 
-bool Occluder::blocks(const glm::dvec3& from, const glm::dvec3& direction) const {
-  const glm::dvec3 o = from - origin_;
+// Embree looks for a hit from a ray's origin on: what hides a place is mostly near to it, so the ray comes from there.
+bool Occluder::blocks(const glm::dvec3& from, const glm::dvec3& way) const {
+  const glm::dvec3 end = from - origin_;
   RTCRay ray{};
-  ray.org_x = static_cast<float>(o.x);
-  ray.org_y = static_cast<float>(o.y);
-  ray.org_z = static_cast<float>(o.z);
-  ray.dir_x = static_cast<float>(direction.x);
-  ray.dir_y = static_cast<float>(direction.y);
-  ray.dir_z = static_cast<float>(direction.z);
+  ray.org_x = static_cast<float>(end.x);
+  ray.org_y = static_cast<float>(end.y);
+  ray.org_z = static_cast<float>(end.z);
+  ray.dir_x = static_cast<float>(way.x);
+  ray.dir_y = static_cast<float>(way.y);
+  ray.dir_z = static_cast<float>(way.z);
   ray.tfar = 1;
   ray.mask = ~0u;
   RTCIntersectContext context;

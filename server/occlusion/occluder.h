@@ -37,8 +37,9 @@ class Occluder {
   Occluder(const Occluder&) = delete;
   Occluder& operator=(const Occluder&) = delete;
 
-  // Whether the segment from `from` to `from + direction` meets the surface. Scene frame, metres.
-  bool blocks(const glm::dvec3& from, const glm::dvec3& direction) const;
+  // Whether the segment from `from` to `from + way` meets the surface. Scene frame, metres. Costs less if it does so
+  // near its end than if near its beginning.
+  bool blocks(const glm::dvec3& from, const glm::dvec3& way) const;
 
   double steepness() const { return steepness_; }  // metres of height per metre of horizontal distance
   uint32_t stride() const { return stride_; }

@@ -7,11 +7,18 @@ namespace foreland::server {
 
 namespace {
 
-constexpr uint32_t kReviewPeriod = 32;  // keyframes between two tries of a visible block
-constexpr double kLeastSpare_m = 2;
+// Of ViewerOcclusion::kAhead: the shortest look ahead that makes a visible block hidden. One that is hidden already
+// stays so with any.
+constexpr size_t kWorth = 3;
+constexpr double kSpare_m = 1;              // of a sweep's radius, for what comes later
+constexpr uint32_t kReviewPeriod = 32;      // keyframes between two tries of a visible block beside hidden ones
+constexpr uint32_t kFarReviewPeriod = 256;  // of others
+constexpr uint32_t kUpgradePeriod = 4;      // renewals of a proof, about, between two tries for a longer one
+constexpr size_t kKeptKeyframes = 128;      // of sweeps; more than the longest look ahead
+constexpr uint32_t kUnusedKeyframes = 32;   // until a tile's proofs are dropped
 
-uint64_t keyOf(const proto::BlockId& b) { return uint64_t{b.scale} << 56 | uint64_t{b.y} << 28 | b.x; }
-uint32_t phaseOf(const proto::BlockId& b) { return (b.x * 5 + b.y * 3 + b.scale) % kReviewPeriod; }
+// Spreads what is done now and then over the keyframes.
+uint32_t phaseOf(const proto::BlockId& b) { return b.x * 5 + b.y * 3 + b.scale; }
 
 }  // namespace
 
@@ -21,16 +28,38 @@ Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hiera
   return std::make_shared<const SceneOcclusion>(SceneOcclusion{std::move(*occluder), BlockTops(hierarchy)});
 }
 
+void ViewerOcclusion::expect(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m) {
+  const double now = sweepOf(motion, begin, end).radius_m + error_m;
+  expected_.emplace();
+  for (size_t i = 0; i < kAhead.size(); ++i) {
+    EyeSweep& sweep = (*expected_)[i];
+    sweep = sweepOf(motion, begin, end + interval * kAhead[i]);
+    // What comes later must find room in it: its own radius, and that of a prediction that goes astray.
+    sweep.radius_m += error_m;
+    if (kAhead[i] > 0) sweep.radius_m += now + kSpare_m;
+  }
+}
+
 void ViewerOcclusion::begin(const proto::View& view) {
   const bool is_jump =
       !view_ || glm::distance(view_->pose.eye, view.pose.eye) > 4 * (view.region_radius_m + view_->region_radius_m) ||
       view_->lens != view.lens;
-  spare_m_ = std::max(kLeastSpare_m, view.region_radius_m);
   last_ray_ = test_.rayCount() + (is_jump ? options_.first_rays : options_.rays);
   view_ = view;
   frustum_.emplace(view, 0);
   ++keyframe_;
-  if (keyframe_ % 64 == 0) std::erase_if(proofs_, [&](const auto& p) { return p.second.keyframe + 32 < keyframe_; });
+  if (!expected_) expected_.emplace().fill({view.pose.eye, {}, view.region_radius_m});
+  if (sweeps_.size() >= kKeptKeyframes * kAhead.size()) {
+    sweeps_.erase(sweeps_.begin(), sweeps_.begin() + kAhead.size());
+    first_sweep_ += kAhead.size();
+  }
+  // It holds the eyes, and no more of the surface in front may be missing than was allowed for.
+  for (Sweep& sweep : sweeps_) sweep.holds = view.tau_px <= sweep.tau_px && sweep.eyes.contains(expected_->back());
+  for (const EyeSweep& eyes : *expected_) sweeps_.push_back({eyes, view.tau_px, true});
+  expected_.reset();
+  last_proofs_ = nullptr;
+  if (keyframe_ % kUnusedKeyframes == 0)
+    std::erase_if(proofs_, [&](const auto& p) { return p.second.keyframe + kUnusedKeyframes < keyframe_; });
 }
 
 uint64_t ViewerOcclusion::raysLeft() const { return last_ray_ - std::min(last_ray_, test_.rayCount()); }
@@ -52,42 +81,67 @@ bool ViewerOcclusion::meetsFrustum(const proto::BlockId& block) const {
   return frustum_->sideDistance(frustum_->toView(p.x, p.y, p.z)) + radius >= 0;
 }
 
-// The ball holds the region's, and no more of the surface in front may be missing than was allowed for.
-bool ViewerOcclusion::holds(const Proof& proof) const {
-  return glm::distance(proof.eye, view_->pose.eye) + view_->region_radius_m <= proof.radius_m &&
-         view_->tau_px <= proof.tau_px;
+uint32_t& ViewerOcclusion::proofOf(const proto::BlockId& block) {
+  constexpr uint32_t kLog2 = proto::HiddenBlocks::kTileLog2, kMask = (1u << kLog2) - 1;
+  const uint64_t tile = uint64_t{block.scale} << 56 | uint64_t{block.y >> kLog2} << 28 | block.x >> kLog2;
+  if (!last_proofs_ || tile != last_tile_) {
+    last_tile_ = tile;
+    last_proofs_ = &proofs_[tile];
+    last_proofs_->keyframe = keyframe_;
+  }
+  return last_proofs_->sweeps[(block.y & kMask) << kLog2 | (block.x & kMask)];
 }
 
-// Tries balls that are larger than the region by each of the lengths.
-bool ViewerOcclusion::prove(const proto::BlockId& block, std::initializer_list<double> spare_m) {
-  for (double spare : spare_m) {
+bool ViewerOcclusion::hasHiddenInTile(const proto::BlockId& block) {
+  proofOf(block);
+  return last_proofs_->any;
+}
+
+// Tries one of the keyframe's sweeps after the other, from the first to before the last.
+bool ViewerOcclusion::prove(const proto::BlockId& block, size_t first, size_t last) {
+  for (size_t i = first; i < last; ++i) {
     ++statistics_.tests;
-    const double radius = view_->region_radius_m + spare;
-    const bool is_hidden = test_.isHidden(block, *view_, radius, raysLeft());
+    const size_t sweep = sweeps_.size() - kAhead.size() + i;
+    const bool is_hidden = test_.isHidden(block, *view_, sweeps_[sweep].eyes, raysLeft());
     statistics_.rays = test_.rayCount();
     if (!is_hidden) continue;
-    proofs_[keyOf(block)] = {view_->pose.eye, radius, view_->tau_px, keyframe_};
+    uint32_t& proof = proofOf(block);
+    last_proofs_->any = true;
+    proof = first_sweep_ + static_cast<uint32_t>(sweep);
     return true;
   }
   return false;
 }
 
-bool ViewerOcclusion::isHidden(const proto::BlockId& block) { return prove(block, {16 * spare_m_, 8 * spare_m_}); }
+// Whether a proof that holds is to be renewed: at some time in the second half of its life, lest those that were found
+// together end together.
+bool ViewerOcclusion::isAging(const proto::BlockId& block, uint32_t proof) const {
+  const auto half = static_cast<uint32_t>(kAhead[proof % kAhead.size()]) / 2;
+  const auto age = static_cast<uint32_t>((first_sweep_ + sweeps_.size() - 1 - proof) / kAhead.size());
+  return half > 1 && age >= half && (keyframe_ + phaseOf(block)) % half == 0;
+}
+
+bool ViewerOcclusion::isHidden(const proto::BlockId& block) { return prove(block, kWorth, kWorth + 1); }
 
 bool ViewerOcclusion::isStillHidden(const proto::BlockId& block, bool was_hidden) {
   ++statistics_.reviews;
-  if (!was_hidden)
-    return keyframe_ % kReviewPeriod == phaseOf(block) && meetsFrustum(block) && prove(block, {8 * spare_m_});
-  const auto proof = proofs_.find(keyOf(block));
-  if (proof != proofs_.end()) {
-    proof->second.keyframe = keyframe_;
-    if (holds(proof->second)) return true;
+  if (!was_hidden) {
+    const uint32_t period = hasHiddenInTile(block) ? kReviewPeriod : kFarReviewPeriod;
+    return (keyframe_ + phaseOf(block)) % period == 0 && meetsFrustum(block) && prove(block, kWorth, kWorth + 1);
   }
+  const uint32_t proof = proofOf(block);
+  const bool holds = proof >= first_sweep_ && sweeps_[proof - first_sweep_].holds;
+  if (holds && !isAging(block, proof)) return true;
   // Out of view it makes no difference, and need not be tried before it comes into view.
   if (!meetsFrustum(block)) return true;
-  return prove(block, {16 * spare_m_, 8 * spare_m_, 4 * spare_m_, 2 * spare_m_, spare_m_, 0});
+  // The sweep that was long enough last time first, now and then the next longer one.
+  size_t first = proof % kAhead.size();
+  if (first > 0 && keyframe_ % kUpgradePeriod == phaseOf(block) % kUpgradePeriod) --first;
+  return prove(block, first, holds ? kWorth + 1 : kAhead.size()) || holds;
 }
 
-size_t ViewerOcclusion::bytes() const { return proofs_.size() * (sizeof(Proof) + 5 * sizeof(void*)); }
+size_t ViewerOcclusion::bytes() const {
+  return proofs_.size() * (sizeof(Proofs) + 5 * sizeof(void*)) + sweeps_.size() * sizeof(Sweep);
+}
 
 }  // namespace foreland::server

@@ -1,14 +1,17 @@
 // What one viewer's server knows of hidden blocks from keyframe to keyframe: which tests still hold, which must be made
 // anew, and how many rays that may take.
 //
-// A block is called hidden from a ball that is larger than the keyframe's region, so that the result outlasts a few
-// keyframes: until the region leaves the ball. A visible block is tried again now and then, and must be hidden from
-// well beyond the region to be called so, lest it flicker. Once a keyframe's rays are used up, whatever is in doubt is
-// visible. One owner (a session), which sets the view before each keyframe.
+// A block is called hidden from where the camera may be in this and, if it flies on as it does, in the next keyframes
+// (EyeSweep), so that the result outlasts a few of them: until the region leaves the sweep. A visible block is tried
+// again now and then, and must be hidden for several keyframes to be called so, lest it flicker. Once a keyframe's rays
+// are used up, whatever is in doubt is visible. One owner (a session), which sets the view before each keyframe.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <span>
 #include <unordered_map>
 
 #include "proto/refine/frustum.h"
@@ -34,8 +37,8 @@ struct OcclusionStatistics {
 class ViewerOcclusion final : public proto::BlockVisibility {
  public:
   struct Options {
-    uint64_t rays = 20000;          // in a keyframe
-    uint64_t first_rays = 200'000;  // in the first one, and after a jump
+    uint64_t rays = 20'000;         // in a keyframe, at most
+    uint64_t first_rays = 400'000;  // in the first one, and after a jump
   };
 
   // Both must outlive it.
@@ -43,6 +46,10 @@ class ViewerOcclusion final : public proto::BlockVisibility {
       : ViewerOcclusion(hierarchy, scene, Options()) {}
   ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options)
       : hierarchy_(hierarchy), test_(hierarchy, *scene.occluder, scene.tops), options_(options) {}
+
+  // Before a keyframe: where the eye will be while it is shown, from `begin` to `end`, and afterwards, up to
+  // `error_m`. Without it the eyes of a keyframe are its region's ball, and nothing is known of those afterwards.
+  void expect(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m);
 
   void begin(const proto::View& view) override;
 
@@ -53,16 +60,27 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   size_t bytes() const;
 
  private:
-  // A ball of eyes from which a block is hidden.
-  struct Proof {
-    glm::dvec3 eye;
-    double radius_m, tau_px;
-    uint32_t keyframe;  // when it was used last
+  // Eyes from which blocks were found to be hidden.
+  struct Sweep {
+    EyeSweep eyes;
+    double tau_px;
+    bool holds;  // for the view
   };
+  // Of the blocks of a tile: the sweep from which it is hidden, 0 if none.
+  struct Proofs {
+    std::array<uint32_t, proto::HiddenBlocks::kTileBlocks> sweeps{};
+    bool any = false;       // of its blocks has been hidden
+    uint32_t keyframe = 0;  // when it was used last
+  };
+  // How many keyframes ahead a sweep looks; the last is for the keyframe itself.
+  static constexpr std::array<int, 8> kAhead{96, 48, 24, 12, 6, 3, 1, 0};
+  using Sweeps = std::array<EyeSweep, kAhead.size()>;
 
   bool meetsFrustum(const proto::BlockId& block) const;
-  bool holds(const Proof& proof) const;
-  bool prove(const proto::BlockId& block, std::initializer_list<double> spare_m);
+  uint32_t& proofOf(const proto::BlockId& block);
+  bool prove(const proto::BlockId& block, size_t first, size_t last);
+  bool isAging(const proto::BlockId& block, uint32_t proof) const;
+  bool hasHiddenInTile(const proto::BlockId& block);
   uint64_t raysLeft() const;
 
   const Hierarchy& hierarchy_;
@@ -70,10 +88,14 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   Options options_;
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
-  double spare_m_ = 0;  // the eye's way in a keyframe, about
+  std::optional<Sweeps> expected_;  // of the next keyframe
   uint32_t keyframe_ = 0;
   uint64_t last_ray_ = 0;
-  std::unordered_map<uint64_t, Proof> proofs_;
+  std::deque<Sweep> sweeps_;                     // of the last keyframes, kAhead.size() each
+  uint32_t first_sweep_ = kAhead.size();         // number of the first
+  std::unordered_map<uint64_t, Proofs> proofs_;  // by tile
+  uint64_t last_tile_ = 0;
+  Proofs* last_proofs_ = nullptr;
   OcclusionStatistics statistics_;
 };
 

@@ -199,14 +199,17 @@ ExpectedMotion Session::expectedMotion() const {
   return {history_, request_->predictor};
 }
 
+// When a keyframe for `t` begins to be shown. The first section is shown as soon as it arrives.
+Time Session::shownFrom(Time t) const {
+  return std::min(isFirst() ? history_.newest().time : keyframe().time, t - request_->keyframe_interval);
+}
+
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
 proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
   const ExpectedMotion motion = expectedMotion();
   proto::View view{motion.at(t), request_->lens, request_->tau_px};
-  // The first section is shown as soon as it arrives.
-  const Time begin = std::min(isFirst() ? history_.newest().time : keyframe().time, t - T);
-  const Region region = regionOf(view.pose, motion, begin, t + T), error = prediction_errors_.estimate();
+  const Region region = regionOf(view.pose, motion, shownFrom(t), t + T), error = prediction_errors_.estimate();
   // Floats, as in the keyframe's header.
   view.region_radius_m = static_cast<float>(region.radius_m + error.radius_m + kPoseRounding.radius_m);
   view.region_angle_rad = static_cast<float>(region.angle_rad + error.angle_rad + kPoseRounding.angle_rad);
@@ -259,6 +262,9 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   proto::View view = viewFor(plan.time_client);
   fitBudget(view, scratch);
   Bytes message;
+  if (occlusion_)
+    occlusion_->expect(expectedMotion(), shownFrom(plan.time_client), plan.time_client + request_->keyframe_interval,
+                       request_->keyframe_interval, prediction_errors_.estimate().radius_m + kPoseRounding.radius_m);
   sender_.send(view, plan.time_client, scratch.send, message, request_->occlusion ? occlusion_.get() : nullptr);
   const size_t nodes = sender_.adapter().nodeCount();
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);

@@ -106,6 +106,7 @@ class Session {
   bool isFirst() const { return statistics_.keyframes == 0; }
   Time gridAtOrAfter(Time t_client) const;
   ExpectedMotion expectedMotion() const;
+  Time shownFrom(Time t) const;
   proto::View viewFor(Time t_client) const;
   size_t mostNodes() const;
   std::optional<Due> prefetchDue() const;

@@ -38,7 +38,7 @@ class Whims final : public BlockVisibility {
 // Nodes by the blocks around them, without the class's arithmetic.
 bool isHiddenByDefinition(const GridTopology& grid, const HiddenBlocks& blocks, NodeId n) {
   const uint32_t t = grid.scaleLog2(n);
-  const int64_t s = int64_t{1} << t, reach = (n.x() / s % 2 == 1 && n.y() / s % 2 == 1) ? 3 * s : 2 * s, side = 8 * s;
+  const int64_t s = int64_t{1} << t, reach = (n.x() / s % 2 == 1 && n.y() / s % 2 == 1) ? 3 * s : 2 * s, side = 4 * s;
   for (int64_t y = 0; y * side < grid.maxY(); ++y)
     for (int64_t x = 0; x * side < grid.maxX(); ++x) {
       const bool meets = x * side < n.x() + reach && (x + 1) * side > n.x() - reach && y * side < n.y() + reach &&
@@ -61,7 +61,7 @@ TEST(HiddenBlocks, HideNodesOnlyWithAllOfTheirDescendants) {
     const uint32_t side = BlockId::kSide << scale;
     const BlockId block{scale, static_cast<uint32_t>(rng.below((grid.maxX() + side - 1) / side)),
                         static_cast<uint32_t>(rng.below((grid.maxY() + side - 1) / side))};
-    if (blocks.state(block) != BlockState::kHidden) blocks.set(block, rng.below(4u << (2 * scale)) == 0);
+    if (blocks.state(block) != BlockState::kHidden) blocks.set(block, rng.below(2u << (2 * scale)) == 0);
   }
   size_t hidden = 0, nodes = 0;
   for (Slot slot = 0; slot < grid.slotCount(); ++slot) {

@@ -37,20 +37,21 @@ TEST_P(Hidden, BlocksCannotBeSeenFromAnywhereInTheBall) {
     const double x = rng.uniform(20, 236), y = rng.uniform(20, 236);
     proto::View view = test::viewAt(hierarchy, x, y, field.at(x, y) + rng.uniform(5, 120), rng.uniform(0, 6.28), 0);
     view.tau_px = 1;
-    const double radius = rng.uniform(0, 30);
+    const EyeSweep eyes{view.pose.eye, rng.below(4) == 0 ? glm::dvec3(0) : rng.uniform(0, 60) * inBall(rng),
+                        rng.uniform(0, 30)};
     for (int i = 0; i < 60; ++i) {
       const auto scale = static_cast<uint8_t>(rng.below(4));
       const uint32_t side = BlockId::kSide << scale;
       const BlockId block{scale, static_cast<uint32_t>(rng.below(256 / side)),
                           static_cast<uint32_t>(rng.below(256 / side))};
       ++tried;
-      if (!test.isHidden(block, view, radius, 1000)) continue;
+      if (!test.isHidden(block, view, eyes, 1000)) continue;
       ++hidden;
       for (int sample = 0; sample < 20; ++sample) {
         const double sx = block.x * side + rng.uniform(0, side), sy = block.y * side + rng.uniform(0, side);
         const double top = field.at(std::min(sx, 256.0), std::min(sy, 256.0));
         const glm::dvec3 point = hierarchy.frame().transform().toScene(proto::LatticePosition{sx, sy, top}),
-                         eye = view.pose.eye + radius * inBall(rng);
+                         eye = eyes.eye + rng.uniform() * eyes.way + eyes.radius_m * inBall(rng);
         EXPECT_FALSE(field.isClear(eye, point, 0.5))
             << "block " << int(scale) << " " << block.x << " " << block.y << " at " << sx << " " << sy;
       }
@@ -59,7 +60,54 @@ TEST_P(Hidden, BlocksCannotBeSeenFromAnywhereInTheBall) {
   EXPECT_GT(hidden, tried / 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Frames, Hidden, testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+// At the height where a block is only just hidden, eyes at the ends of the sweep and on top of its ball do not see it.
+TEST_P(Hidden, BlocksCannotBeSeenFromTheMostTellingEyes) {
+  const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Rng rng(seed);
+  const auto scene = test::makeScene(
+      257, 257,
+      [](uint32_t x, uint32_t y) { return std::max(0.0, 90 - 4 * std::abs(x - 131.0) + 12 * std::sin(0.21 * y)); },
+      GetParam());
+  const Hierarchy hierarchy(scene);
+  const auto occluder = Occluder::create(hierarchy).value();
+  const BlockTops tops(hierarchy);
+  BlockTest test(hierarchy, *occluder, tops);
+  const test::HeightField field(hierarchy);
+  int critical = 0, nearly_seen = 0;
+  for (int round = 0; round < 60; ++round) {
+    const double x = rng.uniform(20, 70), y = rng.uniform(60, 196);
+    const auto scale = static_cast<uint8_t>(rng.below(3));
+    const uint32_t side = BlockId::kSide << scale;
+    const BlockId block{scale, static_cast<uint32_t>((160 + rng.below(60)) / side),
+                        static_cast<uint32_t>((y + rng.uniform(-50, 50)) / side)};
+    proto::View view = test::viewAt(hierarchy, x, y, 0, 0, 0);
+    EyeSweep eyes{view.pose.eye, rng.uniform(0, 400) * inBall(rng), rng.below(2) * rng.uniform(0, 30)};
+    const glm::dvec3 level = eyes.eye;
+    const auto isHiddenAt = [&](double height) {
+      eyes.eye = level + glm::dvec3(0, 0, height);
+      return test.isHidden(block, view, eyes, 1000);
+    };
+    double low = -1000, high = 3000;
+    if (!isHiddenAt(low) || isHiddenAt(high)) continue;
+    while (high - low > 0.1) (isHiddenAt(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    ++critical;
+    isHiddenAt(low);
+    bool seen_from_above = false;
+    for (int sample = 0; sample < 40; ++sample) {
+      const double sx = side * (block.x + rng.uniform()), sy = side * (block.y + rng.uniform());
+      const glm::dvec3 point = hierarchy.frame().transform().toScene(proto::LatticePosition{sx, sy, field.at(sx, sy)});
+      const glm::dvec3 out = rng.below(2) ? glm::dvec3(0, 0, 1) : glm::normalize(inBall(rng));
+      const glm::dvec3 eye = eyes.eye + static_cast<double>(rng.below(2)) * eyes.way + eyes.radius_m * out;
+      EXPECT_FALSE(field.isClear(eye, point, 0.3)) << int(scale) << " " << block.x << " " << block.y;
+      seen_from_above |=
+          field.isClear(eye + glm::dvec3(0, 0, 40 + 2 * eyes.radius_m + 1.5 * glm::length(eyes.way)), point, 0.3);
+    }
+    nearly_seen += seen_from_above ? 1 : 0;
+  }
+  EXPECT_GT(critical, 25);
+  EXPECT_GT(nearly_seen, critical / 2);
+}
 
 // A ridge between two plains: what lies behind it is hidden as far as geometry says.
 TEST(Hidden, BehindARidgeAndNotBeforeIt) {
@@ -70,14 +118,16 @@ TEST(Hidden, BehindARidgeAndNotBeforeIt) {
   const BlockTops tops(hierarchy);
   BlockTest test(hierarchy, *occluder, tops);
   const proto::View view = test::viewAt(hierarchy, 64, 128, 50, 0, 0);
-  EXPECT_TRUE(test.isHidden({0, 20, 16}, view, 0, 1000));
-  EXPECT_TRUE(test.isHidden({1, 12, 8}, view, 10, 1000));
-  EXPECT_FALSE(test.isHidden({0, 12, 16}, view, 0, 1000));
-  EXPECT_FALSE(test.isHidden({0, 16, 16}, view, 0, 1000)) << "the ridge itself";
+  EXPECT_TRUE(test.isHidden({0, 40, 32}, view, EyeSweep{view.pose.eye}, 1000));
+  EXPECT_TRUE(test.isHidden({1, 24, 16}, view, EyeSweep{view.pose.eye, {}, 10}, 1000));
+  EXPECT_FALSE(test.isHidden({0, 24, 32}, view, EyeSweep{view.pose.eye}, 1000));
+  EXPECT_FALSE(test.isHidden({0, 32, 32}, view, EyeSweep{view.pose.eye}, 1000)) << "the ridge itself";
   const proto::View above = test::viewAt(hierarchy, 64, 128, 500, 0, 0);
-  EXPECT_FALSE(test.isHidden({0, 20, 16}, above, 0, 1000));
-  EXPECT_FALSE(test.isHidden({0, 20, 16}, view, 0, 0)) << "without rays nothing is known";
+  EXPECT_FALSE(test.isHidden({0, 40, 32}, above, EyeSweep{above.pose.eye}, 1000));
+  EXPECT_FALSE(test.isHidden({0, 40, 32}, view, EyeSweep{view.pose.eye}, 0)) << "without rays nothing is known";
 }
+
+INSTANTIATE_TEST_SUITE_P(Frames, Hidden, testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
 
 TEST(Tops, AreTheLargestHeightsOfTheirSquares) {
   const auto scene = test::makeScene(65, 49, 3);

@@ -27,19 +27,22 @@ class HeightField {
     return u + v < 1 ? a + u * (b - a) + v * (c - a) : d + (1 - u) * (c - d) + (1 - v) * (b - d);
   }
 
-  // Whether the segment stays at least `clearance_m` above the terrain up to the share `until` of its way.
-  bool isClear(const glm::dvec3& from, const glm::dvec3& to, double clearance_m, double until = 0.999) const {
+  // Whether the segment stays above the terrain: by `clearance_m`, or by 2 mm for each metre of the rest of its way
+  // where that is less. So a point on the ground can be seen, unless at a grazing angle.
+  bool isClear(const glm::dvec3& from, const glm::dvec3& to, double clearance_m) const {
     const auto transform = hierarchy_.frame().transform();
     const proto::LatticePosition p = transform.toLattice(from), q = transform.toLattice(to);
     const double samples = std::hypot(q.x - p.x, q.y - p.y);
-    const int steps = static_cast<int>(20 * samples) + 20;
-    for (int k = 0; k <= steps; ++k) {
-      const double share = until * k / steps;
+    const int steps = static_cast<int>(8 * samples) + 20;
+    const double length_m = glm::distance(from, to);
+    for (int k = 0; k < steps; ++k) {
+      const double share = static_cast<double>(k) / steps;
       const proto::LatticePosition at_share = transform.toLattice(from + share * (to - from));
       if (at_share.x < 0 || at_share.y < 0 || at_share.x > hierarchy_.grid().shape().samples_x - 1 ||
           at_share.y > hierarchy_.grid().shape().samples_y - 1)
         continue;
-      if (at_share.height_m < at(at_share.x, at_share.y) + clearance_m) return false;
+      if (at_share.height_m < at(at_share.x, at_share.y) + std::min(clearance_m, 0.002 * (1 - share) * length_m))
+        return false;
     }
     return true;
   }

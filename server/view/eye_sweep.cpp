@@ -1,0 +1,48 @@
+#include "server/view/eye_sweep.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace foreland::server {
+
+namespace {
+
+double distanceTo(const EyeSweep& sweep, const glm::dvec3& p) {
+  const double length = glm::dot(sweep.way, sweep.way);
+  const double share = length > 0 ? std::clamp(glm::dot(p - sweep.eye, sweep.way) / length, 0.0, 1.0) : 0.0;
+  return glm::distance(sweep.eye + share * sweep.way, p);
+}
+
+}  // namespace
+
+// The distance from a segment is convex, so along the other's segment it is largest at an end.
+bool EyeSweep::contains(const EyeSweep& other) const {
+  return std::max(distanceTo(*this, other.eye), distanceTo(*this, other.eye + other.way)) + other.radius_m <= radius_m;
+}
+
+// As in region.cpp: on a chord between two times the distance is largest at an end, and a curve leaves its chord by at
+// most h^2 / 8 times its largest acceleration.
+EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end) {
+  constexpr int64_t kStep_us = 20'000, kMostSteps = 50;
+  const glm::dvec3 first = motion.at(begin).eye;
+  EyeSweep sweep{first, motion.at(end).eye - first, 0};
+  double farthest_m = 0, most_bend_m = 0;
+  Time time = begin;
+  const auto advanceTo = [&](Time next) {
+    const double h = (next - time).toSeconds();
+    most_bend_m = std::max(most_bend_m, h * h / 8 * motion.maxAcceleration(time, next));
+    farthest_m = std::max(farthest_m, distanceTo(sweep, motion.at(next).eye));
+    time = next;
+  };
+  const int64_t steps = std::clamp<int64_t>(((end - begin).us + kStep_us - 1) / kStep_us, 1, kMostSteps);
+  for (int64_t i = 1; i <= steps; ++i) {
+    const Time next = begin + Duration{(end - begin).us * i / steps};
+    for (auto corner = motion.nextCorner(time); corner && *corner < next; corner = motion.nextCorner(time))
+      advanceTo(*corner);
+    advanceTo(next);
+  }
+  sweep.radius_m = farthest_m + most_bend_m;
+  return sweep;
+}
+
+}  // namespace foreland::server
