@@ -1,7 +1,6 @@
 #include "bench/occlusion/judge.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <set>
@@ -14,7 +13,6 @@ namespace foreland::bench {
 
 namespace {
 
-using proto::NodeId;
 using proto::Slot;
 
 // The nodes of a keyframe that matter to visibility.
@@ -29,68 +27,19 @@ Sections sectionsOf(const ViewerStream& without, const ViewerStream& with) {
   return sections;
 }
 
-class NodeJudge {
- public:
-  NodeJudge(const server::Hierarchy& hierarchy, const LineOfSight& terrain, const proto::Lens& lens)
-      : hierarchy_(hierarchy), terrain_(terrain), lens_(lens) {}
-
-  // Those of the nodes whose vertex can be seen, in whatever direction the camera looks.
-  std::vector<Slot> visible(const std::vector<Slot>& slots, const glm::dvec3& eye) const {
-    constexpr size_t kPiece = 1024;
-    std::vector<uint8_t> is_visible(slots.size());
-    terrain::parallelFor((slots.size() + kPiece - 1) / kPiece, 0,
-                         [&](uint64_t piece, unsigned) {
-                           const size_t end = std::min(slots.size(), (piece + 1) * kPiece);
-                           for (size_t i = piece * kPiece; i < end; ++i)
-                             is_visible[i] = isVisible(slots[i], eye) ? 1 : 0;
-                         },
-                         [](uint64_t) { return true; });
-    std::vector<Slot> out;
-    for (size_t i = 0; i < slots.size(); ++i)
-      if (is_visible[i] != 0) out.push_back(slots[i]);
-    return out;
+// Those of the nodes whose vertex is in the picture.
+std::vector<Slot> inPicture(const PossibleJudge& nodes, const std::vector<Slot>& slots, const proto::Pose& pose,
+                            const proto::Lens& lens) {
+  const double up = lens.tanHalfFov(), aside = up * lens.width_px / lens.height_px;
+  std::vector<Slot> out;
+  for (Slot slot : slots) {
+    const glm::dvec3 p = nodes.vertex(slot) - pose.eye;
+    const double depth = glm::dot(p, pose.forward());
+    if (std::fabs(glm::dot(p, pose.right())) < aside * depth && std::fabs(glm::dot(p, pose.up())) < up * depth)
+      out.push_back(slot);
   }
-
-  // Those in the picture.
-  std::vector<Slot> inPicture(const std::vector<Slot>& slots, const proto::Pose& pose) const {
-    const double up = lens_.tanHalfFov(), aside = up * lens_.width_px / lens_.height_px;
-    std::vector<Slot> out;
-    for (Slot slot : slots) {
-      const glm::dvec3 p = vertex(slot) - pose.eye;
-      const double depth = glm::dot(p, pose.forward());
-      if (std::fabs(glm::dot(p, pose.right())) < aside * depth && std::fabs(glm::dot(p, pose.up())) < up * depth)
-        out.push_back(slot);
-    }
-    return out;
-  }
-
-  size_t closureSize(const std::vector<Slot>& slots) const {
-    std::set<Slot> closure;
-    std::vector<Slot> open = slots;
-    while (!open.empty()) {
-      const Slot slot = open.back();
-      open.pop_back();
-      if (!closure.insert(slot).second) continue;
-      for (NodeId parent : grid().parents(grid().node(slot))) open.push_back(grid().slot(parent));
-    }
-    return closure.size();
-  }
-
- private:
-  const proto::GridTopology& grid() const { return hierarchy_.grid(); }
-  glm::dvec3 vertex(Slot slot) const {
-    return hierarchy_.frame().position(grid().node(slot), hierarchy_.nodes()[slot].height());
-  }
-  bool isVisible(Slot slot, const glm::dvec3& eye) const {
-    const NodeId n = grid().node(slot);
-    const proto::GridShape& shape = grid().shape();
-    return n.x() < shape.samples_x && n.y() < shape.samples_y && terrain_.isClear(vertex(slot), eye);
-  }
-
-  const server::Hierarchy& hierarchy_;
-  const LineOfSight& terrain_;
-  proto::Lens lens_;
-};
+  return out;
+}
 
 class Jury {
  public:
@@ -100,7 +49,7 @@ class Jury {
         flight_(flight),
         options_(options),
         terrain_(truthOf(sceneOf(hierarchy))),
-        nodes_(hierarchy, terrain_, flight.lens),
+        nodes_(hierarchy, terrain_),
         pixels_(caster, terrain_) {}
 
   // The hierarchy outlives what is made of this.
@@ -117,22 +66,15 @@ class Jury {
   }
 
   void judgeNodes(const Sections& now, const Sections& before, size_t keyframe) {
-    const proto::Pose pose = poseAt(static_cast<double>(keyframe));
-    const std::vector<Slot> visible = nodes_.visible(now.without, pose.eye);
-    const size_t closure = nodes_.closureSize(visible);
-    judgement_.nodes += static_cast<double>(now.without.size());
-    judgement_.visible_nodes += static_cast<double>(visible.size());
-    judgement_.visible_closure += static_cast<double>(closure);
-    if (keyframe == 0) {
-      judgement_.first_nodes = judgement_.nodes;
-      judgement_.first_visible_closure = judgement_.visible_closure;
-    }
-    const std::vector<Slot> withheld = nodes_.inPicture(both(visible, now.withheld), pose);
+    const auto at = static_cast<double>(keyframe);
+    const PossibleNodes possible = nodes_.count(
+        now.without, {poseAt(at), poseAt(std::max(0.0, at - 1)), poseAt(at + 1)}, flight_.lens, flight_.tau_px);
+    judgement_.possible.add(possible);
+    if (keyframe == 0) judgement_.first_possible = possible;
+    judgement_.nodes_with += static_cast<double>(now.without.size() - now.withheld.size());
+    const std::vector<Slot> withheld = seen(now.withheld, poseAt(at));
     judgement_.withheld_visible += withheld.size();
-    if (keyframe == 0) return;
-    const proto::Pose pose_before = poseAt(static_cast<double>(keyframe) - 1);
-    judgement_.late_reveals +=
-        nodes_.inPicture(nodes_.visible(both(withheld, before.withheld), pose_before.eye), pose_before).size();
+    if (keyframe > 0) judgement_.late_reveals += seen(both(withheld, before.withheld), poseAt(at - 1)).size();
   }
 
   Status judgePixels(const client::KeyframeMesh& with, const client::KeyframeMesh& without, size_t keyframe) {
@@ -150,6 +92,10 @@ class Jury {
   const OcclusionJudgement& judgement() const { return judgement_; }
 
  private:
+  // Those of the nodes whose vertex is in the picture and visible.
+  std::vector<Slot> seen(const std::vector<Slot>& slots, const proto::Pose& pose) const {
+    return nodes_.visible(inPicture(nodes_, slots, pose, flight_.lens), pose.eye, flight_.lens, 0);
+  }
   static std::vector<Slot> both(const std::vector<Slot>& a, const std::vector<Slot>& b) {
     std::vector<Slot> out;
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
@@ -180,7 +126,7 @@ class Jury {
   const FlightOptions& flight_;
   const JudgeOptions& options_;
   LineOfSight terrain_;
-  NodeJudge nodes_;
+  PossibleJudge nodes_;
   PixelJudge pixels_;
   OcclusionJudgement judgement_;
 };

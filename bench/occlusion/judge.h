@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/occlusion/pixels.h"
+#include "bench/occlusion/possible.h"
 #include "bench/sections/flight_views.h"
 #include "server/section/hierarchy.h"
 
@@ -13,9 +14,8 @@ namespace foreland::bench {
 
 struct OcclusionJudgement {
   uint64_t judged_keyframes = 0, judged_frames = 0;
-  // Over the keyframes judged: nodes where none are left out; those of them whose vertex is visible from the eye, and
-  // with all ancestors of these. The last two of the first keyframe.
-  double nodes = 0, visible_nodes = 0, visible_closure = 0, first_nodes = 0, first_visible_closure = 0;
+  PossibleNodes possible, first_possible;  // sums over the keyframes judged; of the first
+  double nodes_with = 0;                   // where hidden nodes are left out; sum over the keyframes judged
   PixelCounts keyframes, frames;
   uint64_t late_reveals = 0;      // nodes left out at a keyframe judged and at the one before, visible at both
   uint64_t withheld_visible = 0;  // nodes left out at a keyframe judged and visible at it
@@ -27,9 +27,15 @@ struct OcclusionJudgement {
       return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0;
     };
     const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0; };
-    visit("possible_saving", ratio(nodes, visible_closure));
-    visit("first_possible_saving", ratio(first_nodes, first_visible_closure));
-    visit("visible_nodes_share", ratio(visible_nodes, nodes));
+    visit("judged_saving", ratio(possible.all, nodes_with));
+    visit("possible_saving", ratio(possible.all, possible.vertices));
+    visit("possible_saving_raised", ratio(possible.all, possible.raised));
+    visit("possible_saving_supports", ratio(possible.all, possible.supports));
+    visit("possible_saving_blocks", ratio(possible.all, possible.blocks));
+    visit("possible_saving_region", ratio(possible.all, possible.region));
+    visit("first_possible_saving", ratio(first_possible.all, first_possible.vertices));
+    visit("first_possible_saving_region", ratio(first_possible.all, first_possible.region));
+    visit("visible_nodes_share", ratio(possible.visible, possible.all));
     visit("visible_pixels_over_tau_keyframes", share(keyframes.visible_over_tau_hidden, keyframes.pixels));
     visit("visible_pixels_over_tau_frames", share(frames.visible_over_tau_hidden, frames.pixels));
     visit("drawn_pixels_over_tau_keyframes", share(keyframes.drawn_over_tau_hidden, keyframes.pixels));

@@ -1,6 +1,7 @@
 #include "bench/occlusion/pixels.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <vector>
@@ -89,7 +90,7 @@ class Judgement {
     const double with_px = screen_.distance(hit->position, with_.lookup.at(*hit)),
                  without_px = screen_.distance(hit->position, without_.lookup.at(*hit));
     const bool is_over = with_px > most_px_, is_over_without = without_px > most_px_;
-    counts.max_px = std::max(counts.max_px, with_px);
+    if (std::isfinite(with_px)) counts.max_px = std::max(counts.max_px, with_px);
     counts.visible_over_tau += is_over ? 1 : 0;
     counts.visible_over_tau_without += is_over_without ? 1 : 0;
     counts.visible_over_tau_hidden += is_over && !is_over_without ? 1 : 0;

@@ -18,7 +18,7 @@ struct PixelCounts {
   uint64_t visible_over_tau_without = 0;  // the same pixels' where none are
   uint64_t visible_over_tau_hidden = 0;   // over where they are left out, and not where none are: thought hidden
   uint64_t drawn_over_tau_hidden = 0;     // the same of the drawn points that the pixels show
-  double max_px = 0;                      // of true points where hidden nodes are left out; infinite if not drawn
+  double max_px = 0;                      // of true points that are drawn where hidden nodes are left out
 
   void add(const PixelCounts& other);
 };

@@ -32,6 +32,7 @@ class LineOfSight {
   // The terrain's point at a lattice position inside the data. Scene frame, metres.
   glm::dvec3 pointAt(const glm::dvec2& lattice) const;
 
+  glm::dvec3 upAt(const glm::dvec3& point) const { return transform_.upAt(point); }
   const proto::GridShape& shape() const { return shape_; }
 
  private:
