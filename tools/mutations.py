@@ -67,7 +67,7 @@ MUTATIONS = [
     of("decision: context", "proto/codec", "(2 * before_ + (got ? 1 : 0)) & 3", "(2 * before_ + (got ? 1 : 0)) & 1", DELTA),
     of("height: displacement", "proto/codec/delta_codec", "height - record.middle()", "height", DELTA),
     of("section: closure dropped", "proto/codec/section_codec", "std::all_of(parents.begin(), parents.end(), isIn)",
-       "std::any_of(parents.begin(), parents.end(), isIn) || parents.begin() == parents.end()", "refine_test:PresentedSections*"),
+       "std::any_of(parents.begin(), parents.end(), isIn) || parents.begin() == parents.end()", "refine_test:HeldSectionsCodec*"),
     of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",
        "addToFrontier(mesh_->slot(parent, level - 1));", "refine_test:*SurfaceCodec*"),
     # the server

@@ -88,13 +88,13 @@ testing::AssertionResult areNear(const Triangles& a, const Triangles& b) {
 
 // Closed surfaces: each edge has two triangles, which run along it in opposite directions.
 uint64_t openEdges(const client::BlendMesh& mesh) {
-  // A vertex on a base edge stands there once for each face, at the very same places.
-  using Place = std::array<float, 6>;
+  // A vertex on a base edge is stored once for each face, at the very same positions.
+  using Positions = std::array<float, 6>;
   const auto at = [&](uint32_t v) {
     const glm::vec4 p = mesh.from_positions[v], q = mesh.to_positions[v];
-    return Place{p.x, p.y, p.z, q.x, q.y, q.z};
+    return Positions{p.x, p.y, p.z, q.x, q.y, q.z};
   };
-  std::map<std::array<Place, 2>, int> runs;
+  std::map<std::array<Positions, 2>, int> runs;
   for (size_t i = 0; i < mesh.indices.size(); i += 3)
     for (size_t k = 0; k < 3; ++k) { ++runs[{at(mesh.indices[i + k]), at(mesh.indices[i + (k + 1) % 3])}]; }
   uint64_t open = 0;
