@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/bench_flight.h"
+#include "apps/bench_occlusion.h"
 #include "apps/bench_surfaces.h"
 #include "apps/options.h"
 #include "bench/martini/report.h"
@@ -180,8 +181,9 @@ int main(int argc, char** argv) {
   RefineArguments refine_args;
   WireArguments wire_args;
   apps::SurfaceArguments surface_args;
+  apps::OcclusionArguments occlusion_args;
   const CLI::App *on_sections = addSections(app, section_args), *on_refine = addRefine(app, refine_args),
-                 *on_wire = addWire(app, wire_args);
+                 *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args);
   apps::addSurfaces(app, surface_args);
   try {
     app.parse(argc, argv);
@@ -189,6 +191,7 @@ int main(int argc, char** argv) {
   if (*on_sections) return print(sections(section_args), section_args.flight.format);
   if (*on_refine) return print(refine(refine_args), refine_args.flight.format);
   if (*on_wire) return print(wire(wire_args), wire_args.flight.format);
+  if (*on_occlusion) return print(apps::occlusion(occlusion_args), occlusion_args.flight.format);
   return print(apps::surfaces(surface_args), surface_args.format);
 }
 

@@ -37,7 +37,7 @@ Result<proto::Path> planTrack(const terrain::Scene& scene, const FlightArguments
   const auto plan = client::planTrack(*track, frame, scene.grid().shape(), options);
   if (!plan) return plan.error();
   std::vector<float> ground_m;
-  for (const glm::dvec2& at : plan->places)
+  for (const glm::dvec2& at : plan->positions)
     ground_m.push_back(
         static_cast<float>(server::groundHeight(scene, at.x, at.y).value_or(std::numeric_limits<double>::quiet_NaN())));
   const auto flown = client::pathOverGround(*plan, frame, ground_m, options);

@@ -83,7 +83,7 @@ Result<proto::Path> trackPath(const RenderOptions& o, const terrain::Scene& scen
   const Result<client::PlannedTrack> plan = client::planTrack(*track, transform, scene.grid().shape(), o.track_options);
   if (!plan.ok()) return plan.error();
   std::vector<float> ground_m;
-  for (const glm::dvec2& place : plan->places)
+  for (const glm::dvec2& place : plan->positions)
     ground_m.push_back(static_cast<float>(server::groundHeight(scene, place.x, place.y).value_or(0)));
   Result<client::TrackPath> path = client::pathOverGround(*plan, transform, ground_m, o.track_options);
   if (!path.ok()) return path.error();

@@ -48,7 +48,7 @@ double ObjectReplica::intervals(const MorphTiming& timing, const ObjectPositions
   const proto::ObjectModel& model = objects_->modelOf(object_);
   const auto positionOf = [&](NodeId v) {
     const glm::ivec3& quanta = mesh.isBase(v) ? model.base[proto::baseVertexOf(v)] : positions.at(mesh.slot(v));
-    return glm::dvec3(quanta) * model.step_m;
+    return glm::dvec3(quanta) * model.quantum_m;
   };
   const auto [a, b] = mesh.endpoints(mesh.node(slot));
   return timing.intervals(positionOf(mesh.node(slot)), 2 * glm::distance(positionOf(a), positionOf(b)));

@@ -20,7 +20,7 @@ def of(name, under, line, instead, *tests):
     return Mutation(name, under, line, instead, tests)
 
 
-GRID, ADAPT, DELTA = "proto_test:*Grid*", "refine_test:*Adaptation*:Metric*", "proto_test:DeltaCodec*"
+GRID, ADAPT, DELTA = "proto_test:*Grid*", "refine_test:*Adaptation*:MotionMargin*", "proto_test:DeltaCodec*"
 BOUNDS = "terrain_bounds_test"
 FLIGHT = "world_test:World.ErrorInEveryFrame*:*EveryStrategy*"
 
@@ -41,7 +41,7 @@ MUTATIONS = [
     of("error: tail of a row", "terrain/bounds", "std::fabs(samples[i] - (value + slope * i))", "0.0", BOUNDS),
     # the test and its slack
     of("frustum: sign", "proto/refine/metric", "is_visible & (frustum_.sideDistance(p) + R >= 0)", "is_visible & (frustum_.sideDistance(p) - R >= 0)",
-       "refine_test:*Metric*", FLIGHT),
+       "refine_test:MotionMargin*", FLIGHT),
     of("region: radius ignored", "proto/refine/metric", "view.region_radius_m", "0.0", FLIGHT, "protocol_test"),
     of("region: angle ignored", "proto/refine/frustum", "std::min(view.region_angle_rad, 1.5)", "0.0", FLIGHT, "protocol_test"),
     of("slack: side planes ignored", "proto/refine/motion_margin", "passed ? std::min(visible_margin, n.side_margin) : -visible_margin",
@@ -67,7 +67,7 @@ MUTATIONS = [
     of("decision: context", "proto/codec", "(2 * before_ + (got ? 1 : 0)) & 3", "(2 * before_ + (got ? 1 : 0)) & 1", DELTA),
     of("height: displacement", "proto/codec/delta_codec", "height - record.middle()", "height", DELTA),
     of("section: closure dropped", "proto/codec/section_codec", "std::all_of(parents.begin(), parents.end(), isIn)",
-       "std::any_of(parents.begin(), parents.end(), isIn) || parents.begin() == parents.end()", "refine_test:PresentedSections*"),
+       "std::any_of(parents.begin(), parents.end(), isIn) || parents.begin() == parents.end()", "refine_test:HeldSectionsCodec*"),
     of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",
        "addToFrontier(mesh_->slot(parent, level - 1));", "refine_test:*SurfaceCodec*"),
     # the server
@@ -78,11 +78,13 @@ MUTATIONS = [
     of("region: half the interval", "server/view", "(end - begin).us * i / steps", "(end - begin).us * i / steps / 2", FLIGHT),
     of("deadline: an interval late", "server/session", "clocks_.sendBy(*target_ - T)", "clocks_.sendBy(*target_)", FLIGHT),
     of("budget: sign", "server/section", "std::log(triangles_ / (kMiddle * budget.triangles))", "-std::log(triangles_ / (kMiddle * budget.triangles))",
-       "world_test:World.ATriangleBudget*"),
+       "view_test:ToleranceControl*"),
     # the client
     of("timeline: jump", "client", "begin = std::max(begin, entries_.back().end);", ";", "client_test:*Timeline*", "world_test:World.Strategies*"),
     of("blend: weight", "client", "weight * displacement()", "(1 - weight) * displacement()", "world_test:*Geomorph*"),
-    of("mesh: crack at the border", "client", "from + u * (to - from)", "from + 0.9 * u * (to - from)", FLIGHT),
+    of("mesh: crack at the border", "client", "from + u * (to - from)", "from + 0.9 * u * (to - from)", "client_test:MeshAtTheBorder*"),
+    of("mesh: first blends from nothing", "client", "span_.is_first ? 0 : 1", "1", "client_test:MorphTiming*"),
+    of("object: both ends alike", "client/mesh/object_mesh", "weight[s]", "weight[1]", "world_test:Objects.AreDrawn*"),
     of("morph: off by one", "client", "m.from + left / steps", "m.from + left / (steps + 1)", "client_test"),
     of("morph: region ignored", "client", "radius_m + region_radius_", "radius_m - region_radius_", "client_test"),
 ]

@@ -60,7 +60,7 @@ ordered_json describeFrame(const terrain::Scene& scene) {
 
 ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   const proto::GridShape& shape = scene.grid().shape();
-  const double step_m = scene.frame().height_quantum_m;
+  const double quantum_m = scene.frame().height_quantum_m;
   ordered_json about;
   about["file"] = path;
   about["title"] = scene.origin().title;
@@ -70,8 +70,8 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["root_samples"] = scene.grid().rootSize() + 1;
   about["levels"] = scene.grid().maxLevel();
   about["nodes"] = nodeCount(scene.grid());
-  about["lowest_m"] = scene.heightRange().lowest * step_m;
-  about["highest_m"] = scene.heightRange().highest * step_m;
+  about["lowest_m"] = scene.heightRange().lowest * quantum_m;
+  about["highest_m"] = scene.heightRange().highest * quantum_m;
   about["frame"] = describeFrame(scene);
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
@@ -100,7 +100,7 @@ void printFrame(const proto::Frame& f, const std::string& crs_wkt) {
 
 void print(const std::string& path, const terrain::Scene& scene) {
   const proto::GridShape& shape = scene.grid().shape();
-  const double step_m = scene.frame().height_quantum_m;
+  const double quantum_m = scene.frame().height_quantum_m;
   std::printf("scene      %s\n", path.c_str());
   std::printf("title      %s\n", scene.origin().title.c_str());
   std::printf("id         %s\n", hexadecimal(scene.id()).c_str());
@@ -108,8 +108,8 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("roots      %u x %u squares of %u samples a side\n", shape.roots_x, shape.roots_y,
               scene.grid().rootSize() + 1);
   std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
-  std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * step_m,
-              scene.heightRange().highest * step_m, step_m);
+  std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * quantum_m,
+              scene.heightRange().highest * quantum_m, quantum_m);
   printFrame(scene.frame(), scene.origin().crs_wkt);
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());

@@ -30,8 +30,8 @@ Summary summarise(const terrain::MappedSurface& surface) {
   terrain::forEachNode(topology, [&](proto::NodeId, proto::Slot) { ++s.nodes; });
   // Each halving of all edges makes four of a triangle; bisection begins with three for each face.
   s.full_triangles = (uint64_t{base.faceCount()} * (is_quad ? 1 : 3)) << (2 * topology.halvings());
-  s.low = h.step_m * glm::dvec3(h.low[0], h.low[1], h.low[2]);
-  s.high = h.step_m * glm::dvec3(h.high[0], h.high[1], h.high[2]);
+  s.low = h.quantum_m * glm::dvec3(h.low[0], h.low[1], h.low[2]);
+  s.high = h.quantum_m * glm::dvec3(h.high[0], h.high[1], h.high[2]);
   return s;
 }
 
@@ -53,7 +53,7 @@ ordered_json describeSurface(const terrain::MappedSurface& surface) {
   about["full_triangles"] = s.full_triangles;
   about["low"] = {s.low.x, s.low.y, s.low.z};
   about["high"] = {s.high.x, s.high.y, s.high.z};
-  about["step"] = surface.stepMetres();
+  about["step"] = surface.quantumMetres();
   about["image"] = {{"width", surface.atlas().width()},
                     {"height", surface.atlas().height()},
                     {"texels_per_base_edge", surface.atlas().side}};
@@ -72,7 +72,7 @@ void printSurface(const std::string& path, const terrain::MappedSurface& surface
   std::printf("hierarchy  %s, %d levels, %" PRIu64 " nodes, %" PRIu64 " triangles in all\n", s.rule,
               surface.topology().maxLevel(), s.nodes, s.full_triangles);
   std::printf("box        (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g), multiples of %g\n", s.low.x, s.low.y, s.low.z,
-              s.high.x, s.high.y, s.high.z, surface.stepMetres());
+              s.high.x, s.high.y, s.high.z, surface.quantumMetres());
   if (surface.atlas().side > 0)
     std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),
                 surface.atlas().height(), surface.atlas().side);

@@ -38,7 +38,7 @@ RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueS
   r.to_original = terrain::largestDistance(by, closest_original, tolerance, threads) / r.diagonal;
   r.to_surface = terrain::largestDistance(of, closest_surface, tolerance, threads) / r.diagonal;
   r.flipped = terrain::findFlipped(by, closest_original, threads).size();
-  r.step = surface.step_m;
+  r.step = surface.quantum_m;
   return r;
 }
 

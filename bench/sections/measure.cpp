@@ -156,7 +156,7 @@ SectionComparisons measureComparisons(const server::Hierarchy& hierarchy, const 
   const double triangles = meanTriangles(hierarchy, guaranteed);
   return {.two_threads_over_one =
               keyframesPerSecond(hierarchy, guaranteed, 2) / keyframesPerSecond(hierarchy, guaranteed, 1),
-          .promise_triangle_overhead = triangles / meanTriangles(hierarchy, plain) - 1,
+          .guarantee_triangle_overhead = triangles / meanTriangles(hierarchy, plain) - 1,
           .spheroid_triangle_saving = 1 - triangles / meanTriangles(isotropic, guaranteed)};
 }
 

@@ -61,13 +61,13 @@ Result<double> tauForTriangles(const server::Hierarchy& hierarchy, std::vector<p
 // Of the terrain alone: what is gained and paid, as shares of triangles; and how well two threads do.
 struct SectionComparisons {
   double two_threads_over_one = 0;
-  double promise_triangle_overhead = 0;  // of keeping tau in every frame, over keeping it at keyframes alone
-  double spheroid_triangle_saving = 0;   // of knowing that errors are vertical
+  double guarantee_triangle_overhead = 0;  // of keeping tau in every frame, over keeping it at keyframes alone
+  double spheroid_triangle_saving = 0;     // of knowing that errors are vertical
 
   template <class Visit>
   void fields(const Visit& visit) const {
     visit("two_threads_over_one", two_threads_over_one);
-    visit("promise_triangle_overhead", promise_triangle_overhead);
+    visit("guarantee_triangle_overhead", guarantee_triangle_overhead);
     visit("spheroid_triangle_saving", spheroid_triangle_saving);
   }
 };

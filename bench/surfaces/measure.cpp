@@ -92,7 +92,7 @@ SurfaceBench::SurfaceBench(const terrain::TrueSurface& surface, proto::ErrorShap
 
 proto::SurfaceDomain SurfaceBench::domain(const SurfaceSession& session) const {
   return {.mesh = &surface_.topology,
-          .step_m = surface_.step_m,
+          .quantum_m = surface_.quantum_m,
           .interior_per_tau = session.interior_px / session.silhouette_px,
           .nearest_m = nearest_m_,
           .is_closed = full_.is_closed,

@@ -15,7 +15,7 @@ Result<TrueSurface> stored(const std::filesystem::path& path) {
   const auto file = terrain::MappedSurface::open(path);
   if (!file) return file.error();
   const terrain::MappedSurface& surface = **file;
-  TrueSurface made{surface.topology(), surface.stepMetres(), {}, {}};
+  TrueSurface made{surface.topology(), surface.quantumMetres(), {}, {}};
   made.base.assign(surface.basePositions().begin(), surface.basePositions().end());
   made.nodes.reserve(surface.nodes().size());
   for (const proto::SurfaceRecord& node : surface.nodes()) made.nodes.push_back(node.position);

@@ -14,7 +14,7 @@ PlainSection plainRefine(const terrain::TrueSurface& surface, std::span<const pr
   PlainSection section{std::vector<uint8_t>(mesh.slotCount(), 0), 0};
   std::vector<NodeId> active, next;
   const auto test = [&](NodeId n, Slot slot) {
-    if (section.active[slot] || !metric.passes(proto::SurfaceBounds::of(records[slot], surface.step_m))) return;
+    if (section.active[slot] || !metric.passes(proto::SurfaceBounds::of(records[slot], surface.quantum_m))) return;
     section.active[slot] = 1;
     ++section.nodes;
     next.push_back(n);
@@ -99,7 +99,7 @@ std::vector<DrawnTriangle> drawnTriangles(const terrain::TrueSurface& surface, c
     const auto visit = [&](NodeId a, NodeId b, NodeId c) {
       DrawnTriangle t{face, {}, {position(a), position(b), position(c)}};
       const NodeId corners[3] = {a, b, c};
-      for (size_t i = 0; i < 3; ++i) t.weights[i] = surfacePoint(mesh.placeIn(face, corners[i])).weights;
+      for (size_t i = 0; i < 3; ++i) t.weights[i] = surfacePoint(mesh.facePointIn(face, corners[i])).weights;
       triangles.push_back(t);
     };
     proto::forEachTriangleOf(

@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t kUnused = 0xffffffffu;
 
-void takeMesh(const client::KeyframeMesh& mesh, double step_m, HeldMesh& out) {
+void takeMesh(const client::KeyframeMesh& mesh, double quantum_m, HeldMesh& out) {
   std::vector<uint32_t> vertices(mesh.parameters.size(), kUnused);  // base vertices beyond the data are of no triangle
   for (uint32_t index : mesh.indices) {
     if (vertices[index] == kUnused) {
@@ -19,7 +19,7 @@ void takeMesh(const client::KeyframeMesh& mesh, double step_m, HeldMesh& out) {
       const glm::vec4& p = mesh.to_positions[index];
       out.scene.positions.emplace_back(p.x, p.y, p.z);
       out.lattice.positions.emplace_back(mesh.parameters[index].x, mesh.parameters[index].y,
-                                         std::round(static_cast<double>(p.w) / step_m));
+                                         std::round(static_cast<double>(p.w) / quantum_m));
     }
     out.lattice.indices.push_back(vertices[index]);
   }

@@ -11,11 +11,11 @@ namespace {
 
 struct Sum {
   double height_bits = 0, structure_bits = 0, framing_bits = 0, asked = 0, added = 0, removed = 0;
-  double object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
-  double object_places = 0, object_added = 0;
+  double object_structure_bits = 0, object_position_bits = 0, object_framing_bits = 0;
+  double object_positions = 0, object_added = 0;
 
   double bits() const { return height_bits + structure_bits + framing_bits; }  // the terrain's
-  double objectBits() const { return object_structure_bits + object_place_bits; }
+  double objectBits() const { return object_structure_bits + object_position_bits; }
   double changed() const { return added + removed; }
 };
 
@@ -31,17 +31,17 @@ void compare(const client::Replica& replica, const server::Hierarchy& hierarchy,
 
 void addObjects(const proto::SurfaceBits& bits, double framing_bits, Sum& sum) {
   sum.object_structure_bits += bits.structure;
-  sum.object_place_bits += bits.places;
+  sum.object_position_bits += bits.positions;
   sum.object_framing_bits += framing_bits;
-  sum.object_places += static_cast<double>(bits.placed);
+  sum.object_positions += static_cast<double>(bits.positions_sent);
   sum.object_added += static_cast<double>(bits.added);
 }
 
 void shareObjects(const Sum& sum, WireCosts& costs) {
   costs.object_structure_bits = sum.object_structure_bits / sum.object_added;
-  costs.object_place_bits = sum.object_place_bits / sum.object_added;
+  costs.object_position_bits = sum.object_position_bits / sum.object_added;
   costs.object_framing_bits = sum.object_framing_bits / sum.object_added;
-  costs.bits_per_object_node = costs.object_structure_bits + costs.object_place_bits + costs.object_framing_bits;
+  costs.bits_per_object_node = costs.object_structure_bits + costs.object_position_bits + costs.object_framing_bits;
 }
 
 void shareTimes(const WireTimes& times, double first_nodes, double changed, WireCosts& costs) {
@@ -73,7 +73,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<prot
     const double framing_bits =
         8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
     const double delta_bits = 8.0 * static_cast<double>(k.delta_bytes);
-    const double object_bits = k.object_bits.structure + k.object_bits.places;
+    const double object_bits = k.object_bits.structure + k.object_bits.positions;
     sum.framing_bits += framing_bits;
     sum.height_bits += k.bits.heights;
     sum.structure_bits += delta_bits - k.bits.heights - object_bits;
@@ -99,7 +99,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<prot
   costs.first_section_height_bits = first.height_bits / first.added;
   costs.first_section_structure_bits = first.structure_bits / first.added;
   costs.object_nodes_added = static_cast<uint64_t>(all.object_added);
-  costs.object_places = static_cast<uint64_t>(all.object_places);
+  costs.object_positions = static_cast<uint64_t>(all.object_positions);
   if (all.object_added > 0) shareObjects(all, costs);
   costs.kbit_per_s = 1e-3 * (rest.bits() + rest.objectBits()) / (keyframes * keyframe_interval.toSeconds());
   shareTimes(timeWire(hierarchy, views, flight, keyframe_interval), first.added, rest.changed(), costs);

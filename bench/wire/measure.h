@@ -21,8 +21,8 @@ struct WireCosts {
   // Over the whole flight, the first section included: nodes added to the sections of objects, those of them whose
   // position was sent (no other object of the model had it), and the bits of each node added: which nodes are added and
   // removed, their positions, and objects' share of framing by their share of the deltas' bits.
-  uint64_t object_nodes_added = 0, object_places = 0;
-  double bits_per_object_node = 0, object_structure_bits = 0, object_place_bits = 0, object_framing_bits = 0;
+  uint64_t object_nodes_added = 0, object_positions = 0;
+  double bits_per_object_node = 0, object_structure_bits = 0, object_position_bits = 0, object_framing_bits = 0;
   // Millions of nodes added or removed per second (times.h), the first section apart. Encoding is what sending takes
   // beyond adaptation alone; decoding includes the client's adaptation.
   double encode_mnodes_per_s = 0, decode_mnodes_per_s = 0;
@@ -52,10 +52,10 @@ struct WireCosts {
     visit("kbit_per_s", kbit_per_s);
     visit("objects", objects);
     visit("object_nodes_added", object_nodes_added);
-    visit("object_places", object_places);
+    visit("object_positions", object_positions);
     visit("bits_per_object_node", bits_per_object_node);
     visit("object_structure_bits", object_structure_bits);
-    visit("object_place_bits", object_place_bits);
+    visit("object_position_bits", object_position_bits);
     visit("object_framing_bits", object_framing_bits);
     visit("encode_mnodes_per_s", encode_mnodes_per_s);
     visit("decode_mnodes_per_s", decode_mnodes_per_s);

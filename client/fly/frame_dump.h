@@ -1,4 +1,4 @@
-// Writes what is drawn, for anyone to judge with their own tools: a frame's interpolated mesh as binary PLY (metres,
+// Writes what is drawn, so that other tools can judge it: a frame's interpolated mesh as binary PLY (metres,
 // scene frame) and a line of frames.jsonl with its camera. docs/FLY.md describes both. A PLY appears whole under its
 // name or not at all, and its line is written after it. One owner.
 #pragma once

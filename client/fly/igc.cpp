@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDay_s = 86'400;
 
-// Columns count from 1 in the specification; 0 means absent.
+// Columns, counted from 1 as in the specification; 0 means absent.
 struct Extensions {
   size_t latitude_first = 0, latitude_last = 0;
   size_t longitude_first = 0, longitude_last = 0;
@@ -99,7 +99,7 @@ void addFixes(const std::vector<BRecord>& records, TrackBuilder& builder) {
   double days_s = 0, last_day_s = records.empty() ? 0 : records.front().day_s;
   for (const BRecord& r : records) {
     double before_midnight_s = 0;
-    if (r.day_s < last_day_s - kDay_s / 2) {  // midnight; smaller steps back are disorder
+    if (r.day_s < last_day_s - kDay_s / 2) {  // midnight; smaller steps back are fixes out of order
       days_s += kDay_s;
       last_day_s = r.day_s;
     } else if (days_s > 0 && r.day_s > last_day_s + kDay_s / 2) {  // a straggler from before midnight

@@ -64,7 +64,7 @@ void Player::enter(Phase phase, Time now) {
   phase_start_ = now;
 }
 
-// While flying the server may be as late as it is; that is for the report to tell.
+// While flying there is no timeout: how late the server is stands in the report.
 Status Player::checkTimeout(Time now) const {
   const bool flies_blind = phase_ == Phase::kFlying && view_.mesh == nullptr && viewer_.statistics().keyframes == 0;
   if (phase_ != Phase::kGreeting && phase_ != Phase::kPlanning && !flies_blind) return {};
@@ -89,9 +89,9 @@ Status Player::plan() {
 }
 
 void Player::askGround() {
-  const size_t from = ground_m_.size(), to = std::min(planned_.places.size(), from + proto::kMaxGroundPoints);
-  viewer_.requestGround(
-      {planned_.places.begin() + static_cast<ptrdiff_t>(from), planned_.places.begin() + static_cast<ptrdiff_t>(to)});
+  const size_t from = ground_m_.size(), to = std::min(planned_.positions.size(), from + proto::kMaxGroundPoints);
+  viewer_.requestGround({planned_.positions.begin() + static_cast<ptrdiff_t>(from),
+                         planned_.positions.begin() + static_cast<ptrdiff_t>(to)});
 }
 
 Status Player::takePlan(Time now) {
@@ -105,7 +105,7 @@ Status Player::takeGround(Time now) {
   std::optional<proto::GroundReply> ground = viewer_.takeGround();
   if (!ground) return {};
   ground_m_.insert(ground_m_.end(), ground->heights_m.begin(), ground->heights_m.end());
-  if (!ground->heights_m.empty() && ground_m_.size() < planned_.places.size()) {
+  if (!ground->heights_m.empty() && ground_m_.size() < planned_.positions.size()) {
     askGround();
     return {};
   }
@@ -161,7 +161,7 @@ void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>
     if (entry.what == FlightLog::What::kReconnect) player.reconnect(entry.time);
     if (entry.what == FlightLog::What::kFrame) status = player.frame(entry.time);
     while (player.takeOutgoing(unsent)) continue;
-    if (!status.ok()) return;  // the flight ended here then, too
+    if (!status.ok()) return;  // the recorded flight ended here, too
     if (entry.what == FlightLog::What::kFrame && !on_frame(player, entry.time)) return;
   }
 }

@@ -2,10 +2,10 @@
 // what to draw out; sockets and clocks belong to whoever drives it, so the same flight can be flown over a network or
 // in virtual time.
 //
-// A flight goes: greeting (until the server's welcome), planning (tour or ground heights asked for), standing at the
-// first pose until the first section is there, flying, done. What the player was fed is recorded; feeding it again
-// (replay) gives the same frames bit by bit, so measuring and dumping happen after landing and do not disturb the
-// flight. One owner.
+// The stages of a flight: greeting, until the server's welcome arrives; planning, while a tour or ground heights are
+// requested; standing at the first pose, until the first section is there; flying; done. The player's input is
+// recorded. A replay of the record gives the same frames bit by bit, so measuring and dumping happen after the flight
+// and do not disturb it. One owner.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ namespace foreland::client {
 enum class PathKnowledge : uint8_t {
   kAnnounced,
   kPrivate
-};  // kAnnounced: the server is told the path (predictor kKnownPath)
+};  // kAnnounced: the server knows the path (predictor kKnownPath)
 
 struct PlayerOptions {
   proto::ViewRequest request;
@@ -32,12 +32,12 @@ struct PlayerOptions {
   std::string tour = "survey";  // used if there is no track
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
-  double seconds = 60;                                // of the flight; for tracks track_options.seconds counts
-  Duration standing = Duration::milliseconds(1000);   // least time at the first pose
-  Duration timeout = Duration::milliseconds(10'000);  // longest wait for an answer, or for the first section
+  double seconds = 60;                               // of the flight; on a track, track_options.seconds is used instead
+  Duration standing = Duration::milliseconds(1000);  // least time at the first pose
+  Duration timeout = Duration::milliseconds(10'000);  // longest wait for a reply, or for the first section
 };
 
-// All that a player was fed, in order.
+// A player's input, in order.
 struct FlightLog {
   enum class What : uint8_t { kFrame, kMessage, kReconnect };
   struct Entry {
@@ -67,16 +67,17 @@ class Player {
 
   explicit Player(PlayerOptions options);
 
-  // An Error ends the flight: tell the user and disconnect. The report stays valid.
+  // Takes a message from the server. An Error ends the flight: show it to the user and disconnect. The report stays
+  // valid.
   Status receive(ByteSpan message, Time now);
-  // The connection was lost and there is a new one; the flight goes on, or is planned again if it had not begun.
+  // The connection was lost and there is a new one. The flight continues, or is planned again if it had not begun.
   void reconnect(Time now);
-  // One frame. Times do not decrease; 60 a second is customary.
+  // Draws one frame. Times must not decrease; 60 frames a second are customary.
   Status frame(Time now);
   bool takeOutgoing(Bytes& message) { return viewer_.takeOutgoing(message); }
 
   Phase phase() const { return phase_; }
-  // What the last frame drew; valid until the next frame. Its mesh may be nullptr.
+  // What the last frame showed; valid until the next frame. Its mesh may be nullptr.
   const FrameView& view() const { return view_; }
   // The camera's planned path on the client's clock; valid from kStanding on.
   const proto::Path& path() const { return path_; }

@@ -1,7 +1,7 @@
-// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) read into fixes in time order. Readers accept
-// any bytes: a line or point that is not what it should be is counted and skipped, with a note that names it. Markup
-// that is not well-formed and a track of fewer than two usable fixes are Errors. Times start at zero and strictly
-// increase; flights over midnight go on. Pure functions on text, but readTrack, which opens the file. Any thread.
+// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) are read into fixes in time order. Readers
+// accept any bytes: a line or point that is malformed is counted and skipped, with a note that names it. Markup that is
+// not well-formed, and a track of fewer than two usable fixes, are Errors. Times start at zero and strictly increase,
+// also over midnight. Pure functions on text, except readTrack, which opens the file. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -33,7 +33,7 @@ struct Track {
   double seconds() const { return fixes.empty() ? 0 : fixes.back().time_s; }
 };
 
-// `name` stands in messages.
+// Error messages and notes call the file `name`.
 Result<Track> parseIgc(std::string_view text, const std::string& name);
 // Track points, of all segments; route points if there are none. Points without a time get one at 10 m/s along the
 // track.

@@ -1,5 +1,5 @@
-// What the track readers share: collecting fixes as they stand in the file, notes on what was skipped, and the finish
-// that every track gets. One owner; used by igc.cpp and gpx.cpp only.
+// What the track readers share: they add fixes in the file's order and notes on what was skipped, and finish() makes a
+// Track of them. One owner; used by igc.cpp and gpx.cpp only.
 #pragma once
 
 #include <optional>
@@ -23,14 +23,15 @@ class TrackBuilder {
  public:
   explicit TrackBuilder(std::string name) : name_(std::move(name)) {}
 
-  // Counts something unusable; the first few are noted as "name:line: why".
+  // Counts a line or point that cannot be used; the first few are noted as "name:line: why".
   void skip(size_t line, std::string_view why);
   void note(const std::string& text) { notes_.push_back(name_ + ": " + text); }
   // Skips fixes off the globe or with absurd heights.
   void add(size_t line, const RawFix& fix);
   bool isFull() const { return fixes_.size() >= Track::kMaxFixes; }
 
-  // Orders time, fills heights, drops repeated times. An Error if fewer than two fixes are left.
+  // Fills in missing times and heights and drops fixes whose time repeats or goes back. An Error if fewer than two
+  // fixes are left.
   Result<Track> finish(std::string_view kind) &&;
 
  private:

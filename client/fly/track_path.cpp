@@ -61,7 +61,7 @@ Status check(const Track& track, const proto::FrameTransform& frame, const Track
   return {};
 }
 
-// Lattice place (x, y) and recorded height of a fix; longitudes turn round the globe into the scene's range.
+// Lattice position (x, y) and recorded height of a fix; longitudes are moved by whole turns into the scene's range.
 glm::dvec3 latticeOf(const Fix& fix, const proto::Frame& frame) {
   const double east = fix.longitude_rad - frame.longitude0_rad;
   const double turned = east - kTwoPi * std::floor(east / kTwoPi);
@@ -100,7 +100,7 @@ Stretch longestStretch(size_t size, Inside&& inside) {
   return best;
 }
 
-// Level direction of flight at each place; where the camera stands still it looks as it did before.
+// Horizontal direction of flight at each position; where the camera stands still it keeps the direction before.
 std::vector<glm::dvec3> directions(const std::vector<glm::dvec3>& eyes, const proto::FrameTransform& frame,
                                    Duration step) {
   const size_t behind = stepsIn(kLookBehind_s, step), ahead = stepsIn(kLookAhead_s, step), last = eyes.size() - 1;
@@ -175,7 +175,7 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
     plan.notes.push_back(std::to_string(points.size() - inside.count) + " of " + std::to_string(points.size()) +
                          " poses lie outside the data, or apart from the longest stretch inside it; cut off");
   for (size_t i = inside.first; i < inside.first + inside.count; ++i) {
-    plan.places.emplace_back(points[i].x, points[i].y);
+    plan.positions.emplace_back(points[i].x, points[i].y);
     plan.heights_m.push_back(points[i].z);
   }
   return plan;
@@ -183,17 +183,18 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
 
 Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame,
                                  std::span<const float> ground_m, const TrackOptions& o) {
-  if (ground_m.size() != plan.places.size() || plan.heights_m.size() != plan.places.size())
+  if (ground_m.size() != plan.positions.size() || plan.heights_m.size() != plan.positions.size())
     return Error{ErrorCode::kMalformed, "the server answered " + std::to_string(ground_m.size()) +
-                                            " ground heights for " + std::to_string(plan.places.size()) + " places"};
+                                            " ground heights for " + std::to_string(plan.positions.size()) +
+                                            " positions"};
   if (!std::ranges::all_of(ground_m, [](float h) { return std::isfinite(h); }))
     return Error{ErrorCode::kMalformed,
-                 "the server knows no ground height at a place of the track that is inside its data"};
+                 "the server knows no ground height at a position of the track that is inside its data"};
   TrackPath result;
   const std::vector<double> heights = heightProfile(plan, ground_m, o, result.lifted);
-  std::vector<glm::dvec3> eyes(plan.places.size());
+  std::vector<glm::dvec3> eyes(plan.positions.size());
   for (size_t i = 0; i < eyes.size(); ++i)
-    eyes[i] = frame.toScene(proto::LatticePosition{plan.places[i].x, plan.places[i].y, heights[i]});
+    eyes[i] = frame.toScene(proto::LatticePosition{plan.positions[i].x, plan.positions[i].y, heights[i]});
   const std::vector<glm::dvec3> ahead = directions(eyes, frame, plan.step);
   result.path.step = plan.step;
   result.path.poses.reserve(eyes.size());

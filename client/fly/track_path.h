@@ -1,6 +1,6 @@
-// From a recorded track to a planned path of the camera: resampled, smoothed, looking along the track and a little
-// down, at a chosen speed, kept above the ground. Two steps, for the ground's heights come from the server in between.
-// Pure functions; any thread.
+// Makes a path of the camera from a recorded track: resampled, smoothed, looking along the track and a little down, at
+// a chosen speed, kept above the ground. There are two steps, because the ground's heights come from the server in
+// between. Pure functions; any thread.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -27,8 +27,8 @@ struct TrackOptions {
 // Where the flight goes, before the ground is known.
 struct PlannedTrack {
   Duration step;  // of the flight's time: 100 ms, or more where a Path could not hold so many poses
-  std::vector<glm::dvec2> places = {};  // lattice
-  std::vector<double> heights_m = {};   // recorded, above the zero surface
+  std::vector<glm::dvec2> positions = {};  // lattice positions
+  std::vector<double> heights_m = {};      // recorded, above the zero surface
   std::vector<std::string> notes = {};
 };
 
@@ -44,8 +44,9 @@ struct TrackPath {
 Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& frame, const proto::GridShape& shape,
                                const TrackOptions& options);
 
-// `ground_m` has a height per place. Lifting, and the profile of `agl_m`, follow the ground's upper envelope over two
-// seconds, so the camera rises before a ridge and does not shake; it is never lower than asked for at any pose.
+// `ground_m` has a height for each position. Lifting, and the profile of `agl_m`, follow the ground's upper envelope
+// over two seconds, so the camera rises before a ridge and does not shake; it is nowhere lower than the clearance or
+// `agl_m` demand.
 Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTransform& frame,
                                  std::span<const float> ground_m, const TrackOptions& options);
 

@@ -2,15 +2,17 @@
 // object, in that surface's own frame. Lengths are in intervals, the time that one mesh is shown for; no change takes
 // less than one, unless it is a jump.
 //
+// For the first mesh, and the first one after a restart from nothing, every change is a jump: both ends show the whole
+// section. Later,
+//
 //   keyframe   one interval for every node
 //   geomorph   a time that shrinks with how fast the node moves before the eye. Its rate is that of a change at rest, plus
 //              shares for the speed at which the eye nears it and turns,
 //                  1 / seconds = 1 / kAtRest_s + v / (kMoved r) + angular_speed / kTurned_rad
 //              so that the change is over before the eye has come nearer by kMoved of the distance r: an error that is
 //              corrected late is then at most 1 / (1 - kMoved) of what it was when the keyframe wanted it corrected.
-//              0, a jump, for the first section of all, and for what cannot be seen from anywhere in the region that the
-//              keyframe's error guarantee covers: it was added or removed because of the frustum or the back faces, or
-//              nobody can tell.
+//              0, a jump, for what cannot be seen from anywhere in the region that the keyframe's error guarantee
+//              covers: it was added or removed because of the frustum or the back faces, or nobody can tell.
 // Value; any thread; O(1) a node.
 #pragma once
 
@@ -60,12 +62,12 @@ class MorphTiming {
         metres_per_s_(metres_per_s),
         frustum_(from, 0) {}
 
-  // Whether every node takes one interval, so that intervals() ignores its arguments.
-  bool isUniform() const { return span_.blend == Blend::kKeyframe; }
+  // Whether every node takes equally long, so that intervals() ignores its arguments.
+  bool isUniform() const { return span_.is_first || span_.blend == Blend::kKeyframe; }
   // How many intervals a node takes whose support lies within the sphere; 0 for a jump.
   double intervals(const glm::dvec3& centre, double radius_m) const {
-    if (isUniform()) return 1;
-    if (span_.is_first || !meetsFrustum(centre, radius_m)) return 0;
+    if (isUniform()) return span_.is_first ? 0 : 1;
+    if (!meetsFrustum(centre, radius_m)) return 0;
     const double r = std::max(glm::distance(centre, eye_), 1e-3);
     const double per_s = 1 / kAtRest_s + metres_per_s_ / (kMoved * r) + span_.motion.radians_per_s / kTurned_rad;
     return std::max(1.0, 1 / (per_s * std::max(span_.seconds, 1e-3)));

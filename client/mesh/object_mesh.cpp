@@ -43,7 +43,7 @@ class Builder {
         model_(objects.modelOf(positions.object)),
         placement_(objects.placement(positions.object)),
         layout_(parameterLayout(mesh_.base().faceCount(), model_.atlas_side)),
-        scale_(mesh_.placeScale()),
+        scale_(mesh_.weightScale()),
         out_(out) {
     in_from_.insert(sections.from);
     in_to_.insert(sections.to);
@@ -70,8 +70,8 @@ class Builder {
 
  private:
   glm::dvec3 truePosition(NodeId v) const {
-    if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.step_m;
-    return glm::dvec3(positions_.at(mesh_.slot(v))) * model_.step_m;
+    if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.quantum_m;
+    return glm::dvec3(positions_.at(mesh_.slot(v))) * model_.quantum_m;
   }
   std::array<double, 2> weights(NodeId n) const {
     if (const Morph* m = findMorph(sections_.morphs, mesh_.slot(n))) return {m->from, m->to};
@@ -111,7 +111,7 @@ class Builder {
   uint32_t corner(uint32_t face, NodeId v) {
     const auto [it, is_new] = corners_.try_emplace(v, static_cast<uint32_t>(out_.corners.size()));
     if (is_new) {
-      const proto::FacePoint point = mesh_.placeIn(face, v);
+      const proto::FacePoint point = mesh_.facePointIn(face, v);
       const glm::dvec3 weights(point.weights[0], point.weights[1], point.weights[2]);
       out_.corners.push_back({vertex(v), glm::vec2(layout_.coordinates(face, weights / scale_))});
     }

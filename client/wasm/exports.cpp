@@ -31,7 +31,7 @@ struct Host {
   PoseRecord pose_record{};
   FrameRecord frame_record{};
   WelcomeRecord welcome_record{};
-  PlaceRecord place_record{};
+  MapPositionRecord place_record{};
   StatisticsRecord statistics_record{};
   TextRecord text_record{};
 };
@@ -259,13 +259,13 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
 }
 
 // A point of the scene in the coordinates of the data's owner. Null before the welcome.
-FORELAND_EXPORT(foreland_place) const PlaceRecord* place(Host* host, double x, double y, double z) {
+FORELAND_EXPORT(foreland_map_position) const MapPositionRecord* place(Host* host, double x, double y, double z) {
   if (!host->viewer.isGreeted()) return nullptr;
   const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
   const glm::dvec3 point(x, y, z), up = transform.upAt(point);
   const proto::LatticePosition lattice = transform.toLattice(point);
   const std::optional<double> ground = host->viewer.groundHeight(lattice.x, lattice.y);
-  PlaceRecord& out = host->place_record;
+  MapPositionRecord& out = host->place_record;
   out.height_m = lattice.height_m;
   out.ground_m = ground.value_or(std::numeric_limits<double>::quiet_NaN());
   out.up[0] = up.x;

@@ -92,10 +92,10 @@ inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, unused),
 };
 inline constexpr RecordField kPlaceFields[] = {
-    FORELAND_FIELD(PlaceRecord, height_m),
-    FORELAND_FIELD(PlaceRecord, ground_m),
-    FORELAND_FIELD(PlaceRecord, up),
-    FORELAND_FIELD(PlaceRecord, across),
+    FORELAND_FIELD(MapPositionRecord, height_m),
+    FORELAND_FIELD(MapPositionRecord, ground_m),
+    FORELAND_FIELD(MapPositionRecord, up),
+    FORELAND_FIELD(MapPositionRecord, across),
 };
 inline constexpr RecordField kStatisticsFields[] = {
     FORELAND_FIELD(StatisticsRecord, bytes_down),       FORELAND_FIELD(StatisticsRecord, bytes_up),
@@ -111,7 +111,7 @@ inline constexpr RecordLayout kRecordLayouts[] = {
     {"PoseRecord", sizeof(PoseRecord), kPoseFields},
     {"FrameRecord", sizeof(FrameRecord), kFrameFields},
     {"WelcomeRecord", sizeof(WelcomeRecord), kWelcomeFields},
-    {"PlaceRecord", sizeof(PlaceRecord), kPlaceFields},
+    {"MapPositionRecord", sizeof(MapPositionRecord), kPlaceFields},
     {"StatisticsRecord", sizeof(StatisticsRecord), kStatisticsFields},
     {"TextRecord", sizeof(TextRecord), kTextFields},
 };

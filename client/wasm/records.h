@@ -69,7 +69,7 @@ struct WelcomeRecord {
 };
 
 // Where a point of the scene is, in the coordinates of the data's owner.
-struct PlaceRecord {
+struct MapPositionRecord {
   double height_m;   // above the zero surface
   double ground_m;   // height of the ground below, above the zero surface; NaN: unknown, or beyond the data
   double up[3];      // away from the zero surface

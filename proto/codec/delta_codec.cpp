@@ -34,19 +34,19 @@ class LevelCoder {
         coder_(coder),
         symbols_(coder, model.escape),
         scale_(static_cast<size_t>(std::min((grid_.maxLevel() - level) / 2, 7))),
-        steps_per_m_(1 / domain.frame.transform().frame().height_quantum_m) {}
+        quanta_per_m_(1 / domain.frame.transform().frame().height_quantum_m) {}
 
   // An encoder passes the decisions, a decoder gets them. The contexts of some nodes are looked up before the first of
   // them is coded, so that their look-ups wait for memory together.
   void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
     constexpr size_t kAhead = 64;
-    std::array<Places, kAhead> places;
+    std::array<Records, kAhead> records;
     std::array<Context, kAhead> contexts;
     std::array<uint8_t, kAhead> got;
     for (size_t begin = 0; begin < predicates.size(); begin += kAhead) {
       const size_t count = std::min(kAhead, predicates.size() - begin);
-      for (size_t i = 0; i < count; ++i) places[i] = find(predicates[begin + i]);
-      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(predicates[begin + i], places[i]);
+      for (size_t i = 0; i < count; ++i) records[i] = find(predicates[begin + i]);
+      for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(predicates[begin + i], records[i]);
       for (size_t i = 0; i < count; ++i) got[i] = codeDecision(contexts[i], decisions[begin + i] != 0) ? 1 : 0;
       for (size_t i = 0; i < count; ++i)
         if (got[i] && !predicates[begin + i].is_in_section)
@@ -61,7 +61,7 @@ class LevelCoder {
     const PredictionContext* known = cached_contexts_.take(slot);
     const PredictionContext context =
         known ? *known : PredictionContext::of(PredictionContext::find(grid_, nodes_, names_.at(slot), level_));
-    const double least = stepsOf(passed), expected = context.expected();
+    const double least = quantaOf(passed), expected = context.expected();
     const size_t scale = static_cast<size_t>(
         std::clamp(halfOctaves(std::max(least, expected)) + 4, 0, static_cast<int>(DeltaModel::kScales) - 1));
     const size_t ratio = binOf(halfOctaves(expected / least), {-2, 0, 2});
@@ -80,25 +80,25 @@ class LevelCoder {
     PredictionContext context;  // unless the node is in the section
   };
   // What the context depends on: the record of a node that is in the section, else the records around the node.
-  struct Places {
+  struct Records {
     const NodeRecord* own;
-    PredictionContext::Places context;
+    PredictionContext::Neighbours context;
   };
-  Places find(const Predicate& q) {
+  Records find(const Predicate& q) {
     if (!q.is_in_section) return {nullptr, PredictionContext::find(grid_, nodes_, names_.at(q.slot), level_)};
     const NodeRecord& own = nodes_.at(q.slot);
     __builtin_prefetch(&own);
     return {&own, {}};
   }
-  Context contextOf(const Predicate& q, const Places& places) {
+  Context contextOf(const Predicate& q, const Records& records) {
     if (q.is_in_section) {
-      const double own = std::abs(places.own->displacement()) + 0.25;
-      const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / stepsOf(q.least)) + 5, 0, 7));
+      const double own = std::abs(records.own->displacement()) + 0.25;
+      const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / quantaOf(q.least)) + 5, 0, 7));
       const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
       return {&model_.leaf[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
     }
-    const PredictionContext context = PredictionContext::of(places.context);
-    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(context.expected() / stepsOf(q.least)) + 8, 0, 15));
+    const PredictionContext context = PredictionContext::of(records.context);
+    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(context.expected() / quantaOf(q.least)) + 8, 0, 15));
     if (q.is_new) return {&model_.newly_addable[(size * 8 + scale_) * 4], true, context};
     const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);
     return {&model_.addable[(size * 8 + width) * 8 + scale_], false, context};
@@ -109,7 +109,7 @@ class LevelCoder {
     return got;
   }
 
-  double stepsOf(QuantisedError c) const { return static_cast<double>(c.metres()) * steps_per_m_; }
+  double quantaOf(QuantisedError c) const { return static_cast<double>(c.metres()) * quanta_per_m_; }
   // Only hostile bytes lead outside the range.
   static int32_t inRange(int64_t height) {
     return static_cast<int32_t>(std::clamp<int64_t>(height, -kMaxHeight - 1, kMaxHeight + 1));
@@ -124,7 +124,7 @@ class LevelCoder {
   Coder& coder_;
   Symbols<Coder> symbols_;
   size_t scale_;
-  double steps_per_m_;
+  double quanta_per_m_;
   size_t before_ = 0;  // the last two decisions
 };
 

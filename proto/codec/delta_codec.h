@@ -1,7 +1,7 @@
 // Cut deltas as bytes. Both ends run the same adaptation (refine/adapter.h) for the keyframe's view, so whatever
 // follows from the view and from the bounds that both ends know is not sent. Sent are, in the order in which the
 // adapter pulls them from its source,
-//   blocks     which blocks of the terrain are hidden (block_coder.h), on connections that tell them
+//   blocks     which blocks of the terrain are hidden (block_coder.h), on connections whose welcome says so
 //   decisions  of predicates: whether a node's error is at least the least that the view shows
 //   heights    of the nodes that are added to the section, exact
 //   radii      one for each page that was empty so far

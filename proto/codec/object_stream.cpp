@@ -42,7 +42,7 @@ SurfaceCodecState ObjectStream::endOf(size_t object) {
   std::optional<View> last;
   if (last_) last = placement.toObject(*last_);
   return {.base = objects_->modelOf(object).base,
-          .step_m = objects_->modelOf(object).step_m,
+          .quantum_m = objects_->modelOf(object).quantum_m,
           .view = placement.toObject(*view_),
           .last = last,
           .cut = cuts_[object],

@@ -40,7 +40,7 @@ class ObjectStream {
 
   const SurfaceCut& cut(size_t object) const { return cuts_[object]; }
   Section section(size_t object) const { return cuts_[object].section(); }
-  // Of a node of the object's section, or of the one before it; steps.
+  // Of a node of the object's section, or of the one before it; quanta of its model.
   const glm::ivec3& position(size_t object, Slot slot) const;
 
  private:

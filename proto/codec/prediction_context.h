@@ -30,28 +30,28 @@ struct PredictionContext {
 
   // The vertices around a node. find() prefetches their records, so a caller that finds those of many nodes first does
   // not wait for each.
-  struct Places {
+  struct Neighbours {
     std::array<VertexHeight, 2> ends, apexes;  // of a single apex, twice the same
   };
-  // Of a node of a level. `nodes` is a table of node_tables.h.
+  // The neighbours of a node of a level. `nodes` is a table of node_tables.h.
   template <class Nodes>
-  static Places find(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
-    Places places;
+  static Neighbours find(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
+    Neighbours neighbours;
     const auto [a, b] = grid.endpoints(n);
-    places.ends = {nodes.find(a), nodes.find(b)};
+    neighbours.ends = {nodes.find(a), nodes.find(b)};
     const auto apexes = grid.apexes(n);
     for (int i = 0; i < apexes.count; ++i)  // those of level 1 are the centres of roots
-      places.apexes[static_cast<size_t>(i)] =
+      neighbours.apexes[static_cast<size_t>(i)] =
           level == 1 ? nodes.find(apexes.ids[i]) : VertexHeight{&nodes.at(grid.slot(apexes.ids[i], level - 1)), 0};
-    if (apexes.count == 1) places.apexes[1] = places.apexes[0];
-    for (const auto& vertices : {places.ends, places.apexes})
+    if (apexes.count == 1) neighbours.apexes[1] = neighbours.apexes[0];
+    for (const auto& vertices : {neighbours.ends, neighbours.apexes})
       for (const VertexHeight& v : vertices) __builtin_prefetch(v.record);
-    return places;
+    return neighbours;
   }
-  static PredictionContext of(const Places& places) {
+  static PredictionContext of(const Neighbours& neighbours) {
     PredictionContext context;
-    context.ends = places.ends[0].height() + places.ends[1].height();
-    for (const VertexHeight& apex : places.apexes) {
+    context.ends = neighbours.ends[0].height() + neighbours.ends[1].height();
+    for (const VertexHeight& apex : neighbours.apexes) {
       context.apex_difference += apex.height();
       context.parent_magnitude += std::abs(apex.displacement());
       context.parent_sum += apex.displacement();

@@ -18,12 +18,12 @@ size_t scaleOf(int64_t size) {
 // Where on the screen a view has a point, and how large lengths look there: what decisions about nodes depend on.
 class ViewContext {
  public:
-  ViewContext(const View& view, double step_m)
+  ViewContext(const View& view, double quantum_m)
       : eye_(view.pose.eye),
         right_(view.pose.right()),
         up_(view.pose.up()),
         forward_(view.pose.forward()),
-        step_m_(step_m),
+        quantum_m_(quantum_m),
         tan_y_(view.lens.tanHalfFov()) {
     tan_x_ = tan_y_ * view.lens.width_px / view.lens.height_px;
     const double per_tau = view.lens.focalPx() / view.tau_px;
@@ -31,10 +31,12 @@ class ViewContext {
   }
 
   glm::dvec3 offset(const glm::ivec3& p) const {
-    return {p.x * step_m_ - eye_.x, p.y * step_m_ - eye_.y, p.z * step_m_ - eye_.z};
+    return {p.x * quantum_m_ - eye_.x, p.y * quantum_m_ - eye_.y, p.z * quantum_m_ - eye_.z};
   }
   // How large lengths look there: tolerances to a metre, squared.
-  double size(const glm::dvec3& o) const { return scale_ / (o.x * o.x + o.y * o.y + o.z * o.z + step_m_ * step_m_); }
+  double size(const glm::dvec3& o) const {
+    return scale_ / (o.x * o.x + o.y * o.y + o.z * o.z + quantum_m_ * quantum_m_);
+  }
   // 0 about the middle of the screen, 6 far outside, 7 behind.
   size_t screen(const glm::dvec3& o) const {
     const double depth = glm::dot(o, forward_);
@@ -47,7 +49,7 @@ class ViewContext {
 
  private:
   glm::dvec3 eye_, right_, up_, forward_;
-  double step_m_, tan_x_ = 0, tan_y_, scale_ = 0;
+  double quantum_m_, tan_x_ = 0, tan_y_, scale_ = 0;
 };
 
 // A node on the frontier as both ends know it.
@@ -60,26 +62,26 @@ struct EdgeContext {
 
 enum class Change : uint8_t { kRemoved, kAdded };
 
-// Codes a change: `Link` is a ChangeSource, which says what is to be written, or a ChangeSink, which takes what was
-// read and says whether reading has failed.
-template <class Coder, class Link>
+// Codes a change of the section. `Changes` is a ChangeSource, which says what is to be written, or a ChangeSink, which
+// takes what was read and says whether reading has failed.
+template <class Coder, class Changes>
 class Transcoder {
  public:
-  Transcoder(const SurfaceCodecState& end, Coder& coder, Link& link)
+  Transcoder(const SurfaceCodecState& end, Coder& coder, Changes& changes)
       : end_(end),
         cut_(end.cut),
         mesh_(end.cut.mesh()),
         coder_(coder),
         symbols_(coder, end.model.escape),
-        link_(link),
-        now_(end.view, end.step_m) {
-    if (end.last) before_.emplace(*end.last, end.step_m);
+        changes_(changes),
+        now_(end.view, end.quantum_m) {
+    if (end.last) before_.emplace(*end.last, end.quantum_m);
   }
 
   bool run() {
     const size_t context = (end_.has_changed != 0 ? 2u : 0u) + (cut_.nodeCount() > 0 ? 1u : 0u);
-    end_.has_changed = coder_.code(end_.model.changes[context], link_.wantsAny()) ? 1 : 0;
-    if (end_.has_changed == 0) return !link_.hasFailed(cut_);
+    end_.has_changed = coder_.code(end_.model.changes[context], changes_.wantsAny()) ? 1 : 0;
+    if (end_.has_changed == 0) return !changes_.hasFailed(cut_);
     cut_.beginStep();
     for (int level = mesh_.maxLevel(); level >= 1; --level)
       if (!walk(Change::kRemoved, level)) return false;
@@ -98,7 +100,7 @@ class Transcoder {
         if (candidates.words[word] == 0) continue;
         const bool any = walkBlock(change, level, name.number, word, candidates.words[word], before);
         before = (2 * before + (any ? 1 : 0)) & 3;
-        if (link_.hasFailed(cut_)) return false;
+        if (changes_.hasFailed(cut_)) return false;
       }
     }
     return true;
@@ -107,7 +109,7 @@ class Transcoder {
     const Slot page_begin = cut_.page(page).first(), first = page_begin + word * 64u;
     uint64_t wanted = 0;
     for (uint64_t bits = candidates; bits != 0; bits &= bits - 1)
-      if (link_.wants(change, first + static_cast<Slot>(std::countr_zero(bits)))) wanted |= bits & -bits;
+      if (changes_.wants(change, first + static_cast<Slot>(std::countr_zero(bits)))) wanted |= bits & -bits;
     if (!coder_.code(blockContext(change, std::popcount(candidates), before), wanted != 0)) return false;
     const auto nodes = mesh_.pageNodes(level, page_begin);
     bool any = false;
@@ -130,18 +132,18 @@ class Transcoder {
   void remove(uint32_t page, uint8_t low, Slot slot) {
     cut_.remove(page, low);
     end_.known.release(slot);
-    link_.onRemoved(slot);
+    changes_.onRemoved(slot);
   }
   void add(uint32_t page, uint8_t low, NodeId n, Slot slot, int level) {
     if (end_.known.find(slot) == nullptr) {
-      link_.beginPosition(coder_);
-      const glm::ivec3 position = codePosition(n, level, link_.position(slot));
+      changes_.beginPosition(coder_);
+      const glm::ivec3 position = codePosition(n, level, changes_.position(slot));
       end_.known.learn(slot, {position, position - middleOfEdge(n), 0});
-      link_.endPosition(coder_);
+      changes_.endPosition(coder_);
     }
     end_.known.use(slot);
     cut_.add(page, low);
-    link_.onAdded(slot);
+    changes_.onAdded(slot);
   }
 
   static SlotBits candidatesOf(const SurfaceCut::Page& page, Change change) {
@@ -164,12 +166,12 @@ class Transcoder {
   AdaptiveBit& contextOf(Change change, NodeId n, int level) {
     const glm::ivec3 middle = middleOfEdge(n);
     const glm::dvec3 offset = now_.offset(middle);
-    const size_t place =
+    const size_t context =
         (static_cast<size_t>(std::min(level, 4) - 1) * SurfaceModel::kTrends + trendOf(middle, offset)) *
             SurfaceModel::kScreens +
         now_.screen(offset);
-    if (change == Change::kRemoved) return end_.model.removed[place];
-    return end_.model.added[(isNew(n, level) ? SurfaceModel::kSiblings : 0) + siblingsOf(n, level)][place];
+    if (change == Change::kRemoved) return end_.model.removed[context];
+    return end_.model.added[(isNew(n, level) ? SurfaceModel::kSiblings : 0) + siblingsOf(n, level)][context];
   }
   // How many of its parents' other children are there, 3 for more.
   size_t siblingsOf(NodeId n, int level) const {
@@ -201,10 +203,10 @@ class Transcoder {
       const int64_t all = around.sizes[0] + around.sizes[1] + around.sizes[2];
       const int64_t like = (all + 3 * around.sizes[static_cast<size_t>(axis)]) / (4 * count);
       const size_t prior = axis == 0 ? 0 : most * 8 < like ? 1 : most * 3 < like ? 2 : 3;
-      auto& model = end_.model.place[prior * SurfaceModel::kScales + scaleOf(like)];
+      auto& model = end_.model.position[prior * SurfaceModel::kScales + scaleOf(like)];
       const int64_t off = symbols_.number(model, 0, static_cast<int32_t>(position[axis] - guess));
       most = std::max(most, std::abs(off));
-      if (std::abs(guess + off) > kMaxObjectQuanta) link_.fail();
+      if (std::abs(guess + off) > kMaxObjectQuanta) changes_.fail();
       got[axis] = static_cast<int32_t>(std::clamp<int64_t>(guess + off, -kMaxObjectQuanta, kMaxObjectQuanta));
     }
     return got;
@@ -226,7 +228,7 @@ class Transcoder {
   const MeshTopology& mesh_;
   Coder& coder_;
   Symbols<Coder> symbols_;
-  Link& link_;
+  Changes& changes_;
   ViewContext now_;
   std::optional<ViewContext> before_;
 };
@@ -241,10 +243,10 @@ class ChangeSource {
     return std::binary_search(slots.begin(), slots.end(), slot);
   }
   const glm::ivec3& position(Slot slot) const { return records_[slot].position; }
-  void beginPosition(const RangeEncoder& coder) { bits_.places -= coder.bits(); }
+  void beginPosition(const RangeEncoder& coder) { bits_.positions -= coder.bits(); }
   void endPosition(const RangeEncoder& coder) {
-    bits_.places += coder.bits();
-    ++bits_.placed;
+    bits_.positions += coder.bits();
+    ++bits_.positions_sent;
   }
   void onRemoved(Slot) { ++changed_; }
   void onAdded(Slot) { ++changed_; }
@@ -298,17 +300,17 @@ glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> ba
 
 void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
                    RangeEncoder& coder, SurfaceBits& bits) {
-  const double before = coder.bits() - bits.places;
-  ChangeSource link(delta, records, bits);
-  CHECK_TRUE(Transcoder(end, coder, link).run());
-  CHECK_TRUE(link.isDone());
-  bits.structure += coder.bits() - bits.places - before;
+  const double before = coder.bits() - bits.positions;
+  ChangeSource changes(delta, records, bits);
+  CHECK_TRUE(Transcoder(end, coder, changes).run());
+  CHECK_TRUE(changes.isDone());
+  bits.structure += coder.bits() - bits.positions - before;
   bits.added += delta.added.size();
 }
 
 bool decodeSurface(const SurfaceCodecState& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta) {
-  ChangeSink link(coder, max_nodes, delta);
-  if (!Transcoder(end, coder, link).run()) return false;
+  ChangeSink changes(coder, max_nodes, delta);
+  if (!Transcoder(end, coder, changes).run()) return false;
   std::sort(delta.removed.begin(), delta.removed.end());
   return true;
 }

@@ -35,7 +35,7 @@ struct SurfaceModel {
   std::array<std::array<AdaptiveBit, 8 * 4>, 2> blocks;  // of removals, of additions
   NodeContexts removed;
   std::array<NodeContexts, 2 * kSiblings> added;  // of nodes that were addable before the step, then of others
-  std::array<NumberModel, kScales * kAxes> place;
+  std::array<NumberModel, kScales * kAxes> position;
   EscapeModel escape;
 };
 
@@ -75,9 +75,9 @@ glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> ba
 // What is known of one object on either end. A view; its parts must outlive it.
 struct SurfaceCodecState {
   std::span<const glm::ivec3> base;  // positions, quanta
-  double step_m;
-  View view;                 // of the keyframe, in the object's frame
-  std::optional<View> last;  // of the keyframe before, if this connection had one
+  double quantum_m;                  // metres of the object's frame
+  View view;                         // of the keyframe, in the object's frame
+  std::optional<View> last;          // of the keyframe before, if this connection had one
   SurfaceCut& cut;
   uint8_t& has_changed;   // in the last keyframe
   KnownPositions& known;  // of its model
@@ -86,8 +86,8 @@ struct SurfaceCodecState {
 
 // Where an encoder's bits went, and for how many.
 struct SurfaceBits {
-  double structure = 0, places = 0;
-  uint64_t added = 0, placed = 0;  // added nodes; those of them whose position was sent
+  double structure = 0, positions = 0;
+  uint64_t added = 0, positions_sent = 0;  // added nodes; those of them whose position was not known yet
 };
 
 // Steps the section by `delta` and writes it; `records` by slot.

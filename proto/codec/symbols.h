@@ -42,14 +42,15 @@ class Symbols {
     return got < kLast ? got : kLast + coder_.codeEvenly(value - kLast, 8);
   }
 
-  int32_t number(NumberModel& n, size_t lean, int32_t value) {
+  // A signed number; the caller's `sign_context` (0 to 3) chooses the model of its sign.
+  int32_t number(NumberModel& n, size_t sign_context, int32_t value) {
     const uint32_t magnitude = static_cast<uint32_t>(std::abs(value));
     const int width = static_cast<int>(std::bit_width(magnitude));
     int bits = static_cast<int>(tree<4>(n.exponent, static_cast<uint32_t>(std::min(width, 15))));
     if (bits == 15)
       while (bits < 31 && coder_.code(escape_[static_cast<size_t>(bits)], width > bits)) ++bits;
     if (bits == 0) return 0;
-    const bool negative = coder_.code(n.sign[lean], value < 0);
+    const bool negative = coder_.code(n.sign[sign_context], value < 0);
     const uint32_t got = mantissa(n.mantissa[static_cast<size_t>(std::min(bits, 7))], bits - 1, magnitude);
     return negative ? -static_cast<int32_t>(got) : static_cast<int32_t>(got);
   }

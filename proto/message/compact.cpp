@@ -292,7 +292,7 @@ Result<Resume> decodeResume(ByteSpan bytes) {
   m.time = {r.getZigzag()};
   m.fingerprint = r.get<uint32_t>();
   if (!r.ok() || keyframe == 0 || keyframe > 0x7fffffffu || !isNear(m.time))
-    return malformed("a presented section is cut short or absurd");
+    return malformed("the section of a resume message is cut short or absurd");
   const ByteSpan section = bytes.subspan(bytes.size() - r.remaining());
   m.section.assign(section.begin(), section.end());
   return m;
@@ -301,7 +301,7 @@ Result<Resume> decodeResume(ByteSpan bytes) {
 Result<PoseUpdate> decodePose(ByteSpan bytes, PoseMemory& memory) {
   WirePose pose;
   auto m = kindOf(bytes) == MessageKind::kPose ? getAbsolutePose(bytes, pose) : getPoseStep(bytes, memory, pose);
-  if (m) m->pose.pose = fromWire(pose, kPoseSteps);
+  if (m) m->pose.pose = fromWire(pose, kPoseQuanta);
   if (!m || !isUsable(m->pose.pose))
     return malformed("a pose update is cut short, too long or absurd, more than 10^8 m away, or follows none");
   remember(*m, pose, memory);
@@ -312,7 +312,7 @@ Result<KeyframeMessage> decodeKeyframe(ByteSpan bytes, KeyframeMemory& memory) {
   WirePose pose;
   auto m =
       kindOf(bytes) == MessageKind::kKeyframe ? getAbsoluteHeader(bytes, pose) : getHeaderStep(bytes, memory, pose);
-  if (m) m->header.pose = fromWire(pose, kKeyframeSteps);
+  if (m) m->header.pose = fromWire(pose, kKeyframeQuanta);
   if (!m || !isSane(m->header)) return malformed("a keyframe's header is cut short, absurd, or follows none");
   memory.poses.add(m->header.time, pose);
   memory.last = m->header;
@@ -320,7 +320,7 @@ Result<KeyframeMessage> decodeKeyframe(ByteSpan bytes, KeyframeMemory& memory) {
 }
 
 Bytes encode(const PoseUpdate& m, PoseMemory& memory) {
-  const WirePose pose = toWire(m.pose.pose, kPoseSteps);
+  const WirePose pose = toWire(m.pose.pose, kPoseQuanta);
   if (canPutPoseStep(m, pose, memory)) {
     Bytes out = putPoseStep(m, pose, memory);
     memory.poses.add(m.pose.time, pose);
@@ -331,7 +331,7 @@ Bytes encode(const PoseUpdate& m, PoseMemory& memory) {
 }
 
 void encodeHeader(const KeyframeHeader& h, KeyframeMemory& memory, Bytes& out) {
-  const WirePose pose = toWire(h.pose, kKeyframeSteps);
+  const WirePose pose = toWire(h.pose, kKeyframeQuanta);
   if (canPutHeaderStep(h, pose, memory))
     putHeaderStep(h, pose, memory, out);
   else
@@ -350,8 +350,8 @@ void encodeHeader(const KeyframeHeader& h, Bytes& out) {
   encodeHeader(h, none, out);
 }
 
-Pose asSent(const Pose& pose) { return fromWire(toWire(pose, kPoseSteps), kPoseSteps); }
-Pose asSentInHeader(const Pose& pose) { return fromWire(toWire(pose, kKeyframeSteps), kKeyframeSteps); }
+Pose asSent(const Pose& pose) { return fromWire(toWire(pose, kPoseQuanta), kPoseQuanta); }
+Pose asSentInHeader(const Pose& pose) { return fromWire(toWire(pose, kKeyframeQuanta), kKeyframeQuanta); }
 
 float shortAtLeast(double value) {
   float rounded = static_cast<float>(value);

@@ -1,4 +1,4 @@
-// Compact messages: pose updates, keyframe headers, and what a client resumes from. The first byte tells the kind
+// Compact messages: pose updates, keyframe headers, and what a client resumes from. The first byte says which kind
 // (kind.h). Decoders accept any bytes and end in a valid value or an Error. Pure functions; any thread; portable to
 // WebAssembly.
 //

@@ -195,7 +195,7 @@ Result<ObjectModel> modelOf(const fb::Model& m) {
     model.shape.faces.push_back({m.faces()->Get(i), m.faces()->Get(i + 1), m.faces()->Get(i + 2)});
   for (uint32_t i = 0; i < m.base()->size(); i += 3)
     model.base.emplace_back(m.base()->Get(i), m.base()->Get(i + 1), m.base()->Get(i + 2));
-  model.step_m = m.step_m();
+  model.quantum_m = m.quantum_m();
   model.atlas_side = m.atlas_side();
   return model;
 }
@@ -311,7 +311,7 @@ flatbuffers::Offset<fb::Model> putModel(Builder& b, const ObjectModel& m) {
   const auto faces_at = b.CreateVector(faces);
   const auto base_at = b.CreateVector(base);
   return fb::CreateModel(b, static_cast<uint8_t>(m.shape.rule), m.shape.halvings, m.shape.vertex_count, faces_at,
-                         base_at, m.step_m, m.atlas_side);
+                         base_at, m.quantum_m, m.atlas_side);
 }
 
 fb::Placement toFb(const ObjectPlacement& p) {

@@ -68,7 +68,7 @@ struct Welcome {
   Duration keyframe_interval;           // in force
   std::vector<ObjectModel> models;
   std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
-  bool occlusion = false;                // deltas on this connection tell hidden blocks (codec/block_coder.h)
+  bool occlusion = false;                // deltas on this connection carry hidden blocks (codec/block_coder.h)
 };
 
 struct TourReply {

@@ -1,4 +1,4 @@
-// The kind of a message, which its first byte tells. For the files of this folder; others include message.h. Pure; any
+// The kind of a message, which its first byte states. For the files of this folder; others include message.h. Pure; any
 // thread; portable to WebAssembly.
 #pragma once
 

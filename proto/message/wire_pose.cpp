@@ -27,7 +27,7 @@ bool isComponent(int64_t v) { return v >= -kComponentOffset && v < kComponentOff
 
 }  // namespace
 
-WirePose toWire(const Pose& pose, const WireSteps& steps) {
+WirePose toWire(const Pose& pose, const WireQuanta& steps) {
   WirePose out;
   for (int i = 0; i < 3; ++i) out.eye[static_cast<size_t>(i)] = std::llround(pose.eye[i] * steps.per_metre);
   const glm::dquat& q = pose.orientation;
@@ -44,7 +44,7 @@ WirePose toWire(const Pose& pose, const WireSteps& steps) {
   return out;
 }
 
-Pose fromWire(const WirePose& pose, const WireSteps& steps) {
+Pose fromWire(const WirePose& pose, const WireQuanta& steps) {
   Pose out;
   for (int i = 0; i < 3; ++i) out.eye[i] = static_cast<double>(pose.eye[static_cast<size_t>(i)]) / steps.per_metre;
   std::array<double, 4> c{};

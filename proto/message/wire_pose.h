@@ -1,8 +1,8 @@
-// Poses as they travel: whole numbers, the same on both ends, so that a pose can be delta-coded:
-// told by its difference from what the earlier ones lead both to expect.
+// Poses as they travel: whole numbers, the same on both ends, so that a pose can be delta-coded, that is, sent as its
+// difference from the pose that both ends expect after the earlier ones.
 //
 //   eye          in quanta, rounded to nearest
-//   orientation  the quaternion (w, x, y, z) without its largest component, whose number is told instead and whose sign
+//   orientation  the quaternion (w, x, y, z) without its largest component, whose index is sent instead and whose sign
 //                is made positive; the others, in quanta, rounded to nearest
 //
 // A viewer's own poses are exact to half a millimetre an axis and 8e-5 rad, those of keyframes to 4 mm and 3e-4 rad.
@@ -48,22 +48,22 @@ struct WirePose {
 };
 
 // Quanta to a metre, and to a component of 1 / sqrt(2), which is the most that one beside the largest can be.
-struct WireSteps {
+struct WireQuanta {
   double per_metre, per_root_half;
 };
-inline constexpr WireSteps kPoseSteps{1000, 32767}, kKeyframeSteps{128, 8191};
+inline constexpr WireQuanta kPoseQuanta{1000, 32767}, kKeyframeQuanta{128, 8191};
 
 // The pose is usable (isUsable).
-WirePose toWire(const Pose& pose, const WireSteps& steps);
+WirePose toWire(const Pose& pose, const WireQuanta& steps);
 // Any numbers give an orientation; the eye may be too far away to be usable.
-Pose fromWire(const WirePose& pose, const WireSteps& steps);
+Pose fromWire(const WirePose& pose, const WireQuanta& steps);
 
 // An absolute pose.
 void putPose(const WirePose& pose, ByteWriter& w);
 WirePose getPose(ByteReader& r);
 
 // The poses so far, of which the last three count. Either end of a connection has one for each kind of message that
-// tells poses; both add the same poses in the same order, absolute ones and delta-coded ones.
+// carries poses; both add the same poses in the same order, absolute ones and delta-coded ones.
 class WirePoses {
  public:
   struct Moment {
@@ -101,7 +101,7 @@ class WirePoses {
   std::array<Moment, 3> moments_;  // newest first
   int count_ = 0;
   int order_ = 0;  // expected last time
-  // At first as the second pose of a flight needs them: it is told against one that stood.
+  // Initially the widths that suit the second pose of a flight, which is coded against a camera at rest.
   GroupWidth time_width_{17}, eye_width_{14}, rest_width_{10};
 };
 

@@ -17,7 +17,8 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
   const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, what}; };
   if (topology.slotCount() > ObjectSet::kMaxSlots)
     return refuse("more than " + std::to_string(ObjectSet::kMaxSlots) + " nodes");
-  if (!(model.step_m > 0 && model.step_m <= 1e6)) return refuse("a step of " + std::to_string(model.step_m) + " m");
+  if (!(model.quantum_m > 0 && model.quantum_m <= 1e6))
+    return refuse("a step of " + std::to_string(model.quantum_m) + " m");
   if (model.base.size() != topology.baseVertexCount())
     return refuse(std::to_string(model.base.size()) + " positions for " + std::to_string(topology.baseVertexCount()) +
                   " base vertices");
@@ -58,7 +59,7 @@ Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector
           " is of no model, too far away, not turned by a rotation, or scaled by less than 1e-6 or more than 1e6");
     const MeshTopology& topology = *set.topologies_[p.model];
     set.domains_.push_back({.mesh = &topology,
-                            .step_m = models[p.model].step_m,
+                            .quantum_m = models[p.model].quantum_m,
                             .nearest_m = 0.1 / p.scale,
                             .is_closed = topology.base().isClosed()});
   }

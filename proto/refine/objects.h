@@ -1,7 +1,7 @@
 // The objects of a scene: surfaces that stand on its terrain. A model is what is known of a surface before any node; it
-// may stand in many places. Both ends make the same set of what the welcome says, and move each object from section to
-// section with the adapter that moves the terrain: the view is taken to the object's frame.
-// Immutable; any thread; portable to WebAssembly.
+// may stand at many positions. Both ends make the same set of what the welcome says, and move each object from section
+// to section with the adapter that moves the terrain: the view is taken to the object's frame. Immutable; any thread;
+// portable to WebAssembly.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -18,7 +18,7 @@ namespace foreland::proto {
 
 struct ObjectModel {
   MeshShape shape;
-  double step_m = 0.001;
+  double quantum_m = 0.001;
   std::vector<glm::ivec3> base;  // quanta; of all vertices that precede the nodes
   uint32_t atlas_side = 0;       // of the image of its colours (atlas_layout.h); 0: there is none
   bool operator==(const ObjectModel&) const = default;

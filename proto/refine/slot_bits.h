@@ -1,4 +1,4 @@
-// A set of slots of one page (kPageSlots), by their place in it. Plain data.
+// A set of slots of one page (kPageSlots), by their index in it. Plain data.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@ struct SurfaceDomain {
   using Metric = SurfaceMetric;
 
   const MeshTopology* mesh;
-  double step_m;                // of positions
+  double quantum_m;             // what positions are multiples of
   double interior_per_tau = 7;  // tolerance where there is no silhouette, as a multiple of the view's (S, figure 8)
   double nearest_m = 0.1;       // metres of depth below which nothing is guaranteed
   bool is_closed = true;        // back faces are not visible

@@ -5,7 +5,7 @@
 namespace foreland::proto {
 
 void SurfaceTester::test() {
-  for (size_t i = 0; i < count_; ++i) bounds_[i] = SurfaceBounds::of(records_[slot_[i]], step_m_);
+  for (size_t i = 0; i < count_; ++i) bounds_[i] = SurfaceBounds::of(records_[slot_[i]], quantum_m_);
   const SurfaceMetric m = metric_;  // its own memory, so that the loop vectorises
   for (size_t i = 0; i < count_; ++i) {
     const SurfaceMetric::TestResult result = m.testResult(bounds_[i]);

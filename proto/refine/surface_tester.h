@@ -25,7 +25,7 @@ class SurfaceTester {
   };
 
   SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, Memory&, DecisionScratch&)
-      : metric_(domain.metric(view)), step_m_(domain.step_m), records_(records.data()) {}
+      : metric_(domain.metric(view)), quantum_m_(domain.quantum_m), records_(records.data()) {}
 
   // Spheres are in the records, so pages have no radius.
   static QuantisedRadius radiusOf(Source&, Slot) { return {}; }
@@ -60,7 +60,7 @@ class SurfaceTester {
 
  private:
   const SurfaceMetric metric_;
-  const double step_m_;
+  const double quantum_m_;
   const SurfaceRecord* records_;
   size_t count_ = 0;
   std::array<Slot, kSize> slot_;

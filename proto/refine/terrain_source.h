@@ -1,5 +1,5 @@
 // Where a terrain adapter's heights and decisions come from (adapter.h): the scene's records, an encoder that writes
-// what it tells, or a decoder that reads it (codec/delta_codec.h). Control is inverted: the adapter's step calls the
+// what it sends, or a decoder that reads it (codec/delta_codec.h). Control is inverted: the adapter's step calls the
 // source for what it needs next, and which calls it makes in which order follows from the section and the views alone,
 // so both ends make the same calls. One owner; called during one step only.
 #pragma once

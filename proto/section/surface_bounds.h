@@ -75,8 +75,8 @@ struct SurfaceBounds {
   double normal_x, normal_y, normal_z;  // unit
   double radius, bulge, sin_cone, along, across;
 
-  static SurfaceBounds of(const SurfaceRecord& r, double step_m) {
-    const glm::dvec3 p = glm::dvec3(r.position) * step_m, n = r.normal.unpack();
+  static SurfaceBounds of(const SurfaceRecord& r, double quantum_m) {
+    const glm::dvec3 p = glm::dvec3(r.position) * quantum_m, n = r.normal.unpack();
     const double radius = r.radius.metres();
     return {p.x,
             p.y,

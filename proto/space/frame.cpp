@@ -74,17 +74,17 @@ FrameTransform::Column FrameTransform::column(double longitude_rad) const {
   return {lon.sin, lon.cos};
 }
 
-glm::dvec3 FrameTransform::toScene(const Geodetic& place) const {
-  return fromTables(row(place.latitude_rad), column(place.longitude_rad), place.height_m);
+glm::dvec3 FrameTransform::toScene(const Geodetic& position) const {
+  return fromTables(row(position.latitude_rad), column(position.longitude_rad), position.height_m);
 }
 
-glm::dvec3 FrameTransform::toScene(const LatticePosition& place) const {
+glm::dvec3 FrameTransform::toScene(const LatticePosition& position) const {
   if (frame_.kind == FrameKind::kGeographic)
-    return toScene(Geodetic{frame_.latitude0_rad + place.y * frame_.latitude_step_rad,
-                            frame_.longitude0_rad + place.x * frame_.longitude_step_rad, place.height_m});
-  const double dx = place.x - frame_.anchor.x, dy = place.y - frame_.anchor.y;
+    return toScene(Geodetic{frame_.latitude0_rad + position.y * frame_.latitude_step_rad,
+                            frame_.longitude0_rad + position.x * frame_.longitude_step_rad, position.height_m});
+  const double dx = position.x - frame_.anchor.x, dy = position.y - frame_.anchor.y;
   return {dx * frame_.axis_x_m.x + dy * frame_.axis_y_m.x, dx * frame_.axis_x_m.y + dy * frame_.axis_y_m.y,
-          place.height_m};
+          position.height_m};
 }
 
 Geodetic FrameTransform::toGeodetic(const glm::dvec3& p) const {

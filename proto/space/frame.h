@@ -18,7 +18,7 @@ namespace foreland::proto {
 
 enum class FrameKind : uint8_t { kPlanar = 0, kGeographic = 1 };
 
-// A place as the raster's owner names it: x eastward, y northward (possibly between samples), height above the zero
+// A position as the raster's owner names it: x eastward, y northward (possibly between samples), height above the zero
 // surface.
 struct LatticePosition {
   double x = 0;
@@ -59,8 +59,8 @@ class FrameTransform {
   explicit FrameTransform(const Frame& frame);
 
   const Frame& frame() const { return frame_; }
-  glm::dvec3 toScene(const LatticePosition& place) const;
-  glm::dvec3 toScene(const Geodetic& place) const;  // geographic frames only
+  glm::dvec3 toScene(const LatticePosition& position) const;
+  glm::dvec3 toScene(const Geodetic& position) const;  // geographic frames only
   // Inverse of toScene to 1e-6 m for points within 10^5 m of the ellipsoid.
   LatticePosition toLattice(const glm::dvec3& scene_m) const;
   Geodetic toGeodetic(const glm::dvec3& scene_m) const;  // geographic frames only

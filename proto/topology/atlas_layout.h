@@ -9,7 +9,7 @@
 // Every pixel of a cell belongs to one of its two faces. Those beyond the triangles are the gutter: what lies on the
 // other side of the edge (terrain/surface_store/fill_gutters.h). It is wide enough for bilinear filtering of the image
 // and of two more, each half as large as the one before and the mean of 2 x 2 of its pixels: a viewer may let its
-// graphics card make those, and no others. The image can be halved so often without a rest.
+// graphics card make those, and no others. The image's sides can be halved that often without a remainder.
 //
 // Value type; portable; any thread.
 #pragma once
@@ -39,7 +39,7 @@ struct AtlasLayout {
             static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(cells))))};
   }
 
-  // Filtering the smallest image at a place of a triangle reads pixels up to kGutter columns or rows before it, fewer
+  // Filtering the smallest image at a point of a triangle reads pixels up to kGutter columns or rows before it, fewer
   // behind it, and up to side + 10 in i + j.
   static constexpr int32_t kGutter = kUnit;
   uint32_t cellSize() const { return side + 20; }

@@ -54,7 +54,7 @@ class Bisection {
     if (p.x < 0 || p.y < 0 || p.x > size_ || p.y > size_) return false;
     return p.x <= p.y || mesh_.twin(mesh_.first(p.patch)) != kNoHalfEdge;
   }
-  // Where a node is on the squares that hold it: its own first, then the neighbour if it is on a side.
+  // A node's positions on the squares that hold it: on its own square first, then on the neighbour if it is on a side.
   PatchPoints appearances(const PatchPoint& n) const {
     PatchPoints result;
     result.push(n);
@@ -111,10 +111,10 @@ class Bisection {
     const uint32_t x = static_cast<uint32_t>(n.x) >> (t + 1), y = static_cast<uint32_t>(n.y) >> (t + 1);
     const uint64_t patch = uint64_t{n.patch} << (2 * m);
     if (isCentre(n, t)) return patch + morton(x, y);
-    if (n.x == size_) return 2 * (patch + morton(y, 0)) + 1;  // in place of the lower side, which is another's
+    if (n.x == size_) return 2 * (patch + morton(y, 0)) + 1;  // instead of the lower side, which another square owns
     return 2 * (patch + morton(x, y)) + (n.y >> t & 1 ? 0 : 1);
   }
-  // NodeId{} if it is padding.
+  // The node of a slot, or NodeId{} if the slot is padding.
   NodeId nodeOfSlot(int level, uint32_t within) const {
     const uint32_t m = cellsLog2(level), t = log2_ - 1 - m, cell = within >> sides(level);
     uint32_t x = unspread(cell & ((1u << (2 * m)) - 1)), y = unspread((cell & ((1u << (2 * m)) - 1)) >> 1);
@@ -133,19 +133,20 @@ class Bisection {
     return isInPatch(p) ? patchNodeId(p) : NodeId{};
   }
 
-  // a (1 - y/N) + b x/N + centre (y - x)/N in the half x <= y; the other is that one turned half round.
-  FacePoint place(const PatchPoint& p) const {
+  // In the half x <= y the point a (1 - y/N) + b x/N + centre (y - x)/N; the other half is that one turned by 180
+  // degrees.
+  FacePoint facePoint(const PatchPoint& p) const {
     const HalfEdge first = mesh_.first(p.patch);
-    return p.x <= p.y ? placeInHalf(first, p.x, p.y) : placeInHalf(mesh_.twin(first), size_ - p.x, size_ - p.y);
+    return p.x <= p.y ? facePointInHalf(first, p.x, p.y) : facePointInHalf(mesh_.twin(first), size_ - p.x, size_ - p.y);
   }
-  // The same in another face, on whose side it lies.
-  FacePoint placeIn(uint32_t face, const PatchPoint& p) const {
-    const FacePoint own = place(p);
+  // The same point in another face, on whose side it lies.
+  FacePoint facePointIn(uint32_t face, const PatchPoint& p) const {
+    const FacePoint own = facePoint(p);
     if (own.face == face) return own;
     CHECK_EQ(p.x, p.y);
     const HalfEdge twin = mesh_.twin(mesh_.first(p.patch));
     CHECK_EQ(BaseMesh::face(twin), face);
-    return placeInHalf(twin, size_ - p.x, size_ - p.y);
+    return facePointInHalf(twin, size_ - p.x, size_ - p.y);
   }
 
  private:
@@ -164,11 +165,11 @@ class Bisection {
   }
 
   bool isOnSeam(const PatchPoint& n) const { return n.x == 0 || n.x == size_; }
-  // A place at distance r from the start of `h` towards the centre of its face, on the square of `h`.
+  // The point at distance r from the start of `h` towards the centre of its face, on the square of `h`.
   PatchPoint startOf(HalfEdge h, int32_t r) const {
     return mesh_.isFirst(h) ? PatchPoint{mesh_.edge(h), 0, r} : PatchPoint{mesh_.edge(h), size_, size_ - r};
   }
-  // The same place on the square of the half-edge that ends there.
+  // The same point on the square of the half-edge that ends there.
   PatchPoint acrossSeam(const PatchPoint& n) const {
     const HalfEdge first = mesh_.first(n.patch);
     const HalfEdge before = BaseMesh::previous(n.x == 0 ? first : mesh_.twin(first));
@@ -176,13 +177,13 @@ class Bisection {
     return mesh_.isFirst(before) ? PatchPoint{mesh_.edge(before), size_ - r, size_}
                                  : PatchPoint{mesh_.edge(before), r, 0};
   }
-  FacePoint placeInHalf(HalfEdge h, int32_t x, int32_t y) const {
-    FacePoint place{BaseMesh::face(h), {}};
+  FacePoint facePointInHalf(HalfEdge h, int32_t x, int32_t y) const {
+    FacePoint point{BaseMesh::face(h), {}};
     const uint32_t i = h % 3;
-    place.weights[i] = static_cast<uint32_t>(3 * (size_ - y) + y - x);
-    place.weights[(i + 1) % 3] = static_cast<uint32_t>(3 * x + y - x);
-    place.weights[(i + 2) % 3] = static_cast<uint32_t>(y - x);
-    return place;
+    point.weights[i] = static_cast<uint32_t>(3 * (size_ - y) + y - x);
+    point.weights[(i + 1) % 3] = static_cast<uint32_t>(3 * x + y - x);
+    point.weights[(i + 2) % 3] = static_cast<uint32_t>(y - x);
+    return point;
   }
 
   // Bits of x and y in turn.

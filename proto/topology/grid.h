@@ -169,7 +169,7 @@ class GridTopology {
     return level_offset_[level] + (cell << sides) + (sides & ~(n.x() >> t));
   }
 
-  // node() for the slots of one page (kPageSlots, which are all of one level), by their place in it; not for padding.
+  // node() for the slots of one page (kPageSlots, which are all of one level), by their index in it; not for padding.
   class PageNodes {
    public:
     NodeId at(uint32_t low) const {

@@ -42,22 +42,22 @@ Status MeshTopology::numberSlots() {
   return {};
 }
 
-FacePoint MeshTopology::place(NodeId v) const {
-  if (!isBaseVertexId(v)) return isQuad() ? quad().place(patchPointOf(v)) : bisect().place(patchPointOf(v));
+FacePoint MeshTopology::facePoint(NodeId v) const {
+  if (!isBaseVertexId(v)) return isQuad() ? quad().facePoint(patchPointOf(v)) : bisect().facePoint(patchPointOf(v));
   const uint32_t vertex = baseVertexOf(v), count = base_.vertexCount();
-  return placeIn(vertex < count ? BaseMesh::face(base_.leaving(vertex)) : vertex - count, v);
+  return facePointIn(vertex < count ? BaseMesh::face(base_.leaving(vertex)) : vertex - count, v);
 }
 
-FacePoint MeshTopology::placeIn(uint32_t face, NodeId v) const {
+FacePoint MeshTopology::facePointIn(uint32_t face, NodeId v) const {
   if (!isBaseVertexId(v))
-    return isQuad() ? quad().placeIn(face, patchPointOf(v)) : bisect().placeIn(face, patchPointOf(v));
-  const uint32_t third = placeScale() / 3;
+    return isQuad() ? quad().facePointIn(face, patchPointOf(v)) : bisect().facePointIn(face, patchPointOf(v));
+  const uint32_t third = weightScale() / 3;
   if (v == baseVertexId(base_.vertexCount() + face)) return {face, {third, third, third}};
-  FacePoint place{face, {0, 0, 0}};
+  FacePoint point{face, {0, 0, 0}};
   for (uint32_t i = 0; i < 3; ++i)
-    if (base_.vertex(3 * face + i) == baseVertexOf(v)) place.weights[i] = placeScale();
-  CHECK_EQ(place.weights[0] + place.weights[1] + place.weights[2], placeScale());
-  return place;
+    if (base_.vertex(3 * face + i) == baseVertexOf(v)) point.weights[i] = weightScale();
+  CHECK_EQ(point.weights[0] + point.weights[1] + point.weights[2], weightScale());
+  return point;
 }
 
 }  // namespace foreland::proto

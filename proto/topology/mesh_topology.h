@@ -111,7 +111,7 @@ class MeshTopology {
     return within < slotsOfLevel(level) ? nodeWithin(level, within) : NodeId{};
   }
 
-  // node() for the slots of one page (kPageSlots, which are all of one level), by their place in it; not for padding.
+  // node() for the slots of one page (kPageSlots, which are all of one level), by their index in it; not for padding.
   class PageNodes {
    public:
     NodeId at(uint32_t low) const { return mesh_->nodeWithin(level_, within_ + low); }
@@ -130,11 +130,11 @@ class MeshTopology {
     return page;
   }
 
-  // Where a vertex lies in the parameter domain, in the face that names it. The weights' sum is placeScale().
-  FacePoint place(NodeId v) const;
-  // The same in a given face, which must hold the vertex inside or on its border.
-  FacePoint placeIn(uint32_t face, NodeId v) const;
-  uint32_t placeScale() const { return (isQuad() ? 1u : 3u) << halvings_; }
+  // Where a vertex lies in the parameter domain, in the face that names it. The sum of the weights is weightScale().
+  FacePoint facePoint(NodeId v) const;
+  // The same point in a given face, which must hold the vertex inside or on its border.
+  FacePoint facePointIn(uint32_t face, NodeId v) const;
+  uint32_t weightScale() const { return (isQuad() ? 1u : 3u) << halvings_; }
 
   // The rules themselves; only the one that rule() names.
   Quadrisection quad() const { return {base_, halvings_}; }

@@ -1,14 +1,15 @@
 // The triangles of a section on a surface: from the base faces downward, without cracks and without T-vertices.
 //
-//   bisection      a triangle is halved while the node of its refinement edge is active; closure does the rest
-//   quadrisection  a triangle is split in four while the node of any of its edges is active. Where the neighbour across
-//                  an edge is split and it is not, the edge's middle is a vertex too: the triangle is cut there, and each
-//                  half again (S 3.6). Such a vertex is not active and lies on the edge, wherever its ends may be, so
+//   bisection      a triangle is halved while the node of its refinement edge is in the section; since the section is
+//                  closed under parents, its neighbour is halved, too
+//   quadrisection  a triangle is split in four while the node of any of its edges is in the section. Where the neighbour
+//                  across an edge is split and the triangle is not, the edge's middle is a vertex, too: the triangle is
+//                  cut there, and each half again (S 3.6). Such a vertex is not in the section and lies on the edge, so
 //                  cutting does not change the surface.
 //
-// So vertices are base vertices, active nodes and, by quadrisection, inactive nodes, whose place is the middle of their
-// endpoints, as DESIGN section 2 defines it for every node. `is_in_section(NodeId)` must be closed under parents.
-// Triangles turn as their base face does. Pure; any thread; O(triangles), no allocation.
+// So vertices are base vertices, nodes of the section and, by quadrisection, other nodes, whose position is the middle
+// of their endpoints, as DESIGN section 2 defines it for every node. `is_in_section(NodeId)` must be closed under
+// parents. Triangles turn as their base face does. Pure; any thread; O(triangles), no allocation.
 #pragma once
 
 #include <array>
@@ -19,11 +20,11 @@ namespace foreland::proto {
 
 namespace mesh_triangles {
 
-template <class Active, class Visit>
+template <class IsInSection, class Visit>
 class Quadrisected {
  public:
-  Quadrisected(const MeshTopology& mesh, uint32_t face, const Active& is_in_section, const Visit& visit)
-      : rule_(mesh.quad()), face_(face), is_active_(is_in_section), visit_(visit) {}
+  Quadrisected(const MeshTopology& mesh, uint32_t face, const IsInSection& is_in_section, const Visit& visit)
+      : rule_(mesh.quad()), face_(face), is_in_section_(is_in_section), visit_(visit) {}
 
   void run(int32_t size) { split({0, 0}, {size, 0}, {0, size}, size / 2); }
 
@@ -39,13 +40,13 @@ class Quadrisected {
 
   static Point middle(Point p, Point q) { return {(p.x + q.x) / 2, (p.y + q.y) / 2}; }
   PatchPoint onPatch(Point p) const { return {face_, p.x, p.y}; }
-  bool isInSection(Point p) const { return is_active_(rule_.name(onPatch(p))); }
-  // With the node active its triangles are split; and so they are with one of its siblings.
+  bool isInSection(Point p) const { return is_in_section_(rule_.name(onPatch(p))); }
+  // If the node or one of its siblings is in the section, a triangle beside its edge is split.
   bool isVertex(Point p) const {
     const NodeId n = rule_.name(onPatch(p));
-    if (is_active_(n)) return true;
+    if (is_in_section_(n)) return true;
     for (NodeId sibling : rule_.siblings(patchPointOf(n)))
-      if (is_active_(sibling)) return true;
+      if (is_in_section_(sibling)) return true;
     return false;
   }
 
@@ -79,15 +80,15 @@ class Quadrisected {
 
   const Quadrisection rule_;
   uint32_t face_;
-  const Active& is_active_;
+  const IsInSection& is_in_section_;
   const Visit& visit_;
 };
 
-template <class Active, class Visit>
+template <class IsInSection, class Visit>
 class Bisected {
  public:
-  Bisected(const MeshTopology& mesh, HalfEdge h, const Active& is_in_section, const Visit& visit)
-      : rule_(mesh.bisect()), patch_(mesh.base().edge(h)), is_active_(is_in_section), visit_(visit) {}
+  Bisected(const MeshTopology& mesh, HalfEdge h, const IsInSection& is_in_section, const Visit& visit)
+      : rule_(mesh.bisect()), patch_(mesh.base().edge(h)), is_in_section_(is_in_section), visit_(visit) {}
 
   // The half of the square that the half-edge is in: its ends are (0, 0) and (size, size), or the other way round.
   void run(int32_t size, bool is_first, int levels) {
@@ -106,7 +107,7 @@ class Bisected {
 
   void halve(const Triangle& t, const std::array<NodeId, 3>& corners, int levels) {
     const NodeId n = levels > 0 ? name(t.mx, t.my) : NodeId{};
-    if (levels == 0 || !is_active_(n)) return visit_(corners[0], corners[1], corners[2]);
+    if (levels == 0 || !is_in_section_(n)) return visit_(corners[0], corners[1], corners[2]);
     const int32_t in_x = (-t.dy - t.dx) / 2, in_y = (t.dx - t.dy) / 2;
     const int32_t on_x = (t.dx - t.dy) / 2, on_y = (t.dx + t.dy) / 2;
     halve({t.mx + in_x, t.my + in_y, -on_x, -on_y}, {corners[2], corners[0], n}, levels - 1);
@@ -115,15 +116,15 @@ class Bisected {
 
   const Bisection rule_;
   uint32_t patch_;
-  const Active& is_active_;
+  const IsInSection& is_in_section_;
   const Visit& visit_;
 };
 
 }  // namespace mesh_triangles
 
 // Calls visit(a, b, c) with the ids of each triangle's vertices, for one base face.
-template <class Active, class Visit>
-void forEachTriangleOf(const MeshTopology& mesh, uint32_t face, const Active& is_in_section, const Visit& visit) {
+template <class IsInSection, class Visit>
+void forEachTriangleOf(const MeshTopology& mesh, uint32_t face, const IsInSection& is_in_section, const Visit& visit) {
   const int32_t size = 1 << mesh.halvings();
   if (mesh.rule() == MeshRule::kQuadrisection)
     return mesh_triangles::Quadrisected(mesh, face, is_in_section, visit).run(size);
@@ -132,8 +133,8 @@ void forEachTriangleOf(const MeshTopology& mesh, uint32_t face, const Active& is
 }
 
 // The same for all base faces, in order.
-template <class Active, class Visit>
-void forEachTriangle(const MeshTopology& mesh, const Active& is_in_section, const Visit& visit) {
+template <class IsInSection, class Visit>
+void forEachTriangle(const MeshTopology& mesh, const IsInSection& is_in_section, const Visit& visit) {
   for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) forEachTriangleOf(mesh, face, is_in_section, visit);
 }
 

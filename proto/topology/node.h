@@ -6,7 +6,7 @@
 //   bits 32..63 y, in samples northward
 //
 // Consequences: ids compare by y then x; the midpoint of two vertices is the id of their mean; no table maps ids to
-// places. Value type; any thread; portable to WebAssembly.
+// positions. Value type; any thread; portable to WebAssembly.
 #pragma once
 
 #include <compare>
@@ -25,10 +25,11 @@ struct NodeId {
   auto operator<=>(const NodeId&) const = default;
 };
 
-// A node's place in the scene's flat tables and in the canonical order: coarse levels first, neighbours close together.
+// A node's index in the scene's flat tables and in the canonical order: coarse levels first, neighbours close together.
 using Slot = uint32_t;
 inline constexpr Slot kNoSlot = 0xffffffffu;
-// Slots come in pages of so many, a tile of the slot order: neighbours share a page. A level begins with a page.
+// A page is this many consecutive slots, which are a tile of the level: neighbours share a page. A level begins with a
+// page.
 inline constexpr Slot kPageSlots = 256;
 
 // Up to `Capacity` ids without allocation.

@@ -1,11 +1,11 @@
-// How a node of a surface is named: by the patch whose lattice it lies on and its place there. A patch is a base face
-// (quadrisection.h) or the square about a base edge (bisection.h); lattices have 2^k intervals a side.
+// How a node of a surface is named: by the patch whose lattice it lies on and its position there. A patch is a base
+// face (quadrisection.h) or the square about a base edge (bisection.h); lattices have 2^k intervals a side.
 //
 //   bits 0..15   x
 //   bits 16..31  y
 //   bits 32..63  1 + patch; 0 marks base vertices, whose number then stands in the bits below
 //
-// What lies on the side between two patches is named by the one that owns it. Value types; any thread; portable.
+// A node on the side between two patches is named by the patch that owns it. Value types; any thread; portable.
 #pragma once
 
 #include <bit>
@@ -25,7 +25,7 @@ struct PatchPoint {
   bool operator==(const PatchPoint&) const = default;
 };
 
-// The one or two places at which patches hold a node.
+// A node's positions on the one or two patches that hold it.
 struct PatchPoints {
   PatchPoint at[2];
   int count = 0;
@@ -34,8 +34,8 @@ struct PatchPoints {
   const PatchPoint* end() const { return at + count; }
 };
 
-// A vertex in the parameter domain: (weights[0], weights[1], weights[2]) / their sum, barycentric in a base face.
-// Integers, so that equal places are equal.
+// A vertex in the parameter domain: its barycentric coordinates in a base face are the weights divided by their sum.
+// Integers, so that the same point compares equal.
 struct FacePoint {
   uint32_t face = 0;
   uint32_t weights[3] = {0, 0, 0};

@@ -7,7 +7,7 @@
 //   children  the middles of the hexagon's six spokes: at most six, four on the border
 //   parents   its edge's ends that are one level coarser: two inside a triangle of 4s, one on a side of it
 //
-// What lies on a base edge belongs to the face with the lower number. Each level has one slot for each edge of each
+// A node on a base edge belongs to the face with the lower number. Each level has one slot for each edge of each
 // face, counted by the upright triangles that they belong to; the slots of edges that another face owns are padding.
 //
 // A view of a base mesh, which must outlive it; any thread; every function is O(1).
@@ -42,7 +42,7 @@ class Quadrisection {
     return twin < h ? patchNodeId(onSide(twin, size_ - r)) : patchNodeId(p);
   }
   bool isInPatch(const PatchPoint& p) const { return p.x >= 0 && p.y >= 0 && p.x + p.y <= size_; }
-  // Where a node is on the faces that hold it: its own first, then the neighbour if it is on a base edge.
+  // A node's positions on the faces that hold it: on its own face first, then on the neighbour if it is on a base edge.
   PatchPoints appearances(const PatchPoint& n) const {
     PatchPoints result;
     result.push(n);
@@ -71,8 +71,8 @@ class Quadrisection {
     const uint32_t t = n.scaleLog2();
     return t == 0 ? NodeList<6>{} : ring(n, 1 << (t - 1));
   }
-  // The middles of the other sides of the one or two triangles beside the node's edge: with any of them, or the node,
-  // active, the triangle is split, and the node is a vertex of the mesh (S 3.6).
+  // The middles of the other sides of the one or two triangles beside the node's edge. If one of them or the node
+  // itself is in the section, the triangle is split, and the node is a vertex of the mesh (S 3.6).
   NodeList<4> siblings(const PatchPoint& n) const {
     NodeList<4> result;
     for (NodeId v : ring(n, 1 << n.scaleLog2()))
@@ -86,7 +86,7 @@ class Quadrisection {
     const uint32_t row = static_cast<uint32_t>(n.y) >> (t + 1), column = static_cast<uint32_t>(n.x) >> (t + 1);
     return uint64_t{n.patch} * slotsOfFace(m) + 3 * folded(row, column, m) + (odd_x & odd_y ? 2 : odd_y);
   }
-  // NodeId{} if it is padding.
+  // The node of a slot, or NodeId{} if the slot is padding.
   NodeId nodeOfSlot(int level, uint32_t within) const {
     const uint32_t m = rows(level), in_face = within % slotsOfFace(m), cell = in_face / 3, kind = in_face % 3;
     uint32_t row = cell / (m + 1), column = cell % (m + 1);
@@ -97,18 +97,18 @@ class Quadrisection {
     return name(p) == patchNodeId(p) ? patchNodeId(p) : NodeId{};
   }
 
-  FacePoint place(const PatchPoint& p) const {
+  FacePoint facePoint(const PatchPoint& p) const {
     return {p.patch,
             {static_cast<uint32_t>(size_ - p.x - p.y), static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y)}};
   }
-  // The same in another face, on whose side it lies.
-  FacePoint placeIn(uint32_t face, const PatchPoint& p) const {
-    if (p.patch == face) return place(p);
+  // The same point in another face, on whose side it lies.
+  FacePoint facePointIn(uint32_t face, const PatchPoint& p) const {
+    if (p.patch == face) return facePoint(p);
     const uint32_t side = sideOf(p);
     CHECK_NE(side, kInside);
     const HalfEdge twin = mesh_.twin(3 * p.patch + side);
     CHECK_EQ(BaseMesh::face(twin), face);
-    return place(onSide(twin, size_ - along(p, side)));
+    return facePoint(onSide(twin, size_ - along(p, side)));
   }
 
  private:
@@ -142,11 +142,11 @@ class Quadrisection {
   NodeList<6> ring(const PatchPoint& n, int32_t step) const {
     NodeList<6> result;
     around(n, step, kInside, result);
-    const PatchPoints places = appearances(n);
-    if (places.count > 1) around(places.at[1], step, sideOf(places.at[1]), result);
+    const PatchPoints points = appearances(n);
+    if (points.count > 1) around(points.at[1], step, sideOf(points.at[1]), result);
     return result;
   }
-  // Those in the patch of `n`, but not on its side `without`.
+  // The points `step` around `n` that are in its patch, but not on the side `without`.
   void around(const PatchPoint& n, int32_t step, uint32_t without, NodeList<6>& result) const {
     const int32_t offsets[6][2] = {{step, 0}, {0, step}, {-step, step}, {-step, 0}, {0, -step}, {step, -step}};
     for (const auto& [dx, dy] : offsets) {

@@ -109,7 +109,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
 // A section that cannot be resumed from is no mistake of the viewer's: it is sent a whole section then.
 Status Session::take(const proto::Resume& resume, Time) {
   if (!isFirst() || !history_.empty())
-    return Error{ErrorCode::kMalformed, "a section is presented before the first pose, or not at all"};
+    return Error{ErrorCode::kMalformed, "a client resumes before its first pose, or not at all"};
   const Hierarchy& hierarchy = world_->hierarchy;
   if (resume.scene_id != hierarchy.scene().id()) return {};
   const auto sections =

@@ -129,7 +129,7 @@ class Session {
   std::vector<Bytes> replies_;
 
   SectionSender sender_;
-  std::unique_ptr<ViewerOcclusion> occlusion_;  // null if deltas on this connection do not tell hidden blocks
+  std::unique_ptr<ViewerOcclusion> occlusion_;  // null if deltas on this connection carry no hidden blocks
   ToleranceControl tolerance_;
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;

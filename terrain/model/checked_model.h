@@ -1,5 +1,5 @@
-// Builds a Model piece by piece. Whatever would break the invariants of a Model is an error that names the vertex or
-// face. One owner.
+// Builds a Model piece by piece. A piece that would break the invariants of a Model (model.h) is an Error that names
+// the vertex or face. One owner.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ class CheckedModel {
   }
   Status endFace(uint32_t material);  // of the corners since the last one ended
 
-  // The model, if it has a face and every corner names what exists.
+  // The model; an Error if it has no face, or a corner names a vertex or texture coordinate that does not exist.
   Result<Model> finish();
 
  private:

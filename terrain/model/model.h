@@ -16,8 +16,8 @@
 namespace foreland::terrain {
 
 inline constexpr uint32_t kNoIndex = 0xffffffff;
-inline constexpr double kMaxCoordinate = 1e9;             // units of the file; far beyond any model
-inline constexpr uint64_t kMaxModelVertices = 1u << 27;   // likewise texture coordinates and faces
+inline constexpr double kMaxCoordinate = 1e9;             // units of the file; far beyond any real model
+inline constexpr uint64_t kMaxModelVertices = 1u << 27;   // also of texture coordinates, and of faces
 inline constexpr uint32_t kMaxFaceCorners = 1u << 10;     // of one face
 inline constexpr uint64_t kMaxModelBytes = 1ull << 33;    // of a model's file
 inline constexpr uint32_t kMaxModelMaterials = 1u << 16;  // materials, and bytes of the name of each

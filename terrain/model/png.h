@@ -1,4 +1,5 @@
-// PNG images, through libpng, which stays here. Any bytes end in an Image or an Error that names the file. Any thread.
+// Reads and writes PNG images by libpng, which no other file uses. Any bytes end in an Image or an Error that names the
+// file. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace foreland::terrain {
 
-// Row by row from the top.
+// Pixels row by row from the top.
 struct Image {
   uint32_t width = 0, height = 0;
   std::vector<Colour> pixels;
@@ -21,9 +22,10 @@ struct Image {
 
 inline constexpr uint64_t kMaxImagePixels = 1u << 28;  // a gigabyte
 
-// Of any depth and kind; becomes 8 bits a channel, sRGB.
+// Reads a file of any bit depth and colour type; the image has 8 bits a channel, sRGB.
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& path);
-// A file's bytes: 8 bits a channel, red, green, blue, alpha, lossless. An Error only if memory does not suffice.
+// The bytes of a file with 8 bits a channel: red, green, blue, alpha; lossless. An Error only if memory does not
+// suffice.
 [[nodiscard]] Result<Bytes> encodePng(const Image& image);
 
 }  // namespace foreland::terrain

@@ -1,8 +1,8 @@
 // Reads a polygon model: Wavefront OBJ (polygons, texture coordinates, mtllib and map_Kd, colours behind the vertices)
 // or PLY (ascii and both binary orders, colours, texture coordinates by vertex, "comment TextureFile"). Any bytes end
-// in a Model or an Error that names the file, its line or element, and the remedy; every count is bounded by the bytes
-// that are there before it is believed. Textures are only named, not read. Pure but for the files; any thread. Cost:
-// linear in the file, which is held in memory meanwhile.
+// in a Model or an Error that names the file, its line or element, and the remedy; every count is checked against the
+// number of bytes that follow before memory is allocated for it. Textures are only named, not read. Pure but for the
+// files; any thread. Cost: linear in the file, which is held in memory meanwhile.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace foreland::terrain {
 
-// By the name's suffix, .obj or .ply.
+// Reads a file; the suffix of its name, .obj or .ply, says which kind it is.
 [[nodiscard]] Result<Model> readModel(const std::filesystem::path& path);
 
 // The same from memory; messages use `name`. `library` returns the text of the file that `mtllib` names. A material

@@ -10,7 +10,7 @@
 
 namespace foreland::terrain {
 
-// Lines, without their end ("\n" or "\r\n").
+// The lines of a text, without the line end ("\n" or "\r\n").
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -33,18 +33,18 @@ class Lines {
   uint64_t number_ = 0;
 };
 
-// Words between blanks.
+// The words of a line; blanks separate them.
 class Words {
  public:
   explicit Words(std::string_view line) : rest_(line) { skip(); }
 
   bool atEnd() const { return rest_.empty(); }
-  // What is left of the line, without blanks at its ends: names may hold blanks.
+  // What is left of the line, without blanks at its ends. For names, which may contain blanks.
   std::string_view rest() const {
     const size_t last = rest_.find_last_not_of(" \t");
     return last == std::string_view::npos ? std::string_view() : rest_.substr(0, last + 1);
   }
-  // Empty at the end of the line.
+  // The next word; empty at the end of the line.
   std::string_view next() {
     const size_t end = std::min(rest_.find_first_of(" \t"), rest_.size());
     const std::string_view word = rest_.substr(0, end);
@@ -59,7 +59,7 @@ class Words {
   std::string_view rest_;
 };
 
-// The whole word as a number; empty if it is none. Real numbers may be infinite or NaN.
+// The number that the whole word spells, or nullopt. Real numbers may be infinite or NaN.
 template <class T>
 std::optional<T> parseNumber(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);

@@ -45,7 +45,7 @@ Result<proto::ObjectPlacement> place(const ObjectRequest& request, const MappedS
                                 ") lies beyond the data; give " +
                                 (is_planar ? "x and y of the map, in metres" : "latitude and longitude, in degrees"));
   }
-  const double lowest_m = model.header().low[2] * model.stepMetres() * request.scale;
+  const double lowest_m = model.header().low[2] * model.quantumMetres() * request.scale;
   const glm::dvec3 point = transform.toScene(proto::LatticePosition{at.x, at.y, *ground + request.height_m});
   const glm::dvec3 up = transform.upAt(point);
   return proto::ObjectPlacement{0, point - up * lowest_m, standing(up, request.heading_deg * kRadians), request.scale};

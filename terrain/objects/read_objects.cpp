@@ -32,7 +32,7 @@ Status checkModel(const MappedSurface& surface) {
 
 proto::ObjectModel modelOf(const MappedSurface& surface) {
   return {surface.topology().shape(),
-          surface.stepMetres(),
+          surface.quantumMetres(),
           {surface.basePositions().begin(), surface.basePositions().end()},
           surface.atlas().side};
 }

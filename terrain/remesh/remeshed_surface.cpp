@@ -54,7 +54,7 @@ double defaultQuantum(const Remeshed& remeshed) {
 Status checkQuantum(const std::vector<dvec3>& positions, double quantum_m) {
   for (const dvec3& p : positions)
     for (int axis = 0; axis < 3; ++axis)
-      if (std::fabs(p[axis]) > kMaxSteps * quantum_m) {
+      if (std::fabs(p[axis]) > kMaxQuanta * quantum_m) {
         char text[120];
         std::snprintf(text, sizeof(text),
                       "a coordinate of %g is more than 2^30 steps of %g; move the model or choose a coarser step",
@@ -69,9 +69,9 @@ Result<TrueSurface> toSurface(const Remeshed& remeshed, proto::MeshRule rule, do
                                            static_cast<uint32_t>(remeshed.base_vertices.size()), remeshed.base_faces});
   if (!made.ok()) return made.error();
   const proto::MeshTopology topology = *made;
-  const double scale = topology.placeScale();
+  const double scale = topology.weightScale();
   return makeSurface(*made, quantum_m, remeshed.base_vertices, [&](proto::NodeId n, const dvec3&) {
-    const proto::FacePoint at = topology.place(n);
+    const proto::FacePoint at = topology.facePoint(n);
     if (rule == proto::MeshRule::kQuadrisection)
       return remeshed.positions[remeshed.lattice.vertex(at.face, at.weights[1], at.weights[2])];
     const dvec3 weights = dvec3(at.weights[0], at.weights[1], at.weights[2]) / scale;

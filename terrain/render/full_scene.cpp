@@ -86,9 +86,9 @@ class FullModel {
   Status commit() {
     std::vector<glm::vec3> vertices;
     for (const glm::ivec3& steps : surface_->basePositions())
-      vertices.emplace_back(glm::dvec3(steps) * surface_->stepMetres());
+      vertices.emplace_back(glm::dvec3(steps) * surface_->quantumMetres());
     for (const proto::SurfaceRecord& node : surface_->nodes())
-      vertices.emplace_back(glm::dvec3(node.position) * surface_->stepMetres());
+      vertices.emplace_back(glm::dvec3(node.position) * surface_->quantumMetres());
     embree_.addTriangles(vertices, indices_);
     return embree_.commit();
   }
@@ -98,7 +98,7 @@ class FullModel {
     const proto::MeshTopology& mesh = surface_->topology();
     const uint32_t v = indices_[3 * size_t{triangle} + i], nodes = v - mesh.baseVertexCount();
     const NodeId id = v < mesh.baseVertexCount() ? proto::baseVertexId(v) : mesh.node(nodes);
-    return {glm::dvec3(surface_->steps(id)) * surface_->stepMetres(), textureCoordinates(triangle, id), 0};
+    return {glm::dvec3(surface_->quanta(id)) * surface_->quantumMetres(), textureCoordinates(triangle, id), 0};
   }
 
  private:
@@ -112,8 +112,8 @@ class FullModel {
     const proto::MeshTopology& mesh = surface_->topology();
     const auto face =
         static_cast<uint32_t>(std::upper_bound(face_end_.begin(), face_end_.end(), triangle) - face_end_.begin());
-    const proto::FacePoint at = mesh.placeIn(face, v);
-    const double scale = mesh.placeScale();
+    const proto::FacePoint at = mesh.facePointIn(face, v);
+    const double scale = mesh.weightScale();
     return atlas.coordinates(face, {at.weights[0] / scale, at.weights[1] / scale, at.weights[2] / scale});
   }
 

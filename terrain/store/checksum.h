@@ -1,5 +1,5 @@
 // XXH64 (Yann Collet's xxHash, header-only) over bytes: the scene file's block checksums and content id. Not
-// cryptographic: it finds damage, not malice. Pure; any thread.
+// cryptographic: it detects damage, not forgery. Pure; any thread.
 #pragma once
 
 #include <cstdint>

@@ -29,7 +29,7 @@ std::vector<std::string> Faults::first() const {
   return sentences;
 }
 
-void checkBlocks(ByteSpan file, const SectionPlace& checksums, unsigned threads, Faults& faults) {
+void checkBlocks(ByteSpan file, const SectionRange& checksums, unsigned threads, Faults& faults) {
   const auto* expected = reinterpret_cast<const uint64_t*>(file.data() + checksums.offset);
   parallelFor(
       blockCount(checksums), threads,

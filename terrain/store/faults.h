@@ -1,4 +1,4 @@
-// The faults that a check of a file finds. add() may be called by several threads at once.
+// The faults that a check of a file finds. Threads: add() may be called by several at once.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,6 @@ class Faults {
 };
 
 // Compares every block with its checksum. Uses threads of its own while it runs.
-void checkBlocks(ByteSpan file, const SectionPlace& checksums, unsigned threads, Faults& faults);
+void checkBlocks(ByteSpan file, const SectionRange& checksums, unsigned threads, Faults& faults);
 
 }  // namespace foreland::terrain

@@ -24,7 +24,7 @@ FileLayout FileLayout::of(const proto::GridTopology& grid, uint64_t text_bytes, 
       text_bytes, sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull),
       sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y,
       sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount()), object_bytes};
-  layout.file_bytes = placeSections(bytes, layout.sections);
+  layout.file_bytes = layOutSections(bytes, layout.sections);
   return layout;
 }
 

@@ -39,7 +39,7 @@ struct FileHeader {
   int32_t lowest = 0, highest = 0;
   uint64_t voids_filled = 0;
   uint64_t slot_count = 0;
-  SectionPlace sections[kSectionCount];
+  SectionRange sections[kSectionCount];
 };
 static_assert(sizeof(FileHeader) == 328 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
@@ -47,7 +47,7 @@ static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sectio
 
 // Where the sections of a file lie, given the grid and the sizes of the text and of the objects.
 struct FileLayout {
-  std::array<SectionPlace, kSectionCount> sections;
+  std::array<SectionRange, kSectionCount> sections;
   uint64_t file_bytes = 0;
   static FileLayout of(const proto::GridTopology& grid, uint64_t text_bytes, uint64_t object_bytes);
 };

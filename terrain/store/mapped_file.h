@@ -18,8 +18,8 @@ namespace foreland::terrain {
 
 // A section of a mapped file as records. Sections begin at pages, so records are aligned.
 template <class T>
-std::span<const T> sectionOf(ByteSpan file, const SectionPlace& place) {
-  return {reinterpret_cast<const T*>(file.data() + place.offset), place.bytes / sizeof(T)};
+std::span<const T> sectionOf(ByteSpan file, const SectionRange& range) {
+  return {reinterpret_cast<const T*>(file.data() + range.offset), range.bytes / sizeof(T)};
 }
 
 class MappedFile {

@@ -17,8 +17,7 @@ namespace foreland::terrain {
 class MappedScene final : public Scene {
  public:
   static Result<std::shared_ptr<const MappedScene>> open(const std::filesystem::path& path);
-  // The same for the bytes of a file in memory, kept alive by `owner` and aligned to a page. Errors call the file
-  // `name`.
+  // Opens a scene whose file is in memory, kept alive by `owner` and aligned to a page. Errors call the file `name`.
   static Result<std::shared_ptr<const MappedScene>> of(ByteSpan bytes, const std::string& name,
                                                        std::shared_ptr<const void> owner);
   const FileHeader& header() const { return header_; }

@@ -20,7 +20,7 @@ namespace foreland::terrain {
 
 using proto::NodeRecord;
 
-// Where the scene came from; for people, not for geometry.
+// What the scene was made from. For people to read; no geometry depends on it.
 struct SceneOrigin {
   std::string title;               // file names of the inputs
   std::string crs_wkt;             // empty if none
@@ -53,7 +53,7 @@ class Scene {
   std::span<const int32_t> cornerHeights() const { return corners_; }
   std::span<const int32_t> centreHeights() const { return centres_; }
 
-  // The section that terrain/objects reads; empty if there are no objects.
+  // The bytes of the objects, which terrain/objects reads; empty if there are none.
   ByteSpan objectSection() const { return objects_; }
 
   // Height of any lattice point, node or base vertex, in quanta.

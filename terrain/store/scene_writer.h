@@ -16,17 +16,17 @@ namespace foreland::terrain {
 
 class SceneWriter {
  public:
-  // The content of the header. Shape and frame must be valid.
+  // What the header says. Shape and frame must be valid.
   struct About {
     proto::GridShape shape;
     proto::Frame frame;
     HeightRange heights;
     SceneOrigin origin;
-    Bytes objects{};  // the section (terrain/objects)
+    Bytes objects{};  // the section of objects (terrain/objects)
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 
-  std::span<const NodeRecord> nodes() const;  // zero at first
+  std::span<const NodeRecord> nodes() const;  // zero until put()
   std::span<int32_t> corners();
   std::span<int32_t> centres();
   uint64_t fileBytes() const { return layout_.file_bytes; }

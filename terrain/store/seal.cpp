@@ -4,7 +4,7 @@
 
 namespace foreland::terrain {
 
-void sumBlocks(const NewFile& file, const SectionPlace& checksums) {
+void sumBlocks(const NewFile& file, const SectionRange& checksums) {
   auto* table = reinterpret_cast<uint64_t*>(file.data() + checksums.offset);
   for (uint64_t i = 0; i < blockCount(checksums); ++i) {
     const ByteSpan block = blockAt(file.span(), checksums, i);

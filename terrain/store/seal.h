@@ -10,11 +10,11 @@
 namespace foreland::terrain {
 
 // Fills the checksum table and releases the blocks from memory.
-void sumBlocks(const NewFile& file, const SectionPlace& checksums);
+void sumBlocks(const NewFile& file, const SectionRange& checksums);
 
 // `header` must be complete except for its id and checksum. Returns the id.
 template <class Header>
-Result<uint64_t> sealFile(NewFile& file, const SectionPlace& checksums, Header header) {
+Result<uint64_t> sealFile(NewFile& file, const SectionRange& checksums, Header header) {
   sumBlocks(file, checksums);
   header.scene_id = contentId(header, file.span().subspan(checksums.offset, checksums.bytes));
   header.header_checksum = headerChecksum(header);

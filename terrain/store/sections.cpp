@@ -7,19 +7,19 @@
 
 namespace foreland::terrain {
 
-ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index) {
+ByteSpan blockAt(ByteSpan file, const SectionRange& checksums, uint64_t index) {
   const uint64_t begin = kPageBytes + index * kBlockBytes;
   return file.subspan(begin, std::min(kBlockBytes, checksums.offset - begin));
 }
 
-uint64_t placeSections(std::span<const uint64_t> bytes, std::span<SectionPlace> places) {
-  CHECK_EQ(places.size(), bytes.size() + 1);
+uint64_t layOutSections(std::span<const uint64_t> bytes, std::span<SectionRange> ranges) {
+  CHECK_EQ(ranges.size(), bytes.size() + 1);
   uint64_t at = kPageBytes;
   for (size_t i = 0; i < bytes.size(); ++i) {
-    places[i] = {at, bytes[i]};
+    ranges[i] = {at, bytes[i]};
     at = (at + bytes[i] + kPageBytes - 1) / kPageBytes * kPageBytes;
   }
-  SectionPlace& checksums = places.back();
+  SectionRange& checksums = ranges.back();
   checksums.offset = at;
   checksums.bytes = sizeof(uint64_t) * blockCount(checksums);
   return at + checksums.bytes;

@@ -1,6 +1,6 @@
-// What the files of terrains and of surfaces share: one page of header that begins with the same fields, page-aligned
-// sections, and at the end a checksum of each block of what lies between. docs/SCENE_FORMAT.md describes it for readers
-// of other languages. Pure; any thread.
+// What the files of terrains and of surfaces have in common: a page of header that begins with the same fields,
+// page-aligned sections, and at the end a checksum for each block of the bytes between. docs/SCENE_FORMAT.md describes
+// it for readers of other languages. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -18,21 +18,21 @@ inline constexpr uint64_t kPageBytes = 4096;       // alignment of every section
 inline constexpr uint64_t kBlockBytes = 1u << 20;  // checksummed at a time
 inline constexpr uint64_t kMaxTextBytes = 1u << 24;
 
-struct SectionPlace {
+struct SectionRange {
   uint64_t offset = 0;  // from the start of the file, a multiple of kPageBytes
   uint64_t bytes = 0;
-  bool operator==(const SectionPlace&) const = default;
+  bool operator==(const SectionRange&) const = default;
 };
 
 // Blocks cover everything between the header page and the checksum table; the last may be short.
-inline uint64_t blockCount(const SectionPlace& checksums) {
+inline uint64_t blockCount(const SectionRange& checksums) {
   return (checksums.offset - kPageBytes + kBlockBytes - 1) / kBlockBytes;
 }
-ByteSpan blockAt(ByteSpan file, const SectionPlace& checksums, uint64_t index);
+ByteSpan blockAt(ByteSpan file, const SectionRange& checksums, uint64_t index);
 
-// Lays out sections of the given sizes one after the other, and the checksum table after them as the last of `places`.
-// Returns the size of the file.
-uint64_t placeSections(std::span<const uint64_t> bytes, std::span<SectionPlace> places);
+// Lays out sections of the given sizes one after the other, then the checksum table, which becomes the last of
+// `ranges`. Returns the size of the file.
+uint64_t layOutSections(std::span<const uint64_t> bytes, std::span<SectionRange> ranges);
 
 // XXH64 of the header page: the header, then zeros.
 uint64_t pageHash(ByteSpan header, uint64_t seed = 0);

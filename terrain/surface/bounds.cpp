@@ -62,7 +62,7 @@ class BoundsPass {
       displacements_[slot] = surface.position(n) - 0.5 * (surface.position(a) + surface.position(b));
     });
     for (uint32_t v = 0; v < mesh_.baseVertexCount(); ++v) reach = std::max(reach, glm::length(full_.position(v)));
-    pad_m_ = 1e-6 * std::max(reach, surface.step_m);
+    pad_m_ = 1e-6 * std::max(reach, surface.quantum_m);
   }
 
   std::vector<SurfaceRecord> run() {
@@ -131,7 +131,7 @@ class BoundsPass {
   }
 
   void includeSphereAndCone(const SurfaceRecord& child, Gathered& all) const {
-    const glm::dvec3 aside = glm::dvec3(child.position) * surface_.step_m - all.position,
+    const glm::dvec3 aside = glm::dvec3(child.position) * surface_.quantum_m - all.position,
                      normal = child.normal.unpack();
     const double distance = glm::length(aside), radius = child.radius.metres();
     all.radius = std::max(all.radius, distance + radius);

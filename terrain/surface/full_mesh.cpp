@@ -7,8 +7,8 @@
 namespace foreland::terrain {
 
 FullMesh::FullMesh(const TrueSurface& surface) : topology_(surface.topology) {
-  for (const glm::ivec3& p : surface.base) positions_.push_back(glm::dvec3(p) * surface.step_m);
-  for (const glm::ivec3& p : surface.nodes) positions_.push_back(glm::dvec3(p) * surface.step_m);
+  for (const glm::ivec3& p : surface.base) positions_.push_back(glm::dvec3(p) * surface.quantum_m);
+  for (const glm::ivec3& p : surface.nodes) positions_.push_back(glm::dvec3(p) * surface.quantum_m);
   first_at_.assign(positions_.size() + 1, 0);
   const auto everywhere = [](proto::NodeId) { return true; };
   proto::forEachTriangle(topology_, everywhere, [&](proto::NodeId a, proto::NodeId b, proto::NodeId c) {

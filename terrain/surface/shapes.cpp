@@ -15,7 +15,7 @@ Result<TrueSurface> shape(std::vector<proto::BaseFace> faces, const std::vector<
   auto topology = proto::MeshTopology::create(
       {detail.rule, detail.halvings, static_cast<uint32_t>(corners.size()), std::move(faces)});
   if (!topology) return topology.error();
-  return makeSurface(std::move(*topology), detail.step_m, corners, truePosition);
+  return makeSurface(std::move(*topology), detail.quantum_m, corners, truePosition);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace foreland::terrain {
 struct ShapeDetail {
   proto::MeshRule rule = proto::MeshRule::kQuadrisection;
   uint32_t halvings = 5;
-  double step_m = 1e-6;
+  double quantum_m = 1e-6;
 };
 
 // About the origin, from the octahedron's eight faces, each new vertex above the middle of its edge: the sphere of S,

@@ -12,18 +12,18 @@
 
 namespace foreland::terrain {
 
-inline constexpr int32_t kMaxSteps = 1 << 30;  // of a coordinate, so that sums of two fit
+inline constexpr int32_t kMaxQuanta = 1 << 30;  // of a coordinate, so that sums of two fit
 
 struct TrueSurface {
   proto::MeshTopology topology;
-  double step_m = 0.001;
+  double quantum_m = 0.001;
   std::vector<glm::ivec3> base;   // topology.baseVertexCount() of them
   std::vector<glm::ivec3> nodes;  // by slot, topology.slotCount() of them; zeros in the padding
 
-  const glm::ivec3& steps(proto::NodeId v) const {
+  const glm::ivec3& quanta(proto::NodeId v) const {
     return topology.isBase(v) ? base[proto::baseVertexOf(v)] : nodes[topology.slot(v)];
   }
-  glm::dvec3 position(proto::NodeId v) const { return glm::dvec3(steps(v)) * step_m; }
+  glm::dvec3 position(proto::NodeId v) const { return glm::dvec3(quanta(v)) * quantum_m; }
 };
 
 // The true position of a vertex in metres, given the middle of its endpoints' true positions (for a face's centre, of
@@ -31,8 +31,8 @@ struct TrueSurface {
 using TruePosition = std::function<glm::dvec3(proto::NodeId, const glm::dvec3& middle)>;
 
 // Calls `truePosition` for every vertex, coarse levels first, except those of the base mesh, whose positions are
-// `corners`. Error, naming the first such vertex, for a position that is not finite or beyond kMaxSteps quanta.
-Result<TrueSurface> makeSurface(proto::MeshTopology topology, double step_m, const std::vector<glm::dvec3>& corners,
+// `corners`. Error, naming the first such vertex, for a position that is not finite or beyond kMaxQuanta quanta.
+Result<TrueSurface> makeSurface(proto::MeshTopology topology, double quantum_m, const std::vector<glm::dvec3>& corners,
                                 const TruePosition& truePosition);
 
 // Calls visit(NodeId, Slot) for every node, coarse levels first.

@@ -24,7 +24,7 @@ Status checkNumbers(const SurfaceHeader& h) {
     return malformed("its base mesh has too many or no faces");
   if (h.error_shape > static_cast<uint32_t>(proto::ErrorShape::kHoppe) || h.reserved != 0)
     return malformed("its error shape is unknown");
-  if (!(h.step_m > 0) || !std::isfinite(h.step_m)) return malformed("its step is no positive number");
+  if (!(h.quantum_m > 0) || !std::isfinite(h.quantum_m)) return malformed("its step is no positive number");
   for (int axis = 0; axis < 3; ++axis)
     if (h.low[axis] > h.high[axis]) return malformed("its box is empty");
   if (h.atlas_side > proto::AtlasLayout::kMaxPixels || h.atlas_columns > proto::AtlasLayout::kMaxPixels ||

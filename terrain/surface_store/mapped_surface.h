@@ -32,13 +32,13 @@ class MappedSurface {
   uint64_t id() const { return header_.scene_id; }  // identifies the content
   const SceneOrigin& about() const { return about_; }
 
-  double stepMetres() const { return header_.step_m; }
+  double quantumMetres() const { return header_.quantum_m; }
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
   // Positions in quanta, by base vertex (under bisection, centres of faces after them), and nodes by slot with zeros as
   // padding.
   std::span<const glm::ivec3> basePositions() const { return section<glm::ivec3>(kSurfaceVertices); }
   std::span<const proto::SurfaceRecord> nodes() const { return section<proto::SurfaceRecord>(kSurfaceNodes); }
-  const glm::ivec3& steps(proto::NodeId v) const {
+  const glm::ivec3& quanta(proto::NodeId v) const {
     return topology_.isBase(v) ? basePositions()[proto::baseVertexOf(v)] : nodes()[topology_.slot(v)].position;
   }
 

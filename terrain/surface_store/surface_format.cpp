@@ -14,7 +14,7 @@ uint64_t placeSurface(SurfaceHeader& header, uint64_t text_bytes) {
   const std::array<uint64_t, kSurfaceChecksums> bytes{
       text_bytes, sizeof(proto::BaseFace) * uint64_t{header.base_faces}, sizeof(glm::ivec3) * storedVertices(header),
       sizeof(proto::SurfaceRecord) * header.slot_count, sizeof(Texel) * uint64_t{atlas.width()} * atlas.height()};
-  return placeSections(bytes, header.sections);
+  return layOutSections(bytes, header.sections);
 }
 
 }  // namespace foreland::terrain

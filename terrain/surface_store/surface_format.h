@@ -40,13 +40,13 @@ struct SurfaceHeader {
   uint32_t rule = 0, halvings = 0, base_vertices = 0, base_faces = 0;
   uint32_t atlas_side = 0, atlas_columns = 0;
   uint32_t error_shape = 0, reserved = 0;
-  double step_m = 0;
+  double quantum_m = 0;
   int32_t low[3]{}, high[3]{};  // of all positions
   uint64_t slot_count = 0;
-  SectionPlace sections[kSurfaceSectionCount];
+  SectionRange sections[kSurfaceSectionCount];
 };
 static_assert(sizeof(SurfaceHeader) == 208 && std::is_trivially_copyable_v<SurfaceHeader>);
-static_assert(offsetof(SurfaceHeader, step_m) == 72 && offsetof(SurfaceHeader, sections) == 112);
+static_assert(offsetof(SurfaceHeader, quantum_m) == 72 && offsetof(SurfaceHeader, sections) == 112);
 
 // Base vertices with a position: those of the base mesh and, by bisection, the faces' centres.
 uint64_t storedVertices(const SurfaceHeader& header);

@@ -40,7 +40,7 @@ class SurfaceCheck {
       return false;
     }
     if (!isInBox(record.position)) fault(slot, "lies outside the surface's box");
-    const auto bounds = proto::SurfaceBounds::of(record, surface_.stepMetres());
+    const auto bounds = proto::SurfaceBounds::of(record, surface_.quantumMetres());
     if (!std::isfinite(bounds.radius) || !std::isfinite(bounds.along) || !std::isfinite(bounds.across)) {
       fault(slot, "has a bound that is no number");
       return true;
@@ -59,7 +59,7 @@ class SurfaceCheck {
   }
   void checkChild(proto::Slot slot, const proto::SurfaceBounds& bounds, proto::Slot child) const {
     const proto::SurfaceRecord& record = surface_.nodes()[child];
-    const auto below = proto::SurfaceBounds::of(record, surface_.stepMetres());
+    const auto below = proto::SurfaceBounds::of(record, surface_.quantumMetres());
     const std::string whose = " of its child in slot " + std::to_string(child);
     if (glm::distance(bounds.position(), below.position()) + below.radius > bounds.radius)
       fault(slot, "has a sphere that does not hold that" + whose);
@@ -102,7 +102,7 @@ Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned t
 
 VerifyReport verifySurface(const MappedSurface& surface, unsigned threads) {
   Faults blocks, values;
-  const SectionPlace& checksums = surface.header().sections[kSurfaceChecksums];
+  const SectionRange& checksums = surface.header().sections[kSurfaceChecksums];
   checkBlocks(surface.file(), checksums, threads, blocks);
   const SurfaceCheck check(surface, values);
   for (size_t v = 0; v < surface.basePositions().size(); ++v)

@@ -27,14 +27,14 @@ SurfaceHeader headerOf(const SurfaceContent& content) {
   header.base_vertices = topology.base().vertexCount(), header.base_faces = topology.base().faceCount();
   header.atlas_side = content.atlas.side, header.atlas_columns = content.atlas.columns;
   header.error_shape = static_cast<uint32_t>(content.error_shape);
-  header.step_m = content.surface.step_m;
+  header.quantum_m = content.surface.quantum_m;
   header.slot_count = topology.slotCount();
   measure(content.surface, header);
   return header;
 }
 
 template <class T>
-void fill(const NewFile& file, const SectionPlace& place, std::span<const T> from) {
+void fill(const NewFile& file, const SectionRange& place, std::span<const T> from) {
   CHECK_EQ(place.bytes, from.size_bytes());
   if (!from.empty()) std::memcpy(file.data() + place.offset, from.data(), from.size_bytes());
 }

@@ -1,8 +1,9 @@
 // Landscape evolution on a square grid: rivers cut in proportion to a power of their drainage area times their slope,
-// while the ground is lifted; slopes steeper than scree are not held. Braun and Willett, "A very efficient O(n),
+// while the ground is lifted; slopes steeper than scree collapse. Braun and Willett, "A very efficient O(n),
 // implicit and parallel method to solve the stream power equation" (2013); drainage by Barnes et al., "Priority-flood"
-// (2014), so lakes drain over their lowest pass. The steepest of eight neighbours is chosen with a little chance,
-// another one each step: over many steps slopes forget the eight directions of the grid. Deterministic. One owner.
+// (2014), so lakes drain over their lowest pass. The steepest of eight neighbours is chosen with a small random
+// preference, which differs from step to step, so that slopes do not follow the eight directions of the grid.
+// Deterministic. One owner.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +21,8 @@ struct ErosionGrid {
 struct ErosionStep {
   double time = 1;
   double erodibility = 1;  // K of dh/dt = U - K A^0.45 S, with A in squares of the length unit
-  double talus = 1;        // steepest slope along a flow path that holds, give or take a third with the rock
-  uint32_t seed = 0;       // of what is left to chance; another one each step
+  double talus = 1;        // steepest stable slope along a flow path; it varies by a third with the rock
+  uint32_t seed = 0;       // of the random choices; a different one for each step
   double diffusion = 0;    // hillslope creep: share of the distance to the neighbours' mean, 0 to 0.25
 };
 

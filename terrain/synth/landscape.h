@@ -2,8 +2,8 @@
 // (erosion.h), then refined below the erosion grid with noise that is rough on steep slopes and smooth in valleys. The
 // same arguments give the same heights, to the bit, in any window and on any number of threads. No third-party types.
 //
-// Making one costs some seconds and 60 MB whatever its size; after that rows cost about 0.1 microseconds a sample.
-// Immutable once made: `heights` may be called from any threads at once.
+// create() takes some seconds and 60 MB, whatever the size; after that rows cost about 0.1 microseconds a sample.
+// Immutable after create(): any number of threads may call `heights` at once.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct LandscapeOptions {
 
 class Landscape final : public ElevationSource {
  public:
-  // Refuses sizes and spacings that cannot be meant.
+  // An Error for sizes and spacings out of range.
   static Result<std::unique_ptr<Landscape>> create(const LandscapeOptions& options);
 
   const ElevationInfo& info() const override { return info_; }

@@ -42,7 +42,7 @@ inline double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
 }  // namespace noise_detail
 
-// Smooth, zero at lattice points, about -0.7 to 0.7; features of size 1.
+// Gradient noise: smooth, zero at lattice points, between about -0.7 and 0.7, with features of size 1.
 inline double noise(double x, double y, uint32_t seed) {
   const double fx = std::floor(x), fy = std::floor(y);
   const auto ix = static_cast<int32_t>(fx), iy = static_cast<int32_t>(fy);

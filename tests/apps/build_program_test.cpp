@@ -37,7 +37,7 @@ class BuildProgram : public testing::Test {
 };
 
 TEST_F(BuildProgram, MakesASceneThatIsSound) {
-  const Outcome built = runProgram("build", {input(), "-o", scene(), "--frame", "planar"});
+  const ProgramResult built = runProgram("build", {input(), "-o", scene(), "--frame", "planar"});
   EXPECT_EQ(built.exit_code, 0) << built.output;
   EXPECT_NE(built.output.find("70 x 60 samples"), std::string::npos) << built.output;
   EXPECT_EQ(built.output.find('\r'), std::string::npos) << "a bar is for terminals: " << built.output;
@@ -92,10 +92,10 @@ TEST_F(BuildProgram, OddFilesAreRefusedOrReadWithAWarning) {
   const std::string corrupt = odd / "corrupt.tif", voids = odd / "all-nodata.tif";
   expectNothing({corrupt, "-o", scene()}, {corrupt, "damaged or cut short"});
   expectNothing({voids, "-o", scene()}, {voids, "all 175725 samples are voids", "--nodata"});
-  const Outcome suffix = runProgram("build", {odd / "us_25m.dem", "-o", scene()});
+  const ProgramResult suffix = runProgram("build", {odd / "us_25m.dem", "-o", scene()});
   EXPECT_EQ(suffix.exit_code, 0);
   EXPECT_NE(suffix.output.find("whatever its suffix .dem says"), std::string::npos) << suffix.output;
-  const Outcome keys = runProgram("build", {odd / "sba_elev32_wgs84_512.tif", "-o", scene()});
+  const ProgramResult keys = runProgram("build", {odd / "sba_elev32_wgs84_512.tif", "-o", scene()});
   EXPECT_EQ(keys.exit_code, 0);
   EXPECT_NE(keys.output.find("GeoTIFF tags apparently corrupt"), std::string::npos) << keys.output;
   EXPECT_EQ(filesIn(out()), 1u);

@@ -14,19 +14,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
+struct ProgramResult {
   int exit_code = -1;
   std::string output;  // stdout and stderr
 };
 
-Outcome run(const std::string& command) {
-  Outcome outcome;
+ProgramResult run(const std::string& command) {
+  ProgramResult result;
   std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (!pipe) return outcome;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) outcome.output.push_back(static_cast<char>(c));
+  if (!pipe) return result;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) result.output.push_back(static_cast<char>(c));
   const int status = pclose(pipe);
-  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return result;
 }
 
 class Dispatcher : public testing::Test {
@@ -50,9 +50,9 @@ class Dispatcher : public testing::Test {
 
 TEST_F(Dispatcher, HandsOverEveryWord) {
   addSubcommand("build", R"(for word in "$@"; do echo "[$word]"; done)");
-  const Outcome outcome = run(program() + " build 'two words' --flag '' '*' -o x.fls");
-  EXPECT_EQ(outcome.output, "[two words]\n[--flag]\n[]\n[*]\n[-o]\n[x.fls]\n");
-  EXPECT_EQ(outcome.exit_code, 0);
+  const ProgramResult result = run(program() + " build 'two words' --flag '' '*' -o x.fls");
+  EXPECT_EQ(result.output, "[two words]\n[--flag]\n[]\n[*]\n[-o]\n[x.fls]\n");
+  EXPECT_EQ(result.exit_code, 0);
 }
 
 TEST_F(Dispatcher, ReturnsTheExitCodeOfTheSubcommand) {
@@ -74,10 +74,10 @@ TEST_F(Dispatcher, HelpOfASubcommandIsTheSubcommandsOwn) {
 
 TEST_F(Dispatcher, HelpListsTheSubcommands) {
   for (const char* words : {"", " help", " --help", " -h"}) {
-    const Outcome outcome = run(program() + words);
-    EXPECT_EQ(outcome.exit_code, 0) << words;
+    const ProgramResult result = run(program() + words);
+    EXPECT_EQ(result.exit_code, 0) << words;
     for (const char* name : {"build", "synth", "info", "verify", "serve", "fly", "bench"})
-      EXPECT_NE(outcome.output.find(std::string("\n  ") + name + " "), std::string::npos) << words << ": " << name;
+      EXPECT_NE(result.output.find(std::string("\n  ") + name + " "), std::string::npos) << words << ": " << name;
   }
 }
 
@@ -85,17 +85,17 @@ TEST_F(Dispatcher, PrintsItsVersion) { EXPECT_TRUE(run(program() + " --version")
 
 TEST_F(Dispatcher, RefusesWhatIsNotThereWithTheList) {
   for (const char* words : {"biuld", "--flag", "''", "../foreland-build", "build/../build", "help biuld"}) {
-    const Outcome outcome = run(program() + " " + words);
-    EXPECT_EQ(outcome.exit_code, 2) << words;
-    EXPECT_NE(outcome.output.find("usage: foreland SUBCOMMAND"), std::string::npos) << words;
+    const ProgramResult result = run(program() + " " + words);
+    EXPECT_EQ(result.exit_code, 2) << words;
+    EXPECT_NE(result.output.find("usage: foreland SUBCOMMAND"), std::string::npos) << words;
   }
 }
 
 TEST_F(Dispatcher, NamesAnExecutableThatCannotBeRun) {
   std::ofstream(folder_ / "foreland-serve") << "not executable";
-  const Outcome outcome = run(program() + " serve");
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.output.find("foreland-serve"), std::string::npos);
+  const ProgramResult result = run(program() + " serve");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.output.find("foreland-serve"), std::string::npos);
 }
 
 }  // namespace

@@ -14,10 +14,10 @@ namespace foreland::test {
 // `words` must all be in what it says.
 inline void expectRefusal(const std::string& name, const std::vector<std::string>& arguments,
                           const std::vector<std::string>& words, ProgramOptions options = {}) {
-  const Outcome outcome = runProgram(name, arguments, options);
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+  const ProgramResult result = runProgram(name, arguments, options);
+  EXPECT_EQ(result.exit_code, 2) << result.output;
   for (const std::string& word : words)
-    EXPECT_NE(outcome.output.find(word), std::string::npos) << word << " is not in: " << outcome.output;
+    EXPECT_NE(result.output.find(word), std::string::npos) << word << " is not in: " << result.output;
 }
 
 inline size_t filesIn(const std::filesystem::path& folder) {

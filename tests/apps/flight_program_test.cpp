@@ -14,18 +14,18 @@ namespace {
 TEST(FlightProgram, FromNothingToAFlightWithinTolerance) {
   const TemporaryFolder folder;
   const std::string land = folder / "land.tif", scene = folder / "land.fls", frames = folder / "frames";
-  const Outcome made = runProgram("synth", {"-o", land, "--size", "257", "--spacing", "30", "--seed", "5"});
+  const ProgramResult made = runProgram("synth", {"-o", land, "--size", "257", "--spacing", "30", "--seed", "5"});
   ASSERT_EQ(made.exit_code, 0) << made.output;
-  const Outcome built = runProgram("build", {land, "-o", scene});
+  const ProgramResult built = runProgram("build", {land, "-o", scene});
   ASSERT_EQ(built.exit_code, 0) << built.output;
   ASSERT_EQ(runProgram("verify", {scene}).exit_code, 0);
 
   Program server("serve", {scene, "--listen", "127.0.0.1:0", "--log-level", "off"});
   const std::string url = "ws://127.0.0.1:" + std::to_string(portOf(server.readLine()));
-  const Outcome flown = runProgram("fly",
-                                   {url, "--tour", "survey", "--seconds", "3", "--truth", scene, "--viewport",
-                                    "640x360", "--dump", frames, "--json"},
-                                   {.streams = Streams::kOutputOnly});
+  const ProgramResult flown = runProgram("fly",
+                                         {url, "--tour", "survey", "--seconds", "3", "--truth", scene, "--viewport",
+                                          "640x360", "--dump", frames, "--json"},
+                                         {.streams = Streams::kOutputOnly});
   ASSERT_EQ(flown.exit_code, 0) << flown.output;
   const auto report = nlohmann::json::parse(flown.output, nullptr, false);
   ASSERT_FALSE(report.is_discarded()) << flown.output;

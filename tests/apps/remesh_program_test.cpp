@@ -25,7 +25,7 @@ class RemeshProgram : public testing::Test {
 
 TEST_F(RemeshProgram, AModelBecomesAFileThatInfoAndVerifyKnow) {
   const std::string model = write("torus.obj", toObj(makeTorus(40, 20)));
-  const Outcome made = runProgram(
+  const ProgramResult made = runProgram(
       "remesh", {model, "-o", output(), "--levels", "3", "--base-triangles", "80", "--attempts", "3", "--json"},
       {.streams = Streams::kOutputOnly});
   ASSERT_EQ(made.exit_code, 0);
@@ -36,7 +36,7 @@ TEST_F(RemeshProgram, AModelBecomesAFileThatInfoAndVerifyKnow) {
   EXPECT_EQ(report["flipped"], 0);
   EXPECT_LT(report["hausdorff"]["share_of_diagonal"], 0.01);
 
-  const Outcome info = runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly});
+  const ProgramResult info = runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly});
   const auto about = nlohmann::json::parse(info.output, nullptr, false);
   ASSERT_FALSE(about.is_discarded()) << info.output;
   EXPECT_EQ(about["kind"], "surface");
@@ -44,7 +44,7 @@ TEST_F(RemeshProgram, AModelBecomesAFileThatInfoAndVerifyKnow) {
   EXPECT_EQ(about["base"]["border_edges"], 0);
   EXPECT_EQ(about["full_triangles"], report["full_triangles"]);
   EXPECT_NE(runProgram("info", {output()}).output.find("closed"), std::string::npos);
-  const Outcome verified = runProgram("verify", {output()});
+  const ProgramResult verified = runProgram("verify", {output()});
   EXPECT_EQ(verified.exit_code, 0) << verified.output;
   EXPECT_NE(verified.output.find(output() + ": sound"), std::string::npos) << verified.output;
 }
@@ -84,7 +84,7 @@ TEST_F(RemeshProgram, TexturesComeAlongAndThoseThatAreMissingAreNoted) {
   const std::string path = write("patch.obj", "mtllib skin.mtl\nusemtl skin\n" + toObj(model));
   const std::vector<std::string> arguments{path, "-o",         output(), "--levels", "3", "--base-triangles",
                                            "16", "--attempts", "1"};
-  const Outcome without = runProgram("remesh", arguments);
+  const ProgramResult without = runProgram("remesh", arguments);
   EXPECT_EQ(without.exit_code, 0) << without.output;
   EXPECT_NE(without.output.find("without the texture of material 'skin'"), std::string::npos) << without.output;
   EXPECT_NE(without.output.find("skin.png"), std::string::npos) << without.output;
@@ -93,7 +93,7 @@ TEST_F(RemeshProgram, TexturesComeAlongAndThoseThatAreMissingAreNoted) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION, png.width = png.height = 64, png.format = PNG_FORMAT_RGBA;
   ASSERT_TRUE(png_image_write_to_file(&png, std::string(folder_ / "skin.png").c_str(), 0, pixels.data(), 0, nullptr));
-  const Outcome with = runProgram("remesh", arguments);
+  const ProgramResult with = runProgram("remesh", arguments);
   EXPECT_EQ(with.exit_code, 0) << with.output;
   EXPECT_EQ(with.output.find("without"), std::string::npos) << with.output;
   const auto about = nlohmann::json::parse(

@@ -26,12 +26,12 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 TEST(RenderProgram, WritesOnePictureInAllFormatsAskedFor) {
   const TemporaryFolder folder;
   const std::string scene = writeScene(folder), png = folder / "a.png", exr = folder / "a.exr";
-  const Outcome outcome =
+  const ProgramResult result =
       runProgram("render", with({scene, "--pose", "0,-100,200,10,-20", "-o", png, "-o", exr, "--error", "--tau", "2"}));
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("largest error"), std::string::npos) << outcome.output;
-  EXPECT_NE(outcome.output.find(" 0 of the terrain"), std::string::npos) << outcome.output;
-  EXPECT_EQ(outcome.output.find("left"), std::string::npos) << "no progress where nobody watches";
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("largest error"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find(" 0 of the terrain"), std::string::npos) << result.output;
+  EXPECT_EQ(result.output.find("left"), std::string::npos) << "no progress where nobody watches";
   EXPECT_EQ(filesIn(folder.path()), 3u);
   const auto image = terrain::readPng(png);
   ASSERT_TRUE(image.ok());
@@ -42,10 +42,10 @@ TEST(RenderProgram, WritesOnePictureInAllFormatsAskedFor) {
 TEST(RenderProgram, NumbersASequenceAndTellsTheTimeLeft) {
   const TemporaryFolder folder;
   const std::string scene = writeScene(folder), pattern = folder / "frame_%03d.png";
-  const Outcome outcome = runProgram("render", with({scene, "--tour", "survey", "--seconds", "1", "--every", "0.5",
-                                                     "--section", "--progress", "-o", pattern}));
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("3 of 3 pictures, 0:00:00 left"), std::string::npos) << outcome.output;
+  const ProgramResult result = runProgram("render", with({scene, "--tour", "survey", "--seconds", "1", "--every", "0.5",
+                                                          "--section", "--progress", "-o", pattern}));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("3 of 3 pictures, 0:00:00 left"), std::string::npos) << result.output;
   for (const char* name : {"frame_000.png", "frame_001.png", "frame_002.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   EXPECT_EQ(filesIn(folder.path()), 4u);

@@ -53,10 +53,10 @@ class ScenePrograms : public testing::Test {
 };
 
 TEST_F(ScenePrograms, InfoGivesFrameAndSizesAsJson) {
-  const Outcome outcome = runProgram("info", {scene(), "--json"}, {.streams = Streams::kOutputOnly});
-  ASSERT_EQ(outcome.exit_code, 0);
-  const auto json = nlohmann::json::parse(outcome.output, nullptr, false);
-  ASSERT_FALSE(json.is_discarded()) << outcome.output;
+  const ProgramResult result = runProgram("info", {scene(), "--json"}, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(result.exit_code, 0);
+  const auto json = nlohmann::json::parse(result.output, nullptr, false);
+  ASSERT_FALSE(json.is_discarded()) << result.output;
   EXPECT_EQ(json["title"], "formula");
   EXPECT_EQ(json["samples"], (std::vector<int>{65, 65}));
   EXPECT_EQ(json["frame"]["axes"], (std::vector<std::string>{"east", "north", "up"}));
@@ -65,16 +65,16 @@ TEST_F(ScenePrograms, InfoGivesFrameAndSizesAsJson) {
 }
 
 TEST_F(ScenePrograms, InfoPrintsTheSceneForPeople) {
-  const Outcome outcome = runProgram("info", {scene()});
-  EXPECT_EQ(outcome.exit_code, 0);
+  const ProgramResult result = runProgram("info", {scene()});
+  EXPECT_EQ(result.exit_code, 0);
   for (const char* word : {"formula", "65 x 65", "geographic"})
-    EXPECT_NE(outcome.output.find(word), std::string::npos) << word << " is not in: " << outcome.output;
+    EXPECT_NE(result.output.find(word), std::string::npos) << word << " is not in: " << result.output;
 }
 
 TEST_F(ScenePrograms, VerifySaysWhatItChecked) {
-  const Outcome outcome = runProgram("verify", {scene()});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_NE(outcome.output.find(scene() + ": sound"), std::string::npos) << outcome.output;
+  const ProgramResult result = runProgram("verify", {scene()});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.output.find(scene() + ": sound"), std::string::npos) << result.output;
 }
 
 TEST_F(ScenePrograms, VerifyFindsAFlippedByteAnywhere) {
@@ -87,10 +87,10 @@ TEST_F(ScenePrograms, VerifyFindsAFlippedByteAnywhere) {
 TEST_F(ScenePrograms, InfoTellsTheObjects) {
   writeSphere(model());
   const std::string path = withObjects();
-  const Outcome outcome = runProgram("info", {path, "--json"}, {.streams = Streams::kOutputOnly});
-  ASSERT_EQ(outcome.exit_code, 0);
-  const auto json = nlohmann::json::parse(outcome.output, nullptr, false);
-  ASSERT_FALSE(json.is_discarded()) << outcome.output;
+  const ProgramResult result = runProgram("info", {path, "--json"}, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(result.exit_code, 0);
+  const auto json = nlohmann::json::parse(result.output, nullptr, false);
+  ASSERT_FALSE(json.is_discarded()) << result.output;
   EXPECT_EQ(json["title"], "formula");
   EXPECT_EQ(json["objects"]["count"], 3);
   ASSERT_EQ(json["objects"]["models"].size(), 1u);
@@ -100,18 +100,18 @@ TEST_F(ScenePrograms, InfoTellsTheObjects) {
   EXPECT_EQ(sphere["base"]["triangles"], 8);
   EXPECT_EQ(sphere["levels"], 3);
   EXPECT_EQ(sphere["full_triangles"], 512);
-  const Outcome people = runProgram("info", {path});
+  const ProgramResult people = runProgram("info", {path});
   EXPECT_EQ(people.exit_code, 0);
   for (const char* words : {"3 of 1 model", "sphere: 3 placed; 8 base triangles, quadrisection, 3 levels, 512"})
     EXPECT_NE(people.output.find(words), std::string::npos) << words << " is not in: " << people.output;
-  const Outcome without = runProgram("info", {scene(), "--json"}, {.streams = Streams::kOutputOnly});
+  const ProgramResult without = runProgram("info", {scene(), "--json"}, {.streams = Streams::kOutputOnly});
   EXPECT_EQ(nlohmann::json::parse(without.output, nullptr, false)["objects"]["count"], 0);
 }
 
 TEST_F(ScenePrograms, VerifyChecksTheModelsToo) {
   writeSphere(model());
   const std::string path = withObjects();
-  const Outcome sound = runProgram("verify", {path});
+  const ProgramResult sound = runProgram("verify", {path});
   EXPECT_EQ(sound.exit_code, 0) << sound.output;
   for (const std::string& words : {std::string("3 objects"), std::string("model 0: header"), path + ": sound"})
     EXPECT_NE(sound.output.find(words), std::string::npos) << words << " is not in: " << sound.output;

@@ -90,7 +90,7 @@ TEST(PlainRefinement, TakesExactlyTheNodesThatPass) {
       const PlainSection section = plainRefine(torus, records, metric);
       size_t nodes = 0;
       terrain::forEachNode(torus.topology, [&](proto::NodeId, proto::Slot slot) {
-        EXPECT_EQ(section.active[slot] != 0, metric.passes(proto::SurfaceBounds::of(records[slot], torus.step_m)));
+        EXPECT_EQ(section.active[slot] != 0, metric.passes(proto::SurfaceBounds::of(records[slot], torus.quantum_m)));
         nodes += section.active[slot];
       });
       EXPECT_EQ(section.nodes, nodes);
@@ -143,7 +143,7 @@ TEST_P(ErrorGuarantee, HoldsRightAboveEveryNode) {
     Rng rng(1);
     uint64_t judged = 0;
     terrain::forEachNode(surface.topology, [&](proto::NodeId n, proto::Slot slot) {
-      const proto::SurfaceBounds bounds = proto::SurfaceBounds::of(records[slot], surface.step_m);
+      const proto::SurfaceBounds bounds = proto::SurfaceBounds::of(records[slot], surface.quantum_m);
       View view;
       SurfaceTest test;
       view.pose =
@@ -177,7 +177,7 @@ TEST(PaperSphere, NeedsNoMoreFacesThanThePaperSays) {
     Rng rng(seed);
     View view;
     SurfaceTest test;
-    view.pose = lookAt(glm::normalize(test::anyPlace(rng)) * 3.02, {0, 0, 0});  // a disc of 60 % of the screen's height
+    view.pose = lookAt(glm::normalize(test::anyPoint(rng)) * 3.02, {0, 0, 0});  // a disc of 60 % of the screen's height
     view.lens = kScreen;
     view.tau_px = 0.5;
     test.interior_px = 3.5;

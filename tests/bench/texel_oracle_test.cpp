@@ -61,7 +61,7 @@ TEST(TexelOracleKnows, FrontBackAndSilhouette) {
 
 std::vector<TexturedTriangle> textured(const TrueSurface& surface, const PlainSection& section,
                                        const AtlasLayout& atlas) {
-  const double scale = surface.topology.placeScale();
+  const double scale = surface.topology.weightScale();
   std::vector<TexturedTriangle> triangles;
   for (const DrawnTriangle& t : drawnTriangles(surface, section)) {
     TexturedTriangle made{{}, t.positions};

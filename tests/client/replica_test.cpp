@@ -1,16 +1,50 @@
-// The height look-up of a replica that a server feeds: equal to the surface that is drawn, everywhere.
+// A replica that a server feeds: the first mesh is whole at both ends, and the height look-up equals the surface that
+// is drawn, everywhere.
 #include "client/replica.h"
 
 #include <gtest/gtest.h>
 
+#include "server/section/sender.h"
+#include "server/session/world.h"
 #include "tests/support/lattice_surface.h"
 #include "tests/support/scene.h"
+#include "tests/support/wanderer.h"
+#include "tests/world/ring_of_objects.h"
 #include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
 
 using client::Replica;
+
+// The base mesh is never shown in place of the section, not even for the moment that a late mesh takes: both ends are
+// the keyframe's, as `from` claims. The same after a restart, when the server sends a keyframe that starts from
+// nothing.
+TEST(FirstMesh, ShowsTheKeyframesSectionsAtBothEnds) {
+  const auto scene = makeScene(150, 110, 41);
+  const server::Hierarchy hierarchy(scene, proto::ErrorBound::kSpheroid, objectsIn(*scene, 6));
+  server::SendScratch scratch;
+  for (client::Blend blend : {client::Blend::kKeyframe, client::Blend::kGeomorph}) {
+    Replica replica(server::welcomeTo(hierarchy));
+    for (int start = 0; start < 2; ++start) {
+      server::SectionSender sender(hierarchy);
+      for (int i = 0; i < 3; ++i) {
+        Bytes message;
+        sender.send(viewAt(hierarchy, 75 + i, 55, 1200, 0.3, -1), Time::seconds(1 + i), scratch, message);
+        ASSERT_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes()), blend).ok());
+        if (i > 0) continue;
+        const client::KeyframeMesh mesh = replica.buildMesh();
+        EXPECT_EQ(mesh.from.index, mesh.to.index);
+        EXPECT_GT(mesh.from_nodes, 100u);
+        EXPECT_EQ(mesh.from_positions, mesh.to_positions);
+        EXPECT_EQ(mesh.from_normals, mesh.to_normals);
+        EXPECT_GT(mesh.objects.triangleCount(), 1000u);
+        EXPECT_EQ(mesh.objects.from_positions, mesh.objects.to_positions);
+        EXPECT_EQ(mesh.objects.from_normals, mesh.objects.to_normals);
+      }
+    }
+  }
+}
 
 TEST(HeightAt, IsTheDrawnSurfaceAtEverySampleAndLinearBetween) {
   const auto scene = makeScene(201, 151, 41);

@@ -42,7 +42,7 @@ void forEachHeader(ByteSpan file, const Visit& visit) {
 template <class Header>
 void seal(const PageBytes& file, Header header, size_t at) {
   const ByteSpan own = file.span().subspan(at);
-  const terrain::SectionPlace& table = *(std::end(header.sections) - 1);
+  const terrain::SectionRange& table = *(std::end(header.sections) - 1);
   if (table.offset <= own.size() && table.bytes <= own.size() - table.offset)
     header.scene_id = terrain::contentId(header, own.subspan(table.offset, table.bytes));
   header.header_checksum = terrain::headerChecksum(header);
@@ -63,7 +63,7 @@ void PageBytes::Free::operator()(uint8_t* data) const { std::free(data); }
 SoundFile::SoundFile(Bytes bytes) : bytes_(std::move(bytes)) {
   forEachHeader(bytes_, [&](const auto& header, size_t at) {
     places_.push_back({at, sizeof(header)});
-    for (const terrain::SectionPlace& section : header.sections)
+    for (const terrain::SectionRange& section : header.sections)
       if (section.bytes > 0) places_.push_back({at + section.offset, std::min<size_t>(section.bytes, kLongestPlace)});
   });
   CHECK_GT(places_.size(), 1u);

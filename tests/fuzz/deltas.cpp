@@ -1,5 +1,5 @@
-// Takes any bytes as consecutive cut deltas, from an empty or a presented section (tests/fuzz/toy_flight.h). Each one
-// must lead to a closed section or to an Error.
+// Takes any bytes as consecutive cut deltas, from an empty section or one that is resumed from
+// (tests/fuzz/toy_flight.h). Each one must lead to a closed section or to an Error.
 #include "base/check.h"
 #include "proto/codec/delta_codec.h"
 #include "tests/fuzz/toy_flight.h"

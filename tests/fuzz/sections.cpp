@@ -1,4 +1,4 @@
-// Decodes any bytes as the sections that a client presents to resume from. The result must be closed sections that can
+// Decodes any bytes as the sections that a client resumes from. The result must be closed sections that can
 // be encoded again, or an Error. The first byte selects the grid, and whether objects stand on it.
 #include "base/check.h"
 #include "proto/codec/section_codec.h"

@@ -1,6 +1,6 @@
 // What the fuzzers of deltas share with the recorder of their corpora: the terrain, the views, and the layout of an
 // input. An input is a byte that selects the flight (for terrain, its lowest bit says whether the flight begins with a
-// section that the client presented), then up to kToySteps deltas, each after its size in two bytes, little-endian.
+// section that the client resumes from), then up to kToySteps deltas, each after its size in two bytes, little-endian.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ inline proto::View toyFlightView(uint8_t how, int step) {
   return view;
 }
 
-// The section that a flight begins with: empty, or what the client presents.
+// The section that a flight begins with: empty, or the one that the client resumes from.
 inline proto::Section toyFlightBegin(uint8_t how) {
   return how & 1 ? toyFlightTerrain().refine(toyFlightView(how, 2)) : proto::Section();
 }

@@ -1,5 +1,5 @@
-// The objects of the fuzzers: presented sections and changes of objects refer to these. Changes are laid out like
-// deltas of the terrain (toy_flight.h).
+// The objects of the fuzzers: sections of resume messages and changes of objects refer to these. Changes are laid out
+// like deltas of the terrain (toy_flight.h).
 #pragma once
 
 #include "proto/refine/objects.h"
@@ -14,7 +14,7 @@ inline const proto::ObjectSet& toyObjects() {
     for (const proto::MeshRule rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection}) {
       proto::ObjectModel model;
       model.shape = {rule, 3, 4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
-      model.step_m = 0.01;
+      model.quantum_m = 0.01;
       model.base = {{0, 0, 0}, {900, 0, 0}, {0, 900, 0}, {0, 0, 900}};
       if (rule == proto::MeshRule::kBisection)  // the centres of its faces
         for (const glm::ivec3 centre : {glm::ivec3(300, 300, 0), {0, 300, 300}, {300, 0, 300}, {300, 300, 300}})

@@ -1,4 +1,4 @@
-"""Range-coded data: deltas (section 11 of docs/PROTOCOL.md) and the sections that a client presents."""
+"""Range-coded data: deltas (section 11 of docs/PROTOCOL.md) and the sections that a client resumes from."""
 
 import math
 
@@ -114,7 +114,7 @@ class DeltaDecoder:
     def __init__(self, coder, model, grid, height_quantum_m, height_of, displacement_of):
         self.coder, self.model, self.grid = coder, model, grid
         self.height_of, self.displacement_of = height_of, displacement_of
-        self.steps = [m * (1 / height_quantum_m) for m in ERROR_M]
+        self.quanta = [m * (1 / height_quantum_m) for m in ERROR_M]
         self.before = 0
 
     def begin_group(self):
@@ -132,11 +132,11 @@ class DeltaDecoder:
 
     def decision_of_leaf(self, n, is_new, bound, least):
         own = abs(self.displacement_of(n.x, n.y)) + 0.25
-        size = keep(half(own / self.steps[least]) + 5, 0, 7)
+        size = keep(half(own / self.quanta[least]) + 5, 0, 7)
         return self.coder.bit(self.model.leaf[1 if is_new else 0][min(least - bound - 1, 3)][size])
 
     def decision_of_addable(self, n, is_new, bound, least):
-        size = keep(half(self.prediction_context(n)[2] / self.steps[least]) + 8, 0, 15)
+        size = keep(half(self.prediction_context(n)[2] / self.quanta[least]) + 8, 0, 15)
         scale = min((self.grid.last_level - n.level) >> 1, 7)
         if not is_new:
             return self.coder.bit(self.model.addable[size][min(bound - least, 7)][scale])
@@ -146,10 +146,10 @@ class DeltaDecoder:
 
     def height(self, n, least):
         ends, curve, expected = self.prediction_context(n)
-        steps = self.steps[least]
-        scale = keep(half(max(steps, expected)) + 4, 0, 27)
-        at = half(expected / steps)
-        curved = 1 if 2 * abs(curve) >= steps else 0
+        quanta = self.quanta[least]
+        scale = keep(half(max(quanta, expected)) + 4, 0, 27)
+        at = half(expected / quanta)
+        curved = 1 if 2 * abs(curve) >= quanta else 0
         sign = 0 if not curved else 1 if curve < 0 else 2
         contexts_of = self.model.height[scale][sum(edge <= at for edge in (-2, 0, 2))][curved]
         height = ((8 * ends + 3 * curve + 8) >> 4) + read_number(self.coder, contexts_of, sign, self.model.escape)
@@ -162,12 +162,12 @@ class DeltaDecoder:
 
 
 def section_contexts():
-    """The contexts of presented sections: [level][before]."""
+    """The contexts of the sections of a resume message: [level][before]."""
     return [contexts(8) for _ in range(31)]
 
 
 def read_section(coder, model, last_level, first_level, children):
-    """The slots of a section that is presented. `children(slots)` are those that have all their parents among them and one at
+    """The slots of a section in a resume message. `children(slots)` are those that have all their parents among them and one at
     least on the last level of these."""
     slots, candidates = set(), first_level
     for level in range(1, last_level + 1):

@@ -44,7 +44,7 @@ class Session:
         if message[0] == wire.POSE or message[0] & 7 == wire.POSE_AFTER:
             self.pose(self.updates.read(message))
         elif message[0] == wire.RESUME:
-            self.present(wire.read_resume(message[1:]))
+            self.resume(wire.read_resume(message[1:]))
         else:
             require(message[0] == wire.CONTROL, "not a message of this protocol")
             self.ask(*wire.control(message[1:]))
@@ -63,8 +63,8 @@ class Session:
         elif name != "PathUpload":
             self.asked.append((name.replace("Request", "Reply"), fields["id"]))
 
-    def present(self, resume):
-        require(self.is_welcome and not self.has_posed and self.taken == 0, "a section presented too early, or too late")
+    def resume(self, resume):
+        require(self.is_welcome and not self.has_posed and self.taken == 0, "a resume message too early, or too late")
         require((resume.scene_id, resume.keyframe) == (self.scene_id, self.held), "another section than is held")
         terrain, objects = read_sections(resume.section, self.section.grid, [s.surface for s in self.objects.sections])
         require(resume.fingerprint == self.fingerprint() and terrain == set(self.section.heights) and
@@ -102,7 +102,7 @@ class Session:
         self.empty = lambda: Section(grid, frame, corners, centres)
         keys = "position", "orientation", "scale", "model"
         placements = [dict(zip(keys, (p[:3], p[3:7], p[7], p[8]))) for p in fields["objects"] or []]
-        if self.scene_id != fields["scene_id"]:  # else those that are held may be presented
+        if self.scene_id != fields["scene_id"]:  # else the client may resume from those that it holds
             self.objects = Objects(fields["models"] or [], placements)
         self.scene_id, self.is_welcome = fields["scene_id"], True
 

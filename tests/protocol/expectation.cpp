@@ -72,7 +72,9 @@ struct SurfaceTable {
       : domain(h.objects().set.domain(object)),
         records(h.objects().recordsOf(object)),
         metric(domain.metric(h.objects().set.placement(object).toObject(view))) {}
-  proto::SurfaceBounds bounds(proto::Slot slot) const { return proto::SurfaceBounds::of(records[slot], domain.step_m); }
+  proto::SurfaceBounds bounds(proto::Slot slot) const {
+    return proto::SurfaceBounds::of(records[slot], domain.quantum_m);
+  }
 };
 
 // A node is in the section if it passes and its parents are there, which have lower slots.

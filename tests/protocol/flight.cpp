@@ -89,7 +89,7 @@ class Recorder {
   // The first message of a connection is the welcome.
   void receive(Connection& c, const Packet& packet) {
     record(Record::kFromServer, packet.message);
-    if (!c.is_greeted && held_) present(c);
+    if (!c.is_greeted && held_) resume(c);
     c.is_greeted = true;
     if (!packet.keyframe) return;
     const proto::KeyframeHeader& keyframe = *packet.keyframe;
@@ -101,7 +101,7 @@ class Recorder {
     c.received_at = now_ + script_.clock_offset;
   }
 
-  void present(Connection& c) {
+  void resume(Connection& c) {
     const server::Hierarchy& hierarchy = world_->hierarchy;
     proto::Resume resume{hierarchy.scene().id(), held_->index, held_->time, proto::fingerprint(sections_), {}};
     proto::encodeSections(hierarchy.grid(), hierarchy.objects().set, sections_, resume.section);

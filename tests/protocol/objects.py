@@ -41,7 +41,7 @@ def product(a, b):
             a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3], a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
 
 
-class Sight(Test):
+class ViewContext(Test):
     """An object as a view has it."""
 
     def __init__(self, surface, placement, view):
@@ -50,14 +50,14 @@ class Sight(Test):
         offset = tuple(a - b for a, b in zip(view.pose.eye, position))
         self.see(tuple(v / scale for v in rotate(back, offset)), product(back, view.pose.orientation), view)
         per_metre = 0.5 * view.height / self.tan_y / view.tau
-        self.looks, self.step_m = per_metre * per_metre, surface.step_m
+        self.looks, self.quantum_m = per_metre * per_metre, surface.quantum_m
         self.tan_x = self.tan_y * view.width / view.height
 
     def offset(self, position):
-        return tuple(p * self.step_m - e for p, e in zip(position, self.eye))
+        return tuple(p * self.quantum_m - e for p, e in zip(position, self.eye))
 
     def size(self, o):
-        return self.looks / (o[0] * o[0] + o[1] * o[1] + o[2] * o[2] + self.step_m * self.step_m)
+        return self.looks / (o[0] * o[0] + o[1] * o[1] + o[2] * o[2] + self.quantum_m * self.quantum_m)
 
     def screen(self, o):
         depth = dot(o, self.forward)
@@ -105,8 +105,8 @@ class ObjectSection:
     def step(self, view, last, model, coder):
         """To the section of a keyframe; returns how many nodes were added and removed."""
         self.model, self.coder = model, coder
-        self.now = Sight(self.surface, self.placement, view)
-        self.before = last and Sight(self.surface, self.placement, last)
+        self.now = ViewContext(self.surface, self.placement, view)
+        self.before = last and ViewContext(self.surface, self.placement, last)
         self.added, self.removed = set(), set()
         self.has_changed = coder.bit(model.changes[2 * self.has_changed + (1 if self.slots else 0)])
         if self.has_changed:
@@ -167,13 +167,13 @@ class ObjectSection:
 
     def arrive(self, slot):
         if slot not in self.known.nodes:
-            self.known.nodes[slot] = self.read_place(slot)
+            self.known.nodes[slot] = self.read_position(slot)
         self.known.use(slot, 1)
         self.slots.add(slot)
         self.added.add(slot)
         self.print += self.weight * fingerprint(slot)
 
-    def read_place(self, slot):
+    def read_position(self, slot):
         middle = self.middle(slot)
         of = [self.known.nodes[p][1] for p in self.surface.nodes[slot].parents]
         count, most, position = max(len(of), 1), 0, []

@@ -67,7 +67,7 @@ std::shared_ptr<const server::World> worldWithObjects() {
   std::vector<proto::ObjectModel> shapes;
   for (size_t i = 0; i < models->surfaces.size(); ++i) {
     const terrain::TrueSurface& s = models->surfaces[i];
-    shapes.push_back({s.topology.shape(), s.step_m, s.base});
+    shapes.push_back({s.topology.shape(), s.quantum_m, s.base});
     objects.records.emplace_back(models->records[i]);
   }
   objects.set = proto::ObjectSet::create(std::move(shapes), {{0, {40, 30, 200}, {0.5, 0.5, -0.1, 0.7}, 30},
@@ -130,8 +130,8 @@ Script geographicScript() {
   return s;
 }
 
-// Past objects and around them, with another tolerance, a lost connection after which all sections are presented, and
-// another lens.
+// Past objects and around them, with another tolerance, a lost connection after which all sections are resumed from,
+// and another lens.
 Script objectsScript() {
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
   constexpr auto kPredict = proto::Strategy::kPredict;

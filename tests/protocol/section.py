@@ -137,14 +137,14 @@ class Section:
         self.heights = {}  # of the section's nodes, by slot
         self.bounds = {}  # of the frontier's nodes, by slot
         self.spheres = {}  # likewise
-        self.pages = {}  # radius classes, by page
+        self.pages = {}  # quantised radii, by page
         self.nodes = {}  # of the section and its frontier, by slot
         self.model = Model()
         self.is_first = True
         self.fingerprint = 0
 
     def begin_anew(self):
-        """As the other end begins that the section is presented to: nothing is known but the nodes and their pages' radii."""
+        """The state in which a server resumes from a client's section: nothing is known but the nodes and their pages' radii."""
         self.model = Model()
         self.is_first = True
         self.pages = {slot >> 8: self.pages[slot >> 8] for slot in self.heights}

@@ -73,12 +73,12 @@ class Quadrisection:
             return 3 * f + 1, y
         return (3 * f + 2, self.size - y) if x == 0 else None
 
-    def places(self, f, x, y):
+    def positions(self, f, x, y):
         """Of a point that is no corner: on its own face, and on the neighbour."""
-        places, on = [(f, x, y)], self.half_edge_of(f, x, y)
+        positions, on = [(f, x, y)], self.half_edge_of(f, x, y)
         if on and self.mesh.twin[on[0]] is not None:
-            places.append(self.on_half_edge(self.mesh.twin[on[0]], self.size - on[1]))
-        return places
+            positions.append(self.on_half_edge(self.mesh.twin[on[0]], self.size - on[1]))
+        return positions
 
     def is_inside(self, x, y):
         return x >= 0 and y >= 0 and x + y <= self.size
@@ -87,7 +87,7 @@ class Quadrisection:
         corners = {(0, 0): 0, (self.size, 0): 1, (0, self.size): 2}
         if (x, y) in corners:
             return self.mesh.corners[3 * f + corners[x, y]]
-        return min(self.places(f, x, y))
+        return min(self.positions(f, x, y))
 
     def level(self, n):
         return self.k - scale_log2(n[1], n[2])
@@ -108,7 +108,7 @@ class Quadrisection:
         if t == 0:
             return []
         h, names = 1 << (t - 1), set()
-        for f, x, y in self.places(*n):
+        for f, x, y in self.positions(*n):
             for dx, dy in ((h, 0), (-h, 0), (0, h), (0, -h), (h, -h), (-h, h)):
                 if self.is_inside(x + dx, y + dy):
                     names.add(self.name(f, x + dx, y + dy))
@@ -160,15 +160,15 @@ class Bisection:
         edge = self.mesh.edge[after]
         return (edge, 0, r) if self.mesh.first[edge] == after else (edge, self.size, self.size - r)
 
-    def places(self, e, x, y):
+    def positions(self, e, x, y):
         """On its own square, and on a second one."""
-        places = [(e, x, y)]
+        positions = [(e, x, y)]
         if x in (0, self.size):
             first = self.mesh.first[e]
             b, r = (self.mesh.previous(first), y) if x == 0 else (self.mesh.previous(self.mesh.twin[first]), self.size - y)
             edge = self.mesh.edge[b]
-            places.append((edge, self.size - r, self.size) if self.mesh.first[edge] == b else (edge, r, 0))
-        return places
+            positions.append((edge, self.size - r, self.size) if self.mesh.first[edge] == b else (edge, r, 0))
+        return positions
 
     @staticmethod
     def is_centre(x, y, t):
@@ -199,7 +199,7 @@ class Bisection:
         if self.is_centre(n[1], n[2], t) and t == self.k - 1:
             return []
         names = set()
-        for e, x, y in [n] if self.is_centre(n[1], n[2], t) else self.places(*n):
+        for e, x, y in [n] if self.is_centre(n[1], n[2], t) else self.positions(*n):
             dx, dy = self.along(x, y, t)[1]
             names.update(self.inside(e, [(x - dx, y - dy), (x + dx, y + dy)]))
         return sorted(names)
@@ -211,7 +211,7 @@ class Bisection:
         if self.is_centre(x, y, t):
             return self.inside(e, [(x - s, y), (x + s, y), (x, y - s), (x, y + s)])
         names = set()
-        for e, x, y in self.places(*n) if t > 0 else []:
+        for e, x, y in self.positions(*n) if t > 0 else []:
             names.update(self.inside(e, [(x + dx, y + dy) for dx in (-h, h) for dy in (-h, h)]))
         return sorted(names)
 
@@ -241,14 +241,14 @@ class Surface:
     def __init__(self, model):
         k = model["halvings"]
         require(model["rule"] in (0, 1) and 1 <= k <= 15, "a rule that is unknown, or no halvings")
-        require(0 < model["step_m"] <= 1e6 and model["atlas_side"] <= 1 << 14, "a step or an image of no size")
+        require(0 < model["quantum_m"] <= 1e6 and model["atlas_side"] <= 1 << 14, "a step or an image of no size")
         self.mesh = BaseMesh(model["vertices"], model["faces"] or [])
         self.rule = (Bisection if model["rule"] else Quadrisection)(self.mesh, k)
         numbers = model["base"] or []
         require(len(numbers) == 3 * self.rule.base_vertices and all(abs(v) <= 1 << 28 for v in numbers),
                 "base vertices that do not fit")
         self.base = [tuple(numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
-        self.step_m, self.is_closed, self.last_level = model["step_m"], self.mesh.is_closed, self.rule.last_level
+        self.quantum_m, self.is_closed, self.last_level = model["quantum_m"], self.mesh.is_closed, self.rule.last_level
         self.offset = [0, 0]
         for level in range(1, self.last_level + 1):
             self.offset.append(self.offset[-1] + (self.rule.slots_of(level) + 255) // 256 * 256)

@@ -76,7 +76,7 @@ class Frame:
         return ring * cos_lon, ring * sin_lon, (normal * (1 - self.e2) + height) * sin_lat
 
     def position(self, x, y, height):
-        """Scene coordinates of a lattice vertex at `height` steps."""
+        """Scene coordinates of a lattice vertex at `height` quanta."""
         metres = height * self.height_quantum_m
         if self.is_planar:
             dx, dy = x - self.anchor[0], y - self.anchor[1]

@@ -74,7 +74,7 @@ TABLES = {
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
     "Model": [("rule", "ubyte"), ("halvings", "uint"), ("vertices", "uint"), ("faces", "[uint]"), ("base", "[int]"),
-              ("step_m", "double"), ("atlas_side", "uint")],
+              ("quantum_m", "double"), ("atlas_side", "uint")],
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),

@@ -29,7 +29,7 @@ inline Key keyOf(const proto::MeshTopology& mesh, const proto::FacePoint& place)
   if (key.weights.size() == 3) key.face = place.face;
   return key;
 }
-inline Key keyOf(const proto::MeshTopology& mesh, proto::NodeId v) { return keyOf(mesh, mesh.place(v)); }
+inline Key keyOf(const proto::MeshTopology& mesh, proto::NodeId v) { return keyOf(mesh, mesh.facePoint(v)); }
 
 class MeshReference {
  public:
@@ -67,7 +67,7 @@ class MeshReference {
   }
   std::vector<Triangle> roots() const {
     std::vector<Triangle> out;
-    const uint32_t s = mesh_.placeScale();
+    const uint32_t s = mesh_.weightScale();
     const std::array<Weights, 3> corner{{{s, 0, 0}, {0, s, 0}, {0, 0, s}}};
     for (uint32_t f = 0; f < mesh_.base().faceCount(); ++f) {
       if (is_quad_) out.push_back({f, corner});

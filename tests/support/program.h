@@ -83,12 +83,13 @@ class Program {
   std::FILE* output_ = nullptr;
 };
 
-struct Outcome {
+struct ProgramResult {
   int exit_code = -1;
   std::string output;
 };
 
-inline Outcome runProgram(const std::string& name, std::vector<std::string> arguments, ProgramOptions options = {}) {
+inline ProgramResult runProgram(const std::string& name, std::vector<std::string> arguments,
+                                ProgramOptions options = {}) {
   Program program(name, std::move(arguments), options);
   std::string output = program.readToEnd();
   return {program.wait(), std::move(output)};

@@ -24,8 +24,8 @@ struct SurfaceView {
 };
 inline SurfaceView anySurfaceView(Rng& rng, bool is_closed) {
   SurfaceView made;
-  const glm::dvec3 from = glm::normalize(anyPlace(rng) + glm::dvec3(0, 0, 1e-3)) * rng.uniform(1.2, 12);
-  made.view.pose = lookAt(from, anyPlace(rng));
+  const glm::dvec3 from = glm::normalize(anyPoint(rng) + glm::dvec3(0, 0, 1e-3)) * rng.uniform(1.2, 12);
+  made.view.pose = lookAt(from, anyPoint(rng));
   made.view.lens = kScreen;
   made.view.tau_px = rng.uniform(0.3, 2);
   made.test.interior_px = made.view.tau_px * rng.uniform(1, 7);
@@ -39,8 +39,8 @@ inline SurfaceView anySurfaceView(Rng& rng, bool is_closed) {
 // A random pose in the region of the view.
 inline proto::Pose anyPoseOf(const proto::View& view, Rng& rng) {
   proto::Pose pose = view.pose;
-  if (view.region_radius_m > 0) pose.eye += anyPlace(rng) * (view.region_radius_m / std::sqrt(3.0));
-  const glm::dvec3 axis = glm::normalize(anyPlace(rng) + glm::dvec3(1e-3, 0, 0));
+  if (view.region_radius_m > 0) pose.eye += anyPoint(rng) * (view.region_radius_m / std::sqrt(3.0));
+  const glm::dvec3 axis = glm::normalize(anyPoint(rng) + glm::dvec3(1e-3, 0, 0));
   pose.orientation = glm::angleAxis(rng.uniform() * view.region_angle_rad, axis) * pose.orientation;
   return pose;
 }

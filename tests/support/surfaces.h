@@ -23,7 +23,7 @@ struct NamedSurface {
 
 // A random point in the cube of half side 1. Coordinates are drawn one by one, since the order of evaluation of
 // arguments depends on the compiler.
-inline glm::dvec3 anyPlace(Rng& rng) {
+inline glm::dvec3 anyPoint(Rng& rng) {
   const double z = rng.uniform(-1, 1), y = rng.uniform(-1, 1), x = rng.uniform(-1, 1);
   return {x, y, z};
 }
@@ -36,13 +36,13 @@ inline terrain::TrueSurface roughSurface(const NamedBase& base, proto::MeshRule 
   auto topology = *proto::MeshTopology::create({rule, halvings, base.vertices, base.faces});
   std::vector<glm::dvec3> corners;
   for (uint32_t v = 0; v < base.vertices; ++v)
-    corners.push_back(glm::normalize(anyPlace(rng) + glm::dvec3(0.01, 0, 0)));
+    corners.push_back(glm::normalize(anyPoint(rng) + glm::dvec3(0.01, 0, 0)));
   const proto::MeshTopology mesh = topology;
-  const auto place = [&](proto::NodeId v, const glm::dvec3& middle) {
+  const auto position = [&](proto::NodeId v, const glm::dvec3& middle) {
     return middle +
-           anyPlace(rng) * (rough * std::exp2(-mesh.level(v) * (rule == proto::MeshRule::kBisection ? 0.5 : 1.0)));
+           anyPoint(rng) * (rough * std::exp2(-mesh.level(v) * (rule == proto::MeshRule::kBisection ? 0.5 : 1.0)));
   };
-  return *terrain::makeSurface(std::move(topology), 1e-6, corners, place);
+  return *terrain::makeSurface(std::move(topology), 1e-6, corners, position);
 }
 
 inline std::vector<NamedSurface> surfaces(proto::MeshRule rule, uint32_t halvings) {

@@ -29,7 +29,7 @@ using proto::NodeId;
 // Positions of meshes are floats, about an origin up to a few kilometres away.
 constexpr double kRounding_m = 2e-3;
 
-// p_w(v) as DESIGN section 2 has it, of every node whether it is drawn or not. `own(v)` is its true place.
+// p_w(v) as DESIGN section 2 has it, of every node whether it is drawn or not. `own(v)` is its true position.
 template <class Topology, class Own>
 class Weighted {
  public:
@@ -103,7 +103,7 @@ class Onlooker {
   double height_m_ = 0, yaw_ = 0, pitch_ = 0, tau_px_ = 1, ball_m_ = 0, turn_rad_ = 0;
 };
 
-// At a place on one of ring_of_objects.h's spheres, whose facets, which are what faces away, turn a few degrees from
+// At a point on one of ring_of_objects.h's spheres, whose facets, which are what faces away, turn a few degrees from
 // it.
 bool facesAway(const proto::ObjectPlacement& sphere, const glm::dvec3& p, const glm::dvec3& eye) {
   return glm::dot(glm::normalize(p - sphere.position), glm::normalize(eye - p)) < 0.14;
@@ -129,7 +129,7 @@ class Geomorphs : public testing::Test {
 
   Duration anyInterval() { return Duration::milliseconds(20 + static_cast<int64_t>(rng_.below(400))); }
 
-  // Each sample at each end where the weights have it; true places are the scene's own.
+  // Each sample at each end where the weights have it; true positions are the scene's own.
   void expectWeighted(const KeyframeMesh& mesh) {
     const proto::GridTopology& grid = hierarchy_->grid();
     const auto own = [&](NodeId v) { return hierarchy_->frame().position(v, scene_->height(v)); };

@@ -1,4 +1,5 @@
-// Objects on a terrain, from the server's records to the client's mesh: one stream, one clock, no cracks.
+// Objects on a terrain, from the scene's records to the client's mesh. What must be drawn is refined from scratch from
+// the records (tests/protocol/expectation.h), so nothing of what was sent or of the client is taken for granted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <map>
 
 #include "proto/topology/mesh_triangles.h"
+#include "tests/protocol/expectation.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
 #include "tests/world/world.h"
@@ -86,13 +88,13 @@ testing::AssertionResult areNear(const Triangles& a, const Triangles& b) {
 
 // Closed surfaces: each edge has two triangles, which run along it in opposite directions.
 uint64_t openEdges(const client::BlendMesh& mesh) {
-  // A vertex on a base edge stands there once for each face, at the very same places.
-  using Place = std::array<float, 6>;
+  // A vertex on a base edge is stored once for each face, at the very same positions.
+  using Positions = std::array<float, 6>;
   const auto at = [&](uint32_t v) {
     const glm::vec4 p = mesh.from_positions[v], q = mesh.to_positions[v];
-    return Place{p.x, p.y, p.z, q.x, q.y, q.z};
+    return Positions{p.x, p.y, p.z, q.x, q.y, q.z};
   };
-  std::map<std::array<Place, 2>, int> runs;
+  std::map<std::array<Positions, 2>, int> runs;
   for (size_t i = 0; i < mesh.indices.size(); i += 3)
     for (size_t k = 0; k < 3; ++k) { ++runs[{at(mesh.indices[i + k]), at(mesh.indices[i + (k + 1) % 3])}]; }
   uint64_t open = 0;
@@ -103,30 +105,28 @@ uint64_t openEdges(const client::BlendMesh& mesh) {
   return open;
 }
 
-std::vector<Section> sectionsOf(const client::Viewer& viewer) {
+std::vector<Section> heldBy(const client::Viewer& viewer) {
   std::vector<Section> all;
   for (const client::ObjectReplica& object : viewer.replica()->objects()) all.push_back(object.section());
   return all;
 }
 
-TEST(Objects, AreDrawnAsTheTwoSectionsHaveThemAndWithoutCracks) {
+TEST(Objects, AreDrawnAsTheTwoSectionsOfTheScenesRecordsAndWithoutCracks) {
   const auto scene = makeScene(301, 217, 31);
   const server::SceneObjects objects = objectsIn(*scene, 8);
   World world(scene, {}, Duration::milliseconds(4), 1, objectsIn(*scene, 8));
   world.addClient(onKnownTour(*scene, "orbit", 30));
-  std::map<uint32_t, std::vector<Section>> sections;  // by keyframe
   uint32_t seen = 0;
   size_t checked = 0, most = 0;
   world.on_frame = [&](size_t, const client::FrameView& view, Time) {
-    const auto& replica = *world.viewer(0).replica();
-    sections[replica.newest().index] = sectionsOf(world.viewer(0));
     if (std::exchange(seen, view.mesh_version) == view.mesh_version) return;
     EXPECT_EQ(openEdges(view.mesh->objects), 0u);
     most = std::max(most, view.mesh->objects.triangleCount());
-    if (!sections.contains(view.mesh->from.index) || !sections.contains(view.mesh->to.index)) return;
     ++checked;
-    ASSERT_TRUE(areNear(drawn(view.mesh->objects), expected(objects, sections[view.mesh->from.index],
-                                                            sections[view.mesh->to.index], view.mesh->origin)));
+    const server::Hierarchy& hierarchy = world.session(0).world().hierarchy;
+    ASSERT_TRUE(
+        areNear(drawn(view.mesh->objects), expected(objects, sectionsOf(hierarchy, view.mesh->from).objects,
+                                                    sectionsOf(hierarchy, view.mesh->to).objects, view.mesh->origin)));
   };
   world.run(Time::seconds(12));
   EXPECT_EQ(world.report(), "");
@@ -137,7 +137,7 @@ TEST(Objects, AreDrawnAsTheTwoSectionsHaveThemAndWithoutCracks) {
   EXPECT_GT(most, 2 * base);
 }
 
-TEST(Objects, GoOnAfterTheConnectionWasLost) {
+TEST(Objects, ResumeAfterTheConnectionWasLost) {
   const auto scene = makeScene(301, 217, 32);
   World world(scene, {}, Duration::milliseconds(4), 2, objectsIn(*scene, 6));
   world.addClient(onKnownTour(*scene, "orbit", 30));
@@ -151,7 +151,7 @@ TEST(Objects, GoOnAfterTheConnectionWasLost) {
   world.run(Time::seconds(t + 2));
   EXPECT_EQ(world.report(), "");
   EXPECT_GT(world.viewer(0).statistics().resumed, 4u);
-  const std::vector<Section> held = sectionsOf(world.viewer(0));
+  const std::vector<Section> held = heldBy(world.viewer(0));
   size_t nodes = 0;
   for (const Section& section : held) nodes += section.slots.size();
   EXPECT_GT(nodes, 0u);

@@ -10,7 +10,7 @@ namespace {
 
 std::shared_ptr<const terrain::Scene> hillsOf(uint64_t seed) { return makeScene(301, 217, seed); }
 
-TEST(Resume, GoesOnFromTheSectionAfterASecondOrAnHour) {
+TEST(Resume, ContinuesFromTheSectionAfterASecondOrAnHour) {
   const auto scene = hillsOf(11);
   for (double outage_s : {0.01, 1.0, 3600.0}) {
     World world(scene, {}, Duration::milliseconds(4), 1);

@@ -29,7 +29,7 @@ inline const Models& models() {
 // In a ring above the middle of the scene.
 inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count) {
   std::vector<proto::ObjectModel> shapes;
-  for (const terrain::TrueSurface& s : models().surfaces) shapes.push_back({s.topology.shape(), s.step_m, s.base});
+  for (const terrain::TrueSurface& s : models().surfaces) shapes.push_back({s.topology.shape(), s.quantum_m, s.base});
   const proto::FrameGrid frame(scene.frame(), scene.grid().maxX(), scene.grid().maxY());
   const proto::GridShape& shape = scene.grid().shape();
   std::vector<proto::ObjectPlacement> placements;

@@ -13,13 +13,13 @@ namespace foreland::bench {
 namespace {
 
 ModelTruth modelTruth(const proto::ObjectModel& model, std::span<const proto::SurfaceRecord> records) {
-  terrain::TrueSurface surface{proto::MeshTopology::create(model.shape).value(), model.step_m, model.base, {}};
+  terrain::TrueSurface surface{proto::MeshTopology::create(model.shape).value(), model.quantum_m, model.base, {}};
   surface.nodes.reserve(records.size());
   for (const proto::SurfaceRecord& record : records) surface.nodes.push_back(record.position);
   const auto faces = static_cast<uint32_t>(model.shape.faces.size());
   return {.surface = truthOf(surface),
           .faces = model.shape.faces,
-          .weight_sum = static_cast<int32_t>(surface.topology.placeScale()),
+          .weight_sum = static_cast<int32_t>(surface.topology.weightScale()),
           .layout = client::parameterLayout(faces, model.atlas_side)};
 }
 

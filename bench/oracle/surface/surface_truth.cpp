@@ -16,7 +16,7 @@ SurfaceTruth truthOf(const terrain::TrueSurface& surface) {
   SurfaceTruth truth;
   std::vector<uint32_t> number(mesh.slotCount());
   const auto add = [&](NodeId v) {
-    truth.points.push_back(surfacePoint(mesh.place(v)));
+    truth.points.push_back(surfacePoint(mesh.facePoint(v)));
     truth.positions.push_back(surface.position(v));
   };
   for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) add(proto::baseVertexId(v));

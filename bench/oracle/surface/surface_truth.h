@@ -8,7 +8,7 @@
 
 namespace foreland::bench {
 
-// A point of the parameter domain in the given face; the weights' sum is MeshTopology::placeScale().
+// A point of the parameter domain in the given face; the weights' sum is MeshTopology::weightScale().
 SurfacePoint surfacePoint(const proto::FacePoint& at);
 
 // Cost: linear in the surface's vertices, about 100 bytes each.

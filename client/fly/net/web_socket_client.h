@@ -1,5 +1,5 @@
 // A WebSocket connection to a server, driven from one thread: sending queues, and run() moves bytes both ways until a
-// given moment. The only place of the client that knows sockets and Boost; nothing of Boost shows here, and no
+// given moment. The only file of the client that knows sockets and Boost; nothing of Boost shows here, and no
 // exception leaves. One owner, one thread.
 #pragma once
 
@@ -19,14 +19,14 @@ struct WebSocketUrl {
   std::string target = "/";
 };
 
-// ws://HOST[:PORT][/PATH]; an IPv6 address stands in brackets. Anything else is an Error that says so.
+// ws://HOST[:PORT][/PATH]; an IPv6 address stands in brackets. Anything else is an Error that names the form.
 Result<WebSocketUrl> parseWebSocketUrl(const std::string& url);
 
 class WebSocketClient {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Resolves, connects and shakes hands; at most `timeout` each.
+  // Resolves the name, connects and shakes hands; each may take `timeout` at most.
   static Result<WebSocketClient> connect(const std::string& url, std::chrono::milliseconds timeout);
   ~WebSocketClient();
   WebSocketClient(WebSocketClient&&) noexcept;
@@ -34,10 +34,11 @@ class WebSocketClient {
 
   // Queues one binary message.
   void send(Bytes message);
-  // Sends, receives and waits until `until`; hands over each message as it comes. An Error from `on_message` stops and
-  // is returned; so is the loss of the connection, after all messages that came before it.
+  // Sends and receives until `until`, and calls `on_message` with each message as it arrives. An Error from
+  // `on_message` ends the run and is returned; so is the loss of the connection, after all messages that arrived before
+  // it.
   Status run(Clock::time_point until, const std::function<Status(ByteSpan)>& on_message);
-  // Says goodbye, waiting a second at most.
+  // Closes the connection with a close frame; waits for the server's at most a second.
   void close();
 
  private:

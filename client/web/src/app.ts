@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import { lookOf } from './ui/camera';
 import { Connection } from './core/connection';
 import { Controls } from './ui/controls';
-import { Core, Viewer, type Frame, type Mesh, type Place, type Pose, type Request, type Welcome } from './core/core';
+import { Core, Viewer, type Frame, type Mesh, type MapPosition, type Pose, type Request, type Welcome } from './core/core';
 import { FrozenView } from './draw/frozen_view';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
@@ -17,7 +17,7 @@ import { ObjectMesh } from './draw/object_mesh';
 import { TerrainMesh } from './draw/terrain_mesh';
 import { Tours } from './ui/tours';
 
-const kResizeQuiet_ms = 200; // a new lens is asked for when resizing has paused
+const kResizeQuiet_ms = 200; // a new lens is requested when resizing has paused
 const kHintShown_ms = 9000;
 
 function byId(id: string): HTMLElement {
@@ -43,7 +43,7 @@ export class App {
   private viewer: Viewer;
   private welcome: Welcome | null = null;
   private mesh: Pick<Mesh, 'triangles' | 'vertices' | 'to_nodes' | 'tau_px' | 'to_time_ms' | 'version'> | null = null;
-  private asked = '';
+  private sent_request = ''; // the last one, as JSON
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
   private last_ms = 0;
@@ -67,7 +67,7 @@ export class App {
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
     new Panel(byId('panel'), this.settings, () => this.applySettings());
     window.addEventListener('resize', () => this.resize());
-    this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to go on.'));
+    this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to continue.'));
   }
 
   start(): void {
@@ -80,7 +80,7 @@ export class App {
     window.setTimeout(() => byId('hint').classList.add('gone'), kHintShown_ms);
   }
 
-  // What tests and curious people may read in the console.
+  // For tests, and for anyone who opens the console.
   status(): Record<string, unknown> {
     return {
       connected: this.connection.isOpen(),
@@ -104,7 +104,7 @@ export class App {
 
   // ---- session
 
-  // The first connection, or one after it was lost: then the viewer goes on from what it holds.
+  // Begins a session on a new connection. After a lost connection the viewer resumes from the section that it holds.
   private beginSession(): void {
     if (this.welcome) {
       this.viewer.reconnect(performance.now());
@@ -112,7 +112,7 @@ export class App {
       this.viewer.destroy();
       this.viewer = new Viewer(this.core, this.request());
       this.viewer.setBlend(this.settings.blend);
-      this.asked = JSON.stringify(this.request());
+      this.sent_request = JSON.stringify(this.request());
       if (this.address.tour) this.tours.request(this.address.tour, this.viewer);
     }
     this.sendOutgoing();
@@ -153,7 +153,7 @@ export class App {
   }
 
   private showWaiting(seconds: number, reason: string): void {
-    const title = this.welcome ? 'Connection lost' : 'No answer from the server';
+    const title = this.welcome ? 'Connection lost' : 'The server does not answer';
     const said = reason === '' ? '' : `The server said: ${reason}. `;
     const text = `${said}Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
     showNotice(byId('notice'), { kind: 'wait', title, text });
@@ -186,21 +186,21 @@ export class App {
     if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
     if (!this.settings.frozen) this.frozen_view.thaw();
     this.viewer.setBlend(this.settings.blend);
-    this.ask();
+    this.sendRequest();
   }
 
   // Sends the request if it differs from the last one.
-  private ask(): void {
+  private sendRequest(): void {
     const request = this.request();
-    if (JSON.stringify(request) === this.asked) return;
-    this.asked = JSON.stringify(request);
+    if (JSON.stringify(request) === this.sent_request) return;
+    this.sent_request = JSON.stringify(request);
     this.viewer.setRequest(request);
   }
 
   private chooseTour(tour: Tour | null): void {
     if (tour) this.tours.request(tour, this.viewer);
     else this.tours.stop();
-    this.ask();
+    this.sendRequest();
   }
 
   private freeze(): void {
@@ -218,7 +218,7 @@ export class App {
     this.camera.fov = (kLens.fov_rad * 180) / Math.PI;
     this.terrain.setLens(kLens.fov_rad, this.canvas.height);
     window.clearTimeout(this.lens_timer);
-    this.lens_timer = window.setTimeout(() => this.ask(), kResizeQuiet_ms);
+    this.lens_timer = window.setTimeout(() => this.sendRequest(), kResizeQuiet_ms);
   }
 
   // ---- a frame
@@ -237,34 +237,34 @@ export class App {
   private draw(now_ms: number): void {
     const seconds = Math.min((now_ms - this.last_ms) / 1000, 0.25);
     this.last_ms = now_ms;
-    const place = this.welcome ? this.moveCamera(now_ms, seconds) : null;
+    const position = this.welcome ? this.moveCamera(now_ms, seconds) : null;
     const own = this.controls.pose(this.up);
-    const told = this.frozen_view.pose ?? own; // what the server hears
-    const frame = this.viewer.frame(now_ms, told);
-    this.takeMesh(frame, now_ms, told);
+    const sent = this.frozen_view.pose ?? own; // the server keeps the section of the frozen view
+    const frame = this.viewer.frame(now_ms, sent);
+    this.takeMesh(frame, now_ms, sent);
     this.sendOutgoing();
     const shown = this.frozen_view.pose ? own : frame.pose;
-    if (this.welcome) this.render(shown, frame, place);
-    this.measure(now_ms, frame, place);
+    if (this.welcome) this.render(shown, frame, position);
+    this.measure(now_ms, frame, position);
   }
 
-  private moveCamera(now_ms: number, seconds: number): Place | null {
-    const placeOf = (eye: readonly number[]) => this.viewer.place(eye);
+  private moveCamera(now_ms: number, seconds: number): MapPosition | null {
+    const mapPositionOf = (eye: readonly number[]) => this.viewer.mapPosition(eye);
     const touring = this.tours.pose(this.viewer, now_ms);
     if (touring && !this.frozen_view.pose) {
       this.controls.eye.fromArray(touring.eye);
       this.controls.look = lookOf(touring.orientation, this.up);
     } else {
-      this.controls.step(seconds, this.up, placeOf);
+      this.controls.step(seconds, this.up, mapPositionOf);
     }
-    const place = placeOf(this.controls.eye.toArray());
-    if (place) this.up.fromArray(place.up);
-    this.above_ground_m = place && place.ground_m !== null ? place.height_m - place.ground_m : null;
-    return place;
+    const position = mapPositionOf(this.controls.eye.toArray());
+    if (position) this.up.fromArray(position.up);
+    this.above_ground_m = position && position.ground_m !== null ? position.height_m - position.ground_m : null;
+    return position;
   }
 
-  private takeMesh(frame: Frame, now_ms: number, told: Pose): void {
-    this.prediction.frame(now_ms, told.eye);
+  private takeMesh(frame: Frame, now_ms: number, sent: Pose): void {
+    this.prediction.frame(now_ms, sent.eye);
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
     const mesh = this.viewer.mesh();
     this.terrain.upload(mesh);
@@ -274,13 +274,13 @@ export class App {
     this.mesh = { triangles, vertices, to_nodes, tau_px, to_time_ms, version };
   }
 
-  private render(pose: Pose, frame: Frame, place: Place | null): void {
+  private render(pose: Pose, frame: Frame, position: MapPosition | null): void {
     this.camera.quaternion.fromArray(pose.orientation);
     this.camera.position.set(0, 0, 0);
     this.setDepthRange();
     this.camera.updateMatrixWorld();
     this.sky.update(this.camera);
-    this.terrain.place(frame.weight, pose.eye, place?.height_m ?? pose.eye[2]);
+    this.terrain.place(frame.weight, pose.eye, position?.height_m ?? pose.eye[2]);
     this.objects.placeFrom(pose.eye);
     this.frozen_view.place(pose.eye);
     this.renderer.clear();
@@ -300,7 +300,7 @@ export class App {
     this.camera.updateProjectionMatrix();
   }
 
-  private measure(now_ms: number, frame: Frame, place: Place | null): void {
+  private measure(now_ms: number, frame: Frame, position: MapPosition | null): void {
     this.readout.update({
       now_ms,
       statistics: this.viewer.statistics(),
@@ -310,7 +310,7 @@ export class App {
       is_late: this.mesh !== null && this.settings.strategy === 'predict' && now_ms > this.mesh.to_time_ms + 20,
       prediction_error_m: this.settings.strategy === 'predict' ? this.prediction.error_m : null,
       welcome: this.welcome,
-      place,
+      position,
       heading_rad: this.controls.look.heading,
       eye: this.controls.eye.toArray(),
       set_speed_mps: this.controls.speed_mps,
@@ -318,7 +318,7 @@ export class App {
   }
 }
 
-// Where a server has its models' images: beside the address that viewers connect to.
+// The address of a server's model images: beside the address that viewers connect to.
 function modelsOf(server: string): URL {
   return new URL('models/', server.replace(/^ws/, 'http'));
 }

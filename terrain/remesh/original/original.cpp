@@ -117,7 +117,7 @@ class OriginalMaker {
     std::sort(corners_.begin(), corners_.end());
     const auto twice = std::adjacent_find(corners_.begin(), corners_.end());
     if (twice == corners_.end()) return {};
-    return refuse(model_.faceName(face) + " has two corners at the place of " + vertexName(*twice) +
+    return refuse(model_.faceName(face) + " has two corners at the position of " + vertexName(*twice) +
                   "; remove or correct it");
   }
 

@@ -31,7 +31,7 @@ Track northward(double from_latitude_deg, size_t seconds) {
 }
 
 std::vector<float> flat(const PlannedTrack& plan, float height_m) {
-  return std::vector<float>(plan.places.size(), height_m);
+  return std::vector<float>(plan.positions.size(), height_m);
 }
 
 TrackPath pathOf(const Track& track, const TrackOptions& options, float ground_m) {
@@ -98,8 +98,8 @@ TEST(TrackPath, CutsOffWhatIsOutsideTheDataWithANote) {
   const auto plan = planTrack(northward(45.99, 600), frame, kShape, {});
   ASSERT_TRUE(plan.ok());
   EXPECT_EQ(plan->notes.size(), 1u);
-  for (const glm::dvec2& place : plan->places) EXPECT_GE(place.y, 0);
-  EXPECT_LT(plan->places.size(), 6000u);
+  for (const glm::dvec2& place : plan->positions) EXPECT_GE(place.y, 0);
+  EXPECT_LT(plan->positions.size(), 6000u);
 }
 
 TEST(TrackPath, KeepsLongFlightsWithinWhatAPathHolds) {
@@ -108,7 +108,7 @@ TEST(TrackPath, KeepsLongFlightsWithinWhatAPathHolds) {
   for (Fix& fix : track.fixes) fix.time_s *= 300;  // 30,000 s
   const auto plan = planTrack(track, frame, kShape, {});
   ASSERT_TRUE(plan.ok());
-  EXPECT_LE(plan->places.size(), proto::Path::kMaxPoses);
+  EXPECT_LE(plan->positions.size(), proto::Path::kMaxPoses);
   EXPECT_TRUE(pathOverGround(*plan, frame, flat(*plan, 0), {}).ok());
 }
 

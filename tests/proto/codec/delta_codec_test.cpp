@@ -71,8 +71,8 @@ TEST(DeltaCodec, BothEndsEndWhereRefinementFromScratchDoes) {
   }
 }
 
-// Two ends that know nothing of a section but its nodes go on from it.
-TEST(DeltaCodec, GoesOnFromAPresentedSection) {
+// Both ends resume from a section of which they know the nodes alone.
+TEST(DeltaCodec, ResumesFromASection) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   const test::ToyTerrain terrain({2, 2, 5, 65, 60}, rng.next());
@@ -81,12 +81,12 @@ TEST(DeltaCodec, GoesOnFromAPresentedSection) {
     Client client(terrain);
     View view = terrain.wander(rng, {});
     ASSERT_TRUE(client.receive(view, first.send(view)).ok());
-    const Section presented = client.adapter.section();
+    const Section section = client.adapter.section();
 
     Server second(terrain);
     InMemoryNodes source(terrain.nodes());
-    second.adapter = TerrainAdapter(terrain.domain(), presented.slots, source);
-    client.adapter = TerrainAdapter(terrain.domain(), presented.slots, source);
+    second.adapter = TerrainAdapter(terrain.domain(), section.slots, source);
+    client.adapter = TerrainAdapter(terrain.domain(), section.slots, source);
     client.model = {};
     for (int i = 0; i < 10; ++i) {
       view = terrain.wander(rng, view);

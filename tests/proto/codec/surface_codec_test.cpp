@@ -1,5 +1,5 @@
 // What a client reads of objects is what the server has: the same sections, whatever the views, and every node where
-// the server has it; and sections that are presented are those that were held.
+// the server has it; and the sections that a server decodes to resume from are those that the client held.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -23,7 +23,7 @@ const GridTopology& smallGrid() {
 struct Ends {
   explicit Ends(const test::NamedSurface& named)
       : records(terrain::computeBounds(named.surface, {.threads = 1})),
-        set(ObjectSet::create({{named.surface.topology.shape(), named.surface.step_m, named.surface.base, 0}},
+        set(ObjectSet::create({{named.surface.topology.shape(), named.surface.quantum_m, named.surface.base, 0}},
                               {{0, {0, 0, 0}, {1, 0, 0, 0}, 1},
                                {0, {3, 0, 0}, glm::angleAxis(2.0, glm::dvec3(0.6, 0, 0.8)), 1.5},
                                {0, {-1, 2, 0.5}, glm::angleAxis(-0.7, glm::dvec3(0, 1, 0)), 0.3}})
@@ -76,18 +76,18 @@ struct Ends {
     if (!read(view, write(view))) return testing::AssertionFailure() << "the bytes are refused";
     return agree();
   }
-  // A new connection: the client presents its sections, a new server goes on from them.
+  // A new connection: the client sends its sections, and a new server resumes from them.
   void reconnect() {
     Bytes bytes;
     encodeSections(smallGrid(), set, held(), bytes);
     client.restart();
-    const auto presented = decodeSections(smallGrid(), set, bytes, 1u << 24);
-    ASSERT_TRUE(presented.ok());
-    ASSERT_EQ(*presented, held());
+    const auto decoded = decodeSections(smallGrid(), set, bytes, 1u << 24);
+    ASSERT_TRUE(decoded.ok());
+    ASSERT_EQ(*decoded, held());
     server = ObjectStream(set);
     for (size_t i = 0; i < set.size(); ++i) {
-      adapters[i] = SurfaceAdapter(set.domain(i), presented->objects[i].slots, records);
-      server.hold(i, presented->objects[i], records);
+      adapters[i] = SurfaceAdapter(set.domain(i), decoded->objects[i].slots, records);
+      server.hold(i, decoded->objects[i], records);
     }
   }
 
@@ -116,11 +116,11 @@ TEST_P(SurfaceCodec, GivesTheClientTheServersSectionsAndPositions) {
     for (int i = 0; i < 150; ++i) {
       ASSERT_TRUE(ends.step(wanderer.next())) << named.name << ", seed " << seed << ", step " << i;
     }
-    EXPECT_LE(ends.bits.placed, ends.bits.added);
+    EXPECT_LE(ends.bits.positions_sent, ends.bits.added);
   }
 }
 
-TEST_P(SurfaceCodec, GoesOnFromSectionsThatWerePresented) {
+TEST_P(SurfaceCodec, ResumesFromTheSectionsThatWereHeld) {
   const uint64_t seed = newSeed();
   for (const test::NamedSurface& named : test::surfaces(GetParam(), GetParam() == MeshRule::kBisection ? 2 : 3)) {
     Ends ends(named);
@@ -142,14 +142,14 @@ View viewOfAll() {
   return view;
 }
 
-TEST(SurfaceCodec, SendsAPlaceOnceForAllObjectsOfAModel) {
+TEST(SurfaceCodec, SendsAPositionOnceForAllObjectsOfAModel) {
   Ends ends(test::surfaces(MeshRule::kQuadrisection, 4).front());
   ends.write(viewOfAll());
   std::vector<Slot> all;
   for (const CutDelta& delta : ends.sent) all.insert(all.end(), delta.added.begin(), delta.added.end());
   std::sort(all.begin(), all.end());
   const auto distinct = static_cast<uint64_t>(std::unique(all.begin(), all.end()) - all.begin());
-  EXPECT_EQ(ends.bits.placed, distinct);
+  EXPECT_EQ(ends.bits.positions_sent, distinct);
   EXPECT_LT(distinct, ends.bits.added);
 }
 
@@ -199,7 +199,7 @@ TEST(SurfaceCodec, EndsInClosedSectionsOrARefusalWhateverTheBytes) {
   EXPECT_GT(nodes, 10u) << "seed " << seed;
 }
 
-TEST(PresentedSections, AreClosedOrRefusedWhateverTheBytes) {
+TEST(HeldSectionsCodec, AreClosedOrRefusedWhateverTheBytes) {
   const uint64_t seed = newSeed();
   Rng rng(seed);
   const Ends ends(test::surfaces(MeshRule::kBisection, 3).front());
@@ -220,7 +220,7 @@ TEST(PresentedSections, AreClosedOrRefusedWhateverTheBytes) {
   EXPECT_GT(taken, 0u) << "seed " << seed;
 }
 
-TEST(PresentedSections, OfMoreNodesThanAreServedAreRefused) {
+TEST(HeldSectionsCodec, OfMoreNodesThanAreServedAreRefused) {
   Ends ends(test::surfaces(MeshRule::kQuadrisection, 4).front());
   const View view = viewOfAll();
   ASSERT_TRUE(ends.read(view, ends.write(view)));

@@ -42,7 +42,7 @@ void expectSamePose(const Pose& got, const Pose& expected) {
   EXPECT_EQ(got.orientation, expected.orientation);
 }
 
-TEST(PoseUpdates, ArriveAsIfEachWereToldByItself) {
+TEST(PoseUpdates, ArriveAsIfEachWereAbsolute) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   Flight flight(seed, Duration::milliseconds(50), Duration::milliseconds(8));
@@ -110,7 +110,7 @@ void expectSameHeader(const KeyframeHeader& got, const KeyframeHeader& sent) {
   EXPECT_EQ(got.fingerprint, sent.fingerprint & got.fingerprint_mask);
 }
 
-TEST(KeyframeHeaders, ArriveAsIfEachWereToldByItself) {
+TEST(KeyframeHeaders, ArriveAsIfEachWereAbsolute) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   Rng rng(seed);
   Flight flight(seed, Duration::milliseconds(200), {});

@@ -26,7 +26,7 @@ class Camera {
     if (what > 4) pose_.eye += velocity_ * 0.05;
     const glm::dvec3 axis(rng_.uniform(-1, 1), rng_.uniform(-1, 1), rng_.uniform(-1, 1));
     if (what > 7) pose_.orientation = glm::normalize(glm::dquat(1, axis * rng_.uniform(0, 0.2)) * pose_.orientation);
-    return {time_, toWire(pose_, kPoseSteps)};
+    return {time_, toWire(pose_, kPoseQuanta)};
   }
 
  private:
@@ -148,7 +148,7 @@ TEST(WirePoses, SteadyMotionCostsNextToNothing) {
   WirePoses poses;
   const glm::dquat level(1, 0, 0, 0);
   for (int i = 0; i < 100; ++i) {
-    const WirePose pose = toWire({{12.5 * i, -3.0 * i, 0.25 * i * i}, level}, kPoseSteps);
+    const WirePose pose = toWire({{12.5 * i, -3.0 * i, 0.25 * i * i}, level}, kPoseQuanta);
     Bytes bytes;
     BitWriter w(bytes);
     if (i > 0) {
@@ -167,21 +167,21 @@ TEST(WirePose, AnyNumbersMakeAnOrientation) {
     WirePose pose;
     pose.largest = static_cast<uint8_t>(rng.below(4));
     for (int64_t& v : pose.rest) v = static_cast<int64_t>(rng.below(65536)) - 32768;
-    EXPECT_TRUE(isUsable(fromWire(pose, kPoseSteps)));
+    EXPECT_TRUE(isUsable(fromWire(pose, kPoseQuanta)));
     pose.eye[rng.below(3)] = 100'000'000'001;
-    EXPECT_FALSE(isUsable(fromWire(pose, kPoseSteps)));
+    EXPECT_FALSE(isUsable(fromWire(pose, kPoseQuanta)));
   }
 }
 
-TEST(WirePose, IsAsExactAsItsStepsSay) {
+TEST(WirePose, IsAsExactAsItsQuantaSay) {
   Rng rng(5);
   const auto angleBetween = [](const Pose& a, const Pose& b) {
     const glm::dquat q = glm::conjugate(a.orientation) * b.orientation;
     return 2 * std::asin(std::min(1.0, std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z)));
   };
   for (int i = 0; i < 20'000; ++i) {
-    const Pose pose = somePose(rng), own = fromWire(toWire(pose, kPoseSteps), kPoseSteps),
-               keyframe = fromWire(toWire(pose, kKeyframeSteps), kKeyframeSteps);
+    const Pose pose = somePose(rng), own = fromWire(toWire(pose, kPoseQuanta), kPoseQuanta),
+               keyframe = fromWire(toWire(pose, kKeyframeQuanta), kKeyframeQuanta);
     for (int k = 0; k < 3; ++k) {
       EXPECT_LE(std::fabs(own.eye[k] - pose.eye[k]), 0.0005 + 1e-9);
       EXPECT_LE(std::fabs(keyframe.eye[k] - pose.eye[k]), 0.004);
@@ -197,7 +197,7 @@ TEST(WirePose, UsablePosesOfAlmostUnitLengthTravelToo) {
   const double c = M_SQRT1_2 * std::sqrt(1.0009);
   const Pose pose{{1, 2, 3}, glm::dquat(c, c, 0, 0)};
   ASSERT_TRUE(isUsable(pose));
-  const Pose got = fromWire(toWire(pose, kPoseSteps), kPoseSteps);
+  const Pose got = fromWire(toWire(pose, kPoseQuanta), kPoseQuanta);
   EXPECT_NEAR(std::fabs(glm::dot(got.orientation, glm::normalize(pose.orientation))), 1, 1e-6);
 }
 

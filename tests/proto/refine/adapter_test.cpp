@@ -55,8 +55,8 @@ TEST(Adapter, TestsOnlyAFewNodesOnASmallMotion) {
   EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 5);
 }
 
-// A section presented by its nodes alone: the same from there on.
-TEST_P(Adaptation, GoesOnFromASectionThatItIsGiven) {
+// An adapter that is made from a section's nodes alone adapts like any other.
+TEST_P(Adaptation, ResumesFromASectionThatItIsGiven) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, GetParam()));
   Wanderer wanderer(hierarchy, seed);

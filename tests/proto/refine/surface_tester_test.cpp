@@ -18,7 +18,7 @@ Section everyNodeThatPasses(const SurfaceDomain& domain, const std::vector<Surfa
   const SurfaceMetric metric = domain.metric(view);
   Section section;
   terrain::forEachNode(domain.topology(), [&](NodeId, Slot slot) {
-    if (metric.passes(SurfaceBounds::of(records[slot], domain.step_m))) section.slots.push_back(slot);
+    if (metric.passes(SurfaceBounds::of(records[slot], domain.quantum_m))) section.slots.push_back(slot);
   });
   return section;
 }
@@ -31,7 +31,7 @@ TEST_P(SurfaceAdaptation, EqualsTheNodesThatPassOnAnyMotion) {
   for (const test::NamedSurface& named : test::surfaces(GetParam(), GetParam() == MeshRule::kBisection ? 2 : 3)) {
     const auto records = terrain::computeBounds(named.surface, {.threads = 1});
     const SurfaceDomain domain{
-        .mesh = &named.surface.topology, .step_m = named.surface.step_m, .is_closed = named.is_closed};
+        .mesh = &named.surface.topology, .quantum_m = named.surface.quantum_m, .is_closed = named.is_closed};
     SurfaceWanderer wanderer(seed);
     SurfaceAdapter adapter(domain);
     AdaptScratch scratch;
@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(Rules, SurfaceAdaptation, testing::Values(MeshRule::kQu
 TEST(SurfaceAdapter, TestsOnlyAFewNodesOnASmallMotion) {
   const terrain::TrueSurface sphere = *terrain::makeSphere(1, {MeshRule::kQuadrisection, 5, 1e-6});
   const auto records = terrain::computeBounds(sphere, {.threads = 1});
-  const SurfaceDomain domain{.mesh = &sphere.topology, .step_m = sphere.step_m};
+  const SurfaceDomain domain{.mesh = &sphere.topology, .quantum_m = sphere.quantum_m};
   SurfaceAdapter adapter(domain);
   AdaptScratch scratch;
   CutDelta delta;

@@ -1,6 +1,6 @@
-// The protocol's law of questions (docs/PROTOCOL.md, section 10): what is asked, in which order and in which groups, is
-// a matter of the section, the bounds and the view, not of which nodes an adapter takes the trouble to test. The
-// reference tests the whole frontier at every step.
+// The protocol's law of questions (docs/PROTOCOL.md, section 10): what is predicates, in which order and in which
+// groups, is a matter of the section, the bounds and the view, not of which nodes an adapter takes the trouble to test.
+// The reference tests the whole frontier at every step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using server::Hierarchy;
 
 // Something that is sent, or where a group of questions begins.
 struct Event {
-  enum Kind : uint8_t { kRadius, kGroup, kAnswer, kHeight };
+  enum Kind : uint8_t { kRadius, kGroup, kPredicate, kHeight };
   Kind kind;
   Slot slot = 0;
   int known = 0, least = 0;
@@ -41,7 +41,7 @@ class Listener final : public TerrainSource {
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
     events.push_back({Event::kGroup});
     for (const Predicate& q : predicates)
-      events.push_back({Event::kAnswer, q.slot, q.known.value, q.least.value, q.is_in_section, q.is_new});
+      events.push_back({Event::kPredicate, q.slot, q.known.value, q.least.value, q.is_in_section, q.is_new});
     return plain_.decide(level, predicates, decisions);
   }
   bool onAdded(int, std::span<const Slot> slots, std::span<const QuantisedError> passed) override {
@@ -56,9 +56,9 @@ class Listener final : public TerrainSource {
 // Section 10, word for word.
 class Reference {
  public:
-  // Begins with a section that is presented, perhaps the empty one.
-  explicit Reference(const Hierarchy& h, const Section& presented = {})
-      : h_(h), grid_(h.grid()), section_(presented.slots.begin(), presented.slots.end()) {
+  // Begins with a section that is held, perhaps the empty one.
+  explicit Reference(const Hierarchy& h, const Section& held = {})
+      : h_(h), grid_(h.grid()), section_(held.slots.begin(), held.slots.end()) {
     for (Slot slot : section_) {
       pages_.insert(slot / kPageSlots);
       if (isLeaf(grid_.node(slot))) bounds_[slot] = 1;
@@ -69,18 +69,19 @@ class Reference {
     events_.clear();
     const Metric metric = h_.domain().metric(view);
     metric_ = &metric;
-    std::map<int, Open> going, coming;
+    std::map<int, Undecided> stale_leaves, undecided_addable;
     for (const auto& [slot, bound] : bounds_)
       if (passes(slot, bound) != section_.contains(slot))
-        (section_.contains(slot) ? going : coming)[levelOf(slot)].insert({slot, false});
-    for (int level = grid_.maxLevel(); level >= 1; --level) remove(going[level], going[level - 1]);
-    for (auto& [level, undecided] : coming)
+        (section_.contains(slot) ? stale_leaves : undecided_addable)[levelOf(slot)].insert({slot, false});
+    for (int level = grid_.maxLevel(); level >= 1; --level) remove(stale_leaves[level], stale_leaves[level - 1]);
+    for (auto& [level, undecided] : undecided_addable)
       std::erase_if(undecided, [this](const auto& o) { return !bounds_.contains(o.first); });
     std::map<int, std::set<Slot>> arriving;
     for (Slot slot = 0; is_first_ && slot < grid_.slotCount(); ++slot)
       if (isAddable(slot) && !bounds_.contains(slot)) arriving[levelOf(slot)].insert(slot);
     is_first_ = false;
-    for (int level = 1; level <= grid_.maxLevel(); ++level) add(coming[level], arriving[level], arriving[level + 1]);
+    for (int level = 1; level <= grid_.maxLevel(); ++level)
+      add(undecided_addable[level], arriving[level], arriving[level + 1]);
     std::erase_if(pages_, [this](Slot page) { return !isUsed(page); });
     return events_;
   }
@@ -88,8 +89,8 @@ class Reference {
   std::vector<Slot> section() const { return {section_.begin(), section_.end()}; }
 
  private:
-  using Open = std::map<Slot, bool>;  // is it new?
-  struct Settled {
+  using Undecided = std::map<Slot, bool>;  // is it new?
+  struct Resolved {
     Slot slot;
     int least;
     bool is_in;
@@ -127,11 +128,11 @@ class Reference {
     return least;
   }
 
-  std::vector<Settled> resolve(const Open& undecided) {
-    std::vector<Settled> settled;
-    size_t asked_in_group = 0;
+  std::vector<Resolved> resolve(const Undecided& undecided) {
+    std::vector<Resolved> resolved;
+    size_t predicates_in_group = 0;
     for (const auto& [slot, is_new] : undecided) {
-      if (settled.size() % TerrainBatch::kSize == 0) asked_in_group = 0;
+      if (resolved.size() % TerrainBatch::kSize == 0) predicates_in_group = 0;
       const int least = leastClass(slot);
       int& bound = bounds_[slot];
       bool is_in = section_.contains(slot);
@@ -139,19 +140,19 @@ class Reference {
         if (is_in) bound = 255;
         is_in = false;
       } else if (is_in != (bound >= least)) {
-        if (asked_in_group++ == 0) events_.push_back({Event::kGroup});
-        events_.push_back({Event::kAnswer, slot, bound, least, is_in, is_new});
+        if (predicates_in_group++ == 0) events_.push_back({Event::kGroup});
+        events_.push_back({Event::kPredicate, slot, bound, least, is_in, is_new});
         is_in = record(slot).error().value >= least;
         bound = is_in ? least : least - 1;
       }
-      settled.push_back({slot, least, is_in});
+      resolved.push_back({slot, least, is_in});
     }
-    return settled;
+    return resolved;
   }
 
-  void remove(const Open& going, Open& above) {
+  void remove(const Undecided& stale_leaves, Undecided& above) {
     std::vector<Slot> gone;
-    for (const Settled& s : resolve(going))
+    for (const Resolved& s : resolve(stale_leaves))
       if (!s.is_in) gone.push_back(s.slot);
     for (Slot slot : gone) section_.erase(slot);
     for (Slot slot : gone) {
@@ -162,14 +163,14 @@ class Reference {
     }
   }
 
-  void add(Open& coming, const std::set<Slot>& arriving, std::set<Slot>& next) {
+  void add(Undecided& undecided_addable, const std::set<Slot>& arriving, std::set<Slot>& next) {
     for (Slot slot : arriving) {
       if (pages_.insert(slot / kPageSlots).second) events_.push_back({Event::kRadius, slot});
       bounds_[slot] = 255;
-      coming.insert({slot, true});
+      undecided_addable.insert({slot, true});
     }
     std::vector<Slot> come;
-    for (const Settled& s : resolve(coming)) {
+    for (const Resolved& s : resolve(undecided_addable)) {
       if (!s.is_in) continue;
       events_.push_back({Event::kHeight, s.slot, 0, s.least});
       come.push_back(s.slot);
@@ -201,9 +202,9 @@ class Reference {
   Events events_;
 };
 
-class Questions : public testing::TestWithParam<FrameKind> {};
+class Predicates : public testing::TestWithParam<FrameKind> {};
 
-TEST_P(Questions, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
+TEST_P(Predicates, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, GetParam()));
   test::Wanderer wanderer(hierarchy, seed);
@@ -212,7 +213,7 @@ TEST_P(Questions, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
   Listener listener(hierarchy);
   AdaptScratch scratch;
   CutDelta delta;
-  size_t asked = 0;
+  size_t predicates = 0;
   for (int i = 0; i < 300; ++i) {
     const View view = wanderer.next();
     listener.events.clear();
@@ -220,23 +221,23 @@ TEST_P(Questions, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
     const Events expected = reference.step(view);
     ASSERT_TRUE(listener.events == expected) << "seed " << seed << ", step " << i;
     ASSERT_EQ(adapter.section().slots, reference.section()) << "seed " << seed << ", step " << i;
-    asked += expected.size();
+    predicates += expected.size();
   }
-  EXPECT_GT(asked, 0u);
+  EXPECT_GT(predicates, 0u);
 }
 
-TEST_P(Questions, GoOnAlikeFromASectionThatIsPresented) {
+TEST_P(Predicates, AreTheSameAfterResumingFromASection) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
   const Hierarchy hierarchy(test::makeScene(100u, 60u, seed, GetParam()));
   test::Wanderer wanderer(hierarchy, seed);
   AdaptScratch scratch;
   RefineScratch refine_scratch;
   for (int round = 0; round < 20; ++round) {
-    Section presented;
-    ASSERT_TRUE(refine(hierarchy, wanderer.next(), hierarchy.grid().slotCount(), refine_scratch, presented));
+    Section held;
+    ASSERT_TRUE(refine(hierarchy, wanderer.next(), hierarchy.grid().slotCount(), refine_scratch, held));
     Listener listener(hierarchy);
-    TerrainAdapter adapter(hierarchy.domain(), presented.slots, listener);
-    Reference reference(hierarchy, presented);
+    TerrainAdapter adapter(hierarchy.domain(), held.slots, listener);
+    Reference reference(hierarchy, held);
     for (int i = 0; i < 5; ++i) {
       const View view = wanderer.next();
       listener.events.clear();
@@ -248,7 +249,7 @@ TEST_P(Questions, GoOnAlikeFromASectionThatIsPresented) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Frames, Questions, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));
+INSTANTIATE_TEST_SUITE_P(Frames, Predicates, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));
 
 }  // namespace
 }  // namespace foreland::proto

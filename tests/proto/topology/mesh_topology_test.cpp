@@ -126,16 +126,16 @@ TEST_P(Mesh, IdsOfNodesAreTheOnlyOnesItContains) {
   EXPECT_FALSE(mesh.contains({0xffffffffull << 32 | 1}));
 }
 
-TEST_P(Mesh, AVertexIsAtOnePlaceInAllFacesThatHoldIt) {
+TEST_P(Mesh, AVertexIsOnePointInAllFacesThatHoldIt) {
   const auto expectAt = [&](NodeId v) {
-    const FacePoint place = mesh.place(v);
-    EXPECT_EQ(place.weights[0] + place.weights[1] + place.weights[2], mesh.placeScale());
+    const FacePoint place = mesh.facePoint(v);
+    EXPECT_EQ(place.weights[0] + place.weights[1] + place.weights[2], mesh.weightScale());
     for (uint32_t i = 0; i < 3; ++i) {
       const HalfEdge h = 3 * place.face + i, twin = mesh.base().twin(h);
       if (place.weights[(i + 2) % 3] > 0 || twin == kNoHalfEdge) continue;
-      EXPECT_EQ(keyOf(mesh, mesh.placeIn(BaseMesh::face(twin), v)), keyOf(mesh, place));
+      EXPECT_EQ(keyOf(mesh, mesh.facePointIn(BaseMesh::face(twin), v)), keyOf(mesh, place));
     }
-    EXPECT_EQ(keyOf(mesh, mesh.placeIn(place.face, v)), keyOf(mesh, place));
+    EXPECT_EQ(keyOf(mesh, mesh.facePointIn(place.face, v)), keyOf(mesh, place));
   };
   forEachNode([&](NodeId n, Slot) { expectAt(n); });
   for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) expectAt(baseVertexId(v));

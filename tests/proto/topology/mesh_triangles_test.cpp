@@ -34,7 +34,7 @@ Nodes randomSection(const MeshTopology& mesh, uint64_t one_in, Rng& rng) {
   return nodes;
 }
 
-// Twice the area of weights' triangle, in units of the whole face being placeScale() squared.
+// Twice the area of weights' triangle, in units of the whole face being weightScale() squared.
 int64_t twiceArea(const FacePoint& a, const FacePoint& b, const FacePoint& c) {
   const auto w = [](const FacePoint& p, int i) { return static_cast<int64_t>(p.weights[i]); };
   return (w(b, 1) - w(a, 1)) * (w(c, 2) - w(a, 2)) - (w(b, 2) - w(a, 2)) * (w(c, 1) - w(a, 1));
@@ -48,12 +48,12 @@ struct Drawn {
   std::set<NodeId> vertices;
 
   void draw() {
-    const int64_t scale = mesh.placeScale();
+    const int64_t scale = mesh.weightScale();
     for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) {
       int64_t area = 0;
       const auto is_in_section = [&](NodeId n) { return section.contains(n); };
       forEachTriangleOf(mesh, face, is_in_section, [&](NodeId a, NodeId b, NodeId c) {
-        const int64_t own = twiceArea(mesh.placeIn(face, a), mesh.placeIn(face, b), mesh.placeIn(face, c));
+        const int64_t own = twiceArea(mesh.facePointIn(face, a), mesh.facePointIn(face, b), mesh.facePointIn(face, c));
         EXPECT_GT(own, 0);
         area += own;
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
@@ -152,10 +152,10 @@ TEST_P(Triangles, DrawExactlyTheSurfaceOfTheSection) {
       value[n] = (value.at(a) + value.at(b)) / 2 + (section.contains(n) ? number() : 0);
     }
     const auto expectInside = [&](uint32_t face, NodeId a, NodeId b, NodeId c) {
-      const FacePoint pa = mesh.placeIn(face, a), pb = mesh.placeIn(face, b), pc = mesh.placeIn(face, c);
+      const FacePoint pa = mesh.facePointIn(face, a), pb = mesh.facePointIn(face, b), pc = mesh.facePointIn(face, c);
       const auto area = static_cast<double>(twiceArea(pa, pb, pc));
       for (NodeId n : nodes) {
-        const FacePoint p = mesh.place(n);
+        const FacePoint p = mesh.facePoint(n);
         if (p.face != face) continue;
         const int64_t u = twiceArea(p, pb, pc), v = twiceArea(pa, p, pc), w = twiceArea(pa, pb, p);
         if (u < 0 || v < 0 || w < 0) continue;

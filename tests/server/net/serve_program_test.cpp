@@ -35,10 +35,10 @@ class ServeProgram : public testing::Test {
   }
   // Exit code 2, and a message that holds each of `words`.
   static void expectRefusal(const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
-    const Outcome outcome = runProgram("serve", arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    const ProgramResult result = runProgram("serve", arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.output;
     for (const std::string& word : words)
-      EXPECT_NE(outcome.output.find(word), std::string::npos) << word << " is not in: " << outcome.output;
+      EXPECT_NE(result.output.find(word), std::string::npos) << word << " is not in: " << result.output;
   }
 
   TemporaryFolder folder_;

@@ -157,7 +157,7 @@ TEST_P(Bounds, SpheresNestWithSlackAndAreNoLargerThanAPageNeeds) {
   for (const auto& [page, ratio] : excess) EXPECT_LE(ratio, kRadiusRounding + 1e-6) << "page " << page;
 }
 
-TEST_P(Bounds, HeightsAreTheNearestStepsAndGoOnBeyondTheData) {
+TEST_P(Bounds, HeightsAreTheNearestQuantaAndContinueBeyondTheData) {
   const auto formula = GetParam().rough ? test::noise(GetParam().seed, 5000) : test::hills(GetParam().seed);
   for (uint32_t y = 0; y <= scene->grid().maxY(); ++y)
     for (uint32_t x = 0; x <= scene->grid().maxX(); ++x) {

@@ -56,7 +56,7 @@ TEST(Build, FillsVoidsAndCountsThem) {
 }
 
 // What is whole in the data stays whole, and not a sample is moved; one sample between the steps forbids it.
-TEST(Build, WidensTheStepToWhatAllHeightsAreMultiplesOf) {
+TEST(Build, WidensTheQuantumToWhatAllHeightsAreMultiplesOf) {
   const test::TemporaryFolder folder;
   for (const auto& [unit, odd, step] : {std::tuple{1.0, 0.0, 1.0},
                                         {0.5, 0.0, 0.5},
@@ -91,14 +91,14 @@ TEST(Build, NothingButVoidsIsAnError) {
   EXPECT_EQ(filesIn(folder.path()), 0u);
 }
 
-TEST(Build, RefusesHeightsBeyondItsSteps) {
+TEST(Build, RefusesHeightsOfTooManyQuanta) {
   const test::TemporaryFolder folder;
   test::FormulaSource source(9, 9, [](uint32_t x, uint32_t) { return x == 4 ? 3e38 : 0.0; });
   EXPECT_EQ(buildScene(source, {folder / "a.fls"}).error().code, ErrorCode::kLimit);
   EXPECT_EQ(filesIn(folder.path()), 0u);
 }
 
-TEST(Build, RefusesRastersAndStepsThatCannotBe) {
+TEST(Build, RefusesRastersAndQuantaThatCannotBe) {
   const test::TemporaryFolder folder;
   test::FormulaSource line(1, 9, test::hills(1)), fine(9, 9, test::hills(1));
   EXPECT_FALSE(buildScene(line, {folder / "a.fls"}).ok());

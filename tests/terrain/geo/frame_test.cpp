@@ -85,7 +85,7 @@ TEST(GeoFrame, AgreesWithGeographicLibOnMars) {
   EXPECT_LT(worstError_m(frame, 513, rng), kGuaranteed_m);
 }
 
-TEST(GeoFrame, LatticePlacesSurviveTheRoundTrip) {
+TEST(GeoFrame, LatticePositionsSurviveTheRoundTrip) {
   Rng rng(test::randomSeed());
   const proto::FrameTransform transform(geographicFrame(46, 8, 1.0 / 1200, 1201));
   for (int i = 0; i < 1000; ++i) {

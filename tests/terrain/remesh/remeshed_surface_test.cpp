@@ -20,7 +20,7 @@ struct Torus {
   Remeshed remeshed = remesh(original, {.base_triangles = 80, .levels = 3, .attempts = 1}).value();
 };
 
-TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
+TEST(SurfaceOf, MovesPositionsByLessThanAQuantum) {
   const Torus torus;
   const double step = defaultQuantum(torus.remeshed);
   const auto surface = toSurface(torus.remeshed, proto::MeshRule::kQuadrisection, step);
@@ -36,7 +36,7 @@ TEST(SurfaceOf, MovesPositionsByLessThanAStep) {
       }
 }
 
-TEST(DefaultStep, IsASixteenthOfWhatTheFinestLevelAddsOrLess) {
+TEST(DefaultQuantum, IsASixteenthOfWhatTheFinestLevelAddsOrLess) {
   const Torus torus;
   const auto surface = toSurface(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-8);
   ASSERT_TRUE(surface.ok());
@@ -55,7 +55,7 @@ TEST(DefaultStep, IsASixteenthOfWhatTheFinestLevelAddsOrLess) {
   EXPECT_GE(step, sizes[sizes.size() * 4 / 10] / 32);
 }
 
-TEST(DefaultStep, OfAFlatMeshIsTheFinest) {
+TEST(DefaultQuantum, OfAFlatMeshIsTheFinest) {
   Torus torus;
   for (dvec3& p : torus.remeshed.positions) p = {1, 2, 3};
   torus.remeshed.positions.front() = {1, 2, 4};
@@ -80,7 +80,7 @@ TEST(SurfaceOf, BothRulesLieNextToTheOriginalAndDoNotFold) {
   }
 }
 
-TEST(SurfaceOf, StepsThatAreTooFineAreRefused) {
+TEST(SurfaceOf, QuantaThatAreTooFineAreRefused) {
   const Torus torus;
   EXPECT_FALSE(toSurface(torus.remeshed, proto::MeshRule::kQuadrisection, 1e-12).ok());
 }

@@ -35,7 +35,7 @@ class Forged : public testing::Test {
   const proto::GridTopology grid = *proto::GridTopology::create(proto::GridTopology::shapeFor(40, 25));
 
   VerifyReport seal() {
-    const SectionPlace& table = header.sections[kChecksums];
+    const SectionRange& table = header.sections[kChecksums];
     for (uint64_t i = 0; i < blockCount(table); ++i) {
       const uint64_t sum = xxh64(blockAt(bytes, table, i));
       std::memcpy(bytes.data() + table.offset + i * sizeof(sum), &sum, sizeof(sum));

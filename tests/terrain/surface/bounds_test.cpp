@@ -112,7 +112,7 @@ class Checker {
           all_.expand(std::vector<double>(all_.first_node, 0.0), [n](size_t v) { return v == n ? 1.0 : 0.0; }));
   }
   Extent shapeOf(const SurfaceRecord& r) const { return {r.error_along.metres(), r.error_across.metres()}; }
-  glm::dvec3 positionOf(const SurfaceRecord& r) const { return glm::dvec3(r.position) * surface_.step_m; }
+  glm::dvec3 positionOf(const SurfaceRecord& r) const { return glm::dvec3(r.position) * surface_.quantum_m; }
 
   void expectHolds(const SurfaceRecord& r, size_t v, const glm::dvec3& drawn) const {
     const glm::dvec3 truth = surface_.position(all_.ids[v]), error = drawn - truth, normal = r.normal.unpack();

@@ -1,5 +1,5 @@
 // Laws of the screen tests (proto/refine/surface_metric.h): monotone from child to parent, equal to the closed
-// forms' definitions by sampling, and outcomes that stand as long as they say.
+// forms' definitions by sampling, and test results that hold as long as their slack says.
 #include "proto/refine/surface_metric.h"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST(SurfaceMetricLaws, WhatPassesHasParentsThatPass) {
           const Arrangement setup = randomArrangement(rng, kind);
           const SurfaceMetric metric(setup.view, setup.test);
           const auto passes = [&](NodeId n) {
-            return metric.passes(SurfaceBounds::of(records[mesh.slot(n)], named.surface.step_m));
+            return metric.passes(SurfaceBounds::of(records[mesh.slot(n)], named.surface.quantum_m));
           };
           forEachNode(mesh, [&](NodeId n, Slot) {
             if (!passes(n)) return;
@@ -86,7 +86,7 @@ TEST(SurfaceMetricLaws, WhatPassesHasParentsThatPass) {
   EXPECT_GT(passed, 10000u);
 }
 
-// The outcome's slack, tried out: the eye moves by less, any way.
+// The result's slack, tried out: the eye moves by less, any way.
 TEST(SurfaceMetricLaws, TestResultsStandAsLongAsTheySay) {
   uint64_t flips = 0, trials = 0;
   for (ErrorShape kind : kKinds)
@@ -99,7 +99,7 @@ TEST(SurfaceMetricLaws, TestResultsStandAsLongAsTheySay) {
         const Arrangement setup = randomArrangement(rng, kind);
         const SurfaceMetric metric(setup.view, setup.test);
         forEachNode(named.surface.topology, [&](NodeId, Slot slot) {
-          const SurfaceBounds bounds = SurfaceBounds::of(records[slot], named.surface.step_m);
+          const SurfaceBounds bounds = SurfaceBounds::of(records[slot], named.surface.quantum_m);
           const auto testResult = metric.testResult(bounds);
           EXPECT_EQ(testResult.passes, metric.passes(bounds));
           EXPECT_GE(testResult.slack_m, 0);
@@ -166,7 +166,7 @@ TEST(SurfaceMetricLaws, WhatFacesAwayOrLiesBesideIsNotRefined) {
     size_t count = 0;
     forEachNode(sphere.topology, [&](NodeId n, Slot slot) {
       count += sphere.topology.level(n) > 2 && where(sphere.position(n)) &&
-               metric.passes(SurfaceBounds::of(records[slot], sphere.step_m));
+               metric.passes(SurfaceBounds::of(records[slot], sphere.quantum_m));
     });
     return count;
   };

@@ -114,11 +114,11 @@ struct FilledAtlas {
       for (int32_t j = atlas.rowsOf(face).begin; j < atlas.rowsOf(face).end; ++j)
         for (int32_t i = atlas.columnsOf(face, j).begin; i < atlas.columnsOf(face, j).end; ++i) visit(face, i, j);
   }
-  void sew(unsigned threads = 1) { fillGutters(atlas, mesh, texels, threads); }
+  void fill(unsigned threads = 1) { fillGutters(atlas, mesh, texels, threads); }
 };
 
 // A torus of squares lies in the plane without a crease: beyond every edge, the plane's own colour comes next.
-TEST(FillGutters, AFlatTorusGoesOnBeyondItsEdges) {
+TEST(FillGutters, AFlatTorusContinuesBeyondItsEdges) {
   constexpr int32_t kSquares = 3;
   constexpr uint64_t kSeed = 6;
   SCOPED_TRACE(kSeed);
@@ -148,7 +148,7 @@ TEST(FillGutters, AFlatTorusGoesOnBeyondItsEdges) {
     filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
       if (filled.isInside(i, j)) filled.at(face, i, j) = colour(place(face, i, j));
     });
-    filled.sew();
+    filled.fill();
     filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
       if (filled.isContinued(i, j)) return;
       ASSERT_EQ(filled.at(face, i, j), colour(place(face, i, j))) << "face " << face << ": " << i << ", " << j;
@@ -164,7 +164,7 @@ TEST(FillGutters, GuttersHoldColoursOfFacesThatTouch) {
     filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
       if (filled.isInside(i, j)) filled.at(face, i, j) = face;
     });
-    filled.sew();
+    filled.fill();
     filled.forEach([&](uint32_t face, int32_t i, int32_t j) {
       if (filled.isContinued(i, j)) return;
       const Texel found = filled.at(face, i, j);
@@ -185,8 +185,8 @@ TEST(FillGutters, ADoneImageStaysAndAnyOtherPixelIsNamed) {
     FilledAtlas filled(base, 4);
     for (Texel& texel : filled.texels) texel = static_cast<Texel>(rng.next());
     FilledAtlas other = filled;
-    filled.sew(1);
-    other.sew(3);
+    filled.fill(1);
+    other.fill(3);
     ASSERT_EQ(filled.texels, other.texels);
     ASSERT_EQ(findSeam(filled.atlas, filled.mesh, filled.texels, 1), std::nullopt);
     for (int n = 0; n < 60; ++n) {

@@ -63,7 +63,7 @@ class SurfaceFile : public testing::Test {
     for (const glm::ivec3& p : surface.basePositions()) sum += p.x;
     for (proto::Slot slot = 0; slot < surface.topology().slotCount(); ++slot) {
       const proto::NodeId n = surface.topology().node(slot);
-      if (!surface.topology().isBase(n)) sum += int64_t{surface.steps(n).y} + surface.nodes()[slot].radius.bits;
+      if (!surface.topology().isBase(n)) sum += int64_t{surface.quanta(n).y} + surface.nodes()[slot].radius.bits;
     }
     for (const Texel texel : surface.texels()) sum += texel;
     volatile int64_t kept = sum;
@@ -84,10 +84,10 @@ TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
         EXPECT_EQ((*read)->id(), *id);
         EXPECT_EQ((*read)->topology().shape(), made.surface.topology.shape());
         EXPECT_EQ((*read)->topology().base().isClosed(), base.closed);
-        EXPECT_EQ((*read)->stepMetres(), 0.001);
+        EXPECT_EQ((*read)->quantumMetres(), 0.001);
         EXPECT_TRUE(std::ranges::equal((*read)->basePositions(), made.surface.base));
         forEachNode(made.surface.topology,
-                    [&](proto::NodeId n, proto::Slot) { EXPECT_EQ((*read)->steps(n), made.surface.steps(n)); });
+                    [&](proto::NodeId n, proto::Slot) { EXPECT_EQ((*read)->quanta(n), made.surface.quanta(n)); });
         ASSERT_EQ((*read)->nodes().size(), made.records.size());
         EXPECT_EQ(std::memcmp((*read)->nodes().data(), made.records.data(), (*read)->nodes().size_bytes()), 0);
         EXPECT_TRUE(std::ranges::equal((*read)->texels(), made.texels));
@@ -137,18 +137,18 @@ TEST_F(SurfaceFile, ForgedHeadersAndBasesAreRefusedOrHarmless) {
   Rng rng(kSeed);
   SurfaceHeader original;
   std::memcpy(&original, bytes.data(), sizeof(original));
-  const auto& places = original.sections;
+  const auto& ranges = original.sections;
   int opened = 0, refused = 0;
   for (int i = 0; i < 3000; ++i) {
     auto forged = bytes;
-    const size_t at = i % 3 == 0 ? places[kSurfaceFaces].offset + rng.below(places[kSurfaceFaces].bytes)
+    const size_t at = i % 3 == 0 ? ranges[kSurfaceFaces].offset + rng.below(ranges[kSurfaceFaces].bytes)
                                  : 16 + rng.below(sizeof(SurfaceHeader) - 16);
     forged[at] = static_cast<char>(rng.below(4) == 0 ? rng.below(256) : forged[at] ^ (1 << rng.below(8)));
     SurfaceHeader header;
     std::memcpy(&header, forged.data(), sizeof(header));
     header.scene_id =
-        contentId(header, {reinterpret_cast<const uint8_t*>(forged.data()) + places[kSurfaceChecksums].offset,
-                           places[kSurfaceChecksums].bytes});
+        contentId(header, {reinterpret_cast<const uint8_t*>(forged.data()) + ranges[kSurfaceChecksums].offset,
+                           ranges[kSurfaceChecksums].bytes});
     header.header_checksum = headerChecksum(header);
     std::memcpy(forged.data(), &header, sizeof(header));
     test::spit(folder / "forged.fls", forged);

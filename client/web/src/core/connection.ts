@@ -1,5 +1,5 @@
 // The WebSocket to the server: one binary message is one protocol message. When it is lost, it tries again after a growing wait.
-// A session that the server refused is not tried again by itself.
+// A session that the server refused is not tried again automatically.
 
 export interface ConnectionEvents {
   onOpen(): void;
@@ -9,7 +9,7 @@ export interface ConnectionEvents {
 
 const kFirstWait_ms = 500;
 const kLongestWait_ms = 8000;
-const kMostUnsent_bytes = 1 << 20; // poses are dropped beyond it: newer ones are on their way
+const kMostUnsent_bytes = 1 << 20; // poses are dropped beyond it: newer ones follow
 
 export class Connection {
   private socket: WebSocket | null = null;

@@ -1,8 +1,8 @@
 // The client core (client/wasm) as the page sees it: a module to load once, and a Viewer for each session. Arrays point into
 // the module's memory and are valid until the next call into it.
 import {
-  kRecordLayout, readFrameRecord, readPlaceRecord, readPoseRecord, readStatisticsRecord, readTextRecord, readWelcomeRecord,
-  type PlaceRecord, type PoseRecord, type StatisticsRecord,
+  kRecordLayout, readFrameRecord, readMapPositionRecord, readPoseRecord, readStatisticsRecord, readTextRecord, readWelcomeRecord,
+  type MapPositionRecord, type PoseRecord, type StatisticsRecord,
 } from './records';
 
 export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z, w
@@ -77,7 +77,7 @@ export interface Welcome {
 }
 
 // A point of the scene as client/wasm/records.h has it; `ground_m` is null where the ground's height is not known.
-export type Place = Omit<PlaceRecord, 'ground_m'> & { ground_m: number | null };
+export type MapPosition = Omit<MapPositionRecord, 'ground_m'> & { ground_m: number | null };
 export type Statistics = StatisticsRecord;
 
 interface Exports {
@@ -100,7 +100,7 @@ interface Exports {
   foreland_start_tour(viewer: number, start_ms: number): void;
   foreland_tour_pose(viewer: number, now_ms: number): number;
   foreland_welcome(viewer: number): number;
-  foreland_place(viewer: number, x: number, y: number, z: number): number;
+  foreland_map_position(viewer: number, x: number, y: number, z: number): number;
   foreland_statistics(viewer: number): number;
 }
 
@@ -281,10 +281,10 @@ export class Viewer {
       landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
     };
   }
-  place(point: readonly number[]): Place | null {
-    const at = this.core.exports.foreland_place(this.handle, point[0]!, point[1]!, point[2]!);
+  mapPosition(point: readonly number[]): MapPosition | null {
+    const at = this.core.exports.foreland_map_position(this.handle, point[0]!, point[1]!, point[2]!);
     if (at === 0) return null;
-    const r = readPlaceRecord(this.core.view(), at);
+    const r = readMapPositionRecord(this.core.view(), at);
     return { ...r, ground_m: Number.isNaN(r.ground_m) ? null : r.ground_m };
   }
   statistics(): Statistics {

@@ -2,7 +2,7 @@
 // Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. The eye stays above the ground.
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
-import type { Place, Pose } from '../core/core';
+import type { MapPosition, Pose } from '../core/core';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
   KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],
@@ -54,8 +54,8 @@ export class Controls {
     return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up) };
   }
 
-  // Moves on by `seconds`; `placeOf` tells where an eye is.
-  step(seconds: number, up: THREE.Vector3, placeOf: (eye: number[]) => Place | null): void {
+  // Moves the camera for `seconds`. `mapPositionOf` gives an eye's height and the ground's below it.
+  step(seconds: number, up: THREE.Vector3, mapPositionOf: (eye: number[]) => MapPosition | null): void {
     const wanted = new THREE.Vector3();
     for (const code of this.held) {
       const key = kKeys[code];
@@ -67,7 +67,7 @@ export class Controls {
     if (wanted.lengthSq() === 0 && this.velocity.length() < 1e-4 * this.speed_mps) this.velocity.set(0, 0, 0);
     this.move(this.velocity.x * seconds, this.velocity.y * seconds, this.velocity.z * seconds, up);
     this.carryOn(up);
-    this.keepAboveGround(up, placeOf);
+    this.keepAboveGround(up, mapPositionOf);
   }
 
   private move(right_m: number, ahead_m: number, up_m: number, up: THREE.Vector3): void {
@@ -91,12 +91,12 @@ export class Controls {
     this.carry.set(0, 0, 0);
   }
 
-  private keepAboveGround(up: THREE.Vector3, placeOf: (eye: number[]) => Place | null): void {
-    const place = placeOf(this.eye.toArray());
-    if (!place || place.ground_m === null) return;
-    const missing_m = place.ground_m + this.clearance_m - place.height_m;
+  private keepAboveGround(up: THREE.Vector3, mapPositionOf: (eye: number[]) => MapPosition | null): void {
+    const position = mapPositionOf(this.eye.toArray());
+    if (!position || position.ground_m === null) return;
+    const missing_m = position.ground_m + this.clearance_m - position.height_m;
     if (missing_m > 0) this.eye.addScaledVector(up, missing_m);
-    this.ground_distance_m = Math.max(place.height_m - place.ground_m, this.clearance_m);
+    this.ground_distance_m = Math.max(position.height_m - position.ground_m, this.clearance_m);
   }
 
   private press(event: PointerEvent): void {

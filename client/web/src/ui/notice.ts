@@ -1,4 +1,4 @@
-// Messages over the scene: a passing state (connecting, reconnecting) or an end with its reason and the way out.
+// Messages over the scene: a passing state (connecting, reconnecting), or why the session ended and what to do.
 
 export interface Notice {
   title: string;

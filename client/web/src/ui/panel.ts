@@ -1,4 +1,4 @@
-// The settings panel. It changes the Settings it is given and says so; it knows nothing else.
+// The settings panel. It changes the Settings that it is given and calls onChange.
 import { kBlends, kPredictors, kStrategies } from '../core/core';
 import type { Settings } from './settings';
 
@@ -7,11 +7,11 @@ const kNames: Record<string, string> = {
   auto: 'Automatic', hold: 'Hold', velocity: 'Constant velocity', acceleration: 'Constant acceleration', path: 'Known path',
 };
 const kHelp: Record<string, string> = {
-  delay: 'Geometry and camera are both shown one keyframe late.',
+  delay: 'Geometry and camera are shown one keyframe late.',
   current: 'The camera is current, the geometry one keyframe late.',
-  predict: 'Keyframes are computed ahead, for where you will be.',
-  keyframe: 'All detail changes from keyframe to keyframe, in time.',
-  geomorph: 'Each vertex takes its own time, up to a second.',
+  predict: 'Keyframes are computed ahead, for the predicted camera.',
+  keyframe: 'All detail blends from one keyframe to the next.',
+  geomorph: 'Each vertex blends by its own timing, within a second.',
 };
 
 export class Panel {

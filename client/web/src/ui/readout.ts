@@ -1,7 +1,7 @@
 // The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
-import type { Mesh, Place, Statistics, Welcome } from '../core/core';
+import type { Mesh, MapPosition, Statistics, Welcome } from '../core/core';
 
-const kWindow_ms = 2000; // over which rates are taken
+const kWindow_ms = 2000; // over which rates are averaged
 const kRefresh_ms = 250;
 const kHistory = 60;
 
@@ -14,7 +14,7 @@ export interface Measured {
   is_late: boolean; // the newer keyframe's time has passed and its successor is not here
   prediction_error_m: number | null; // of the newest keyframe, once its time has come
   welcome: Welcome | null;
-  place: Place | null;
+  position: MapPosition | null;
   heading_rad: number;
   eye: readonly number[];
   set_speed_mps: number; // what the keys fly at
@@ -55,7 +55,7 @@ export class Readout {
     this.samples.push({ at_ms: m.now_ms, bytes: m.statistics.bytes_down, keyframes: m.statistics.keyframes });
     while (this.samples.length > 2 && this.samples[0]!.at_ms < m.now_ms - kWindow_ms) this.samples.shift();
     this.showNumbers(m);
-    this.showPlace(m, speed_mps);
+    this.showPosition(m, speed_mps);
     this.drawBars();
   }
 
@@ -86,15 +86,15 @@ export class Readout {
     return { bytes: (last.bytes - first.bytes) / seconds, keyframes: (last.keyframes - first.keyframes) / seconds };
   }
 
-  private showPlace(m: Measured, speed_mps: number): void {
-    if (!m.place || !m.welcome) return;
-    const [across, along] = m.place.across;
+  private showPosition(m: Measured, speed_mps: number): void {
+    if (!m.position || !m.welcome) return;
+    const [across, along] = m.position.across;
     const at = m.welcome.is_geographic
       ? `${degreesText(across, 'N', 'S')}  ${degreesText(along, 'E', 'W')}`
       : `${along.toFixed(0)} E  ${across.toFixed(0)} N`;
-    const above = m.place.ground_m === null ? '' : ` \u00b7 ${metresText(m.place.height_m - m.place.ground_m)} above ground`;
+    const above = m.position.ground_m === null ? '' : ` \u00b7 ${metresText(m.position.height_m - m.position.ground_m)} above ground`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
-    const lines = [at, `${metresText(m.place.height_m)} high${above}`];
+    const lines = [at, `${metresText(m.position.height_m)} high${above}`];
     const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
     lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));

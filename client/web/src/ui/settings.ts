@@ -1,4 +1,4 @@
-// What the user can set, and its beginnings from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
+// What the user can set, and its initial values from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
 import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/core';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
@@ -13,7 +13,7 @@ export interface Settings {
   wireframe: boolean;
   contours: boolean;
   fog: boolean;
-  frozen: boolean; // the section stays that of the pose where it was frozen
+  frozen: boolean; // the section stays the one of the pose at which it was frozen
 }
 
 export interface Address {

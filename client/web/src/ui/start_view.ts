@@ -1,4 +1,4 @@
-// Where a visit begins: above the relief, looking across the most prominent ground that the welcome tells of, into the scene.
+// The first view of a scene: from above the relief across the most prominent ground among the welcome's landmarks.
 import type { Look } from './camera';
 import type { Welcome } from '../core/core';
 

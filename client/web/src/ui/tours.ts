@@ -1,14 +1,14 @@
-// The tours: the server plans one, the page flies it. The buttons start and stop them.
+// The tours: the server plans a path, and the page flies it. A button for each starts and stops it.
 import type { Pose, Viewer } from '../core/core';
 import { kTours, type Tour } from './settings';
 
 const kTour_s = 180;
-const kLead_ms = 700; // between the plan's arrival and the start, so that the first keyframe there is on its way
+const kLead_ms = 700; // between the plan's arrival and the start, so that the server can send the first keyframe there in time
 const kTitles: Record<Tour, string> = { survey: 'Survey', canyon: 'Canyon', spin: 'Spin', orbit: 'Orbit' };
 
 export class Tours {
   private readonly buttons = new Map<Tour, HTMLButtonElement>();
-  private wanted: Tour | null = null; // asked for
+  private wanted: Tour | null = null; // requested, and flown once its plan has arrived
   private is_flying = false;
 
   constructor(bar: HTMLElement, private readonly onChoice: (tour: Tour | null) => void) {

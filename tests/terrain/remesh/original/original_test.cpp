@@ -29,7 +29,7 @@ TEST(Original, NamesWhatIsNoSurface) {
   expectRefusal(test::makeModel(kSquare, {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}}),
                 "face 2 shares its edge from vertex 1 to vertex 0");
   expectRefusal(test::makeModel(kSquare, {{0, 1, 2}, {0, 2, 1}}), "face 1 has the same corners as face 0");
-  expectRefusal(test::makeModel(kSquare, {{0, 1, 2}, {0, 3, 3}}), "face 1 has two corners at the place of vertex 3");
+  expectRefusal(test::makeModel(kSquare, {{0, 1, 2}, {0, 3, 3}}), "face 1 has two corners at the position of vertex 3");
   expectRefusal(test::makeModel({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}), "face 0 has no area");
   expectRefusal(test::makeModel(kSquare, {{0, 2, 1, 3}}), "face 0 has no area or crosses itself");
   expectRefusal(test::makeModel({{0, 0, 0}, {1e-12, 0, 0}, {0, 1e-12, 0}}, {{0, 1, 2}}), "smaller than 1e-9");

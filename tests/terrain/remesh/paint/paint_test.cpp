@@ -119,7 +119,7 @@ std::vector<Texel> halved(const std::vector<Texel>& texels, uint32_t width) {
 }
 
 // Nothing of another part of the image shows, at any of its sizes, in the middle of faces or along their edges.
-TEST(Paint, SmallerImagesShowTheColoursOfThePlace) {
+TEST(Paint, SmallerImagesShowTheColoursThere) {
   constexpr uint64_t kSeed = 23;
   SCOPED_TRACE(kSeed);
   Rng rng(kSeed);

@@ -1,0 +1,56 @@
+#include "apps/bench_occlusion.h"
+
+#include <chrono>
+
+#include "bench/occlusion/costs.h"
+#include "bench/occlusion/predicted_views.h"
+
+namespace foreland::apps {
+
+CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
+  CLI::App* sub = app.add_subcommand("occlusion", "what leaving out hidden nodes saves, costs and shows");
+  addFlightOptions(*sub, args.flight);
+  sub->add_option("--predictor", args.predictor, "of the viewer's motion: path (known), hold, velocity or acceleration")
+      ->check(CLI::IsMember({"path", "hold", "velocity", "acceleration"}))
+      ->capture_default_str();
+  sub->add_option("--judge", args.judge.keyframes,
+                  "keyframes that rays judge beside the first, and frames between; 0: none but the costs")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  sub->add_option("--width", args.width_px, "of the screen, in pixels")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  sub->add_option("--height", args.height_px, "of the screen, in pixels")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  return sub;
+}
+
+Result<nlohmann::ordered_json> occlusion(const OcclusionArguments& args) {
+  auto flight = planFlight(args.flight);
+  if (!flight) return flight.error();
+  const auto hierarchy = hierarchyOf(flight->scene);
+  if (!hierarchy) return hierarchy.error();
+  bench::FlightOptions& options = flight->options;
+  options.lens.width_px = args.width_px;
+  options.lens.height_px = args.height_px;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto shared = server::SceneOcclusion::create(*hierarchy);
+  if (!shared) return shared.error();
+  const std::chrono::duration<double> build_s = std::chrono::steady_clock::now() - begin;
+
+  const auto views = bench::predictedViews(flight->path, options, *proto::predictorNamed(args.predictor));
+  nlohmann::ordered_json report = flightReport(args.flight, *flight);
+  report["predictor"] = args.predictor;
+  report.update(bench::toJson(bench::measureOcclusionCosts(*hierarchy, **shared, views, options.keyframe_interval)));
+  report["occluder_mib"] = static_cast<double>((*shared)->bytes()) / (1 << 20);
+  report["occluder_build_s"] = build_s.count();
+  if (args.judge.keyframes == 0) return report;
+  server::ViewerOcclusion visibility(*hierarchy, **shared);
+  const auto judgement = bench::judgeOcclusion(*hierarchy, visibility, views, flight->path, options, args.judge);
+  if (!judgement) return judgement.error();
+  report.update(bench::toJson(*judgement));
+  return report;
+}
+
+}  // namespace foreland::apps

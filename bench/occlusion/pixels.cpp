@@ -1,0 +1,142 @@
+#include "bench/occlusion/pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <vector>
+
+#include "bench/oracle/drawn_surface.h"
+#include "terrain/parallel.h"
+
+namespace foreland::bench {
+
+namespace {
+
+using terrain::ParameterLookup;
+using terrain::Ray;
+using terrain::RayCaster;
+using terrain::RayHit;
+
+constexpr double kRounding_px = 1e-3;  // of positions in floats
+
+class Screen {
+ public:
+  explicit Screen(const terrain::Camera& camera)
+      : eye_(camera.pose.eye),
+        right_(camera.pose.right()),
+        up_(camera.pose.up()),
+        forward_(camera.pose.forward()),
+        focal_px_(camera.lens.focalPx()),
+        middle_(0.5 * camera.lens.width_px, 0.5 * camera.lens.height_px) {}
+
+  Ray through(uint32_t column, uint32_t row) const {
+    const double x = (column + 0.5 - middle_.x) / focal_px_, y = (middle_.y - row - 0.5) / focal_px_;
+    return {eye_, glm::normalize(forward_ + x * right_ + y * up_)};
+  }
+  // In pixels; infinite if there is no second point, or if it lies behind the eye.
+  double distance(const glm::dvec3& a, const std::optional<glm::dvec3>& b) const {
+    if (!b || depth(*b) <= 0) return std::numeric_limits<double>::infinity();
+    return glm::distance(project(a), project(*b));
+  }
+
+ private:
+  double depth(const glm::dvec3& point) const { return glm::dot(point - eye_, forward_); }
+  glm::dvec2 project(const glm::dvec3& point) const {
+    return glm::dvec2(glm::dot(point - eye_, right_), glm::dot(point - eye_, up_)) * (focal_px_ / depth(point));
+  }
+
+  glm::dvec3 eye_, right_, up_, forward_;
+  double focal_px_;
+  glm::dvec2 middle_;
+};
+
+// What is drawn, for both ways of looking at it.
+struct Drawn {
+  RayCaster caster;
+  ParameterLookup lookup;
+
+  static Result<Drawn> of(const client::KeyframeMesh& mesh, double weight) {
+    auto caster = RayCaster::ofSurface(drawnSurface(mesh, weight));
+    if (!caster) return caster.error();
+    auto lookup = ParameterLookup::of(drawnSurface(mesh, weight));
+    if (!lookup) return lookup.error();
+    return Drawn{std::move(*caster), std::move(*lookup)};
+  }
+};
+
+class Judgement {
+ public:
+  Judgement(const RayCaster& truth, const LineOfSight& terrain, const Drawn& with, const Drawn& without,
+            const Screen& screen, double tau_px)
+      : truth_(truth),
+        terrain_(terrain),
+        with_(with),
+        without_(without),
+        screen_(screen),
+        most_px_(tau_px + kRounding_px) {}
+
+  void look(const Ray& ray, PixelCounts& counts) const {
+    ++counts.pixels;
+    judgeTruePoint(ray, counts);
+    const bool is_over = drawnError(with_, ray) > most_px_;
+    counts.drawn_over_tau_hidden += is_over && !(drawnError(without_, ray) > most_px_) ? 1 : 0;
+  }
+
+ private:
+  void judgeTruePoint(const Ray& ray, PixelCounts& counts) const {
+    const std::optional<RayHit> hit = truth_.hit(ray);
+    if (!hit || hit->object != RayHit::kTerrain) return;
+    const double with_px = screen_.distance(hit->position, with_.lookup.at(*hit)),
+                 without_px = screen_.distance(hit->position, without_.lookup.at(*hit));
+    const bool is_over = with_px > most_px_, is_over_without = without_px > most_px_;
+    if (std::isfinite(with_px)) counts.max_px = std::max(counts.max_px, with_px);
+    counts.visible_over_tau += is_over ? 1 : 0;
+    counts.visible_over_tau_without += is_over_without ? 1 : 0;
+    counts.visible_over_tau_hidden += is_over && !is_over_without ? 1 : 0;
+  }
+
+  double drawnError(const Drawn& drawn, const Ray& ray) const {
+    const std::optional<RayHit> hit = drawn.caster.hit(ray);
+    if (!hit || hit->object != RayHit::kTerrain) return 0;
+    return screen_.distance(hit->position, terrain_.pointAt(hit->parameter));
+  }
+
+  const RayCaster& truth_;
+  const LineOfSight& terrain_;
+  const Drawn &with_, &without_;
+  const Screen& screen_;
+  double most_px_;
+};
+
+}  // namespace
+
+void PixelCounts::add(const PixelCounts& other) {
+  pixels += other.pixels;
+  visible_over_tau += other.visible_over_tau;
+  visible_over_tau_without += other.visible_over_tau_without;
+  visible_over_tau_hidden += other.visible_over_tau_hidden;
+  drawn_over_tau_hidden += other.drawn_over_tau_hidden;
+  max_px = std::max(max_px, other.max_px);
+}
+
+Result<PixelCounts> PixelJudge::judge(const DrawnPair& drawn, const terrain::Camera& camera, double tau_px) const {
+  const auto with = Drawn::of(drawn.with, drawn.weight), without = Drawn::of(drawn.without, drawn.weight);
+  for (const auto* side : {&with, &without})
+    if (!*side) return side->error();
+  const Screen screen(camera);
+  const Judgement judgement(truth_, terrain_, *with, *without, screen, tau_px);
+  std::vector<PixelCounts> rows(camera.lens.height_px);
+  terrain::parallelFor(
+      rows.size(), camera.threads,
+      [&](uint64_t row, unsigned) {
+        for (uint32_t column = 0; column < camera.lens.width_px; ++column)
+          judgement.look(screen.through(column, static_cast<uint32_t>(row)), rows[row]);
+      },
+      [](uint64_t) { return true; });
+  PixelCounts all;
+  for (const PixelCounts& row : rows) all.add(row);
+  return all;
+}
+
+}  // namespace foreland::bench
