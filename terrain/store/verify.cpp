@@ -1,12 +1,11 @@
 #include "terrain/store/verify.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 
 #include "proto/space/frame_grid.h"
-#include "terrain/parallel.h"
+#include "terrain/store/check_slots.h"
 #include "terrain/store/faults.h"
 #include "terrain/store/mapped_scene.h"
 
@@ -15,10 +14,6 @@ namespace foreland::terrain {
 namespace {
 
 using proto::NodeId;
-
-constexpr proto::Slot kChunk = 1u << 16;
-
-constexpr auto kAlways = [](uint64_t) { return true; };
 
 void checkSceneBlocks(const MappedScene& scene, unsigned threads, Faults& faults) {
   checkBlocks(scene.file(), scene.header().sections[kChecksums], threads, faults);
@@ -92,18 +87,8 @@ class NodeCheck {
 };
 
 uint64_t checkNodes(const Scene& scene, unsigned threads, Faults& faults) {
-  const NodeCheck check(scene, faults);
-  const proto::Slot slots = scene.grid().slotCount();
-  std::atomic<uint64_t> nodes{0};
-  parallelFor((static_cast<uint64_t>(slots) + kChunk - 1) / kChunk, threads,
-              [&](uint64_t chunk, unsigned) {
-                uint64_t found = 0;
-                const uint64_t begin = chunk * kChunk, end = std::min<uint64_t>(begin + kChunk, slots);
-                for (uint64_t slot = begin; slot < end; ++slot) found += check.check(static_cast<proto::Slot>(slot));
-                nodes += found;
-              },
-              kAlways);
-  return nodes;
+  const NodeCheck node(scene, faults);
+  return checkSlots(scene.grid().slotCount(), threads, [&](proto::Slot slot) { return node.check(slot); });
 }
 
 uint64_t checkBase(const Scene& scene, Faults& faults) {

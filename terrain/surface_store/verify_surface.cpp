@@ -1,11 +1,10 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <string>
 
-#include "terrain/parallel.h"
+#include "terrain/store/check_slots.h"
 #include "terrain/store/faults.h"
 #include "terrain/surface/error_shape.h"
 #include "terrain/surface_store/fill_gutters.h"
@@ -17,7 +16,6 @@ namespace {
 
 using proto::NodeId;
 
-constexpr proto::Slot kChunk = 1u << 14;
 constexpr double kRounding = 1e-9;  // growthToHold is that much above the least growth
 
 class SurfaceCheck {
@@ -79,19 +77,6 @@ class SurfaceCheck {
   Faults& faults_;
 };
 
-uint64_t checkNodes(const SurfaceCheck& check, proto::Slot slots, unsigned threads) {
-  std::atomic<uint64_t> nodes{0};
-  parallelFor((uint64_t{slots} + kChunk - 1) / kChunk, threads,
-              [&](uint64_t chunk, unsigned) {
-                uint64_t found = 0;
-                const uint64_t begin = chunk * kChunk, end = std::min<uint64_t>(begin + kChunk, slots);
-                for (uint64_t slot = begin; slot < end; ++slot) found += check.check(static_cast<proto::Slot>(slot));
-                nodes += found;
-              },
-              [](uint64_t) { return true; });
-  return nodes;
-}
-
 }  // namespace
 
 Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads) {
@@ -114,7 +99,8 @@ VerifyReport verifySurface(const MappedSurface& surface, unsigned threads) {
   report.blocks = blockCount(checksums);
   report.base_vertices = surface.basePositions().size();
   report.texels = surface.texels().size();
-  report.nodes = checkNodes(check, surface.topology().slotCount(), threads);
+  report.nodes =
+      checkSlots(surface.topology().slotCount(), threads, [&](proto::Slot slot) { return check.check(slot); });
   report.padding = surface.topology().slotCount() - report.nodes;
   report.faults = blocks.count() + values.count();
   report.first_faults = blocks.first();
