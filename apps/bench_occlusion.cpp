@@ -39,15 +39,18 @@ Result<nlohmann::ordered_json> occlusion(const OcclusionArguments& args) {
   if (!shared) return shared.error();
   const std::chrono::duration<double> build_s = std::chrono::steady_clock::now() - begin;
 
-  const auto views = bench::predictedViews(flight->path, options, *proto::predictorNamed(args.predictor));
+  const auto predicted = bench::predictedFlight(flight->path, options, *proto::predictorNamed(args.predictor));
   nlohmann::ordered_json report = flightReport(args.flight, *flight);
   report["predictor"] = args.predictor;
-  report.update(bench::toJson(bench::measureOcclusionCosts(*hierarchy, **shared, views, options.keyframe_interval)));
+  report.update(
+      bench::toJson(bench::measureOcclusionCosts(*hierarchy, **shared, predicted, options.keyframe_interval)));
   report["occluder_mib"] = static_cast<double>((*shared)->bytes()) / (1 << 20);
   report["occluder_build_s"] = build_s.count();
   if (args.judge.keyframes == 0) return report;
   server::ViewerOcclusion visibility(*hierarchy, **shared);
-  const auto judgement = bench::judgeOcclusion(*hierarchy, visibility, views, flight->path, options, args.judge);
+  bench::Foresight foresight(visibility, predicted);
+  const auto judgement =
+      bench::judgeOcclusion(*hierarchy, foresight, predicted.views, flight->path, options, args.judge);
   if (!judgement) return judgement.error();
   report.update(bench::toJson(*judgement));
   return report;

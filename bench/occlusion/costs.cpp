@@ -101,12 +101,13 @@ BothWays medians(const Passes& passes, Part part) { return {median(passes.withou
 BothWays firsts(const Passes& passes, Part part) { return {(passes.without.*part)[0], (passes.with.*part)[0]}; }
 
 void measureFlight(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
-                   std::span<const proto::View> views, Duration interval, OcclusionCosts& costs) {
+                   const PredictedFlight& predicted, Duration interval, OcclusionCosts& costs) {
   server::ViewerOcclusion visibility(hierarchy, occlusion);
+  Foresight foresight(visibility, predicted);
   Passes flight;
-  flight.fly(hierarchy, visibility, views, interval);
+  flight.fly(hierarchy, foresight, predicted.views, interval);
   costs.viewer_occlusion_kib = static_cast<double>(visibility.bytes()) / 1024;
-  costs.keyframes = views.size();
+  costs.keyframes = predicted.views.size();
   costs.nodes = {mean(flight.without.nodes), mean(flight.with.nodes)};
   costs.first_nodes = firsts(flight, &Series::nodes);
   costs.bytes = meanAfterFirst(flight, &Series::bytes);
@@ -120,12 +121,13 @@ void measureFlight(const server::Hierarchy& hierarchy, const server::SceneOcclus
   costs.mesh_ms = medianAfterFirst(flight, &Series::mesh_ms);
 }
 
-void measureFirst(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion, const proto::View& view,
-                  OcclusionCosts& costs) {
+void measureFirst(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
+                  const PredictedFlight& predicted, OcclusionCosts& costs) {
   Passes passes;
   for (int i = 0; i < kFirstPasses; ++i) {
     server::ViewerOcclusion visibility(hierarchy, occlusion);
-    passes.fly(hierarchy, visibility, {&view, 1}, {});
+    Foresight foresight(visibility, predicted);
+    passes.fly(hierarchy, foresight, std::span(predicted.views).first(1), {});
   }
   costs.first_keyframe_ms = medians(passes, &Series::send_ms);
   costs.first_decode_ms = medians(passes, &Series::decode_ms);
@@ -134,9 +136,11 @@ void measureFirst(const server::Hierarchy& hierarchy, const server::SceneOcclusi
 
 // In a flight of its own, so that reading the clock is in no other figure.
 void measureRays(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
-                 std::span<const proto::View> views, Duration interval, OcclusionCosts& costs) {
+                 const PredictedFlight& predicted, Duration interval, OcclusionCosts& costs) {
   server::ViewerOcclusion visibility(hierarchy, occlusion);
-  TimedVisibility timed(visibility);
+  Foresight foresight(visibility, predicted);
+  TimedVisibility timed(foresight);
+  const std::vector<proto::View>& views = predicted.views;
   ViewerStream stream(hierarchy, &timed);
   std::vector<double> ray_ms, shares, rays, speeds;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -162,12 +166,12 @@ void measureRays(const server::Hierarchy& hierarchy, const server::SceneOcclusio
 }  // namespace
 
 OcclusionCosts measureOcclusionCosts(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
-                                     const std::vector<proto::View>& views, Duration keyframe_interval) {
-  CHECK_GT(views.size(), 1u);
+                                     const PredictedFlight& flight, Duration keyframe_interval) {
+  CHECK_GT(flight.views.size(), 1u);
   OcclusionCosts costs;
-  measureFlight(hierarchy, occlusion, views, keyframe_interval, costs);
-  measureFirst(hierarchy, occlusion, views.front(), costs);
-  measureRays(hierarchy, occlusion, views, keyframe_interval, costs);
+  measureFlight(hierarchy, occlusion, flight, keyframe_interval, costs);
+  measureFirst(hierarchy, occlusion, flight, costs);
+  measureRays(hierarchy, occlusion, flight, keyframe_interval, costs);
   return costs;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/time.h"
-#include "proto/space/view.h"
+#include "bench/occlusion/predicted_views.h"
 #include "server/occlusion/viewer_occlusion.h"
 
 namespace foreland::bench {
@@ -80,6 +80,6 @@ struct OcclusionCosts {
 
 // Checks that both ends hold the same sections. At least two views.
 OcclusionCosts measureOcclusionCosts(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
-                                     const std::vector<proto::View>& views, Duration keyframe_interval);
+                                     const PredictedFlight& flight, Duration keyframe_interval);
 
 }  // namespace foreland::bench

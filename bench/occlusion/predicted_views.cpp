@@ -27,10 +27,13 @@ class Guesser {
     view.region_radius_m = region.radius_m + error.radius_m;
     view.region_angle_rad = region.angle_rad + error.angle_rad;
     views_.push_back(view);
+    outlooks_.push_back([history = history_, predictor = predictor_, t, T, error] {
+      return server::ViewerOcclusion::sweepsAhead({history, predictor}, t - T, t + T, T, error.radius_m);
+    });
     times_.push_back(t);
   }
 
-  std::vector<proto::View> takeViews() { return std::move(views_); }
+  PredictedFlight take() { return {std::move(views_), std::move(outlooks_)}; }
 
  private:
   const proto::Path& path_;
@@ -39,15 +42,26 @@ class Guesser {
   server::PoseHistory history_;
   server::PredictionErrors errors_;
   std::vector<proto::View> views_;
+  std::vector<PredictedFlight::Outlook> outlooks_;
   std::vector<Time> times_;
   size_t judged_ = 0;
 };
 
+PredictedFlight knownFlight(const proto::Path& path, const FlightOptions& options) {
+  PredictedFlight flight{keyframeViews(path, options, Guarantee::kEveryFrame), {}};
+  const Duration T = options.keyframe_interval;
+  for (size_t i = 0; i < flight.views.size(); ++i)
+    flight.outlooks.push_back([&path, T, t = Time{} + T * static_cast<int64_t>(i)] {
+      return server::ViewerOcclusion::sweepsAhead(server::ExpectedMotion(path), t - T, t + T, T, 0);
+    });
+  return flight;
+}
+
 }  // namespace
 
-std::vector<proto::View> predictedViews(const proto::Path& path, const FlightOptions& options,
-                                        proto::Predictor predictor, const PoseReports& reports) {
-  if (predictor == proto::Predictor::kKnownPath) return keyframeViews(path, options, Guarantee::kEveryFrame);
+PredictedFlight predictedFlight(const proto::Path& path, const FlightOptions& options, proto::Predictor predictor,
+                                const PoseReports& reports) {
+  if (predictor == proto::Predictor::kKnownPath) return knownFlight(path, options);
   Guesser guesser(path, options, predictor);
   const Duration T = options.keyframe_interval;
   Time reported;
@@ -57,7 +71,7 @@ std::vector<proto::View> predictedViews(const proto::Path& path, const FlightOpt
       reported = reported + reports.interval;
     guesser.guess(t);
   }
-  return guesser.takeViews();
+  return guesser.take();
 }
 
 }  // namespace foreland::bench

@@ -28,16 +28,16 @@ Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hiera
   return std::make_shared<const SceneOcclusion>(SceneOcclusion{std::move(*occluder), BlockTops(hierarchy)});
 }
 
-void ViewerOcclusion::expect(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m) {
-  const double now = sweepOf(motion, begin, end).radius_m + error_m;
-  expected_.emplace();
-  for (size_t i = 0; i < kAhead.size(); ++i) {
-    EyeSweep& sweep = (*expected_)[i];
-    sweep = sweepOf(motion, begin, end + interval * kAhead[i]);
+ViewerOcclusion::Sweeps ViewerOcclusion::sweepsAhead(const ExpectedMotion& motion, Time begin, Time end,
+                                                     Duration interval, double error_m) {
+  Sweeps sweeps;
+  for (size_t i = kAhead.size(); i-- > 0;) {
+    sweeps[i] = sweepOf(motion, begin, end + interval * kAhead[i]);
+    sweeps[i].radius_m += error_m;
     // What comes later must find room in it: its own radius, and that of a prediction that goes astray.
-    sweep.radius_m += error_m;
-    if (kAhead[i] > 0) sweep.radius_m += now + kSpare_m;
+    if (kAhead[i] > 0) sweeps[i].radius_m += sweeps.back().radius_m + kSpare_m;
   }
+  return sweeps;
 }
 
 void ViewerOcclusion::begin(const proto::View& view) {
@@ -55,7 +55,7 @@ void ViewerOcclusion::begin(const proto::View& view) {
   }
   // It holds the eyes, and no more of the surface in front may be missing than was allowed for.
   for (Sweep& sweep : sweeps_) sweep.holds = view.tau_px <= sweep.tau_px && sweep.eyes.contains(expected_->back());
-  for (const EyeSweep& eyes : *expected_) sweeps_.push_back({eyes, view.tau_px, true});
+  for (const EyeSweep& eyes : *expected_) sweeps_.push_back({eyes, view.tau_px, true, is_jump});
   expected_.reset();
   last_proofs_ = nullptr;
   if (keyframe_ % kUnusedKeyframes == 0)
@@ -113,9 +113,10 @@ bool ViewerOcclusion::prove(const proto::BlockId& block, size_t first, size_t la
   return false;
 }
 
-// Whether a proof that holds is to be renewed: at some time in the second half of its life, lest those that were found
-// together end together.
+// Whether a proof that holds is to be renewed: if it was found together with most others, at some time in the second
+// half of its life, lest they end together.
 bool ViewerOcclusion::isAging(const proto::BlockId& block, uint32_t proof) const {
+  if (!sweeps_[proof - first_sweep_].is_after_jump) return false;
   const auto half = static_cast<uint32_t>(kAhead[proof % kAhead.size()]) / 2;
   const auto age = static_cast<uint32_t>((first_sweep_ + sweeps_.size() - 1 - proof) / kAhead.size());
   return half > 1 && age >= half && (keyframe_ + phaseOf(block)) % half == 0;

@@ -47,9 +47,17 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options)
       : hierarchy_(hierarchy), test_(hierarchy, *scene.occluder, scene.tops), options_(options) {}
 
-  // Before a keyframe: where the eye will be while it is shown, from `begin` to `end`, and afterwards, up to
-  // `error_m`. Without it the eyes of a keyframe are its region's ball, and nothing is known of those afterwards.
-  void expect(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m);
+  // How many keyframes ahead a sweep looks; the last is for the keyframe itself.
+  static constexpr std::array<int, 8> kAhead{96, 48, 24, 12, 6, 3, 1, 0};
+  using Sweeps = std::array<EyeSweep, kAhead.size()>;
+
+  // Where the eye will be while a keyframe is shown, from `begin` to `end`, and afterwards, up to `error_m`. Cost: some
+  // 130 poses.
+  static Sweeps sweepsAhead(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m);
+
+  // Before a keyframe. Without it the eyes of a keyframe are its region's ball, and nothing is known of those
+  // afterwards.
+  void expect(const Sweeps& sweeps) { expected_ = sweeps; }
 
   void begin(const proto::View& view) override;
 
@@ -64,7 +72,8 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   struct Sweep {
     EyeSweep eyes;
     double tau_px;
-    bool holds;  // for the view
+    bool holds;          // for the view
+    bool is_after_jump;  // of a keyframe that found out about most of its blocks at once
   };
   // Of the blocks of a tile: the sweep from which it is hidden, 0 if none.
   struct Proofs {
@@ -72,10 +81,6 @@ class ViewerOcclusion final : public proto::BlockVisibility {
     bool any = false;       // of its blocks has been hidden
     uint32_t keyframe = 0;  // when it was used last
   };
-  // How many keyframes ahead a sweep looks; the last is for the keyframe itself.
-  static constexpr std::array<int, 8> kAhead{96, 48, 24, 12, 6, 3, 1, 0};
-  using Sweeps = std::array<EyeSweep, kAhead.size()>;
-
   bool meetsFrustum(const proto::BlockId& block) const;
   uint32_t& proofOf(const proto::BlockId& block);
   bool prove(const proto::BlockId& block, size_t first, size_t last);

@@ -263,8 +263,9 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   fitBudget(view, scratch);
   Bytes message;
   if (occlusion_)
-    occlusion_->expect(expectedMotion(), shownFrom(plan.time_client), plan.time_client + request_->keyframe_interval,
-                       request_->keyframe_interval, prediction_errors_.estimate().radius_m + kPoseRounding.radius_m);
+    occlusion_->expect(ViewerOcclusion::sweepsAhead(
+        expectedMotion(), shownFrom(plan.time_client), plan.time_client + request_->keyframe_interval,
+        request_->keyframe_interval, prediction_errors_.estimate().radius_m + kPoseRounding.radius_m));
   sender_.send(view, plan.time_client, scratch.send, message, request_->occlusion ? occlusion_.get() : nullptr);
   const size_t nodes = sender_.adapter().nodeCount();
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);

@@ -23,7 +23,7 @@ bool EyeSweep::contains(const EyeSweep& other) const {
 // As in region.cpp: on a chord between two times the distance is largest at an end, and a curve leaves its chord by at
 // most h^2 / 8 times its largest acceleration.
 EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end) {
-  constexpr int64_t kStep_us = 20'000, kMostSteps = 50;
+  constexpr int64_t kStep_us = 20'000, kMostSteps = 16;
   const glm::dvec3 first = motion.at(begin).eye;
   EyeSweep sweep{first, motion.at(end).eye - first, 0};
   double farthest_m = 0, most_bend_m = 0;

@@ -17,7 +17,7 @@ struct EyeSweep {
 };
 
 // A sweep along the chord from motion.at(begin) to motion.at(end) that holds the eye at all times between, up to
-// rounding of less than a micrometre. Cost: one pose each 20 ms (at most 50), and one for each corner of the motion.
+// rounding of less than a micrometre. Cost: one pose each 20 ms (at most 16), and one for each corner of the motion.
 EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end);
 
 }  // namespace foreland::server

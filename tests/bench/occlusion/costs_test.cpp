@@ -13,7 +13,7 @@ TEST(OcclusionCosts, AreLessBehindARidge) {
   const FlightOptions options = test::ridgeOptions(4);
   const proto::Path path = test::ridgeFlight(hierarchy, options.seconds);
   const OcclusionCosts costs = measureOcclusionCosts(
-      hierarchy, *shared, keyframeViews(path, options, Guarantee::kEveryFrame), options.keyframe_interval);
+      hierarchy, *shared, predictedFlight(path, options, proto::Predictor::kKnownPath), options.keyframe_interval);
   EXPECT_EQ(costs.keyframes, 21u);
   EXPECT_GT(costs.nodes.without, 1.5 * costs.nodes.with);
   EXPECT_GT(costs.first_nodes.without, 1.5 * costs.first_nodes.with);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/occlusion/predicted_views.h"
 #include "server/occlusion/viewer_occlusion.h"
 #include "tests/bench/occlusion/ridge.h"
 
@@ -32,7 +33,9 @@ class OcclusionJudge : public testing::Test {
 TEST_F(OcclusionJudge, FindsNothingWrongWithTheServer) {
   const auto shared = server::SceneOcclusion::create(hierarchy_).value();
   server::ViewerOcclusion visibility(hierarchy_, *shared);
-  const OcclusionJudgement found = judge(visibility);
+  const PredictedFlight flight = predictedFlight(path_, test::ridgeOptions(2), proto::Predictor::kKnownPath);
+  Foresight foresight(visibility, flight);
+  const OcclusionJudgement found = judge(foresight);
   EXPECT_EQ(found.judged_keyframes, 3u);
   EXPECT_EQ(found.judged_frames, 2u);
   EXPECT_EQ(found.keyframes.pixels, 3u * 320 * 180);

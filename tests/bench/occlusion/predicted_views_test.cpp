@@ -17,7 +17,7 @@ class PredictedViews : public testing::Test {
 };
 
 TEST_F(PredictedViews, KnowThePath) {
-  const auto known = predictedViews(path_, options_, proto::Predictor::kKnownPath);
+  const auto known = predictedFlight(path_, options_, proto::Predictor::kKnownPath).views;
   const auto expected = keyframeViews(path_, options_, Guarantee::kEveryFrame);
   ASSERT_EQ(known.size(), expected.size());
   for (size_t i = 0; i < known.size(); ++i) {
@@ -28,8 +28,8 @@ TEST_F(PredictedViews, KnowThePath) {
 
 // At 20 m/s, and a quarter of a second late.
 TEST_F(PredictedViews, LagBehindWithoutVelocity) {
-  const auto still = predictedViews(path_, options_, proto::Predictor::kHold);
-  const auto moving = predictedViews(path_, options_, proto::Predictor::kConstantVelocity);
+  const auto still = predictedFlight(path_, options_, proto::Predictor::kHold).views;
+  const auto moving = predictedFlight(path_, options_, proto::Predictor::kConstantVelocity).views;
   ASSERT_EQ(still.size(), 21u);
   ASSERT_EQ(moving.size(), 21u);
   for (size_t i = 5; i < still.size(); ++i) {

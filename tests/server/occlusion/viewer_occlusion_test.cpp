@@ -41,7 +41,8 @@ TEST(ViewerOcclusion, CallsHiddenWhatIsHiddenFromTheWholeRegion) {
     const double x = 40 + 0.4 * keyframe, y = 128 + 10 * std::sin(0.05 * keyframe);
     view.tau_px = 1;
     view.region_radius_m = 5;
-    viewer.expect(ExpectedMotion(path), at(keyframe - 1), at(keyframe + 1), at(1) - at(0), 0.01);
+    viewer.expect(
+        ViewerOcclusion::sweepsAhead(ExpectedMotion(path), at(keyframe - 1), at(keyframe + 1), at(1) - at(0), 0.01));
     viewer.begin(view);
     for (uint32_t j = 0; j < 256 / kSide; ++j)
       for (uint32_t i = 0; i < 256 / kSide; ++i) {
