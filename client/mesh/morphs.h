@@ -56,17 +56,18 @@ class Morphs {
   template <class Topology, class LengthOf>
   void step(const Topology& topology, const proto::CutDelta& change, const LengthOf& lengthOf) {
     begin(change);
-    bool are_whole = true;
+    bool from_before = true, from_after = true, to_after = true;
     for (Morph& m : all_) {
       advance(m, lengthOf(m.slot));
-      are_whole = are_whole && m.from == 1 - m.goal() && m.isDone();
+      from_before = from_before && m.from == 1 - m.goal();
+      from_after = from_after && m.from == m.goal();
+      to_after = to_after && m.isDone();
     }
     mark(kInFrom, &Morph::from);
     mark(kInTo, &Morph::to);
-    if (!are_whole) {  // otherwise the nodes drawn are the sections before and after the change, which are closed
-      close(topology, kInFrom);
-      close(topology, kInTo);
-    }
+    // The sections before and after the change are closed.
+    if (!from_before && !from_after) close(topology, kInFrom);
+    if (!to_after) close(topology, kInTo);
     compare();
   }
 
