@@ -45,7 +45,8 @@ void shareObjects(const Sum& sum, WireCosts& costs) {
 }
 
 void shareTimes(const WireTimes& times, double first_nodes, double changed, WireCosts& costs) {
-  const auto rate = [](double nodes, double seconds) { return 1e-6 * nodes / std::max(1e-9, seconds); };
+  // 0 where a difference of two medians is lost in their noise.
+  const auto rate = [](double nodes, double seconds) { return seconds > 0 ? 1e-6 * nodes / seconds : 0; };
   const double encode_s = times.send.rest_s - times.adapt.rest_s, decode_s = times.decode.rest_s;
   costs.encode_mnodes_per_s = rate(changed, encode_s);
   costs.send_mnodes_per_s = rate(changed, times.send.rest_s);

@@ -55,12 +55,13 @@ PoseRecord recordOf(const proto::Pose& pose) {
 }
 
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                             uint32_t predictor, double keyframe_ms) {
+                             uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
   return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
           .tau_px = tau_px,
           .strategy = static_cast<proto::Strategy>(strategy),
           .predictor = static_cast<proto::Predictor>(predictor),
-          .keyframe_interval = {timeOf(keyframe_ms).us}};
+          .keyframe_interval = {timeOf(keyframe_ms).us},
+          .occlusion = occlusion != 0};
 }
 
 void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
@@ -148,8 +149,8 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
 
 FORELAND_EXPORT(foreland_create)
 Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-             uint32_t predictor, double keyframe_ms) {
-  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
+             uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
+  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion));
 }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
@@ -196,8 +197,9 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
 
 FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                uint32_t predictor, double keyframe_ms) {
-  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms));
+                uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
+  host->viewer.setRequest(
+      requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion));
 }
 
 // `blend` is a client::Blend. 1 on success; 0 if there is no such blend.

@@ -32,6 +32,7 @@ export class App {
   private readonly up = new THREE.Vector3(0, 0, 1); // at the eye
   private readonly sky = new Sky(this.up);
   private readonly frozen_view = new FrozenView();
+  private may_occlude = false; // this connection's deltas can tell hidden blocks
   private readonly terrain: TerrainMesh;
   private readonly objects: ObjectMesh;
   private readonly controls = new Controls(this.canvas);
@@ -106,6 +107,7 @@ export class App {
 
   // Begins a session on a new connection. After a lost connection the viewer resumes from the section that it holds.
   private beginSession(): void {
+    this.may_occlude = this.settings.occlusion;
     if (this.welcome) {
       this.viewer.reconnect(performance.now());
     } else {
@@ -167,7 +169,7 @@ export class App {
   // ---- what the user chooses
 
   private request(): Request {
-    const { strategy, predictor, tau_px, keyframe_ms } = this.settings;
+    const { strategy, predictor, tau_px, keyframe_ms, occlusion } = this.settings;
     const automatic = this.tours?.current ? 'path' : 'velocity';
     return {
       fov_rad: kLens.fov_rad,
@@ -177,6 +179,7 @@ export class App {
       predictor: predictor === 'auto' ? automatic : predictor,
       tau_px,
       keyframe_ms,
+      occlusion,
     };
   }
 
@@ -187,6 +190,7 @@ export class App {
     if (!this.settings.frozen) this.frozen_view.thaw();
     this.viewer.setBlend(this.settings.blend);
     this.sendRequest();
+    if (this.settings.occlusion && !this.may_occlude && this.connection.isOpen()) this.connection.open(); // and resumes
   }
 
   // Sends the request if it differs from the last one.

@@ -27,7 +27,7 @@ after(async () => {
 async function visit(query, body, options = {}) {
   const { page, complaints, close } = await openPage(browser, options);
   try {
-    await page.goto(new URL(`?sharpness=${options.sharpness ?? 0.6}&${query}`, server.url).href);
+    await page.goto(new URL(`?sharpness=${options.sharpness ?? 0.6}&${query}`, (options.server ?? server).url).href);
     await untilTerrain(page);
     await body(page);
     assert.deepEqual(complaints.filter((c) => !options.expected?.test(c)), []);
@@ -142,6 +142,29 @@ test('a frozen section stays while the camera goes outside', kTest, () =>
     await until(page, (s, n) => !s.frozen && s.nodes !== n, settled.nodes);
   }));
 
+test('what ridges hide is left out, and comes back', kTest, async () => {
+  const occluding = await startServer(scene, 0, ['--occlusion', 'on']);
+  try {
+    await visit('occlusion=0', async (page) => {
+      await page.locator('[name=frozen]').check(); // so that nothing else changes
+      const whole = await settled(page, () => true);
+      await page.locator('[name=occlusion]').check(); // needs a new connection
+      const hidden = await settled(page, (s, n) => s.connected && s.nodes < 0.9 * n, whole.nodes);
+      await page.locator('[name=occlusion]').uncheck();
+      const again = await settled(page, (s, n) => s.nodes > n, hidden.nodes);
+      assert.equal(again.nodes, whole.nodes);
+    }, { server: occluding });
+  } finally {
+    await occluding.stop();
+  }
+});
+
+// The status once a condition holds and four more keyframes are there.
+async function settled(page, condition, value) {
+  const { keyframes } = await until(page, condition, value);
+  return until(page, (s, n) => s.keyframes >= n, keyframes + 4);
+}
+
 for (const tour of ['survey', 'canyon', 'spin', 'orbit']) {
   test(`the tour ${tour} is flown from its button`, kTest, () =>
     visit('', async (page) => {
@@ -241,6 +264,33 @@ test('the picture for the README', kTest, () =>
     await until(page, (s) => s.keyframes > 30);
     await save(page, 'viewer.png');
   }, { width: 1280, height: 720, sharpness: 1 }));
+
+test('the picture of hidden valleys, frozen and seen from outside', kTest, async () => {
+  const occluding = await startServer(scene, 0, ['--occlusion', 'on']);
+  try {
+    await visit('wireframe=1&fog=0', async (page) => {
+      await until(page, (s) => s.keyframes > 5);
+      await page.locator('[name=frozen]').check();
+      const { eye } = await until(page, (s) => s.frozen);
+      await page.locator('#scene').focus();
+      await page.mouse.move(640, 300);
+      await page.mouse.wheel(0, -2500); // speed
+      await page.keyboard.down('KeyE');
+      await page.keyboard.down('KeyS');
+      await until(page, (s, e) => s.eye[2] - e[2] > 2500, eye);
+      await page.keyboard.up('KeyE');
+      await page.keyboard.up('KeyS');
+      await page.mouse.down();
+      await page.mouse.move(640, 300 - 150, { steps: 5 });
+      await page.mouse.up();
+      const { frames } = await status(page);
+      await until(page, (s, n) => s.frames > n + 2, frames);
+      await save(page, 'hidden.png');
+    }, { server: occluding, width: 1280, height: 720, sharpness: 1 });
+  } finally {
+    await occluding.stop();
+  }
+});
 
 async function save(page, name) {
   await page.locator('#hint').evaluate((hint) => (hint.hidden = true));

@@ -169,6 +169,47 @@ TEST_P(Seeds, BothEndsHoldWhatRefinementLeavesOut) {
   EXPECT_GT(whims.changed(), 50);
 }
 
+// Whatever the bytes of a delta that tells blocks, the client ends in a closed section or refuses them.
+TEST_P(Seeds, HostileBytesEndInAClosedSectionOrARefusal) {
+  const uint64_t seed = GetParam();
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Rng rng(seed);
+  const test::ToyTerrain terrain({2, 2, 6, 129, 129}, seed);
+  int refused = 0, accepted = 0;
+  for (int flight = 0; flight < 25; ++flight) {
+    Server server(terrain);
+    Client client(terrain);
+    Whims whims(seed + flight);
+    AdaptScratch scratch;
+    View view;
+    view.pose.eye = {600, 600, 400};
+    view.lens = {1.0, 640, 360};
+    for (int step = 0; step < 6; ++step) {
+      view = terrain.wander(rng, view);
+      Bytes bytes;
+      CutDelta delta;
+      const DenseNodes table = terrain.table();
+      DeltaEncoder encoder(terrain.domain(), table, server.model, bytes, &whims);
+      whims.begin(view);
+      ASSERT_TRUE(server.adapter.adapt(view, terrain.nodes().size(), encoder, scratch, delta));
+      encoder.finish();
+      const uint64_t kind = rng.below(8);  // from 3 on they are left as they are
+      if (kind == 0 && !bytes.empty()) bytes[rng.below(bytes.size())] ^= static_cast<uint8_t>(1 + rng.below(255));
+      if (kind == 1) bytes.resize(rng.below(bytes.size() + 1));
+      if (kind == 2)
+        for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(rng.next());
+      DeltaDecoder decoder(terrain.domain(), client.nodes, client.model, bytes);
+      const bool done = client.adapter.adapt(view, kMaxSectionNodes, decoder, scratch, delta) && decoder.finish().ok();
+      ASSERT_TRUE(validate(terrain.grid(), client.adapter.section()).ok());
+      (done ? accepted : refused) += 1;
+      if (!done) break;
+      client.adapter.validate();
+    }
+  }
+  EXPECT_GT(refused, 3);
+  EXPECT_GT(accepted, 10);
+}
+
 INSTANTIATE_TEST_SUITE_P(Some, Seeds, testing::Range<uint64_t>(1, 9));
 
 }  // namespace

@@ -22,6 +22,7 @@ export interface Request {
   strategy: Strategy;
   predictor: Predictor;
   keyframe_ms: number;
+  occlusion: boolean; // leave out what ridges hide, if the server can; a connection's first request decides whether later ones may
 }
 
 export interface Mesh {
@@ -85,7 +86,8 @@ interface Exports {
   _initialize(): void;
   foreland_record_layout(): number;
   foreland_buffer(size: number): number;
-  foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number): number;
+  foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
+                  occlusion: number): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -93,7 +95,7 @@ interface Exports {
   foreland_error(viewer: number): number;
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
-                       interval_ms: number): void;
+                       interval_ms: number, occlusion: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
@@ -292,7 +294,7 @@ export class Viewer {
   }
 }
 
-function requestArguments(r: Request): [number, number, number, number, number, number, number] {
+function requestArguments(r: Request): [number, number, number, number, number, number, number, number] {
   const strategy = kStrategies.indexOf(r.strategy);
-  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms];
+  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.occlusion ? 1 : 0];
 }

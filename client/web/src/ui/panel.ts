@@ -42,6 +42,7 @@ export class Panel {
     this.addSwitch('Wireframe', 'wireframe');
     this.addSwitch('Contours', 'contours');
     this.addSwitch('Haze', 'fog');
+    this.addSwitch('Occlusion culling', 'occlusion');
     this.addSwitch('Freeze section', 'frozen');
   }
 
@@ -97,7 +98,7 @@ export class Panel {
     row.append(slider);
   }
 
-  private addSwitch(title: string, key: 'wireframe' | 'contours' | 'fog' | 'frozen'): void {
+  private addSwitch(title: string, key: 'wireframe' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {
     const input = Object.assign(document.createElement('input'), { type: 'checkbox', name: key });
     input.checked = this.settings[key];
     input.onchange = () => {

@@ -13,6 +13,7 @@ export interface Settings {
   wireframe: boolean;
   contours: boolean;
   fog: boolean;
+  occlusion: boolean; // leave out what ridges hide, if the server can
   frozen: boolean; // the section stays the one of the pose at which it was frozen
 }
 
@@ -50,6 +51,7 @@ export function readAddress(location: Location): Address {
       wireframe: flag('wireframe', false),
       contours: flag('contours', false),
       fog: flag('fog', true),
+      occlusion: flag('occlusion', true),
       frozen: false,
     },
     tour: tour !== null && kTours.includes(tour) ? tour : null,
