@@ -198,8 +198,7 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
 FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
                 uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
-  host->viewer.setRequest(
-      requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion));
+  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion));
 }
 
 // `blend` is a client::Blend. 1 on success; 0 if there is no such blend.

@@ -11,6 +11,9 @@ namespace {
 // stays so with any.
 constexpr size_t kWorth = 3;
 constexpr double kSpare_m = 1;              // of a sweep's radius, for what comes later
+constexpr double kRestSpare_m = 25;         // the same for an eye at rest, which may fly off any time
+constexpr double kStray = 0.06;             // the same for each keyframe ahead, of a prediction's error
+constexpr uint32_t kSettlingKeyframes = 4;  // after a jump, until the motion is known
 constexpr uint32_t kReviewPeriod = 32;      // keyframes between two tries of a visible block beside hidden ones
 constexpr uint32_t kFarReviewPeriod = 256;  // of others
 constexpr uint32_t kUpgradePeriod = 4;      // renewals of a proof, about, between two tries for a longer one
@@ -34,8 +37,10 @@ ViewerOcclusion::Sweeps ViewerOcclusion::sweepsAhead(const ExpectedMotion& motio
   for (size_t i = kAhead.size(); i-- > 0;) {
     sweeps[i] = sweepOf(motion, begin, end + interval * kAhead[i]);
     sweeps[i].radius_m += error_m;
-    // What comes later must find room in it: its own radius, and that of a prediction that goes astray.
-    if (kAhead[i] > 0) sweeps[i].radius_m += sweeps.back().radius_m + kSpare_m;
+    // What comes later must find room in it: its own radius, and the stray of a prediction so far ahead.
+    const double spare_m = glm::length(sweeps.back().way) < kSpare_m ? kRestSpare_m : kSpare_m;
+    if (kAhead[i] > 0)
+      sweeps[i].radius_m += sweeps.back().radius_m + spare_m + kStray * kAhead[i] * kAhead[i] * error_m;
   }
   return sweeps;
 }
@@ -44,7 +49,8 @@ void ViewerOcclusion::begin(const proto::View& view) {
   const bool is_jump =
       !view_ || glm::distance(view_->pose.eye, view.pose.eye) > 4 * (view.region_radius_m + view_->region_radius_m) ||
       view_->lens != view.lens;
-  last_ray_ = test_.rayCount() + (is_jump ? options_.first_rays : options_.rays);
+  if (is_jump) settled_at_ = keyframe_ + 1 + kSettlingKeyframes;
+  last_ray_ = test_.rayCount() + (keyframe_ < settled_at_ ? options_.first_rays : options_.rays);
   view_ = view;
   frustum_.emplace(view, 0);
   ++keyframe_;
@@ -55,7 +61,7 @@ void ViewerOcclusion::begin(const proto::View& view) {
   }
   // It holds the eyes, and no more of the surface in front may be missing than was allowed for.
   for (Sweep& sweep : sweeps_) sweep.holds = view.tau_px <= sweep.tau_px && sweep.eyes.contains(expected_->back());
-  for (const EyeSweep& eyes : *expected_) sweeps_.push_back({eyes, view.tau_px, true, is_jump});
+  for (const EyeSweep& eyes : *expected_) sweeps_.push_back({eyes, view.tau_px, true, keyframe_ <= settled_at_});
   expected_.reset();
   last_proofs_ = nullptr;
   if (keyframe_ % kUnusedKeyframes == 0)

@@ -37,8 +37,8 @@ struct OcclusionStatistics {
 class ViewerOcclusion final : public proto::BlockVisibility {
  public:
   struct Options {
-    uint64_t rays = 20'000;         // in a keyframe, at most
-    uint64_t first_rays = 400'000;  // in the first one, and after a jump
+    uint64_t rays = 120'000;        // in a keyframe, at most
+    uint64_t first_rays = 400'000;  // in the first ones, and after a jump
   };
 
   // Both must outlive it.
@@ -73,7 +73,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
     EyeSweep eyes;
     double tau_px;
     bool holds;          // for the view
-    bool is_after_jump;  // of a keyframe that found out about most of its blocks at once
+    bool is_after_jump;  // of keyframes that found out about most of their blocks at once
   };
   // Of the blocks of a tile: the sweep from which it is hidden, 0 if none.
   struct Proofs {
@@ -94,7 +94,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
   std::optional<Sweeps> expected_;  // of the next keyframe
-  uint32_t keyframe_ = 0;
+  uint32_t keyframe_ = 0, settled_at_ = 0;
   uint64_t last_ray_ = 0;
   std::deque<Sweep> sweeps_;                     // of the last keyframes, kAhead.size() each
   uint32_t first_sweep_ = kAhead.size();         // number of the first
