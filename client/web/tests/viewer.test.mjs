@@ -219,6 +219,8 @@ test('it fits a phone', kTest, () =>
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > window.innerWidth), false);
     await page.getByRole('button', { name: 'Settings' }).tap();
     await page.locator('[name=wireframe]').waitFor();
+    await page.getByRole('button', { name: 'Settings' }).tap();
+    await page.locator('[name=wireframe]').waitFor({ state: 'hidden' });
     const { eye } = await status(page);
     await pinch(page);
     await until(page, (s, e) => Math.hypot(...s.eye.map((v, i) => v - e[i])) > 1, eye);
