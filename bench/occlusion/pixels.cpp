@@ -8,48 +8,25 @@
 
 #include "bench/oracle/drawn_surface.h"
 #include "terrain/parallel.h"
+#include "terrain/render/projector.h"
 
 namespace foreland::bench {
 
 namespace {
 
 using terrain::ParameterLookup;
+using terrain::Projector;
 using terrain::Ray;
 using terrain::RayCaster;
 using terrain::RayHit;
 
 constexpr double kRounding_px = 1e-3;  // of positions in floats
 
-class Screen {
- public:
-  explicit Screen(const terrain::Camera& camera)
-      : eye_(camera.pose.eye),
-        right_(camera.pose.right()),
-        up_(camera.pose.up()),
-        forward_(camera.pose.forward()),
-        focal_px_(camera.lens.focalPx()),
-        middle_(0.5 * camera.lens.width_px, 0.5 * camera.lens.height_px) {}
-
-  Ray through(uint32_t column, uint32_t row) const {
-    const double x = (column + 0.5 - middle_.x) / focal_px_, y = (middle_.y - row - 0.5) / focal_px_;
-    return {eye_, glm::normalize(forward_ + x * right_ + y * up_)};
-  }
-  // In pixels; infinite if there is no second point, or if it lies behind the eye.
-  double distance(const glm::dvec3& a, const std::optional<glm::dvec3>& b) const {
-    if (!b || depth(*b) <= 0) return std::numeric_limits<double>::infinity();
-    return glm::distance(project(a), project(*b));
-  }
-
- private:
-  double depth(const glm::dvec3& point) const { return glm::dot(point - eye_, forward_); }
-  glm::dvec2 project(const glm::dvec3& point) const {
-    return glm::dvec2(glm::dot(point - eye_, right_), glm::dot(point - eye_, up_)) * (focal_px_ / depth(point));
-  }
-
-  glm::dvec3 eye_, right_, up_, forward_;
-  double focal_px_;
-  glm::dvec2 middle_;
-};
+// In pixels; infinite if there is no second point, or if it lies behind the eye.
+double screenDistance(const Projector& projector, const glm::dvec3& a, const std::optional<glm::dvec3>& b) {
+  if (!b || projector.depth(*b) <= 0) return std::numeric_limits<double>::infinity();
+  return projector.screenDistance(a, *b);
+}
 
 // What is drawn, for both ways of looking at it.
 struct Drawn {
@@ -68,12 +45,12 @@ struct Drawn {
 class Judgement {
  public:
   Judgement(const RayCaster& truth, const LineOfSight& terrain, const Drawn& with, const Drawn& without,
-            const Screen& screen, double tau_px)
+            const Projector& projector, double tau_px)
       : truth_(truth),
         terrain_(terrain),
         with_(with),
         without_(without),
-        screen_(screen),
+        projector_(projector),
         most_px_(tau_px + kRounding_px) {}
 
   void look(const Ray& ray, PixelCounts& counts) const {
@@ -87,8 +64,8 @@ class Judgement {
   void judgeTruePoint(const Ray& ray, PixelCounts& counts) const {
     const std::optional<RayHit> hit = truth_.hit(ray);
     if (!hit || hit->object != RayHit::kTerrain) return;
-    const double with_px = screen_.distance(hit->position, with_.lookup.at(*hit)),
-                 without_px = screen_.distance(hit->position, without_.lookup.at(*hit));
+    const double with_px = screenDistance(projector_, hit->position, with_.lookup.at(*hit)),
+                 without_px = screenDistance(projector_, hit->position, without_.lookup.at(*hit));
     const bool is_over = with_px > most_px_, is_over_without = without_px > most_px_;
     if (std::isfinite(with_px)) counts.max_px = std::max(counts.max_px, with_px);
     counts.visible_over_tau += is_over ? 1 : 0;
@@ -99,13 +76,13 @@ class Judgement {
   double drawnError(const Drawn& drawn, const Ray& ray) const {
     const std::optional<RayHit> hit = drawn.caster.hit(ray);
     if (!hit || hit->object != RayHit::kTerrain) return 0;
-    return screen_.distance(hit->position, terrain_.pointAt(hit->parameter));
+    return screenDistance(projector_, hit->position, terrain_.pointAt(hit->parameter));
   }
 
   const RayCaster& truth_;
   const LineOfSight& terrain_;
   const Drawn &with_, &without_;
-  const Screen& screen_;
+  const Projector& projector_;
   double most_px_;
 };
 
@@ -124,14 +101,14 @@ Result<PixelCounts> PixelJudge::judge(const DrawnPair& drawn, const terrain::Cam
   const auto with = Drawn::of(drawn.with, drawn.weight), without = Drawn::of(drawn.without, drawn.weight);
   for (const auto* side : {&with, &without})
     if (!*side) return side->error();
-  const Screen screen(camera);
-  const Judgement judgement(truth_, terrain_, *with, *without, screen, tau_px);
+  const Projector projector(camera);
+  const Judgement judgement(truth_, terrain_, *with, *without, projector, tau_px);
   std::vector<PixelCounts> rows(camera.lens.height_px);
   terrain::parallelFor(
       rows.size(), camera.threads,
       [&](uint64_t row, unsigned) {
         for (uint32_t column = 0; column < camera.lens.width_px; ++column)
-          judgement.look(screen.through(column, static_cast<uint32_t>(row)), rows[row]);
+          judgement.look(projector.through(column, static_cast<uint32_t>(row)), rows[row]);
       },
       [](uint64_t) { return true; });
   PixelCounts all;

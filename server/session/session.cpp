@@ -262,11 +262,12 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   proto::View view = viewFor(plan.time_client);
   fitBudget(view, scratch);
   Bytes message;
-  if (occlusion_)
-    occlusion_->expect(ViewerOcclusion::sweepsAhead(
+  ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
+  if (visibility)
+    visibility->expect(ViewerOcclusion::sweepsAhead(
         expectedMotion(), shownFrom(plan.time_client), plan.time_client + request_->keyframe_interval,
         request_->keyframe_interval, prediction_errors_.estimate().radius_m + kPoseRounding.radius_m));
-  sender_.send(view, plan.time_client, scratch.send, message, request_->occlusion ? occlusion_.get() : nullptr);
+  sender_.send(view, plan.time_client, scratch.send, message, visibility);
   const size_t nodes = sender_.adapter().nodeCount();
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
