@@ -43,6 +43,7 @@ struct Flags {
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info";
   std::string occlusion = "off";
+  double viewer_memory_mib = 64;
 };
 
 // The exit code if the program should end at once; nothing if it should serve.
@@ -54,6 +55,11 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   app.add_option("--occlusion", flags.occlusion,
                  "on: what ridges hide is not sent to viewers that ask for that (foreland fly --occlusion on)")
       ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  app.add_option(
+         "--viewer-memory-mib", flags.viewer_memory_mib,
+         "MiB of terrain that a viewer may remember at most; the server needs up to a tenth of that for each viewer")
+      ->check(CLI::Range(0.0, 1024.0) & apps::isFinite())
       ->capture_default_str();
   app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
       ->check(CLI::Range(0.01, 1000.0) & apps::isFinite())
@@ -109,6 +115,7 @@ server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress
   options.threads = flags.threads;
   options.session.tau_px = flags.tau_px;
   options.session.keyframe_interval = Duration::milliseconds(flags.keyframe_ms);
+  options.session.max_memory_bytes = static_cast<uint32_t>(flags.viewer_memory_mib * 1048576);
   if (scene.nodes().size_bytes() > kLargeSceneBytes) options.session.prefetch_ahead = Duration::milliseconds(2000);
   options.web = findPage(flags.web);
   options.log = log;

@@ -31,12 +31,18 @@ Replica::Replica(const proto::Welcome& welcome)
           std::move(proto::ObjectSet::create(welcome.models, welcome.objects)).value())) {
   model_.tells_blocks = welcome.occlusion;
   makeObjects();
+  setMemory(welcome.memory_bytes);
 }
 
 void Replica::makeObjects() {
   objects_.clear();
   for (size_t i = 0; i < object_set_->size(); ++i) objects_.emplace_back(*object_set_, i);
   if (!objects_.empty()) stream_ = std::make_unique<proto::ObjectStream>(*object_set_);
+}
+
+void Replica::setMemory(uint32_t bytes) {
+  adapter_.memory().pages.setBudget(bytes);
+  if (stream_) stream_->setMemory(bytes);
 }
 
 std::optional<int32_t> Replica::knownHeight(NodeId v) const {
@@ -83,20 +89,21 @@ void Replica::blend(const MeshSpan& span, const proto::CutDelta& change) {
   for (ObjectReplica& object : objects_) object.blend(span, *stream_);
 }
 
-// How many intervals a node's transition takes, by its bounding sphere. The adapter forgets the radii of pages that
-// left the frontier long ago; such a node is taken to be visible, with a sphere of any size.
+// How many intervals a node's transition takes, by its bounding sphere. The adapter may have forgotten the radii of
+// pages that left the frontier; such a node is taken to be visible, with a sphere of any size.
 double Replica::intervals(const MorphTiming& timing, Slot slot) const {
   if (timing.isUniform()) return timing.intervals({}, 0);
   const proto::GridTopology& grid = domain_->grid;
   const NodeId n = grid.node(slot);
   const glm::dvec3 centre = domain_->frame.position(n, nodes_.records().at(slot).middle());
-  const bool is_known = adapter_.knowsBlock(slot - slot % proto::SparseNodes::kBlockSlots);
-  return timing.intervals(centre, is_known ? domain_->radius(grid.level(n), adapter_.radius(slot))
-                                           : std::numeric_limits<double>::infinity());
+  const proto::PageKnowledge* page = adapter_.knowledge(slot);
+  return timing.intervals(
+      centre, page ? domain_->radius(grid.level(n), page->radius) : std::numeric_limits<double>::infinity());
 }
 
 // Back to the state before the first keyframe: the server has sent one that starts from nothing.
 void Replica::reset() {
+  const auto memory_bytes = static_cast<uint32_t>(memory().budget());
   adapter_ = proto::TerrainAdapter(*domain_);
   nodes_ = HeldNodes(domain_->grid, {*corner_heights_, *centre_heights_});
   morphs_ = {};
@@ -105,6 +112,7 @@ void Replica::reset() {
   from_ = to_ = {};
   is_broken_ = false;
   makeObjects();
+  setMemory(memory_bytes);
 }
 
 namespace {
@@ -114,7 +122,7 @@ namespace {
 class KnownRadii final : public proto::TerrainSource {
  public:
   explicit KnownRadii(const proto::TerrainAdapter& adapter) : adapter_(adapter) {}
-  proto::QuantisedRadius radius(Slot first) override { return adapter_.radius(first); }
+  proto::QuantisedRadius radius(Slot first) override { return adapter_.knowledge(first)->radius; }
   void load(proto::TerrainBatch&) override {}
   bool decide(int, std::span<const proto::Predicate>, std::span<uint8_t>) override { return false; }
 
@@ -124,17 +132,37 @@ class KnownRadii final : public proto::TerrainSource {
 
 }  // namespace
 
-std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome) {
+std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome, size_t most_bytes) {
   if (is_broken_ || to_.index == 0) return std::nullopt;
-  proto::HeldSections held{section(), {}};
+  proto::HeldSections held{section(), {}, {}};
   for (const ObjectReplica& object : objects_) held.objects.push_back(object.section());
+  proto::Resume resume{welcome.scene_id, to_.index, to_.time, fingerprint_, {}};
+  const std::vector<proto::KnownPage> known = encodeHeld(held, most_bytes, resume.section);
+
   KnownRadii radii(adapter_);
-  adapter_ = proto::TerrainAdapter(*domain_, held.terrain.slots, radii);
+  proto::TerrainAdapter adapter(*domain_, held.terrain.slots, radii);
+  adapter_ = std::move(adapter);
+  setMemory(welcome.memory_bytes);
+  adapter_.learn(known);
   model_ = proto::DeltaModel::forConnection(welcome.occlusion);
   if (stream_) stream_->restart();
-  proto::Resume resume{welcome.scene_id, to_.index, to_.time, fingerprint_, {}};
-  proto::encodeSections(domain_->grid, *object_set_, held, resume.section);
   return resume;
+}
+
+// The bytes of the sections and of what is remembered, and the pages of what they say is known, with their radii.
+std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, size_t most_bytes, Bytes& out) const {
+  std::vector<proto::KnownPage> remembered, known;
+  memory().forEach([&](Slot first, const proto::PageKnowledge& page) { remembered.push_back({first, page}); });
+  for (size_t count = remembered.size();; count /= 2) {
+    held.known = adapter_.livePages();
+    held.known.insert(held.known.end(), remembered.begin(), remembered.begin() + static_cast<std::ptrdiff_t>(count));
+    std::sort(held.known.begin(), held.known.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    out.clear();
+    known = proto::encodeSections(domain_->grid, *object_set_, held, out);
+    if (out.size() <= most_bytes || count == 0) break;
+  }
+  for (proto::KnownPage& page : known) page.knowledge.radius = adapter_.knowledge(page.first)->radius;
+  return known;
 }
 
 Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
@@ -156,16 +184,17 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   return {};
 }
 
-// Adapts the terrain's section. A removed node that is still drawn may become addable again, and then the decoder
-// writes a record that has only the midpoint of its edge. Drawing needs its true height, so its record is saved and
-// restored; both records have the same midpoint, and the adapter uses nothing else of an addable node's record.
+// Adapts the terrain's section. A removed node that is still drawn may have been forgotten and become addable again,
+// and then the decoder writes a record that has only the midpoint of its edge. Drawing needs its true height, so its
+// record is saved and restored; both records have the same midpoint, and the adapter uses nothing else of the record of
+// a node that is not known.
 bool Replica::adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder) {
   saved_.clear();
   for (const Morph& m : morphs_.all())
     if (!m.is_added) saved_.push_back({m.slot, nodes_.records().at(m.slot)});
   const bool ok = adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_);
   for (const SavedRecord& saved : saved_)
-    if (!adapter_.contains(saved.slot)) nodes_.records().make(saved.slot) = saved.record;
+    if (!adapter_.knows(saved.slot)) nodes_.records().make(saved.slot) = saved.record;
   return ok;
 }
 

@@ -13,6 +13,7 @@
 #include "client/object_replica.h"
 #include "proto/codec/delta_codec.h"
 #include "proto/codec/object_stream.h"
+#include "proto/codec/section_codec.h"
 #include "proto/message/message.h"
 #include "proto/space/frame_grid.h"
 
@@ -34,14 +35,19 @@ class Replica {
   void extend(Duration interval, Blend blend);
 
   // The request to resume from the newest sections over a new connection; nullopt before the first keyframe and after
-  // an Error. The next keyframe must start from these sections or from nothing.
+  // an Error. The next keyframe must start from these sections or from nothing. It says what else of the terrain is
+  // remembered, what was used last first, as far as it takes no more than `most_bytes` in all; the rest is forgotten.
   // `welcome` is the new connection's.
-  std::optional<proto::Resume> makeResume(const proto::Welcome& welcome);
+  std::optional<proto::Resume> makeResume(const proto::Welcome& welcome, size_t most_bytes = kResumeBytes);
+  static constexpr size_t kResumeBytes = 64u << 10;
 
   // The mesh of the last apply() or extend(); its origin is near the newer keyframe's eye. After the first keyframe it
   // shows that keyframe's section at both ends.
   KeyframeMesh buildMesh() const;
 
+  // What is known of the terrain, ascending; and beside what is around its section.
+  std::vector<proto::KnownPage> knownPages() const { return adapter_.knownPages(); }
+  const proto::NodeMemory& memory() const { return adapter_.memory().pages; }
   const proto::GridTopology& grid() const { return domain_->grid; }
   const proto::FrameGrid& frameGrid() const { return domain_->frame; }
   const proto::KeyframeHeader& newest() const { return to_; }
@@ -61,7 +67,9 @@ class Replica {
 
  private:
   void reset();
+  std::vector<proto::KnownPage> encodeHeld(proto::HeldSections& held, size_t most_bytes, Bytes& out) const;
   void makeObjects();
+  void setMemory(uint32_t bytes);
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
   bool adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder);
   void blend(const MeshSpan& span, const proto::CutDelta& change);

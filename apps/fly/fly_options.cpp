@@ -37,7 +37,8 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .keyframe_interval = Duration::milliseconds(o.keyframe_ms),
                             .max_triangles = o.max_triangles,
                             .max_bytes_per_second = o.max_kbit_per_s * 125,
-                            .occlusion = o.occlusion == "on"};
+                            .occlusion = o.occlusion == "on",
+                            .memory_bytes = static_cast<uint32_t>(o.memory_mib * 1048576)};
 }
 
 }  // namespace
@@ -76,6 +77,9 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
+  app.add_option("--memory-mib", o.memory_mib,
+                 "MiB to remember terrain with that was flown over, so that it is not sent again (default 16)")
+      ->check(CLI::Range(0.0, 1024.0) & isFinite());
   app.add_option("--max-triangles", o.max_triangles, "budget: the tolerance rises to stay inside (default none)");
   app.add_option("--max-kbit", o.max_kbit_per_s, "budget of kbit/s down, likewise (default none)")
       ->check(CLI::Range(1u, 8'000'000u));

@@ -55,6 +55,7 @@ SectionCosts measureCosts(const server::Hierarchy& hierarchy, const std::vector<
   proto::RefineScratch scratch;
   proto::Section section;
   proto::TerrainAdapter adapter(hierarchy.domain());
+  adapter.memory().pages.setBudget(proto::kDefaultMemoryBytes);
   proto::InMemoryNodes source = hierarchy.source();
   proto::AdaptScratch adapt_scratch;
   proto::CutDelta delta;

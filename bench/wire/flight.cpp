@@ -3,8 +3,9 @@
 namespace foreland::bench {
 
 std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
-                                           Duration keyframe_interval) {
+                                           Duration keyframe_interval, uint32_t memory_bytes) {
   server::SectionSender sender(hierarchy);
+  sender.setMemory(memory_bytes);
   server::SendScratch scratch;
   std::vector<RecordedKeyframe> flight(views.size());
   for (size_t i = 0; i < views.size(); ++i) {
@@ -17,6 +18,8 @@ std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, c
     k.bits = sender.bits();
     k.object_bits = sender.objectBits();
     k.nodes = sender.adapter().nodeCount();
+    k.known = sender.adapter().memory().pages.knownCount();
+    k.memory_bytes = sender.adapter().memory().pages.bytes();
   }
   return flight;
 }

@@ -16,10 +16,13 @@ struct RecordedKeyframe {
   proto::SurfaceBits object_bits;
   size_t nodes = 0;  // in the section that results
   size_t added = 0, removed = 0;
+  size_t known = 0, memory_bytes = 0;  // nodes that are remembered beside the section, and what that takes the server
 };
 
-// The sections along the views, each as the difference from the one before; the first from nothing.
+// The sections along the views, each as the difference from the one before; the first from nothing. The client
+// remembers what fits into `memory_bytes`.
 std::vector<RecordedKeyframe> recordFlight(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
-                                           Duration keyframe_interval);
+                                           Duration keyframe_interval,
+                                           uint32_t memory_bytes = proto::kDefaultMemoryBytes);
 
 }  // namespace foreland::bench

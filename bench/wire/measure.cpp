@@ -58,6 +58,13 @@ void shareTimes(const WireTimes& times, double first_nodes, double changed, Wire
   costs.decode_ms = 1e3 * decode_s / static_cast<double>(costs.keyframes);
 }
 
+uint64_t bytesDown(const std::vector<RecordedKeyframe>& flight) {
+  uint64_t bytes = 0;
+  for (const RecordedKeyframe& k : flight)
+    bytes += k.message.size() + frameHeaderBytes(k.message.size(), Direction::kDown);
+  return bytes;
+}
+
 }  // namespace
 
 WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<proto::View>& views,
@@ -71,6 +78,7 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<prot
     client.take(k.message);
     compare(client.replica(), hierarchy, k.nodes);
     const size_t header_bytes = k.message.size() - k.delta_bytes;
+    costs.nodes_sent += k.bits.added;
     const double framing_bits =
         8.0 * static_cast<double>(header_bytes + frameHeaderBytes(k.message.size(), Direction::kDown));
     const double delta_bits = 8.0 * static_cast<double>(k.delta_bytes);
@@ -104,6 +112,10 @@ WireCosts measureWire(const server::Hierarchy& hierarchy, const std::vector<prot
   if (all.object_added > 0) shareObjects(all, costs);
   costs.kbit_per_s = 1e-3 * (rest.bits() + rest.objectBits()) / (keyframes * keyframe_interval.toSeconds());
   shareTimes(timeWire(hierarchy, views, flight, keyframe_interval), first.added, rest.changed(), costs);
+  costs.bytes = bytesDown(flight);
+  costs.bytes_without_memory = bytesDown(recordFlight(hierarchy, views, keyframe_interval, 0));
+  costs.remembered_nodes = flight.back().known;
+  costs.server_memory_bytes = flight.back().memory_bytes;
   costs.digest = digestOf(client.replica());
   return costs;
 }

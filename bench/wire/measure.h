@@ -18,6 +18,10 @@ struct WireCosts {
   double first_section_bits_per_node = 0, first_section_height_bits = 0, first_section_structure_bits = 0;
   uint64_t first_section_nodes = 0, first_section_bytes = 0;
   double kbit_per_s = 0;  // after the first keyframe
+  // Of the whole flight, the first section included: bytes down; nodes whose height was sent; and bytes down to a
+  // client that remembers nothing.
+  uint64_t bytes = 0, nodes_sent = 0, bytes_without_memory = 0;
+  uint64_t remembered_nodes = 0, server_memory_bytes = 0;  // at the flight's end
   // Over the whole flight, the first section included: nodes added to the sections of objects, those of them whose
   // position was sent (no other object of the model had it), and the bits of each node added: which nodes are added and
   // removed, their positions, and objects' share of framing by their share of the deltas' bits.
@@ -50,6 +54,11 @@ struct WireCosts {
     visit("first_section_height_bits", first_section_height_bits);
     visit("first_section_structure_bits", first_section_structure_bits);
     visit("kbit_per_s", kbit_per_s);
+    visit("bytes", bytes);
+    visit("nodes_sent", nodes_sent);
+    visit("bytes_without_memory", bytes_without_memory);
+    visit("remembered_nodes", remembered_nodes);
+    visit("server_memory_bytes", server_memory_bytes);
     visit("objects", objects);
     visit("object_nodes_added", object_nodes_added);
     visit("object_positions", object_positions);

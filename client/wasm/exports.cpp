@@ -55,13 +55,14 @@ PoseRecord recordOf(const proto::Pose& pose) {
 }
 
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                             uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
+                             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
   return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
           .tau_px = tau_px,
           .strategy = static_cast<proto::Strategy>(strategy),
           .predictor = static_cast<proto::Predictor>(predictor),
           .keyframe_interval = {timeOf(keyframe_ms).us},
-          .occlusion = occlusion != 0};
+          .occlusion = occlusion != 0,
+          .memory_bytes = memory_bytes};
 }
 
 void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
@@ -149,8 +150,9 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
 
 FORELAND_EXPORT(foreland_create)
 Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-             uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
-  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion));
+             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
+  return new Host(
+      requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion, memory_bytes));
 }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
@@ -197,8 +199,9 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
 
 FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                uint32_t predictor, double keyframe_ms, uint32_t occlusion) {
-  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion));
+                uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
+  host->viewer.setRequest(
+      requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion, memory_bytes));
 }
 
 // `blend` is a client::Blend. 1 on success; 0 if there is no such blend.

@@ -39,6 +39,7 @@ class LevelCoder {
   // An encoder passes the decisions, a decoder gets them. The contexts of some nodes are looked up before the first of
   // them is coded, so that their look-ups wait for memory together.
   void codeDecisions(std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
+    cached_contexts_.clear();
     constexpr size_t kAhead = 64;
     std::array<Records, kAhead> records;
     std::array<Context, kAhead> contexts;
@@ -55,12 +56,13 @@ class LevelCoder {
     }
   }
 
-  // The height of an added node; nodes come in order. `passed` is the least error with which the view shows it. An
-  // encoder passes the height, a decoder gets it.
-  int32_t codeHeight(Slot slot, QuantisedError passed, int32_t height) {
-    const PredictionContext* known = cached_contexts_.take(slot);
-    const PredictionContext context =
-        known ? *known : PredictionContext::of(PredictionContext::find(grid_, nodes_, names_.at(slot), level_));
+  // The height of an added node; nodes come in order. An encoder passes it, a decoder gets it.
+  int32_t codeHeight(const Predicate& added, int32_t height) {
+    return codeHeight(cached_contexts_.take(added.slot), added.least, height);
+  }
+
+ private:
+  int32_t codeHeight(const PredictionContext& context, QuantisedError passed, int32_t height) {
     const double least = quantaOf(passed), expected = context.expected();
     const size_t scale = static_cast<size_t>(
         std::clamp(halfOctaves(std::max(least, expected)) + 4, 0, static_cast<int>(DeltaModel::kScales) - 1));
@@ -72,7 +74,6 @@ class LevelCoder {
     return inRange(int64_t{guess} + symbols_.number(number, curvature_sign, height - guess));
   }
 
- private:
   // The context of a decision: a bit, or four bits, of which the last two decisions choose one.
   struct Context {
     AdaptiveBit* bits;
@@ -94,14 +95,22 @@ class LevelCoder {
     if (q.is_in_section) {
       const double own = std::abs(records.own->displacement()) + 0.25;
       const size_t size = static_cast<size_t>(std::clamp(halfOctaves(own / quantaOf(q.least)) + 5, 0, 7));
-      const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.known.value - 1), 3);
+      const size_t width = std::min<size_t>(static_cast<size_t>(q.least.value - q.bound.value - 1), 3);
       return {&model_.leaf[(static_cast<size_t>(q.is_new) * 4 + width) * 8 + size], false, {}};
     }
     const PredictionContext context = PredictionContext::of(records.context);
-    const size_t size = static_cast<size_t>(std::clamp(halfOctaves(context.expected() / quantaOf(q.least)) + 8, 0, 15));
-    if (q.is_new) return {&model_.newly_addable[(size * 8 + scale_) * 4], true, context};
-    const size_t width = std::min<size_t>(static_cast<size_t>(q.known.value - q.least.value), 7);
+    const size_t size = sizeOf(context, q.least);
+    if (q.is_new) {
+      const auto familiarity = static_cast<size_t>(q.familiarity);
+      const size_t finer = static_cast<size_t>(std::min(std::abs(q.finest.value - q.least.value), 7));
+      const size_t third = q.familiarity == Familiarity::kNew ? scale_ : finer;
+      return {&model_.newly_addable[((familiarity * DeltaModel::kSizes + size) * 8 + third) * 4], true, context};
+    }
+    const size_t width = std::min<size_t>(static_cast<size_t>(q.bound.value - q.least.value), 7);
     return {&model_.addable[(size * 8 + width) * 8 + scale_], false, context};
+  }
+  size_t sizeOf(const PredictionContext& context, QuantisedError least) const {
+    return static_cast<size_t>(std::clamp(halfOctaves(context.expected() / quantaOf(least)) + 8, 0, 15));
   }
   bool codeDecision(const Context& context, bool decide) {
     const bool got = coder_.code(context.bits[context.has_before ? before_ : 0], decide);
@@ -139,7 +148,7 @@ QuantisedRadius DeltaEncoder::radius(Slot first) {
 }
 
 void DeltaEncoder::load(TerrainBatch& batch) {
-  for (size_t i = 0; i < batch.count; ++i) batch.height[i] = nodes_.at(batch.slot[i]).middle();
+  for (size_t i = 0; i < batch.count; ++i) batch.setRecord(i, nodes_.at(batch.slot[i]));
 }
 
 bool DeltaEncoder::decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
@@ -153,13 +162,12 @@ bool DeltaEncoder::decide(int level, std::span<const Predicate> predicates, std:
   return true;
 }
 
-bool DeltaEncoder::onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) {
+bool DeltaEncoder::onAdded(int level, std::span<const Predicate> added) {
   const double before = coder_.bits();
   LevelCoder<RangeEncoder, DenseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
-  for (size_t i = 0; i < slots.size(); ++i) level_coder.codeHeight(slots[i], passed[i], nodes_.at(slots[i]).height());
+  for (const Predicate& q : added) level_coder.codeHeight(q, nodes_.at(q.slot).height());
   bits_.heights += coder_.bits() - before;
-  bits_.added += slots.size();
-  cached_contexts_.clear();
+  bits_.added += added.size();
   return true;
 }
 
@@ -202,7 +210,7 @@ void DeltaDecoder::load(TerrainBatch& batch) {
     records[i] = &nodes_.at(batch.slot[i]);
     __builtin_prefetch(records[i]);
   }
-  for (size_t i = 0; i < batch.count; ++i) batch.height[i] = records[i]->middle();
+  for (size_t i = 0; i < batch.count; ++i) batch.setRecord(i, *records[i]);
 }
 
 bool DeltaDecoder::decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) {
@@ -211,17 +219,21 @@ bool DeltaDecoder::decide(int level, std::span<const Predicate> predicates, std:
   return !coder_.overrun();
 }
 
-bool DeltaDecoder::onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) {
+bool DeltaDecoder::onAdded(int level, std::span<const Predicate> added) {
   LevelCoder<RangeDecoder, SparseNodes> level_coder(domain_, nodes_, model_, coder_, cached_contexts_, level);
-  for (size_t i = 0; i < slots.size(); ++i) {
-    const int32_t height = level_coder.codeHeight(slots[i], passed[i], 0);
+  for (const Predicate& q : added) {
+    const int32_t height = level_coder.codeHeight(q, 0);
     if (std::abs(height) > kMaxHeight) absurd_ = true;
     if (absurd_ || coder_.overrun()) return false;
-    NodeRecord& record = nodes_.make(slots[i]);
+    NodeRecord& record = nodes_.make(q.slot);
     record = NodeRecord::of(height, height - record.middle(), {}, {});
   }
-  cached_contexts_.clear();
   return true;
+}
+
+void DeltaDecoder::onSettled(Slot slot, QuantisedError error) {
+  NodeRecord& record = nodes_.make(slot);
+  record = NodeRecord::of(record.height(), record.displacement(), error, {});
 }
 
 bool DeltaDecoder::reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) {

@@ -35,9 +35,9 @@ inline constexpr size_t kMaxSectionNodes = 1u << 24;
 struct DeltaModel {
   static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
 
-  std::array<AdaptiveBit, kSizes * 8 * 4> newly_addable;  // nodes new to the frontier
-  std::array<AdaptiveBit, kSizes * 8 * 8> addable;        // others
-  std::array<AdaptiveBit, 2 * 4 * 8> leaf;                // leaves
+  std::array<AdaptiveBit, 4 * kSizes * 8 * 4> newly_addable;  // nodes new to the frontier
+  std::array<AdaptiveBit, kSizes * 8 * 8> addable;            // others
+  std::array<AdaptiveBit, 2 * 4 * 8> leaf;                    // leaves
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;
@@ -52,27 +52,23 @@ struct DeltaModel {
   }
 };
 
-// The contexts of nodes of one level that a decision has put into the section, kept until their heights are coded; in
-// order, as many as fit.
+// The contexts of nodes whose predicates are true, in order, until they are added: of one group.
 class CachedContexts {
  public:
-  void keep(Slot slot, const PredictionContext& context) {
-    if (count_ < contexts_.size()) {
-      slots_[count_] = slot;
-      contexts_[count_++] = context;
-    }
-  }
-  // The context of a node, or null if it was not kept. Nodes come in the order in which they were kept; some may be
-  // left out.
-  const PredictionContext* take(Slot slot) {
-    while (taken_ < count_ && slots_[taken_] < slot) ++taken_;
-    return taken_ < count_ && slots_[taken_] == slot ? &contexts_[taken_] : nullptr;
-  }
   void clear() { count_ = taken_ = 0; }
+  void keep(Slot slot, const PredictionContext& context) {
+    slots_[count_] = slot;
+    contexts_[count_++] = context;
+  }
+  // Nodes are taken in the order in which they were kept; some may be left out.
+  const PredictionContext& take(Slot slot) {
+    while (slots_[taken_] != slot) ++taken_;
+    return contexts_[taken_];
+  }
 
  private:
-  std::array<Slot, 1024> slots_;
-  std::array<PredictionContext, 1024> contexts_;
+  std::array<Slot, TerrainBatch::kSize> slots_;
+  std::array<PredictionContext, TerrainBatch::kSize> contexts_;
   size_t count_ = 0, taken_ = 0;
 };
 
@@ -93,7 +89,7 @@ class DeltaEncoder final : public TerrainSource {
   QuantisedRadius radius(Slot first) override;
   void load(TerrainBatch& batch) override;
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
-  bool onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) override;
+  bool onAdded(int level, std::span<const Predicate> added) override;
   bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
   bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
   // For what else the delta has: the nodes of objects.
@@ -122,7 +118,8 @@ class DeltaDecoder final : public TerrainSource {
   void onAddable(int level, std::span<const Slot> slots) override;
   void load(TerrainBatch& batch) override;
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override;
-  bool onAdded(int level, std::span<const Slot> slots, std::span<const QuantisedError> passed) override;
+  bool onAdded(int level, std::span<const Predicate> added) override;
+  void onSettled(Slot slot, QuantisedError error) override;
   bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
   bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
   RangeDecoder& coder() { return coder_; }

@@ -14,7 +14,12 @@ ObjectStream::ObjectStream(const ObjectSet& objects)
 
 void ObjectStream::begin(const View& view) {
   last_ = std::exchange(view_, view);
-  for (KnownPositions& known : known_) known.forgetIfMost();
+  for (KnownPositions& known : known_) known.forgetIfMost(spare_nodes_);
+}
+
+void ObjectStream::setMemory(uint64_t bytes) {
+  constexpr uint64_t kNodeBytes = 512;  // a node's entry, eight times over: this is a share of the memory
+  spare_nodes_ = static_cast<size_t>(bytes / (kNodeBytes * known_.size()));
 }
 
 void ObjectStream::restart() {

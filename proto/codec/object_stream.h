@@ -1,7 +1,7 @@
 // What both ends hold of the objects that are sent to a viewer, object by object and keyframe by keyframe: the
 // sections, the positions of their nodes, and what the coder has learnt. The server writes each object's change, the
 // client reads it, and both hold the same. A node's position is sent once for all objects of a model (KnownPositions in
-// surface_codec.h).
+// surface_codec.h), and is remembered as long as there is memory for it.
 //
 // It begins with empty sections, no known positions and a new model, and does so again after a keyframe from nothing.
 // After a client has resumed on a new connection, both ends know the positions of its sections' nodes, and nothing
@@ -24,6 +24,9 @@ class ObjectStream {
  public:
   // `objects` must outlive it.
   explicit ObjectStream(const ObjectSet& objects);
+
+  // How many bytes the client spares for what it does not need now, terrain included.
+  void setMemory(uint64_t bytes);
 
   // At the client, when it resumes on a new connection.
   void restart();
@@ -53,6 +56,7 @@ class ObjectStream {
   SurfaceModel model_;
   std::optional<View> view_, last_;
   size_t nodes_ = 0;
+  size_t spare_nodes_ = 0;  // that no section has and that are known all the same, of each model
 };
 
 }  // namespace foreland::proto

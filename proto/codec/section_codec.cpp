@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "proto/codec/range_coder.h"
+#include "proto/codec/symbols.h"
 
 namespace foreland::proto {
 
@@ -67,6 +68,53 @@ bool decode(const Topology& topology, Section& section, size_t& room, Model& mod
   });
 }
 
+// Reads which nodes are known, those of the section among them; at most `room` others.
+bool decode(const GridTopology& grid, const Section& section, Section& known, size_t room, RangeDecoder& coder) {
+  Model model;
+  return descend(grid, known, [&](Slot slot, size_t context) {
+    if (contains(section, slot)) return 1;
+    if (coder.overrun()) return -1;
+    const bool is_known = coder.code(model[context]);
+    if (is_known && room-- == 0) return -1;
+    return is_known ? 1 : 0;
+  });
+}
+
+const PageKnowledge* find(std::span<const KnownPage> pages, Slot slot) {
+  const Slot first = slot / kPageSlots * kPageSlots;
+  const auto at = std::lower_bound(pages.begin(), pages.end(), first,
+                                   [](const KnownPage& page, Slot wanted) { return page.first < wanted; });
+  return at != pages.end() && at->first == first ? &at->knowledge : nullptr;
+}
+
+// The pages of nodes that are known; no node was asked about.
+std::vector<KnownPage> pagesOf(const Section& known) {
+  std::vector<KnownPage> pages;
+  for (Slot slot : known.slots) {
+    const Slot first = slot / kPageSlots * kPageSlots;
+    if (pages.empty() || pages.back().first != first) {
+      pages.push_back({.first = first, .knowledge = {}});
+      pages.back().knowledge.finest = {};
+    }
+    pages.back().knowledge.known.set(static_cast<uint8_t>(slot));
+  }
+  return pages;
+}
+
+// The least error that a node of each page was asked about, as the difference from that of the page before.
+template <class Coder>
+void codeFinest(std::vector<KnownPage>& pages, Coder& coder) {
+  NumberModel model;
+  EscapeModel escape;
+  Symbols symbols(coder, escape);
+  int before = QuantisedError::kZero;
+  for (KnownPage& page : pages) {
+    QuantisedError& finest = page.knowledge.finest;
+    before = std::clamp(before + symbols.number(model, 0, finest.value - before), 0, 255);
+    finest.value = static_cast<uint8_t>(before);
+  }
+}
+
 }  // namespace
 
 uint32_t fingerprint(const HeldSections& sections) {
@@ -75,25 +123,44 @@ uint32_t fingerprint(const HeldSections& sections) {
   return sum;
 }
 
-void encodeSections(const GridTopology& grid, const ObjectSet& objects, const HeldSections& sections, Bytes& out) {
+std::vector<KnownPage> encodeSections(const GridTopology& grid, const ObjectSet& objects, const HeldSections& sections,
+                                      Bytes& out) {
   CHECK_EQ(sections.objects.size(), objects.size());
   RangeEncoder coder(out);
-  Model of_terrain, of_objects;
+  Model of_terrain, of_objects, of_known;
   encode(grid, sections.terrain, of_terrain, coder);
   for (size_t i = 0; i < objects.size(); ++i)
     encode(objects.domain(i).topology(), sections.objects[i], of_objects, coder);
+  Section known;
+  descend(grid, known, [&](Slot slot, size_t context) {
+    if (contains(sections.terrain, slot)) return 1;
+    const PageKnowledge* page = find(sections.known, slot);
+    return coder.code(of_known[context], page && page->known.has(static_cast<uint8_t>(slot))) ? 1 : 0;
+  });
+  std::vector<KnownPage> pages = pagesOf(known);
+  for (KnownPage& page : pages)
+    if (const PageKnowledge* given = find(sections.known, page.first)) page.knowledge.finest = given->finest;
+  codeFinest(pages, coder);
   coder.finish();
+  return pages;
 }
 
 Result<HeldSections> decodeSections(const GridTopology& grid, const ObjectSet& objects, ByteSpan bytes,
-                                    size_t max_nodes) {
+                                    const size_t max_nodes) {
+  size_t room = max_nodes;
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, std::string("section: ") + what}; };
   RangeDecoder coder(bytes);
   Model of_terrain, of_objects;
   HeldSections sections;
-  bool done = decode(grid, sections.terrain, max_nodes, of_terrain, coder);
+  bool done = decode(grid, sections.terrain, room, of_terrain, coder);
   for (size_t i = 0; done && i < objects.size(); ++i)
-    done = decode(objects.domain(i).topology(), sections.objects.emplace_back(), max_nodes, of_objects, coder);
+    done = decode(objects.domain(i).topology(), sections.objects.emplace_back(), room, of_objects, coder);
+  if (done) {
+    Section known;
+    done = decode(grid, sections.terrain, known, max_nodes, coder);
+    sections.known = pagesOf(known);
+    codeFinest(sections.known, coder);
+  }
   if (!done) return malformed("more nodes than bytes, or than are served");
   if (!coder.atEnd()) return malformed("cut short, or bytes left over");
   return sections;

@@ -54,11 +54,11 @@ class KnownPositions {
   void learn(Slot slot, const Node& node) { nodes_[slot] = node; }
   void use(Slot slot) { used_ += nodes_[slot].uses++ == 0 ? 1 : 0; }
   void release(Slot slot) { used_ -= --nodes_[slot].uses == 0 ? 1 : 0; }
-  // Forgets the nodes that no section has; forgetIfMost() only if they are most of the known ones. Both ends do so at
-  // the same time.
+  // Forgets the nodes that no section has; forgetIfMost() only if they are most of the known ones, `spare` not counted.
+  // Both ends do so at the same time.
   void forgetUnused();
-  void forgetIfMost() {
-    if (nodes_.size() > 2 * used_ + kFew) forgetUnused();
+  void forgetIfMost(size_t spare) {
+    if (nodes_.size() > 2 * used_ + kFew + spare) forgetUnused();
   }
   size_t size() const { return nodes_.size(); }
 

@@ -125,6 +125,7 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
   out.max_triangles = m.max_triangles();
   out.max_bytes_per_second = m.max_bytes_per_second();
   out.occlusion = m.occlusion();
+  out.memory_bytes = m.memory_bytes();
   if (out.keyframe_interval != Duration{} &&
       (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
     return malformed("the keyframe interval must be 20 to 10000 ms, or 0 for the server's own");
@@ -247,6 +248,7 @@ Result<ServerControl> read(const fb::Welcome& m) {
   out.tau_px = m.tau_px();
   out.keyframe_interval = {m.keyframe_interval_us()};
   out.occlusion = m.occlusion();
+  out.memory_bytes = m.memory_bytes();
   if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0)
     return malformed("the welcome's tolerance or interval is not positive");
   if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
@@ -275,9 +277,10 @@ std::optional<Predictor> predictorNamed(std::string_view wanted) { return named<
 Bytes encode(const ViewRequest& m) {
   Builder b;
   const fb::Lens lens = toFb(m.lens);
-  const auto body = fb::CreateViewRequest(
-      b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy), static_cast<uint8_t>(m.predictor),
-      static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles, m.max_bytes_per_second, m.occlusion);
+  const auto body =
+      fb::CreateViewRequest(b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy),
+                            static_cast<uint8_t>(m.predictor), static_cast<uint32_t>(m.keyframe_interval.us),
+                            m.max_triangles, m.max_bytes_per_second, m.occlusion, m.memory_bytes);
   return finish(b, fb::Body_ViewRequest, body.Union());
 }
 
@@ -337,9 +340,9 @@ Bytes encode(const Welcome& m) {
   const auto shape =
       fb::CreateShape(b, m.shape.roots_x, m.shape.roots_y, m.shape.root_log2, m.shape.samples_x, m.shape.samples_y);
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
-  const auto body =
-      fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest, corners,
-                        centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models, objects, m.occlusion);
+  const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
+                                      corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,
+                                      objects, m.occlusion, m.memory_bytes);
   return finish(b, fb::Body_Welcome, body.Union());
 }
 

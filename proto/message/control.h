@@ -19,7 +19,10 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 4;
+inline constexpr uint32_t kProtocolVersion = 5;
+
+// What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
+inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
 inline constexpr size_t kMaxGroundPoints = 65'536;
 
 // P section 4; DESIGN section 4.
@@ -42,6 +45,9 @@ struct ViewRequest {
   uint32_t max_bytes_per_second = 0;  // that the client can receive; 0: no limit
   // Whether what ridges hide may be left out. If the first request of a connection says no, later ones cannot say yes.
   bool occlusion = false;
+  // How much the client remembers of nodes that it does not need now (refine/node_memory.h). Only the first request of
+  // a connection counts.
+  uint32_t memory_bytes = kDefaultMemoryBytes;
 };
 
 struct TourRequest {
@@ -69,6 +75,7 @@ struct Welcome {
   std::vector<ObjectModel> models;
   std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
   bool occlusion = false;                // deltas on this connection carry hidden blocks (codec/block_coder.h)
+  uint32_t memory_bytes = 0;             // that the client remembers, at most what it asked for
 };
 
 struct TourReply {

@@ -14,17 +14,17 @@ struct AdaptCandidate {
   Slot slot = 0;
   uint32_t page = 0;  // its number
   bool is_in_section = false;
-  bool is_new = false;  // to the frontier, in this step
+  bool is_new = false;      // to the frontier, in this step
+  bool is_known = false;    // both ends know the node's height
+  bool is_settled = false;  // and its error
 };
 
 // For terrain only: the predicates of some candidates (terrain_tester.h).
 struct DecisionScratch {
-  std::vector<Predicate> predicates;
-  std::vector<uint32_t> asked;  // the batch index of each predicate
+  std::vector<Predicate> predicates, added;  // those that add nodes that were not known
+  std::vector<uint32_t> asked;               // the batch index of each predicate
   std::vector<uint8_t> decisions;
-  std::vector<QuantisedError> least;  // of each candidate of a level
   std::vector<Slot> slots;
-  std::vector<QuantisedError> passed;
   std::vector<BlockId> changed_blocks;
 };
 
@@ -36,6 +36,12 @@ struct AdaptScratch {
   std::vector<Slot> initial, pending;
   std::vector<Slot> new_pages;  // of each such page the first undecided node
   std::vector<AdaptCandidate> candidates;
+  // Nodes that become known with the step's end.
+  struct PagedSlot {
+    uint32_t page;  // its number
+    uint8_t low;
+  };
+  std::vector<PagedSlot> learnt;
   DecisionScratch decisions;
 };
 

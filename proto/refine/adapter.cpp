@@ -40,6 +40,7 @@ class Adapter<Tester>::Step {
     scratch_.has_undecided.assign(nodes_.pageCount(), 0);
     scratch_.initial.clear();
     scratch_.pending.clear();
+    scratch_.learnt.clear();
   }
 
   bool run() {
@@ -52,8 +53,8 @@ class Adapter<Tester>::Step {
     if (!a_.is_complete_) findFrontier();
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
-    frontier_.endStep();
-    tester_.endStep(nodes_, a_.steps_);
+    for (const AdaptScratch::PagedSlot& slot : scratch_.learnt) frontier_.learn(slot.page, slot.low);
+    tester_.endStep(frontier_, a_.steps_);
     return true;
   }
 
@@ -116,8 +117,12 @@ class Adapter<Tester>::Step {
       undecided = undecided - taken;
       if (which == Which::kAddable) frontier_.reserve(number, (taken - page.on_frontier).count());
       taken.forEach([&](uint8_t low) {
-        scratch_.candidates.push_back(
-            {page.first() | low, number, which == Which::kLeaves, !page.on_frontier.has(low)});
+        scratch_.candidates.push_back({.slot = page.first() | low,
+                                       .page = number,
+                                       .is_in_section = which == Which::kLeaves,
+                                       .is_new = !page.on_frontier.has(low),
+                                       .is_known = page.knowledge.known.has(low),
+                                       .is_settled = page.knowledge.settled.has(low)});
       });
     }
   }
@@ -136,7 +141,6 @@ class Adapter<Tester>::Step {
   // Decides for each candidate whether it is in the section from now on, and gives each an entry.
   bool resolve(int level) {
     std::vector<AdaptCandidate>& candidates = scratch_.candidates;
-    tester_.beginLevel();
     for (size_t begin = 0; begin < candidates.size(); begin += Tester::kSize)
       if (!resolve(level, std::span(candidates).subspan(begin, std::min(Tester::kSize, candidates.size() - begin))))
         return false;
@@ -146,7 +150,7 @@ class Adapter<Tester>::Step {
     tester_.clear();
     forEach(level, part,
             [&](const AdaptCandidate& c, NodeId n) { tester_.push(n, level, nodes_.page(c.page), entryOf(c)); });
-    if (!tester_.decide(level, part)) return false;
+    if (!tester_.decide(level, part, frontier_)) return false;
     a_.tests_ += part.size();
     for (size_t i = 0; i < part.size(); ++i) frontier_.put(part[i].page, tester_.entry(i), tester_.slack(i));
     tester_.clear();
@@ -225,11 +229,12 @@ class Adapter<Tester>::Step {
     const auto count = static_cast<size_t>(
         std::count_if(candidates.begin(), candidates.end(), [](const AdaptCandidate& c) { return c.is_in_section; }));
     if (count == 0) return true;
-    if (a_.nodes_in_section_ + count > max_nodes_ || !tester_.tellAdded(level, candidates)) return false;
+    if (a_.nodes_in_section_ + count > max_nodes_) return false;
     std::erase_if(candidates, [](const AdaptCandidate& c) { return !c.is_in_section; });
     a_.nodes_in_section_ += count;
     for (const AdaptCandidate& c : candidates) {
       delta_.added.push_back(c.slot);
+      if (!c.is_known) scratch_.learnt.push_back({c.page, lowOf(c.slot)});
       frontier_.addToSection(c.page, lowOf(c.slot));
     }
     forEach(level, candidates, [&](const AdaptCandidate&, NodeId n) {
@@ -256,7 +261,8 @@ class Adapter<Tester>::Step {
     std::sort(pages.begin(), pages.end());
     pages.erase(std::unique(pages.begin(), pages.end(), arePageMates), pages.end());
     for (Slot slot : pages)
-      if (nodes_.find(slot) == Frontier::Nodes::kNone) frontier_.makePage(slot, Tester::radiusOf(source_, slot));
+      if (nodes_.find(slot) == Frontier::Nodes::kNone)
+        frontier_.makePage(slot, Tester::knowledgeOf(source_, a_.memory_, slot));
     scratch_.undecided.resize(nodes_.pageCount());
     scratch_.has_undecided.resize(nodes_.pageCount());
     for (Slot slot : pending) markUndecided(nodes_.find(slot), lowOf(slot));
@@ -289,8 +295,11 @@ Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, So
   const auto& topology = domain.topology();
   const Frontier::Nodes& nodes = frontier_.nodes();
   for (Slot slot : section) {
-    if (nodes.find(slot) == Frontier::Nodes::kNone) frontier_.makePage(slot, Tester::radiusOf(source, slot));
+    if (nodes.find(slot) == Frontier::Nodes::kNone)
+      frontier_.makePage(slot, Tester::knowledgeOf(source, memory_, slot));
     frontier_.addToSection(nodes.find(slot), lowOf(slot));
+    frontier_.learn(nodes.find(slot), lowOf(slot));
+    frontier_.noteDecision(nodes.find(slot), {});
   }
   frontier_.orderPages();
   for (Slot slot : section) {
@@ -298,6 +307,35 @@ Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, So
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
     if (is_leaf) frontier_.put(nodes.find(slot), FrontierEntry::newLeaf(lowOf(slot)), 0);
   }
+}
+
+template <class Tester>
+void Adapter<Tester>::learn(std::span<const KnownPage> pages) {
+  for (size_t i = pages.size(); i-- > 0;) {
+    const uint32_t number = frontier_.nodes().find(pages[i].first);
+    if (number == Frontier::Nodes::kNone)
+      memory_.keep(pages[i].first, pages[i].knowledge);
+    else
+      frontier_.setKnowledge(number, pages[i].knowledge);
+  }
+}
+
+template <class Tester>
+std::vector<KnownPage> Adapter<Tester>::livePages() const {
+  std::vector<KnownPage> pages;
+  for (const Frontier::Nodes::PageName& name : frontier_.nodes().pages()) {
+    const FrontierPage& page = frontier_.nodes().page(name.number);
+    pages.push_back({page.first(), page.knowledge});
+  }
+  return pages;
+}
+
+template <class Tester>
+std::vector<KnownPage> Adapter<Tester>::knownPages() const {
+  std::vector<KnownPage> pages = livePages();
+  memory_.forEach([&](Slot first, const PageKnowledge& knowledge) { pages.push_back({first, knowledge}); });
+  std::sort(pages.begin(), pages.end(), [](const KnownPage& a, const KnownPage& b) { return a.first < b.first; });
+  return pages;
 }
 
 template <class Tester>

@@ -36,6 +36,13 @@ class Adapter {
   explicit Adapter(const Domain& domain) : domain_(&domain), memory_(domain) {}
   // Begins with a closed section; nothing is known of its nodes' errors. The source gives the radii of its pages.
   Adapter(const Domain& domain, std::span<const Slot> section, Source& source);
+  // Right after that: both ends also know this of pages, which are ascending and hold all of the section's nodes. Those
+  // without any are remembered, the coarsest longest.
+  void learn(std::span<const KnownPage> pages);
+  // What is known of pages with nodes in the section or on its frontier; of these and those that are remembered.
+  // Ascending.
+  std::vector<KnownPage> livePages() const;
+  std::vector<KnownPage> knownPages() const;
 
   // Moves to the section of `view` and appends what changed to `delta`, ascending. False if the section would exceed
   // `max_nodes` or the source stopped: the adapter must not be used after that.
@@ -44,12 +51,23 @@ class Adapter {
   size_t nodeCount() const { return nodes_in_section_; }
   Section section() const;  // ascending
   bool contains(Slot slot) const { return frontier_.nodes().isInSection(slot); }
-  // The radius of a node of the section.
-  QuantisedRadius radius(Slot slot) const { return frontier_.nodes().pageAt(slot).radius; }
-  // Whether any of the 64 slots from `first` on, a multiple of 64, is in the section or on its frontier.
-  bool knowsBlock(Slot first) const { return frontier_.nodes().hasAnyOf64(first); }
+  // What has been said of the slot's page; null if nothing is remembered. Until the next step.
+  const PageKnowledge* knowledge(Slot slot) const {
+    const uint32_t page = frontier_.nodes().find(slot);
+    return page == Frontier::Nodes::kNone ? memory_.find(slot) : &frontier_.nodes().page(page).knowledge;
+  }
+  bool knows(Slot slot) const {
+    const PageKnowledge* page = knowledge(slot);
+    return page && page->known.has(lowOf(slot));
+  }
+  // Whether any of the 64 slots from `first` on, a multiple of 64, is in the section, on its frontier or known.
+  bool knowsBlock(Slot first) const {
+    const PageKnowledge* page = knowledge(first);
+    return (page && page->knowsAnyOf64(first)) || frontier_.nodes().hasAnyOf64(first);
+  }
   // What the tester remembers from step to step.
   const typename Tester::Memory& memory() const { return memory_; }
+  typename Tester::Memory& memory() { return memory_; }
   size_t bytes() const { return frontier_.bytes() + memory_.bytes(); }  // memory of this session's state
   size_t frontierSize() const { return frontier_.entryCount(); }
   uint64_t testCount() const { return tests_; }  // nodes tested since the start

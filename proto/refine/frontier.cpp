@@ -13,9 +13,9 @@ constexpr size_t kFew = 1024;
 
 }  // namespace
 
-uint32_t Frontier::makePage(Slot slot, QuantisedRadius radius) {
+uint32_t Frontier::makePage(Slot slot, const PageKnowledge& knowledge) {
   const uint32_t number = nodes_.makePage(slot);
-  nodes_.page(number).radius = radius;
+  nodes_.page(number).knowledge = knowledge;
   return number;
 }
 
@@ -93,8 +93,7 @@ uint32_t Frontier::consume(const MotionBound& motion, const Page& page, std::arr
   return count;
 }
 
-void Frontier::endStep() {
-  nodes_.dropEmpty();
+void Frontier::compact() {
   if (pool_.capacity() <= 2 * pool_.held() + kFew && nodes_.capacity() <= 2 * nodes_.size() + kFew) return;
   EntryPool pool(pool_.held() + pool_.held() / 8);
   nodes_.compact([&](Page& page) { page.block = pool.copy(pool_, page.block, page.entries); });

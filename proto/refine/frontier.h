@@ -11,6 +11,7 @@
 
 #include "proto/refine/entry_pool.h"
 #include "proto/refine/motion_bound.h"
+#include "proto/refine/node_memory.h"
 #include "proto/refine/paged_nodes.h"
 #include "proto/section/bounds.h"
 
@@ -18,10 +19,10 @@ namespace foreland::proto {
 
 struct FrontierPage : NodePage {
   uint16_t entries = 0;
-  QuantisedRadius radius;  // of all nodes of the page
+  uint8_t spare = 0;
   EntryPool::Block block;  // where its entries are
+  PageKnowledge knowledge;
 };
-static_assert(sizeof(FrontierPage) == 80);
 
 class Frontier {
  public:
@@ -32,7 +33,7 @@ class Frontier {
   const Page& page(uint32_t number) const { return nodes_.page(number); }
 
   // As PagedNodes::makePage() and orderPages().
-  uint32_t makePage(Slot slot, QuantisedRadius radius);
+  uint32_t makePage(Slot slot, const PageKnowledge& knowledge);
   void orderPages() { nodes_.orderPages(); }
   void addToSection(uint32_t number, uint8_t low) { nodes_.addToSection(number, low); }
   void removeFromSection(uint32_t number, uint8_t low) { nodes_.removeFromSection(number, low); }
@@ -72,9 +73,23 @@ class Frontier {
     pool_.slackAt(index) = slack;
     pool_.entryAt(index) = entry;
   }
-  // Drops the pages that have become empty, and gives memory back once twice as much is held as is of use. Pages may
-  // get other numbers.
-  void endStep();
+  // Both ends know a known node's error from now on.
+  void settle(uint32_t number, uint8_t low) { nodes_.page(number).knowledge.settled.set(low); }
+  // Both ends know a node from now on.
+  void learn(uint32_t number, uint8_t low) { nodes_.page(number).knowledge.known.set(low); }
+  void setKnowledge(uint32_t number, const PageKnowledge& knowledge) { nodes_.page(number).knowledge = knowledge; }
+  // A node of the page was asked about.
+  void noteDecision(uint32_t number, QuantisedError least) {
+    QuantisedError& finest = nodes_.page(number).knowledge.finest;
+    finest = std::min(finest, least);
+  }
+  // Drops the pages that have become empty, after a call of dropped(page) for each, ascending, and gives memory back
+  // once twice as much is held as is of use. Pages may get other numbers.
+  template <class Dropped>
+  void endStep(const Dropped& dropped) {
+    nodes_.dropEmpty(dropped);
+    compact();
+  }
 
   size_t entryCount() const { return entries_; }
   size_t bytes() const { return nodes_.bytes() + pool_.bytes(); }
@@ -82,6 +97,7 @@ class Frontier {
   void validate() const;
 
  private:
+  void compact();
   uint32_t consume(const MotionBound& motion, const Page& page, std::array<uint32_t, kPageSlots>& stale);
 
   Nodes nodes_;

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/check.h"
@@ -128,17 +129,24 @@ class PagedNodes {
       pages_[name.number].on_frontier.forEach([&](uint8_t low) { visit(name.key * kPageSlots | low); });
   }
 
-  // Drops the pages that have become empty.
+  // Drops the pages that have become empty; the second after a call of dropped(page) for each, ascending.
   void dropEmpty() {
+    dropEmpty([](const Page&) {});
+  }
+  template <class Dropped>
+  void dropEmpty(const Dropped& dropped) {
     if (empty_.empty()) return;
-    for (uint32_t number : empty_) {
-      const uint32_t key = pages_[number].key;
-      if (numbers_.find(key) != number || !pages_[number].isEmpty()) continue;
-      numbers_.erase(key);
-      free_.push_back(number);
-    }
+    bool any = false;
+    for (uint32_t number : empty_) any = any || pages_[number].isEmpty();
     empty_.clear();
-    std::erase_if(order_, [this](const PageName& name) { return numbers_.find(name.key) != name.number; });
+    if (!any) return;
+    std::erase_if(order_, [&](const PageName& name) {
+      if (!pages_[name.number].isEmpty()) return false;
+      dropped(std::as_const(pages_[name.number]));
+      numbers_.erase(name.key);
+      free_.push_back(name.number);
+      return true;
+    });
   }
   // Numbers the pages anew, in order, in memory that fits them; calls moved(page) for each. All are ordered.
   template <class Moved>

@@ -22,19 +22,25 @@ class SurfaceTester {
   struct Memory {
     explicit Memory(const Domain&) {}
     size_t bytes() const { return 0; }
+    const PageKnowledge* find(Slot) const { return nullptr; }
+    void keep(Slot, const PageKnowledge&) {}
+    template <class Visit>
+    void forEach(const Visit&) const {}
   };
 
   SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, Memory&, DecisionScratch&)
       : metric_(domain.metric(view)), quantum_m_(domain.quantum_m), records_(records.data()) {}
 
-  // Spheres are in the records, so pages have no radius.
-  static QuantisedRadius radiusOf(Source&, Slot) { return {}; }
+  // Spheres are in the records, so nothing is said of pages.
+  static PageKnowledge knowledgeOf(Source&, Memory&, Slot) { return {}; }
 
   template <class Undecide>
   bool reviseBlocks(const Frontier::Nodes&, const Undecide&) {
     return true;
   }
-  void endStep(const Frontier::Nodes&, uint32_t) {}
+  void endStep(Frontier& frontier, uint32_t) {
+    frontier.endStep([](const FrontierPage&) {});
+  }
 
   size_t count() const { return count_; }
   bool full() const { return count_ == kSize; }
@@ -45,8 +51,7 @@ class SurfaceTester {
 
   // As TerrainTester has them.
   void test();
-  void beginLevel() {}
-  bool decide(int, std::span<AdaptCandidate> candidates) {
+  bool decide(int, std::span<AdaptCandidate> candidates, Frontier&) {
     test();
     for (size_t i = 0; i < candidates.size(); ++i) candidates[i].is_in_section = passes(i);
     return true;
@@ -56,7 +61,6 @@ class SurfaceTester {
   FrontierEntry entry(size_t i) const { return FrontierEntry::of(lowOf(slot_[i]), {}, constraint_[i]); }
   float slack(size_t i) const { return slack_[i]; }
   void tellAddable(int, std::span<const AdaptCandidate>) {}
-  bool tellAdded(int, std::span<const AdaptCandidate>) { return true; }
 
  private:
   const SurfaceMetric metric_;

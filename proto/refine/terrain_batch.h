@@ -20,12 +20,13 @@ struct TerrainBatch {
   size_t count = 0;
   std::array<Slot, kSize> slot;
   std::array<uint8_t, kSize> level;
-  std::array<QuantisedError, kSize> bound;  // the error that is tested
-  std::array<int32_t, kSize> x, y;          // lattice position
-  std::array<int32_t, kSize> height;        // of the sphere's centre, height quanta
-  std::array<float, kSize> radius;          // of the sphere, metres
-  std::array<float, kSize> error;           // `bound` in metres, by the tests
-  std::array<uint8_t, kSize> passes;        // by the tests
+  std::array<QuantisedError, kSize> bound;     // the error that is tested
+  std::array<int32_t, kSize> x, y;             // lattice position
+  std::array<int32_t, kSize> height;           // of the sphere's centre, height quanta
+  std::array<QuantisedError, kSize> recorded;  // the node's error, where it is known
+  std::array<float, kSize> radius;             // of the sphere, metres
+  std::array<float, kSize> error;              // `bound` in metres, by the tests
+  std::array<uint8_t, kSize> passes;           // by the tests
   // By testWithSlack(): how much motion each result is sure to survive, and how motion is taken off it.
   std::array<float, kSize> slack;
   std::array<MotionConstraint, kSize> constraint;
@@ -45,6 +46,11 @@ struct TerrainBatch {
     bound[count] = b;
     radius[count] = radius_m;
     push(n, s, at_level);
+  }
+
+  void setRecord(size_t i, const NodeRecord& record) {
+    height[i] = record.middle();
+    recorded[i] = record.error();
   }
 
   void test(const TerrainDomain& domain, const Metric& metric);

@@ -1,7 +1,8 @@
-// How an adapter (adapter.h) tests terrain, of whose nodes neither end needs to know the error: an entry has a bound on
-// it, from below for a node of the section, from above for one that can be added. Most tests are resolved by that
-// bound. Where it leaves a test open, a predicate, "is the error at least the least that passes?", is put to the
-// source, and the decision becomes the entry's bound. So the decisions, in the order of the predicates, are all that a
+// How an adapter (adapter.h) tests terrain, of which a client knows only what it was told. Both ends know the errors of
+// nodes that were ever added, as long as they remember them (node_memory.h), so the tests of these need nothing. Of a
+// node that is not known an entry has a bound on its error, from above. Where that leaves a test open, a predicate, "is
+// the error at least the least that passes?", is put to the source. The decision becomes the entry's bound if it is no;
+// if it is yes, the source tells the error. So the decisions and errors, in the order of the predicates, are all that a
 // client must be told of which nodes are added and removed.
 //
 // A step's own; too large to be copied.
@@ -28,8 +29,15 @@ class TerrainTester {
   struct Memory {
     HiddenBlocks blocks;
     bool hides = false;  // nodes of hidden blocks are left out
+    NodeMemory pages;    // those without nodes in the section or on its frontier
     explicit Memory(const Domain& domain) : blocks(domain.grid) {}
-    size_t bytes() const { return blocks.bytes(); }
+    size_t bytes() const { return blocks.bytes() + pages.bytes(); }
+    const PageKnowledge* find(Slot slot) const { return pages.find(slot); }
+    void keep(Slot first, const PageKnowledge& knowledge) { pages.keep(first, knowledge); }
+    template <class Visit>
+    void forEach(const Visit& visit) const {
+      pages.forEach(visit);
+    }
   };
 
   TerrainTester(const Domain& domain, const View& view, const MotionBound& motion, Source& source, Memory& memory,
@@ -45,25 +53,29 @@ class TerrainTester {
   // this may concern. False if the source stopped.
   template <class Undecide>
   bool reviseBlocks(const Frontier::Nodes& nodes, const Undecide& undecide);
-  // Last in a step: forgets blocks without nodes.
-  void endStep(const Frontier::Nodes& nodes, uint32_t steps);
+  // Last in a step: ends that of the frontier, remembers the pages it drops, and forgets blocks without nodes.
+  void endStep(Frontier& frontier, uint32_t steps);
 
-  // The radius of a page's nodes.
-  static QuantisedRadius radiusOf(Source& source, Slot first) { return source.radius(first); }
+  // What is known of the page of a slot that has come to the frontier.
+  static PageKnowledge knowledgeOf(Source& source, Memory& memory, Slot first) {
+    if (const auto remembered = memory.pages.take(first)) return *remembered;
+    PageKnowledge knowledge;
+    knowledge.radius = source.radius(first);
+    return knowledge;
+  }
 
   size_t count() const { return batch_.count; }
   bool full() const { return batch_.full(); }
   void clear() { batch_.count = 0; }
   void push(NodeId n, int level, const FrontierPage& page, FrontierEntry entry) {
-    batch_.push(n, page.first() | entry.low(), level, entry.bound(), domain_.radius(level, page.radius));
+    batch_.push(n, page.first() | entry.low(), level, entry.bound(), domain_.radius(level, page.knowledge.radius));
   }
 
   // Tests the nodes pushed by the bounds of their entries.
   void test();
   // Decides for the candidates of a level, all of which were pushed, whether they are in the section from now on.
-  // beginLevel() comes first, then as many parts as it takes. False if the source stopped.
-  void beginLevel() { scratch_.least.clear(); }
-  bool decide(int level, std::span<AdaptCandidate> candidates);
+  // As many parts as it takes. False if the source stopped.
+  bool decide(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
   // What test() and decide() found of node `i`.
   Slot slot(size_t i) const { return batch_.slot[i]; }
   bool passes(size_t i) const { return batch_.passes[i] != 0; }
@@ -72,14 +84,18 @@ class TerrainTester {
   }
   float slack(size_t i) const { return batch_.slack[i]; }
 
-  // Tells the source which of a level's candidates are new to the frontier, and then which are added. False if the
-  // source stopped.
+  // Tells the source which of a level's candidates are new to the frontier.
   void tellAddable(int level, std::span<const AdaptCandidate> candidates);
-  bool tellAdded(int level, std::span<const AdaptCandidate> candidates);
 
  private:
-  bool resolve(size_t i, AdaptCandidate& candidate);
-  bool askSource(int level, std::span<AdaptCandidate> candidates);
+  void setBounds(std::span<const AdaptCandidate> candidates, const Frontier::Nodes& nodes);
+  bool resolve(size_t i, AdaptCandidate& candidate, QuantisedError finest);
+  void collectPredicates(int level, std::span<AdaptCandidate> candidates, const Frontier::Nodes& nodes);
+  Familiarity familiarityOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
+                            const Frontier::Nodes& nodes) const;
+  bool askSource(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
+  bool tellAdded(int level, std::span<const AdaptCandidate> candidates);
+  void settle(std::span<const AdaptCandidate> candidates, Frontier& frontier);
   NodeId node(size_t i) const {
     return NodeId::at(static_cast<uint32_t>(batch_.x[i]), static_cast<uint32_t>(batch_.y[i]));
   }
@@ -92,7 +108,7 @@ class TerrainTester {
   Memory& memory_;
   DecisionScratch& scratch_;
   TerrainBatch batch_;
-  std::array<uint8_t, kSize> is_held_back_;  // by blocks that are known to be hidden
+  std::array<uint8_t, kSize> is_hidden_;
 };
 
 template <class Undecide>

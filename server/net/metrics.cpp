@@ -51,6 +51,8 @@ std::string renderPrometheus(const Metrics& m, const PoolMetrics& pool) {
   page.gauge("connections", "Open sockets.", m.connections);
   page.gauge("sessions", "Viewers connected.", m.sessions);
   page.gauge("section_nodes", "Nodes in the sections of all viewers.", m.section_nodes);
+  page.gauge("remembered_nodes", "Nodes that viewers remember beside their sections.", m.remembered_nodes);
+  page.gauge("memory_bytes", "Bytes that the server needs to know which.", m.memory_bytes);
   page.counter("sessions_opened_total", "Viewers that ever connected.", m.sessions_opened);
   page.counter("refusals_total", "Viewers refused for what they sent or did not read.", m.refusals);
   page.counter("http_requests_total", "Plain HTTP requests.", m.http_requests);

@@ -37,7 +37,10 @@ SessionActor::SessionActor(SessionHost& host, Outlet outlet)
 }
 
 SessionActor::~SessionActor() {
-  host_.metrics_.section_nodes -= static_cast<int64_t>(session_.statistics().section_nodes);
+  const SessionStatistics& last = session_.statistics();
+  host_.metrics_.section_nodes -= static_cast<int64_t>(last.section_nodes);
+  host_.metrics_.remembered_nodes -= static_cast<int64_t>(last.remembered_nodes);
+  host_.metrics_.memory_bytes -= static_cast<int64_t>(last.memory_bytes);
   --host_.metrics_.sessions;
 }
 
@@ -146,7 +149,12 @@ void SessionActor::countStep(const SessionStatistics& before, Time deadline, Tim
   const uint64_t keyframes = after.keyframes - before.keyframes;
   metrics.keyframes += keyframes;
   metrics.skipped_keyframes += after.skipped_keyframes - before.skipped_keyframes;
-  metrics.section_nodes += static_cast<int64_t>(after.section_nodes) - static_cast<int64_t>(before.section_nodes);
+  const auto change = [&](size_t SessionStatistics::*what) {
+    return static_cast<int64_t>(after.*what) - static_cast<int64_t>(before.*what);
+  };
+  metrics.section_nodes += change(&SessionStatistics::section_nodes);
+  metrics.remembered_nodes += change(&SessionStatistics::remembered_nodes);
+  metrics.memory_bytes += change(&SessionStatistics::memory_bytes);
   metrics.compute.add(end - begin);
   if (end > deadline) metrics.late_keyframes += keyframes;
 }

@@ -13,17 +13,41 @@ bool isSimilar(const proto::View& a, const proto::View& b) {
          b.tau_px > 0.7 * a.tau_px && glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
 }
 
+// Whether the known nodes of a page have the errors that the page says they were found to have at least; sets its
+// radius.
+bool isPossible(proto::KnownPage& page, std::span<const proto::NodeRecord> nodes) {
+  bool is_possible = true;
+  page.knowledge.known.forEach([&](uint8_t low) {
+    const proto::NodeRecord& record = nodes[page.first | low];
+    is_possible = is_possible && record.error() >= page.knowledge.finest;
+    page.knowledge.radius = record.radius();
+  });
+  return is_possible;
+}
+
 }  // namespace
 
 SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {
   const proto::ObjectSet& set = hierarchy.objects().set;
   for (size_t i = 0; i < set.size(); ++i) objects_.emplace_back(set.domain(i));
   if (!objects_.empty()) stream_ = std::make_unique<proto::ObjectStream>(set);
+  setMemory(proto::kDefaultMemoryBytes);
 }
 
-void SectionSender::resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint) {
+void SectionSender::setMemory(uint32_t bytes) {
+  adapter_.memory().pages.setBudget(bytes);
+  if (stream_) stream_->setMemory(bytes);
+}
+
+bool SectionSender::resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint) {
+  std::vector<proto::KnownPage> known = sections.known;
+  for (proto::KnownPage& page : known)
+    if (!isPossible(page, hierarchy_->nodes())) return false;
   proto::InMemoryNodes source = hierarchy_->source();
-  adapter_ = proto::TerrainAdapter(hierarchy_->domain(), sections.terrain.slots, source);
+  proto::TerrainAdapter adapter(hierarchy_->domain(), sections.terrain.slots, source);
+  adapter.memory().pages.setBudget(adapter_.memory().pages.budget());
+  adapter.learn(known);
+  adapter_ = std::move(adapter);
   const SceneObjects& objects = hierarchy_->objects();
   for (size_t i = 0; i < objects_.size(); ++i) {
     objects_[i] = proto::SurfaceAdapter(objects.set.domain(i), sections.objects[i].slots, objects.recordsOf(i));
@@ -32,6 +56,7 @@ void SectionSender::resume(const proto::HeldSections& sections, uint32_t keyfram
   keyframe_.index = keyframe;
   keyframe_.time = time;
   keyframe_.fingerprint = fingerprint;
+  return true;
 }
 
 bool SectionSender::fitsSurely(const proto::View& view, size_t max_nodes) const {
@@ -42,7 +67,7 @@ SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, Se
   if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks()))
     return {.fits = false, .added = max_nodes};
   const auto& slots = scratch.section.slots;
-  const auto is_new = [&](proto::Slot slot) { return !adapter_.contains(slot); };
+  const auto is_new = [&](proto::Slot slot) { return !adapter_.knows(slot); };
   return {.fits = true, .added = static_cast<size_t>(std::count_if(slots.begin(), slots.end(), is_new))};
 }
 

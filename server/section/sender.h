@@ -23,7 +23,7 @@ struct SendScratch {
 
 struct SectionSize {
   bool fits;     // has at most as many nodes as asked for
-  size_t added;  // nodes that the viewer does not hold yet; if the section does not fit, as many nodes as asked for
+  size_t added;  // nodes that the viewer does not know yet; if the section does not fit, as many nodes as asked for
 };
 
 class SectionSender {
@@ -31,11 +31,15 @@ class SectionSender {
   explicit SectionSender(const Hierarchy& hierarchy);
 
   // Starts from `sections`, which the viewer holds from an earlier connection as those of its keyframe `keyframe`. They
-  // are closed under parents; nothing has been sent yet.
-  void resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
+  // are closed under parents; nothing has been sent yet. False, and nothing is changed, if what the viewer says it
+  // knows cannot be: if a node that is known has a smaller error than any was asked about.
+  [[nodiscard]] bool resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
 
   // Makes deltas tell hidden blocks, as the viewer's welcome says they do. Nothing has been sent yet.
   void tellBlocks() { model_.tells_blocks = true; }
+  // Remembers what the viewer has been sent as long as the viewer does, which has so many bytes for it. At first
+  // proto::kDefaultMemoryBytes.
+  void setMemory(uint32_t bytes);
 
   // Whether the section of `view` is sure to have at most `max_nodes`, because the last keyframe's has less than half
   // as many and its view is similar (a section hardly more than doubles between two keyframes of a moving viewer).

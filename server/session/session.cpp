@@ -59,6 +59,8 @@ Status Session::take(const proto::ViewRequest& request, Time) {
     welcome.tau_px = request_->tau_px;
     welcome.keyframe_interval = request_->keyframe_interval;
     welcome.occlusion = occlusion_ != nullptr;
+    welcome.memory_bytes = std::min(request_->memory_bytes, options_.max_memory_bytes);
+    sender_.setMemory(welcome.memory_bytes);
     replies_.push_back(proto::encode(welcome));
   }
   target_.reset();
@@ -115,7 +117,7 @@ Status Session::take(const proto::Resume& resume, Time) {
   const auto sections =
       proto::decodeSections(hierarchy.grid(), hierarchy.objects().set, resume.section, options_.max_section_nodes);
   if (!sections.ok() || proto::fingerprint(*sections) != resume.fingerprint) return {};
-  sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint);
+  if (!sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint)) return {};
   acknowledged_ = resume.keyframe;
   statistics_.resumed = true;
   return {};
@@ -282,6 +284,8 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   statistics_.nodes_added += scratch.send.delta.added.size();
   statistics_.nodes_removed += scratch.send.delta.removed.size();
   statistics_.section_nodes = nodes;
+  statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
+  statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.

@@ -32,8 +32,9 @@ struct SessionOptions {
   Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that ask for none
   Duration safety = Duration::milliseconds(15);  // a predicted keyframe should arrive this long before it is needed
   size_t max_section_nodes = 1'500'000;          // of a section with more, the tolerance is doubled until it fits
-  Duration prefetch_ahead{};      // reads what will be needed this much later, for scenes larger than memory; 0: never
-  size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link
+  Duration prefetch_ahead{};  // reads what will be needed this much later, for scenes larger than memory; 0: never
+  uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs up to a tenth of that for it
+  size_t max_unacknowledged = 8;          // keyframes sent and not yet acknowledged; more would only queue in the link
 };
 
 // Working memory that a worker lends to a step; one per worker, reused.
@@ -46,6 +47,8 @@ struct SessionStatistics {
   uint64_t skipped_keyframes = 0;  // grid points without a keyframe
   uint64_t nodes_added = 0, nodes_removed = 0;
   size_t section_nodes = 0;
+  size_t remembered_nodes = 0;  // of the terrain, that the viewer knows beside those around its section
+  size_t memory_bytes = 0;      // that the server needs to know which
   uint64_t prefetches = 0;
   bool resumed = false;  // started from a section that the viewer held from an earlier connection
 };
@@ -82,6 +85,8 @@ class Session {
   const SessionStatistics& statistics() const { return statistics_; }
   // The terrain's section that the client holds once it has read everything sent, and the keyframe it belongs to.
   proto::Section section() const { return sender_.adapter().section(); }
+  // What the client knows of the terrain once it has read everything sent, ascending.
+  std::vector<proto::KnownPage> knownPages() const { return sender_.adapter().knownPages(); }
   const proto::KeyframeHeader& keyframe() const { return sender_.keyframe(); }
 
  private:

@@ -14,6 +14,7 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   w.highest = scene.heightRange().highest;
   w.corner_heights.assign(scene.cornerHeights().begin(), scene.cornerHeights().end());
   w.centre_heights.assign(scene.centreHeights().begin(), scene.centreHeights().end());
+  w.memory_bytes = proto::kDefaultMemoryBytes;
   w.models = hierarchy.objects().set.models();
   w.objects = hierarchy.objects().set.placements();
   return w;

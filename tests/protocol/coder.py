@@ -21,7 +21,7 @@ class Model:
     """What both ends have learnt."""
 
     def __init__(self):
-        self.newly_addable = [[contexts(4) for _ in range(8)] for _ in range(16)]
+        self.newly_addable = [[[contexts(4) for _ in range(8)] for _ in range(16)] for _ in range(4)]
         self.addable = [[contexts(8) for _ in range(8)] for _ in range(16)]
         self.leaf = [[contexts(8) for _ in range(4)] for _ in range(2)]
         self.height = [[[Number() for _ in range(2)] for _ in range(4)] for _ in range(28)]
@@ -135,12 +135,14 @@ class DeltaDecoder:
         size = keep(half(own / self.quanta[least]) + 5, 0, 7)
         return self.coder.bit(self.model.leaf[1 if is_new else 0][min(least - bound - 1, 3)][size])
 
-    def decision_of_addable(self, n, is_new, bound, least):
+    def decision_of_addable(self, n, bound, least, familiarity, finest):
+        """`familiarity` is None of a node that is not new."""
         size = keep(half(self.prediction_context(n)[2] / self.quanta[least]) + 8, 0, 15)
         scale = min((self.grid.last_level - n.level) >> 1, 7)
-        if not is_new:
+        if familiarity is None:
             return self.coder.bit(self.model.addable[size][min(bound - least, 7)][scale])
-        decision = self.coder.bit(self.model.newly_addable[size][scale][self.before])
+        detail = scale if familiarity == 0 else min(abs(finest - least), 7)
+        decision = self.coder.bit(self.model.newly_addable[familiarity][size][detail][self.before])
         self.before = (2 * self.before + decision) & 3
         return decision
 
@@ -166,14 +168,14 @@ def section_contexts():
     return [contexts(8) for _ in range(31)]
 
 
-def read_section(coder, model, last_level, first_level, children):
-    """The slots of a section in a resume message. `children(slots)` are those that have all their parents among them and one at
-    least on the last level of these."""
+def read_section(coder, model, last_level, first_level, children, sure=frozenset()):
+    """The slots of a section in a resume message, those that are `sure` unasked. `children(slots)` are those that have all their
+    parents among them and one at least on the last level of these."""
     slots, candidates = set(), first_level
     for level in range(1, last_level + 1):
         before, included = 0, set()
         for slot in sorted(candidates):
-            decision = coder.bit(model[level][before])
+            decision = 1 if slot in sure else coder.bit(model[level][before])
             before = (2 * before + decision) & 7
             if decision:
                 included.add(slot)
@@ -183,7 +185,7 @@ def read_section(coder, model, last_level, first_level, children):
 
 
 def read_sections(data, grid, surfaces):
-    """The terrain's, by slot, and one for each object's surface."""
+    """The terrain's section, one for each object's surface, the terrain's known nodes, and the finest errors of their pages."""
     coder = RangeDecoder(data)
     nodes = {n.slot: n for n in grid.first_level()}
 
@@ -197,5 +199,9 @@ def read_sections(data, grid, surfaces):
         def children(slots, included):
             return {c for s in included for c in surface.children(s) if slots.issuperset(surface.nodes[c].parents)}
         objects.append(read_section(coder, model, surface.last_level, set(surface.first_level), children))
+    known = read_section(coder, section_contexts(), grid.last_level, {n.slot for n in grid.first_level()}, children_in_grid, terrain)
+    number, escape, finest, before = Number(), contexts(32), {}, 49
+    for page in sorted({slot >> 8 for slot in known}):
+        finest[page] = before = keep(before + read_number(coder, number, 0, escape), 0, 255)
     coder.finish()
-    return terrain, objects
+    return terrain, objects, known, finest

@@ -59,6 +59,8 @@ class Session:
         require(self.has_asked or name == "ViewRequest", "a session that does not begin with a view request")
         if name == "ViewRequest":
             require(fields["protocol"] == wire.VERSION, "a client of another version")
+            if not self.has_asked:
+                self.wanted_bytes = fields["memory_bytes"]
             self.has_asked = True
         elif name != "PathUpload":
             self.asked.append((name.replace("Request", "Reply"), fields["id"]))
@@ -66,10 +68,10 @@ class Session:
     def resume(self, resume):
         require(self.is_welcome and not self.has_posed and self.taken == 0, "a resume message too early, or too late")
         require((resume.scene_id, resume.keyframe) == (self.scene_id, self.held), "another section than is held")
-        terrain, objects = read_sections(resume.section, self.section.grid, [s.surface for s in self.objects.sections])
-        require(resume.fingerprint == self.fingerprint() and terrain == set(self.section.heights) and
+        terrain, objects, known, finest = read_sections(resume.section, self.section.grid, [s.surface for s in self.objects.sections])
+        require(resume.fingerprint == self.fingerprint() and terrain == self.section.slots and
                 objects == [s.slots for s in self.objects.sections], "another section than is held")
-        self.section.begin_anew()
+        self.section.begin_anew(known, finest, self.memory_bytes)
         self.objects.begin_anew()
 
     def fingerprint(self):
@@ -99,7 +101,9 @@ class Session:
                 all(abs(h) <= 1 << 29 for h in corners + centres), "base heights that do not fit the shape")
         require(fields["tau_px"] > 0 and fields["keyframe_interval_us"] > 0, "no tolerance, or no interval")
         frame = Frame(fields["frame"], grid.max_x, grid.max_y)
-        self.empty = lambda: Section(grid, frame, corners, centres)
+        self.memory_bytes = fields["memory_bytes"]
+        require(self.memory_bytes <= self.wanted_bytes, "more memory than was asked for")
+        self.empty = lambda: Section(grid, frame, corners, centres, self.memory_bytes)
         keys = "position", "orientation", "scale", "model"
         placements = [dict(zip(keys, (p[:3], p[3:7], p[7], p[8]))) for p in fields["objects"] or []]
         if self.scene_id != fields["scene_id"]:  # else the client may resume from those that it holds
@@ -114,13 +118,13 @@ class Session:
         require(keyframe.base in (0, self.held), "a keyframe from another one than is held")
         coder = RangeDecoder(keyframe.delta)
         added, removed = self.section.step(keyframe.view, coder)
-        self.objects.step(keyframe.view, coder)
+        self.objects.step(keyframe.view, coder, self.memory_bytes)
         coder.finish()
         fingerprint = self.fingerprint()
         require(fingerprint & keyframe.mask == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
         self.held = self.taken = keyframe.index
         heights = self.section.heights
-        slots = sorted(heights)
+        slots = sorted(self.section.slots)
         packed = [struct.pack(f"<{len(slots)}I", *slots), struct.pack(f"<{len(slots)}i", *(heights[s] for s in slots)),
                   b"".join(self.section.tests())]
         line = f"{keyframe.index} {len(slots)} {added} {removed} {fingerprint:08x} {sums_of(packed)}"

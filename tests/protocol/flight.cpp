@@ -44,6 +44,7 @@ class Recorder {
     Time arrival;
     Bytes message;
     std::optional<proto::KeyframeHeader> keyframe;
+    std::vector<proto::KnownPage> known = {};  // once it is taken
   };
   struct Connection {
     Connection(std::shared_ptr<const server::World> world, const server::SessionOptions& options)
@@ -96,6 +97,7 @@ class Recorder {
     if (!held_ || keyframe.base_index == 0) sections_ = emptySections(world_->hierarchy);
     golden_.expected += expectedLine(world_->hierarchy, keyframe, sections_);
     held_ = keyframe;
+    known_ = packet.known;
     sections_ = sectionsOf(world_->hierarchy, keyframe);
     c.received_keyframe = keyframe.index;
     c.received_at = now_ + script_.clock_offset;
@@ -104,7 +106,9 @@ class Recorder {
   void resume(Connection& c) {
     const server::Hierarchy& hierarchy = world_->hierarchy;
     proto::Resume resume{hierarchy.scene().id(), held_->index, held_->time, proto::fingerprint(sections_), {}};
-    proto::encodeSections(hierarchy.grid(), hierarchy.objects().set, sections_, resume.section);
+    proto::HeldSections held = sections_;
+    held.known = known_;
+    proto::encodeSections(hierarchy.grid(), hierarchy.objects().set, held, resume.section);
     up(c, proto::encode(resume));
   }
 
@@ -137,6 +141,7 @@ class Recorder {
     for (Bytes& message : out) c.down.push_back({now_ + kWayDown, std::move(message), {}});
     if (c.session.statistics().keyframes == before) return;
     c.down.back().keyframe = c.session.keyframe();
+    c.down.back().known = c.session.knownPages();
     c.drained_at = now_ + kDrain;
     const proto::HeldSections exact = sectionsOf(world_->hierarchy, c.session.keyframe());
     CHECK_TRUE(exact.terrain == c.session.section());
@@ -161,6 +166,7 @@ class Recorder {
   bool is_over_ = false;
   std::optional<proto::KeyframeHeader> held_;  // by the viewer
   proto::HeldSections sections_;               // of it
+  std::vector<proto::KnownPage> known_;        // with it
 };
 
 }  // namespace

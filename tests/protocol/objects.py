@@ -216,9 +216,9 @@ class Objects:
         for section in self.sections:
             section.begin_anew()
 
-    def step(self, view, coder):
+    def step(self, view, coder, memory_bytes):
         for known in self.known:
-            if len(known.nodes) > 2 * len(known.uses) + 1024:
+            if len(known.nodes) > 2 * len(known.uses) + 1024 + memory_bytes // (512 * len(self.known)):
                 known.forget()
         self.changes = [s.step(view, self.last, self.model, coder) for s in self.sections]
         self.last = view

@@ -78,9 +78,11 @@ std::shared_ptr<const server::World> worldWithObjects() {
   return std::make_shared<server::World>(makeScene(source), std::move(objects));
 }
 
-proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strategy strategy,
-                           proto::Predictor predictor) {
-  return {lens, tau_px, strategy, predictor, Duration::milliseconds(200)};
+proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strategy strategy, proto::Predictor predictor,
+                           uint32_t memory_bytes = proto::kDefaultMemoryBytes) {
+  proto::ViewRequest request{lens, tau_px, strategy, predictor, Duration::milliseconds(200)};
+  request.memory_bytes = memory_bytes;
+  return request;
 }
 
 // With `predict`: straight on, a turn, a climb; then another tolerance, a lost connection after which the section is
@@ -110,7 +112,7 @@ Script planarScript() {
 }
 
 // With `delay` and `current`: around a valley, then away from it. A server with a smaller limit does not accept the
-// section that is presented. The session ends with a request that is refused.
+// section that is presented. There is memory for few pages. The session ends with a request that is refused.
 Script geographicScript() {
   using enum proto::Strategy;
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
@@ -121,7 +123,7 @@ Script geographicScript() {
              {at(6.5), {0, 200, 3000}, {0.1, 0.1, -1}},
              {at(8), {200, -600, 1500}, {0.2, -1, -0.6}}};
   const Bytes narrow = proto::encode(request({0.6, 200, 320}, 2, kCurrent, kVelocity));
-  s.cues = {{at(0), proto::encode(request({1.1, 320, 200}, 1.5, kDelay, kVelocity)), Cue::What::kConnect},
+  s.cues = {{at(0), proto::encode(request({1.1, 320, 200}, 1.5, kDelay, kVelocity, 6'000)), Cue::What::kConnect},
             {at(2.6), proto::encode(request({1.1, 320, 200}, 1, kCurrent, kVelocity))},
             {at(4.4), narrow},
             {at(5.63), {}, Cue::What::kDisconnect},
@@ -141,7 +143,7 @@ Script objectsScript() {
              {at(3), {-30, -20, 230}, {1, 0.4, -0.2}},
              {at(4.5), {150, 100, 260}, {-1, -0.5, -0.4}}};
   const Bytes closer = proto::encode(request({1.0, 320, 240}, 3, kPredict, kVelocity));
-  s.cues = {{at(0), proto::encode(request({1.0, 320, 240}, 5, kPredict, kVelocity)), Cue::What::kConnect},
+  s.cues = {{at(0), proto::encode(request({1.0, 320, 240}, 5, kPredict, kVelocity, 2'000)), Cue::What::kConnect},
             {at(1.3), closer},
             {at(2.21), {}, Cue::What::kDisconnect},
             {at(2.6), closer, Cue::What::kConnect},

@@ -127,30 +127,51 @@ def fingerprint(slot):
     return h ^ (h >> 16)
 
 
+class Page:
+    """What is known of 256 slots."""
+
+    def __init__(self, radius, finest=255, known=()):
+        self.radius, self.finest, self.known, self.settled = radius, finest, set(known), {}  # settled: errors by slot
+
+    def cost(self):
+        return 64 + 512 * len({slot >> 6 for slot in self.known})
+
+
 class Section:
     """Section 10: what a client holds, and its step."""
 
-    def __init__(self, grid, frame, corner_heights, centre_heights):
+    def __init__(self, grid, frame, corner_heights, centre_heights, memory_bytes):
         self.grid, self.frame = grid, frame
         self.corners, self.centres = corner_heights, centre_heights
+        self.memory_bytes = memory_bytes
         self.flat = flat_radii(grid, frame)
-        self.heights = {}  # of the section's nodes, by slot
+        self.slots = set()  # of the section
+        self.heights = {}  # of known nodes, by slot
         self.bounds = {}  # of the frontier's nodes, by slot
         self.spheres = {}  # likewise
-        self.pages = {}  # quantised radii, by page
+        self.pages = {}  # by slot >> 8
+        self.memory = []  # of these, those without a node in the section or on its frontier, in their order
         self.nodes = {}  # of the section and its frontier, by slot
         self.model = Model()
         self.is_first = True
         self.fingerprint = 0
 
-    def begin_anew(self):
-        """The state in which a server resumes from a client's section: nothing is known but the nodes and their pages' radii."""
+    def begin_anew(self, known, finest, memory_bytes):
+        """The state in which a server resumes from what a client presents: known nodes, and the finest errors of their pages."""
+        require(known <= set(self.heights), "what is presented is not known")
         self.model = Model()
         self.is_first = True
-        self.pages = {slot >> 8: self.pages[slot >> 8] for slot in self.heights}
-        self.nodes = {slot: self.nodes[slot] for slot in self.heights}
+        self.memory_bytes = memory_bytes
+        self.pages = {page: Page(self.pages[page].radius, finest[page]) for page in finest}
+        for slot in known:
+            self.pages[slot >> 8].known.add(slot)
+        used = {slot >> 8 for slot in self.slots}
+        self.memory = sorted((page for page in self.pages if page not in used), reverse=True)
+        self.shrink()
+        self.heights = {slot: h for slot, h in self.heights.items() if slot >> 8 in self.pages and slot in known}
+        self.nodes = {slot: self.nodes[slot] for slot in self.slots}
         self.bounds, self.spheres = {}, {}
-        for slot in self.heights:
+        for slot in self.slots:
             if self.is_leaf(slot):
                 self.list(slot, 1)
 
@@ -178,7 +199,7 @@ class Section:
     def sphere(self, slot):
         n, middle = self.nodes[slot], self.middle_of(self.nodes[slot])
         position = None if self.frame.is_planar else self.frame.position(n.x, n.y, middle)
-        return n.x, n.y, middle, position, f32(self.flat[n.level] * RADIUS_FACTOR[self.pages[slot >> 8]])
+        return n.x, n.y, middle, position, f32(self.flat[n.level] * RADIUS_FACTOR[self.pages[slot >> 8].radius])
 
     def list(self, slot, bound):
         self.bounds[slot] = bound
@@ -190,10 +211,10 @@ class Section:
             del self.spheres[slot]
 
     def has_parents(self, n):
-        return all(p in self.heights for p in n.parents)
+        return all(p in self.slots for p in n.parents)
 
     def is_leaf(self, slot):
-        return not any(self.grid.slot(*v) in self.heights for v in self.nodes[slot].children)
+        return not any(self.grid.slot(*v) in self.slots for v in self.nodes[slot].children)
 
     # ---- the step
 
@@ -204,7 +225,7 @@ class Section:
         levels = range(1, self.grid.last_level + 1)
         leaves, addable = {level: {} for level in levels}, {level: {} for level in levels}  # slot to: is it new?
         for slot, bound in self.bounds.items():
-            is_leaf = slot in self.heights
+            is_leaf = slot in self.slots
             if self.test.passes(self.spheres[slot], bound) != is_leaf:
                 (leaves if is_leaf else addable)[self.nodes[slot].level][slot] = False
         removed = sum(self.remove(level, leaves) for level in reversed(levels))
@@ -214,44 +235,85 @@ class Section:
         arriving = {level: {} for level in range(1, self.grid.last_level + 2)}
         if self.is_first:
             self.seed(arriving)
+        self.fresh = set()  # nodes that this step tells
         added = sum(self.add(level, addable[level], arriving) for level in levels)
+        for slot in self.fresh:
+            self.pages[slot >> 8].known.add(slot)
         self.forget()
         return added, removed
 
     def seed(self, arriving):
         """Adds all addable nodes to the frontier that are not on it."""
         self.is_first = False
-        children = [self.grid.node(*v) for slot in self.heights for v in self.nodes[slot].children]
+        children = [self.grid.node(*v) for slot in self.slots for v in self.nodes[slot].children]
         for n in [*self.grid.first_level(), *children]:
-            if n.slot not in self.heights and n.slot not in self.bounds and self.has_parents(n):
+            if n.slot not in self.slots and n.slot not in self.bounds and self.has_parents(n):
                 arriving[n.level][n.slot] = n
 
     def resolve(self, slots):
-        """(slot, is it in, least class) of each, all decisions read."""
+        """(slot, is it in) of each, all decisions and heights read."""
         resolved, ordered = [], sorted(slots)
-        for at, slot in enumerate(ordered):
-            if at % 256 == 0:
-                self.delta.begin_group()
-            resolved.append((slot, *self.resolve_one(slot, slots[slot])))
+        for at in range(0, len(ordered), 256):
+            resolved += self.resolve_group(ordered[at:at + 256], slots)
         return resolved
 
-    def resolve_one(self, slot, is_new):
-        least, bound, is_leaf = self.test.least(self.spheres[slot]), self.bounds[slot], slot in self.heights
+    def resolve_group(self, group, is_new):
+        finest = {slot >> 8: self.pages[slot >> 8].finest for slot in group}
+        self.delta.begin_group()
+        self.decided = []  # (slot, least, bound before, was it in, is it in)
+        resolved = [(slot, self.resolve_one(slot, is_new[slot], finest[slot >> 8])) for slot in group]
+        for slot, least, _, _, is_in in self.decided:
+            if is_in and slot not in self.pages[slot >> 8].known:
+                self.heights[slot] = self.delta.height(self.nodes[slot], least)
+                self.fresh.add(slot)
+        for slot, least, bound, was_in, is_in in self.decided:
+            page = self.pages[slot >> 8]
+            page.finest = min(page.finest, least)
+            at_least = least if is_in else bound if was_in else finest[slot >> 8]
+            at_most = least - 1 if not is_in else 255 if was_in else bound
+            if at_least == at_most and (is_in or slot in page.known):
+                page.settled[slot] = at_least
+        return resolved
+
+    def resolve_one(self, slot, is_new, finest):
+        least, is_leaf, page = self.test.least(self.spheres[slot]), slot in self.slots, self.pages[slot >> 8]
+        is_settled = slot in page.settled
+        if is_settled:
+            self.bounds[slot] = page.settled[slot]
+        elif is_leaf and self.bounds[slot] == 1:
+            self.bounds[slot] = max(1, finest)
+        bound = self.bounds[slot]
         if least == NONE:
-            if is_leaf:
+            if is_leaf and not is_settled:
                 self.bounds[slot] = 255
-            return False, least
+            return False
+        if is_settled:
+            return bound >= least
+        if is_new and not is_leaf and slot in page.known and finest >= least:
+            self.bounds[slot] = finest
+            return True
         if is_leaf == (bound >= least):
-            return is_leaf, least
-        ask = self.delta.decision_of_leaf if is_leaf else self.delta.decision_of_addable
-        decision = bool(ask(self.nodes[slot], is_new, bound, least))
+            return is_leaf
+        if is_leaf:
+            decision = bool(self.delta.decision_of_leaf(self.nodes[slot], is_new, bound, least))
+        else:
+            familiarity = self.familiarity(slot, least, finest) if is_new else None
+            decision = bool(self.delta.decision_of_addable(self.nodes[slot], bound, least, familiarity, finest))
         self.bounds[slot] = least if decision else least - 1
-        return decision, least
+        self.decided.append((slot, least, bound, is_leaf, decision))
+        return decision
+
+    def familiarity(self, slot, least, finest):
+        if slot in self.pages[slot >> 8].known:
+            return 3
+        if any(p not in self.pages[p >> 8].known for p in self.nodes[slot].parents):
+            return 0
+        return 1 if finest > least else 2
 
     def remove(self, level, leaves):
-        removed = [slot for slot, stays, _ in self.resolve(leaves[level]) if not stays]
+        removed = [slot for slot, stays in self.resolve(leaves[level]) if not stays]
         for slot in removed:
-            del self.heights[slot]
+            self.slots.remove(slot)
             self.fingerprint = (self.fingerprint - fingerprint(slot)) & 0xFFFFFFFF
         for slot in removed:
             for child in self.nodes[slot].children:
@@ -264,16 +326,17 @@ class Section:
 
     def add(self, level, addable, arriving):
         for slot, n in sorted(arriving[level].items()):
-            if slot >> 8 not in self.pages:
-                self.pages[slot >> 8] = self.delta.radius()
+            if slot >> 8 in self.memory:
+                self.memory.remove(slot >> 8)
+            elif slot >> 8 not in self.pages:
+                self.pages[slot >> 8] = Page(self.delta.radius())
             self.nodes[slot] = n
             self.list(slot, 255)
             addable[slot] = True
-        passed = [(slot, least) for slot, is_in, least in self.resolve(addable) if is_in]
-        heights = {slot: self.delta.height(self.nodes[slot], least) for slot, least in passed}
-        require(len(self.heights) + len(heights) <= MOST_NODES, "a section of too many nodes")
-        self.heights.update(heights)
-        for slot in heights:
+        added = [slot for slot, is_in in self.resolve(addable) if is_in]
+        require(len(self.slots) + len(added) <= MOST_NODES, "a section of too many nodes")
+        self.slots.update(added)
+        for slot in added:
             self.fingerprint = (self.fingerprint + fingerprint(slot)) & 0xFFFFFFFF
             for parent in self.nodes[slot].parents:
                 self.unlist(parent)
@@ -281,20 +344,28 @@ class Section:
                 n = self.grid.node(*child)
                 if self.has_parents(n):
                     arriving[n.level][n.slot] = n
-        return len(heights)
+        return len(added)
 
     def tests(self):
         """What the last view's test makes of the section's nodes, as bytes: view-space position, radius, least class that passes; and of some
         nodes the least error and the least radius that pass."""
-        for slot in sorted(self.heights):
+        for slot in sorted(self.slots):
             sphere = self.sphere(slot)
             yield struct.pack("<ddddfI", *self.test.view_position(sphere), sphere[4], self.test.least(sphere))
             if slot % 32 == 0:
                 yield struct.pack("<dd", *self.test.least_numbers(sphere))
 
     def forget(self):
-        used = {slot >> 8 for slots in (self.heights, self.bounds) for slot in slots}
-        for page in [p for p in self.pages if p not in used]:
-            del self.pages[page]
-        for slot in [s for s in self.nodes if s not in self.heights and s not in self.bounds]:
+        used = {slot >> 8 for slots in (self.slots, self.bounds) for slot in slots}
+        self.memory += sorted(page for page in self.pages if page not in used and page not in self.memory)
+        self.shrink()
+        for slot in [s for s in self.nodes if s not in self.slots and s not in self.bounds]:
             del self.nodes[slot]
+
+    def shrink(self):
+        cost = sum(self.pages[page].cost() for page in self.memory)
+        while cost > self.memory_bytes:
+            page = self.memory.pop(0)
+            cost -= self.pages[page].cost()
+            for slot in self.pages.pop(page).known:
+                del self.heights[slot]

@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 4
+VERSION = 5
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 
@@ -69,7 +69,7 @@ TABLES = {
     "Shape": [(name, "uint") for name in ("roots_x", "roots_y", "root_log2", "samples_x", "samples_y")],
     "ViewRequest": [("protocol", "uint"), ("lens", "Lens"), ("tau_px", "double"), ("strategy", "ubyte"), ("predictor", "ubyte"),
                     ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint"),
-                    ("occlusion", "bool")],
+                    ("occlusion", "bool"), ("memory_bytes", "uint")],
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
@@ -78,7 +78,7 @@ TABLES = {
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
-                ("objects", "[Placement]"), ("occlusion", "bool")],
+                ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],

@@ -119,6 +119,7 @@ TEST_P(SlowLink, KeyframesStayCurrentAt20KilobitsASecond) {
   c.request.lens = {1.0471975511965976, 1920, 1080};
   c.request.tau_px = 0.5;
   c.request.max_bytes_per_second = static_cast<uint32_t>(kBytesPerSecond);
+  c.request.memory_bytes = 0;  // so that there is something to send all the time
   c.down.latency = Duration::milliseconds(30);
   c.down.bytes_per_second = kBytesPerSecond;
   world.addClient(c);

@@ -1,6 +1,8 @@
 // A connection is lost and there is another: the viewer's section is all the state that there is.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "bench/oracle/crack_checker.h"
 #include "tests/support/scene.h"
 #include "tests/world/world.h"
@@ -35,6 +37,30 @@ TEST(Resume, ContinuesFromTheSectionAfterASecondOrAnHour) {
     EXPECT_GE(world.viewer(0).statistics().keyframes, keyframes + 3) << outage_s;
     if (outage_s <= 1) { EXPECT_LT(world.viewer(0).statistics().bytes_down - before, before) << "not all of it again"; }
   }
+}
+
+// A camera that turns in place has seen everything after a turn. Presented to another server, it is not sent again; a
+// viewer that remembers nothing is sent what comes into view.
+TEST(Resume, PresentsWhatIsRemembered) {
+  const auto scene = hillsOf(15);
+  std::array<uint64_t, 2> bytes{};
+  for (uint32_t memory_bytes : {0u, proto::kDefaultMemoryBytes}) {
+    World world(scene, {}, Duration::milliseconds(4), 4);
+    ClientOptions options = onKnownTour(*scene, "spin", 60);
+    options.request.memory_bytes = memory_bytes;
+    world.addClient(options);
+    world.run(Time::seconds(8));
+    world.loseConnection(0);
+    world.run(Time::seconds(8.5));
+    world.connectAgain(0);
+    world.run(Time::seconds(9));
+    const uint64_t begun = world.viewer(0).statistics().bytes_down;
+    world.run(Time::seconds(13));
+    EXPECT_EQ(world.report(), "");
+    EXPECT_EQ(world.viewer(0).statistics().resumed, 1u);
+    bytes[memory_bytes == 0 ? 0 : 1] = world.viewer(0).statistics().bytes_down - begun;
+  }
+  EXPECT_LT(10 * bytes[1], bytes[0]) << "a turn after resuming, with and without memory";
 }
 
 TEST(Resume, LosesTheConnectionAgainAndAgain) {

@@ -105,7 +105,7 @@ void World::serve(Client& c, Time now) {
   if (computed && c.waits_for_drain && c.down.drainedAt() > now)
     complain("a second delta was made while one was unsent");
   if (computed) {
-    c.sections[c.session.keyframe().index] = c.session.section();
+    c.sections[c.session.keyframe().index] = {c.session.section(), c.session.knownPages()};
     if (const Status s = proto::validate(c.session.world().hierarchy.grid(), c.session.section()); !s.ok())
       complain(s.error().message);
   }
@@ -117,6 +117,24 @@ void World::serve(Client& c, Time now) {
   if (!out.empty()) c.waits_for_drain = true;
 }
 
+namespace {
+
+// Whether the client has the true heights of all nodes that it knows, and the true errors of those that are settled.
+bool knowsTheTruth(const client::Replica& replica, const server::Hierarchy& hierarchy) {
+  bool is_true = true;
+  for (const proto::KnownPage& page : replica.knownPages())
+    page.knowledge.known.forEach([&](uint8_t low) {
+      const proto::Slot slot = page.first | low;
+      const proto::NodeRecord &held = replica.nodes().records().at(slot), &truth = hierarchy.nodes()[slot];
+      is_true = is_true && held.height() == truth.height() && held.displacement() == truth.displacement();
+      if (page.knowledge.settled.has(low)) is_true = is_true && held.error() == truth.error();
+      is_true = is_true && truth.error() >= page.knowledge.finest;
+    });
+  return is_true;
+}
+
+}  // namespace
+
 void World::receive(Client& c, Time now) {
   const Bytes message = c.down.receive();
   for (uint8_t byte : message) c.hash = (c.hash ^ byte) * 1099511628211ull;
@@ -127,8 +145,12 @@ void World::receive(Client& c, Time now) {
   const uint32_t index = c.viewer.replica()->newest().index;
   const auto it = c.sections.find(index);
   if (it == c.sections.end()) return;
-  if (c.viewer.replica()->section() != it->second)
+  if (c.viewer.replica()->section() != it->second.section)
     complain("client and server differ at keyframe " + std::to_string(index));
+  if (c.viewer.replica()->knownPages() != it->second.known)
+    complain("client and server remember other nodes at keyframe " + std::to_string(index));
+  if (index % 16 == 0 && !knowsTheTruth(*c.viewer.replica(), c.session.world().hierarchy))
+    complain("the client remembers another height or error at keyframe " + std::to_string(index));
   c.sections.erase(c.sections.begin(), std::next(it));
 }
 

@@ -97,7 +97,12 @@ class World {
     Traffic traffic;
     proto::PoseMemory poses_counted;
     proto::KeyframeMemory keyframes_counted;
-    std::map<uint32_t, proto::Section> sections;  // the server's, by keyframe, until the client has it
+    // The server's, by keyframe, until the client has it.
+    struct Sent {
+      proto::Section section;
+      std::vector<proto::KnownPage> known;
+    };
+    std::map<uint32_t, Sent> sections;
   };
 
   std::optional<Time> nextEvent(const Client& c) const;

@@ -19,6 +19,8 @@ import { Tours } from './ui/tours';
 
 const kResizeQuiet_ms = 200; // a new lens is requested when resizing has paused
 const kHintShown_ms = 9000;
+// For terrain that was flown over. Phones have less to spare.
+const kMemoryBytes = (window.matchMedia('(pointer: coarse)').matches ? 6 : 16) << 20;
 
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
@@ -180,6 +182,7 @@ export class App {
       tau_px,
       keyframe_ms,
       occlusion,
+      memory_bytes: kMemoryBytes,
     };
   }
 

@@ -35,7 +35,10 @@ class Pair {
         remove(slot);
     }
     frontier_.orderPages();
-    frontier_.endStep();
+    std::vector<Slot> dropped;
+    frontier_.endStep([&](const FrontierPage& page) { dropped.push_back(page.first()); });
+    ASSERT_TRUE(std::is_sorted(dropped.begin(), dropped.end()));
+    for (Slot first : dropped) ASSERT_TRUE(pages_.erase(first));
     compare();
   }
   size_t size() const { return entries_.size(); }
@@ -43,7 +46,10 @@ class Pair {
  private:
   void add(Slot slot) {
     uint32_t page = frontier_.nodes().find(slot);
-    if (page == kNone) page = frontier_.makePage(slot, radiusOf(slot));
+    if (page == kNone) {
+      page = frontier_.makePage(slot, {.known = {}, .settled = {}, .radius = radiusOf(slot)});
+      pages_.insert(slot & ~Slot{0xff});
+    }
     const uint8_t low = static_cast<uint8_t>(slot);
     if (rng_.below(2)) {
       frontier_.addToSection(page, low);
@@ -93,11 +99,12 @@ class Pair {
     for (const auto& [slot, e] : entries_) {
       expected.push_back(slot);
       ASSERT_EQ(frontier_.entry(frontier_.nodes().pageAt(slot), lowOf(slot)).bound(), e.bound);
-      ASSERT_EQ(frontier_.nodes().pageAt(slot).radius, radiusOf(slot));
+      ASSERT_EQ(frontier_.nodes().pageAt(slot).knowledge.radius, radiusOf(slot));
     }
     ASSERT_EQ(on_frontier, expected);
     ASSERT_EQ(in_section, std::vector<Slot>(nodes_in_section_.begin(), nodes_in_section_.end()));
     ASSERT_EQ(frontier_.entryCount(), entries_.size());
+    ASSERT_EQ(frontier_.nodes().size(), pages_.size());
     // Two thirds of the slots of a page may be empty, and twice as much be held.
     ASSERT_LE(frontier_.bytes(), 40 * 400 + 64 * entries_.size() + (size_t{1} << 16));
   }
@@ -106,7 +113,7 @@ class Pair {
 
   Rng rng_;
   Frontier frontier_;
-  std::set<Slot> nodes_in_section_;
+  std::set<Slot> nodes_in_section_, pages_;
   std::map<Slot, Expected> entries_;
 };
 
@@ -144,12 +151,12 @@ TEST(Frontier, GivesMemoryBack) {
     for (int low = 0; low < 256; ++low) frontier.put(page, FrontierEntry::newAddable(static_cast<uint8_t>(low)), 1);
   }
   frontier.orderPages();
-  frontier.endStep();
+  frontier.endStep([](const FrontierPage&) {});
   EXPECT_GE(frontier.bytes(), size_t{8} * 256 * 1000);
   EXPECT_LE(frontier.bytes(), size_t{10} * 256 * 1000);
   for (Slot key = 0; key < 900; ++key)
     for (int low = 0; low < 256; ++low) frontier.remove(frontier.nodes().find(key << 8), static_cast<uint8_t>(low));
-  frontier.endStep();
+  frontier.endStep([](const FrontierPage&) {});
   frontier.validate();
   EXPECT_EQ(frontier.entryCount(), 256u * 100);
   EXPECT_LE(frontier.bytes(), size_t{11} * 256 * 100);

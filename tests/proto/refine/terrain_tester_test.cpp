@@ -1,6 +1,6 @@
-// The protocol's law of questions (docs/PROTOCOL.md, section 10): what is predicates, in which order and in which
-// groups, is a matter of the section, the bounds and the view, not of which nodes an adapter takes the trouble to test.
-// The reference tests the whole frontier at every step.
+// Section 10 of docs/PROTOCOL.md: which predicates are decided and which heights are sent, in which order and in which
+// groups, follows from the section, what is known and the view, and not from which nodes an adapter chooses to test.
+// The reference tests the whole frontier at every step, and remembers in maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,13 +16,18 @@ namespace {
 
 using server::Hierarchy;
 
-// Something that is sent, or where a group of questions begins.
+// Bytes to remember pages with.
+constexpr uint64_t kSome = 6000, kAll = 1u << 30;
+
+// Something that is sent, or where a group of predicates begins.
 struct Event {
-  enum Kind : uint8_t { kRadius, kGroup, kPredicate, kHeight };
+  enum Kind : uint8_t { kRadius, kGroup, kPredicate, kHeight, kSettled };
   Kind kind;
   Slot slot = 0;
-  int known = 0, least = 0;
-  bool is_in_section = false, is_new = false;
+  int bound = 0, least = 0;
+  bool is_in_section = false, is_new = false, is_known = false;
+  Familiarity familiarity = Familiarity::kNew;
+  int finest = 0;
   bool operator==(const Event&) const = default;
 };
 using Events = std::vector<Event>;
@@ -41,13 +46,15 @@ class Listener final : public TerrainSource {
   bool decide(int level, std::span<const Predicate> predicates, std::span<uint8_t> decisions) override {
     events.push_back({Event::kGroup});
     for (const Predicate& q : predicates)
-      events.push_back({Event::kPredicate, q.slot, q.known.value, q.least.value, q.is_in_section, q.is_new});
+      events.push_back({Event::kPredicate, q.slot, q.bound.value, q.least.value, q.is_in_section, q.is_new, q.is_known,
+                        q.familiarity, q.finest.value});
     return plain_.decide(level, predicates, decisions);
   }
-  bool onAdded(int, std::span<const Slot> slots, std::span<const QuantisedError> passed) override {
-    for (size_t i = 0; i < slots.size(); ++i) events.push_back({Event::kHeight, slots[i], 0, passed[i].value});
+  bool onAdded(int, std::span<const Predicate> added) override {
+    for (const Predicate& q : added) events.push_back({Event::kHeight, q.slot, 0, q.least.value});
     return true;
   }
+  void onSettled(Slot slot, QuantisedError error) override { events.push_back({Event::kSettled, slot, error.value}); }
 
  private:
   InMemoryNodes plain_;
@@ -57,16 +64,18 @@ class Listener final : public TerrainSource {
 class Reference {
  public:
   // Begins with a section that is held, perhaps the empty one.
-  explicit Reference(const Hierarchy& h, const Section& held = {})
-      : h_(h), grid_(h.grid()), section_(held.slots.begin(), held.slots.end()) {
+  explicit Reference(const Hierarchy& h, uint64_t budget, const Section& held = {})
+      : h_(h), grid_(h.grid()), budget_(budget), section_(held.slots.begin(), held.slots.end()) {
     for (Slot slot : section_) {
-      pages_.insert(slot / kPageSlots);
+      pages_[slot / kPageSlots].known.insert(slot);
+      pages_[slot / kPageSlots].finest = 0;
       if (isLeaf(grid_.node(slot))) bounds_[slot] = 1;
     }
   }
 
   Events step(const View& view) {
     events_.clear();
+    added_.clear();
     const Metric metric = h_.domain().metric(view);
     metric_ = &metric;
     std::map<int, Undecided> stale_leaves, undecided_addable;
@@ -82,7 +91,8 @@ class Reference {
     is_first_ = false;
     for (int level = 1; level <= grid_.maxLevel(); ++level)
       add(undecided_addable[level], arriving[level], arriving[level + 1]);
-    std::erase_if(pages_, [this](Slot page) { return !isUsed(page); });
+    for (Slot slot : added_) page(slot).known.insert(slot);
+    remember();
     return events_;
   }
 
@@ -90,11 +100,23 @@ class Reference {
 
  private:
   using Undecided = std::map<Slot, bool>;  // is it new?
+  struct Page {
+    std::set<Slot> known, settled;
+    int finest = 255;
+    size_t clientBytes() const {
+      std::set<Slot> blocks;
+      for (Slot slot : known) blocks.insert(slot / 64);
+      return 64 + 512 * blocks.size();
+    }
+  };
   struct Resolved {
     Slot slot;
-    int least;
     bool is_in;
   };
+
+  Page& page(Slot slot) { return pages_.at(slot / kPageSlots); }
+  bool isKnown(Slot slot) { return page(slot).known.contains(slot); }
+  bool isSettled(Slot slot) { return page(slot).settled.contains(slot); }
 
   bool contains(NodeId n) const { return section_.contains(grid_.slot(n)); }
   bool isLeaf(NodeId n) const {
@@ -128,26 +150,75 @@ class Reference {
     return least;
   }
 
+  Familiarity familiarityOf(Slot slot, int least) {
+    if (isKnown(slot)) return Familiarity::kKnown;
+    for (NodeId parent : grid_.parents(grid_.node(slot)))
+      if (!isKnown(grid_.slot(parent))) return Familiarity::kNew;
+    return page(slot).finest > least ? Familiarity::kSeen : Familiarity::kRejected;
+  }
+
   std::vector<Resolved> resolve(const Undecided& undecided) {
     std::vector<Resolved> resolved;
-    size_t predicates_in_group = 0;
-    for (const auto& [slot, is_new] : undecided) {
-      if (resolved.size() % TerrainBatch::kSize == 0) predicates_in_group = 0;
+    std::vector<std::pair<Slot, bool>> all(undecided.begin(), undecided.end());
+    for (size_t begin = 0; begin < all.size(); begin += TerrainBatch::kSize)
+      resolveGroup(std::span(all).subspan(begin, std::min(TerrainBatch::kSize, all.size() - begin)), resolved);
+    return resolved;
+  }
+  void resolveGroup(std::span<const std::pair<Slot, bool>> group, std::vector<Resolved>& resolved) {
+    Events asked;
+    const size_t first = resolved.size();
+    for (const auto& [slot, is_new] : group) {
       const int least = leastClass(slot);
       int& bound = bounds_[slot];
       bool is_in = section_.contains(slot);
+      const bool was_in = is_in;
+      if (isSettled(slot))
+        bound = record(slot).error().value;
+      else if (is_in && bound == 1)
+        bound = std::max(1, page(slot).finest);
       if (least == 256) {
-        if (is_in) bound = 255;
+        if (is_in && !isSettled(slot)) bound = 255;
         is_in = false;
+      } else if (isSettled(slot)) {
+        is_in = bound >= least;
+      } else if (is_new && !is_in && isKnown(slot) && page(slot).finest >= least) {
+        is_in = true;
+        bound = page(slot).finest;
       } else if (is_in != (bound >= least)) {
-        if (predicates_in_group++ == 0) events_.push_back({Event::kGroup});
-        events_.push_back({Event::kPredicate, slot, bound, least, is_in, is_new});
+        const Familiarity familiarity = is_new && !is_in ? familiarityOf(slot, least) : Familiarity::kNew;
+        asked.push_back(
+            {Event::kPredicate, slot, bound, least, is_in, is_new, isKnown(slot), familiarity, page(slot).finest});
         is_in = record(slot).error().value >= least;
         bound = is_in ? least : least - 1;
       }
-      resolved.push_back({slot, least, is_in});
+      if (was_in) CHECK_TRUE(isKnown(slot));
+      resolved.push_back({slot, is_in});
     }
-    return resolved;
+    if (!asked.empty()) events_.push_back({Event::kGroup});
+    events_.insert(events_.end(), asked.begin(), asked.end());
+    const auto isIn = [&](Slot slot) {
+      return std::find_if(resolved.begin() + static_cast<std::ptrdiff_t>(first), resolved.end(),
+                          [&](const Resolved& r) { return r.slot == slot; })
+          ->is_in;
+    };
+    for (const Event& e : asked)
+      if (!e.is_known && isIn(e.slot)) events_.push_back({Event::kHeight, e.slot, 0, e.least});
+    for (const Event& e : asked) settle(e, isIn(e.slot));
+  }
+  // What the decision and what was known before leave of the error.
+  void settle(const Event& e, bool is_in) {
+    page(e.slot).finest = std::min(page(e.slot).finest, e.least);
+    if (!e.is_known && !is_in) return;
+    const int low = is_in             ? e.least
+                    : e.is_in_section ? e.bound
+                                      : e.finest,
+              high = !is_in            ? e.least - 1
+                     : e.is_in_section ? 255
+                                       : e.bound;
+    if (low != high) return;
+    EXPECT_EQ(record(e.slot).error().value, low);
+    page(e.slot).settled.insert(e.slot);
+    events_.push_back({Event::kSettled, e.slot, low});
   }
 
   void remove(const Undecided& stale_leaves, Undecided& above) {
@@ -165,15 +236,16 @@ class Reference {
 
   void add(Undecided& undecided_addable, const std::set<Slot>& arriving, std::set<Slot>& next) {
     for (Slot slot : arriving) {
-      if (pages_.insert(slot / kPageSlots).second) events_.push_back({Event::kRadius, slot});
+      std::erase(remembered_, slot / kPageSlots);
+      if (pages_.try_emplace(slot / kPageSlots).second) events_.push_back({Event::kRadius, slot});
       bounds_[slot] = 255;
       undecided_addable.insert({slot, true});
     }
     std::vector<Slot> come;
     for (const Resolved& s : resolve(undecided_addable)) {
       if (!s.is_in) continue;
-      events_.push_back({Event::kHeight, s.slot, 0, s.least});
       come.push_back(s.slot);
+      if (!isKnown(s.slot)) added_.push_back(s.slot);
     }
     section_.insert(come.begin(), come.end());
     for (Slot slot : come) {
@@ -183,6 +255,21 @@ class Reference {
     }
   }
 
+  // Pages without nodes that are in use are remembered, those that were used last for longest.
+  void remember() {
+    for (const auto& [number, page] : pages_)
+      if (!isUsed(number) && std::find(remembered_.begin(), remembered_.end(), number) == remembered_.end())
+        remembered_.push_back(number);
+    const auto bytes = [&] {
+      size_t sum = 0;
+      for (Slot number : remembered_) sum += pages_.at(number).clientBytes();
+      return sum;
+    };
+    while (bytes() > budget_) {
+      pages_.erase(remembered_.front());
+      remembered_.erase(remembered_.begin());
+    }
+  }
   bool isUsed(Slot page) const {
     const auto holds = [page](const auto& slots, auto first) {
       return first != slots.end() && slotOf(*first) / kPageSlots == page;
@@ -196,24 +283,34 @@ class Reference {
   const Hierarchy& h_;
   const GridTopology& grid_;
   const Metric* metric_ = nullptr;  // of the step
+  uint64_t budget_;
   bool is_first_ = true;
-  std::set<Slot> section_, pages_;
+  std::set<Slot> section_;
+  std::map<Slot, Page> pages_;    // by slot / kPageSlots
+  std::vector<Slot> remembered_;  // of pages_, those that were used last at the end
   std::map<Slot, int> bounds_;
+  std::vector<Slot> added_;  // in this step, and not known before
   Events events_;
 };
 
-class Predicates : public testing::TestWithParam<FrameKind> {};
+// Frames, and bytes to remember pages with: nothing, a few pages, all of them.
+class Predicates : public testing::TestWithParam<std::tuple<FrameKind, uint64_t>> {
+ protected:
+  FrameKind frame() const { return std::get<0>(GetParam()); }
+  uint64_t budget() const { return std::get<1>(GetParam()); }
+};
 
 TEST_P(Predicates, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
-  const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, GetParam()));
+  const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, frame()));
   test::Wanderer wanderer(hierarchy, seed);
   TerrainAdapter adapter(hierarchy.domain());
-  Reference reference(hierarchy);
+  adapter.memory().pages.setBudget(budget());
+  Reference reference(hierarchy, budget());
   Listener listener(hierarchy);
   AdaptScratch scratch;
   CutDelta delta;
-  size_t predicates = 0;
+  size_t predicates = 0, settled = 0;
   for (int i = 0; i < 300; ++i) {
     const View view = wanderer.next();
     listener.events.clear();
@@ -222,13 +319,44 @@ TEST_P(Predicates, AreThoseOfAnAdapterThatTestsItsWholeFrontier) {
     ASSERT_TRUE(listener.events == expected) << "seed " << seed << ", step " << i;
     ASSERT_EQ(adapter.section().slots, reference.section()) << "seed " << seed << ", step " << i;
     predicates += expected.size();
+    for (const Event& e : expected) settled += e.kind == Event::kSettled ? 1 : 0;
   }
   EXPECT_GT(predicates, 0u);
+  EXPECT_GT(settled, 0u);
+}
+
+// The same view twice in a row and again after others: whatever is remembered is not sent again.
+TEST_P(Predicates, OfWhatIsRememberedNeedNoHeight) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  const Hierarchy hierarchy(test::makeScene(129u, 100u, seed, frame()));
+  test::Wanderer wanderer(hierarchy, seed);
+  TerrainAdapter adapter(hierarchy.domain());
+  adapter.memory().pages.setBudget(budget());
+  Listener listener(hierarchy);
+  AdaptScratch scratch;
+  std::set<Slot> sent;
+  size_t heights = 0, again = 0;
+  for (int i = 0; i < 300; ++i) {
+    CutDelta delta;
+    listener.events.clear();
+    ASSERT_TRUE(adapter.adapt(wanderer.next(), hierarchy.grid().slotCount(), listener, scratch, delta));
+    for (const Event& e : listener.events) {
+      if (e.kind != Event::kHeight) continue;
+      ++heights;
+      again += sent.insert(e.slot).second ? 0 : 1;
+    }
+    ASSERT_LE(adapter.memory().pages.clientBytes(), budget());
+  }
+  EXPECT_GT(heights, 0u);
+  if (budget() == kAll)
+    EXPECT_EQ(again, 0u) << "seed " << seed;
+  else
+    EXPECT_GT(again, 0u) << "seed " << seed;
 }
 
 TEST_P(Predicates, AreTheSameAfterResumingFromASection) {
   const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
-  const Hierarchy hierarchy(test::makeScene(100u, 60u, seed, GetParam()));
+  const Hierarchy hierarchy(test::makeScene(100u, 60u, seed, frame()));
   test::Wanderer wanderer(hierarchy, seed);
   AdaptScratch scratch;
   RefineScratch refine_scratch;
@@ -237,7 +365,8 @@ TEST_P(Predicates, AreTheSameAfterResumingFromASection) {
     ASSERT_TRUE(refine(hierarchy, wanderer.next(), hierarchy.grid().slotCount(), refine_scratch, held));
     Listener listener(hierarchy);
     TerrainAdapter adapter(hierarchy.domain(), held.slots, listener);
-    Reference reference(hierarchy, held);
+    adapter.memory().pages.setBudget(budget());
+    Reference reference(hierarchy, budget(), held);
     for (int i = 0; i < 5; ++i) {
       const View view = wanderer.next();
       listener.events.clear();
@@ -249,7 +378,9 @@ TEST_P(Predicates, AreTheSameAfterResumingFromASection) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Frames, Predicates, testing::Values(FrameKind::kPlanar, FrameKind::kGeographic));
+INSTANTIATE_TEST_SUITE_P(Frames, Predicates,
+                         testing::Combine(testing::Values(FrameKind::kPlanar, FrameKind::kGeographic),
+                                          testing::Values(uint64_t{0}, kSome, kAll)));
 
 }  // namespace
 }  // namespace foreland::proto

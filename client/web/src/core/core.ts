@@ -23,6 +23,7 @@ export interface Request {
   predictor: Predictor;
   keyframe_ms: number;
   occlusion: boolean; // leave out what ridges hide, if the server can; a connection's first request decides whether later ones may
+  memory_bytes: number; // for terrain that was sent and is not needed now; a connection's first request decides
 }
 
 export interface Mesh {
@@ -87,7 +88,7 @@ interface Exports {
   foreland_record_layout(): number;
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
-                  occlusion: number): number;
+                  occlusion: number, memory_bytes: number): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -95,7 +96,7 @@ interface Exports {
   foreland_error(viewer: number): number;
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
-                       interval_ms: number, occlusion: number): void;
+                       interval_ms: number, occlusion: number, memory_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
@@ -294,7 +295,8 @@ export class Viewer {
   }
 }
 
-function requestArguments(r: Request): [number, number, number, number, number, number, number, number] {
+function requestArguments(r: Request): [number, number, number, number, number, number, number, number, number] {
   const strategy = kStrategies.indexOf(r.strategy);
-  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.occlusion ? 1 : 0];
+  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.occlusion ? 1 : 0,
+    r.memory_bytes];
 }
