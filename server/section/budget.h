@@ -25,21 +25,29 @@ class ToleranceControl {
   // Takes in the size of the last keyframe: the triangles of its mesh, the bytes of its message, and the time since the
   // one before it.
   void observe(double triangles, double bytes, double interval_s);
-  // Continues from `tau_px`, the tolerance that was used because the section of next()'s did not fit.
-  void force(double tau_px) { tau_px_ = tau_px; }
+  // Continues from `tau_px`, the tolerance that was used because the section of next()'s did not fit. Down to what it
+  // was before, it may fall faster than otherwise.
+  void force(double tau_px);
+  // Begins anew, as before the first keyframe; what is known of the link stays.
+  void restart();
+
+  double tolerance() const { return tau_px_; }  // in force; 0 before the first keyframe
 
  private:
-  double tau_px_ = 0;  // in force; 0 before the first keyframe
+  double tau_px_ = 0;
+  double unforced_px_ = 0;  // before it was forced up
   double triangles_ = 0;
   double bytes_per_s_ = 0;  // smoothed over a few seconds
 };
 
-// The first of tau_px, tau_px * factor, tau_px * factor^2, ... (each rounded to a float) for which `fits` holds; or the
-// last of kMostRises such steps, or kMostTolerance_px, which is beyond any error on a screen and the most that a
-// keyframe can carry. `fits` must hold for all tolerances above one for which it holds. Cost: one call of `fits` if it
-// holds at once, else at most 2 log2(kMostRises) + 1.
-inline constexpr int kMostRises = 256;
+// The tolerance at which a section fits: tau_px if it does there, else one that is larger, at which the load is mostly
+// above kLeastLoad, rounded to a float; or kMostTolerance_px, which is beyond any error on a screen and the most that a
+// keyframe can carry. `load` is the share of what is allowed that the section of a tolerance takes, at most 1 if it
+// fits, and infinite if it was not measured whole; it must not rise with the tolerance. `guess_px` is tried first if it
+// is above tau_px. Cost: one call of `load` if the section fits at once, else about 4 and at most kMostTries.
+inline constexpr int kMostTries = 12;
+inline constexpr double kLeastLoad = 0.8;
 inline constexpr float kMostTolerance_px = 1e9f;
-double raiseUntil(double tau_px, double factor, const std::function<bool(double tau_px)>& fits);
+double toleranceThatFits(double tau_px, double guess_px, const std::function<double(double tau_px)>& load);
 
 }  // namespace foreland::server

@@ -30,10 +30,14 @@ class PoseHistory {
   // A pose that is not newer than the last one is dropped.
   void add(const proto::TimedPose& pose);
   bool empty() const { return poses_.empty(); }
+  // Forgets all poses but this one: the camera jumped to it.
+  void restart(const proto::TimedPose& pose) { poses_.assign(1, pose); }
 
   // All that follows needs at least one pose.
 
   const proto::TimedPose& newest() const { return poses_.back(); }
+  // The time that the poses span, at most kBaseline of it being used to tell the velocity.
+  Duration span() const { return poses_.back().time - poses_.front().time; }
   // Interpolated between the poses around `t`; the oldest or newest pose outside of their times.
   proto::Pose at(Time t) const;
 
