@@ -7,15 +7,16 @@ namespace foreland::server {
 
 namespace {
 
-constexpr double kMiddle = 0.9;         // where triangles are steered to, of the budget
-constexpr double kTrianglePower = 1.2;  // triangles fall as tau^-1.2
-constexpr double kShare = 0.5;          // of the distance to the middle that a keyframe covers
-constexpr double kLargestStep = 0.08;   // of log tau, for a keyframe
-constexpr double kBytesRise = 0.06;     // of log tau at most, while too many bytes are sent
-constexpr double kBytesLow = 0.7;       // below this share of the budget tau falls again
-constexpr double kBytesFall = 0.01;     // of log tau at kBytesLow; more at a lower rate, where it costs less
-constexpr double kMemory_s = 2;         // over which the byte rate is smoothed
-constexpr double kForcedFall = 0.35;    // of log tau at most, down to where it was before it was forced up
+constexpr double kMiddle = 0.9;           // where triangles are steered to, of the budget
+constexpr double kTrianglePower = 1.2;    // triangles fall as tau^-1.2
+constexpr double kShare = 0.5;            // of the distance to the middle that a keyframe covers
+constexpr double kLargestStep = 0.08;     // of log tau, for a keyframe
+constexpr double kBytesRise = 0.06;       // of log tau at most, while too many bytes are sent
+constexpr double kBytesLow = 0.7;         // below this share of the budget tau falls again
+constexpr double kBytesFall = 0.01;       // of log tau at kBytesLow; more at a lower rate, where it costs less
+constexpr double kProcessorsFall = 0.02;  // of log tau, once processors are free again
+constexpr double kMemory_s = 2;           // over which the byte rate is smoothed
+constexpr double kForcedFall = 0.35;      // of log tau at most, down to where it was before it was forced up
 
 // Of toleranceThatFits().
 constexpr double kAimedLoad = 0.9;  // by the power law
@@ -37,7 +38,12 @@ double ToleranceControl::next(double wanted_px, const Budget& budget) {
                : load > kBytesLow ? 0
                                   : -kBytesFall * kBytesLow / std::max(load, kBytesFall);
   }
-  const double step = std::clamp(std::max(by_triangles, by_bytes), -fall, kLargestStep);
+  was_scarce_ = tau_px_ > wanted_px && (was_scarce_ || budget.processors == Processors::kScarce);
+  double by_processors = was_scarce_ ? -kProcessorsFall : -fall;
+  if (budget.processors == Processors::kScarce) by_processors = kLargestStep;
+  if (budget.processors == Processors::kTaken && was_scarce_) by_processors = 0;
+  was_scarce_ = was_scarce_ || budget.processors == Processors::kScarce;
+  const double step = std::clamp(std::max({by_triangles, by_bytes, by_processors}), -fall, kLargestStep);
   tau_px_ = std::max(wanted_px, tau_px_ * std::exp(step));
   if (tau_px_ <= least_px) unforced_px_ = 0;
   return tau_px_;

@@ -4,7 +4,8 @@
 // Triangles follow the tolerance at once (about as tau^-1.2 on terrain), so they are steered straight to the middle of
 // a band below the budget. Bytes follow with delay, and lowering tau itself costs bytes, so for them tau rises quickly
 // above the band, rests within it, and falls slowly below it. Steps are bounded either way; there is no integral term,
-// hence nothing to overshoot.
+// hence nothing to overshoot. Where processors are scarce the tolerance rises by as much a keyframe, and falls slowly
+// once they are free.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +13,14 @@
 
 namespace foreland::server {
 
-// What a viewer can take; 0 is no limit.
+// What there is of the server's processors for a viewer: as much as it wants; no more than it takes now; or less.
+enum class Processors : uint8_t { kFree, kTaken, kScarce };
+
+// What a viewer can take, 0 being no limit, and what the server can give it.
 struct Budget {
   uint32_t triangles = 0;
   uint32_t bytes_per_second = 0;
+  Processors processors = Processors::kFree;
 };
 
 class ToleranceControl {
@@ -35,7 +40,8 @@ class ToleranceControl {
 
  private:
   double tau_px_ = 0;
-  double unforced_px_ = 0;  // before it was forced up
+  double unforced_px_ = 0;   // before it was forced up
+  bool was_scarce_ = false;  // processors, since the tolerance was the wanted one
   double triangles_ = 0;
   double bytes_per_s_ = 0;  // smoothed over a few seconds
 };

@@ -27,6 +27,8 @@ constexpr double kMostUnknownTurn_rad = 0.3;
 constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
 constexpr Duration kFirstThrough = Duration::seconds(1);
 
+constexpr size_t kMostPredictions = 64;  // whose true poses have not arrived
+
 // For how many intervals the first keyframe after a jump is expected to be shown.
 constexpr int64_t kShownAfterJump = 5;
 
@@ -77,27 +79,52 @@ Status Session::take(const proto::Path& path, Time) {
   return {};
 }
 
+// Requests are answered in steps, one at a time.
+Status Session::checkRequests() const {
+  if (requests_.size() < SessionOptions::kMostRequests) return {};
+  return Error{ErrorCode::kLimit, "you ask for more than you read; wait for the replies to earlier requests"};
+}
+
 Status Session::take(const proto::TourRequest& request, Time) {
-  auto path = planTour(world_->hierarchy.scene(), request.name, request.seconds);
-  if (!path) return path.error();
-  replies_.push_back(proto::encode(proto::TourReply{request.id, path->step, std::move(path->poses)}));
+  if (Status known = checkTour(request.name); !known.ok()) return known;
+  if (Status room = checkRequests(); !room.ok()) return room;
+  requests_.emplace_back(request);
   return {};
 }
 
 Status Session::take(const proto::GroundRequest& request, Time) {
+  if (Status room = checkRequests(); !room.ok()) return room;
+  requests_.emplace_back(request);
+  return {};
+}
+
+Bytes Session::replyTo(const proto::TourRequest& request) const {
+  auto path = planTour(world_->hierarchy.scene(), request.name, request.seconds).value();
+  return proto::encode(proto::TourReply{request.id, path.step, std::move(path.poses)});
+}
+
+Bytes Session::replyTo(const proto::GroundRequest& request) const {
   proto::GroundReply reply{request.id, {}};
   reply.heights_m.reserve(request.positions.size());
   for (const glm::dvec2& p : request.positions)
     reply.heights_m.push_back(static_cast<float>(
         groundHeight(world_->hierarchy.scene(), p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
-  replies_.push_back(proto::encode(reply));
-  return {};
+  return proto::encode(reply);
+}
+
+void Session::answer(std::vector<Bytes>& out) {
+  out.push_back(std::visit([this](const auto& request) { return replyTo(request); }, requests_.front()));
+  requests_.pop_front();
+  ++statistics_.replies;
+  did_ = Did::kRequest;
+  unsent_ = true;
 }
 
 Status Session::take(const proto::PoseUpdate& update, Time now) {
   if (update.received_keyframe > keyframe().index)
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
-  if (isJump(update.pose))
+  // After a clock was set anew, times before it and after it cannot be compared.
+  if (!clocks_.poseArrived(update.pose.time, now) || isJump(update.pose))
     jumpTo(update.pose);
   else
     history_.add(update.pose);
@@ -105,7 +132,6 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     prediction_errors_.add(predictions_.front().pose, history_.at(predictions_.front().time));
     predictions_.pop_front();
   }
-  clocks_.poseArrived(update.pose.time, now);
   if (update.received_keyframe > acknowledged_) {
     acknowledged_ = update.received_keyframe;
     while (!in_flight_.empty() && in_flight_.front().index <= acknowledged_) {
@@ -151,19 +177,27 @@ bool Session::isPathFollowed(const proto::TimedPose& pose) const {
   return off.radius_m <= kMostOffPath.radius_m && off.angle_rad <= kMostOffPath.angle_rad;
 }
 
-// A section that cannot be resumed from is no mistake of the viewer's: it is sent a whole section then.
 Status Session::take(const proto::Resume& resume, Time) {
-  if (!isFirst() || !history_.empty())
-    return Error{ErrorCode::kMalformed, "a client resumes before its first pose, or not at all"};
+  if (!isFirst() || !history_.empty() || resumed_)
+    return Error{ErrorCode::kMalformed, "a client resumes once, before its first pose, or not at all"};
+  resume_ = resume;
+  resumed_ = true;
+  return {};
+}
+
+// A section that cannot be resumed from is no mistake of the viewer's: it is sent a whole section then.
+void Session::tryToResume() {
+  const proto::Resume resume = *std::exchange(resume_, std::nullopt);
+  did_ = Did::kRequest;
   const Hierarchy& hierarchy = world_->hierarchy;
-  if (resume.scene_id != hierarchy.scene().id()) return {};
+  if (resume.scene_id != hierarchy.scene().id()) return;
   const auto sections =
       proto::decodeSections(hierarchy.grid(), hierarchy.objects().set, resume.section, options_.max_section_nodes);
-  if (!sections.ok() || proto::fingerprint(*sections) != resume.fingerprint) return {};
+  if (!sections.ok() || proto::fingerprint(*sections) != resume.fingerprint) return;
   sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint);
   acknowledged_ = resume.keyframe;
   statistics_.resumed = true;
-  return {};
+  aim();
 }
 
 Time Session::gridAtOrAfter(Time t) const {
@@ -173,7 +207,7 @@ Time Session::gridAtOrAfter(Time t) const {
 }
 
 void Session::aim() {
-  if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict || jumped_) return;
+  if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict || jumped_ || resume_) return;
   const Duration T = request_->keyframe_interval;
   // The client needs a keyframe when it reaches the grid point before it.
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
@@ -200,13 +234,18 @@ Session::Plan Session::notTooSoon(Plan plan) const {
 }
 
 std::optional<Session::Plan> Session::plan() const {
-  if (!request_ || history_.empty() || unsent_ || in_flight_.size() >= options_.max_unacknowledged) return std::nullopt;
+  if (!request_ || history_.empty() || unsent_ || resume_ || in_flight_.size() >= options_.max_unacknowledged)
+    return std::nullopt;
   // After a jump the newest pose counts at once: what is shown was computed for elsewhere.
   if (jumped_) return notTooSoon({history_.newest().time, {now_, now_}, 0});
   const Duration T = request_->keyframe_interval;
   const bool first = isFirst();
   const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
-  const auto skippedTo = [&](Time t) { return first || t < next ? 0 : static_cast<uint64_t>((t - next).us / T.us); };
+  // No more than real time has gone by, whatever the client's clock says.
+  const int64_t most_skipped = (now_ - last_keyframe_at_).us / T.us + 1;
+  const auto skippedTo = [&](Time t) {
+    return first || t < next ? 0 : static_cast<uint64_t>(std::min((t - next).us / T.us, most_skipped));
+  };
 
   if (request_->strategy == proto::Strategy::kPredict) {
     if (!target_) return std::nullopt;
@@ -223,15 +262,29 @@ std::optional<Session::Plan> Session::plan() const {
 
 std::optional<Session::Due> Session::due() const {
   if (!replies_.empty()) return Due{now_, now_};
-  const auto prefetch = prefetchDue();
-  if (const auto p = plan()) return prefetch && prefetch->release < p->due.release ? prefetch : p->due;
-  return prefetch;
+  std::optional<Due> first;
+  const auto consider = [&](const std::optional<Due>& due) {
+    if (due && (!first || due->release < first->release)) first = due;
+  };
+  if (const auto p = plan()) consider(p->due);
+  consider(requestDue());
+  consider(prefetchDue());
+  return first;
 }
 
-// Its deadline is half a second later, so that keyframes are preferred.
+// After keyframes, which viewers wait for.
+std::optional<Session::Due> Session::requestDue() const {
+  constexpr Duration kPatience = Duration::milliseconds(200);
+  if (resume_) return Due{now_, now_ + kPatience, true};
+  if (requests_.empty() || unsent_) return std::nullopt;
+  const Time release = std::max(now_, next_request_);
+  return Due{release, release + kPatience, true};
+}
+
+// Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.
 std::optional<Session::Due> Session::prefetchDue() const {
-  if (options_.prefetch_ahead == Duration{} || isFirst()) return std::nullopt;
-  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery};
+  if (options_.prefetch_ahead == Duration{} || isFirst() || processors_ != Processors::kFree) return std::nullopt;
+  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery, true};
 }
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
@@ -247,10 +300,15 @@ void Session::prefetch(SessionScratch& scratch) {
 
 void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   now_ = std::max(now_, now);
+  const bool is_greeting = !replies_.empty();
   for (Bytes& reply : replies_) out.push_back(std::move(reply));
   replies_.clear();
+  did_ = Did::kNothing;
   const auto next = plan();
   if (next && next->due.release <= now_) return computeKeyframe(*next, now_, scratch, out);
+  if (is_greeting) return;  // which is due at once, unlike what follows
+  if (resume_) return tryToResume();
+  if (const auto due = requestDue(); due && due->release <= now_) return answer(out);
   if (const auto due = prefetchDue(); due && due->release <= now_) prefetch(scratch);
 }
 
@@ -323,7 +381,7 @@ double Session::loadOf(const proto::View& view, SessionScratch& scratch) const {
 // too large for the viewer, the link, or one step of the server. One refinement tells, and is all that is done in most
 // keyframes.
 void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
-  const Budget budget{request_->max_triangles, request_->max_bytes_per_second};
+  const Budget budget{request_->max_triangles, request_->max_bytes_per_second, processors_};
   const double before_px = tolerance_.tolerance();
   const double wanted_px = static_cast<float>(tolerance_.next(request_->tau_px, budget));
   view.tau_px = wanted_px;
@@ -373,11 +431,13 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   unsent_ = true;
   keyframe_before_last_at_ = isFirst() ? now - request_->keyframe_interval : last_keyframe_at_;
   last_keyframe_at_ = now;
+  did_ = Did::kKeyframe;
   was_after_jump_ = std::exchange(jumped_, false);
   target_.reset();
   aim();
   in_flight_.push_back({keyframe().index, now});
   if (plan.time_client > history_.newest().time) predictions_.push_back({plan.time_client, view.pose});
+  if (predictions_.size() > kMostPredictions) predictions_.pop_front();
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.send.delta.added.size();
@@ -387,7 +447,9 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
 void Session::noteComputeTime(Duration spent) {
-  compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
+  constexpr int64_t kRest = 4;  // times what a request took
+  if (did_ == Did::kKeyframe) compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
+  if (did_ == Did::kRequest) next_request_ = now_ + spent + spent * kRest;
 }
 
 }  // namespace foreland::server

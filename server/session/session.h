@@ -12,6 +12,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "base/bytes.h"
@@ -28,6 +29,8 @@
 namespace foreland::server {
 
 struct SessionOptions {
+  static constexpr size_t kMostRequests = 16;  // for tours and ground heights, waiting for their replies
+
   double tau_px = 1;                                         // for viewers that ask for no tolerance
   Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that ask for none
   Duration safety = Duration::milliseconds(15);  // a predicted keyframe should arrive this long before it is needed
@@ -51,6 +54,7 @@ struct SessionStatistics {
   uint64_t nodes_added = 0, nodes_removed = 0;
   size_t section_nodes = 0;
   uint64_t prefetches = 0;
+  uint64_t replies = 0;  // to requests
   uint64_t jumps = 0;    // of the camera (proto/space/jump.h)
   bool resumed = false;  // started from a section that the viewer held from an earlier connection
 };
@@ -67,17 +71,24 @@ class Session {
   struct Due {
     Time release;
     Time deadline;
+    bool is_costly = false;  // no keyframe, and may take up to a second
   };
   std::optional<Due> due() const;
 
-  // Does what is due at `now`: hands over replies, and computes at most one keyframe or prefetches once. Appends whole
-  // messages to `out`. Called early, it does nothing. Report afterwards how long it took with noteComputeTime.
+  // Does what is due at `now`: one keyframe, or one reply to a request, or what a section to resume from takes, or one
+  // prefetch. Appends whole messages to `out`. Called early, it does nothing. Report afterwards how long it took with
+  // noteComputeTime: requests are answered with at most a fifth of a worker's time, and none while an earlier reply is
+  // unsent.
   //
   // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, one after a jump, or
   // one of more than half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the
   // section then is too large, about four (toleranceThatFits), most of which end early.
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out);
   void noteComputeTime(Duration spent);
+  // How long a keyframe is expected to take.
+  Duration computeTime() const { return compute_time_; }
+  // What the server's processors can give this viewer from now on.
+  void setProcessors(Processors processors) { processors_ = processors; }
 
   // To be called when the transport has sent every byte of earlier steps. Until then no keyframe is computed, so at
   // most one delta waits to be sent.
@@ -120,7 +131,13 @@ class Session {
   proto::View viewFor(Time t_client) const;
   Region unknownMotion(Duration time) const;
   size_t mostNodes() const;
+  std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
+  Status checkRequests() const;
+  void answer(std::vector<Bytes>& out);
+  Bytes replyTo(const proto::TourRequest& request) const;
+  Bytes replyTo(const proto::GroundRequest& request) const;
+  void tryToResume();
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
   double mostAddedForLink() const;
@@ -141,7 +158,14 @@ class Session {
   proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
-  std::vector<Bytes> replies_;
+  std::vector<Bytes> replies_;  // ready
+  std::deque<std::variant<proto::TourRequest, proto::GroundRequest>> requests_;
+  Time next_request_;  // not to be answered earlier
+  std::optional<proto::Resume> resume_;
+  bool resumed_ = false;  // or tried to
+  enum class Did : uint8_t { kNothing, kKeyframe, kRequest };
+  Did did_ = Did::kNothing;  // in the last step
+  Processors processors_ = Processors::kFree;
 
   SectionSender sender_;
   std::unique_ptr<ViewerOcclusion> occlusion_;  // null if deltas on this connection carry no hidden blocks

@@ -1,5 +1,6 @@
 // What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (DESIGN
-// section 4). One owner. Bounded: it keeps the last kCapacity poses.
+// section 4). One owner. Bounded: it keeps at least the last kCapacity / 2 poses, and at most kCapacity. At 60 poses a
+// second these are more than 4 s, so that poses between two keyframes at the usual intervals are all there.
 #pragma once
 
 #include <optional>
@@ -23,7 +24,7 @@ struct Extrapolation {
 
 class PoseHistory {
  public:
-  static constexpr size_t kCapacity = 64;
+  static constexpr size_t kCapacity = 512;
   static constexpr Duration kHorizon = Duration::milliseconds(3000);
   static constexpr Duration kBaseline = Duration::milliseconds(80);
 

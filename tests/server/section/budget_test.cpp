@@ -105,6 +105,16 @@ TEST(ToleranceControl, FallsFasterAfterItWasForcedUp) {
   }
 }
 
+TEST(ToleranceControl, RisesWhileProcessorsAreScarceRestsWhileTheyAreTakenAndFallsSlowly) {
+  ToleranceControl control;
+  run(control, 1, {}, 1);
+  const double scarce_px = run(control, 1, {.processors = Processors::kScarce}, 20);
+  EXPECT_NEAR(std::log(scarce_px), 20 * 0.08, 1e-9);
+  EXPECT_EQ(run(control, 1, {.processors = Processors::kTaken}, 20), scarce_px);
+  EXPECT_NEAR(std::log(scarce_px / run(control, 1, {}, 10)), 10 * 0.02, 1e-9);
+  EXPECT_EQ(run(control, 1, {}, 200), 1);
+}
+
 TEST(ToleranceControl, BeginsAnewAfterARestart) {
   ToleranceControl control;
   run(control, 1, {}, 1);

@@ -187,5 +187,68 @@ TEST(Session, AnEnormousRegionGetsASectionForThePoseAlone) {
   EXPECT_LT(jumper.session.keyframe().tau_px, 1000);
 }
 
+TEST(Session, AnswersRequestsOneAStepAndNoneWhileAReplyIsUnsent) {
+  Session session(smallWorld(), {});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  session.step(Time{}, scratch, out);
+  out.clear();
+  for (uint32_t i = 0; i < 3; ++i)
+    ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{i, {{1, 2}}}), Time{}).ok());
+  ASSERT_TRUE(session.due() && session.due()->is_costly);
+  session.step(Time{}, scratch, out);
+  session.noteComputeTime(Duration::milliseconds(100));
+  EXPECT_EQ(out.size(), 1u);
+  EXPECT_FALSE(session.due()) << "the reply is unsent";
+  session.onDrained(Time::seconds(0.1));
+  EXPECT_GE(session.due()->release, Time::seconds(0.5)) << "a fifth of a worker's time";
+  session.step(Time::seconds(0.2), scratch, out);
+  EXPECT_EQ(out.size(), 1u);
+  session.step(Time::seconds(0.6), scratch, out);
+  EXPECT_EQ(out.size(), 2u);
+}
+
+TEST(Session, RefusesMoreRequestsThanMayWait) {
+  Session session(smallWorld(), {});
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  for (uint32_t i = 0; i < SessionOptions::kMostRequests; ++i)
+    ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 3600}), Time{}).ok());
+  EXPECT_FALSE(session.receive(proto::encode(proto::TourRequest{99, "survey", 3600}), Time{}).ok());
+}
+
+TEST(Session, ResumesOnceAtMost) {
+  Session session(smallWorld(), {});
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  const Bytes resume = proto::encode(proto::Resume{1, 2, Time{}, 3, {1, 2, 3}});
+  EXPECT_TRUE(session.receive(resume, Time{}).ok());
+  EXPECT_FALSE(session.receive(resume, Time{}).ok());
+}
+
+// Neither hours ahead nor hours back stop a flight, nor are keyframes counted as skipped that there was no time for.
+TEST(Session, FliesOnAfterTheViewersClockIsSetAnew) {
+  for (const double step_s : {3600.0 * 1000, -3600.0 * 1000})
+    for (const proto::Strategy strategy : {proto::Strategy::kDelay, proto::Strategy::kPredict}) {
+      Jumper jumper(smallWorld(), {}, strategy);
+      double server_s = 0;
+      const auto fly = [&](int poses, double offset_s) {
+        for (int i = 0; i < poses; ++i, server_s += 0.05) {
+          proto::PoseUpdate update = poseAt(server_s + offset_s);
+          update.received_keyframe = jumper.session.keyframe().index;
+          update.received_at = update.pose.time;
+          ASSERT_TRUE(jumper.session.receive(proto::encode(update), Time::seconds(server_s)).ok());
+          jumper.session.step(Time::seconds(server_s), jumper.scratch, jumper.out);
+          jumper.session.onDrained(Time::seconds(server_s));
+        }
+      };
+      fly(100, 0);
+      const uint64_t before = jumper.session.statistics().keyframes;
+      fly(100, step_s);
+      EXPECT_GE(jumper.session.statistics().keyframes, before + 20) << step_s;
+      EXPECT_LE(jumper.session.statistics().skipped_keyframes, 30u);
+      EXPECT_NEAR(jumper.session.keyframe().time.toSeconds(), server_s + step_s, 2);
+    }
+}
+
 }  // namespace
 }  // namespace foreland::server
