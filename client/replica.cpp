@@ -53,7 +53,7 @@ std::optional<int32_t> Replica::knownHeight(NodeId v) const {
 
 Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend blend) {
   if (header.base_index == 0 && to_.index != 0) reset();
-  if (is_broken_) return refused("an earlier keyframe of this connection was malformed");
+  if (is_broken_ && header.base_index != 0) return refused("an earlier keyframe of this connection was malformed");
   if (header.base_index != to_.index)
     return refused("its delta starts from keyframe " + std::to_string(header.base_index) + ", but the client holds " +
                    std::to_string(to_.index));
@@ -101,18 +101,15 @@ double Replica::intervals(const MorphTiming& timing, Slot slot) const {
       centre, page ? domain_->radius(grid.level(n), page->radius) : std::numeric_limits<double>::infinity());
 }
 
-// Back to the state before the first keyframe: the server has sent one that starts from nothing.
+// Back to the state before the first keyframe, but for what is remembered of the terrain: the server has sent a
+// keyframe that starts from nothing.
 void Replica::reset() {
-  const auto memory_bytes = static_cast<uint32_t>(memory().budget());
-  adapter_ = proto::TerrainAdapter(*domain_);
-  nodes_ = HeldNodes(domain_->grid, {*corner_heights_, *centre_heights_});
   morphs_ = {};
   model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
   fingerprint_ = 0;
   from_ = to_ = {};
-  is_broken_ = false;
   makeObjects();
-  setMemory(memory_bytes);
+  setMemory(static_cast<uint32_t>(memory().budget()));
 }
 
 namespace {
@@ -169,6 +166,14 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   delta_.added.clear();
   delta_.removed.clear();
   proto::DeltaDecoder decoder(*domain_, nodes_.records(), model_, bytes);
+  if (header.base_index == 0) {
+    const proto::Remembered remembered = decoder.codeRestart();
+    if (is_broken_ && remembered != proto::Remembered::kNothing)
+      return refused("an earlier keyframe of this connection was malformed");
+    is_broken_ = false;
+    adapter_.restart(remembered);
+    nodes_.clearSections();
+  }
   if (!adapt(header, decoder)) {
     if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
     return refused("its section is not parent-closed, or too large");

@@ -32,7 +32,9 @@ void Timeline::updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival) {
 }
 
 Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
-  const bool first = entries_.empty(), predicted = strategy == proto::Strategy::kPredict;
+  const bool still = mesh->from.index == mesh->to.index, predicted = strategy == proto::Strategy::kPredict;
+  if (still) entries_.clear();
+  const bool first = entries_.empty();
   const Duration interval = intervalOf(*mesh);
   // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
   const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + playout_delay_));
@@ -49,7 +51,6 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   else
     begin = std::max(begin, entries_.back().end);
   const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
-  const bool still = mesh->from.index == mesh->to.index;
   entries_.push_back({std::move(mesh), begin, end, next_version_++});
   ++undrawn_;
   while (entries_.size() > (undrawn_ > kMaxUndrawn ? kMaxUndrawn : kMaxMeshes)) entries_.pop_front();

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
+#include "proto/space/jump.h"
 #include "proto/space/timed_poses.h"
 
 namespace foreland::client {
@@ -100,12 +102,53 @@ void Viewer::sendPose(Time now, const proto::Pose& pose) {
   last_pose_sent_ = now;
 }
 
+// At a jump the server should not wait for the next pose that is due.
+void Viewer::sendPoseIfDue(Time now, const proto::Pose& pose) {
+  if (!is_greeted_) return;
+  const bool jumped = poses_.size() > 1 && proto::isJump(poses_[poses_.size() - 2], poses_.back(), 0);
+  if (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_ || (jumped && now > *last_pose_sent_))
+    sendPose(now, pose);
+}
+
+// Where the camera was. A pose between the two sides of a jump was never seen.
+proto::Pose Viewer::poseShownAt(Time t) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
+                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
+  if (after != poses_.begin() && after != poses_.end() && proto::isJump(after[-1], *after, 0))
+    return after->time == t ? after->pose : after[-1].pose;
+  return proto::poseAt(poses_, t);
+}
+
+bool Viewer::hasJumpedSince(Time t) const {
+  for (size_t i = poses_.size(); i-- > 1 && poses_[i].time > t;)
+    if (proto::isJump(poses_[i - 1], poses_[i], 0)) return true;
+  return false;
+}
+
+namespace {
+
+bool covers(const proto::KeyframeHeader& k, const proto::Pose& camera) {
+  return glm::distance(k.pose.eye, camera.eye) <= k.region_radius_m &&
+         proto::angleBetween(k.pose.orientation, camera.orientation) <= k.region_angle_rad;
+}
+
+// At weight 0 or 1 one of the two sections is not shown, and its guarantee does not matter.
+float toleranceOf(const KeyframeMesh& mesh, float weight, const proto::Pose& camera) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  float tolerance_px = 0;
+  if (weight < 1) tolerance_px = covers(mesh.from, camera) ? mesh.from.tau_px : kNone;
+  if (weight > 0) tolerance_px = std::max(tolerance_px, covers(mesh.to, camera) ? mesh.to.tau_px : kNone);
+  return tolerance_px;
+}
+
+}  // namespace
+
 FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   if (poses_.empty() || now > poses_.back().time) poses_.push_back({now, pose});
   if (poses_.front().time < now - kPoseMemory - kPoseMemory)
     poses_.erase(poses_.begin(), std::lower_bound(poses_.begin(), poses_.end(), now - kPoseMemory,
                                                   [](const proto::TimedPose& p, Time t) { return p.time < t; }));
-  if (is_greeted_ && (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_)) sendPose(now, pose);
+  sendPoseIfDue(now, pose);
 
   Timeline::Shown shown = timeline_.at(now);
   if (shown.is_over && now - received_at_ >= Timeline::kTimeout && replica_->isInTransition()) {
@@ -114,20 +157,14 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
     shown = timeline_.at(now);
   }
   FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
-  if (request_.strategy == proto::Strategy::kDelay && shown.mesh) view.pose = proto::poseAt(poses_, shown.scene_time);
-  if (view.mesh) countFrame(view);
-  return view;
-}
-
-void Viewer::countFrame(const FrameView& view) {
-  const auto covers = [&](const proto::KeyframeHeader& k) {
-    const double angle = proto::angleBetween(k.pose.orientation, view.pose.orientation);
-    return glm::distance(k.pose.eye, view.pose.eye) <= k.region_radius_m && angle <= k.region_angle_rad;
-  };
+  if (!view.mesh) return view;
+  if (request_.strategy == proto::Strategy::kDelay) view.pose = poseShownAt(shown.scene_time);
+  view.tolerance_px = toleranceOf(*view.mesh, view.weight, view.pose);
   ++statistics_.frames;
-  // At weight 0 or 1 one of the two sections is not shown, and its guarantee does not matter.
-  const bool from_shows = view.weight<1, to_shows = view.weight> 0;
-  if ((from_shows && !covers(view.mesh->from)) || (to_shows && !covers(view.mesh->to))) ++statistics_.frames_outside;
+  if (std::isinf(view.tolerance_px)) ++statistics_.frames_outside;
+  if (request_.strategy == proto::Strategy::kCurrent && !hasJumpedSince(shown.scene_time))
+    view.tolerance_px = toleranceOf(*view.mesh, view.weight, poseShownAt(shown.scene_time));
+  return view;
 }
 
 void Viewer::setRequest(const proto::ViewRequest& request) {

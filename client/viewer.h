@@ -39,6 +39,10 @@ struct FrameView {
   proto::Pose pose;                    // the camera: M(t), or M(t_d) with strategy `delay`
   Time scene_time;                     // the time whose geometry is shown: t with `predict`, t_d otherwise
   uint32_t mesh_version = 0;           // changes when `mesh` does: upload buffers again
+  // The largest error on the screen, in pixels, that the server guarantees for what is shown: infinity if the camera is
+  // outside the region that a shown keyframe is computed for, as it is between a jump and the first keyframe after it.
+  // With `current` it is that for the camera at `scene_time`: of the present one the server had not been told.
+  float tolerance_px = 0;
 };
 
 class Viewer {
@@ -88,7 +92,9 @@ class Viewer {
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
   void sendPose(Time now, const proto::Pose& pose);
-  void countFrame(const FrameView& view);
+  void sendPoseIfDue(Time now, const proto::Pose& pose);
+  proto::Pose poseShownAt(Time t) const;
+  bool hasJumpedSince(Time t) const;
 
   proto::ViewRequest request_;
   Duration pose_interval_;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kFlight = R"(
 The flight is flown in real time at 60 frames a second. The predictor is `path` unless --predictor names another one:
-the path of a tour or track is known, and is announced to the server.
+the path of a tour or track is known, and is announced to the server. The tour `jumps` has no path (predictor `velocity`).
 )";
 constexpr const char* kExitCodes = R"(
 Exit code: 0 when the flight was flown to its end, 2 otherwise.)";
@@ -26,7 +26,7 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
   if (!lens.ok()) return lens.error();
   const auto strategy = proto::strategyNamed(o.strategy);
   if (!strategy) return invalid("--strategy '" + o.strategy + "': choose delay, current or predict");
-  const auto predictor = proto::predictorNamed(o.predictor.value_or("path"));
+  const auto predictor = proto::predictorNamed(o.predictor.value_or(o.tour == "jumps" ? "velocity" : "path"));
   if (!predictor) return invalid("--predictor '" + *o.predictor + "': choose hold, velocity, acceleration or path");
   if (!(o.tau_px > 0) || o.tau_px > 1000) return invalid("--tau must be above 0 and at most 1000 pixels");
   if (o.keyframe_ms < 20 || o.keyframe_ms > 10'000) return invalid("--keyframe-ms must be 20 to 10000");
@@ -49,7 +49,9 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.footer(std::string(kFlight) + reportHelp() + kExitCodes);
   app.add_option("URL", o.url, "the server, as ws://HOST:PORT")->required();
   CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
-  app.add_option("--tour", o.tour, "fly a built-in tour: survey (default), canyon, spin, orbit")->excludes(track);
+  app.add_option("--tour", o.tour,
+                 "fly a built-in tour: survey (default), canyon, spin, orbit; or jumps, from view to view")
+      ->excludes(track);
   app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)")
       ->check(isFinite());
   app.add_option("--speed", o.track_options.speed, "seconds of the track per second of flight (default 1)")
@@ -110,6 +112,8 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
   if (!request.ok()) return request.error();
   const std::optional<client::Blend> blend = client::blendNamed(o.blend);
   if (!blend) return invalid("--blend '" + o.blend + "': choose keyframe or geomorph");
+  if (o.tour == "jumps" && request->predictor == proto::Predictor::kKnownPath)
+    return invalid("--predictor path: the tour 'jumps' has no path; choose hold, velocity or acceleration");
   if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
     return invalid("--seconds must be above 0 and at most 86400");
   client::PlayerOptions player{.request = *request,

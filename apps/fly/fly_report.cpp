@@ -6,6 +6,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json jumpsOf(const std::vector<client::JumpReport>& jumps) {
+  Json all = Json::object();
+  for (const client::JumpReport& jump : jumps)
+    all[jump.kind] = {{"jumps", jump.jumps},
+                      {"recovered", jump.recovered},
+                      {"recovery_ms", jump.worst_recovery.toMilliseconds()},
+                      {"mean_recovery_ms", jump.mean_recovery.toMilliseconds()},
+                      {"unguaranteed_ms", jump.worst_without.toMilliseconds()},
+                      {"largest_tolerance_px", jump.largest_tolerance_px},
+                      {"late_coarse_frames", jump.late_coarse_frames}};
+  return all;
+}
+
 Json reportOf(const FlySummary& s) {
   const client::FlightReport& f = s.flight;
   Json json;
@@ -32,6 +45,7 @@ Json reportOf(const FlySummary& s) {
   json["tau_px"] = s.request.tau_px;
   json["keyframe_ms"] = s.request.keyframe_interval.toMilliseconds();
   json["worst_lateness_ms"] = f.session.worst_lateness.toMilliseconds();
+  if (!f.jumps.empty()) json["jumps"] = jumpsOf(f.jumps);
   if (s.truth) json.update(bench::toJson(*s.truth));
   if (s.dumped_frames > 0) json["dumped_frames"] = s.dumped_frames;
   json["notes"] = s.notes;
@@ -52,6 +66,10 @@ Report (--json prints one object with these keys):
   nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
   resumed, started_afresh       new connections, by what their first keyframe started from; longest_resume_ms
   nodes_added, nodes_removed    in all keyframes
+  jumps                         with --tour jumps, by kind: jumps and how many the tolerance was held again after; recovery_ms
+                                (worst, from the jump to the first frame that holds it) and mean_recovery_ms; unguaranteed_ms
+                                (worst, to the first frame that guarantees anything); largest_tolerance_px of those that do;
+                                late_coarse_frames (later than 400 ms, above 8 px or without a guarantee)
   strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, notes
 With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is

@@ -1,6 +1,7 @@
 #include "client/fly/player.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 
 namespace foreland::client {
 
@@ -48,7 +49,7 @@ Status Player::frame(Time now) {
   if (phase_ == Phase::kPlanning)
     if (Status s = takePlan(now); !s.ok()) return s;
   if (phase_ == Phase::kStanding || phase_ == Phase::kFlying) {
-    view_ = viewer_.frame(now, path_.at(now));
+    view_ = viewer_.frame(now, camera(now));
     if (phase_ == Phase::kStanding && now >= path_.start) {
       before_flight_ = viewer_.statistics();
       enter(Phase::kFlying, now);
@@ -75,6 +76,7 @@ Status Player::checkTimeout(Time now) const {
 
 Status Player::plan() {
   const PlayerOptions& o = log_.options;
+  if (!o.track && o.tour == "jumps") return planJumps();
   if (!o.track) {
     viewer_.requestTour(o.tour, o.seconds);
     return {};
@@ -89,13 +91,13 @@ Status Player::plan() {
 }
 
 void Player::askGround() {
-  const size_t from = ground_m_.size(), to = std::min(planned_.positions.size(), from + proto::kMaxGroundPoints);
-  viewer_.requestGround({planned_.positions.begin() + static_cast<ptrdiff_t>(from),
-                         planned_.positions.begin() + static_cast<ptrdiff_t>(to)});
+  const std::vector<glm::dvec2>& all = groundPositions();
+  const size_t from = ground_m_.size(), to = std::min(all.size(), from + proto::kMaxGroundPoints);
+  viewer_.requestGround({all.begin() + static_cast<ptrdiff_t>(from), all.begin() + static_cast<ptrdiff_t>(to)});
 }
 
 Status Player::takePlan(Time now) {
-  if (log_.options.track) return takeGround(now);
+  if (hasGroundToAsk()) return takeGround(now);
   std::optional<proto::TourReply> tour = viewer_.takeTour();
   if (!tour) return {};
   return setPath({.start = {}, .step = tour->step, .poses = std::move(tour->poses)}, now);
@@ -105,15 +107,45 @@ Status Player::takeGround(Time now) {
   std::optional<proto::GroundReply> ground = viewer_.takeGround();
   if (!ground) return {};
   ground_m_.insert(ground_m_.end(), ground->heights_m.begin(), ground->heights_m.end());
-  if (!ground->heights_m.empty() && ground_m_.size() < planned_.positions.size()) {
+  if (!ground->heights_m.empty() && ground_m_.size() < groundPositions().size()) {
     askGround();
     return {};
   }
+  if (jumps_) return startJumps(now);
   Result<TrackPath> path =
       pathOverGround(planned_, viewer_.frameGrid().transform(), ground_m_, log_.options.track_options);
   if (!path.ok()) return path.error();
   note(path->notes);
   return setPath(std::move(path->path), now);
+}
+
+Status Player::planJumps() {
+  const proto::Welcome& welcome = *viewer_.welcome();
+  Result<JumpTour> tour = JumpTour::plan(viewer_.frameGrid().transform(), welcome.shape, log_.options.seconds);
+  if (!tour.ok()) return tour.error();
+  jumps_ = std::move(tour).value();
+  askGround();
+  return {};
+}
+
+Status Player::startJumps(Time now) {
+  jumps_->setGround(ground_m_);
+  const proto::Pose pose = jumps_->at({});
+  path_ = {.start = now + log_.options.standing, .step = jumps_->length(), .poses = {pose, pose}};
+  enter(Phase::kStanding, now);
+  return {};
+}
+
+proto::Pose Player::camera(Time now) const { return jumps_ ? jumps_->at(now - path_.start) : path_.at(now); }
+
+// With `delay` the camera's view from before the jump may still be shown.
+void Player::countJump(Time now) {
+  const Duration t = now - path_.start;
+  if (t >= jumps_->length()) return;
+  const size_t view = jumps_->viewAt(t);
+  const Time jump = path_.start + JumpTour::kEvery * static_cast<int64_t>(view);
+  const bool shows_view = view_.mesh && glm::distance(view_.pose.eye, jumps_->at(t).eye) < JumpTour::kSpeed_mps;
+  jump_reports_.count(*jumps_, view, now - jump, shows_view, view_.tolerance_px, log_.options.request.tau_px);
 }
 
 Status Player::setPath(proto::Path path, Time now) {
@@ -127,6 +159,7 @@ Status Player::setPath(proto::Path path, Time now) {
 
 void Player::countFrame(Time now) {
   ++report_.frames;
+  if (jumps_) countJump(now);
   report_.seconds = std::max(0.0, (std::min(now, path_.end()) - path_.start).toSeconds());
   if (!view_.mesh) {
     ++report_.frames_without_mesh;
@@ -140,6 +173,7 @@ void Player::countFrame(Time now) {
 
 FlightReport Player::report() const {
   FlightReport r = report_;
+  r.jumps = jump_reports_.reports();
   r.session = viewer_.statistics();
   if (phase_ == Phase::kFlying || phase_ == Phase::kDone) {
     r.keyframes_flying = r.session.keyframes - before_flight_.keyframes;

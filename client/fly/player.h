@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "client/fly/jump_tour.h"
 #include "client/fly/track.h"
 #include "client/fly/track_path.h"
 #include "client/viewer.h"
@@ -29,7 +30,7 @@ struct PlayerOptions {
   proto::ViewRequest request;
   Blend blend = Blend::kKeyframe;
   PathKnowledge knowledge = PathKnowledge::kPrivate;
-  std::string tour = "survey";  // used if there is no track
+  std::string tour = "survey";  // used if there is no track; `jumps` is planned here, others by the server
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
   double seconds = 60;                               // of the flight; on a track, track_options.seconds is used instead
@@ -57,8 +58,9 @@ struct FlightReport {
   size_t triangles = 0;                       // of the newest mesh shown
   double mean_nodes = 0, mean_triangles = 0;  // over frames with a mesh
   uint32_t keyframes_flying = 0, late_keyframes_flying = 0;
-  uint64_t frames_outside = 0;  // drawn from where one of the two keyframes does not guarantee its tolerance
-  ViewerStatistics session;     // everything since the connection
+  uint64_t frames_outside = 0;    // drawn from where one of the two keyframes does not guarantee its tolerance
+  std::vector<JumpReport> jumps;  // by kind; empty for other tours
+  ViewerStatistics session;       // everything since the connection
 };
 
 class Player {
@@ -79,7 +81,8 @@ class Player {
   Phase phase() const { return phase_; }
   // What the last frame showed; valid until the next frame. Its mesh may be nullptr.
   const FrameView& view() const { return view_; }
-  // The camera's planned path on the client's clock; valid from kStanding on.
+  // The camera's planned path on the client's clock; valid from kStanding on. Of a tour of jumps, its beginning and end
+  // only.
   const proto::Path& path() const { return path_; }
   const Viewer& viewer() const { return viewer_; }
   FlightReport report() const;
@@ -91,6 +94,12 @@ class Player {
   Status takePlan(Time now);
   Status takeGround(Time now);
   void askGround();
+  bool hasGroundToAsk() const { return log_.options.track != nullptr || jumps_; }
+  const std::vector<glm::dvec2>& groundPositions() const { return jumps_ ? jumps_->positions() : planned_.positions; }
+  Status planJumps();
+  Status startJumps(Time now);
+  proto::Pose camera(Time now) const;
+  void countJump(Time now);
   Status setPath(proto::Path path, Time now);
   void note(const std::vector<std::string>& notes) { notes_.insert(notes_.end(), notes.begin(), notes.end()); }
   void enter(Phase phase, Time now);
@@ -104,6 +113,8 @@ class Player {
   FrameView view_;
   proto::Path path_;
   PlannedTrack planned_;
+  std::optional<JumpTour> jumps_;
+  JumpReports jump_reports_;
   std::vector<float> ground_m_;
   std::vector<std::string> notes_;
   FlightReport report_;

@@ -25,6 +25,11 @@ class HeldNodes {
 
   // What was `to` becomes `from`, and `to` changes by the delta, whose added nodes must have records.
   void step(const proto::CutDelta& delta);
+  // Makes both sections empty; the records stay.
+  void clearSections() {
+    memberships_.clear();
+    changed_.clear();
+  }
   // Drops the records of blocks that neither section needs and for which isKnown(first slot of the block) is false.
   // Does nothing until there are twice as many blocks as it left the last time, so its cost is amortised.
   template <class IsKnown>

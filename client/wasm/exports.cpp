@@ -83,7 +83,6 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.to_nodes = mesh.to_nodes;
   out.from_index = mesh.from.index;
   out.to_index = mesh.to.index;
-  out.tau_px = mesh.to.tau_px;
   out.object_vertex_count = static_cast<uint32_t>(mesh.objects.to_positions.size());
   out.object_index_count = static_cast<uint32_t>(mesh.objects.indices.size());
   out.object_from_positions = addressOf(mesh.objects.from_positions.data());
@@ -193,6 +192,7 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
   out.weight = view.weight;
   if (view.mesh == nullptr) return &out;
   out.mesh_version = view.mesh_version;
+  out.tau_px = view.tolerance_px;
   fillMesh(*view.mesh, out);
   return &out;
 }

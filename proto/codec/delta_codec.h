@@ -92,6 +92,8 @@ class DeltaEncoder final : public TerrainSource {
   bool onAdded(int level, std::span<const Predicate> added) override;
   bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
   bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
+  // First in a delta from the empty section: what the client remembers then.
+  void codeRestart(Remembered remembered) { coder_.codeEvenly(remembered == Remembered::kPages ? 1 : 0, 1); }
   // For what else the delta has: the nodes of objects.
   RangeEncoder& coder() { return coder_; }
   // Writes what is left. Nothing may follow the delta's bytes.
@@ -122,6 +124,7 @@ class DeltaDecoder final : public TerrainSource {
   void onSettled(Slot slot, QuantisedError error) override;
   bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
   bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
+  Remembered codeRestart() { return coder_.codeEvenly(0, 1) != 0 ? Remembered::kPages : Remembered::kNothing; }
   RangeDecoder& coder() { return coder_; }
   Status finish() const;
 

@@ -1,4 +1,5 @@
 #include "proto/message/control.h"
+#include "base/printable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +84,9 @@ const fb::Control* verified(ByteSpan bytes, std::vector<uint64_t>& aligned) {
   return control->body() ? control : nullptr;  // the verifier lets a typed union without a table pass
 }
 
-std::string text(const flatbuffers::String* s, size_t limit) { return s ? s->str().substr(0, limit) : std::string(); }
+std::string text(const flatbuffers::String* s, size_t limit) {
+  return s ? std::string(cutText(s->str(), limit)) : std::string();
+}
 
 // FlatBuffers' verifier does not see to the alignment of a vector's structs, so they are read bytewise.
 template <class T>
@@ -136,7 +139,8 @@ Result<ClientControl> read(const fb::PathUpload& m) {
   auto poses = posesOf(m.poses());
   if (!poses) return poses.error();
   Path path{Time{m.start_us()}, Duration{m.step_us()}, std::move(poses).value()};
-  if (std::abs(m.start_us()) > (int64_t{1} << 60)) return malformed("a path starts at an absurd time");
+  constexpr int64_t kLatest_us = int64_t{1} << 60;
+  if (m.start_us() < -kLatest_us || m.start_us() > kLatest_us) return malformed("a path starts at an absurd time");
   if (Status s = path.validate(); !s.ok()) return s.error();
   return ClientControl(std::move(path));
 }

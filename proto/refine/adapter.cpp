@@ -321,6 +321,19 @@ void Adapter<Tester>::learn(std::span<const KnownPage> pages) {
 }
 
 template <class Tester>
+void Adapter<Tester>::restart(Remembered remembered) {
+  const std::vector<KnownPage> pages = livePages();
+  frontier_ = Frontier();
+  memory_.restart(remembered);
+  if (remembered == Remembered::kPages)
+    for (const KnownPage& page : pages) memory_.keep(page.first, page.knowledge);
+  last_.reset();
+  is_complete_ = false;
+  nodes_in_section_ = 0;
+  steps_ = 0;
+}
+
+template <class Tester>
 std::vector<KnownPage> Adapter<Tester>::livePages() const {
   std::vector<KnownPage> pages;
   for (const Frontier::Nodes::PageName& name : frontier_.nodes().pages()) {

@@ -39,6 +39,8 @@ class Adapter {
   // Right after that: both ends also know this of pages, which are ascending and hold all of the section's nodes. Those
   // without any are remembered, the coarsest longest.
   void learn(std::span<const KnownPage> pages);
+  // Begins with the empty section again. Pages that were in use are remembered like the others, or none is.
+  void restart(Remembered remembered);
   // What is known of pages with nodes in the section or on its frontier; of these and those that are remembered.
   // Ascending.
   std::vector<KnownPage> livePages() const;

@@ -29,6 +29,12 @@ std::optional<PageKnowledge> NodeMemory::take(Slot slot) {
   return pages_[at].knowledge;
 }
 
+void NodeMemory::clear() {
+  const uint64_t budget = budget_;
+  *this = {};
+  budget_ = budget;
+}
+
 void NodeMemory::unlink(uint32_t at) {
   const Page& page = pages_[at];
   pages_[page.older].newer = page.newer;

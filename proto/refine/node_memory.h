@@ -41,6 +41,9 @@ struct PageKnowledge {
   bool operator==(const PageKnowledge&) const = default;
 };
 
+// What both ends go on remembering when they start from the empty section again.
+enum class Remembered : uint8_t { kNothing, kPages };
+
 struct KnownPage {
   Slot first = 0;
   PageKnowledge knowledge;
@@ -76,6 +79,8 @@ class NodeMemory {
   uint64_t clientBytes() const { return client_bytes_; }
   size_t pageCount() const { return index_.size(); }
   size_t knownCount() const { return known_; }  // nodes
+  // Forgets all pages.
+  void clear();
   size_t bytes() const { return pages_.capacity() * sizeof(Page) + index_.bytes(); }
 
  private:

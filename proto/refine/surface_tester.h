@@ -24,6 +24,7 @@ class SurfaceTester {
     size_t bytes() const { return 0; }
     const PageKnowledge* find(Slot) const { return nullptr; }
     void keep(Slot, const PageKnowledge&) {}
+    void restart(Remembered) {}
     template <class Visit>
     void forEach(const Visit&) const {}
   };

@@ -33,6 +33,11 @@ class TerrainTester {
     explicit Memory(const Domain& domain) : blocks(domain.grid) {}
     size_t bytes() const { return blocks.bytes() + pages.bytes(); }
     const PageKnowledge* find(Slot slot) const { return pages.find(slot); }
+    void restart(Remembered remembered) {
+      blocks.clear();
+      hides = false;
+      if (remembered == Remembered::kNothing) pages.clear();
+    }
     void keep(Slot first, const PageKnowledge& knowledge) { pages.keep(first, knowledge); }
     template <class Visit>
     void forEach(const Visit& visit) const {

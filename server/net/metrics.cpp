@@ -62,9 +62,16 @@ std::string renderPrometheus(const Metrics& m, const PoolMetrics& pool) {
   page.counter("bytes_down_total", "Payload bytes written to viewers.", m.bytes_down);
   page.counter("bytes_up_total", "Payload bytes read from viewers.", m.bytes_up);
   page.counter("messages_up_total", "Messages read from viewers.", m.messages_up);
+  page.counter("replies_total", "Replies to requests for tours and ground heights.", m.replies);
+  page.counter("resumed_total", "Sessions that started from a section that the viewer held.", m.resumed);
+  page.counter("jumps_total", "Jumps of viewers' cameras.", m.jumps);
+  page.counter("failures_total", "Exceptions, each of which ended one viewer or request.", m.failures);
+  page.gauge("queue_bytes", "Bytes of messages received and not read, or made and not sent.", m.queue_bytes);
+  page.gauge("flying", "Viewers that have been sent a keyframe.", m.flying);
   page.gauge("worker_threads", "Threads of the pool.", static_cast<int64_t>(pool.threads));
   page.gauge("queue_depth", "Jobs released and not yet started.", static_cast<int64_t>(pool.queue_depth));
   page.histogram("compute_seconds", "Time of one step of a session.", m.compute);
+  page.histogram("message_seconds", "Time of reading the messages that a session found waiting.", m.messages);
   if (pool.lateness) page.histogram("lateness_seconds", "By how much jobs ended after their deadline.", *pool.lateness);
   return page.take();
 }

@@ -24,7 +24,14 @@ struct Metrics {
   std::atomic<uint64_t> bytes_down{0};         // payload written to viewers
   std::atomic<uint64_t> bytes_up{0};           // payload read from viewers
   std::atomic<uint64_t> messages_up{0};
-  Histogram compute;  // the time of one step of a session
+  std::atomic<uint64_t> replies{0};     // to requests for tours and ground heights
+  std::atomic<uint64_t> resumed{0};     // sessions that started from a section that the viewer held
+  std::atomic<uint64_t> jumps{0};       // of viewers' cameras
+  std::atomic<uint64_t> failures{0};    // exceptions, each of which ended one viewer or request
+  std::atomic<int64_t> queue_bytes{0};  // of messages received and not yet read, and made and not yet sent
+  std::atomic<int64_t> flying{0};       // viewers that have been sent a keyframe
+  Histogram messages;                   // the time that reading one lease's messages took
+  Histogram compute;                    // the time of one step of a session
 };
 
 // The state of the pool.

@@ -51,7 +51,7 @@ class Server::Impl {
   Impl(std::shared_ptr<const World> world, ServeOptions options, StaticFiles files, Clock clock)
       : options_(std::move(options)),
         clock_(std::move(clock)),
-        pool_(options_.threads, clock_),
+        pool_(options_.threads, clock_, [this](const char* what) { failed(what); }),
         host_(std::move(world), options_.session, options_.limits, pool_, clock_, metrics_),
         site_{.files = std::move(files), .metrics = [this] { return metricsText(); }},
         context_{options_, clock_, site_, io_, host_, metrics_} {}
@@ -96,7 +96,7 @@ class Server::Impl {
       try {
         io_.run();
       } catch (const std::exception& e) {  // one connection failed (out of memory, say); the others continue
-        context_.log(Severity::kWarning, std::string("a connection failed: ") + e.what());
+        failed(e.what());
       }
     }
   }
@@ -105,9 +105,26 @@ class Server::Impl {
     acceptor_.async_accept([this](ErrorOf error, tcp::socket socket) {
       if (!acceptor_.is_open()) return;
       if (error) return retryAccept(error);
-      admit(std::move(socket));
+      guarded([&] { admit(std::move(socket)); });
       accept();
     });
+  }
+
+  // Loops go on whatever one turn of theirs throws.
+  template <class Turn>
+  void guarded(const Turn& turn) {
+    try {
+      turn();
+    } catch (const std::exception& e) { failed(e.what()); }
+  }
+
+  // Any thread.
+  void failed(const char* what) noexcept {
+    ++metrics_.failures;
+    try {
+      net::post(io_,
+                [this, line = std::string("a connection failed: ") + what] { context_.log(Severity::kWarning, line); });
+    } catch (...) {}  // no memory even for the log
   }
 
   // Usually there are no descriptors left: wait for some connections to close.
@@ -136,7 +153,9 @@ class Server::Impl {
     watch_timer_.async_wait([this](ErrorOf cancelled) {
       if (cancelled) return;
       const Time now = clock_();
-      for (const auto& viewer : everyViewer()) viewer->check(now);
+      guarded([&] {
+        for (const auto& viewer : everyViewer()) viewer->check(now);
+      });
       watch();
     });
   }

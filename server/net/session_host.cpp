@@ -1,6 +1,7 @@
 #include "server/net/session_host.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,9 @@ namespace {
 
 // Messages are read at once if a worker is free, but after keyframes whose deadlines lie within this time.
 constexpr Duration kMessageTimeout = Duration::milliseconds(20);
+// A message up to this size is taken in however much waits: there are few of them, by the limit of messages.
+constexpr size_t kSmallMessage = 256;
+constexpr size_t kLargeSection = 500'000;  // nodes
 
 }  // namespace
 
@@ -22,6 +26,7 @@ SessionHost::SessionHost(std::shared_ptr<const World> world, SessionOptions opti
       pool_(pool),
       clock_(std::move(clock)),
       metrics_(metrics),
+      load_(pool.threadCount()),
       scratch_(pool.threadCount()) {}
 
 SessionHost::~SessionHost() = default;
@@ -41,6 +46,8 @@ SessionActor::~SessionActor() {
   host_.metrics_.section_nodes -= static_cast<int64_t>(last.section_nodes);
   host_.metrics_.remembered_nodes -= static_cast<int64_t>(last.remembered_nodes);
   host_.metrics_.memory_bytes -= static_cast<int64_t>(last.memory_bytes);
+  if (last.keyframes > 0) --host_.metrics_.flying;
+  host_.metrics_.queue_bytes -= static_cast<int64_t>(inbox_bytes_);
   --host_.metrics_.sessions;
 }
 
@@ -49,7 +56,11 @@ Status SessionActor::deliver(Bytes message) {
   const HostLimits& limits = host_.limits_;
   if (inbox_.size() >= limits.inbox_messages || inbox_bytes_ + message.size() > limits.inbox_bytes)
     return Error{ErrorCode::kLimit, "you send more than this server can take in; send poses some 20 times a second"};
+  if (message.size() > kSmallMessage &&
+      host_.metrics_.queue_bytes + static_cast<int64_t>(message.size()) > static_cast<int64_t>(limits.queue_bytes))
+    return Error{ErrorCode::kLimit, "too much waits for this server already; try again later"};
   inbox_bytes_ += message.size();
+  host_.metrics_.queue_bytes += static_cast<int64_t>(message.size());
   enqueue({.time = host_.clock_(), .message = std::move(message)});
   return {};
 }
@@ -59,11 +70,16 @@ void SessionActor::sent(uint64_t batches) {
   enqueue({.time = host_.clock_(), .message = std::nullopt, .sent_batches = batches});
 }
 
+void SessionActor::forgetInbox() {
+  host_.metrics_.queue_bytes -= static_cast<int64_t>(inbox_bytes_);
+  inbox_.clear();
+  inbox_bytes_ = 0;
+}
+
 void SessionActor::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  inbox_.clear();
-  inbox_bytes_ = 0;
+  forgetInbox();
   if (lease_ == Lease::kQueued && host_.pool_.cancel(ticket_)) lease_ = Lease::kIdle;
 }
 
@@ -87,23 +103,62 @@ void SessionActor::schedule(Due due) {
 void SessionActor::run(size_t worker) {
   std::deque<Event> events;
   if (!takeLease(events)) return;
-  for (const Event& event : events) {
-    if (const Status status = handle(event); !status.ok()) {
-      refuse(status.error().message);
-      break;
-    }
+  const Time begin = host_.clock_();
+  SessionScratch& scratch = host_.scratch_[worker];
+  try {
+    work(scratch, events);
+  } catch (...) {  // out of memory, say; the session is of no use any more
+    ++host_.metrics_.failures;
+    scratch = {};
+    refuse("the server failed to serve you; connect again");
   }
-  stepIfDue(host_.scratch_[worker]);
+  const Time end = host_.clock_();
+  charge(end - begin, end);
   returnLease();
+}
+
+void SessionActor::work(SessionScratch& scratch, std::deque<Event>& events) {
+  const Time begin = host_.clock_();
+  for (const Event& event : events) {
+    if (isClosed()) return;
+    if (const Status status = handle(event); !status.ok()) return refuse(status.error().message);
+  }
+  events.clear();
+  host_.metrics_.messages.add(host_.clock_() - begin);
+  stepIfDue(scratch);
+  // What a large section needs is not kept: other viewers' are smaller.
+  if (session_.statistics().section_nodes > kLargeSection) scratch = {};
+}
+
+// Pays the debt at the even share, then adds to it.
+void SessionActor::charge(Duration spent, Time now) {
+  constexpr double kMemory_s = 2, kMostDebt_s = 2;
+  const double elapsed_s = std::max(1e-6, (now - charged_at_).toSeconds());
+  charged_at_ = now;
+  debt_s_ = std::max(0.0, debt_s_ - elapsed_s * host_.load_.fairShare(host_.metrics_.flying));
+  debt_s_ = std::min(kMostDebt_s, debt_s_ + spent.toSeconds());
+  cost_ += (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost_);
+  host_.load_.add(spent, now);
+  session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying));
+}
+
+Due SessionActor::fairly(Due due) const {
+  constexpr double kSmallDebt_s = 0.1;
+  constexpr Duration kShortStep = Duration::milliseconds(50);
+  const double wait_s = debt_s_ / host_.load_.fairShare(host_.metrics_.flying);
+  due.deadline = due.deadline + Duration::seconds(wait_s);
+  due.is_costly = due.is_costly || (debt_s_ > kSmallDebt_s && session_.computeTime() > kShortStep);
+  return due;
 }
 
 bool SessionActor::takeLease(std::deque<Event>& events) {
   const std::lock_guard lock(mutex_);
   CHECK_TRUE(lease_ == Lease::kQueued);
   lease_ = closed_ ? Lease::kIdle : Lease::kRunning;
+  is_lease_costly_ = ticket_.due.is_costly;
   if (closed_) return false;
   events.swap(inbox_);
-  inbox_bytes_ = 0;
+  forgetInbox();
   return true;
 }
 
@@ -115,7 +170,12 @@ void SessionActor::returnLease() {
   const Time now = host_.clock_();
   if (!inbox_.empty())
     return schedule({now, due ? std::min(due->deadline, now + kMessageTimeout) : now + kMessageTimeout});
-  if (due) schedule({due->release, due->deadline});
+  if (due) schedule(fairly({due->release, due->deadline, due->is_costly}));
+}
+
+bool SessionActor::isClosed() {
+  const std::lock_guard lock(mutex_);
+  return closed_;
 }
 
 Status SessionActor::handle(const Event& event) {
@@ -125,13 +185,10 @@ Status SessionActor::handle(const Event& event) {
 }
 
 void SessionActor::stepIfDue(SessionScratch& scratch) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return;
-  }
   const auto due = session_.due();
   const Time begin = host_.clock_();
-  if (!due || due->release > begin) return;
+  if (!due || due->release > begin || isClosed()) return;
+  if (fairly({due->release, due->deadline, due->is_costly}).is_costly && !is_lease_costly_) return;  // in its own turn
   const SessionStatistics before = session_.statistics();
   std::vector<Bytes> out;
   session_.step(begin, scratch, out);
@@ -155,6 +212,11 @@ void SessionActor::countStep(const SessionStatistics& before, Time deadline, Tim
   metrics.section_nodes += change(&SessionStatistics::section_nodes);
   metrics.remembered_nodes += change(&SessionStatistics::remembered_nodes);
   metrics.memory_bytes += change(&SessionStatistics::memory_bytes);
+  metrics.replies += after.replies - before.replies;
+  metrics.resumed += after.resumed && !before.resumed;
+  metrics.jumps += after.jumps - jumps_counted_;
+  jumps_counted_ = after.jumps;
+  metrics.flying += after.keyframes > 0 && before.keyframes == 0;
   metrics.compute.add(end - begin);
   if (end > deadline) metrics.late_keyframes += keyframes;
 }
@@ -164,8 +226,7 @@ void SessionActor::refuse(const std::string& message) {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
     closed_ = true;
-    inbox_.clear();
-    inbox_bytes_ = 0;
+    forgetInbox();
   }
   outlet_.refuse(message);
 }

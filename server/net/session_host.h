@@ -2,8 +2,12 @@
 // its lease (at most one at a time) feeds them to the Session, steps it when it is due and hands its messages to the
 // outlet.
 //
-// The inbox is bounded by HostLimits; the outbox too, since a Session computes no keyframe while an earlier one is
-// unsent and the outlet's owner limits unread replies. No lock is held while a Session works.
+// The inbox is bounded by HostLimits; the outbox too, since a Session computes no keyframe and no reply while an
+// earlier one is unsent. No lock is held while a Session works. Whatever a Session throws ends that viewer.
+//
+// Processor time is shared evenly where it is short. A viewer that has lately used more than its even share owes the
+// rest: its deadlines are later by as long as it takes to pay at that share, its jobs count as costly (Pool) once it
+// owes much, and its tolerance rises.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +21,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "server/net/load.h"
 #include "server/net/metrics.h"
 #include "server/sched/pool.h"
 #include "server/session/session.h"
@@ -24,8 +29,9 @@
 namespace foreland::server {
 
 struct HostLimits {
-  size_t inbox_messages = 1024;    // at 20 poses a second, most of a minute
-  size_t inbox_bytes = 32u << 20;  // two of the largest messages
+  size_t inbox_messages = 1024;     // at 20 poses a second, most of a minute
+  size_t inbox_bytes = 32u << 20;   // two of the largest messages
+  size_t queue_bytes = 256u << 20;  // of all viewers together, received and not read, or made and not sent
 };
 
 // Where a session's messages are sent to. Workers call it, in order and never two at a time; it must not block. After
@@ -54,6 +60,7 @@ class SessionHost {
   Pool& pool_;
   const Clock clock_;
   Metrics& metrics_;
+  Load load_;
   std::vector<SessionScratch> scratch_;  // one per worker, used by it alone
 };
 
@@ -83,7 +90,12 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void enqueue(Event event);  // with mutex_ held
   void schedule(Due due);     // with mutex_ held
   void run(size_t worker);
+  void work(SessionScratch& scratch, std::deque<Event>& events);
+  Due fairly(Due due) const;
+  void charge(Duration spent, Time now);
+  void forgetInbox();  // with mutex_ held
   bool takeLease(std::deque<Event>& events);
+  bool isClosed();
   void returnLease();
   Status handle(const Event& event);
   void stepIfDue(SessionScratch& scratch);
@@ -98,11 +110,16 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   Lease lease_ = Lease::kIdle;
   Pool::Ticket ticket_;  // while queued
   bool closed_ = false;
+  bool is_lease_costly_ = false;  // the job that took the lease is scheduled as costly
 
   // Owned by the lease.
   Session session_;
   Outlet outlet_;
   uint64_t batches_posted_ = 0;
+  uint64_t jumps_counted_ = 0;
+  Time charged_at_;
+  double debt_s_ = 0;  // processor time used beyond the even share
+  double cost_ = 0;    // of one worker's time; smoothed over some seconds
 };
 
 }  // namespace foreland::server

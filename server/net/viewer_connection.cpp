@@ -8,6 +8,7 @@
 #include <chrono>
 #include <utility>
 
+#include "base/printable.h"
 #include "proto/message/message.h"
 
 namespace foreland::server {
@@ -21,6 +22,15 @@ constexpr size_t kPieceBytes = 64u << 10;
 constexpr size_t kKeptBufferBytes = 64u << 10;
 constexpr Duration kCloseGrace = Duration::seconds(2);
 constexpr size_t kMaxReasonBytes = 120;  // of a close frame
+// The slowest that a viewer may read what waits for it, over as long as it may be silent.
+constexpr double kLeastBytesPerSecond = 1000;
+
+constexpr size_t kMaxLoggedBytes = 300;
+
+websocket::close_reason reasonOf(websocket::close_code code, const std::string& text) {
+  const std::string_view cut = cutText(text, kMaxReasonBytes);
+  return {code, beast::string_view(cut.data(), cut.size())};
+}
 
 std::string peerOf(const beast::tcp_stream& stream) {
   beast::error_code error;
@@ -36,6 +46,20 @@ void acceptViewer(beast::tcp_stream stream, ConnectionCount count, UpgradeReques
 
 ViewerConnection::ViewerConnection(beast::tcp_stream stream, ConnectionCount count, ServerContext& context)
     : context_(context), count_(std::move(count)), stream_(std::move(stream)) {}
+
+ViewerConnection::~ViewerConnection() { context_.metrics.queue_bytes -= counted_bytes_; }
+
+void ViewerConnection::countQueues() {
+  const auto bytes = static_cast<int64_t>(read_buffer_.size() + outbox_bytes_);
+  context_.metrics.queue_bytes += bytes - counted_bytes_;
+  counted_bytes_ = bytes;
+}
+
+bool ViewerConnection::drainsTooSlowly(Time now) const {
+  const Duration busy = now - busy_since_;
+  return is_writing_ && busy > context_.options.idle_timeout &&
+         static_cast<double>(written_since_) < kLeastBytesPerSecond * busy.toSeconds();
+}
 
 void ViewerConnection::accept(UpgradeRequest request) {
   beast::get_lowest_layer(stream_).expires_never();  // from here on check() enforces the timeouts
@@ -97,6 +121,10 @@ void ViewerConnection::onRead(beast::error_code error) {
   if (error) return finish(error == websocket::error::closed ? "left" : "was lost: " + error.message());
   heard_at_ = context_.clock();
   if (stream_.is_message_done()) deliver();
+  countQueues();
+  if (context_.metrics.queue_bytes > static_cast<int64_t>(context_.options.limits.queue_bytes) &&
+      read_buffer_.size() > kKeptBufferBytes)
+    refuse("too much waits for this server already; try again later");
   read();  // while closing too, to receive the viewer's close frame
 }
 
@@ -114,8 +142,16 @@ void ViewerConnection::deliver() {
 
 void ViewerConnection::send(std::vector<Bytes> batch) {
   if (state_ != State::kOpen) return;
-  for (Bytes& message : batch) outbox_.push_back({.message = std::move(message)});
+  if (outbox_.empty()) {
+    busy_since_ = context_.clock();
+    written_since_ = 0;
+  }
+  for (Bytes& message : batch) {
+    outbox_bytes_ += message.size();
+    outbox_.push_back({.message = std::move(message)});
+  }
   outbox_.back().ends_batch = true;
+  countQueues();
   if (outbox_.size() > context_.options.max_unread_messages)
     return refuse("you ask for more than you read; the connection cannot carry it");
   write();
@@ -138,10 +174,13 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   progress_at_ = context_.clock();
   context_.metrics.bytes_down += bytes;
   written_of_first_ += bytes;
+  written_since_ += bytes;
   if (written_of_first_ == outbox_.front().message.size()) {
     if (outbox_.front().ends_batch) ++batches_sent_;
+    outbox_bytes_ -= std::min(outbox_bytes_, outbox_.front().message.size());
     outbox_.pop_front();
     written_of_first_ = 0;
+    countQueues();
   }
   if (state_ == State::kClosing || (state_ == State::kFlushing && outbox_.empty())) return sendCloseFrame();
   if (outbox_.empty() && state_ == State::kOpen) actor_->sent(batches_sent_);
@@ -151,15 +190,15 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
 void ViewerConnection::refuse(const std::string& message) {
   if (state_ != State::kOpen) return;
   ++context_.metrics.refusals;
-  context_.log(Severity::kInfo, "viewer " + peer_ + " is refused: " + message);
+  context_.log(Severity::kInfo, "viewer " + peer_ + " is refused: " + printable(message, kMaxLoggedBytes));
   if (!outbox_.empty()) outbox_.resize(written_of_first_ > 0 || is_writing_ ? 1 : 0);
   outbox_.push_back({.message = proto::encode(proto::Refusal{.message = message})});
-  startClosing(State::kFlushing, {websocket::close_code::policy_error, message.substr(0, kMaxReasonBytes)});
+  startClosing(State::kFlushing, reasonOf(websocket::close_code::policy_error, message));
   write();
 }
 
 void ViewerConnection::leave(websocket::close_code code, const std::string& reason) {
-  const websocket::close_reason why{code, reason.substr(0, kMaxReasonBytes)};
+  const websocket::close_reason why = reasonOf(code, reason);
   if (state_ == State::kAccepting) close_reason_ = why;  // for onAccept
   if (state_ != State::kOpen) return;
   startClosing(State::kClosing, why);
@@ -186,8 +225,9 @@ void ViewerConnection::check(Time now) {
     if (now > close_by_) cut();
     return;
   }
-  if (is_writing_ && now - progress_at_ > timeout) {
-    context_.log(Severity::kInfo, fmt::format("viewer {} read nothing for {:.0f} s", peer_, timeout.toSeconds()));
+  if ((is_writing_ && now - progress_at_ > timeout) || drainsTooSlowly(now)) {
+    context_.log(Severity::kInfo,
+                 fmt::format("viewer {} read nothing, or hardly anything, for {:.0f} s", peer_, timeout.toSeconds()));
     ++context_.metrics.refusals;
     return cut();
   }

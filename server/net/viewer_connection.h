@@ -24,6 +24,7 @@ using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_bo
 class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
  public:
   ViewerConnection(boost::beast::tcp_stream stream, ConnectionCount count, ServerContext& context);
+  ~ViewerConnection();
 
   void accept(UpgradeRequest request);
 
@@ -55,6 +56,8 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void startClosing(State state, boost::beast::websocket::close_reason reason);
   void sendCloseFrame();
   void cut();
+  void countQueues();
+  bool drainsTooSlowly(Time now) const;
   void finish(const std::string& why);
 
   ServerContext& context_;
@@ -70,9 +73,13 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   Time heard_at_;  // when the viewer last sent bytes
 
   std::deque<Outgoing> outbox_;
+  size_t outbox_bytes_ = 0;
   size_t written_of_first_ = 0;
   bool is_writing_ = false;
   Time progress_at_;  // when the system last took a piece
+  Time busy_since_;   // when the outbox was last empty
+  uint64_t written_since_ = 0;
+  int64_t counted_bytes_ = 0;  // of read buffer and outbox, in Metrics::queue_bytes
   uint64_t batches_sent_ = 0;
 };
 

@@ -10,15 +10,18 @@ DeadlineQueue::Ticket DeadlineQueue::add(Due due, Job job) {
 
 std::optional<Job> DeadlineQueue::cancel(const Ticket& ticket) {
   auto node = waiting_.extract(Key{ticket.due.release, ticket.sequence});
-  if (!node) node = ready_.extract(Key{ticket.due.deadline, ticket.sequence});
+  if (!node) node = readyOf(ticket.due).extract(Key{ticket.due.deadline, ticket.sequence});
   if (!node) return std::nullopt;
   return std::move(node.mapped().job);
 }
 
-std::optional<DeadlineQueue::Entry> DeadlineQueue::take(Time now) {
+std::optional<DeadlineQueue::Entry> DeadlineQueue::take(Time now, Take which) {
   release(now);
-  if (ready_.empty()) return std::nullopt;
-  return std::move(ready_.extract(ready_.begin()).mapped());
+  const bool may_be_costly = which == Take::kAny && !costly_.empty();
+  if (cheap_.empty() && !may_be_costly) return std::nullopt;
+  const bool is_costly = may_be_costly && (cheap_.empty() || costly_.begin()->first < cheap_.begin()->first);
+  Jobs& from = is_costly ? costly_ : cheap_;
+  return std::move(from.extract(from.begin()).mapped());
 }
 
 std::optional<Time> DeadlineQueue::nextRelease() const {
@@ -30,7 +33,7 @@ void DeadlineQueue::release(Time now) {
   while (!waiting_.empty() && waiting_.begin()->first.first <= now) {
     auto node = waiting_.extract(waiting_.begin());
     node.key() = Key{node.mapped().due.deadline, node.key().second};
-    ready_.insert(std::move(node));
+    readyOf(node.mapped().due).insert(std::move(node));
   }
 }
 

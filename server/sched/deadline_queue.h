@@ -1,5 +1,6 @@
 // The order of jobs: of those whose release time has come, the one with the earliest deadline is next; of equal
-// deadlines, the one added first. Plain data without clock or lock; Pool protects it. Every operation costs O(log n).
+// deadlines, the one added first. Costly jobs wait while the taker wants none. Plain data without clock or lock; Pool
+// protects it. Every operation costs O(log n).
 #pragma once
 
 #include <cstdint>
@@ -20,6 +21,7 @@ using Job = std::function<void(size_t worker)>;
 struct Due {
   Time release;
   Time deadline;
+  bool is_costly = false;  // may take long, so that not all workers should run such jobs at a time (Pool)
 };
 
 class DeadlineQueue {
@@ -40,24 +42,26 @@ class DeadlineQueue {
   // before.
   std::optional<Job> cancel(const Ticket& ticket);
 
+  enum class Take : uint8_t { kAny, kCheap };
   // Removes the job that is next at `now` and returns it; nothing if none is released.
-  std::optional<Entry> take(Time now);
+  std::optional<Entry> take(Time now, Take which = Take::kAny);
 
   // The earliest release among jobs not released at the last take(); nothing if there are none. May lie in the past.
   std::optional<Time> nextRelease() const;
 
-  size_t size() const { return waiting_.size() + ready_.size(); }
+  size_t size() const { return waiting_.size() + readyCount(); }
   // How many jobs were released and not taken, as of the last take().
-  size_t readyCount() const { return ready_.size(); }
+  size_t readyCount() const { return cheap_.size() + costly_.size(); }
 
  private:
   using Key = std::pair<Time, uint64_t>;
   using Jobs = std::map<Key, Entry>;
 
   void release(Time now);
+  Jobs& readyOf(const Due& due) { return due.is_costly ? costly_ : cheap_; }
 
-  Jobs waiting_;  // by release
-  Jobs ready_;    // by deadline
+  Jobs waiting_;         // by release
+  Jobs cheap_, costly_;  // released; by deadline
   uint64_t next_sequence_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <string>
 #include <utility>
 
@@ -13,7 +14,8 @@ constexpr Duration kLongestWait =
     Duration::seconds(3600);  // so that std::condition_variable's sums of times do not overflow
 }
 
-Pool::Pool(size_t threads, Clock clock) : clock_(std::move(clock)), worker_count_(std::max<size_t>(1, threads)) {
+Pool::Pool(size_t threads, Clock clock, std::function<void(const char*)> on_failure)
+    : clock_(std::move(clock)), worker_count_(std::max<size_t>(1, threads)), on_failure_(std::move(on_failure)) {
   workers_.reserve(worker_count_);
   for (size_t worker = 0; worker < worker_count_; ++worker)
     workers_.emplace_back([this, worker](std::stop_token stop) { run(worker, stop); });
@@ -54,17 +56,33 @@ void Pool::stop() {
 void Pool::run(size_t worker, std::stop_token stop) {
   pthread_setname_np(pthread_self(), ("worker-" + std::to_string(worker)).c_str());
   while (auto entry = next(stop)) {
-    entry->job(worker);
+    runJob(entry->job, worker);
     lateness_.add(clock_() - entry->due.deadline);
+    if (!entry->due.is_costly) continue;
+    const std::lock_guard lock(mutex_);
+    --costly_running_;
+  }
+}
+
+// Out of memory, say. Whoever submitted the job must have put its own affairs in order.
+void Pool::runJob(const Job& job, size_t worker) {
+  try {
+    job(worker);
+  } catch (const std::exception& e) {
+    if (on_failure_) on_failure_(e.what());
+  } catch (...) {
+    if (on_failure_) on_failure_("an unknown exception");
   }
 }
 
 std::optional<DeadlineQueue::Entry> Pool::next(std::stop_token stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    auto entry = queue_.take(clock_());
+    const bool takes_costly = costly_running_ < mostCostly();
+    auto entry = queue_.take(clock_(), takes_costly ? DeadlineQueue::Take::kAny : DeadlineQueue::Take::kCheap);
     ready_count_.store(queue_.readyCount(), std::memory_order_relaxed);
     if (entry) {
+      costly_running_ += entry->due.is_costly;
       // Another worker is woken to wait for the jobs that are left, released or not, while this one is busy.
       if (queue_.size() > 0) {
         ++changes_;

@@ -1,10 +1,13 @@
-// The worker threads, which take released jobs from a DeadlineQueue, earliest deadline first. The queue's mutex is held
+// The worker threads, which take released jobs from a DeadlineQueue, earliest deadline first. Of several workers one
+// takes no costly jobs, so the others never wait for all of them. A job that throws ends its worker's turn and nothing
+// else: `on_failure` is told. The queue's mutex is held
 // to add and to take a job, never while a job runs. The server needs no other timer: a job may be released later. Any
 // thread may submit and cancel, jobs too.
 #pragma once
 
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -23,7 +26,8 @@ class Pool {
   // Starts `threads` workers (at least one), named worker-0, worker-1, ... . `clock` decides which jobs are released
   // and which are late. Workers wait for a release in real time, so `clock` should run at its pace; a jump of `clock`
   // is noticed at the next submit().
-  Pool(size_t threads, Clock clock);
+  // `on_failure`, if any, is called by a worker with what() of whatever a job threw; it throws nothing itself.
+  Pool(size_t threads, Clock clock, std::function<void(const char* what)> on_failure = {});
   ~Pool() { stop(); }
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
@@ -45,16 +49,20 @@ class Pool {
 
  private:
   void run(size_t worker, std::stop_token stop);
+  void runJob(const Job& job, size_t worker);
+  size_t mostCostly() const { return worker_count_ > 1 ? worker_count_ - 1 : 1; }
   std::optional<DeadlineQueue::Entry> next(std::stop_token stop);
   void waitForWork(std::unique_lock<std::mutex>& lock, std::stop_token stop);
 
   const Clock clock_;
   const size_t worker_count_;
+  const std::function<void(const char*)> on_failure_;
   Histogram lateness_;
   std::atomic<size_t> ready_count_{0};
 
-  std::mutex mutex_;  // protects queue_, changes_ and stopped_
+  std::mutex mutex_;  // protects queue_, costly_running_, changes_ and stopped_
   DeadlineQueue queue_;
+  size_t costly_running_ = 0;
   uint64_t changes_ = 0;  // of the queue, so that no waiting worker misses one
   bool stopped_ = false;
   std::condition_variable_any changed_;

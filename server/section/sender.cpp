@@ -6,11 +6,14 @@ namespace foreland::server {
 
 namespace {
 
-// Whether the section of `b` is at most about twice that of `a`: the regions meet, and tolerance and direction differ
-// little.
+// Whether the section of `b` is at most about twice that of `a`: its region is hardly larger and near, and tolerance
+// and direction differ little.
 bool isSimilar(const proto::View& a, const proto::View& b) {
-  return a.lens == b.lens && glm::distance(a.pose.eye, b.pose.eye) <= a.region_radius_m + b.region_radius_m &&
-         b.tau_px > 0.7 * a.tau_px && glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
+  constexpr double kLarger = 1.5, kNoise_m = 5, kNoise_rad = 0.1;
+  return a.lens == b.lens && b.region_radius_m <= kLarger * a.region_radius_m + kNoise_m &&
+         b.region_angle_rad <= kLarger * a.region_angle_rad + kNoise_rad &&
+         glm::distance(a.pose.eye, b.pose.eye) <= a.region_radius_m + b.region_radius_m && b.tau_px > 0.7 * a.tau_px &&
+         glm::dot(a.pose.forward(), b.pose.forward()) > 0.9;
 }
 
 // Whether the known nodes of a page have the errors that the page says they were found to have at least; sets its
@@ -28,10 +31,15 @@ bool isPossible(proto::KnownPage& page, std::span<const proto::NodeRecord> nodes
 }  // namespace
 
 SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {
-  const proto::ObjectSet& set = hierarchy.objects().set;
+  makeObjects();
+  setMemory(proto::kDefaultMemoryBytes);
+}
+
+void SectionSender::makeObjects() {
+  const proto::ObjectSet& set = hierarchy_->objects().set;
+  objects_.clear();
   for (size_t i = 0; i < set.size(); ++i) objects_.emplace_back(set.domain(i));
   if (!objects_.empty()) stream_ = std::make_unique<proto::ObjectStream>(set);
-  setMemory(proto::kDefaultMemoryBytes);
 }
 
 void SectionSender::setMemory(uint32_t bytes) {
@@ -59,23 +67,54 @@ bool SectionSender::resume(const proto::HeldSections& sections, uint32_t keyfram
   return true;
 }
 
-bool SectionSender::fitsSurely(const proto::View& view, size_t max_nodes) const {
-  return keyframe_.index > 0 && 2 * adapter_.nodeCount() < max_nodes && isSimilar(proto::viewOf(keyframe_), view);
+void SectionSender::restart() { restart(proto::Remembered::kPages); }
+
+// The viewer forgets as much when it takes a keyframe from nothing.
+void SectionSender::restart(proto::Remembered remembered) {
+  const auto memory_bytes = static_cast<uint32_t>(adapter_.memory().pages.budget());
+  remembered_ = remembered;
+  adapter_.restart(remembered);
+  model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+  makeObjects();
+  setMemory(memory_bytes);
+  keyframe_.fingerprint = 0;
+  is_restarted_ = true;
+}
+
+bool SectionSender::isLikelyToFit(const proto::View& view, size_t max_nodes) const {
+  return !startsFromNothing() && 2 * nodeCount() < max_nodes && isSimilar(proto::viewOf(keyframe_), view);
 }
 
 SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
-  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks()))
-    return {.fits = false, .added = max_nodes};
-  const auto& slots = scratch.section.slots;
-  const auto is_new = [&](proto::Slot slot) { return !adapter_.knows(slot); };
-  return {.fits = true, .added = static_cast<size_t>(std::count_if(slots.begin(), slots.end(), is_new))};
+  const SectionSize too_large{.fits = false, .nodes = max_nodes, .added = max_nodes};
+  if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks())) return too_large;
+  const auto newIn = [](const std::vector<proto::Slot>& slots, const auto& held) {
+    return static_cast<size_t>(
+        std::count_if(slots.begin(), slots.end(), [&](proto::Slot slot) { return !held.contains(slot); }));
+  };
+  SectionSize size{.fits = true, .nodes = scratch.section.slots.size(), .added = 0};
+  for (proto::Slot slot : scratch.section.slots) size.added += adapter_.knows(slot) ? 0 : 1;
+  const SceneObjects& objects = hierarchy_->objects();
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    proto::SurfaceAdapter fresh(objects.set.domain(i));
+    std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
+    scratch.object_delta = {};
+    if (!fresh.adapt(objects.set.placement(i).toObject(view), max_nodes - size.nodes, records, scratch.adapt,
+                     scratch.object_delta))
+      return too_large;
+    size.nodes += fresh.nodeCount();
+    size.added += newIn(scratch.object_delta.added, objects_[i]);
+  }
+  return size;
 }
 
-void SectionSender::send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out,
+bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,
                          proto::BlockVisibility* visibility) {
   scratch.delta.added.clear();
   scratch.delta.removed.clear();
-  keyframe_.base_index = keyframe_.index++;
+  const proto::KeyframeHeader last = keyframe_;
+  keyframe_.base_index = is_restarted_ ? 0 : keyframe_.index;
+  ++keyframe_.index;
   keyframe_.time = time;
   keyframe_.lens = view.lens;
   keyframe_.tau_px = static_cast<float>(view.tau_px);
@@ -86,13 +125,18 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   Bytes delta;
   const proto::DenseNodes table = hierarchy_->table();
   proto::DeltaEncoder encoder(hierarchy_->domain(), table, model_, delta, visibility);
+  if (keyframe_.base_index == 0) encoder.codeRestart(remembered_);
   if (visibility) visibility->begin(proto::viewOf(keyframe_));
-  CHECK_TRUE(
-      adapter_.adapt(proto::viewOf(keyframe_), hierarchy_->grid().slotCount(), encoder, scratch.adapt, scratch.delta));
+  if (!adapter_.adapt(proto::viewOf(keyframe_), max_nodes, encoder, scratch.adapt, scratch.delta) ||
+      !sendObjects(proto::viewOf(keyframe_), max_nodes, scratch, encoder.coder())) {
+    keyframe_ = last;
+    restart(proto::Remembered::kNothing);  // the step was not taken to its end
+    return false;
+  }
   bits_ = encoder.bits();
   keyframe_.fingerprint += proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
-  sendObjects(proto::viewOf(keyframe_), scratch, encoder.coder());
   encoder.finish();
+  is_restarted_ = false;
 
   proto::KeyframeHeader header = keyframe_;
   header.pose = view.pose;  // the encoder rounds it; rounding twice could differ
@@ -100,22 +144,36 @@ void SectionSender::send(const proto::View& view, Time time, SendScratch& scratc
   proto::encodeHeader(header, headers_sent_, out);
   header_bytes_ = out.size() - begin;
   out.insert(out.end(), delta.begin(), delta.end());
+  return true;
 }
 
-void SectionSender::sendObjects(const proto::View& view, SendScratch& scratch, proto::RangeEncoder& coder) {
+// False if terrain and objects have more than `max_nodes`.
+bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, SendScratch& scratch,
+                                proto::RangeEncoder& coder) {
   const SceneObjects& objects = hierarchy_->objects();
   object_bits_ = {};
+  size_t others = nodeCount();  // of terrain, and objects but the one at hand
   if (stream_) stream_->begin(view);
   for (size_t i = 0; i < objects_.size(); ++i) {
     proto::CutDelta& delta = scratch.object_delta;
     delta.added.clear();
     delta.removed.clear();
     const std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
-    CHECK_TRUE(objects_[i].adapt(objects.set.placement(i).toObject(view), objects.set.domain(i).topology().slotCount(),
-                                 records, scratch.adapt, delta));
+    others -= objects_[i].nodeCount();
+    if (others > max_nodes ||
+        !objects_[i].adapt(objects.set.placement(i).toObject(view), max_nodes - others, records, scratch.adapt, delta))
+      return false;
+    others += objects_[i].nodeCount();
     stream_->encode(i, delta, records, coder, object_bits_);
     keyframe_.fingerprint += proto::fingerprintOf(i, delta);
   }
+  return others <= max_nodes;
+}
+
+size_t SectionSender::nodeCount() const {
+  size_t count = adapter_.nodeCount();
+  for (const proto::SurfaceAdapter& object : objects_) count += object.nodeCount();
+  return count;
 }
 
 const proto::HiddenBlocks* SectionSender::hiddenBlocks() const {

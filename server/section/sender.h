@@ -3,8 +3,11 @@
 // its buffers have grown to the session's size.
 #pragma once
 
-#include <optional>
+#include <limits>
+#include <memory>
+#include <vector>
 
+#include "base/check.h"
 #include "proto/codec/object_stream.h"
 #include "proto/codec/section_codec.h"
 #include "proto/message/message.h"
@@ -23,7 +26,8 @@ struct SendScratch {
 
 struct SectionSize {
   bool fits;     // has at most as many nodes as asked for
-  size_t added;  // nodes that the viewer does not know yet; if the section does not fit, as many nodes as asked for
+  size_t nodes;  // of terrain and objects; if they do not fit, as many as asked for
+  size_t added;  // of these, nodes that the viewer does not know yet; if they do not fit, as many as asked for
 };
 
 class SectionSender {
@@ -41,28 +45,44 @@ class SectionSender {
   // proto::kDefaultMemoryBytes.
   void setMemory(uint32_t bytes);
 
-  // Whether the section of `view` is sure to have at most `max_nodes`, because the last keyframe's has less than half
-  // as many and its view is similar (a section hardly more than doubles between two keyframes of a moving viewer).
-  // Cost: none.
-  [[nodiscard]] bool fitsSurely(const proto::View& view, size_t max_nodes) const;
+  // Makes the next keyframe start from the empty section, whatever the viewer holds. What it knows it remembers.
+  void restart();
+  // Whether the next keyframe starts from nothing.
+  bool startsFromNothing() const { return is_restarted_ || keyframe_.index == 0; }
 
-  // Measures the terrain's section for `view`; objects do not count. Cost: one refinement from scratch, which ends
-  // early if there are more than `max_nodes`.
+  // Whether the section of `view` can be expected to have at most `max_nodes`, because the last keyframe's has less
+  // than half as many and its view is similar (a section hardly more than doubles between two keyframes of a moving
+  // viewer). It saves a measurement; send() makes sure. Cost: none.
+  [[nodiscard]] bool isLikelyToFit(const proto::View& view, size_t max_nodes) const;
+
+  // Measures the sections for `view`, of terrain and objects. Cost: one refinement from scratch, which ends early if
+  // there are more than `max_nodes`.
   [[nodiscard]] SectionSize measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
-  // Adapts the sections to `view` and appends the keyframe message to `out`. keyframe() then holds the view as the
-  // viewer decodes it: pose as by proto::asSentInHeader, tolerance as a float, region as short floats that are no
-  // smaller. scratch.delta holds the nodes of the terrain that were added and removed, in no order. Cost: one
-  // adaptation. Nodes of blocks that `visibility` calls hidden are left out; of none if it is null,
-  // which it must be without tellBlocks().
+  // Adapts the sections to `view` and appends the keyframe message to `out`. False, with nothing appended, if they
+  // would have more than `max_nodes` together: the next keyframe then starts from nothing, and must be for a view that
+  // was measured.
+  //
+  // After success keyframe() holds the view as the viewer decodes it: pose as by proto::asSentInHeader, tolerance as a
+  // float, region as short floats that are no smaller. scratch.delta holds the nodes of the terrain that were added and
+  // removed, in no order. Cost: one adaptation. Nodes of blocks that `visibility` calls hidden are left out; of none if
+  // it is null, which it must be without tellBlocks().
+  [[nodiscard]] bool send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,
+                          proto::BlockVisibility* visibility = nullptr);
+
+  // The same for a caller whose sections may be of any size.
   void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out,
-            proto::BlockVisibility* visibility = nullptr);
+            proto::BlockVisibility* visibility = nullptr) {
+    CHECK_TRUE(send(view, time, std::numeric_limits<size_t>::max(), scratch, out, visibility));
+  }
 
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
   const proto::TerrainAdapter& adapter() const { return adapter_; }
   // What the last keyframe left out of the terrain; null if it left out nothing.
   const proto::HiddenBlocks* hiddenBlocks() const;
   const std::vector<proto::SurfaceAdapter>& objects() const { return objects_; }
+  // In the sections of terrain and objects.
+  size_t nodeCount() const;
   // About how many triangles the viewer draws: two for each node, and those of the objects' base meshes.
   double triangles() const;
   // Of the last keyframe: where the bits of its delta went, and how many bytes its header has.
@@ -71,7 +91,9 @@ class SectionSender {
   size_t headerBytes() const { return header_bytes_; }
 
  private:
-  void sendObjects(const proto::View& view, SendScratch& scratch, proto::RangeEncoder& coder);
+  void restart(proto::Remembered remembered);
+  bool sendObjects(const proto::View& view, size_t max_nodes, SendScratch& scratch, proto::RangeEncoder& coder);
+  void makeObjects();
 
   const Hierarchy* hierarchy_;
   proto::TerrainAdapter adapter_;
@@ -83,6 +105,8 @@ class SectionSender {
   proto::DeltaBits bits_;
   proto::SurfaceBits object_bits_;
   size_t header_bytes_ = 0;
+  proto::Remembered remembered_ = proto::Remembered::kNothing;  // by the next keyframe from nothing
+  bool is_restarted_ = false;                                   // and nothing was sent since
 };
 
 }  // namespace foreland::server

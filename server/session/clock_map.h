@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
 
 #include "base/time.h"
 
@@ -15,7 +16,9 @@ namespace foreland::server {
 
 class ClockMap {
  public:
-  void poseArrived(Time stamp_client, Time now);
+  // False if the client's clock was set anew: a stamp is later than any latency explains, or earlier than the last one.
+  // All that was known is forgotten then.
+  bool poseArrived(Time stamp_client, Time now);
   void keyframeArrived(Time arrival_client, Time sent);
 
   // Whether a pose has arrived; what follows needs one.
@@ -30,6 +33,9 @@ class ClockMap {
   static constexpr size_t kMemory = 32;               // messages, each way
   static constexpr int64_t kFirstGuess_us = 150'000;  // of L_up + L_down, until a keyframe has been acknowledged
 
+  static constexpr int64_t kLeastStep_us = 2'000'000;  // of a clock that is set anew
+
+  std::optional<Time> last_stamp_;
   std::deque<int64_t> up_;
   std::deque<Duration> down_;
   int64_t least_up_ = 0;

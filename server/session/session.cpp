@@ -1,9 +1,12 @@
 #include "server/session/session.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "proto/codec/section_codec.h"
+#include "proto/space/jump.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 
@@ -15,13 +18,19 @@ namespace {
 constexpr Region kPoseRounding{0.01, 4e-4};
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
 
+// A camera within this of its announced path follows it.
+constexpr Region kMostOffPath{50, 0.2};
+constexpr double kMostUnknownTurn_rad = 0.3;
+
 // Where a viewer limits its bytes: what an added node costs, beyond which tolerance bytes count no more, and how long
 // the first section may take on the link.
 constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
 constexpr Duration kFirstThrough = Duration::seconds(1);
 
-// By which factor the tolerance rises while a section has too many nodes for the server, the viewer, or the link.
-constexpr double kCoarserForServer = 2, kCoarserForViewer = 1.15, kCoarserForLink = 1.3;
+constexpr size_t kMostPredictions = 64;  // whose true poses have not arrived
+
+// For how many intervals the first keyframe after a jump is expected to be shown.
+constexpr int64_t kShownAfterJump = 5;
 
 }  // namespace
 
@@ -72,32 +81,59 @@ Status Session::take(const proto::Path& path, Time) {
   return {};
 }
 
+// Requests are answered in steps, one at a time.
+Status Session::checkRequests() const {
+  if (requests_.size() < SessionOptions::kMostRequests) return {};
+  return Error{ErrorCode::kLimit, "you ask for more than you read; wait for the replies to earlier requests"};
+}
+
 Status Session::take(const proto::TourRequest& request, Time) {
-  auto path = planTour(world_->hierarchy.scene(), request.name, request.seconds);
-  if (!path) return path.error();
-  replies_.push_back(proto::encode(proto::TourReply{request.id, path->step, std::move(path->poses)}));
+  if (Status known = checkTour(request.name); !known.ok()) return known;
+  if (Status room = checkRequests(); !room.ok()) return room;
+  requests_.emplace_back(request);
   return {};
 }
 
 Status Session::take(const proto::GroundRequest& request, Time) {
+  if (Status room = checkRequests(); !room.ok()) return room;
+  requests_.emplace_back(request);
+  return {};
+}
+
+Bytes Session::replyTo(const proto::TourRequest& request) const {
+  auto path = planTour(world_->hierarchy.scene(), request.name, request.seconds).value();
+  return proto::encode(proto::TourReply{request.id, path.step, std::move(path.poses)});
+}
+
+Bytes Session::replyTo(const proto::GroundRequest& request) const {
   proto::GroundReply reply{request.id, {}};
   reply.heights_m.reserve(request.positions.size());
   for (const glm::dvec2& p : request.positions)
     reply.heights_m.push_back(static_cast<float>(
         groundHeight(world_->hierarchy.scene(), p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
-  replies_.push_back(proto::encode(reply));
-  return {};
+  return proto::encode(reply);
+}
+
+void Session::answer(std::vector<Bytes>& out) {
+  out.push_back(std::visit([this](const auto& request) { return replyTo(request); }, requests_.front()));
+  requests_.pop_front();
+  ++statistics_.replies;
+  did_ = Did::kRequest;
+  unsent_ = true;
 }
 
 Status Session::take(const proto::PoseUpdate& update, Time now) {
   if (update.received_keyframe > keyframe().index)
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
-  history_.add(update.pose);
+  // After a clock was set anew, times before it and after it cannot be compared.
+  if (!clocks_.poseArrived(update.pose.time, now) || isJump(update.pose))
+    jumpTo(update.pose);
+  else
+    history_.add(update.pose);
   while (!predictions_.empty() && predictions_.front().time <= update.pose.time) {
     prediction_errors_.add(predictions_.front().pose, history_.at(predictions_.front().time));
     predictions_.pop_front();
   }
-  clocks_.poseArrived(update.pose.time, now);
   if (update.received_keyframe > acknowledged_) {
     acknowledged_ = update.received_keyframe;
     while (!in_flight_.empty() && in_flight_.front().index <= acknowledged_) {
@@ -108,19 +144,62 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   return {};
 }
 
-// A section that cannot be resumed from is no mistake of the viewer's: it is sent a whole section then.
+bool Session::isJump(const proto::TimedPose& pose) const {
+  if (history_.empty() || pose.time <= history_.newest().time) return false;
+  // The height is looked up for fast cameras only.
+  if (!proto::isJump(history_.newest(), pose, 0)) return false;
+  const auto height = [&](const proto::TimedPose& p) {
+    return heightAboveGround(world_->hierarchy.scene(), p.pose.eye);
+  };
+  return proto::isJump(history_.newest(), pose, std::min(height(history_.newest()), height(pose)));
+}
+
+// Nothing known of the motion before holds after a jump. Of its speed something may, so the first keyframe is computed
+// for a camera that goes on as fast as before, in any direction.
+void Session::jumpTo(const proto::TimedPose& pose) {
+  ++statistics_.jumps;
+  if (history_.span() > Duration{}) {
+    const Extrapolation motion = history_.extrapolate(proto::Predictor::kConstantVelocity);
+    motion_before_jump_ = {glm::length(motion.velocity), motion.turnRate()};
+  }
+  history_.restart(pose);
+  predictions_.clear();
+  prediction_errors_ = {};
+  if (path_ && !isPathFollowed(pose)) path_.reset();
+  if (isFirst()) return;  // which starts from nothing anyway
+  target_.reset();
+  jumped_ = true;
+}
+
+// Whether the announced path is where the camera is.
+bool Session::isPathFollowed(const proto::TimedPose& pose) const {
+  const proto::TimedPose expected{pose.time, path_->at(pose.time)};
+  const Region off{glm::distance(expected.pose.eye, pose.pose.eye),
+                   proto::angleBetween(expected.pose.orientation, pose.pose.orientation)};
+  return off.radius_m <= kMostOffPath.radius_m && off.angle_rad <= kMostOffPath.angle_rad;
+}
+
 Status Session::take(const proto::Resume& resume, Time) {
-  if (!isFirst() || !history_.empty())
-    return Error{ErrorCode::kMalformed, "a client resumes before its first pose, or not at all"};
+  if (!isFirst() || !history_.empty() || resumed_)
+    return Error{ErrorCode::kMalformed, "a client resumes once, before its first pose, or not at all"};
+  resume_ = resume;
+  resumed_ = true;
+  return {};
+}
+
+// A section that cannot be resumed from is no mistake of the viewer's: it is sent a whole section then.
+void Session::tryToResume() {
+  const proto::Resume resume = *std::exchange(resume_, std::nullopt);
+  did_ = Did::kRequest;
   const Hierarchy& hierarchy = world_->hierarchy;
-  if (resume.scene_id != hierarchy.scene().id()) return {};
+  if (resume.scene_id != hierarchy.scene().id()) return;
   const auto sections =
       proto::decodeSections(hierarchy.grid(), hierarchy.objects().set, resume.section, options_.max_section_nodes);
-  if (!sections.ok() || proto::fingerprint(*sections) != resume.fingerprint) return {};
-  if (!sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint)) return {};
+  if (!sections.ok() || proto::fingerprint(*sections) != resume.fingerprint) return;
+  if (!sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint)) return;
   acknowledged_ = resume.keyframe;
   statistics_.resumed = true;
-  return {};
+  aim();
 }
 
 Time Session::gridAtOrAfter(Time t) const {
@@ -130,7 +209,7 @@ Time Session::gridAtOrAfter(Time t) const {
 }
 
 void Session::aim() {
-  if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict) return;
+  if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict || jumped_ || resume_) return;
   const Duration T = request_->keyframe_interval;
   // The client needs a keyframe when it reaches the grid point before it.
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
@@ -140,37 +219,74 @@ void Session::aim() {
   target_ = behind > Duration{} ? gridAtOrAfter(next + behind) : next;
 }
 
+// Keyframes are an interval apart on the client's clock. Whatever that clock says, hardly more than two of them are
+// computed in an interval of the server's, and one if the camera jumps every time.
+Time Session::earliestKeyframe() const {
+  if (isFirst()) return {};
+  const Duration T = request_->keyframe_interval;
+  if (jumped_ && was_after_jump_) return last_keyframe_at_ + T;
+  return keyframe_before_last_at_ + Duration{T.us - T.us / 8};
+}
+
+Session::Plan Session::notTooSoon(Plan plan) const {
+  const Time earliest = earliestKeyframe();
+  plan.due.release = std::max(plan.due.release, earliest);
+  plan.due.deadline = std::max(plan.due.deadline, earliest);
+  return plan;
+}
+
 std::optional<Session::Plan> Session::plan() const {
-  if (!request_ || history_.empty() || unsent_ || in_flight_.size() >= options_.max_unacknowledged) return std::nullopt;
+  if (!request_ || history_.empty() || unsent_ || resume_ || in_flight_.size() >= options_.max_unacknowledged)
+    return std::nullopt;
+  // After a jump the newest pose counts at once: what is shown was computed for elsewhere.
+  if (jumped_) return notTooSoon({history_.newest().time, {now_, now_}, 0});
   const Duration T = request_->keyframe_interval;
   const bool first = isFirst();
   const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
-  const auto skippedTo = [&](Time t) { return first || t < next ? 0 : static_cast<uint64_t>((t - next).us / T.us); };
+  // No more than real time has gone by, whatever the client's clock says.
+  const int64_t most_skipped = (now_ - last_keyframe_at_).us / T.us + 1;
+  const auto skippedTo = [&](Time t) {
+    return first || t < next ? 0 : static_cast<uint64_t>(std::min((t - next).us / T.us, most_skipped));
+  };
 
   if (request_->strategy == proto::Strategy::kPredict) {
     if (!target_) return std::nullopt;
     const Time deadline = clocks_.sendBy(*target_ - T) - options_.safety;
-    return Plan{*target_, {deadline - compute_time_, deadline}, skippedTo(*target_)};
+    return notTooSoon({*target_, {deadline - compute_time_, deadline}, skippedTo(*target_)});
   }
   // The pose of the grid point must have arrived; if those of several have, the newest one counts.
   const Time newest = history_.newest().time;
   if (first) return Plan{newest, {now_, now_}, 0};
   if (newest < next) return std::nullopt;
   const Time latest{next.us + (newest - next).us / T.us * T.us};
-  return Plan{latest, {now_, now_ + Duration{T.us / 2}}, skippedTo(latest)};
+  return notTooSoon({latest, {now_, now_ + Duration{T.us / 2}}, skippedTo(latest)});
 }
 
 std::optional<Session::Due> Session::due() const {
   if (!replies_.empty()) return Due{now_, now_};
-  const auto prefetch = prefetchDue();
-  if (const auto p = plan()) return prefetch && prefetch->release < p->due.release ? prefetch : p->due;
-  return prefetch;
+  std::optional<Due> first;
+  const auto consider = [&](const std::optional<Due>& due) {
+    if (due && (!first || due->release < first->release)) first = due;
+  };
+  if (const auto p = plan()) consider(p->due);
+  consider(requestDue());
+  consider(prefetchDue());
+  return first;
 }
 
-// Its deadline is half a second later, so that keyframes are preferred.
+// After keyframes, which viewers wait for.
+std::optional<Session::Due> Session::requestDue() const {
+  constexpr Duration kPatience = Duration::milliseconds(200);
+  if (resume_) return Due{now_, now_ + kPatience, true};
+  if (requests_.empty() || unsent_) return std::nullopt;
+  const Time release = std::max(now_, next_request_);
+  return Due{release, release + kPatience, true};
+}
+
+// Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.
 std::optional<Session::Due> Session::prefetchDue() const {
-  if (options_.prefetch_ahead == Duration{} || isFirst()) return std::nullopt;
-  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery};
+  if (options_.prefetch_ahead == Duration{} || isFirst() || processors_ != Processors::kFree) return std::nullopt;
+  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery, true};
 }
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
@@ -186,10 +302,15 @@ void Session::prefetch(SessionScratch& scratch) {
 
 void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   now_ = std::max(now_, now);
+  const bool is_greeting = !replies_.empty();
   for (Bytes& reply : replies_) out.push_back(std::move(reply));
   replies_.clear();
+  did_ = Did::kNothing;
   const auto next = plan();
   if (next && next->due.release <= now_) return computeKeyframe(*next, now_, scratch, out);
+  if (is_greeting) return;  // which is due at once, unlike what follows
+  if (resume_) return tryToResume();
+  if (const auto due = requestDue(); due && due->release <= now_) return answer(out);
   if (const auto due = prefetchDue(); due && due->release <= now_) prefetch(scratch);
 }
 
@@ -201,8 +322,9 @@ ExpectedMotion Session::expectedMotion() const {
   return {history_, request_->predictor};
 }
 
-// When a keyframe for `t` begins to be shown. The first section is shown as soon as it arrives.
+// When a keyframe for `t` begins to be shown. The first section, and one after a jump, is shown as soon as it arrives.
 Time Session::shownFrom(Time t) const {
+  if (jumped_) return history_.newest().time;
   return std::min(isFirst() ? history_.newest().time : keyframe().time, t - request_->keyframe_interval);
 }
 
@@ -211,11 +333,21 @@ proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
   const ExpectedMotion motion = expectedMotion();
   proto::View view{motion.at(t), request_->lens, request_->tau_px};
-  const Region region = regionOf(view.pose, motion, shownFrom(t), t + T), error = prediction_errors_.estimate();
+  const Region region = regionOf(view.pose, motion, shownFrom(t), t + T), error = prediction_errors_.estimate(),
+               unknown = unknownMotion(t + T - history_.newest().time);
   // Floats, as in the keyframe's header.
-  view.region_radius_m = static_cast<float>(region.radius_m + error.radius_m + kPoseRounding.radius_m);
-  view.region_angle_rad = static_cast<float>(region.angle_rad + error.angle_rad + kPoseRounding.angle_rad);
+  view.region_radius_m =
+      static_cast<float>(region.radius_m + error.radius_m + unknown.radius_m + kPoseRounding.radius_m);
+  view.region_angle_rad =
+      static_cast<float>(region.angle_rad + error.angle_rad + unknown.angle_rad + kPoseRounding.angle_rad);
   return view;
+}
+
+// How far the camera may go in `time` while, after a jump, its poses do not tell its velocity yet.
+Region Session::unknownMotion(Duration time) const {
+  if (history_.span() >= PoseHistory::kBaseline) return {};
+  const double s = jumped_ ? kShownAfterJump * request_->keyframe_interval.toSeconds() : time.toSeconds();
+  return {motion_before_jump_.radius_m * s, std::min(motion_before_jump_.angle_rad * s, kMostUnknownTurn_rad)};
 }
 
 // A mesh has four triangles a root and two a node; the union of two sections is a little larger.
@@ -226,71 +358,102 @@ size_t Session::mostNodes() const {
   return std::min(options_.max_section_nodes, static_cast<size_t>(std::max(1.0, nodes)));
 }
 
-// Sets the tolerance that the viewer's budget allows, and a coarser one if the section would still be too large for the
-// viewer or the link. One refinement answers both questions, and is all that is done in most keyframes.
-void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
-  const size_t most_nodes = mostNodes();
-  std::optional<std::pair<double, SectionSize>> last;  // tolerance and size of the section that was measured last
-  const auto sizeAt = [&](double tau_px) {
-    if (last && last->first == tau_px) return last->second;
-    view.tau_px = tau_px;
-    last = {tau_px, sender_.measure(view, most_nodes, scratch.send)};
-    return last->second;
-  };
-  double tau_px =
-      static_cast<float>(tolerance_.next(request_->tau_px, {request_->max_triangles, request_->max_bytes_per_second}));
-  view.tau_px = tau_px;
-  if (!sender_.fitsSurely(view, most_nodes))
-    tau_px = raiseUntil(tau_px, request_->max_triangles > 0 ? kCoarserForViewer : kCoarserForServer,
-                        [&](double tau) { return sizeAt(tau).fits; });
-  if (request_->max_bytes_per_second > 0)
-    tau_px = raiseUntil(tau_px, kCoarserForLink, [&](double tau) {
-      return tau >= kCoarsest_px || static_cast<double>(sizeAt(tau).added) <= mostAdded();
-    });
-  view.tau_px = tau_px;
-  tolerance_.force(tau_px);
-}
-
 // How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
 // late, and the next ones.
-double Session::mostAdded() const {
-  const Duration allowed = isFirst() ? kFirstThrough : request_->keyframe_interval;
+double Session::mostAddedForLink() const {
+  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : request_->keyframe_interval;
   return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
 }
 
-void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const double interval_s =
-      isFirst() ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
-  proto::View view = viewFor(plan.time_client);
+// The share that the section of `view` takes of what viewer, link and server allow; infinite if it is not even
+// measured whole.
+double Session::loadOf(const proto::View& view, SessionScratch& scratch) const {
+  const size_t most_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
+  // What starts from nothing is added whole, though what is remembered is not sent.
+  const size_t most = sender_.startsFromNothing() ? std::min(mostNodes(), options_.max_added_nodes) : mostNodes();
+  const SectionSize size = sender_.measure(view, most, scratch.send);
+  if (!size.fits) return std::numeric_limits<double>::infinity();
+  double load = std::max(double(size.nodes) / double(most), double(size.added) / double(most_added));
+  if (request_->max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
+    load = std::max(load, double(size.added) / mostAddedForLink());
+  return load;
+}
+
+// Sets the tolerance that the viewer's budget allows, and a coarser one if the section, or what it adds, would still be
+// too large for the viewer, the link, or one step of the server. One refinement tells, and is all that is done in most
+// keyframes.
+void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
+  const Budget budget{request_->max_triangles, request_->max_bytes_per_second, processors_};
+  const double before_px = tolerance_.tolerance();
+  const double wanted_px = static_cast<float>(tolerance_.next(request_->tau_px, budget));
+  view.tau_px = wanted_px;
+  if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, mostNodes())) return tolerance_.force(wanted_px);
+  const auto load = [&](double tau_px) {
+    view.tau_px = tau_px;
+    return loadOf(view, scratch);
+  };
+  view.tau_px = toleranceThatFits(wanted_px, before_px, load);
+  if (view.tau_px == kMostTolerance_px) {
+    // No section guarantees anything for a region that holds much of the scene, so this one does for its pose alone.
+    view.region_radius_m = view.region_angle_rad = 0;
+    view.tau_px = toleranceThatFits(wanted_px, before_px, load);
+  }
+  // A keyframe that starts from nothing may be coarse because it is to be there at once; the next one need not be.
+  if (!sender_.startsFromNothing() || budget.triangles > 0 || budget.bytes_per_second > 0)
+    tolerance_.force(view.tau_px);
+}
+
+// Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
+bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch,
+                           Bytes& message) {
   fitBudget(view, scratch);
-  Bytes message;
   ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
   if (visibility)
     visibility->expect(ViewerOcclusion::sweepsAhead(
         expectedMotion(), shownFrom(plan.time_client), plan.time_client + request_->keyframe_interval,
         request_->keyframe_interval, prediction_errors_.estimate().radius_m + kPoseRounding.radius_m));
-  sender_.send(view, plan.time_client, scratch.send, message, visibility);
-  const size_t nodes = sender_.adapter().nodeCount();
+  return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
+}
+
+void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
+  const double interval_s =
+      isFirst() || jumped_ ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
+  if (jumped_) {
+    sender_.restart();
+    tolerance_.restart();
+  }
+  const proto::View view = viewFor(plan.time_client);
+  Bytes message;
+  // The second one starts from nothing, and so is as large as it was measured.
+  if (!sendKeyframe(view, plan, mostNodes(), scratch, message))
+    CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
 
   unsent_ = true;
+  keyframe_before_last_at_ = isFirst() ? now - request_->keyframe_interval : last_keyframe_at_;
+  last_keyframe_at_ = now;
+  did_ = Did::kKeyframe;
+  was_after_jump_ = std::exchange(jumped_, false);
   target_.reset();
   aim();
   in_flight_.push_back({keyframe().index, now});
   if (plan.time_client > history_.newest().time) predictions_.push_back({plan.time_client, view.pose});
+  if (predictions_.size() > kMostPredictions) predictions_.pop_front();
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.send.delta.added.size();
   statistics_.nodes_removed += scratch.send.delta.removed.size();
-  statistics_.section_nodes = nodes;
+  statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
 void Session::noteComputeTime(Duration spent) {
-  compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
+  constexpr int64_t kRest = 4;  // times what a request took
+  if (did_ == Did::kKeyframe) compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
+  if (did_ == Did::kRequest) next_request_ = now_ + spent + spent * kRest;
 }
 
 }  // namespace foreland::server

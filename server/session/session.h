@@ -12,6 +12,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "base/bytes.h"
@@ -28,10 +29,16 @@
 namespace foreland::server {
 
 struct SessionOptions {
+  static constexpr size_t kMostRequests = 16;  // for tours and ground heights, waiting for their replies
+
   double tau_px = 1;                                         // for viewers that ask for no tolerance
   Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that ask for none
   Duration safety = Duration::milliseconds(15);  // a predicted keyframe should arrive this long before it is needed
-  size_t max_section_nodes = 1'500'000;          // of a section with more, the tolerance is doubled until it fits
+  // The tolerance of a section is raised until it has at most this many nodes, objects included.
+  size_t max_section_nodes = 1'500'000;
+  // One keyframe adds at most this many, so that no step takes long; the next ones add the rest. Fewer in the first
+  // keyframe after the camera jumped, which is wanted at once.
+  size_t max_added_nodes = 250'000, max_added_after_jump = 40'000;
   Duration prefetch_ahead{};  // reads what will be needed this much later, for scenes larger than memory; 0: never
   uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs up to a tenth of that for it
   size_t max_unacknowledged = 8;          // keyframes sent and not yet acknowledged; more would only queue in the link
@@ -50,6 +57,8 @@ struct SessionStatistics {
   size_t remembered_nodes = 0;  // of the terrain, that the viewer knows beside those around its section
   size_t memory_bytes = 0;      // that the server needs to know which
   uint64_t prefetches = 0;
+  uint64_t replies = 0;  // to requests
+  uint64_t jumps = 0;    // of the camera (proto/space/jump.h)
   bool resumed = false;  // started from a section that the viewer held from an earlier connection
 };
 
@@ -65,17 +74,24 @@ class Session {
   struct Due {
     Time release;
     Time deadline;
+    bool is_costly = false;  // no keyframe, and may take up to a second
   };
   std::optional<Due> due() const;
 
-  // Does what is due at `now`: hands over replies, and computes at most one keyframe or prefetches once. Appends whole
-  // messages to `out`. Called early, it does nothing. Report afterwards how long it took with noteComputeTime.
+  // Does what is due at `now`: one keyframe, or one reply to a request, or what a section to resume from takes, or one
+  // prefetch. Appends whole messages to `out`. Called early, it does nothing. Report afterwards how long it took with
+  // noteComputeTime: requests are answered with at most a fifth of a worker's time, and none while an earlier reply is
+  // unsent.
   //
-  // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, or one of more than
-  // half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the section then is too
-  // large, at most 17 for each of the two limits (raiseUntil), most of which end early.
+  // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, one after a jump, or
+  // one of more than half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the
+  // section then is too large, about four (toleranceThatFits), most of which end early.
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out);
   void noteComputeTime(Duration spent);
+  // How long a keyframe is expected to take.
+  Duration computeTime() const { return compute_time_; }
+  // What the server's processors can give this viewer from now on.
+  void setProcessors(Processors processors) { processors_ = processors; }
 
   // To be called when the transport has sent every byte of earlier steps. Until then no keyframe is computed, so at
   // most one delta waits to be sent.
@@ -104,20 +120,34 @@ class Session {
     uint64_t skipped;
   };
   std::optional<Plan> plan() const;
+  Time earliestKeyframe() const;
+  Plan notTooSoon(Plan plan) const;
   // With `predict`: chooses the grid point that the next keyframe is for, and keeps to it until that keyframe would be
   // late by more than half an interval.
   void aim();
   // Whether no keyframe has been sent on this connection.
   bool isFirst() const { return statistics_.keyframes == 0; }
+  bool isJump(const proto::TimedPose& pose) const;
+  void jumpTo(const proto::TimedPose& pose);
+  bool isPathFollowed(const proto::TimedPose& pose) const;
   Time gridAtOrAfter(Time t_client) const;
   ExpectedMotion expectedMotion() const;
   Time shownFrom(Time t) const;
   proto::View viewFor(Time t_client) const;
+  Region unknownMotion(Duration time) const;
   size_t mostNodes() const;
+  std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
+  Status checkRequests() const;
+  void answer(std::vector<Bytes>& out);
+  Bytes replyTo(const proto::TourRequest& request) const;
+  Bytes replyTo(const proto::GroundRequest& request) const;
+  void tryToResume();
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
-  double mostAdded() const;
+  double mostAddedForLink() const;
+  double loadOf(const proto::View& view, SessionScratch& scratch) const;
+  bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
@@ -128,16 +158,27 @@ class Session {
   std::deque<proto::TimedPose> predictions_;  // of times for which no true pose has arrived yet
   std::optional<proto::Path> path_;
   ClockMap clocks_;
+  bool jumped_ = false;        // and no keyframe has been computed since
+  Region motion_before_jump_;  // a second
   proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
-  std::vector<Bytes> replies_;
+  std::vector<Bytes> replies_;  // ready
+  std::deque<std::variant<proto::TourRequest, proto::GroundRequest>> requests_;
+  Time next_request_;  // not to be answered earlier
+  std::optional<proto::Resume> resume_;
+  bool resumed_ = false;  // or tried to
+  enum class Did : uint8_t { kNothing, kKeyframe, kRequest };
+  Did did_ = Did::kNothing;  // in the last step
+  Processors processors_ = Processors::kFree;
 
   SectionSender sender_;
   std::unique_ptr<ViewerOcclusion> occlusion_;  // null if deltas on this connection carry no hidden blocks
   ToleranceControl tolerance_;
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;
+  Time last_keyframe_at_, keyframe_before_last_at_;  // when they were computed
+  bool was_after_jump_ = false;
   struct Sent {
     uint32_t index;
     Time at;

@@ -16,4 +16,13 @@ std::optional<double> groundHeight(const terrain::Scene& scene, double x, double
   return (south + v * (north - south)) * scene.frame().height_quantum_m;
 }
 
+double heightAboveGround(const terrain::Scene& scene, const glm::dvec3& point) {
+  const proto::GridShape& shape = scene.grid().shape();
+  const proto::LatticePosition p = proto::FrameTransform(scene.frame()).toLattice(point);
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.height_m)) return 0;
+  const auto ground_m =
+      groundHeight(scene, std::clamp(p.x, 0.0, shape.samples_x - 1.0), std::clamp(p.y, 0.0, shape.samples_y - 1.0));
+  return std::max(0.0, p.height_m - ground_m.value_or(0));
+}
+
 }  // namespace foreland::server

@@ -6,8 +6,6 @@
 
 #include "proto/space/timed_poses.h"
 
-#include "proto/space/timed_poses.h"
-
 namespace foreland::server {
 
 namespace {
@@ -26,7 +24,7 @@ glm::dquat scaled(glm::dquat q, double factor) {
 
 void PoseHistory::add(const proto::TimedPose& pose) {
   if (!poses_.empty() && pose.time <= poses_.back().time) return;
-  if (poses_.size() == kCapacity) poses_.erase(poses_.begin());
+  if (poses_.size() == kCapacity) poses_.erase(poses_.begin(), poses_.begin() + kCapacity / 2);
   poses_.push_back(pose);
 }
 

@@ -1,5 +1,6 @@
 // What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (DESIGN
-// section 4). One owner. Bounded: it keeps the last kCapacity poses.
+// section 4). One owner. Bounded: it keeps at least the last kCapacity / 2 poses, and at most kCapacity. At 60 poses a
+// second these are more than 4 s, so that poses between two keyframes at the usual intervals are all there.
 #pragma once
 
 #include <optional>
@@ -23,17 +24,21 @@ struct Extrapolation {
 
 class PoseHistory {
  public:
-  static constexpr size_t kCapacity = 64;
+  static constexpr size_t kCapacity = 512;
   static constexpr Duration kHorizon = Duration::milliseconds(3000);
   static constexpr Duration kBaseline = Duration::milliseconds(80);
 
   // A pose that is not newer than the last one is dropped.
   void add(const proto::TimedPose& pose);
   bool empty() const { return poses_.empty(); }
+  // Forgets all poses but this one: the camera jumped to it.
+  void restart(const proto::TimedPose& pose) { poses_.assign(1, pose); }
 
   // All that follows needs at least one pose.
 
   const proto::TimedPose& newest() const { return poses_.back(); }
+  // The time that the poses span, at most kBaseline of it being used to tell the velocity.
+  Duration span() const { return poses_.back().time - poses_.front().time; }
   // Interpolated between the poses around `t`; the oldest or newest pose outside of their times.
   proto::Pose at(Time t) const;
 

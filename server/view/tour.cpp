@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "base/printable.h"
 #include "server/view/ground.h"
 
 namespace foreland::server {
@@ -201,20 +202,26 @@ proto::Path orbit(const Ground& ground, size_t steps) {
   return path;
 }
 
+struct Tour {
+  const char* name;
+  proto::Path (*plan)(const Ground&, size_t);
+};
+constexpr std::array<Tour, 4> kTours{{{"survey", survey}, {"canyon", canyon}, {"spin", spin}, {"orbit", orbit}}};
+
 }  // namespace
 
+Status checkTour(const std::string& name) {
+  if (std::any_of(kTours.begin(), kTours.end(), [&](const Tour& tour) { return name == tour.name; })) return {};
+  return Error{ErrorCode::kNotFound,
+               "there is no tour '" + printable(name, 40) + "'; choose survey, canyon, spin or orbit"};
+}
+
 Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds) {
-  struct Tour {
-    const char* name;
-    proto::Path (*plan)(const Ground&, size_t);
-  };
-  static constexpr std::array<Tour, 4> kTours{
-      {{"survey", survey}, {"canyon", canyon}, {"spin", spin}, {"orbit", orbit}}};
+  if (Status known = checkTour(name); !known.ok()) return known.error();
   const Ground ground(scene);
   const size_t steps = static_cast<size_t>(std::clamp(seconds, 1.0, 3600.0) / kStep.toSeconds()) + 2;
-  for (const Tour& tour : kTours)
-    if (name == tour.name) return tour.plan(ground, steps);
-  return Error{ErrorCode::kNotFound, "there is no tour '" + name + "'; choose survey, canyon, spin or orbit"};
+  return std::find_if(kTours.begin(), kTours.end(), [&](const Tour& tour) { return name == tour.name; })
+      ->plan(ground, steps);
 }
 
 }  // namespace foreland::server

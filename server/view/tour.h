@@ -16,6 +16,9 @@
 
 namespace foreland::server {
 
+// Whether there is a tour of that name; the Error lists the tours.
+Status checkTour(const std::string& name);
+
 // A path that lasts `seconds` (1 to 3600), starts at time 0 and has steps of 100 ms. The Error for an unknown name
 // lists the tours.
 Result<proto::Path> planTour(const terrain::Scene& scene, const std::string& name, double seconds);

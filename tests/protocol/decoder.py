@@ -107,16 +107,21 @@ class Session:
         keys = "position", "orientation", "scale", "model"
         placements = [dict(zip(keys, (p[:3], p[3:7], p[7], p[8]))) for p in fields["objects"] or []]
         if self.scene_id != fields["scene_id"]:  # else the client may resume from those that it holds
+            self.section = None
             self.objects = Objects(fields["models"] or [], placements)
         self.scene_id, self.is_welcome = fields["scene_id"], True
 
     def take(self, keyframe):
         require(self.is_welcome, "a keyframe before the welcome")
-        if keyframe.base == 0:
-            self.section = self.empty()
-            self.objects.begin_from_nothing()
         require(keyframe.base in (0, self.held), "a keyframe from another one than is held")
         coder = RangeDecoder(keyframe.delta)
+        if keyframe.base == 0:
+            self.section = self.section or self.empty()
+            keeps_pages = coder.even(1)
+            require(self.taken > 0 or not keeps_pages, "pages kept from another connection")
+            self.section.begin_from_nothing(keeps_pages)
+            self.section.memory_bytes = self.memory_bytes
+            self.objects.begin_from_nothing()
         added, removed = self.section.step(keyframe.view, coder)
         self.objects.step(keyframe.view, coder, self.memory_bytes)
         coder.finish()

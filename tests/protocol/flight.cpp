@@ -139,10 +139,10 @@ class Recorder {
     c.session.step(now_, scratch_, out);
     c.session.noteComputeTime(Duration::milliseconds(5));
     for (Bytes& message : out) c.down.push_back({now_ + kWayDown, std::move(message), {}});
+    if (!out.empty()) c.drained_at = now_ + kDrain;
     if (c.session.statistics().keyframes == before) return;
     c.down.back().keyframe = c.session.keyframe();
     c.down.back().known = c.session.knownPages();
-    c.drained_at = now_ + kDrain;
     const proto::HeldSections exact = sectionsOf(world_->hierarchy, c.session.keyframe());
     CHECK_TRUE(exact.terrain == c.session.section());
     CHECK_EQ(proto::fingerprint(exact), c.session.keyframe().fingerprint);  // so objects' sections are exact, too

@@ -156,6 +156,14 @@ class Section:
         self.is_first = True
         self.fingerprint = 0
 
+    def begin_from_nothing(self, keeps_pages):
+        """With the empty section, on a connection that has sent a keyframe, or one that did not resume."""
+        self.model, self.is_first, self.fingerprint = Model(), True, 0
+        self.slots, self.bounds, self.spheres, self.nodes = set(), {}, {}, {}
+        if not keeps_pages:
+            self.pages, self.memory, self.heights = {}, [], {}
+        self.forget()
+
     def begin_anew(self, known, finest, memory_bytes):
         """The state in which a server resumes from what a client presents: known nodes, and the finest errors of their pages."""
         require(known <= set(self.heights), "what is presented is not known")

@@ -69,6 +69,7 @@ class Program {
     return all;
   }
   void signal(int number) { ::kill(pid_, number); }
+  pid_t pid() const { return pid_; }
   // Waits for the program's end. Returns the exit code, or -1 if a signal ended it.
   int wait() {
     int status = 0;

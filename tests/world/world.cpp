@@ -162,7 +162,8 @@ void World::frame(Client& c, size_t index, Time now) {
     c.viewer.announcePath(c.options.path);
     c.path_announced = true;
   }
-  const client::FrameView view = c.viewer.frame(now_client, c.options.path.at(now_client));
+  const client::FrameView view =
+      c.viewer.frame(now_client, c.options.camera ? c.options.camera(now_client) : c.options.path.at(now_client));
   if (std::exchange(c.has_mesh, view.mesh != nullptr) && !view.mesh && !c.scene_changed)
     complain("a mesh was shown and is gone");
   if (view.mesh && on_frame) on_frame(index, view, now_client);

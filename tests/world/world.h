@@ -21,6 +21,7 @@ struct ClientOptions {
   LinkOptions up, down;
   proto::Path path;  // flown from its start; the client's clock
   bool announce_path = false;
+  std::function<proto::Pose(Time)> camera;              // flown instead of the path, if not empty
   Duration clock_offset;                                // client's clock minus the server's
   std::function<void(client::Viewer&, Time)> at_frame;  // called before each frame
 };

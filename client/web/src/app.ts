@@ -45,7 +45,7 @@ export class App {
   private readonly settings: Settings;
   private viewer: Viewer;
   private welcome: Welcome | null = null;
-  private mesh: Pick<Mesh, 'triangles' | 'vertices' | 'to_nodes' | 'tau_px' | 'to_time_ms' | 'version'> | null = null;
+  private mesh: (Pick<Mesh, 'triangles' | 'vertices' | 'to_nodes' | 'to_time_ms' | 'version'> & { tau_px: number }) | null = null;
   private sent_request = ''; // the last one, as JSON
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
@@ -272,13 +272,14 @@ export class App {
 
   private takeMesh(frame: Frame, now_ms: number, sent: Pose): void {
     this.prediction.frame(now_ms, sent.eye);
+    if (this.mesh) this.mesh.tau_px = frame.tau_px;
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
     const mesh = this.viewer.mesh();
     this.terrain.upload(mesh);
     this.objects.upload(mesh);
     this.prediction.expect(mesh.to_time_ms, mesh.to_pose.eye);
-    const { triangles, vertices, to_nodes, tau_px, to_time_ms, version } = mesh; // the arrays do not outlive this frame
-    this.mesh = { triangles, vertices, to_nodes, tau_px, to_time_ms, version };
+    const { triangles, vertices, to_nodes, to_time_ms, version } = mesh; // the arrays do not outlive this frame
+    this.mesh = { triangles, vertices, to_nodes, tau_px: frame.tau_px, to_time_ms, version };
   }
 
   private render(pose: Pose, frame: Frame, position: MapPosition | null): void {

@@ -65,6 +65,19 @@ TEST(DeadlineQueue, CancelsWaitingAndReadyJobsOnce) {
   EXPECT_FALSE(queue.take({1'000}).has_value());
 }
 
+TEST(DeadlineQueue, LeavesCostlyJobsToWhoeverTakesThem) {
+  DeadlineQueue queue;
+  queue.add({Time{0}, Time{1}, true}, [](size_t) {});
+  const auto later = queue.add({Time{0}, Time{3}, true}, [](size_t) {});
+  queue.add({Time{0}, Time{2}}, [](size_t) {});
+  EXPECT_EQ(queue.take(Time{5}, DeadlineQueue::Take::kCheap)->due.deadline, Time{2});
+  EXPECT_FALSE(queue.take(Time{5}, DeadlineQueue::Take::kCheap));
+  EXPECT_EQ(queue.readyCount(), 2u);
+  EXPECT_EQ(queue.take(Time{5})->due.deadline, Time{1});
+  EXPECT_TRUE(queue.cancel(later));
+  EXPECT_FALSE(queue.take(Time{5}));
+}
+
 TEST(DeadlineQueue, DoesNotCancelWhatWasTaken) {
   DeadlineQueue queue;
   const auto ticket = queue.add({{0}, {0}}, [](size_t) {});

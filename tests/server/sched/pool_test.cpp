@@ -5,6 +5,9 @@
 #include <chrono>
 #include <latch>
 #include <mutex>
+#include <semaphore>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "server/sched/pool.h"
@@ -136,6 +139,34 @@ TEST(Pool, JobsMaySubmitJobs) {
   done.wait();
   pool.stop();
   EXPECT_EQ(left, 0);
+}
+
+// Both costly jobs wait until they are told to go on; if they took both workers, the cheap one could not tell them.
+TEST(Pool, OneWorkerTakesNoCostlyJobs) {
+  Pool pool(2, steadyNow);
+  std::latch all(3);
+  std::binary_semaphore go{0};
+  for (int i = 0; i < 2; ++i)
+    pool.submit({Time{}, Time{}, true}, [&](size_t) {
+      go.acquire();
+      go.release();
+      all.count_down();
+    });
+  pool.submit({Time{}, Time{1}}, [&](size_t) {
+    go.release();
+    all.count_down();
+  });
+  all.wait();
+}
+
+TEST(Pool, GoesOnAfterAJobThatThrows) {
+  std::string told;
+  std::latch done(1);
+  Pool pool(1, steadyNow, [&](const char* what) { told = what; });
+  pool.submit({Time{}, Time{}}, [](size_t) { throw std::runtime_error("no memory"); });
+  pool.submit({Time{}, Time{1}}, [&](size_t) { done.count_down(); });
+  done.wait();
+  EXPECT_EQ(told, "no memory");
 }
 
 TEST(Pool, CountsLateJobs) {

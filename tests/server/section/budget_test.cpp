@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace foreland::server {
 namespace {
@@ -87,24 +88,86 @@ TEST(ToleranceControl, ContinuesFromAForcedTolerance) {
   EXPECT_NEAR(std::log(run(control, 1, {.triangles = 2'000}, 1) / 9), 0, 0.08 + 1e-12);
 }
 
-// What a search in small steps would find, with few calls.
-TEST(RaiseUntil, FindsTheFirstRiseThatFits) {
-  for (const double factor : {1.15, 1.3, 2.0})
-    for (const double limit_px : {0.0, 0.25, 0.2876, 1.0, 31.0, 5e4, 1e5}) {
-      float expected = 0.25f;
-      while (expected < limit_px) expected = static_cast<float>(expected * factor);
-      int calls = 0;
-      const auto fits = [&](double tau_px) { return ++calls, tau_px >= limit_px; };
-      EXPECT_EQ(raiseUntil(0.25, factor, fits), expected) << factor << ", " << limit_px;
-      EXPECT_LE(calls, 17);
-      if (limit_px <= 0.25) { EXPECT_EQ(calls, 1); }
-    }
+// After the section did not fit, the tolerance is soon back; no faster than otherwise below where it was before.
+TEST(ToleranceControl, FallsFasterAfterItWasForcedUp) {
+  ToleranceControl control;
+  run(control, 1, {}, 1);
+  control.force(30'000);
+  EXPECT_LE(run(control, 1, {}, 31), 1) << "log 30,000 is 10.3, at 0.35 a keyframe";
+  run(control, 1, {.triangles = 2'000}, 100);
+  const double steered_px = control.tolerance();
+  control.force(2 * steered_px);
+  double before_px = control.tolerance();
+  for (int i = 0; i < 30; ++i) {
+    const double tau_px = run(control, 1, {}, 1);
+    if (before_px <= steered_px) { EXPECT_LE(std::log(before_px / tau_px), 0.08 + 1e-12); }
+    before_px = tau_px;
+  }
 }
 
-TEST(RaiseUntil, EndsThoughNothingFits) {
+TEST(ToleranceControl, RisesWhileProcessorsAreScarceRestsWhileTheyAreTakenAndFallsSlowly) {
+  ToleranceControl control;
+  run(control, 1, {}, 1);
+  const double scarce_px = run(control, 1, {.processors = Processors::kScarce}, 20);
+  EXPECT_NEAR(std::log(scarce_px), 20 * 0.08, 1e-9);
+  EXPECT_EQ(run(control, 1, {.processors = Processors::kTaken}, 20), scarce_px);
+  EXPECT_NEAR(std::log(scarce_px / run(control, 1, {}, 10)), 10 * 0.02, 1e-9);
+  EXPECT_EQ(run(control, 1, {}, 200), 1);
+}
+
+TEST(ToleranceControl, BeginsAnewAfterARestart) {
+  ToleranceControl control;
+  run(control, 1, {}, 1);
+  control.force(500);
+  control.restart();
+  EXPECT_EQ(run(control, 1, {}, 1), 1);
+}
+
+// The nodes of a section, `exponent` being how fast they fall with the tolerance; measured up to `most`.
+struct Sections {
+  double at_1_px, exponent, most;
   int calls = 0;
-  EXPECT_EQ(raiseUntil(0.01, 1.15, [&](double) { return ++calls, false; }), kMostTolerance_px);
-  EXPECT_LE(calls, 17);
+
+  double nodes(double tau_px) const { return at_1_px * std::pow(tau_px, -exponent); }
+  double load(double tau_px) {
+    ++calls;
+    const double share = nodes(tau_px) / most;
+    return share <= 1 ? share : std::numeric_limits<double>::infinity();
+  }
+};
+
+TEST(ToleranceThatFits, IsTheWantedOneIfThatFits) {
+  Sections sections{1000, 1.2, 2000};
+  EXPECT_EQ(toleranceThatFits(1, 0, [&](double tau_px) { return sections.load(tau_px); }), 1);
+  EXPECT_EQ(sections.calls, 1);
+}
+
+TEST(ToleranceThatFits, FindsOneThatFitsAndIsHardlyCoarserThanNeeded) {
+  for (const double exponent : {0.6, 1.2, 2.0})
+    for (const double most : {30.0, 500.0, 40'000.0})
+      for (const double guess_px : {0.0, 2.0, 3000.0}) {
+        Sections sections{1e6, exponent, most};
+        const double tau_px = toleranceThatFits(0.25, guess_px, [&](double tau) { return sections.load(tau); });
+        SCOPED_TRACE(testing::Message() << exponent << ", " << most << ", " << guess_px << ": " << tau_px);
+        EXPECT_LE(sections.nodes(tau_px), most);
+        EXPECT_TRUE(sections.nodes(tau_px) >= kLeastLoad * most || sections.nodes(tau_px / 1.11) > most);
+        EXPECT_LE(sections.calls, kMostTries);
+      }
+}
+
+TEST(ToleranceThatFits, AGuessThatFitsEndsTheSearch) {
+  Sections sections{1e6, 1.2, 10'000};
+  const double guess_px = toleranceThatFits(1, 0, [&](double tau_px) { return sections.load(tau_px); });
+  sections.calls = 0;
+  EXPECT_EQ(toleranceThatFits(1, guess_px, [&](double tau_px) { return sections.load(tau_px); }), guess_px);
+  EXPECT_EQ(sections.calls, 2);
+}
+
+TEST(ToleranceThatFits, EndsThoughNothingFits) {
+  int calls = 0;
+  const auto never = [&](double) { return ++calls, std::numeric_limits<double>::infinity(); };
+  EXPECT_EQ(toleranceThatFits(0.01, 0, never), kMostTolerance_px);
+  EXPECT_LE(calls, kMostTries);
 }
 
 }  // namespace

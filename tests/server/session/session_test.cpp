@@ -1,7 +1,11 @@
 // A session by itself: what it answers, what it refuses, when it has something to do.
+#include "server/session/session.h"
+
 #include <gtest/gtest.h>
 
-#include "server/session/session.h"
+#include <glm/geometric.hpp>
+
+#include "base/rng.h"
 #include "tests/support/scene.h"
 
 namespace foreland::server {
@@ -98,6 +102,152 @@ TEST(Session, ATinyToleranceIsDoubledUntilTheSectionFits) {
   EXPECT_EQ(session.statistics().keyframes, 1u);
   EXPECT_LE(session.section().slots.size(), 500u);
   EXPECT_GT(session.keyframe().tau_px, 0.01f);
+}
+
+// A camera that stands, jumps at `jump_s`, and stands again; poses and keyframes every 50 ms.
+struct Jumper {
+  Session session;
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+
+  Jumper(std::shared_ptr<const World> world, const SessionOptions& options, proto::Strategy strategy)
+      : session(std::move(world), options) {
+    proto::ViewRequest request;
+    request.strategy = strategy;
+    request.predictor = proto::Predictor::kConstantVelocity;
+    CHECK_TRUE(session.receive(proto::encode(request), Time{}).ok());
+  }
+  void pose(double s, const glm::dvec3& eye, const glm::dvec3& forward) {
+    proto::PoseUpdate update{{Time::seconds(s), {eye, proto::lookAlong(forward, {0, 0, 1})}}, 0, {}};
+    update.received_keyframe = session.keyframe().index;
+    update.received_at = Time::seconds(s);
+    CHECK_TRUE(session.receive(proto::encode(update), Time::seconds(s)).ok());
+    session.step(Time::seconds(s), scratch, out);
+    session.onDrained(Time::seconds(s));
+  }
+};
+
+TEST(Session, StartsFromNothingAtTheCameraAfterAJump) {
+  for (const proto::Strategy strategy :
+       {proto::Strategy::kDelay, proto::Strategy::kCurrent, proto::Strategy::kPredict}) {
+    Jumper jumper(smallWorld(), {}, strategy);
+    const glm::dvec3 here(0, 0, 900), there(300, -2000, 700), down(0.3, 0, -1), north(0, 1, -0.5);
+    for (int i = 0; i < 40; ++i) jumper.pose(0.05 * i, here, down);
+    const uint32_t before = jumper.session.keyframe().index;
+    ASSERT_GT(before, 2u);
+    EXPECT_EQ(jumper.session.keyframe().base_index, before - 1);
+    jumper.pose(2.025, there, north);
+    jumper.pose(2.1, there, north);
+    const proto::KeyframeHeader& keyframe = jumper.session.keyframe();
+    EXPECT_EQ(keyframe.index, before + 1);
+    EXPECT_EQ(keyframe.base_index, 0u);
+    EXPECT_LT(glm::distance(keyframe.pose.eye, there), 0.1);
+    EXPECT_LT(keyframe.region_radius_m, 1) << "the way from one view to the other is in no region";
+    for (int i = 43; i < 60; ++i) jumper.pose(0.05 * i, there, north);
+    EXPECT_GT(keyframe.base_index, before);
+    EXPECT_LT(glm::distance(keyframe.pose.eye, there), 0.1);
+    EXPECT_LT(keyframe.region_radius_m, 1);
+    EXPECT_EQ(jumper.session.statistics().jumps, 1u);
+  }
+}
+
+// A camera that is told to be everywhere at once costs no more keyframes than another.
+TEST(Session, AJumpWithEveryPoseGetsAKeyframeAnInterval) {
+  Jumper jumper(smallWorld(), {}, proto::Strategy::kPredict);
+  for (int i = 0; i < 200; ++i) jumper.pose(0.05 * i, {3000.0 * (i % 2), 0, 900}, {0.3, 0, -1});
+  EXPECT_LE(jumper.session.statistics().keyframes, 53u);
+  EXPECT_GE(jumper.session.statistics().keyframes, 40u);
+}
+
+TEST(Session, NoSectionIsLargerThanItsLimitHoweverTheCameraMoves) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Rng rng(seed);
+  for (const proto::Strategy strategy : {proto::Strategy::kCurrent, proto::Strategy::kPredict}) {
+    Jumper jumper(smallWorld(), {.max_section_nodes = 300, .max_added_nodes = 200, .max_added_after_jump = 50},
+                  strategy);
+    glm::dvec3 eye(0, 0, 900), velocity(0);
+    for (int i = 0; i < 300; ++i) {
+      if (rng.below(12) == 0) velocity = {rng.uniform(-900, 900), rng.uniform(-900, 900), rng.uniform(-50, 50)};
+      if (rng.below(25) == 0) eye = {rng.uniform(-1500, 1500), rng.uniform(-1500, 1500), rng.uniform(100, 2000)};
+      eye += 0.05 * velocity;
+      jumper.pose(0.05 * i, eye, {rng.uniform(-1, 1), rng.uniform(-1, 1), -0.5});
+      ASSERT_LE(jumper.session.section().slots.size(), 300u) << i;
+    }
+    EXPECT_GT(jumper.session.statistics().keyframes, 30u);
+    EXPECT_GT(jumper.session.statistics().jumps, 3u);
+  }
+}
+
+TEST(Session, AnEnormousRegionGetsASectionForThePoseAlone) {
+  Jumper jumper(smallWorld(), {.max_section_nodes = 300}, proto::Strategy::kPredict);
+  for (int i = 0; i < 60; ++i) jumper.pose(0.05 * i, {1e6 * i, 0, 5e7}, {0, 0, -1});
+  for (int i = 60; i < 90; ++i) jumper.pose(0.05 * i, {0, 0, 900}, {0, 0.2, -1});
+  EXPECT_LE(jumper.session.section().slots.size(), 300u);
+  EXPECT_LT(jumper.session.keyframe().tau_px, 1000);
+}
+
+TEST(Session, AnswersRequestsOneAStepAndNoneWhileAReplyIsUnsent) {
+  Session session(smallWorld(), {});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  session.step(Time{}, scratch, out);
+  out.clear();
+  for (uint32_t i = 0; i < 3; ++i)
+    ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{i, {{1, 2}}}), Time{}).ok());
+  ASSERT_TRUE(session.due() && session.due()->is_costly);
+  session.step(Time{}, scratch, out);
+  session.noteComputeTime(Duration::milliseconds(100));
+  EXPECT_EQ(out.size(), 1u);
+  EXPECT_FALSE(session.due()) << "the reply is unsent";
+  session.onDrained(Time::seconds(0.1));
+  EXPECT_GE(session.due()->release, Time::seconds(0.5)) << "a fifth of a worker's time";
+  session.step(Time::seconds(0.2), scratch, out);
+  EXPECT_EQ(out.size(), 1u);
+  session.step(Time::seconds(0.6), scratch, out);
+  EXPECT_EQ(out.size(), 2u);
+}
+
+TEST(Session, RefusesMoreRequestsThanMayWait) {
+  Session session(smallWorld(), {});
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  for (uint32_t i = 0; i < SessionOptions::kMostRequests; ++i)
+    ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 3600}), Time{}).ok());
+  EXPECT_FALSE(session.receive(proto::encode(proto::TourRequest{99, "survey", 3600}), Time{}).ok());
+}
+
+TEST(Session, ResumesOnceAtMost) {
+  Session session(smallWorld(), {});
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  const Bytes resume = proto::encode(proto::Resume{1, 2, Time{}, 3, {1, 2, 3}});
+  EXPECT_TRUE(session.receive(resume, Time{}).ok());
+  EXPECT_FALSE(session.receive(resume, Time{}).ok());
+}
+
+// Neither hours ahead nor hours back stop a flight, nor are keyframes counted as skipped that there was no time for.
+TEST(Session, FliesOnAfterTheViewersClockIsSetAnew) {
+  for (const double step_s : {3600.0 * 1000, -3600.0 * 1000})
+    for (const proto::Strategy strategy : {proto::Strategy::kDelay, proto::Strategy::kPredict}) {
+      Jumper jumper(smallWorld(), {}, strategy);
+      double server_s = 0;
+      const auto fly = [&](int poses, double offset_s) {
+        for (int i = 0; i < poses; ++i, server_s += 0.05) {
+          proto::PoseUpdate update = poseAt(server_s + offset_s);
+          update.received_keyframe = jumper.session.keyframe().index;
+          update.received_at = update.pose.time;
+          ASSERT_TRUE(jumper.session.receive(proto::encode(update), Time::seconds(server_s)).ok());
+          jumper.session.step(Time::seconds(server_s), jumper.scratch, jumper.out);
+          jumper.session.onDrained(Time::seconds(server_s));
+        }
+      };
+      fly(100, 0);
+      const uint64_t before = jumper.session.statistics().keyframes;
+      fly(100, step_s);
+      EXPECT_GE(jumper.session.statistics().keyframes, before + 20) << step_s;
+      EXPECT_LE(jumper.session.statistics().skipped_keyframes, 30u);
+      EXPECT_NEAR(jumper.session.keyframe().time.toSeconds(), server_s + step_s, 2);
+    }
 }
 
 }  // namespace

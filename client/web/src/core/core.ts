@@ -36,7 +36,6 @@ export interface Mesh {
   to_index: number;
   to_time_ms: number;
   to_pose: Pose;
-  tau_px: number;
   from_positions: Float32Array;
   to_positions: Float32Array;
   from_normals: Int8Array;
@@ -62,6 +61,7 @@ export interface Frame {
   scene_time_ms: number;
   weight: number;
   mesh_version: number; // 0: no mesh yet
+  tau_px: number; // what the error of this frame is guaranteed not to exceed; Infinity: nothing is guaranteed
 }
 
 export interface Welcome {
@@ -210,7 +210,7 @@ export class Viewer {
   frame(now_ms: number, pose: Pose): Frame {
     this.frame_record = this.core.exports.foreland_frame(this.handle, now_ms, ...pose.eye, ...pose.orientation);
     const r = readFrameRecord(this.core.view(), this.frame_record);
-    return { pose: r.pose, scene_time_ms: r.scene_time_ms, weight: r.weight, mesh_version: r.mesh_version };
+    return { pose: r.pose, scene_time_ms: r.scene_time_ms, weight: r.weight, mesh_version: r.mesh_version, tau_px: r.tau_px };
   }
   // The mesh of the last frame().
   mesh(): Mesh {
@@ -233,7 +233,6 @@ export class Viewer {
       from_nodes: r.from_nodes,
       to_nodes: r.to_nodes,
       to_index: r.to_index,
-      tau_px: r.tau_px,
       objects: {
         vertices: object_vertices,
         from_positions: new Float32Array(memory, r.object_from_positions, 4 * object_vertices),

@@ -8,7 +8,7 @@ const kHistory = 60;
 export interface Measured {
   now_ms: number;
   statistics: Statistics;
-  mesh: Pick<Mesh, 'triangles' | 'to_nodes' | 'tau_px'> | null;
+  mesh: (Pick<Mesh, 'triangles' | 'to_nodes'> & { tau_px: number }) | null;
   strategy: string;
   shown_late_ms: number; // the age of what is shown: t - t_d
   is_late: boolean; // the newer keyframe's time has passed and its successor is not here
@@ -74,7 +74,7 @@ export class Readout {
     const lateness = s.keyframes === 0 ? '\u2013' : latenessText(s.last_lateness_ms);
     const shown = m.strategy === 'predict' ? '' : `shown ${Math.max(m.shown_late_ms, 0).toFixed(0)} ms ago`;
     this.set('Lateness', lateness, m.is_late ? 'waiting for a keyframe' : shown);
-    const bound = m.mesh ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : '\u2013';
+    const bound = m.mesh && Number.isFinite(m.mesh.tau_px) ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : 'not known yet';
     this.set('Error', bound, m.prediction_error_m === null ? '' : `eye ${metresText(m.prediction_error_m)} off`);
     this.history.push(rate.bytes);
     if (this.history.length > kHistory) this.history.shift();

@@ -1,0 +1,116 @@
+// A camera that jumps, in virtual time: the viewer is soon back at its tolerance, states it honestly on the way, and no
+// section exceeds its limit.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "server/view/ground.h"
+#include "tests/support/scene.h"
+#include "tests/world/ring_of_objects.h"
+#include "tests/world/world.h"
+
+namespace foreland::test {
+namespace {
+
+using proto::Strategy;
+
+constexpr Duration kEvery = Duration::seconds(4);
+constexpr size_t kMostNodes = 30000;
+
+std::shared_ptr<const terrain::Scene> alps() {
+  static const auto scene = makeScene(301, 217, 11);
+  return scene;
+}
+
+glm::dvec3 aboveGround(double x, double y, double height_m) {
+  return {x, y, 5000 - server::heightAboveGround(*alps(), {x, y, 5000}) + height_m};
+}
+
+// Every kEvery somewhere else, looking elsewhere; slowly flying on in between.
+proto::Pose jumper(Time now) {
+  static const std::array<glm::dvec3, 4> kEyes{{aboveGround(-900, -600, 300), aboveGround(900, 500, 200),
+                                                aboveGround(-200, 700, 250), aboveGround(400, -800, 900)}};
+  const auto view = static_cast<size_t>(std::max<int64_t>(now.us, 0) / kEvery.us);
+  const double s = Duration{std::max<int64_t>(now.us, 0) % kEvery.us}.toSeconds();
+  const double heading = 2.4 * static_cast<double>(view) + 0.05 * s;
+  const glm::dvec3 forward(std::cos(heading), std::sin(heading), -0.6);
+  return {kEyes[view % kEyes.size()] + 20 * s * glm::dvec3(forward.x, forward.y, 0),
+          proto::lookAlong(forward, {0, 0, 1})};
+}
+
+ClientOptions jumping(Strategy strategy) {
+  ClientOptions c;
+  c.request.lens = {1.0471975511965976, 480, 270};
+  c.request.strategy = strategy;
+  c.request.predictor = proto::Predictor::kConstantVelocity;
+  c.request.tau_px = 1;
+  c.camera = jumper;
+  c.up.jitter = c.down.jitter = Duration::milliseconds(10);
+  return c;
+}
+
+class Jumps : public testing::TestWithParam<Strategy> {};
+
+TEST_P(Jumps, AreOverInASecondAndNoFrameClaimsMoreThanIsGuaranteed) {
+  server::SessionOptions options;
+  options.max_section_nodes = kMostNodes;
+  options.max_added_after_jump = 5000;
+  World world(alps(), options, Duration::milliseconds(30), 51);
+  world.addClient(jumping(GetParam()));
+  uint64_t coarse_frames = 0, frames = 0;
+  Duration worst{};
+  size_t view = 0, most_nodes = 0;
+  bool is_recovered = true;
+  world.on_frame = [&](size_t, const client::FrameView& shown, Time now) {
+    const Duration since{now.us % kEvery.us};
+    if (const auto at = static_cast<size_t>(now.us / kEvery.us); at != view) {
+      EXPECT_TRUE(is_recovered) << "view " << view;
+      view = at;
+      is_recovered = false;
+    }
+    most_nodes = std::max<size_t>(most_nodes, shown.mesh->to_nodes);
+    if (view == 0) return;
+    ++frames;
+    const bool shows_view = glm::distance(shown.pose.eye, jumper(now).eye) < 50;
+    const float tolerance_px = shows_view ? shown.tolerance_px : HUGE_VALF;
+    if (since > Duration::milliseconds(400) && tolerance_px > 8) ++coarse_frames;
+    if (!is_recovered && tolerance_px <= 1) {
+      is_recovered = true;
+      worst = std::max(worst, since);
+    }
+  };
+  world.run(Time::seconds(4 * 9));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GT(frames, 1800u);
+  EXPECT_LE(worst, Duration::milliseconds(1000));
+  EXPECT_EQ(coarse_frames, 0u);
+  EXPECT_LE(most_nodes, kMostNodes);
+  EXPECT_EQ(world.session(0).statistics().jumps, 8u);
+  EXPECT_EQ(world.viewer(0).statistics().started_afresh, 0u) << "that is for new connections";
+}
+
+TEST_P(Jumps, ObjectsCountAgainstTheLimitOfNodes) {
+  server::SessionOptions options;
+  options.max_section_nodes = 3000;
+  World world(alps(), options, Duration::milliseconds(10), 52, objectsIn(*alps(), 8));
+  ClientOptions c = jumping(GetParam());
+  c.request.tau_px = 0.05;
+  world.addClient(c);
+  size_t with_objects = 0;
+  for (int i = 1; i < 240; ++i) {
+    world.run(Time::seconds(0.1 * i));
+    const server::SessionStatistics& s = world.session(0).statistics();
+    ASSERT_LE(s.section_nodes, options.max_section_nodes) << i;
+    with_objects += s.section_nodes > world.session(0).section().slots.size();
+  }
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GT(with_objects, 50u);
+}
+
+INSTANTIATE_TEST_SUITE_P(World, Jumps, testing::Values(Strategy::kPredict, Strategy::kDelay, Strategy::kCurrent),
+                         [](const auto& test) { return std::string(proto::name(test.param)); });
+
+}  // namespace
+}  // namespace foreland::test
