@@ -165,6 +165,7 @@ void Session::jumpTo(const proto::TimedPose& pose) {
   history_.restart(pose);
   predictions_.clear();
   prediction_errors_ = {};
+  region_share_ = {};
   if (path_ && !isPathFollowed(pose)) path_.reset();
   if (isFirst()) return;  // which starts from nothing anyway
   target_.reset();
@@ -333,13 +334,12 @@ proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
   const ExpectedMotion motion = expectedMotion();
   proto::View view{motion.at(t), request_->lens, request_->tau_px};
-  const Region region = regionOf(view.pose, motion, shownFrom(t), t + T), error = prediction_errors_.estimate(),
+  const Region region =
+                   region_share_.of(regionOf(view.pose, motion, shownFrom(t), t + T), prediction_errors_.estimate()),
                unknown = unknownMotion(t + T - history_.newest().time);
   // Floats, as in the keyframe's header.
-  view.region_radius_m =
-      static_cast<float>(region.radius_m + error.radius_m + unknown.radius_m + kPoseRounding.radius_m);
-  view.region_angle_rad =
-      static_cast<float>(region.angle_rad + error.angle_rad + unknown.angle_rad + kPoseRounding.angle_rad);
+  view.region_radius_m = static_cast<float>(region.radius_m + unknown.radius_m + kPoseRounding.radius_m);
+  view.region_angle_rad = static_cast<float>(region.angle_rad + unknown.angle_rad + kPoseRounding.angle_rad);
   return view;
 }
 
@@ -429,6 +429,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
     CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
+  observeRegion(scratch);
 
   unsent_ = true;
   keyframe_before_last_at_ = isFirst() ? now - request_->keyframe_interval : last_keyframe_at_;
@@ -447,6 +448,17 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
+}
+
+// How much the region makes of the section. Along an announced path the region is not reduced: there it is no guess.
+void Session::observeRegion(SessionScratch& scratch) {
+  const bool is_guess = request_->strategy == proto::Strategy::kPredict &&
+                        !(request_->predictor == proto::Predictor::kKnownPath && path_);
+  if (!is_guess || !region_share_.isDue()) return;
+  proto::View pose_alone = proto::viewOf(keyframe());
+  pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
+  const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
+  region_share_.observe(sender_.nodeCount(), size.nodes);
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.

@@ -25,6 +25,7 @@
 #include "server/view/pose_history.h"
 #include "server/view/prediction_errors.h"
 #include "server/view/region.h"
+#include "server/view/region_share.h"
 
 namespace foreland::server {
 
@@ -148,6 +149,7 @@ class Session {
   double mostAddedForLink() const;
   double loadOf(const proto::View& view, SessionScratch& scratch) const;
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
+  void observeRegion(SessionScratch& scratch);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
@@ -155,6 +157,7 @@ class Session {
   std::optional<proto::ViewRequest> request_;
   PoseHistory history_;
   PredictionErrors prediction_errors_;
+  RegionShare region_share_;
   std::deque<proto::TimedPose> predictions_;  // of times for which no true pose has arrived yet
   std::optional<proto::Path> path_;
   ClockMap clocks_;

@@ -20,9 +20,11 @@ const Begin& beginOf(uint8_t how) {
   const test::ToyTerrain& terrain = test::toyFlightTerrain();
   const Section section = test::toyFlightBegin(how);
   begin.emplace(Begin{SparseNodes(terrain.grid(), terrain.base()), TerrainAdapter(terrain.domain())});
+  begin->adapter.memory().pages.setBudget(test::toyFlightMemory(how));
   if (section.slots.empty()) return *begin;
   InMemoryNodes source(terrain.nodes());
   begin->adapter = TerrainAdapter(terrain.domain(), section.slots, source);
+  begin->adapter.memory().pages.setBudget(test::toyFlightMemory(how));
   for (Slot slot : section.slots) begin->nodes.make(slot) = terrain.nodes()[slot];
   return *begin;
 }
@@ -41,6 +43,7 @@ void run(ByteSpan bytes) {
     CHECK_TRUE(validate(terrain.grid(), held.adapter.section()).ok());
     if (!done || !decoder.finish().ok()) return false;
     held.adapter.validate();
+    CHECK_LE(held.adapter.memory().pages.clientBytes(), test::toyFlightMemory(how));
     return true;
   });
 }

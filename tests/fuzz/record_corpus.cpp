@@ -21,7 +21,7 @@ namespace {
 
 using proto::TerrainAdapter;
 
-// Four deltas as a server sends them.
+// Deltas as a server sends them.
 Bytes recordFlight(uint8_t how) {
   const ToyTerrain& terrain = toyFlightTerrain();
   const proto::DenseNodes table = terrain.table();
@@ -29,6 +29,7 @@ Bytes recordFlight(uint8_t how) {
   proto::InMemoryNodes source(terrain.nodes());
   TerrainAdapter adapter =
       begin.slots.empty() ? TerrainAdapter(terrain.domain()) : TerrainAdapter(terrain.domain(), begin.slots, source);
+  adapter.memory().pages.setBudget(toyFlightMemory(how));
   proto::DeltaModel model;
   Bytes input{how};
   for (int step = 0; step < kToySteps; ++step) {

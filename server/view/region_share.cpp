@@ -1,0 +1,27 @@
+#include "server/view/region_share.h"
+
+#include <algorithm>
+
+namespace foreland::server {
+
+Region RegionShare::of(const Region& motion, const Region& error) const {
+  const double of_motion = std::min(1.0, 2 * share_), of_error = std::max(0.0, 2 * share_ - 1);
+  return {of_motion * motion.radius_m + of_error * error.radius_m,
+          of_motion * motion.angle_rad + of_error * error.angle_rad};
+}
+
+bool RegionShare::isDue() {
+  constexpr uint32_t kOften = 4, kSeldom = 16;
+  return keyframes_++ % (is_wide_ ? kOften : kSeldom) == 0;
+}
+
+// What the region adds to a section is about proportional to its share.
+void RegionShare::observe(size_t nodes, size_t pose_alone) {
+  constexpr double kAim = 1.35, kWide = 1.2, kLeast = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
+  const double excess = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
+  is_wide_ = excess > kWide - 1 || share_ < 1;
+  const double change = excess > 0 ? (kAim - 1) / excess : kRise;
+  share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kLeast, 1.0);
+}
+
+}  // namespace foreland::server

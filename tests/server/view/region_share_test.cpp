@@ -1,0 +1,63 @@
+#include "server/view/region_share.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/rng.h"
+#include "tests/support/seed.h"
+
+namespace foreland::server {
+namespace {
+
+constexpr Region kMotion{40, 0.2}, kError{100, 0.6};
+
+TEST(RegionShare, IsTheWholeRegionWhereItAddsLittle) {
+  RegionShare share;
+  for (int i = 0; i < 100; ++i)
+    if (share.isDue()) share.observe(130'000, 100'000);
+  EXPECT_EQ(share.share(), 1);
+  EXPECT_DOUBLE_EQ(share.of(kMotion, kError).radius_m, kMotion.radius_m + kError.radius_m);
+  EXPECT_DOUBLE_EQ(share.of(kMotion, kError).angle_rad, kMotion.angle_rad + kError.angle_rad);
+}
+
+TEST(RegionShare, LeavesOutErrorsBeforeMotion) {
+  RegionShare share;
+  double least_angle = 1e9;
+  for (int i = 0; i < 40; ++i) {
+    share.observe(500'000, 100'000);  // whatever the share
+    const Region region = share.of(kMotion, kError);
+    EXPECT_LE(region.angle_rad, least_angle);
+    EXPECT_LE(region.radius_m, kMotion.radius_m + kError.radius_m);
+    if (region.angle_rad < kMotion.angle_rad) { EXPECT_LT(region.radius_m, kMotion.radius_m) << "no errors are left"; }
+    least_angle = region.angle_rad;
+  }
+  EXPECT_LT(least_angle, 0.1 * kMotion.angle_rad);
+}
+
+// Sections grow with the share by one of several laws, unknown to it and with noise; whatever the law, they are soon
+// within kMost and stay there, and are not smaller than they need be.
+TEST(RegionShare, KeepsSectionsWithinTheFactorWhateverTheLaw) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  for (int round = 0; round < 200; ++round) {
+    const double most = rng.uniform(0.3, 9), power = rng.uniform(0.6, 1.6);
+    RegionShare share;
+    int observed = 0;
+    for (int i = 0; i < 400; ++i) {
+      const double alone = 1e5 * rng.uniform(0.9, 1.1);
+      const double nodes = alone * (1 + most * std::pow(share.share(), power));
+      if (i > 60) {
+        EXPECT_LE(nodes / alone, RegionShare::kMost) << "seed " << seed << ", most " << most << ", power " << power;
+        EXPECT_GE(nodes / alone, std::min(1 + most, 1.25)) << "seed " << seed;
+      }
+      if (!share.isDue()) continue;
+      ++observed;
+      share.observe(static_cast<size_t>(nodes), static_cast<size_t>(alone));
+    }
+    EXPECT_LE(observed, 101);
+  }
+}
+
+}  // namespace
+}  // namespace foreland::server
