@@ -1,6 +1,6 @@
 // `foreland serve SCENE`: serves one scene to viewers over WebSocket, and the page that shows it over HTTP, until
-// SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 if scene, options or port cannot be used. The main thread
-// waits for the signal; the server has threads of its own (docs/THREADS.md).
+// SIGTERM or SIGINT. Exit code 0 after a clean stop, 2 if scene, options or port cannot be used, 3 if the scene's file
+// is lost meanwhile. The main thread waits for the signal; the server has threads of its own (docs/THREADS.md).
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -24,6 +24,7 @@
 #include "server/net/server.h"
 #include "server/net/steady_clock.h"
 #include "server/session/session.h"
+#include "terrain/store/mapped_file.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/verify.h"
 
@@ -148,9 +149,9 @@ int main(int argc, char** argv) {
 
   auto listen = server::parseListenAddress(flags.listen);
   if (!listen) return fail(listen.error());
-  auto scene = terrain::Scene::open(flags.scene);
+  terrain::endWhenAFileIsLost();
+  auto scene = terrain::openVerified(flags.scene);
   if (!scene) return fail(scene.error());
-  if (Status intact = terrain::verifyChecksums(flags.scene); !intact.ok()) return fail(intact.error());
   const std::string title = (*scene)->origin().title;
   auto objects = server::objectsOf(*scene);
   if (!objects) return fail(objects.error());

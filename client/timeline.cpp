@@ -10,6 +10,8 @@ namespace {
 
 constexpr size_t kRecent = 16;
 constexpr Duration kLatencyMargin = Duration::milliseconds(10);
+// Longer ones come of clocks that were set anew.
+constexpr Duration kLongestPlayoutDelay = Duration::seconds(10);
 constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, per keyframe
 
 }  // namespace
@@ -28,12 +30,20 @@ void Timeline::updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kRecent) latencies_.pop_front();
   const Duration wanted = std::max(Duration{}, slowestUsual(latencies_) + kLatencyMargin);
-  playout_delay_ = std::max(wanted, playout_delay_ - kPlayoutDelayFall);
+  playout_delay_ = std::min(std::max(wanted, playout_delay_ - kPlayoutDelayFall), kLongestPlayoutDelay);
+}
+
+// What is shown jumps anyway, so nothing is owed to how late it was before.
+void Timeline::restart() {
+  entries_.clear();
+  intervals_.clear();
+  latencies_.clear();
+  playout_delay_ = {};
 }
 
 Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
   const bool still = mesh->from.index == mesh->to.index, predicted = strategy == proto::Strategy::kPredict;
-  if (still) entries_.clear();
+  if (still) restart();
   const bool first = entries_.empty();
   const Duration interval = intervalOf(*mesh);
   // Late by the playout delay in force before this arrival, which is what the viewer was shown by.

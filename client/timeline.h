@@ -41,11 +41,7 @@ class Timeline {
   void extend(std::shared_ptr<const KeyframeMesh> mesh);
 
   // Shows nothing until the next mesh is added. Versions are not reused.
-  void clear() {
-    entries_.clear();
-    intervals_.clear();
-    latencies_.clear();
-  }
+  void clear() { restart(); }
 
   struct Shown {
     const KeyframeMesh* mesh = nullptr;  // nullptr if there is none; valid until the next call of a member
@@ -65,6 +61,7 @@ class Timeline {
   };
   // The interval T that the mesh is delayed by.
   Duration intervalOf(const KeyframeMesh& mesh);
+  void restart();
   void updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival);
 
   std::deque<Entry> entries_;

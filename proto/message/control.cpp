@@ -1,12 +1,13 @@
 #include "proto/message/control.h"
-#include "base/printable.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "base/printable.h"
 #include "message_generated.h"
 #include "proto/message/kind.h"
+#include "proto/section/bounds.h"
 
 namespace foreland::proto {
 
@@ -185,7 +186,7 @@ Result<Frame> frameOf(const fb::Frame* m, const GridShape& shape) {
 bool readHeights(const flatbuffers::Vector<int32_t>* in, uint64_t expected, std::vector<int32_t>& out) {
   if (!in || in->size() != expected) return false;
   out.assign(in->begin(), in->end());
-  return std::all_of(out.begin(), out.end(), [](int32_t h) { return std::abs(int64_t{h}) <= (1 << 29); });
+  return std::all_of(out.begin(), out.end(), [](int32_t h) { return h >= -kMaxHeight && h <= kMaxHeight; });
 }
 
 Result<ObjectModel> modelOf(const fb::Model& m) {

@@ -92,10 +92,11 @@ struct QuantisedRadius {
   auto operator<=>(const QuantisedRadius&) const = default;
 
  private:
-  static const std::array<float, kMost + 1>& table() {
-    static constexpr std::array<float, kMost + 1> kTable = [] {
-      std::array<float, kMost + 1> t{};
-      for (int i = 0; i <= kMost; ++i) t[static_cast<size_t>(i)] = bounds_detail::power(2 * i);
+  // Of any byte: a damaged file may hold more than kMost.
+  static const std::array<float, 256>& table() {
+    static constexpr std::array<float, 256> kTable = [] {
+      std::array<float, 256> t{};
+      for (int i = 0; i < 256; ++i) t[static_cast<size_t>(i)] = bounds_detail::power(2 * (i < kMost ? i : kMost));
       return t;
     }();
     return kTable;

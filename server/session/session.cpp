@@ -126,7 +126,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   if (update.received_keyframe > keyframe().index)
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   // After a clock was set anew, times before it and after it cannot be compared.
-  if (!clocks_.poseArrived(update.pose.time, now) || isJump(update.pose))
+  if (!clocks_.poseArrived(update.pose.time, now) || isJump(update.pose) || isTooFarAhead(update.pose.time))
     jumpTo(update.pose);
   else
     history_.add(update.pose);
@@ -158,7 +158,7 @@ bool Session::isJump(const proto::TimedPose& pose) const {
 // for a camera that goes on as fast as before, in any direction.
 void Session::jumpTo(const proto::TimedPose& pose) {
   ++statistics_.jumps;
-  if (history_.span() > Duration{}) {
+  if (!history_.empty() && history_.span() > Duration{}) {
     const Extrapolation motion = history_.extrapolate(proto::Predictor::kConstantVelocity);
     motion_before_jump_ = {glm::length(motion.velocity), motion.turnRate()};
   }
@@ -167,9 +167,16 @@ void Session::jumpTo(const proto::TimedPose& pose) {
   prediction_errors_ = {};
   region_share_ = {};
   if (path_ && !isPathFollowed(pose)) path_.reset();
-  if (isFirst()) return;  // which starts from nothing anyway
+  if (isFirst() && !isTooFarAhead(pose.time)) return;  // it starts from nothing, or from what the viewer holds
   target_.reset();
   jumped_ = true;
+}
+
+// Whether the last keyframe is for a time that no clock explains which shows `t` now: it was computed, here or before
+// the viewer resumed, for a time stamp that was wrong. No keyframe could follow it for long.
+bool Session::isTooFarAhead(Time t) const {
+  constexpr Duration kMostAhead = Duration::seconds(5);
+  return keyframe().index > 0 && keyframe().time > t + request_->keyframe_interval * 2 + kMostAhead;
 }
 
 // Whether the announced path is where the camera is.

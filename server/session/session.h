@@ -130,6 +130,7 @@ class Session {
   bool isFirst() const { return statistics_.keyframes == 0; }
   bool isJump(const proto::TimedPose& pose) const;
   void jumpTo(const proto::TimedPose& pose);
+  bool isTooFarAhead(Time t) const;
   bool isPathFollowed(const proto::TimedPose& pose) const;
   Time gridAtOrAfter(Time t_client) const;
   ExpectedMotion expectedMotion() const;

@@ -1,17 +1,70 @@
 #include "terrain/store/mapped_file.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <cstring>
+#include <mutex>
+#include <string>
 #include <utility>
+
+#include "base/printable.h"
 
 namespace foreland::terrain {
 
 namespace {
+
+// The mapped files, for a signal handler: fixed memory, and atomic numbers that it may read at any time.
+struct MappingName {
+  std::atomic<uintptr_t> begin{0}, end{0};  // begin 0: free
+  char path[1024] = {};
+};
+std::array<MappingName, 64> mapping_names;
+std::mutex mapping_names_mutex;  // of those who write
+
+void remember(ByteSpan data, const std::filesystem::path& path) {
+  const std::lock_guard lock(mapping_names_mutex);
+  for (MappingName& name : mapping_names) {
+    if (name.begin != 0) continue;
+    const std::string text = printable(path.string(), sizeof(name.path) - 4);
+    std::memcpy(name.path, text.c_str(), text.size() + 1);
+    name.end = reinterpret_cast<uintptr_t>(data.data()) + data.size();
+    name.begin = reinterpret_cast<uintptr_t>(data.data());
+    return;
+  }
+}
+
+void forget(ByteSpan data) {
+  const std::lock_guard lock(mapping_names_mutex);
+  for (MappingName& name : mapping_names)
+    if (name.begin == reinterpret_cast<uintptr_t>(data.data())) name.begin = 0;
+}
+
+// Calls nothing that a signal handler may not call.
+void onBusError(int, siginfo_t* about, void*) {
+  const auto at = reinterpret_cast<uintptr_t>(about->si_addr);
+  const auto tell = [](const char* text) {
+    [[maybe_unused]] const auto n = ::write(STDERR_FILENO, text, std::strlen(text));
+  };
+  for (const MappingName& name : mapping_names) {
+    if (name.begin == 0 || at < name.begin || at >= name.end) continue;
+    tell("foreland: ");
+    tell(name.path);
+    tell(
+        ": cannot be read any more. The file was cut short, or its disk failed, while it was open; restore it and "
+        "start again\n");
+    ::_exit(kFileLost);
+  }
+  ::signal(SIGBUS, SIG_DFL);
+  ::raise(SIGBUS);
+}
 
 Error fromSystem(const std::filesystem::path& path) {
   const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
@@ -44,13 +97,24 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
   }
   ::close(file);
   if (!status.ok()) return status.error();
-  return MappedFile(ByteSpan(static_cast<const uint8_t*>(data), static_cast<size_t>(about.st_size)));
+  return MappedFile(ByteSpan(static_cast<const uint8_t*>(data), static_cast<size_t>(about.st_size)), path);
+}
+
+MappedFile::MappedFile(ByteSpan data, const std::filesystem::path& path) : data_(data) { remember(data_, path); }
+
+void endWhenAFileIsLost() {
+  struct sigaction action {};
+  action.sa_sigaction = onBusError;
+  action.sa_flags = SA_SIGINFO;
+  ::sigaction(SIGBUS, &action, nullptr);
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept : data_(std::exchange(other.data_, {})) {}
 
 MappedFile::~MappedFile() {
-  if (!data_.empty()) ::munmap(const_cast<uint8_t*>(data_.data()), data_.size());
+  if (data_.empty()) return;
+  forget(data_);
+  ::munmap(const_cast<uint8_t*>(data_.data()), data_.size());
 }
 
 Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, size_t header_bytes,

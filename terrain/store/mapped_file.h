@@ -1,5 +1,6 @@
 // A whole file mapped into memory for reading. Immutable; any thread. The file must not be changed in place while it is
-// open; our writer never does (it replaces it by rename).
+// open; our writer never does (it replaces it by rename). If someone else cuts it short, or its disk fails, reading it
+// raises SIGBUS; endWhenAFileIsLost() makes of that a message and a clean end (docs/decisions/0019).
 #pragma once
 
 #include <array>
@@ -34,10 +35,15 @@ class MappedFile {
   ByteSpan span() const { return data_; }
 
  private:
-  explicit MappedFile(ByteSpan data) : data_(data) {}
+  MappedFile(ByteSpan data, const std::filesystem::path& path);
 
   ByteSpan data_;  // owned
 };
+
+// From now on, when a mapped file cannot be read any more, the program names the file on standard error and ends with
+// this exit code, instead of dying of SIGBUS. For mains; other causes of SIGBUS stay what they are.
+inline constexpr int kFileLost = 3;
+void endWhenAFileIsLost();
 
 // The fields that every kind of header begins with.
 struct HeaderStart {

@@ -1,5 +1,6 @@
 #include "terrain/store/mapped_scene.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace foreland::terrain {
@@ -51,6 +52,10 @@ Status MappedScene::adopt() {
   corners_ = section<int32_t>(kCorners);
   centres_ = section<int32_t>(kCentres);
   objects_ = section<uint8_t>(kObjects);
+  const auto isAbsurd = [](int32_t h) { return h < -proto::kMaxHeight || h > proto::kMaxHeight; };
+  if (std::any_of(corners_.begin(), corners_.end(), isAbsurd) ||
+      std::any_of(centres_.begin(), centres_.end(), isAbsurd))
+    return malformed("a base vertex is absurdly high or low");
   return {};
 }
 

@@ -117,12 +117,12 @@ Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned thr
   return report;
 }
 
-Status verifyChecksums(const std::filesystem::path& path, unsigned threads) {
-  const auto scene = MappedScene::open(path);
+Result<std::shared_ptr<const Scene>> openVerified(const std::filesystem::path& path, unsigned threads) {
+  auto scene = MappedScene::open(path);
   if (!scene.ok()) return scene.error();
   Faults faults;
   checkSceneBlocks(**scene, threads, faults);
-  if (faults.count() == 0) return {};
+  if (faults.count() == 0) return std::shared_ptr<const Scene>(std::move(*scene));
   return Error{ErrorCode::kMalformed,
                path.string() + ": " + faults.first().front() + "; build or copy the scene again"};
 }

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
+#include "terrain/store/scene.h"
 
 namespace foreland::terrain {
 
@@ -26,7 +28,9 @@ struct VerifyReport {
 // found.
 [[nodiscard]] Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned threads = 0);
 
-// Checks the checksums alone, at the speed of the disk: a server does so before it serves a scene.
-[[nodiscard]] Status verifyChecksums(const std::filesystem::path& path, unsigned threads = 0);
+// Opens a scene and checks the checksums alone, at the speed of the disk: a server does so before it serves a scene.
+// What was checked is what is returned, whatever happens to the path meanwhile.
+[[nodiscard]] Result<std::shared_ptr<const Scene>> openVerified(const std::filesystem::path& path,
+                                                                unsigned threads = 0);
 
 }  // namespace foreland::terrain

@@ -15,6 +15,7 @@
 #include "server/view/tour.h"
 #include "tests/server/net/client.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scene.h"
 
 namespace foreland::test {
@@ -31,15 +32,6 @@ Duration attackTime() {
   const char* seconds = std::getenv("FORELAND_HOSTILE_SECONDS");
   return Duration::seconds(seconds ? std::atof(seconds) : 1.5);
 }
-
-// Sanitizers keep what was freed.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kIsSanitized = true;
-#elif defined(__has_feature)
-constexpr bool kIsSanitized = __has_feature(address_sanitizer);
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 proto::ViewRequest request(uint32_t width, uint32_t height, double tau_px, int64_t keyframe_ms) {
   proto::ViewRequest request;

@@ -98,7 +98,7 @@ class Session:
         shape, corners, centres = fields["shape"], fields["corner_heights"], fields["centre_heights"]
         grid = Grid(shape)
         require(len(corners) == (grid.roots_x + 1) * (grid.roots_y + 1) and len(centres) == grid.roots_x * grid.roots_y and
-                all(abs(h) <= 1 << 29 for h in corners + centres), "base heights that do not fit the shape")
+                all(abs(h) < 1 << 22 for h in corners + centres), "base heights that do not fit the shape")
         require(fields["tau_px"] > 0 and fields["keyframe_interval_us"] > 0, "no tolerance, or no interval")
         frame = Frame(fields["frame"], grid.max_x, grid.max_y)
         self.memory_bytes = fields["memory_bytes"]

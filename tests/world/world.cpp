@@ -36,11 +36,29 @@ World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionO
 size_t World::addClient(const ClientOptions& options) {
   clients_.push_back(std::make_unique<Client>(options, world_, options_, seed_ + 1000 * clients_.size()));
   clients_.back()->next_frame = now_;
+  clients_.back()->chance = Rng(seed_ + clients_.size());
   return clients_.size() - 1;
 }
 
-void World::loseConnection(size_t client) {
-  Client& c = *clients_[client];
+void World::loseConnection(size_t client) { lose(*clients_[client]); }
+
+void World::stopCorruption() {
+  for (auto& c : clients_) {
+    c->options.corrupt_one_in = 0;
+    if (c->cut_at) lose(*c);
+  }
+}
+
+// Whether the message at hand is to be changed.
+bool World::corrupts(Client& c, Time now) {
+  constexpr int64_t kCutWithin_us = 400'000;
+  if (c.options.corrupt_one_in == 0 || c.chance.below(c.options.corrupt_one_in) != 0) return false;
+  if (!c.cut_at) c.cut_at = now + Duration{static_cast<int64_t>(c.chance.below(kCutWithin_us))};
+  return true;
+}
+
+void World::lose(Client& c) {
+  c.cut_at.reset();
   c.is_connected = c.waits_for_drain = false;
   c.session = server::Session(world_, options_);
   c.up = Link(c.options.up, seed_ + 7 * ++c.connections);
@@ -79,17 +97,21 @@ std::optional<Time> World::nextEvent(const Client& c) const {
   earliest(best, c.down.nextArrival());
   if (c.waits_for_drain) earliest(best, std::max(c.down.drainedAt(), now_));
   if (const auto due = c.session.due()) earliest(best, std::max(due->release, now_));
+  if (c.cut_at) earliest(best, std::max(*c.cut_at, now_));
   return best;
 }
 
 void World::handle(Client& c, size_t index, Time now) {
+  if (c.cut_at && *c.cut_at <= now) lose(c);
   if (c.waits_for_drain && c.down.drainedAt() <= now) {
     c.waits_for_drain = false;
     c.session.onDrained(now);
   }
   while (c.up.nextArrival() && *c.up.nextArrival() <= now)
-    if (const Status s = c.session.receive(c.up.receive(), now); !s.ok())
-      complain("server refuses: " + s.error().message);
+    if (const Status s = c.session.receive(c.up.receive(), now); !s.ok()) {
+      if (!c.cut_at) complain("server refuses: " + s.error().message);
+      lose(c);
+    }
   if (const auto due = c.session.due(); due && due->release <= now) serve(c, now);
   while (c.down.nextArrival() && *c.down.nextArrival() <= now) receive(c, now);
   if (c.next_frame <= now) frame(c, index, now);
@@ -136,11 +158,15 @@ bool knowsTheTruth(const client::Replica& replica, const server::Hierarchy& hier
 }  // namespace
 
 void World::receive(Client& c, Time now) {
-  const Bytes message = c.down.receive();
+  Bytes message = c.down.receive();
+  if (!c.is_connected) return;
+  if (corrupts(c, now)) message[0] = 0xff;
   for (uint8_t byte : message) c.hash = (c.hash ^ byte) * 1099511628211ull;
   countDown(c, message);
-  if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok())
-    complain("client refuses: " + s.error().message);
+  if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok()) {
+    if (!c.cut_at) complain("client refuses: " + s.error().message);
+    return lose(c);
+  }
   if (!c.viewer.replica()) return;
   const uint32_t index = c.viewer.replica()->newest().index;
   const auto it = c.sections.find(index);
@@ -174,6 +200,9 @@ void World::flush(Client& c, Time now) {
   while (c.viewer.takeOutgoing(message)) {
     if (!c.is_connected) continue;
     countUp(c, message);
+    if (corrupts(c, now))
+      for (uint64_t i = 1 + c.chance.below(4); i-- > 0;)
+        message[c.chance.below(message.size())] = static_cast<uint8_t>(c.chance.next());
     c.up.send(std::move(message), now);
   }
 }

@@ -21,7 +21,10 @@ struct ClientOptions {
   LinkOptions up, down;
   proto::Path path;  // flown from its start; the client's clock
   bool announce_path = false;
-  std::function<proto::Pose(Time)> camera;              // flown instead of the path, if not empty
+  std::function<proto::Pose(Time)> camera;  // flown instead of the path, if not empty
+  // One message in so many is changed on its way, either way, and its connection is cut soon after; 0: none. What is
+  // changed on the way down is no message any more, since a viewer may take another keyframe for the one that was sent.
+  uint64_t corrupt_one_in = 0;
   Duration clock_offset;                                // client's clock minus the server's
   std::function<void(client::Viewer&, Time)> at_frame;  // called before each frame
 };
@@ -57,6 +60,11 @@ class World {
   size_t addClient(const ClientOptions& options);
   // The client's server dies with its connection, and what was under way is lost; the client flies on.
   void loseConnection(size_t client);
+  bool isConnected(size_t client) const { return clients_[client]->is_connected; }
+  void changeRequest(size_t client, const proto::ViewRequest& request) { clients_[client]->viewer.setRequest(request); }
+  // From now on nothing is changed on its way. Connections with changed messages are cut.
+  void stopCorruption();
+  const std::shared_ptr<const server::World>& serverWorld() const { return world_; }
   // It reaches a new server, with the same scene or another.
   void connectAgain(size_t client, std::shared_ptr<const terrain::Scene> scene = nullptr);
   // Runs until `end` on the server's clock. 60 frames a second at each client.
@@ -92,6 +100,8 @@ class World {
     bool waits_for_drain = false;
     bool path_announced = false;
     bool is_connected = true;
+    Rng chance{0};
+    std::optional<Time> cut_at;  // after a message was changed on its way
     bool has_mesh = false, scene_changed = false;
     uint64_t connections = 1;
     uint64_t hash = 1469598103934665603ull;
@@ -112,6 +122,8 @@ class World {
   void receive(Client& c, Time now);
   void frame(Client& c, size_t index, Time now);
   void flush(Client& c, Time now);
+  bool corrupts(Client& c, Time now);
+  void lose(Client& c);
   static void countDown(Client& c, const Bytes& message);
   static void countUp(Client& c, const Bytes& message);
   void complain(const std::string& what) { complaints_.push_back(what); }

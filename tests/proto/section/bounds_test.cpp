@@ -86,5 +86,15 @@ TEST(NodeRecord, KeepsWhatItIsGiven) {
   }
 }
 
+// A file may hold any byte.
+TEST(QuantisedRadius, EveryByteHasAFactorAndThoseBeyondTheLargestHaveItsOwn) {
+  float last = 0;
+  for (int value = 0; value < 256; ++value) {
+    const float factor = QuantisedRadius{static_cast<uint8_t>(value)}.factor();
+    EXPECT_TRUE(factor > last || (value > QuantisedRadius::kMost && factor == last)) << value;
+    last = factor;
+  }
+}
+
 }  // namespace
 }  // namespace foreland::proto

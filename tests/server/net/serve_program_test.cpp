@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/message/message.h"
 #include "terrain/build/build.h"
 #include "tests/server/net/client.h"
 #include "tests/support/program.h"
@@ -78,6 +79,21 @@ TEST_F(ServeProgram, RefusesASceneWithAFlippedByte) {
   file.put(byte);
   file.close();
   expectRefusal({flipped, "--listen", "127.0.0.1:0"}, {flipped, "block", "build or copy the scene again"});
+}
+
+// Someone copies another file over the scene that is being served, say.
+TEST_F(ServeProgram, NamesASceneThatIsCutShortWhileItIsServed) {
+  Program server("serve", arguments());
+  const uint16_t port = portOf(server.readLine());
+  fs::resize_file(folder_ / "scene.fls", 4096);
+  WebSocketClient client(port);
+  client.send(proto::encode(proto::ViewRequest{}));
+  proto::PoseUpdate update{{Time::seconds(1), {{0, 0, 1500}, proto::lookAlong({0, 0, -1}, {0, 0, 1})}}, 0, {}};
+  client.send(proto::encode(update));
+  const std::string output = server.readToEnd();
+  EXPECT_EQ(server.wait(), 3) << output;
+  EXPECT_NE(output.find(folder_ / "scene.fls"), std::string::npos) << output;
+  EXPECT_NE(output.find("cut short"), std::string::npos) << output;
 }
 
 TEST_F(ServeProgram, RefusesFlagsThatItDoesNotKnow) {
