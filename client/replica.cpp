@@ -101,11 +101,10 @@ double Replica::intervals(const MorphTiming& timing, Slot slot) const {
       centre, page ? domain_->radius(grid.level(n), page->radius) : std::numeric_limits<double>::infinity());
 }
 
-// Back to the state before the first keyframe, but for what is remembered of the terrain: the server has sent a
-// keyframe that starts from nothing.
+// Back to the state before the first keyframe, but for what is remembered of the terrain and the model: the server has
+// sent a keyframe that starts from nothing.
 void Replica::reset() {
   morphs_ = {};
-  model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
   fingerprint_ = 0;
   from_ = to_ = {};
   makeObjects();
@@ -172,6 +171,7 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
       return refused("an earlier keyframe of this connection was malformed");
     is_broken_ = false;
     adapter_.restart(remembered);
+    if (remembered == proto::Remembered::kNothing) model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
     nodes_.clearSections();
   }
   if (!adapt(header, decoder)) {

@@ -74,7 +74,7 @@ void SectionSender::restart(proto::Remembered remembered) {
   const auto memory_bytes = static_cast<uint32_t>(adapter_.memory().pages.budget());
   remembered_ = remembered;
   adapter_.restart(remembered);
-  model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+  if (remembered == proto::Remembered::kNothing) model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
   makeObjects();
   setMemory(memory_bytes);
   keyframe_.fingerprint = 0;

@@ -11,7 +11,7 @@ Region RegionShare::of(const Region& motion, const Region& error) const {
 }
 
 bool RegionShare::isDue() {
-  constexpr uint32_t kOften = 4, kSeldom = 16;
+  constexpr uint32_t kOften = 2, kSeldom = 16;
   return keyframes_++ % (is_wide_ ? kOften : kSeldom) == 0;
 }
 

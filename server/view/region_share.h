@@ -23,7 +23,7 @@ class RegionShare {
   Region of(const Region& motion, const Region& error) const;
 
   // To be called once for each keyframe. True if its section is to be observed, which costs a refinement from scratch:
-  // one keyframe in sixteen, and one in four while the region is wide.
+  // one keyframe in sixteen, and every other one while the region is wide.
   [[nodiscard]] bool isDue();
   // Of the last keyframe: the nodes of its section, and of one for its pose alone.
   void observe(size_t nodes, size_t pose_alone);

@@ -158,9 +158,10 @@ class Section:
 
     def begin_from_nothing(self, keeps_pages):
         """With the empty section, on a connection that has sent a keyframe, or one that did not resume."""
-        self.model, self.is_first, self.fingerprint = Model(), True, 0
+        self.is_first, self.fingerprint = True, 0
         self.slots, self.bounds, self.spheres, self.nodes = set(), {}, {}, {}
         if not keeps_pages:
+            self.model = Model()
             self.pages, self.memory, self.heights = {}, [], {}
         self.forget()
 

@@ -109,6 +109,52 @@ TEST_P(Jumps, ObjectsCountAgainstTheLimitOfNodes) {
   EXPECT_GT(with_objects, 50u);
 }
 
+// The camera goes round four places, again and again. The second time round nothing is new to the viewer.
+TEST_P(Jumps, BackToAKnownPlaceCostNextToNothing) {
+  World world(alps(), {}, Duration::milliseconds(10), 52);
+  ClientOptions c = jumping(GetParam());
+  c.camera = [](Time now) { return jumper(Time{now.us % (kEvery * 4).us}); };
+  world.addClient(c);
+  world.run(Time{} + kEvery * 4);
+  const uint64_t first_round = world.viewer(0).statistics().bytes_down;
+  world.run(Time{} + kEvery * 8);
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GE(world.session(0).statistics().jumps, 7u);
+  EXPECT_LT(8 * (world.viewer(0).statistics().bytes_down - first_round), first_round);
+}
+
+// A camera that turns irregularly, a radian and more in a second: what is refined for predictions that fail stays
+// within half as much again as the pose alone needs.
+TEST(Turns, ThatCannotBePredictedMakeNoSectionMuchLarger) {
+  ClientOptions c = jumping(Strategy::kPredict);
+  c.camera = [](Time now) {
+    const double s = Duration{now.us}.toSeconds();
+    const double heading = 1.3 * std::sin(1.1 * s) + 0.7 * std::sin(2.3 * s + 1) + 0.4 * std::sin(5.1 * s);
+    return proto::Pose{aboveGround(-100 + 3 * s, 50, 200),
+                       proto::lookAlong({std::cos(heading), std::sin(heading), -0.4}, {0, 0, 1})};
+  };
+  World world(alps(), {}, Duration::milliseconds(10), 53);
+  world.addClient(c);
+  double sum = 0, worst = 0;
+  int count = 0;
+  proto::RefineScratch scratch;
+  for (double t = 6; t < 30; t += 0.2, ++count) {
+    world.run(Time::seconds(t));
+    const server::Session& session = world.session(0);
+    proto::View alone = proto::viewOf(session.keyframe());
+    alone.region_radius_m = alone.region_angle_rad = 0;
+    proto::Section needed;
+    ASSERT_TRUE(server::refine(session.world().hierarchy, alone, kMostNodes, scratch, needed));
+    const double factor = double(session.section().slots.size()) / double(needed.slots.size());
+    sum += factor;
+    worst = std::max(worst, factor);
+  }
+  EXPECT_EQ(world.report(), "");
+  EXPECT_LE(sum / count, 1.5);
+  EXPECT_LE(worst, 2.5) << "between two observations the camera may turn faster than before";
+  EXPECT_GE(sum / count, 1.1) << "some of the region is left";
+}
+
 INSTANTIATE_TEST_SUITE_P(World, Jumps, testing::Values(Strategy::kPredict, Strategy::kDelay, Strategy::kCurrent),
                          [](const auto& test) { return std::string(proto::name(test.param)); });
 
