@@ -19,7 +19,6 @@ namespace foreland::proto {
 
 struct FrontierPage : NodePage {
   uint16_t entries = 0;
-  uint8_t spare = 0;
   EntryPool::Block block;  // where its entries are
   PageKnowledge knowledge;
 };

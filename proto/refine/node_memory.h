@@ -37,7 +37,7 @@ struct PageKnowledge {
     for (uint64_t word : known.words) blocks += word != 0 ? 1 : 0;
     return kPageBytes + blocks * kBlockBytes;
   }
-  static constexpr size_t kPageBytes = 64, kBlockBytes = 512;
+  static constexpr size_t kPageBytes = 128, kBlockBytes = 512;
   bool operator==(const PageKnowledge&) const = default;
 };
 

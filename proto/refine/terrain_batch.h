@@ -23,7 +23,7 @@ struct TerrainBatch {
   std::array<QuantisedError, kSize> bound;     // the error that is tested
   std::array<int32_t, kSize> x, y;             // lattice position
   std::array<int32_t, kSize> height;           // of the sphere's centre, height quanta
-  std::array<QuantisedError, kSize> recorded;  // the node's error, where it is known
+  std::array<QuantisedError, kSize> recorded;  // the node's error, where it is settled
   std::array<float, kSize> radius;             // of the sphere, metres
   std::array<float, kSize> error;              // `bound` in metres, by the tests
   std::array<uint8_t, kSize> passes;           // by the tests

@@ -49,7 +49,7 @@ inline proto::View toyFlightView(uint8_t how, int step) {
 }
 
 // Nothing, one page, a few, all.
-inline uint64_t toyFlightMemory(uint8_t how) { return std::array<uint64_t, 4>{0, 600, 2500, 1 << 20}[how >> 1 & 3]; }
+inline uint64_t toyFlightMemory(uint8_t how) { return std::array<uint64_t, 4>{0, 700, 2600, 1 << 20}[how >> 1 & 3]; }
 
 // The section that a flight begins with: empty, or the one that the client resumes from.
 inline proto::Section toyFlightBegin(uint8_t how) {

@@ -134,7 +134,7 @@ class Page:
         self.radius, self.finest, self.known, self.settled = radius, finest, set(known), {}  # settled: errors by slot
 
     def cost(self):
-        return 64 + 512 * len({slot >> 6 for slot in self.known})
+        return 128 + 512 * len({slot >> 6 for slot in self.known})
 
 
 class Section:

@@ -27,7 +27,7 @@ size_t costOf(const PageKnowledge& knowledge) {
       any = any || knowledge.known.has(static_cast<uint8_t>(low));
     blocks += any ? 1 : 0;
   }
-  return 64 + 512 * blocks;
+  return 128 + 512 * blocks;
 }
 
 class ListOfPages {
@@ -65,7 +65,7 @@ class ListOfPages {
 TEST(NodeMemory, IsAListOfPagesCutOffWhereTheBudgetEnds) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
-  for (size_t budget : {size_t{0}, size_t{600}, size_t{20'000}, size_t{1} << 20}) {
+  for (size_t budget : {size_t{0}, size_t{700}, size_t{20'000}, size_t{1} << 20}) {
     NodeMemory memory;
     memory.setBudget(budget);
     ListOfPages list(budget);
@@ -100,7 +100,7 @@ TEST(NodeMemory, IsAListOfPagesCutOffWhereTheBudgetEnds) {
       ASSERT_EQ(memory.knownCount(), known);
       most = std::max(most, all.size());
     }
-    if (budget > 600) { EXPECT_GT(taken, 10u); }
+    if (budget > 700) { EXPECT_GT(taken, 10u); }
     EXPECT_LT(memory.bytes(), 96 * (most + 200));
   }
 }

@@ -106,7 +106,7 @@ class Reference {
     size_t clientBytes() const {
       std::set<Slot> blocks;
       for (Slot slot : known) blocks.insert(slot / 64);
-      return 64 + 512 * blocks.size();
+      return 128 + 512 * blocks.size();
     }
   };
   struct Resolved {
