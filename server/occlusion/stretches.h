@@ -23,7 +23,7 @@ struct Stretch {
 
 class Stretches {
  public:
-  static constexpr std::array<uint32_t, 2> kLengthLog2{4, 2};  // the longest first
+  static constexpr std::array<uint32_t, 2> kLengthLog2{4, 3};  // the longest first
   static constexpr size_t kLengths = kLengthLog2.size();
 
   // Both must outlive it; `grid` may be null.

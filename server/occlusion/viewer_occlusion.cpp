@@ -17,6 +17,7 @@ constexpr double kMargin_px = 1;           // by which a block must be hidden to
 constexpr int64_t kWorth = 11;             // intervals after a keyframe's for which it must be hidden to turn so
 constexpr int64_t kSpread = 8;             // intervals over which proofs that end together are renewed
 constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer stretch
+constexpr int64_t kRayRest = 48;           // intervals more until rays try a visible block again
 constexpr double kSpareTau = 1.25;         // a tolerance that rises is taken to be larger by this
 constexpr uint32_t kUnusedKeyframes = 32;  // until proofs are dropped
 constexpr uint32_t kTileMask = (1u << HiddenBlocks::kTileLog2) - 1;
@@ -104,7 +105,8 @@ bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof) {
   const int64_t until = may_be ? hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden) : last - 1;
   const bool is_hidden = may_be && until >= last;
   proof.until = static_cast<int32_t>(until);
-  proof.next = static_cast<int32_t>(is_hidden ? until + 1 : std::max(until + 1, intervals_.last()) + shown + 1);
+  const int64_t rest = scene_.grid ? 0 : kRayRest;
+  proof.next = static_cast<int32_t>(is_hidden ? until + 1 : std::max(until + 1, intervals_.last()) + shown + 1 + rest);
   proof.keyframe = keyframe_;
   return is_hidden;
 }

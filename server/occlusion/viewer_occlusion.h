@@ -1,10 +1,10 @@
 // What one viewer's server knows of hidden blocks from keyframe to keyframe.
 //
 // A block is hidden in a keyframe if that is proved for all eyes of the intervals in which the keyframe is shown
-// (eye_intervals.h). Proofs are for stretches of 16 or 4 intervals (stretches.h): a block deep behind a ridge is tested
-// every 16 keyframes, one near the ridge's edge every four. A block turns visible with the first keyframe that may show
-// it, or up to three earlier. One that is visible must be hidden for some intervals ahead, and by some margin, to turn
-// hidden, lest it flicker, and is tried again after the last interval in which it is known to be visible.
+// (eye_intervals.h). Proofs are for stretches of 16 or 8 intervals (stretches.h): a block deep behind a ridge is tested
+// every 16 keyframes, one near the ridge's edge every eight. A block turns visible with the first keyframe that may
+// show it, or up to seven earlier. One that is visible must be hidden for some intervals ahead, and by some margin, to
+// turn hidden, lest it flicker, and is tried again after the last interval in which it is known to be visible.
 //
 // Blocks are tested behind horizons (horizon.h); by rays (block_test.h), at most so many in a keyframe, in scenes that
 // have no grid for these.

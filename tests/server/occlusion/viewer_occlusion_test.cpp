@@ -121,7 +121,7 @@ TEST_P(Viewer, CallsHiddenWhatIsHiddenFromTheWholeRegion) {
       }
     if (keyframe == 0) first_tests = viewer.statistics().tests;
   }
-  EXPECT_GT(hidden, 100u);
+  EXPECT_GT(hidden, 30u);
   if (GetParam().error_m == 0) {
     EXPECT_LT((viewer.statistics().tests - first_tests) / (Flight::kKeyframes - 1), first_tests / 3);
   }
