@@ -24,6 +24,14 @@ double mean(const std::vector<double>& values) {
 
 // Passes questions on and times them. By the wall clock, which is read in a tenth of the time that the thread's takes.
 class TimedVisibility final : public proto::BlockVisibility {
+  template <class Question>
+  auto timed(const Question& question) {
+    const double begin = wallSeconds();
+    const auto answer = question();
+    seconds_ += wallSeconds() - begin;
+    return answer;
+  }
+
  public:
   explicit TimedVisibility(proto::BlockVisibility& inner) : inner_(inner) {}
 
@@ -33,20 +41,12 @@ class TimedVisibility final : public proto::BlockVisibility {
   bool isHidden(const proto::BlockId& block) override {
     return timed([&] { return inner_.isHidden(block); });
   }
-  bool isStillHidden(const proto::BlockId& block, bool was_hidden) override {
-    return timed([&] { return inner_.isStillHidden(block, was_hidden); });
+  uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override {
+    return timed([&] { return inner_.changes(lowest, known, hidden); });
   }
   double seconds() const { return seconds_; }  // since the start
 
  private:
-  template <class Question>
-  bool timed(const Question& question) {
-    const double begin = wallSeconds();
-    const bool answer = question();
-    seconds_ += wallSeconds() - begin;
-    return answer;
-  }
-
   proto::BlockVisibility& inner_;
   double seconds_ = 0;
 };
@@ -135,22 +135,25 @@ void measureFirst(const server::Hierarchy& hierarchy, const server::SceneOcclusi
 }
 
 // In a flight of its own, so that reading the clock is in no other figure.
-void measureRays(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
-                 const PredictedFlight& predicted, Duration interval, OcclusionCosts& costs) {
+void measureTests(const server::Hierarchy& hierarchy, const server::SceneOcclusion& occlusion,
+                  const PredictedFlight& predicted, Duration interval, OcclusionCosts& costs) {
   server::ViewerOcclusion visibility(hierarchy, occlusion);
   Foresight foresight(visibility, predicted);
   TimedVisibility timed(foresight);
   const std::vector<proto::View>& views = predicted.views;
   ViewerStream stream(hierarchy, &timed);
-  std::vector<double> ray_ms, shares, rays, speeds;
+  std::vector<double> ray_ms, shares, rays, speeds, tests, segments;
   for (size_t i = 0; i < views.size(); ++i) {
     const double asked_before = timed.seconds(), begin = wallSeconds();
-    const uint64_t rays_before = visibility.statistics().rays;
+    const server::OcclusionStatistics before = visibility.statistics();
     stream.send(views[i], Time{} + interval * static_cast<int64_t>(i));
     const double keyframe_s = wallSeconds() - begin, asked_s = timed.seconds() - asked_before;
     ray_ms.push_back(1e3 * asked_s);
     shares.push_back(asked_s / keyframe_s);
-    rays.push_back(static_cast<double>(visibility.statistics().rays - rays_before));
+    const server::OcclusionStatistics& after = visibility.statistics();
+    rays.push_back(static_cast<double>(after.rays - before.rays));
+    tests.push_back(static_cast<double>(after.tests - before.tests));
+    segments.push_back(static_cast<double>(after.segments - before.segments));
     if (rays.back() > 0) speeds.push_back(1e-6 * rays.back() / asked_s);
   }
   costs.first_ray_ms = ray_ms[0];
@@ -160,7 +163,12 @@ void measureRays(const server::Hierarchy& hierarchy, const server::SceneOcclusio
   costs.ray_share = median(afterFirst(shares));
   costs.rays_per_keyframe = mean(afterFirst(rays));
   costs.most_rays = *std::max_element(rays.begin() + 1, rays.end());
-  costs.mrays_per_s = median(speeds);
+  costs.mrays_per_s = speeds.empty() ? 0 : median(speeds);
+  costs.first_tests = static_cast<uint64_t>(tests[0]);
+  costs.first_segments = static_cast<uint64_t>(segments[0]);
+  costs.tests_per_keyframe = mean(afterFirst(tests));
+  costs.most_tests = *std::max_element(tests.begin() + 1, tests.end());
+  costs.segments_per_keyframe = mean(afterFirst(segments));
 }
 
 }  // namespace
@@ -171,7 +179,7 @@ OcclusionCosts measureOcclusionCosts(const server::Hierarchy& hierarchy, const s
   OcclusionCosts costs;
   measureFlight(hierarchy, occlusion, flight, keyframe_interval, costs);
   measureFirst(hierarchy, occlusion, flight, costs);
-  measureRays(hierarchy, occlusion, flight, keyframe_interval, costs);
+  measureTests(hierarchy, occlusion, flight, keyframe_interval, costs);
   return costs;
 }
 

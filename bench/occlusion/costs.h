@@ -27,7 +27,9 @@ struct OcclusionCosts {
   double ray_ms = 0, first_ray_ms = 0;                           // all questions of visibility; medians
   double ray_share = 0, first_ray_share = 0;                     // of the keyframe's time; medians
   double rays_per_keyframe = 0, most_rays = 0, mrays_per_s = 0;  // mean, largest after the first; median
-  uint64_t first_rays = 0;
+  double tests_per_keyframe = 0, most_tests = 0;                 // of blocks, by rays or behind horizons
+  double segments_per_keyframe = 0;                              // of horizons, built; mean after the first
+  uint64_t first_rays = 0, first_tests = 0, first_segments = 0;
   BothWays decode_ms, first_decode_ms, mesh_ms, first_mesh_ms;  // the client's; medians
   double viewer_occlusion_kib = 0;                              // what is kept of the viewer, at the end
 
@@ -66,6 +68,11 @@ struct OcclusionCosts {
     visit("most_rays", most_rays);
     visit("first_rays", first_rays);
     visit("mrays_per_s", mrays_per_s);
+    visit("tests_per_keyframe", tests_per_keyframe);
+    visit("most_tests", most_tests);
+    visit("first_tests", first_tests);
+    visit("segments_per_keyframe", segments_per_keyframe);
+    visit("first_segments", first_segments);
     visit("decode_ms_without", decode_ms.without);
     visit("decode_ms_with", decode_ms.with);
     visit("first_decode_ms_without", first_decode_ms.without);

@@ -28,7 +28,7 @@ class Guesser {
     view.region_angle_rad = region.angle_rad + error.angle_rad;
     views_.push_back(view);
     outlooks_.push_back([history = history_, predictor = predictor_, t, T, error] {
-      return server::ViewerOcclusion::sweepsAhead({history, predictor}, t - T, t + T, T, error.radius_m);
+      return server::outlookOf(server::ExpectedMotion(history, predictor), t - T, t + T, T, error.radius_m);
     });
     times_.push_back(t);
   }
@@ -52,7 +52,7 @@ PredictedFlight knownFlight(const proto::Path& path, const FlightOptions& option
   const Duration T = options.keyframe_interval;
   for (size_t i = 0; i < flight.views.size(); ++i)
     flight.outlooks.push_back([&path, T, t = Time{} + T * static_cast<int64_t>(i)] {
-      return server::ViewerOcclusion::sweepsAhead(server::ExpectedMotion(path), t - T, t + T, T, 0);
+      return server::outlookOf(server::ExpectedMotion(path), t - T, t + T, T, 0);
     });
   return flight;
 }

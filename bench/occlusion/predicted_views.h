@@ -17,7 +17,7 @@ struct PoseReports {
 
 struct PredictedFlight {
   // Where the server expects the eye when it computes a keyframe, and afterwards.
-  using Outlook = std::function<server::ViewerOcclusion::Sweeps()>;
+  using Outlook = std::function<server::EyeOutlook()>;
 
   std::vector<proto::View> views;  // of the keyframes
   std::vector<Outlook> outlooks;
@@ -39,8 +39,8 @@ class Foresight final : public proto::BlockVisibility {
     inner_.begin(view);
   }
   bool isHidden(const proto::BlockId& block) override { return inner_.isHidden(block); }
-  bool isStillHidden(const proto::BlockId& block, bool was_hidden) override {
-    return inner_.isStillHidden(block, was_hidden);
+  uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override {
+    return inner_.changes(lowest, known, hidden);
   }
 
  private:

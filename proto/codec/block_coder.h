@@ -59,13 +59,8 @@ class BlockCoder {
       constexpr uint32_t kMask = (1u << HiddenBlocks::kTileLog2) - 1;
       return BlockId{lowest.scale, lowest.x + (bit & kMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
     };
-    uint32_t wanted = 0;  // an encoder's changes
-    if (visibility)
-      for (uint32_t left = tile.known; left != 0; left &= left - 1) {
-        const auto bit = static_cast<uint32_t>(std::countr_zero(left));
-        const bool was_hidden = (tile.hidden >> bit & 1) != 0;
-        if (visibility->isStillHidden(blockAt(bit), was_hidden) != was_hidden) wanted |= 1u << bit;
-      }
+    // An encoder's changes.
+    const uint32_t wanted = visibility ? visibility->changes(lowest, tile.known, tile.hidden) & tile.known : 0;
     if (!coder_.code(model_.tile_changes[before], wanted != 0)) return false;
     bool any = false;
     for (uint32_t left = tile.known; left != 0; left &= left - 1) {

@@ -187,8 +187,8 @@ class BlockVisibility {
   virtual void begin(const View& view) = 0;
   // Of a block that was unknown.
   virtual bool isHidden(const BlockId& block) = 0;
-  // Of one that is known: whether it is hidden from now on.
-  virtual bool isStillHidden(const BlockId& block, bool was_hidden) = 0;
+  // Of a tile's blocks that are known, some of which were hidden (HiddenBlocks::Tile): those for which that changes.
+  virtual uint32_t changes(const BlockId& lowest, uint32_t known, uint32_t hidden) = 0;
 };
 
 }  // namespace foreland::proto

@@ -20,11 +20,40 @@ constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-bool BlockTest::isHidden(const proto::BlockId& block, const proto::View& view, const EyeSweep& eyes,
+bool BlockTest::isHidden(const proto::BlockId& block, const Tolerance& tolerance_of, const EyeSweep& eyes,
                          uint64_t max_rays) {
-  if (block.scale < tops_.finestScale()) return false;
+  if (block.scale < scene_.tops.finestScale()) return false;
   last_ray_ = rays_ + max_rays;
-  return collectSquares(block, eyes.eye) && raiseEye(view, eyes) && isCovered(low_, high_, 0);
+  return collectSquares(block, eyes.eye) && raiseEye(tolerance_of, eyes) && isCovered(low_, high_, 0);
+}
+
+// As one square, a scale coarser, or else as the squares of its own.
+bool BlockTest::isBehind(const proto::BlockId& block, const Tolerance& tolerance, Horizon& horizon) const {
+  static_assert(kSquares == 2);
+  const uint32_t scale = block.scale, i = 2 * block.x, j = 2 * block.y;
+  if (scale < scene_.tops.finestScale()) return false;
+  if (scene_.tops.has(scale + 1, block.x, block.y) && isBehind(scale + 1, block.x, block.y, tolerance, horizon))
+    return true;
+  for (const auto& [x, y] : {std::pair{i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j + 1}})
+    if (scene_.tops.has(scale, x, y) && !isBehind(scale, x, y, tolerance, horizon)) return false;
+  return scene_.tops.has(scale, i, j);
+}
+
+bool BlockTest::isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const {
+  const HorizonGrid& grid = *scene_.grid;
+  const EyeSweep& eyes = horizon.eyes();
+  const BlockTops::Square& square = scene_.tops.square(scale, i, j);
+  const double side = (2u << scale) * grid.stepsOfSample(), quantum_m = grid.heightQuantum();
+  const glm::dvec2 low(i * side, j * side);
+  const double spread = horizon.extent() + grid.metresOfStep() * side,
+               distance_m = glm::length(grid.toScene(low - horizon.begin())), top_m = square.top * quantum_m;
+  if (distance_m < 2 * spread) return false;
+  // A vertical error e is seen as f e h / d^2 at the horizontal distance h and the distance d.
+  const double drop = std::fabs(top_m - eyes.eye.z) + spread,
+               raise = tolerance.tau_px / tolerance.lens.focalPx() *
+                       (distance_m + spread + drop * drop / (distance_m - spread));
+  return horizon.hides({low, low + side, top_m + raise, square.height * quantum_m + raise,
+                        glm::dvec2(square.tilt_x, square.tilt_y) * quantum_m});
 }
 
 bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& eye) {
@@ -40,11 +69,11 @@ bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& ey
   ahead_.length_m = low_ = std::numeric_limits<double>::infinity();
   high_ = -low_;
   squares_.clear();
-  const uint32_t i1 = std::min(i0 + kSquares, tops_.columns(block.scale)),
-                 j1 = std::min(j0 + kSquares, tops_.rows(block.scale));
+  const uint32_t i1 = std::min(i0 + kSquares, scene_.tops.columns(block.scale)),
+                 j1 = std::min(j0 + kSquares, scene_.tops.rows(block.scale));
   for (uint32_t j = j0; j < j1; ++j)
     for (uint32_t i = i0; i < i1; ++i) {
-      const int32_t top = tops_.top(block.scale, i, j);
+      const int32_t top = scene_.tops.square(block.scale, i, j).top;
       constexpr double kFar = std::numeric_limits<double>::infinity();
       Square square{kFar, -kFar, kFar, 0, -kFar, 0};
       for (uint32_t corner = 0; corner < 4; ++corner) {
@@ -69,8 +98,9 @@ bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& ey
 
 // Raises the eye by what all eyes of the sweep and all points of the block need, then has each square's slope. False if
 // the sweep reaches the block.
-bool BlockTest::raiseEye(const proto::View& view, const EyeSweep& eyes) {
-  const double k = occluder_.steepness(), tolerance = view.tau_px / view.lens.focalPx() * kWidest;
+bool BlockTest::raiseEye(const Tolerance& tolerance_of, const EyeSweep& eyes) {
+  const double k = scene_.occluder->steepness(),
+               tolerance = tolerance_of.tau_px / tolerance_of.lens.focalPx() * kWidest;
   const double x = glm::dot(glm::dvec2(eyes.way), ahead_.ahead), y = glm::dot(glm::dvec2(eyes.way), ahead_.aside);
   ahead_.begin_m = std::max(0.0, x);
   if (ahead_.length_m - ahead_.begin_m < kNearest_m + eyes.radius_m) return false;
@@ -87,7 +117,7 @@ bool BlockTest::raiseEye(const proto::View& view, const EyeSweep& eyes) {
   const double by_way = eyes.way.z + k * aside - (x > 0 ? lowest : highest) * x;
   const double raise = ahead_.length_m / (ahead_.length_m - ahead_.begin_m) * (ball + std::max(0.0, by_way)) +
                        tolerance * (1 + highest * highest) * std::max(0.0, -x);
-  finest_ = kFinest_px / view.lens.focalPx();
+  finest_ = kFinest_px / tolerance_of.lens.focalPx();
   ahead_.start = eyes.eye + glm::dvec3(0, 0, raise);
   for (Square& s : squares_) {
     const double slope = slopeOf(s, s.height - raise);
@@ -109,7 +139,7 @@ double BlockTest::slopeOver(double low, double high) const {
 bool BlockTest::isBlocked(double aside, double slope) {
   ++rays_;
   const glm::dvec3 line(ahead_.ahead + aside * ahead_.aside, slope);
-  return occluder_.blocks(ahead_.start + ahead_.begin_m * line, (ahead_.length_m - ahead_.begin_m) * line);
+  return scene_.occluder->blocks(ahead_.start + ahead_.begin_m * line, (ahead_.length_m - ahead_.begin_m) * line);
 }
 
 // The margin of a wide interval is so large that its line hardly ever is blocked.
@@ -117,7 +147,7 @@ bool BlockTest::isCovered(double low, double high, int halvings) {
   const double middle = 0.5 * (low + high), half = 0.5 * (high - low), slope = slopeOver(low, high);
   if (slope == kNothing) return true;
   if (rays_ >= last_ray_) return false;
-  if (halvings >= kFirstHalvings && isBlocked(middle, slope + occluder_.steepness() * half)) return true;
+  if (halvings >= kFirstHalvings && isBlocked(middle, slope + scene_.occluder->steepness() * half)) return true;
   if (halvings == kMostHalvings || half < finest_) return false;
   const double bare = slopeOver(middle, middle);
   if (bare != kNothing && !isBlocked(middle, bare)) return false;

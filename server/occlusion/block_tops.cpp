@@ -9,67 +9,46 @@ namespace {
 
 using proto::NodeId;
 
-constexpr int32_t kNone = std::numeric_limits<int32_t>::min() / 2;
-
-struct Squares {
-  uint32_t columns, rows;
-  std::vector<int32_t> value;
-
-  Squares(uint32_t c, uint32_t r, int32_t all) : columns(c), rows(r), value(size_t{c} * r, all) {}
-  void raise(int64_t i, int64_t j, int32_t to) {
-    if (i < 0 || j < 0 || i >= columns || j >= rows) return;
-    int32_t& v = value[static_cast<size_t>(j) * columns + static_cast<size_t>(i)];
-    v = std::max(v, to);
-  }
-  int32_t at(int64_t i, int64_t j) const {
-    if (i < 0 || j < 0 || i >= columns || j >= rows) return kNone;
-    return value[static_cast<size_t>(j) * columns + static_cast<size_t>(i)];
-  }
-};
-
-// The largest height in each square of side 2^(scale + 1), its border included.
-Squares largestHeights(const Hierarchy& hierarchy, uint32_t scale) {
-  const proto::GridTopology& grid = hierarchy.grid();
-  const proto::DenseNodes table = hierarchy.table();
-  const uint32_t side_log2 = scale + 1;
-  Squares largest(grid.maxX() >> side_log2, grid.maxY() >> side_log2, kNone);
-  for (uint32_t y = 0; y <= grid.maxY(); ++y)
-    for (uint32_t x = 0; x <= grid.maxX(); ++x) {
-      const int32_t height = table.height(NodeId::at(x, y));
-      const int64_t i = x >> side_log2, j = y >> side_log2, mask = (int64_t{1} << side_log2) - 1;
-      const bool on_column = (x & mask) == 0, on_row = (y & mask) == 0;
-      largest.raise(i, j, height);
-      if (on_column) largest.raise(i - 1, j, height);
-      if (on_row) largest.raise(i, j - 1, height);
-      if (on_column && on_row) largest.raise(i - 1, j - 1, height);
+// Reads the heights of a square, its borders included.
+BlockTops::Square squareAt(const proto::DenseNodes& table, uint32_t x0, uint32_t y0, uint32_t side) {
+  const auto height = [&](uint32_t x, uint32_t y) { return table.height(NodeId::at(x0 + x, y0 + y)); };
+  const auto corner = [&](uint32_t x, uint32_t y) { return static_cast<float>(height(x * side, y * side)); };
+  BlockTops::Square s{height(0, 0), height(0, 0), std::numeric_limits<float>::lowest(),
+                      0.25f * (corner(1, 0) + corner(1, 1) - corner(0, 0) - corner(0, 1)),
+                      0.25f * (corner(0, 1) + corner(1, 1) - corner(0, 0) - corner(1, 0))};
+  const float per_sample = 2.0f / static_cast<float>(side);
+  for (uint32_t y = 0; y <= side; ++y)
+    for (uint32_t x = 0; x <= side; ++x) {
+      const int32_t h = height(x, y);
+      s.top = std::max(s.top, h);
+      s.bottom = std::min(s.bottom, h);
+      s.height = std::max(s.height, static_cast<float>(h) - s.tilt_x * (static_cast<float>(x) * per_sample - 1) -
+                                        s.tilt_y * (static_cast<float>(y) * per_sample - 1));
     }
-  return largest;
-}
-
-Squares coarser(const Squares& fine) {
-  Squares coarse(fine.columns / 2, fine.rows / 2, kNone);
-  for (uint32_t j = 0; j < fine.rows; ++j)
-    for (uint32_t i = 0; i < fine.columns; ++i) coarse.raise(i / 2, j / 2, fine.at(i, j));
-  return coarse;
+  return s;
 }
 
 }  // namespace
 
 BlockTops::BlockTops(const Hierarchy& hierarchy, size_t max_squares) {
   const proto::GridTopology& grid = hierarchy.grid();
+  const proto::DenseNodes table = hierarchy.table();
   const uint32_t scales = grid.shape().root_log2;
   while (finest_ + 1 < scales && size_t{grid.maxX() >> (finest_ + 1)} * (grid.maxY() >> (finest_ + 1)) > max_squares)
     ++finest_;
-  Squares highest = largestHeights(hierarchy, finest_);
   for (uint32_t scale = finest_; scale < scales; ++scale) {
-    if (scale > finest_) highest = coarser(highest);
-    levels_.push_back({highest.columns, highest.rows, highest.value});
+    const uint32_t side = 2u << scale;
+    Level level{grid.maxX() / side, grid.maxY() / side, {}};
+    level.squares.reserve(size_t{level.columns} * level.rows);
+    for (uint32_t j = 0; j < level.rows; ++j)
+      for (uint32_t i = 0; i < level.columns; ++i) level.squares.push_back(squareAt(table, i * side, j * side, side));
+    levels_.push_back(std::move(level));
   }
 }
 
 size_t BlockTops::bytes() const {
   size_t bytes = 0;
-  for (const Level& level : levels_) bytes += level.tops.capacity() * sizeof(int32_t);
+  for (const Level& level : levels_) bytes += level.squares.capacity() * sizeof(Square);
   return bytes;
 }
 

@@ -24,17 +24,26 @@ class BlockTops {
   uint32_t finestScale() const { return finest_; }
   uint32_t columns(uint32_t scale) const { return levels_[scale - finest_].columns; }
   uint32_t rows(uint32_t scale) const { return levels_[scale - finest_].rows; }
-  // Quanta of height. The square's corners are (2 s i, 2 s j) and (2 s (i + 1), 2 s (j + 1)).
-  int32_t top(uint32_t scale, uint32_t i, uint32_t j) const {
+  // Quanta of height: the largest and the least, and a plane above all heights, in its middle and from there to the
+  // sides of larger x and y.
+  struct Square {
+    int32_t top, bottom;
+    float height, tilt_x, tilt_y;
+  };
+  // Its corners are (2 s i, 2 s j) and (2 s (i + 1), 2 s (j + 1)).
+  const Square& square(uint32_t scale, uint32_t i, uint32_t j) const {
     const Level& level = levels_[scale - finest_];
-    return level.tops[size_t{j} * level.columns + i];
+    return level.squares[size_t{j} * level.columns + i];
+  }
+  bool has(uint32_t scale, uint32_t i, uint32_t j) const {
+    return scale >= finest_ && scale - finest_ < levels_.size() && i < columns(scale) && j < rows(scale);
   }
   size_t bytes() const;
 
  private:
   struct Level {
     uint32_t columns, rows;
-    std::vector<int32_t> tops;
+    std::vector<Square> squares;
   };
   uint32_t finest_ = 0;
   std::vector<Level> levels_;

@@ -1,85 +1,188 @@
 #include "server/occlusion/viewer_occlusion.h"
 
 #include <algorithm>
+#include <bit>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace foreland::server {
 
 namespace {
 
-// Of ViewerOcclusion::kAhead: the shortest look ahead that makes a visible block hidden. One that is hidden already
-// stays so with any.
-constexpr size_t kWorth = 3;
-constexpr double kSpare_m = 1;              // of a sweep's radius, for what comes later
-constexpr double kRestSpare_m = 25;         // the same for an eye at rest, which may fly off any time
-constexpr double kStray = 0.06;             // the same for each keyframe ahead, of a prediction's error
-constexpr uint32_t kSettlingKeyframes = 4;  // after a jump, until the motion is known
-constexpr uint32_t kReviewPeriod = 32;      // keyframes between two tries of a visible block beside hidden ones
-constexpr uint32_t kFarReviewPeriod = 256;  // of others
-constexpr uint32_t kUpgradePeriod = 4;      // renewals of a proof, about, between two tries for a longer one
-constexpr size_t kKeptKeyframes = 128;      // of sweeps; more than the longest look ahead
-constexpr uint32_t kUnusedKeyframes = 32;   // until a tile's proofs are dropped
+using proto::BlockId;
+using proto::HiddenBlocks;
+
+constexpr double kBin_px = 3;              // width of a horizon's bins
+constexpr double kMargin_px = 1;           // by which a block must be hidden to turn so
+constexpr int64_t kWorth = 11;             // intervals after a keyframe's for which it must be hidden to turn so
+constexpr int64_t kSpread = 8;             // intervals over which proofs that end together are renewed
+constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer stretch
+constexpr int64_t kRayRest = 48;           // intervals more until rays try a visible block again
+constexpr double kSpareTau = 1.25;         // a tolerance that rises is taken to be larger by this
+constexpr uint32_t kUnusedKeyframes = 32;  // until proofs are dropped
+constexpr uint32_t kTileMask = (1u << HiddenBlocks::kTileLog2) - 1;
 
 // Spreads what is done now and then over the keyframes.
-uint32_t phaseOf(const proto::BlockId& b) { return b.x * 5 + b.y * 3 + b.scale; }
+uint32_t phaseOf(const BlockId& b) {
+  return (b.x >> HiddenBlocks::kTileLog2) * 5 + (b.y >> HiddenBlocks::kTileLog2) * 3 + b.scale;
+}
+
+uint32_t bitOf(const BlockId& b) { return (b.y & kTileMask) << HiddenBlocks::kTileLog2 | (b.x & kTileMask); }
+
+EyeOutlook restingIn(const proto::View& view, uint32_t keyframe) {
+  constexpr int64_t kIntervals = EyeIntervals::kAhead;
+  return {{1}, keyframe, keyframe, std::vector<EyeSweep>(kIntervals, {view.pose.eye, {}, view.region_radius_m}), 0};
+}
 
 }  // namespace
 
-Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy) {
-  auto occluder = Occluder::create(hierarchy);
-  if (!occluder) return occluder.error();
-  return std::make_shared<const SceneOcclusion>(SceneOcclusion{std::move(*occluder), BlockTops(hierarchy)});
-}
-
-ViewerOcclusion::Sweeps ViewerOcclusion::sweepsAhead(const ExpectedMotion& motion, Time begin, Time end,
-                                                     Duration interval, double error_m) {
-  Sweeps sweeps;
-  for (size_t i = kAhead.size(); i-- > 0;) {
-    sweeps[i] = sweepOf(motion, begin, end + interval * kAhead[i]);
-    sweeps[i].radius_m += error_m;
-    // What comes later must find room in it: its own radius, and the stray of a prediction so far ahead.
-    const double spare_m = glm::length(sweeps.back().way) < kSpare_m ? kRestSpare_m : kSpare_m;
-    if (kAhead[i] > 0)
-      sweeps[i].radius_m += sweeps.back().radius_m + spare_m + kStray * kAhead[i] * kAhead[i] * error_m;
-  }
-  return sweeps;
-}
+ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options)
+    : hierarchy_(hierarchy),
+      scene_(scene),
+      test_(hierarchy, scene),
+      options_(options),
+      stretches_(intervals_, scene.grid ? &*scene.grid : nullptr),
+      proofs_(hierarchy.grid()) {}
 
 void ViewerOcclusion::begin(const proto::View& view) {
-  const bool is_jump =
-      !view_ || glm::distance(view_->pose.eye, view.pose.eye) > 4 * (view.region_radius_m + view_->region_radius_m) ||
-      view_->lens != view.lens;
-  if (is_jump) settled_at_ = keyframe_ + 1 + kSettlingKeyframes;
-  last_ray_ = test_.rayCount() + (keyframe_ < settled_at_ ? options_.first_rays : options_.rays);
+  const bool has_new_lens = !view_ || view_->lens != view.lens;
+  ++keyframe_;
   view_ = view;
   frustum_.emplace(view, 0);
-  ++keyframe_;
-  if (!expected_) expected_.emplace().fill({view.pose.eye, {}, view.region_radius_m});
-  if (sweeps_.size() >= kKeptKeyframes * kAhead.size()) {
-    sweeps_.erase(sweeps_.begin(), sweeps_.begin() + kAhead.size());
-    first_sweep_ += kAhead.size();
+  last_ray_ = statistics_.rays + options_.rays;
+  intervals_.expect(outlook_ ? *outlook_ : restingIn(view, keyframe_), keyframe_);
+  outlook_.reset();
+  if (has_new_lens) stretches_.clear();
+  if (has_new_lens || view.tau_px > tau_px_) {
+    tau_px_ = (tau_px_ > 0 ? kSpareTau : 1) * view.tau_px;
+    intervals_.invalidate(keyframe_);
   }
-  // It holds the eyes, and no more of the surface in front may be missing than was allowed for.
-  for (Sweep& sweep : sweeps_) sweep.holds = view.tau_px <= sweep.tau_px && sweep.eyes.contains(expected_->back());
-  for (const EyeSweep& eyes : *expected_) sweeps_.push_back({eyes, view.tau_px, true, keyframe_ <= settled_at_});
-  expected_.reset();
-  last_proofs_ = nullptr;
-  if (keyframe_ % kUnusedKeyframes == 0)
-    std::erase_if(proofs_, [&](const auto& p) { return p.second.keyframe + kUnusedKeyframes < keyframe_; });
+  stretches_.dropPast();
+  if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
 }
 
-uint64_t ViewerOcclusion::raysLeft() const { return last_ray_ - std::min(last_ray_, test_.rayCount()); }
+bool ViewerOcclusion::hides(Stretch& stretch, const BlockId& block, Towards towards) {
+  ++statistics_.tests;
+  const Tolerance tolerance{view_->lens, tau_px_ + (towards == Towards::kHidden ? kMargin_px : 0)};
+  if (!scene_.grid) {
+    const bool is_hidden =
+        test_.isHidden(block, tolerance, stretch.eyes, last_ray_ - std::min(last_ray_, test_.rayCount()));
+    statistics_.rays = test_.rayCount();
+    return is_hidden;
+  }
+  Horizon& horizon = stretches_.horizonOf(stretch, kBin_px / view_->lens.focalPx());
+  const uint64_t built = horizon.segmentsBuilt();
+  const bool is_hidden = test_.isBehind(block, tolerance, horizon);
+  statistics_.segments += horizon.segmentsBuilt() - built;
+  return is_hidden;
+}
 
-bool ViewerOcclusion::meetsFrustum(const proto::BlockId& block) const {
+// The last interval up to which the block is proved to be hidden from `first` on; before `first` if it is not. Goes on
+// to `last` at most, and to the end of the stretch of that.
+int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, int64_t first, int64_t last,
+                                     Towards towards) {
+  while (first <= last) {
+    size_t length = proof.length;
+    if (length > 0 && (phaseOf(block) + static_cast<uint64_t>(first)) % kUpgradePeriod == 0) --length;
+    const Stretch* found = nullptr;
+    for (; length < Stretches::kLengths && !found; ++length)
+      if (Stretch* const stretch = stretches_.at(length, first, keyframe_);
+          stretch && hides(*stretch, block, towards)) {
+        found = stretch;
+        proof.length = static_cast<uint8_t>(length);
+      }
+    if (!found) break;
+    first = found->end;
+  }
+  return first - 1;
+}
+
+// The last interval is tried first: a block that is visible in it need not be tried again before it is past.
+bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof) {
+  const int64_t last = intervals_.last() + kWorth, shown = intervals_.last() - intervals_.first();
+  Stretch* const farthest = stretches_.at(Stretches::kLengths - 1, last, keyframe_);
+  const bool may_be = !farthest || !scene_.grid || hides(*farthest, block, Towards::kHidden);
+  const int64_t until = may_be ? hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden) : last - 1;
+  const bool is_hidden = may_be && until >= last;
+  proof.until = static_cast<int32_t>(until);
+  const int64_t rest = scene_.grid ? 0 : kRayRest;
+  proof.next = static_cast<int32_t>(is_hidden ? until + 1 : std::max(until + 1, intervals_.last()) + shown + 1 + rest);
+  proof.keyframe = keyframe_;
+  return is_hidden;
+}
+
+bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof) {
+  const int64_t last = intervals_.last(),
+                known = std::min<int64_t>(proof.until, intervals_.firstChangedAfter(proof.keyframe) - 1);
+  if (known >= last && proof.next > last) return true;
+  int64_t until =
+      hiddenUntil(block, proof, std::max(known + 1, intervals_.first()), std::max(last, known + 1), Towards::kVisible);
+  // A prediction's error is less for the keyframe itself than for all of a stretch.
+  if (until < last && intervals_.isPredicted() && hides(stretches_.now(keyframe_), block, Towards::kVisible))
+    until = last;
+  if (until < last) return false;
+  const int64_t spare = until - last;
+  proof.until = static_cast<int32_t>(until);
+  proof.next =
+      static_cast<int32_t>(until + 1 - (until > known && spare > 0 ? phaseOf(block) % std::min(spare, kSpread) : 0));
+  proof.keyframe = keyframe_;
+  return true;
+}
+
+bool ViewerOcclusion::isHidden(const BlockId& block) {
+  TileProofs& tile = proofs_.of(block, keyframe_);
+  BlockProof& proof = tile.blocks[bitOf(block)];
+  const bool is_hidden = turnsHidden(block, proof);
+  tile.next = std::min(tile.next, proof.next);
+  return is_hidden;
+}
+
+// Whether a block is hidden from now on. Out of view it makes no difference, and need not be tried before it comes into
+// view.
+bool ViewerOcclusion::review(const BlockId& block, BlockProof& proof, bool was_hidden) {
+  ++statistics_.reviews;
+  const bool is_due = proof.next <= intervals_.last() || (was_hidden && intervals_.hasChanged());
+  if (!is_due || !meetsFrustum(block.scale + 1u, block.x, block.y)) return was_hidden;
+  if (!was_hidden) return turnsHidden(block, proof);
+  if (staysHidden(block, proof)) return true;
+  proof.next = static_cast<int32_t>(intervals_.last() + kWorth);
+  return false;
+}
+
+uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
+  TileProofs& tile = proofs_.of(lowest, keyframe_);
+  if (tile.next > intervals_.last() && !intervals_.hasChanged()) return 0;
+  // A tile is a square of a scale whose blocks are eight times as large.
+  if (!meetsFrustum(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2))
+    return 0;
+  uint32_t changed = 0;
+  tile.next = std::numeric_limits<int32_t>::max();
+  for (uint32_t left = known; left != 0; left &= left - 1) {
+    const auto bit = static_cast<uint32_t>(std::countr_zero(left));
+    const bool was_hidden = (hidden >> bit & 1) != 0;
+    BlockProof& proof = tile.blocks[bit];
+    const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
+    if (review(block, proof, was_hidden) != was_hidden) changed |= 1u << bit;
+    tile.next = std::min(tile.next, proof.next);
+  }
+  return changed;
+}
+
+// Of a square of a scale (block_tops.h).
+bool ViewerOcclusion::meetsFrustum(uint32_t scale, uint32_t i, uint32_t j) const {
   const proto::GridTopology& grid = hierarchy_.grid();
-  const uint32_t side = proto::BlockId::kSide << block.scale;
-  const auto corner = [&](uint32_t x, uint32_t y, int32_t height) {
-    return hierarchy_.frame().position(proto::NodeId::at(std::min(x, grid.maxX()), std::min(y, grid.maxY())), height);
-  };
   const auto range = hierarchy_.scene().heightRange();
-  const glm::dvec3 low = corner(block.x * side, block.y * side, range.lowest),
-                   high = corner((block.x + 1) * side, (block.y + 1) * side, range.highest),
-                   left = corner(block.x * side, (block.y + 1) * side, range.lowest);
+  int32_t bottom = range.lowest, top = range.highest;
+  if (scene_.tops.has(scale, i, j)) {
+    bottom = scene_.tops.square(scale, i, j).bottom;
+    top = scene_.tops.square(scale, i, j).top;
+  }
+  const auto corner = [&](uint32_t x, uint32_t y, int32_t height) {
+    const uint32_t side = 2u << scale;
+    return hierarchy_.frame().position(
+        proto::NodeId::at(std::min(x * side, grid.maxX()), std::min(y * side, grid.maxY())), height);
+  };
+  const glm::dvec3 low = corner(i, j, bottom), high = corner(i + 1, j + 1, top), left = corner(i, j + 1, bottom);
   const glm::dvec3 middle = 0.5 * (low + high);
   const double radius =
       std::max(glm::distance(middle, low), glm::distance(middle, left)) * 1.1 + view_->region_radius_m;
@@ -87,68 +190,6 @@ bool ViewerOcclusion::meetsFrustum(const proto::BlockId& block) const {
   return frustum_->sideDistance(frustum_->toView(p.x, p.y, p.z)) + radius >= 0;
 }
 
-uint32_t& ViewerOcclusion::proofOf(const proto::BlockId& block) {
-  constexpr uint32_t kLog2 = proto::HiddenBlocks::kTileLog2, kMask = (1u << kLog2) - 1;
-  const uint64_t tile = uint64_t{block.scale} << 56 | uint64_t{block.y >> kLog2} << 28 | block.x >> kLog2;
-  if (!last_proofs_ || tile != last_tile_) {
-    last_tile_ = tile;
-    last_proofs_ = &proofs_[tile];
-    last_proofs_->keyframe = keyframe_;
-  }
-  return last_proofs_->sweeps[(block.y & kMask) << kLog2 | (block.x & kMask)];
-}
-
-bool ViewerOcclusion::hasHiddenInTile(const proto::BlockId& block) {
-  proofOf(block);
-  return last_proofs_->any;
-}
-
-// Tries one of the keyframe's sweeps after the other, from the first to before the last.
-bool ViewerOcclusion::prove(const proto::BlockId& block, size_t first, size_t last) {
-  for (size_t i = first; i < last; ++i) {
-    ++statistics_.tests;
-    const size_t sweep = sweeps_.size() - kAhead.size() + i;
-    const bool is_hidden = test_.isHidden(block, *view_, sweeps_[sweep].eyes, raysLeft());
-    statistics_.rays = test_.rayCount();
-    if (!is_hidden) continue;
-    uint32_t& proof = proofOf(block);
-    last_proofs_->any = true;
-    proof = first_sweep_ + static_cast<uint32_t>(sweep);
-    return true;
-  }
-  return false;
-}
-
-// Whether a proof that holds is to be renewed: if it was found together with most others, at some time in the second
-// half of its life, lest they end together.
-bool ViewerOcclusion::isAging(const proto::BlockId& block, uint32_t proof) const {
-  if (!sweeps_[proof - first_sweep_].is_after_jump) return false;
-  const auto half = static_cast<uint32_t>(kAhead[proof % kAhead.size()]) / 2;
-  const auto age = static_cast<uint32_t>((first_sweep_ + sweeps_.size() - 1 - proof) / kAhead.size());
-  return half > 1 && age >= half && (keyframe_ + phaseOf(block)) % half == 0;
-}
-
-bool ViewerOcclusion::isHidden(const proto::BlockId& block) { return prove(block, kWorth, kWorth + 1); }
-
-bool ViewerOcclusion::isStillHidden(const proto::BlockId& block, bool was_hidden) {
-  ++statistics_.reviews;
-  if (!was_hidden) {
-    const uint32_t period = hasHiddenInTile(block) ? kReviewPeriod : kFarReviewPeriod;
-    return (keyframe_ + phaseOf(block)) % period == 0 && meetsFrustum(block) && prove(block, kWorth, kWorth + 1);
-  }
-  const uint32_t proof = proofOf(block);
-  const bool holds = proof >= first_sweep_ && sweeps_[proof - first_sweep_].holds;
-  if (holds && !isAging(block, proof)) return true;
-  // Out of view it makes no difference, and need not be tried before it comes into view.
-  if (!meetsFrustum(block)) return true;
-  // The sweep that was long enough last time first, now and then the next longer one.
-  size_t first = proof % kAhead.size();
-  if (first > 0 && keyframe_ % kUpgradePeriod == phaseOf(block) % kUpgradePeriod) --first;
-  return prove(block, first, holds ? kWorth + 1 : kAhead.size()) || holds;
-}
-
-size_t ViewerOcclusion::bytes() const {
-  return proofs_.size() * (sizeof(Proofs) + 5 * sizeof(void*)) + sweeps_.size() * sizeof(Sweep);
-}
+size_t ViewerOcclusion::bytes() const { return sizeof(*this) + proofs_.bytes() + stretches_.bytes(); }
 
 }  // namespace foreland::server

@@ -1,106 +1,83 @@
-// What one viewer's server knows of hidden blocks from keyframe to keyframe: which tests still hold, which must be made
-// anew, and how many rays that may take.
+// What one viewer's server knows of hidden blocks from keyframe to keyframe.
 //
-// A block is called hidden from where the camera may be in this and, if it flies on as it does, in the next keyframes
-// (EyeSweep), so that the result outlasts a few of them: until the region leaves the sweep. A visible block is tried
-// again now and then, and must be hidden for several keyframes to be called so, lest it flicker. Once a keyframe's rays
-// are used up, whatever is in doubt is visible. One owner (a session), which sets the view before each keyframe.
+// A block is hidden in a keyframe if that is proved for all eyes of the intervals in which the keyframe is shown
+// (eye_intervals.h). Proofs are for stretches of 16 or 8 intervals (stretches.h): a block deep behind a ridge is tested
+// every 16 keyframes, one near the ridge's edge every eight. A block turns visible with the first keyframe that may
+// show it, or up to seven earlier. One that is visible must be hidden for some intervals ahead, and by some margin, to
+// turn hidden, lest it flicker, and is tried again after the last interval in which it is known to be visible.
+//
+// Blocks are tested behind horizons (horizon.h); by rays (block_test.h), at most so many in a keyframe, in scenes that
+// have no grid for these.
+//
+// One owner (a session), which sets the view before each keyframe. The results depend on nothing but what it is told.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <deque>
-#include <memory>
-#include <span>
-#include <unordered_map>
+#include <optional>
 
 #include "proto/refine/frustum.h"
+#include "server/occlusion/block_proofs.h"
 #include "server/occlusion/block_test.h"
+#include "server/occlusion/eye_intervals.h"
+#include "server/occlusion/scene_occlusion.h"
+#include "server/occlusion/stretches.h"
 
 namespace foreland::server {
 
-// What all viewers of a scene share.
-struct SceneOcclusion {
-  std::shared_ptr<const Occluder> occluder;
-  BlockTops tops;
-
-  // As Occluder::create.
-  static Result<std::shared_ptr<const SceneOcclusion>> create(const Hierarchy& hierarchy);
-  size_t bytes() const { return occluder->bytes() + tops.bytes(); }
-};
-
 struct OcclusionStatistics {
-  uint64_t rays = 0, tests = 0;  // since the start
-  uint64_t reviews = 0;          // of known blocks
+  uint64_t tests = 0;     // of blocks for stretches, since the start
+  uint64_t rays = 0;      // where there is no grid
+  uint64_t reviews = 0;   // of known blocks
+  uint64_t segments = 0;  // of horizons, built
 };
 
 class ViewerOcclusion final : public proto::BlockVisibility {
  public:
   struct Options {
-    uint64_t rays = 120'000;        // in a keyframe, at most
-    uint64_t first_rays = 400'000;  // in the first ones, and after a jump
+    uint64_t rays = 120'000;  // in a keyframe, at most
   };
 
   // Both must outlive it.
   ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene)
       : ViewerOcclusion(hierarchy, scene, Options()) {}
-  ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options)
-      : hierarchy_(hierarchy), test_(hierarchy, *scene.occluder, scene.tops), options_(options) {}
+  ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options);
+  ViewerOcclusion(const ViewerOcclusion&) = delete;
+  ViewerOcclusion& operator=(const ViewerOcclusion&) = delete;
 
-  // How many keyframes ahead a sweep looks; the last is for the keyframe itself.
-  static constexpr std::array<int, 8> kAhead{96, 48, 24, 12, 6, 3, 1, 0};
-  using Sweeps = std::array<EyeSweep, kAhead.size()>;
-
-  // Where the eye will be while a keyframe is shown, from `begin` to `end`, and afterwards, up to `error_m`. Cost: some
-  // 130 poses.
-  static Sweeps sweepsAhead(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m);
-
-  // Before a keyframe. Without it the eyes of a keyframe are its region's ball, and nothing is known of those
-  // afterwards.
-  void expect(const Sweeps& sweeps) { expected_ = sweeps; }
+  // Before a keyframe. Without it the eyes are expected to stay in the keyframe's region.
+  void expect(const EyeOutlook& outlook) { outlook_ = outlook; }
 
   void begin(const proto::View& view) override;
-
   bool isHidden(const proto::BlockId& block) override;
-  bool isStillHidden(const proto::BlockId& block, bool was_hidden) override;
+  uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override;
 
   const OcclusionStatistics& statistics() const { return statistics_; }
   size_t bytes() const;
 
  private:
-  // Eyes from which blocks were found to be hidden.
-  struct Sweep {
-    EyeSweep eyes;
-    double tau_px;
-    bool holds;          // for the view
-    bool is_after_jump;  // of keyframes that found out about most of their blocks at once
-  };
-  // Of the blocks of a tile: the sweep from which it is hidden, 0 if none.
-  struct Proofs {
-    std::array<uint32_t, proto::HiddenBlocks::kTileBlocks> sweeps{};
-    bool any = false;       // of its blocks has been hidden
-    uint32_t keyframe = 0;  // when it was used last
-  };
-  bool meetsFrustum(const proto::BlockId& block) const;
-  uint32_t& proofOf(const proto::BlockId& block);
-  bool prove(const proto::BlockId& block, size_t first, size_t last);
-  bool isAging(const proto::BlockId& block, uint32_t proof) const;
-  bool hasHiddenInTile(const proto::BlockId& block);
-  uint64_t raysLeft() const;
+  enum class Towards : uint8_t { kVisible, kHidden };  // what a test is to find out for
+
+  bool meetsFrustum(uint32_t scale, uint32_t i, uint32_t j) const;
+  bool hides(Stretch& stretch, const proto::BlockId& block, Towards towards);
+  int64_t hiddenUntil(const proto::BlockId& block, BlockProof& proof, int64_t first, int64_t last, Towards towards);
+  bool turnsHidden(const proto::BlockId& block, BlockProof& proof);
+  bool staysHidden(const proto::BlockId& block, BlockProof& proof);
+  bool review(const proto::BlockId& block, BlockProof& proof, bool was_hidden);
 
   const Hierarchy& hierarchy_;
+  const SceneOcclusion& scene_;
   BlockTest test_;
   Options options_;
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
-  std::optional<Sweeps> expected_;  // of the next keyframe
-  uint32_t keyframe_ = 0, settled_at_ = 0;
+  std::optional<EyeOutlook> outlook_;  // of the next keyframe
+  EyeIntervals intervals_;
+  Stretches stretches_;
+  double tau_px_ = 0;  // that proofs allow for
+  uint32_t keyframe_ = 0;
   uint64_t last_ray_ = 0;
-  std::deque<Sweep> sweeps_;                     // of the last keyframes, kAhead.size() each
-  uint32_t first_sweep_ = kAhead.size();         // number of the first
-  std::unordered_map<uint64_t, Proofs> proofs_;  // by tile
-  uint64_t last_tile_ = 0;
-  Proofs* last_proofs_ = nullptr;
+  BlockProofs proofs_;
   OcclusionStatistics statistics_;
 };
 

@@ -416,9 +416,9 @@ bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes,
   fitBudget(view, scratch);
   ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
   if (visibility)
-    visibility->expect(ViewerOcclusion::sweepsAhead(
-        expectedMotion(), shownFrom(plan.time_client), plan.time_client + request_->keyframe_interval,
-        request_->keyframe_interval, prediction_errors_.estimate().radius_m + kPoseRounding.radius_m));
+    visibility->expect(outlookOf(expectedMotion(), shownFrom(plan.time_client),
+                                 plan.time_client + request_->keyframe_interval, request_->keyframe_interval,
+                                 prediction_errors_.estimate().radius_m + kPoseRounding.radius_m));
   return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
 }
 

@@ -20,6 +20,14 @@ bool EyeSweep::contains(const EyeSweep& other) const {
   return std::max(distanceTo(*this, other.eye), distanceTo(*this, other.eye + other.way)) + other.radius_m <= radius_m;
 }
 
+EyeSweep hullOf(std::span<const EyeSweep> parts) {
+  EyeSweep hull{parts.front().eye, parts.back().eye + parts.back().way - parts.front().eye, 0};
+  for (const EyeSweep& part : parts)
+    hull.radius_m = std::max(
+        hull.radius_m, std::max(distanceTo(hull, part.eye), distanceTo(hull, part.eye + part.way)) + part.radius_m);
+  return hull;
+}
+
 // As in region.cpp: on a chord between two times the distance is largest at an end, and a curve leaves its chord by at
 // most h^2 / 8 times its largest acceleration.
 EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end) {

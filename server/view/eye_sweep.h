@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "server/view/expected_motion.h"
 
@@ -15,6 +16,9 @@ struct EyeSweep {
 
   bool contains(const EyeSweep& other) const;
 };
+
+// A sweep that contains all of `parts`, at least one, that follow one another.
+EyeSweep hullOf(std::span<const EyeSweep> parts);
 
 // A sweep along the chord from motion.at(begin) to motion.at(end) that holds the eye at all times between, up to
 // rounding of less than a micrometre. Cost: one pose each 20 ms (at most 16), and one for each corner of the motion.

@@ -19,7 +19,8 @@ TEST(OcclusionCosts, AreLessBehindARidge) {
   EXPECT_GT(costs.first_nodes.without, 1.5 * costs.first_nodes.with);
   EXPECT_GT(costs.first_bytes.without, 1.2 * costs.first_bytes.with);
   EXPECT_GT(costs.flight_bytes_saving, 1.2);
-  EXPECT_GT(costs.first_rays, 0u);
+  EXPECT_GT(costs.first_tests, 0u);
+  EXPECT_GT(costs.first_segments, 0u);
   EXPECT_GT(costs.first_hidden_bits, 0);
   EXPECT_GT(costs.first_ray_ms, 0);
   EXPECT_LT(costs.ray_share, 1);

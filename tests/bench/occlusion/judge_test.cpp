@@ -7,11 +7,12 @@
 #include "bench/occlusion/predicted_views.h"
 #include "server/occlusion/viewer_occlusion.h"
 #include "tests/bench/occlusion/ridge.h"
+#include "tests/support/block_by_block.h"
 
 namespace foreland::bench {
 namespace {
 
-class HidesEverything final : public proto::BlockVisibility {
+class HidesEverything final : public foreland::test::BlockByBlock {
  public:
   void begin(const proto::View&) override {}
   bool isHidden(const proto::BlockId&) override { return true; }
@@ -60,7 +61,7 @@ TEST_F(OcclusionJudge, FindsWhatIsWronglyHidden) {
 }
 
 // What it hides is what the ridge does; but the ridge's own coarse blocks are never asked for.
-class HidesBehindTheRidge final : public proto::BlockVisibility {
+class HidesBehindTheRidge final : public foreland::test::BlockByBlock {
  public:
   explicit HidesBehindTheRidge(uint32_t first_x) : first_x_(first_x) {}
   void begin(const proto::View&) override {}

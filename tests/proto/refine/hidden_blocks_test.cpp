@@ -8,13 +8,14 @@
 #include <map>
 
 #include "proto/codec/delta_codec.h"
+#include "tests/support/block_by_block.h"
 #include "tests/support/toy_terrain.h"
 
 namespace foreland::proto {
 namespace {
 
 // By chance: coarse blocks seldom are hidden, fine ones often; a known block changes now and then.
-class Whims final : public BlockVisibility {
+class Whims final : public test::BlockByBlock {
  public:
   explicit Whims(uint64_t seed) : rng_(seed) {}
   void begin(const View&) override { ++keyframes_; }

@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
+#include <algorithm>
+#include <thread>
 
 #include "tests/server/occlusion/height_field.h"
 #include "tests/support/scene.h"
@@ -19,51 +20,204 @@ constexpr uint32_t kSide = BlockId::kSide;
 
 Time at(int keyframe) { return Time::seconds(1) + Duration::milliseconds(200) * keyframe; }
 
-TEST(ViewerOcclusion, CallsHiddenWhatIsHiddenFromTheWholeRegion) {
-  const uint64_t seed = 5;
+// Asks for all blocks of a scale, and keeps what it is told, as a stream does.
+class Watcher {
+ public:
+  explicit Watcher(uint32_t blocks) : tiles_(blocks / 4), hidden_(size_t{tiles_} * tiles_, -1) {}
+
+  void see(ViewerOcclusion& viewer) {
+    for (uint32_t y = 0; y < tiles_; ++y)
+      for (uint32_t x = 0; x < tiles_; ++x) {
+        int32_t& hidden = hidden_[size_t{y} * tiles_ + x];
+        if (hidden >= 0) {
+          hidden ^= static_cast<int32_t>(viewer.changes({0, 4 * x, 4 * y}, 0xffff, static_cast<uint32_t>(hidden)));
+          continue;
+        }
+        hidden = 0;
+        for (uint32_t bit = 0; bit < 16; ++bit)
+          hidden |= (viewer.isHidden({0, 4 * x + bit % 4, 4 * y + bit / 4}) ? 1 : 0) << bit;
+      }
+  }
+  bool isHidden(uint32_t x, uint32_t y) const {
+    return (hidden_[size_t{y / 4} * tiles_ + x / 4] >> (y % 4 * 4 + x % 4) & 1) != 0;
+  }
+  const std::vector<int32_t>& all() const { return hidden_; }
+
+ private:
+  uint32_t tiles_;
+  std::vector<int32_t> hidden_;  // by tile; -1: not asked for
+};
+
+// Flies a winding way over a scene, the path of which is known, or guessed with an error.
+class Flight {
+ public:
+  Flight(proto::FrameKind kind, double error_m, double speed = 0.4)
+      : scene_(test::makeScene(257, 257, 7, kind)), error_m_(error_m), speed_(speed) {
+    for (int keyframe = -1; keyframe <= kKeyframes + 40; ++keyframe) path_.poses.push_back(viewOf(keyframe).pose);
+  }
+  static constexpr int kKeyframes = 60;
+
+  const Hierarchy& hierarchy() const { return hierarchy_; }
+  const foreland::test::HeightField& field() const { return field_; }
+  const proto::Path& path() const { return path_; }
+  glm::dvec2 at(int keyframe) const { return {40 + speed_ * keyframe, 128 + 25 * speed_ * std::sin(0.05 * keyframe)}; }
+  proto::View viewOf(int keyframe) const {
+    const glm::dvec2 p = at(keyframe);
+    proto::View view = test::viewAt(hierarchy_, p.x, p.y, field_.at(p.x, p.y) + 60, 0, 0);
+    view.tau_px = keyframe < 40 ? 1 : 1.1;
+    view.region_radius_m = 5;
+    return view;
+  }
+  void begin(ViewerOcclusion& viewer, int keyframe) const {
+    const Duration interval = server::at(1) - server::at(0);
+    EyeOutlook outlook =
+        outlookOf(ExpectedMotion(path_), server::at(keyframe - 1), server::at(keyframe + 1), interval, error_m_);
+    // A guess is off by up to its error, another way each time.
+    for (EyeSweep& eyes : outlook.eyes) eyes.eye.y += error_m_ * std::sin(2.5 * keyframe);
+    viewer.expect(outlook);
+    viewer.begin(viewOf(keyframe));
+  }
+
+ private:
+  std::shared_ptr<const terrain::Scene> scene_;
+  Hierarchy hierarchy_{scene_};
+  foreland::test::HeightField field_{hierarchy_};
+  double error_m_, speed_;
+  proto::Path path_{server::at(-1), server::at(1) - server::at(0), {}};
+};
+
+struct Guess {
+  proto::FrameKind frame;
+  double error_m, speed;
+};
+
+class Viewer : public testing::TestWithParam<Guess> {};
+
+TEST_P(Viewer, CallsHiddenWhatIsHiddenFromTheWholeRegion) {
+  const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   Rng rng(seed);
-  const auto scene = test::makeScene(257, 257, 7);
-  const Hierarchy hierarchy(scene);
-  const auto shared = SceneOcclusion::create(hierarchy).value();
-  ViewerOcclusion viewer(hierarchy, *shared);
-  const test::HeightField field(hierarchy);
-  std::map<std::pair<uint32_t, uint32_t>, bool> blocks;
-  uint64_t hidden = 0, first_rays = 0;
-  proto::Path path{at(-1), at(1) - at(0), {}};
-  const auto poseAt = [&](int keyframe) {
-    const double x = 40 + 0.4 * keyframe, y = 128 + 10 * std::sin(0.05 * keyframe);
-    return test::viewAt(hierarchy, x, y, field.at(x, y) + 60, 0, 0);
-  };
-  for (int keyframe = -1; keyframe <= 61; ++keyframe) path.poses.push_back(poseAt(keyframe).pose);
-  for (int keyframe = 0; keyframe < 60; ++keyframe) {
-    proto::View view = poseAt(keyframe);
-    const double x = 40 + 0.4 * keyframe, y = 128 + 10 * std::sin(0.05 * keyframe);
-    view.tau_px = 1;
-    view.region_radius_m = 5;
-    viewer.expect(
-        ViewerOcclusion::sweepsAhead(ExpectedMotion(path), at(keyframe - 1), at(keyframe + 1), at(1) - at(0), 0.01));
-    viewer.begin(view);
+  const Flight flight(GetParam().frame, GetParam().error_m, GetParam().speed);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion viewer(flight.hierarchy(), *shared);
+  Watcher watcher(256 / kSide);
+  uint64_t hidden = 0, first_tests = 0;
+  for (int keyframe = 0; keyframe < Flight::kKeyframes; ++keyframe) {
+    flight.begin(viewer, keyframe);
+    watcher.see(viewer);
+    const glm::dvec2 eye_at = flight.at(keyframe);
     for (uint32_t j = 0; j < 256 / kSide; ++j)
       for (uint32_t i = 0; i < 256 / kSide; ++i) {
-        const BlockId block{0, i, j};
-        const auto known = blocks.find({i, j});
-        const bool is_hidden =
-            known == blocks.end() ? viewer.isHidden(block) : viewer.isStillHidden(block, known->second);
-        blocks[{i, j}] = is_hidden;
-        if (!is_hidden || kSide * i < x + 30 || std::abs(kSide * (j + 0.5) - y) > 0.3 * (kSide * i - x)) continue;
+        if (!watcher.isHidden(i, j) || kSide * i < eye_at.x + 30 ||
+            std::abs(kSide * (j + 0.5) - eye_at.y) > 0.3 * (kSide * i - eye_at.x))
+          continue;
         ++hidden;
         const double sx = kSide * (i + rng.uniform()), sy = kSide * (j + rng.uniform());
         const glm::dvec3 point =
-            hierarchy.frame().transform().toScene(proto::LatticePosition{sx, sy, field.at(sx, sy)});
+            flight.hierarchy().frame().transform().toScene(proto::LatticePosition{sx, sy, flight.field().at(sx, sy)});
         const auto share = Duration{static_cast<int64_t>(rng.below(400'000))};
-        const glm::dvec3 eye = path.at(at(keyframe - 1) + share).eye;
-        EXPECT_FALSE(field.isClear(eye, point, 0.5)) << "keyframe " << keyframe << " block " << i << " " << j;
+        const glm::dvec3 eye = flight.path().at(at(keyframe - 1) + share).eye;
+        EXPECT_FALSE(flight.field().isClear(eye, point, 0.5)) << "keyframe " << keyframe << " block " << i << " " << j;
       }
-    if (keyframe == 0) first_rays = viewer.statistics().rays;
+    if (keyframe == 0) first_tests = viewer.statistics().tests;
   }
-  EXPECT_GT(hidden, 400u);
-  EXPECT_LT((viewer.statistics().rays - first_rays) / 59, first_rays / 3);
+  EXPECT_GT(hidden, 30u);
+  if (GetParam().error_m == 0) {
+    EXPECT_LT((viewer.statistics().tests - first_tests) / (Flight::kKeyframes - 1), first_tests / 3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Guesses, Viewer,
+                         testing::Values(Guess{proto::FrameKind::kPlanar, 0, 0.4},
+                                         Guess{proto::FrameKind::kPlanar, 2, 0.4},
+                                         Guess{proto::FrameKind::kGeographic, 0, 0.02}));
+
+// The camera is expected to fly on at its height, but rises all of a sudden.
+TEST(ViewerOcclusion, ForgetsProofsOfEyesThatAreElsewhere) {
+  const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Rng rng(seed);
+  const Flight flight(proto::FrameKind::kPlanar, 0);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion viewer(flight.hierarchy(), *shared);
+  Watcher watcher(256 / kSide);
+  const auto countSeen = [&](const glm::dvec3& eye) {
+    uint64_t seen = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const double x = rng.uniform(80, 250), y = rng.uniform(10, 250);
+      const glm::dvec3 point =
+          flight.hierarchy().frame().transform().toScene(proto::LatticePosition{x, y, flight.field().at(x, y)});
+      const bool is_hidden = watcher.isHidden(static_cast<uint32_t>(x) / kSide, static_cast<uint32_t>(y) / kSide);
+      const glm::dvec3 way = point - eye;
+      const bool is_in_view = std::abs(way.z) < 0.55 * way.x && std::abs(way.y) < 0.9 * way.x;
+      seen += is_hidden && is_in_view && flight.field().isClear(eye, point, 0.5) ? 1 : 0;
+    }
+    return seen;
+  };
+  const glm::dvec3 rise(0, 0, 300);
+  for (int keyframe = 0; keyframe < 6; ++keyframe) {
+    proto::View view = flight.viewOf(0);
+    EyeOutlook outlook{Duration::milliseconds(200), keyframe, keyframe + 1,
+                       std::vector<EyeSweep>(20, {view.pose.eye, {}, 1}), 0};
+    for (EyeSweep& eyes : outlook.eyes) eyes.eye += keyframe < 3 ? glm::dvec3(0) : rise;
+    view.pose.eye = outlook.eyes[0].eye;
+    viewer.expect(outlook);
+    viewer.begin(view);
+    watcher.see(viewer);
+    EXPECT_EQ(countSeen(view.pose.eye), 0u) << keyframe;
+  }
+}
+
+// What one viewer is told depends on no other viewer, and on no thread.
+TEST(Viewers, OfASceneAreToldTheSameOnTheirOwnAndTogether) {
+  const Flight flight(proto::FrameKind::kPlanar, 0);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  const auto fly = [&] {
+    ViewerOcclusion viewer(flight.hierarchy(), *shared);
+    Watcher watcher(256 / kSide);
+    std::vector<std::vector<int32_t>> told;
+    for (int keyframe = 0; keyframe < 20; ++keyframe) {
+      flight.begin(viewer, keyframe);
+      watcher.see(viewer);
+      told.push_back(watcher.all());
+    }
+    return told;
+  };
+  const auto alone = fly();
+  std::array<std::vector<std::vector<int32_t>>, 3> together;
+  {
+    std::vector<std::jthread> threads;
+    for (auto& told : together) threads.emplace_back([&] { told = fly(); });
+  }
+  for (const auto& told : together) EXPECT_EQ(told, alone);
+}
+
+// Memory stays what a few horizons and the proofs of the blocks that are known take, however long the flight.
+TEST(ViewerOcclusion, KeepsNoMoreThanTheSceneAsksFor) {
+  const Flight flight(proto::FrameKind::kPlanar, 1);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion viewer(flight.hierarchy(), *shared);
+  Watcher watcher(256 / kSide);
+  for (int keyframe = 0; keyframe < Flight::kKeyframes; ++keyframe) {
+    flight.begin(viewer, keyframe);
+    watcher.see(viewer);
+    EXPECT_LT(viewer.bytes(), 8u << 20) << keyframe;
+  }
+}
+
+// Without an outlook the eye is taken to stay where it is.
+TEST(ViewerOcclusion, NeedsNoOutlook) {
+  const Flight flight(proto::FrameKind::kPlanar, 0);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion viewer(flight.hierarchy(), *shared);
+  Watcher watcher(256 / kSide);
+  viewer.begin(flight.viewOf(0));
+  watcher.see(viewer);
+  const uint64_t tests = viewer.statistics().tests;
+  EXPECT_GT(std::count_if(watcher.all().begin(), watcher.all().end(), [](int32_t tile) { return tile != 0; }), 50);
+  viewer.begin(flight.viewOf(0));
+  watcher.see(viewer);
+  EXPECT_LT(viewer.statistics().tests - tests, tests / 4);
 }
 
 }  // namespace

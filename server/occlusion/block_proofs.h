@@ -1,0 +1,51 @@
+// What a viewer's server remembers of blocks of which it has said whether they are hidden (viewer_occlusion.h): by
+// tiles, as HiddenBlocks keeps them. One owner. Memory: 200 bytes a tile, in chunks of 16 that are freed once unused.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "proto/refine/hidden_blocks.h"
+
+namespace foreland::server {
+
+// Times are numbers of intervals (eye_intervals.h).
+struct BlockProof {
+  int32_t until = 0;      // the last interval for which it is known to be hidden, if it is
+  int32_t next = 0;       // the interval of the next review
+  uint32_t keyframe = 0;  // when that was found out
+  uint8_t length = 1;
+};
+
+struct TileProofs {
+  static constexpr uint32_t kBlocks = proto::HiddenBlocks::kTileBlocks;
+  std::array<BlockProof, kBlocks> blocks;
+  int32_t next = 0;  // the first of its blocks' next reviews; at most
+};
+
+class BlockProofs {
+ public:
+  explicit BlockProofs(const proto::GridTopology& grid);
+
+  // Of the tile that holds a block; new if there is none.
+  TileProofs& of(const proto::BlockId& block, uint32_t keyframe);
+  // Forgets chunks that were last asked for before `keyframe`.
+  void forgetUnused(uint32_t keyframe);
+  size_t bytes() const;
+
+ private:
+  static constexpr uint32_t kChunkLog2 = 2;  // of a chunk's side, in tiles
+  struct Chunk {
+    uint32_t keyframe = 0;
+    std::array<TileProofs, 1u << (2 * kChunkLog2)> tiles;
+  };
+  struct Scale {
+    uint32_t columns = 0;
+    std::vector<std::unique_ptr<Chunk>> chunks;
+  };
+  std::vector<Scale> scales_;
+};
+
+}  // namespace foreland::server

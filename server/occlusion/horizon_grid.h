@@ -1,0 +1,63 @@
+// The terrain's heights along the lines of its lattice, for horizons (horizon.h): between two neighbouring vertices of
+// a line, the straight line from one to the other lies nowhere above the terrain at full resolution.
+//
+// Level l has lines and vertices 2^l steps of the finest level apart. The finest level's vertices are the samples
+// themselves if there are no more of them than allowed; where samples are left out, vertices are lowered until the
+// lines between them lie below what was left out.
+//
+// Only for planar frames, where the lattice is an affine image of the ground plane. Immutable after creation; any
+// thread. Memory: 11 bytes a vertex of the finest level.
+#pragma once
+
+#include <cstdint>
+#include <glm/mat2x2.hpp>
+#include <glm/vec2.hpp>
+#include <vector>
+
+#include "server/section/hierarchy.h"
+
+namespace foreland::server {
+
+class HorizonGrid {
+ public:
+  static constexpr size_t kPadding = 8;  // floats after the last line, for reads of eight at a time
+  // Which coordinate of the lattice changes along a line.
+  enum class Along : uint8_t { kX, kY };
+  struct Level {
+    uint32_t lines[2], vertices[2];  // number of lines along x and y, and of vertices in each
+    std::vector<float> heights[2];   // metres; line by line
+    const float* line(Along along, uint32_t number) const {
+      const auto a = static_cast<size_t>(along);
+      return heights[a].data() + size_t{number} * vertices[a];
+    }
+  };
+
+  // The hierarchy's frame must be planar. O(samples).
+  explicit HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices = 8u << 20);
+
+  static bool supports(const Hierarchy& hierarchy) {
+    return hierarchy.frame().transform().frame().kind == proto::FrameKind::kPlanar;
+  }
+
+  const std::vector<Level>& levels() const { return levels_; }
+  // Steps of the finest level, and the horizontal scene position of them.
+  glm::dvec2 toGrid(const glm::dvec2& scene_m) const { return (to_lattice_ * (scene_m - origin_m_)) / double(stride_); }
+  glm::dvec2 directionToGrid(const glm::dvec2& scene_m) const { return (to_lattice_ * scene_m) / double(stride_); }
+  glm::dvec2 toScene(const glm::dvec2& direction) const { return to_scene_ * direction; }
+  double stepsOfSample() const { return 1.0 / stride_; }
+  // Of a circle of one metre on the ground, as steps, at most; and of a circle of one step, in metres.
+  double stepsOfMetre() const { return steps_of_metre_; }
+  double metresOfStep() const { return metres_of_step_; }
+  double heightQuantum() const { return quantum_m_; }  // metres
+  double highest_m() const { return highest_m_; }
+  size_t bytes() const;
+
+ private:
+  uint32_t stride_ = 1;                     // samples a step
+  glm::dmat2 to_lattice_{1}, to_scene_{1};  // of samples; of steps
+  glm::dvec2 origin_m_{0};                  // of sample (0, 0)
+  double steps_of_metre_ = 1, metres_of_step_ = 1, highest_m_ = 0, quantum_m_ = 1;
+  std::vector<Level> levels_;
+};
+
+}  // namespace foreland::server

@@ -1,0 +1,23 @@
+// What all viewers of a scene share to find out what its ridges hide. Immutable; any thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "server/occlusion/block_tops.h"
+#include "server/occlusion/horizon_grid.h"
+#include "server/occlusion/occluder.h"
+
+namespace foreland::server {
+
+struct SceneOcclusion {
+  BlockTops tops;
+  std::optional<HorizonGrid> grid;           // of a planar scene
+  std::shared_ptr<const Occluder> occluder;  // of another; null if there is a grid
+
+  // As Occluder::create. O(samples).
+  static Result<std::shared_ptr<const SceneOcclusion>> create(const Hierarchy& hierarchy);
+  size_t bytes() const { return tops.bytes() + (grid ? grid->bytes() : 0) + (occluder ? occluder->bytes() : 0); }
+};
+
+}  // namespace foreland::server
