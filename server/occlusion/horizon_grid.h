@@ -49,7 +49,7 @@ class HorizonGrid {
   double stepsOfMetre() const { return steps_of_metre_; }
   double metresOfStep() const { return metres_of_step_; }
   double heightQuantum() const { return quantum_m_; }  // metres
-  double highest_m() const { return highest_m_; }
+  double highest() const { return highest_m_; }        // of the heights, metres
   size_t bytes() const;
 
  private:

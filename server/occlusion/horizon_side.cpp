@@ -110,7 +110,7 @@ void HorizonSide::prefetch(const Line& line, const Reach& reach) const {
 bool HorizonSide::isClosed(const std::array<float, kBins>& slopes, float ahead) const {
   constexpr double kSpare = 0.002;  // for tolerances
   const auto enough =
-      static_cast<float>(std::max(grid_->highest_m() - eye_m_, 0.0) / ahead + kSpare * grid_->metresOfStep());
+      static_cast<float>(std::max(grid_->highest() - eye_m_, 0.0) / ahead + kSpare * grid_->metresOfStep());
   return *std::min_element(slopes.begin(), slopes.end()) > enough;
 }
 
