@@ -70,7 +70,8 @@ class Flight:
 
     def keep(self, keyframe):
         s = self.session.section
-        self.keyframes.append(Keyframe(keyframe.index, keyframe.time / 1e6, keyframe.view, dict(s.heights), dict(s.bounds),
+        self.keyframes.append(Keyframe(keyframe.index, keyframe.time / 1e6, keyframe.view,
+                                       {slot: s.heights[slot] for slot in s.slots}, dict(s.bounds),
                                        dict(s.spheres), self.calls))
 
     def watch(self):
@@ -87,9 +88,8 @@ class Flight:
             def decision_of_leaf(self, n, is_new, bound, least):
                 return flight.measure("decision", n.level, lambda: super(Watched, self).decision_of_leaf(n, is_new, bound, least))
 
-            def decision_of_addable(self, n, is_new, bound, least):
-                return flight.measure("decision", n.level,
-                                      lambda: super(Watched, self).decision_of_addable(n, is_new, bound, least))
+            def decision_of_addable(self, n, *known):
+                return flight.measure("decision", n.level, lambda: super(Watched, self).decision_of_addable(n, *known))
 
         class WatchedSection(decoder.Section):
             def remove(self, level, leaves):
