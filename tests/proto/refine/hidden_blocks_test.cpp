@@ -95,14 +95,20 @@ TEST(HiddenBlocks, AreCountedAndForgotten) {
   EXPECT_TRUE(blocks.empty());
 }
 
+constexpr uint64_t kMemory = 30'000;  // bytes: less than the terrain has
+
 struct Server {
-  explicit Server(const test::ToyTerrain& terrain) : adapter(terrain.domain()) { model.tells_blocks = true; }
+  explicit Server(const test::ToyTerrain& terrain) : adapter(terrain.domain()) {
+    model.tells_blocks = true;
+    adapter.memory().pages.setBudget(kMemory);
+  }
   TerrainAdapter adapter;
   DeltaModel model;
 };
 struct Client {
   explicit Client(const test::ToyTerrain& terrain) : adapter(terrain.domain()), nodes(terrain.grid(), terrain.base()) {
     model.tells_blocks = true;
+    adapter.memory().pages.setBudget(kMemory);
   }
   TerrainAdapter adapter;
   SparseNodes nodes;
@@ -141,6 +147,11 @@ TEST_P(Seeds, BothEndsHoldWhatRefinementLeavesOut) {
     client.adapter.validate();
     const Section section = server.adapter.section();
     ASSERT_EQ(section, client.adapter.section()) << step;
+    for (const KnownPage& page : client.adapter.knownPages())
+      page.knowledge.known.forEach([&](uint8_t low) {
+        ASSERT_EQ(client.nodes.at(page.first | low).height(), terrain.nodes()[page.first | low].height());
+      });
+    ASSERT_EQ(server.adapter.knownPages(), client.adapter.knownPages()) << step;
 
     const auto& memory = server.adapter.memory();
     ASSERT_EQ(memory.hides, visibility != nullptr);
