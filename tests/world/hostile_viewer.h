@@ -112,10 +112,9 @@ class HostileViewer {
       default: {
         proto::PoseUpdate update{{Time{anyTime(now)}, anyPose()}, session_->keyframe().index, Time{anyTime(now)}};
         if (rng_.below(30) == 0) update.received_keyframe += static_cast<uint32_t>(rng_.below(3));
-        if (rng_.below(2) == 0) return proto::encode(update);
-        // Ours takes differences of times, and such as are far beyond what a client may have overflow in it.
-        for (Time* time : {&update.pose.time, &update.received_at}) time->us >>= 3;
-        return proto::encode(update, memory_);
+        // The encoder takes differences of times, which must not overflow; what a client may say at most is 2^60.
+        for (Time* time : {&update.pose.time, &update.received_at}) time->us >>= 2;
+        return rng_.below(2) == 0 ? proto::encode(update) : proto::encode(update, memory_);
       }
     }
   }
