@@ -112,9 +112,10 @@ class HostileViewer {
       default: {
         proto::PoseUpdate update{{Time{anyTime(now)}, anyPose()}, session_->keyframe().index, Time{anyTime(now)}};
         if (rng_.below(30) == 0) update.received_keyframe += static_cast<uint32_t>(rng_.below(3));
-        // The encoder takes differences of times, which must not overflow; what a client may say at most is 2^60.
+        // The encoder takes differences of times and positions, which must not overflow; times may be 2^60 at most.
         for (Time* time : {&update.pose.time, &update.received_at}) time->us >>= 2;
-        return rng_.below(2) == 0 ? proto::encode(update) : proto::encode(update, memory_);
+        const bool is_absolute = rng_.below(2) == 0 || !proto::isUsable(update.pose.pose);
+        return is_absolute ? proto::encode(update) : proto::encode(update, memory_);
       }
     }
   }
