@@ -75,7 +75,7 @@ MUTATIONS = [
        "proto::fingerprint(scratch.delta.added)", FLIGHT),
     of("acknowledgement: off by one", "server/session", "update.received_keyframe > keyframe().index",
        "update.received_keyframe > keyframe().index + 1", "session_test"),
-    of("region: half the interval", "server/view/region", "(end - begin).us * i / steps", "(end - begin).us * i / steps / 2", FLIGHT),
+    of("region: half the interval", "server/view/region", "(end - begin).us / steps * i + (end - begin).us % steps * i / steps", "(end - begin).us / steps * i / 2", FLIGHT),
     of("deadline: an interval late", "server/session", "clocks_.sendBy(*target_ - T)", "clocks_.sendBy(*target_)", FLIGHT),
     of("budget: sign", "server/section", "std::log(triangles_ / (kMiddle * budget.triangles))", "-std::log(triangles_ / (kMiddle * budget.triangles))",
        "view_test:ToleranceControl*"),
