@@ -47,36 +47,32 @@ bool descend(const Topology& topology, Section& section, const Answer& decide) {
 constexpr int kMaxLevels = std::max(GridTopology::kMaxLevels, MeshTopology::kMaxLevels);
 using Model = std::array<AdaptiveBit, 8 * (kMaxLevels + 1)>;
 
-// Writes a section.
+// Writes a closed set of nodes: those for which isIn(slot) is true and whose parents are in it. Returns it. Of nodes
+// that are `sure` to be in it nothing is written.
+template <class Topology, class IsIn>
+Section encode(const Topology& topology, const IsIn& isIn, const Section& sure, Model& model, RangeEncoder& coder) {
+  Section written;
+  descend(topology, written, [&](Slot slot, size_t context) {
+    return contains(sure, slot) || coder.code(model[context], isIn(slot)) ? 1 : 0;
+  });
+  return written;
+}
 template <class Topology>
 void encode(const Topology& topology, const Section& section, Model& model, RangeEncoder& coder) {
-  Section visited;
-  descend(topology, visited, [&](Slot slot, size_t context) {
-    const bool is_in = contains(section, slot);
-    return coder.code(model[context], is_in) ? 1 : 0;
-  });
+  encode(
+      topology, [&](Slot slot) { return contains(section, slot); }, {}, model, coder);
 }
 
-// Reads one; takes its nodes off `room`. False if there is not enough, or the bytes end.
+// Reads one; takes its nodes, but for those that are sure, off `room`. False if there is not enough, or the bytes end.
 template <class Topology>
-bool decode(const Topology& topology, Section& section, size_t& room, Model& model, RangeDecoder& coder) {
-  return descend(topology, section, [&](Slot, size_t context) {
+bool decode(const Topology& topology, Section& section, const Section& sure, size_t& room, Model& model,
+            RangeDecoder& coder) {
+  return descend(topology, section, [&](Slot slot, size_t context) {
+    if (contains(sure, slot)) return 1;
     if (coder.overrun()) return -1;
     const bool is_in = coder.code(model[context]);
     if (is_in && room-- == 0) return -1;
     return is_in ? 1 : 0;
-  });
-}
-
-// Reads which nodes are known, those of the section among them; at most `room` others.
-bool decode(const GridTopology& grid, const Section& section, Section& known, size_t room, RangeDecoder& coder) {
-  Model model;
-  return descend(grid, known, [&](Slot slot, size_t context) {
-    if (contains(section, slot)) return 1;
-    if (coder.overrun()) return -1;
-    const bool is_known = coder.code(model[context]);
-    if (is_known && room-- == 0) return -1;
-    return is_known ? 1 : 0;
   });
 }
 
@@ -131,13 +127,11 @@ std::vector<KnownPage> encodeSections(const GridTopology& grid, const ObjectSet&
   encode(grid, sections.terrain, of_terrain, coder);
   for (size_t i = 0; i < objects.size(); ++i)
     encode(objects.domain(i).topology(), sections.objects[i], of_objects, coder);
-  Section known;
-  descend(grid, known, [&](Slot slot, size_t context) {
-    if (contains(sections.terrain, slot)) return 1;
+  const auto isKnown = [&](Slot slot) {
     const PageKnowledge* page = find(sections.known, slot);
-    return coder.code(of_known[context], page && page->known.has(static_cast<uint8_t>(slot))) ? 1 : 0;
-  });
-  std::vector<KnownPage> pages = pagesOf(known);
+    return page && page->known.has(static_cast<uint8_t>(slot));
+  };
+  std::vector<KnownPage> pages = pagesOf(encode(grid, isKnown, sections.terrain, of_known, coder));
   for (KnownPage& page : pages)
     if (const PageKnowledge* given = find(sections.known, page.first)) page.knowledge.finest = given->finest;
   codeFinest(pages, coder);
@@ -147,17 +141,17 @@ std::vector<KnownPage> encodeSections(const GridTopology& grid, const ObjectSet&
 
 Result<HeldSections> decodeSections(const GridTopology& grid, const ObjectSet& objects, ByteSpan bytes,
                                     const size_t max_nodes) {
-  size_t room = max_nodes;
+  size_t room = max_nodes, room_beside = max_nodes;
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, std::string("section: ") + what}; };
   RangeDecoder coder(bytes);
-  Model of_terrain, of_objects;
+  Model of_terrain, of_objects, of_known;
   HeldSections sections;
-  bool done = decode(grid, sections.terrain, room, of_terrain, coder);
+  bool done = decode(grid, sections.terrain, {}, room, of_terrain, coder);
   for (size_t i = 0; done && i < objects.size(); ++i)
-    done = decode(objects.domain(i).topology(), sections.objects.emplace_back(), room, of_objects, coder);
+    done = decode(objects.domain(i).topology(), sections.objects.emplace_back(), {}, room, of_objects, coder);
   if (done) {
     Section known;
-    done = decode(grid, sections.terrain, known, max_nodes, coder);
+    done = decode(grid, known, sections.terrain, room_beside, of_known, coder);
     sections.known = pagesOf(known);
     codeFinest(sections.known, coder);
   }

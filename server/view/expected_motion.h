@@ -3,12 +3,19 @@
 // corners, and how strongly it bends between them. Borrows what it is made of. Const use from any thread.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "proto/space/path.h"
 #include "server/view/pose_history.h"
 
 namespace foreland::server {
+
+// The end of step `i` of `steps` equal ones from `begin` to `end`. No interval is so long that it overflows.
+inline Time timeBetween(Time begin, Time end, int64_t i, int64_t steps) {
+  const int64_t length_us = (end - begin).us;
+  return begin + Duration{length_us / steps * i + length_us % steps * i / steps};
+}
 
 class ExpectedMotion {
  public:

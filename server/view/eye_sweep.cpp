@@ -44,7 +44,7 @@ EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end) {
   };
   const int64_t steps = std::clamp<int64_t>(((end - begin).us + kStep_us - 1) / kStep_us, 1, kMostSteps);
   for (int64_t i = 1; i <= steps; ++i) {
-    const Time next = begin + Duration{(end - begin).us / steps * i + (end - begin).us % steps * i / steps};
+    const Time next = timeBetween(begin, end, i, steps);
     for (auto corner = motion.nextCorner(time); corner && *corner < next; corner = motion.nextCorner(time))
       advanceTo(*corner);
     advanceTo(next);

@@ -79,7 +79,7 @@ Region regionOf(const proto::Pose& centre, const ExpectedMotion& motion, Time be
   Region longest;  // step
   for (int64_t i = 1; i <= steps; ++i) {
     const proto::Pose last = growth.pose();
-    growth.advanceTo(begin + Duration{(end - begin).us / steps * i + (end - begin).us % steps * i / steps});
+    growth.advanceTo(timeBetween(begin, end, i, steps));
     longest.radius_m = std::max(longest.radius_m, glm::distance(growth.pose().eye, last.eye));
     longest.angle_rad = std::max(longest.angle_rad, proto::angleBetween(growth.pose().orientation, last.orientation));
   }
