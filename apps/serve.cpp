@@ -44,6 +44,8 @@ struct Flags {
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info";
   std::string occlusion = "off";
+  size_t max_connections = server::ServeOptions{}.max_connections;
+  size_t max_per_address = 0;  // 0: no limit
   double viewer_memory_mib = 64;
 };
 
@@ -70,6 +72,12 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
       ->capture_default_str();
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program");
+  app.add_option("--max-connections", flags.max_connections, "one more is told to try again later (503)")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--max-per-address", flags.max_per_address,
+                 "likewise, of connections from one address (default: no limit, as behind a proxy)")
+      ->check(CLI::Range(1, 1'000'000));
   app.add_option("--log-level", flags.log_level, "what to log on standard error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
@@ -114,6 +122,8 @@ server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress
   server::ServeOptions options;
   options.listen = listen;
   options.threads = flags.threads;
+  options.max_connections = flags.max_connections;
+  if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
   options.session.tau_px = flags.tau_px;
   options.session.keyframe_interval = Duration::milliseconds(flags.keyframe_ms);
   options.session.max_memory_bytes = static_cast<uint32_t>(flags.viewer_memory_mib * 1048576);

@@ -35,10 +35,11 @@ inline sigset_t blockStopSignals() {
   return signals;
 }
 
-// Returns when one of the blocked signals has arrived.
+// Returns when one of the blocked signals has arrived. A second one ends the process at once.
 inline void waitForStop(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
 }  // namespace foreland::apps

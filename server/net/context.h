@@ -3,6 +3,8 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -24,6 +26,7 @@ struct ServerContext {
   boost::asio::io_context& io;
   SessionHost& host;
   Metrics& metrics;
+  std::map<std::string, size_t>& connections_from;  // open ones, by address
   std::set<std::shared_ptr<ViewerConnection>> viewers{};
 
   void log(Severity severity, const std::string& line) const {
@@ -31,18 +34,36 @@ struct ServerContext {
   }
 };
 
-// Counts one open socket in the metrics for as long as this object lives, whichever protocol the socket speaks.
+// Of the other end, without its port; empty if the socket is closed already.
+inline std::string addressOf(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code error;
+  const auto endpoint = socket.remote_endpoint(error);
+  return error ? std::string() : endpoint.address().to_string();
+}
+
+// Counts one open socket, in the metrics and for its address, as long as this object lives, whichever protocol the
+// socket speaks. I/O thread.
 class ConnectionCount {
  public:
-  explicit ConnectionCount(Metrics& metrics) : metrics_(&metrics) { ++metrics_->connections; }
-  ConnectionCount(ConnectionCount&& other) noexcept : metrics_(std::exchange(other.metrics_, nullptr)) {}
+  ConnectionCount(ServerContext& context, const boost::asio::ip::tcp::socket& socket)
+      : metrics_(&context.metrics), from_(&context.connections_from), address_(addressOf(socket)) {
+    ++metrics_->connections;
+    ++(*from_)[address_];
+  }
+  ConnectionCount(ConnectionCount&& other) noexcept
+      : metrics_(std::exchange(other.metrics_, nullptr)), from_(other.from_), address_(std::move(other.address_)) {}
   ConnectionCount& operator=(ConnectionCount&&) = delete;
   ~ConnectionCount() {
-    if (metrics_) --metrics_->connections;
+    if (!metrics_) return;
+    --metrics_->connections;
+    const auto at = from_->find(address_);
+    if (at != from_->end() && --at->second == 0) from_->erase(at);
   }
 
  private:
   Metrics* metrics_;
+  std::map<std::string, size_t>* from_;
+  std::string address_;
 };
 
 }  // namespace foreland::server

@@ -23,7 +23,7 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::asio::ip::tcp::socket socket, ServerContext& context)
-      : context_(context), count_(context.metrics), stream_(std::move(socket)) {}
+      : context_(context), count_(context, socket), stream_(std::move(socket)) {}
 
   void read() {
     parser_.emplace();
@@ -70,6 +70,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response_.set("X-Content-Type-Options", "nosniff");
     if (!reply.etag.empty()) response_.set(http::field::etag, reply.etag);
     if (reply.status == 405) response_.set(http::field::allow, "GET, HEAD");
+    if (reply.status == 503) response_.set(http::field::retry_after, "5");
     if (reply.status == 426) response_.set(http::field::upgrade, "websocket");
     response_.keep_alive(keep_alive);
     if (reply.status != 304) response_.content_length(body_->size());

@@ -54,7 +54,11 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
     return textReply(405, "Only GET and HEAD are understood here; viewers connect by WebSocket.");
   const auto path = pathOf(request.target);
   if (!path) return textReply(400, "The address is malformed.");
-  if (*path == "/healthz") return textReply(200, "ok");
+  if (*path == "/livez") return textReply(200, "ok");
+  if (*path == "/healthz" || *path == "/readyz") {
+    const std::string why = site.unready ? site.unready() : std::string();
+    return why.empty() ? textReply(200, "ok") : textReply(503, why);
+  }
   if (*path == "/metrics") {
     HttpReply reply = textReply(200, site.metrics());
     reply.content_type = "text/plain; version=0.0.4; charset=utf-8";

@@ -28,10 +28,13 @@ struct HttpReply {
 struct HttpSite {
   StaticFiles files;
   std::function<std::string()> metrics;  // returns the text of /metrics
+  // Why no further viewer should be sent here, for /readyz; empty if one may. Null: always ready.
+  std::function<std::string()> unready{};
 };
 
-// Answers /healthz, /metrics, /fly (with the advice to use WebSocket), and files by their paths. HEAD is answered as
-// GET; the sender leaves the body out.
+// Answers /livez (the server runs), /readyz and /healthz (503 with the reason if no further viewer should come),
+// /metrics, /fly (with the advice to use WebSocket), and files by their paths. HEAD is answered as GET; the sender
+// leaves the body out.
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site);
 
 // A reply of one line of plain text, for errors.

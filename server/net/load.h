@@ -21,6 +21,10 @@ class Load {
 
   // The share of the workers' time that was used in the last whole window.
   double busy() const { return busy_.load(std::memory_order_relaxed); }
+  // Whether that was too much, and not long ago.
+  bool isOverloaded(Time now) const {
+    return busy() > kBusy && now.us < window_end_us_.load(std::memory_order_relaxed) + kWindow.us;
+  }
 
   // What a viewer gets that takes `cost` of one worker's time while `viewers` fly.
   Processors processorsFor(double cost, int64_t viewers) const;

@@ -55,6 +55,7 @@ std::string renderPrometheus(const Metrics& m, const PoolMetrics& pool) {
   page.gauge("memory_bytes", "Bytes that the server needs to know which.", m.memory_bytes);
   page.counter("sessions_opened_total", "Viewers that ever connected.", m.sessions_opened);
   page.counter("refusals_total", "Viewers refused for what they sent or did not read.", m.refusals);
+  page.counter("turned_away_total", "Connections turned away because there were too many.", m.turned_away);
   page.counter("http_requests_total", "Plain HTTP requests.", m.http_requests);
   page.counter("keyframes_total", "Keyframes computed.", m.keyframes);
   page.counter("skipped_keyframes_total", "Keyframes left out because the last one was unsent.", m.skipped_keyframes);

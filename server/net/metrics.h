@@ -16,7 +16,8 @@ struct Metrics {
   std::atomic<int64_t> section_nodes{0};                      // of all viewers together
   std::atomic<int64_t> remembered_nodes{0}, memory_bytes{0};  // likewise, of what viewers know beside their sections
   std::atomic<uint64_t> sessions_opened{0};
-  std::atomic<uint64_t> refusals{0};  // viewers that were disconnected for what they sent or did not read
+  std::atomic<uint64_t> refusals{0};     // viewers that were disconnected for what they sent or did not read
+  std::atomic<uint64_t> turned_away{0};  // connections, because there were too many
   std::atomic<uint64_t> http_requests{0};
   std::atomic<uint64_t> keyframes{0};
   std::atomic<uint64_t> skipped_keyframes{0};  // because the last delta was still unsent

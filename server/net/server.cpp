@@ -10,6 +10,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -53,8 +54,10 @@ class Server::Impl {
         clock_(std::move(clock)),
         pool_(options_.threads, clock_, [this](const char* what) { failed(what); }),
         host_(std::move(world), options_.session, options_.limits, pool_, clock_, metrics_),
-        site_{.files = std::move(files), .metrics = [this] { return metricsText(); }},
-        context_{options_, clock_, site_, io_, host_, metrics_} {}
+        site_{.files = std::move(files),
+              .metrics = [this] { return metricsText(); },
+              .unready = [this] { return unready(); }},
+        context_{options_, clock_, site_, io_, host_, metrics_, connections_from_} {}
 
   ~Impl() { stop(); }
 
@@ -137,15 +140,37 @@ class Server::Impl {
   }
 
   void admit(tcp::socket socket) {
-    if (metrics_.connections >= static_cast<int64_t>(options_.max_connections)) {
-      context_.log(Severity::kWarning,
-                   fmt::format("closed a connection: there are {} already", options_.max_connections));
-      return;
-    }
+    if (metrics_.connections >= static_cast<int64_t>(options_.max_connections))
+      return turnAway(std::move(socket), fmt::format("there are {} connections already", options_.max_connections));
+    const auto from = context_.connections_from.find(addressOf(socket));
+    if (from != context_.connections_from.end() && from->second >= options_.max_connections_per_address)
+      return turnAway(std::move(socket),
+                      fmt::format("there are {} connections from its address already", from->second));
     ErrorOf ignored;  // a socket that was closed meanwhile fails at the first read
     socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(net::socket_base::send_buffer_size(static_cast<int>(options_.send_buffer_bytes)), ignored);
     serveHttp(std::move(socket), context_);
+  }
+
+  // Says why, and does not wait for whether it is read.
+  void turnAway(tcp::socket socket, const std::string& why) {
+    ++metrics_.turned_away;
+    context_.log(Severity::kDebug, "turned a connection away: " + why);
+    static constexpr std::string_view kReply =
+        "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n"
+        "Content-Type: text/plain; charset=utf-8\r\nContent-Length: 40\r\n\r\nThe server is full. Try again in a "
+        "while\n";
+    ErrorOf ignored;
+    socket.non_blocking(true, ignored);
+    socket.write_some(net::buffer(kReply), ignored);
+    socket.shutdown(tcp::socket::shutdown_send, ignored);
+  }
+
+  // Why no further viewer should come; empty if one may.
+  std::string unready() const {
+    if (is_stopping_) return "The server stops.";
+    if (metrics_.connections >= static_cast<int64_t>(options_.max_connections)) return "The server is full.";
+    return host_.isOverloaded() ? "The server is overloaded." : "";
   }
 
   void watch() {
@@ -162,6 +187,7 @@ class Server::Impl {
 
   void takeLeave() {
     ErrorOf ignored;
+    is_stopping_ = true;
     acceptor_.close(ignored);
     watch_timer_.cancel();
     for (const auto& viewer : everyViewer())
@@ -190,6 +216,7 @@ class Server::Impl {
   const ServeOptions options_;
   const Clock clock_;
   Metrics metrics_;
+  std::map<std::string, size_t> connections_from_;
   Pool pool_;
   SessionHost host_;
   HttpSite site_;
@@ -200,6 +227,7 @@ class Server::Impl {
   net::steady_timer watch_timer_{io_};
   std::chrono::steady_clock::time_point stop_by_;
   uint16_t port_ = 0;
+  bool is_stopping_ = false;  // I/O thread
   std::jthread io_thread_;
 };
 

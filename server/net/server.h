@@ -30,10 +30,13 @@ struct ServeOptions {
   std::filesystem::path web;  // directory of the page's files; empty for no page
   // More files by their paths in URLs: the images of the scene's models.
   std::map<std::string, std::string> files;
-  size_t max_connections = 1024;          // one more is closed at once
-  size_t max_unread_messages = 64;        // a viewer that leaves more replies unread is refused
+  size_t max_connections = 1024;                  // one more is told to try again later (503)
+  size_t max_connections_per_address = SIZE_MAX;  // likewise; behind a proxy all come from one
+  size_t max_unread_messages = 64;                // a viewer that leaves more replies unread is refused
   size_t send_buffer_bytes = 128u << 10;  // the system's, for each viewer; small, so that a slow link is noticed early
-  Duration http_timeout = Duration::seconds(10);  // for a request to arrive, and for its reply to leave
+  Duration http_timeout = Duration::seconds(10);     // for a request to arrive, and for its reply to leave
+  Duration hello_timeout = Duration::seconds(10);    // for a viewer's first message to arrive
+  Duration message_timeout = Duration::seconds(60);  // for a message that has begun to end
   Duration idle_timeout = Duration::seconds(30);  // a viewer that sends nothing, or reads nothing of what waits for it
   Duration stop_grace = Duration::milliseconds(500);  // for viewers to answer the close frame
   Log log;                                            // may be empty

@@ -51,6 +51,9 @@ class SessionHost {
 
   std::shared_ptr<SessionActor> open(Outlet outlet);
 
+  // Whether the workers are too busy for further viewers. Any thread.
+  bool isOverloaded() const { return load_.isOverloaded(clock_()); }
+
  private:
   friend class SessionActor;
 

@@ -45,9 +45,9 @@ void acceptViewer(beast::tcp_stream stream, ConnectionCount count, UpgradeReques
 }
 
 ViewerConnection::ViewerConnection(beast::tcp_stream stream, ConnectionCount count, ServerContext& context)
-    : context_(context), count_(std::move(count)), stream_(std::move(stream)) {}
+    : context_(context), metrics_(context.metrics), count_(std::move(count)), stream_(std::move(stream)) {}
 
-ViewerConnection::~ViewerConnection() { context_.metrics.queue_bytes -= counted_bytes_; }
+ViewerConnection::~ViewerConnection() { metrics_.queue_bytes -= counted_bytes_; }
 
 void ViewerConnection::countQueues() {
   const auto bytes = static_cast<int64_t>(read_buffer_.size() + outbox_bytes_);
@@ -86,7 +86,7 @@ void ViewerConnection::onAccept(beast::error_code error) {
     return;
   }
   state_ = State::kOpen;
-  heard_at_ = progress_at_ = context_.clock();
+  heard_at_ = progress_at_ = opened_at_ = message_begun_at_ = context_.clock();
   actor_ = context_.host.open(makeOutlet());
   context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
   read();
@@ -120,7 +120,11 @@ void ViewerConnection::read() {
 void ViewerConnection::onRead(beast::error_code error) {
   if (error) return finish(error == websocket::error::closed ? "left" : "was lost: " + error.message());
   heard_at_ = context_.clock();
-  if (stream_.is_message_done()) deliver();
+  if (stream_.is_message_done()) {
+    has_greeted_ = true;
+    message_begun_at_ = heard_at_;
+    deliver();
+  }
   countQueues();
   if (context_.metrics.queue_bytes > static_cast<int64_t>(context_.options.limits.queue_bytes) &&
       read_buffer_.size() > kKeptBufferBytes)
@@ -231,6 +235,10 @@ void ViewerConnection::check(Time now) {
     ++context_.metrics.refusals;
     return cut();
   }
+  if (!has_greeted_ && now - opened_at_ > context_.options.hello_timeout)
+    return leave(websocket::close_code::policy_error, "no message for too long; connect again");
+  if (read_buffer_.size() > 0 && now - message_begun_at_ > context_.options.message_timeout)
+    return leave(websocket::close_code::policy_error, "a message does not end; connect again");
   if (now - heard_at_ > timeout) leave(websocket::close_code::policy_error, "no pose for too long; connect again");
 }
 

@@ -61,6 +61,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void finish(const std::string& why);
 
   ServerContext& context_;
+  Metrics& metrics_;  // outlives the context
   ConnectionCount count_;
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;  // false: no permessage-deflate
   std::string peer_;
@@ -71,6 +72,8 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
 
   boost::beast::flat_buffer read_buffer_;
   Time heard_at_;  // when the viewer last sent bytes
+  Time opened_at_, message_begun_at_;
+  bool has_greeted_ = false;  // sent a whole message
 
   std::deque<Outgoing> outbox_;
   size_t outbox_bytes_ = 0;

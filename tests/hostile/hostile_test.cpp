@@ -139,7 +139,7 @@ class Hostile : public testing::Test {
     EXPECT_TRUE(figures.stayed) << "the honest viewer was disconnected";
     EXPECT_GE(figures.keyframes_per_s, 1);
     if (!kIsSanitized) { EXPECT_LE(figures.grown_kib, 400 << 10); }
-    EXPECT_TRUE(httpGet(port_, "/healthz").starts_with("HTTP/1.1 200"));
+    EXPECT_TRUE(httpGet(port_, "/livez").starts_with("HTTP/1.1 200"));
     return figures;
   }
 

@@ -130,7 +130,7 @@ TEST(Server, RefusesAMessageThatIsNone) {
   ASSERT_TRUE(decoded.ok());
   EXPECT_TRUE(std::holds_alternative<proto::Refusal>(*decoded));
   EXPECT_EQ(client.receiveClose(), 1008);
-  EXPECT_TRUE(httpGet(server->port(), "/healthz").starts_with("HTTP/1.1 200"));
+  EXPECT_TRUE(httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200"));
 }
 
 TEST(Server, RefusesTextAndEmptyMessages) {
@@ -157,7 +157,7 @@ TEST(Server, ClosesOnAMessageBeyondTheLimit) {
   WebSocketClient client(server->port());
   client.socket().send(WebSocketClient::frameHead(Opcode::kBinary, proto::kMaxClientMessageBytes + 1));
   EXPECT_EQ(client.receiveClose(), 1009);
-  EXPECT_TRUE(httpGet(server->port(), "/healthz").starts_with("HTTP/1.1 200"));
+  EXPECT_TRUE(httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200"));
 }
 
 TEST(Server, ServesOnAfterRandomBytes) {
@@ -173,7 +173,7 @@ TEST(Server, ServesOnAfterRandomBytes) {
     framed.socket().send(bytes);
     framed.send(Bytes(bytes.begin(), bytes.end()));  // whatever came before, a frame that ends it
   }
-  EXPECT_TRUE(httpGet(server->port(), "/healthz").starts_with("HTTP/1.1 200"));
+  EXPECT_TRUE(httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200"));
 }
 
 TEST(Server, ClosesWhoeverSaysNothing) {
@@ -213,7 +213,44 @@ TEST(Server, AdmitsNoMoreThanItsLimit) {
   const auto server = serve(options);
   WebSocketClient first(server->port());
   ASSERT_TRUE(first.isOpen());
-  EXPECT_EQ(Socket(server->port()).receiveToEnd(), "");
+  const std::string reply = Socket(server->port()).receiveToEnd();
+  EXPECT_TRUE(reply.starts_with("HTTP/1.1 503")) << reply;
+  EXPECT_NE(reply.find("Retry-After: "), std::string::npos);
+  EXPECT_TRUE(reply.ends_with("\n"));
+}
+
+TEST(Server, AdmitsNoMoreFromAnAddressThanItsLimit) {
+  ServeOptions options = testOptions();
+  options.max_connections_per_address = 2;
+  const auto server = serve(options);
+  {
+    WebSocketClient first(server->port()), second(server->port());
+    ASSERT_TRUE(first.isOpen() && second.isOpen());
+    EXPECT_TRUE(Socket(server->port()).receiveToEnd().starts_with("HTTP/1.1 503"));
+  }
+  EXPECT_TRUE(eventually([&] { return httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200"); }));
+  EXPECT_TRUE(eventually([&] { return metric(server->port(), "connections") == 1; })) << "that of the question";
+  EXPECT_GE(metric(server->port(), "turned_away_total"), 1);
+}
+
+TEST(Server, ClosesAViewerThatNeverGreetsAndOneWhoseMessageDoesNotEnd) {
+  ServeOptions options = testOptions();
+  options.idle_timeout = Duration::milliseconds(400);  // how often viewers are looked at follows from it
+  options.hello_timeout = options.message_timeout = Duration::milliseconds(100);
+  const auto server = serve(options);
+  WebSocketClient mute(server->port());
+  EXPECT_EQ(mute.receiveClose(), 1008);
+  WebSocketClient slow(server->port());
+  slow.send(proto::encode(requestView()));
+  slow.socket().send(WebSocketClient::frameHead(Opcode::kBinary, 1000) + "beginning");
+  EXPECT_EQ(slow.receiveClose(), 1008);
+}
+
+TEST(Server, IsReadyUntilItIsFull) {
+  ServeOptions options = testOptions();
+  const auto server = serve(options);
+  for (const char* path : {"/livez", "/readyz", "/healthz"})
+    EXPECT_TRUE(httpGet(server->port(), path).starts_with("HTTP/1.1 200")) << path;
 }
 
 TEST(Server, StopsWithViewersConnected) {
