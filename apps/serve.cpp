@@ -47,6 +47,7 @@ struct Flags {
   size_t max_connections = server::ServeOptions{}.max_connections;
   size_t max_per_address = 0;  // 0: no limit
   double viewer_memory_mib = 64;
+  double drain_seconds = 10;
 };
 
 // The exit code if the program should end at once; nothing if it should serve.
@@ -78,6 +79,10 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   app.add_option("--max-per-address", flags.max_per_address,
                  "likewise, of connections from one address (default: no limit, as behind a proxy)")
       ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--drain-seconds", flags.drain_seconds,
+                 "SIGTERM hands viewers over to other servers for so long at most; Ctrl-C does not")
+      ->check(CLI::Range(0.0, 3600.0) & apps::isFinite())
+      ->capture_default_str();
   app.add_option("--log-level", flags.log_level, "what to log on standard error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
@@ -182,7 +187,7 @@ int main(int argc, char** argv) {
   listen->port = (*running)->port();
   std::printf("serving %s at http://%s/\n", title.c_str(), toString(*listen).c_str());
   std::fflush(stdout);
-  apps::waitForStop(stop_signals);
+  if (apps::waitForStop(stop_signals) == SIGTERM) (*running)->drain(Duration::seconds(flags.drain_seconds));
   (*running)->stop();
   return 0;
 }

@@ -35,11 +35,12 @@ inline sigset_t blockStopSignals() {
   return signals;
 }
 
-// Returns when one of the blocked signals has arrived. A second one ends the process at once.
-inline void waitForStop(const sigset_t& signals) {
+// Returns which of the blocked signals has arrived. A second one ends the process at once.
+inline int waitForStop(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  return signal;
 }
 
 }  // namespace foreland::apps

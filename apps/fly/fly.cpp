@@ -1,15 +1,18 @@
 // `foreland fly`: flies the headless player over a WebSocket, in real time. Afterwards it dumps frames and measures
-// errors, if asked to, on a replay of the flight. One thread; the clock is read here only. Exit code 0 when the flight
+// errors, if asked to, on a replay of the flight. One thread, or one for each of --viewers. Exit code 0 when the flight
 // was flown to its end, 2 otherwise.
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <thread>
+#include <random>
 
 #include "apps/exact_sections.h"
+#include "apps/fly/flight.h"
 #include "apps/fly/fly_options.h"
 #include "apps/fly/fly_report.h"
+#include "apps/fly/link.h"
+#include "apps/fly/many_viewers.h"
 #include "apps/stop_signal.h"
 #include "bench/oracle/scene_truth.h"
 #include "client/fly/frame_dump.h"
@@ -21,17 +24,11 @@ namespace foreland::apps {
 
 namespace {
 
-using Clock = client::WebSocketClient::Clock;
 constexpr std::chrono::nanoseconds kFrame{1'000'000'000 / 60};
-constexpr std::chrono::milliseconds kConnectTimeout{10'000};
 
 int fail(const Error& error) {
   std::fprintf(stderr, "foreland fly: %s\n", error.message.c_str());
   return 2;
-}
-
-Time timeSince(Clock::time_point epoch) {
-  return {std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - epoch).count()};
 }
 
 // The files that the options name, opened before the flight so that mistakes are reported at once.
@@ -67,65 +64,6 @@ Status checkScene(const client::Player& player, const Ground& ground, const FlyO
                                                 "'); name that scene's file"};
 }
 
-// The link to the server. While it is lost, frames continue and a new connection is tried.
-class Link {
- public:
-  Link(client::WebSocketClient connection, std::string url)
-      : connection_(std::move(connection)), url_(std::move(url)) {}
-
-  // Sends and receives messages until `until`. When the connection is lost, it tries to make a new one, with which the
-  // player resumes; an Error if that fails for kTimeout.
-  Status run(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
-    if (connection_) {
-      for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
-      const Status status =
-          connection_->run(until, [&](ByteSpan message) { return player.receive(message, timeSince(epoch)); });
-      if (status.ok() || status.error().code != ErrorCode::kIo) return status;
-      lost_ = status.error();
-      lost_at_ = Clock::now();
-      connection_.reset();
-    }
-    if (Clock::now() - lost_at_ > kTimeout) return lost_;
-    auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout);
-    if (connection.ok()) {
-      player.reconnect(timeSince(epoch));
-      connection_ = std::move(connection).value();
-    } else {
-      std::this_thread::sleep_until(until);
-    }
-    return {};
-  }
-  void close() {
-    if (connection_) connection_->close();
-  }
-
- private:
-  static constexpr std::chrono::seconds kTimeout{30};
-  static constexpr std::chrono::milliseconds kReconnectTimeout{1000};
-
-  std::optional<client::WebSocketClient> connection_;
-  std::string url_;
-  Error lost_{ErrorCode::kIo, {}};
-  Clock::time_point lost_at_;
-};
-
-// Flies until the path's end; an Error if the session fails or the program is interrupted.
-Status fly(Link& link, client::Player& player, const Ground& ground, const FlyOptions& o) {
-  const Clock::time_point epoch = Clock::now();
-  Clock::time_point next = epoch;
-  bool is_scene_checked = false;
-  while (player.phase() != client::Player::Phase::kDone) {
-    if (isStopRequested()) return Error{ErrorCode::kIo, "interrupted"};
-    if (Status s = player.frame(timeSince(epoch)); !s.ok()) return s;
-    next = std::max(next + kFrame, Clock::now() - kFrame);  // after a stall there is no burst of frames
-    if (Status s = link.run(player, epoch, next); !s.ok()) return s;
-    if (is_scene_checked || !player.viewer().welcome()) continue;
-    if (Status s = checkScene(player, ground, o); !s.ok()) return s;
-    is_scene_checked = true;
-  }
-  return {};
-}
-
 Status dumpFlight(const client::FlightLog& log, uint32_t every, client::FrameDump& dump) {
   Status status;
   uint64_t number = 0;
@@ -158,14 +96,16 @@ bench::FlightTruth measure(const client::FlightLog& log, const Ground& ground, b
 int run(const FlyOptions& o) {
   Result<client::PlayerOptions> options = playerOptions(o);
   if (!options.ok()) return fail(options.error());
+  if (o.viewers > 1) return flyMany(o, *options);
   Result<Ground> ground = prepare(o);
   if (!ground.ok()) return fail(ground.error());
   auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout);
   if (!connection.ok()) return fail(connection.error());
 
   client::Player player(*options);
-  Link link(std::move(connection).value(), o.url);
-  const Status flown = fly(link, player, *ground, o);
+  Link link(std::move(connection).value(), o.url, std::random_device{}());
+  const Status flown =
+      fly(link, player, kFrame, [&](const client::Player& welcomed) { return checkScene(welcomed, *ground, o); });
   link.close();
 
   FlySummary summary{.request = options->request,

@@ -99,6 +99,10 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")
       ->needs(dump)
       ->check(CLI::PositiveNumber);
+  app.add_option("--viewers", o.viewers, "fly so many viewers at once, and report on all together (default 1)")
+      ->check(CLI::Range(1, 10'000))
+      ->excludes(truth)
+      ->excludes(dump);
   app.add_flag_callback(
       "--json", [&o] { o.format = bench::ReportFormat::kJson; }, "print the report as JSON");
   try {

@@ -33,6 +33,7 @@ struct FlyOptions {
   uint32_t truth_every = bench::FlightTruthOptions{}.frame_every;
   std::filesystem::path dump;
   uint32_t dump_every = 60;
+  size_t viewers = 1;
   bench::ReportFormat format = bench::ReportFormat::kText;
 };
 

@@ -36,6 +36,7 @@ Json reportOf(const FlySummary& s) {
   json["mean_triangles"] = f.mean_triangles;
   json["resumed"] = f.session.resumed;
   json["started_afresh"] = f.session.started_afresh;
+  json["longest_gap_ms"] = f.longest_gap.toMilliseconds();
   json["longest_resume_ms"] = f.session.longest_resume.toMilliseconds();
   json["nodes_added"] = f.session.nodes_added;
   json["nodes_removed"] = f.session.nodes_removed;
@@ -65,12 +66,15 @@ Report (--json prints one object with these keys):
   frames_outside                drawn from a pose for which a keyframe does not guarantee its tolerance
   nodes, triangles              of the last section and mesh; mean_nodes, mean_triangles over all frames
   resumed, started_afresh       new connections, by what their first keyframe started from; longest_resume_ms
+  longest_gap_ms                between the arrivals of two keyframes, while flying
   nodes_added, nodes_removed    in all keyframes
   jumps                         with --tour jumps, by kind: jumps and how many the tolerance was held again after; recovery_ms
                                 (worst, from the jump to the first frame that holds it) and mean_recovery_ms; unguaranteed_ms
                                 (worst, to the first frame that guarantees anything); largest_tolerance_px of those that do;
                                 late_coarse_frames (later than 400 ms, above 8 px or without a guarantee)
   strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, notes
+With --viewers N: viewers, landed (flew to the end), error (the first), the sums of the figures above, and of the viewers' longest
+gaps the median, the 99th percentile and the longest (longest_gap_p50_ms, longest_gap_p99_ms, longest_gap_ms)
 With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is
                                 drawn at its time)

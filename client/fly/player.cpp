@@ -27,7 +27,17 @@ Player::Player(PlayerOptions options)
 
 Status Player::receive(ByteSpan message, Time now) {
   log_.entries.push_back({now, FlightLog::What::kMessage, Bytes(message.begin(), message.end())});
-  return viewer_.receive(message, now);
+  const uint32_t before = viewer_.statistics().keyframes;
+  const Status status = viewer_.receive(message, now);
+  countGap(now, before);
+  return status;
+}
+
+void Player::countGap(Time now, uint32_t keyframes_before) {
+  if (viewer_.statistics().keyframes == keyframes_before) return;
+  if (phase_ == Phase::kFlying && keyframes_before > 0)
+    report_.longest_gap = std::max(report_.longest_gap, now - keyframe_at_);
+  keyframe_at_ = now;
 }
 
 void Player::reconnect(Time now) {

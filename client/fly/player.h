@@ -59,6 +59,7 @@ struct FlightReport {
   double mean_nodes = 0, mean_triangles = 0;  // over frames with a mesh
   uint32_t keyframes_flying = 0, late_keyframes_flying = 0;
   uint64_t frames_outside = 0;    // drawn from where one of the two keyframes does not guarantee its tolerance
+  Duration longest_gap;           // between the arrivals of two keyframes, while flying
   std::vector<JumpReport> jumps;  // by kind; empty for other tours
   ViewerStatistics session;       // everything since the connection
 };
@@ -105,6 +106,7 @@ class Player {
   void enter(Phase phase, Time now);
   Status checkTimeout(Time now) const;
   void countFrame(Time now);
+  void countGap(Time now, uint32_t keyframes_before);
 
   FlightLog log_;
   Viewer viewer_;
@@ -119,6 +121,7 @@ class Player {
   std::vector<std::string> notes_;
   FlightReport report_;
   ViewerStatistics before_flight_;
+  Time keyframe_at_;  // when the last one arrived
   double node_sum_ = 0, triangle_sum_ = 0;
 };
 

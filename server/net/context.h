@@ -28,6 +28,7 @@ struct ServerContext {
   Metrics& metrics;
   std::map<std::string, size_t>& connections_from;  // open ones, by address
   std::set<std::shared_ptr<ViewerConnection>> viewers{};
+  bool is_draining = false;  // takes no further viewers
 
   void log(Severity severity, const std::string& line) const {
     if (options.log) options.log(severity, line);

@@ -41,6 +41,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (error) return;  // reset or timed out; the socket is closed when this object is destroyed
     const auto& request = parser_->get();
     if (beast::websocket::is_upgrade(request)) {
+      if (context_.is_draining)
+        return write(textReply(503, "The server stops. Connect again, to another server."), false, false);
       acceptViewer(std::move(stream_), std::move(count_), parser_->release(), context_);
       return;
     }

@@ -56,6 +56,7 @@ std::string renderPrometheus(const Metrics& m, const PoolMetrics& pool) {
   page.counter("sessions_opened_total", "Viewers that ever connected.", m.sessions_opened);
   page.counter("refusals_total", "Viewers refused for what they sent or did not read.", m.refusals);
   page.counter("turned_away_total", "Connections turned away because there were too many.", m.turned_away);
+  page.counter("handed_over_total", "Viewers asked to connect elsewhere, because the server stops.", m.handed_over);
   page.counter("http_requests_total", "Plain HTTP requests.", m.http_requests);
   page.counter("keyframes_total", "Keyframes computed.", m.keyframes);
   page.counter("skipped_keyframes_total", "Keyframes left out because the last one was unsent.", m.skipped_keyframes);

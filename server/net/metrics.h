@@ -18,6 +18,7 @@ struct Metrics {
   std::atomic<uint64_t> sessions_opened{0};
   std::atomic<uint64_t> refusals{0};     // viewers that were disconnected for what they sent or did not read
   std::atomic<uint64_t> turned_away{0};  // connections, because there were too many
+  std::atomic<uint64_t> handed_over{0};  // viewers asked to connect elsewhere, because the server stops
   std::atomic<uint64_t> http_requests{0};
   std::atomic<uint64_t> keyframes{0};
   std::atomic<uint64_t> skipped_keyframes{0};  // because the last delta was still unsent

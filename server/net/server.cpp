@@ -10,12 +10,15 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
+#include <future>
+#include <optional>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "server/net/context.h"
+#include "server/net/drain.h"
 #include "server/net/http_connection.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
@@ -82,6 +85,11 @@ class Server::Impl {
   }
 
   uint16_t port() const { return port_; }
+
+  void drain(Duration most) {
+    net::post(io_, [this, most] { beginDrain(most); });
+    drained_.get_future().wait();
+  }
 
   // The order of docs/THREADS.md: port, viewers, I/O thread, workers.
   void stop() {
@@ -168,7 +176,7 @@ class Server::Impl {
 
   // Why no further viewer should come; empty if one may.
   std::string unready() const {
-    if (is_stopping_) return "The server stops.";
+    if (is_stopping_ || context_.is_draining) return "The server stops.";
     if (metrics_.connections >= static_cast<int64_t>(options_.max_connections)) return "The server is full.";
     return host_.isOverloaded() ? "The server is overloaded." : "";
   }
@@ -183,6 +191,20 @@ class Server::Impl {
       });
       watch();
     });
+  }
+
+  void beginDrain(Duration most) {
+    context_.is_draining = true;
+    context_.log(Severity::kInfo, fmt::format("hands {} viewers over", context_.viewers.size()));
+    drain_.emplace(context_, clock_(), most);
+    continueDrain();
+  }
+
+  void continueDrain() {
+    guarded([&] { drain_->step(clock_()); });
+    if (drain_->isOver(clock_())) return drained_.set_value();
+    drain_timer_.expires_after(std::chrono::milliseconds(10));
+    drain_timer_.async_wait([this](ErrorOf) { continueDrain(); });
   }
 
   void takeLeave() {
@@ -225,6 +247,9 @@ class Server::Impl {
   tcp::acceptor acceptor_{io_};
   net::steady_timer accept_timer_{io_};
   net::steady_timer watch_timer_{io_};
+  net::steady_timer drain_timer_{io_};
+  std::optional<Drain> drain_;  // I/O thread
+  std::promise<void> drained_;
   std::chrono::steady_clock::time_point stop_by_;
   uint16_t port_ = 0;
   bool is_stopping_ = false;  // I/O thread
@@ -249,6 +274,7 @@ Result<std::unique_ptr<Server>> Server::listen(std::shared_ptr<const World> worl
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 uint16_t Server::port() const { return impl_->port(); }
+void Server::drain(Duration most) { impl_->drain(most); }
 void Server::stop() { impl_->stop(); }
 
 }  // namespace foreland::server

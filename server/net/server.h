@@ -52,6 +52,12 @@ class Server {
 
   uint16_t port() const;
 
+  // Takes no further viewers and hands over those that are here: each is asked, at its next keyframe, to connect again
+  // and resume (close code 1012), and is so free to be sent to another server by a proxy. Plain HTTP is still
+  // answered; /readyz says 503. Returns when all have gone, after `most` at the latest. By the owner's thread only,
+  // before stop().
+  void drain(Duration most);
+
   // Closes the port and the viewers' connections and joins the threads. Takes as long as stop_grace and the steps in
   // progress. May be called again; by the owner's thread only.
   void stop();

@@ -21,7 +21,8 @@ constexpr size_t kPieceBytes = 64u << 10;
 // A read buffer that has grown beyond this, for a path, is freed.
 constexpr size_t kKeptBufferBytes = 64u << 10;
 constexpr Duration kCloseGrace = Duration::seconds(2);
-constexpr size_t kMaxReasonBytes = 120;  // of a close frame
+constexpr Duration kLongestToKeyframe = Duration::seconds(1);  // while the viewer is handed over
+constexpr size_t kMaxReasonBytes = 120;                        // of a close frame
 // The slowest that a viewer may read what waits for it, over as long as it may be silent.
 constexpr double kLeastBytesPerSecond = 1000;
 
@@ -118,7 +119,10 @@ void ViewerConnection::read() {
 }
 
 void ViewerConnection::onRead(beast::error_code error) {
-  if (error) return finish(error == websocket::error::closed ? "left" : "was lost: " + error.message());
+  if (error)
+    return finish(hand_over_at_                       ? "was handed over"
+                  : error == websocket::error::closed ? "left"
+                                                      : "was lost: " + error.message());
   heard_at_ = context_.clock();
   if (stream_.is_message_done()) {
     has_greeted_ = true;
@@ -187,7 +191,10 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
     countQueues();
   }
   if (state_ == State::kClosing || (state_ == State::kFlushing && outbox_.empty())) return sendCloseFrame();
-  if (outbox_.empty() && state_ == State::kOpen) actor_->sent(batches_sent_);
+  if (outbox_.empty() && state_ == State::kOpen) {
+    if (hand_over_at_) return leaveForAnother();
+    actor_->sent(batches_sent_);
+  }
   write();
 }
 
@@ -207,6 +214,15 @@ void ViewerConnection::leave(websocket::close_code code, const std::string& reas
   if (state_ != State::kOpen) return;
   startClosing(State::kClosing, why);
   if (!is_writing_) sendCloseFrame();
+}
+
+void ViewerConnection::handOver() {
+  hand_over_at_ = context_.clock();
+  if (!has_greeted_) leaveForAnother();
+}
+
+void ViewerConnection::leaveForAnother() {
+  leave(websocket::close_code::service_restart, "the server stops; connect again at once and resume");
 }
 
 void ViewerConnection::startClosing(State state, websocket::close_reason reason) {
@@ -235,6 +251,7 @@ void ViewerConnection::check(Time now) {
     ++context_.metrics.refusals;
     return cut();
   }
+  if (hand_over_at_ && now - *hand_over_at_ > kLongestToKeyframe) return leaveForAnother();
   if (!has_greeted_ && now - opened_at_ > context_.options.hello_timeout)
     return leave(websocket::close_code::policy_error, "no message for too long; connect again");
   if (read_buffer_.size() > 0 && now - message_begun_at_ > context_.options.message_timeout)

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,11 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   // Closes with a close frame that carries `reason`; messages that wait are not sent.
   void leave(boost::beast::websocket::close_code code, const std::string& reason);
 
+  // Asks the viewer to connect again at once, and to resume: after its next keyframe, or when check() finds that none
+  // came for a second.
+  void handOver();
+  bool isHandingOver() const { return hand_over_at_.has_value(); }
+
   // To be called now and then: closes a viewer that sends nothing, reads nothing, or does not answer a close frame in
   // time.
   void check(Time now);
@@ -55,6 +61,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void onWritten(boost::beast::error_code error, size_t bytes);
   void startClosing(State state, boost::beast::websocket::close_reason reason);
   void sendCloseFrame();
+  void leaveForAnother();
   void cut();
   void countQueues();
   bool drainsTooSlowly(Time now) const;
@@ -74,6 +81,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   Time heard_at_;  // when the viewer last sent bytes
   Time opened_at_, message_begun_at_;
   bool has_greeted_ = false;  // sent a whole message
+  std::optional<Time> hand_over_at_;
 
   std::deque<Outgoing> outbox_;
   size_t outbox_bytes_ = 0;

@@ -24,11 +24,12 @@ struct ProgramOptions {
   uint64_t largest_file_bytes = RLIM_INFINITY;  // a write beyond it fails, as on a full disk
 };
 
-// A running program foreland-NAME. The destructor kills it if it has not ended.
+// A running program foreland-NAME, or one that is named by its path. The destructor kills it if it has not ended.
 class Program {
  public:
   Program(const std::string& name, std::vector<std::string> arguments, ProgramOptions options = {}) {
-    const std::string path = std::filesystem::path(FORELAND_BIN_DIR) / ("foreland-" + name);
+    const std::string path =
+        name.starts_with('/') ? name : (std::filesystem::path(FORELAND_BIN_DIR) / ("foreland-" + name)).string();
     arguments.insert(arguments.begin(), path);
     std::vector<char*> words;
     for (std::string& a : arguments) words.push_back(a.data());

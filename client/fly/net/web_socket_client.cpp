@@ -164,6 +164,11 @@ Status WebSocketClient::run(Clock::time_point until, const std::function<Status(
   return {};
 } catch (const std::exception& e) { return Error{ErrorCode::kIo, impl_->name + ": " + e.what()}; }
 
+LostBy WebSocketClient::lostBy() const {
+  return impl_->stream.reason().code == beast::websocket::close_code::service_restart ? LostBy::kHandOver
+                                                                                      : LostBy::kFailure;
+}
+
 void WebSocketClient::close() try {
   if (impl_->failure) return;
   const std::function<Status(ByteSpan)> ignore = [](ByteSpan) { return Status(); };

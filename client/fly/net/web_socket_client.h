@@ -4,6 +4,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -22,6 +23,12 @@ struct WebSocketUrl {
 // ws://HOST[:PORT][/PATH]; an IPv6 address stands in brackets. Anything else is an Error that names the form.
 Result<WebSocketUrl> parseWebSocketUrl(const std::string& url);
 
+// How a connection ended.
+enum class LostBy : uint8_t {
+  kFailure,
+  kHandOver  // the server asked to connect again at once and to resume (close code 1012)
+};
+
 class WebSocketClient {
  public:
   using Clock = std::chrono::steady_clock;
@@ -38,6 +45,8 @@ class WebSocketClient {
   // `on_message` ends the run and is returned; so is the loss of the connection, after all messages that arrived before
   // it.
   Status run(Clock::time_point until, const std::function<Status(ByteSpan)>& on_message);
+  // Of the last run's Error.
+  LostBy lostBy() const;
   // Closes the connection with a close frame; waits for the server's at most a second.
   void close();
 

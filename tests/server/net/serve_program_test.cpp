@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "proto/message/message.h"
@@ -46,17 +47,29 @@ class ServeProgram : public testing::Test {
 };
 
 TEST_F(ServeProgram, PrintsWhereItIsAndStopsOnSignals) {
-  for (const int signal : {SIGTERM, SIGINT}) {
+  for (const auto& [signal, close_code] : {std::pair(SIGTERM, 1012), std::pair(SIGINT, 1001)}) {
     Program program("serve", arguments());
     const std::string line = program.readLine();
     ASSERT_TRUE(line.starts_with("serving formula at http://127.0.0.1:")) << line << program.readToEnd();
     WebSocketClient viewer(portOf(line));
     EXPECT_TRUE(viewer.isOpen());
     program.signal(signal);
-    EXPECT_EQ(viewer.receiveClose(), 1001);
+    EXPECT_EQ(viewer.receiveClose(), close_code);
     EXPECT_EQ(program.wait(), 0);
     EXPECT_EQ(program.readToEnd(), "");
   }
+}
+
+// Its viewer does not answer, so it would wait for that.
+TEST_F(ServeProgram, EndsAtOnceOnASecondSignal) {
+  Program program("serve", arguments({"--drain-seconds", "3600"}));
+  const uint16_t port = portOf(program.readLine());
+  WebSocketClient viewer(port);
+  ASSERT_TRUE(viewer.isOpen());
+  program.signal(SIGTERM);
+  EXPECT_EQ(viewer.receiveClose(), 1012);
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.wait(), -1);
 }
 
 TEST_F(ServeProgram, RefusesScenesThatAreNone) {
@@ -101,6 +114,7 @@ TEST_F(ServeProgram, RefusesFlagsThatItDoesNotKnow) {
   expectRefusal(arguments({"--threads", "0"}), {"--threads"});
   expectRefusal(arguments({"--tau", "nan"}), {"--tau"});
   expectRefusal(arguments({"--keyframe-ms", "0"}), {"--keyframe-ms"});
+  expectRefusal(arguments({"--drain-seconds", "-1"}), {"--drain-seconds"});
   expectRefusal({}, {"SCENE"});
 }
 

@@ -66,16 +66,21 @@ class LiveViewer {
     for (Bytes message; viewer_.takeOutgoing(message);) socket_.send(message);
     if (!socket_.socket().isReadable(std::chrono::milliseconds(5))) return true;
     const auto message = socket_.receive();
-    if (!message || message->opcode == Opcode::kClose) return false;
+    if (!message || message->opcode == Opcode::kClose) {
+      close_code_ = message ? message->closeCode() : 0;
+      return false;
+    }
     const Status status = viewer_.receive(message->bytes(), steadyNow());
     EXPECT_TRUE(status.ok()) << status.error().message;
     return status.ok();
   }
   uint32_t keyframes() const { return viewer_.statistics().keyframes; }
   WebSocketClient& socket() { return socket_; }
+  int closeCode() const { return close_code_; }
 
  private:
   WebSocketClient socket_;
+  int close_code_ = 0;
   client::Viewer viewer_;
 };
 
@@ -265,6 +270,33 @@ TEST(Server, StopsWithViewersConnected) {
   EXPECT_EQ(deaf.receiveClose(), 1001);
   server.reset();
   EXPECT_FALSE(Socket(port).isConnected());
+}
+
+// Each at a keyframe; the server meanwhile takes no other, and says so to proxies.
+TEST(Server, HandsItsViewersOver) {
+  const auto server = serve(testOptions());
+  const uint16_t port = server->port();
+  LiveViewer first(port), second(port);
+  ASSERT_TRUE(eventually(
+      [&] { return !first.advance() || !second.advance() || (first.keyframes() > 0 && second.keyframes() > 0); }));
+  WebSocketClient deaf(port);  // never answers the close frame
+  ASSERT_TRUE(deaf.isOpen());
+  std::jthread drain([&] { server->drain(Duration::seconds(3600)); });
+  const auto isAnswered = [&](const char* path, const char* status) {
+    return httpGet(port, path).starts_with(std::string("HTTP/1.1 ") + status);
+  };
+  EXPECT_TRUE(eventually([&] { return isAnswered("/readyz", "503"); }));
+  EXPECT_TRUE(isAnswered("/livez", "200"));
+  EXPECT_TRUE(WebSocketClient(port).reply().starts_with("HTTP/1.1 503"));
+  for (LiveViewer* viewer : {&first, &second}) {
+    EXPECT_TRUE(eventually([&] { return !viewer->advance(); }));
+    EXPECT_EQ(viewer->closeCode(), 1012);
+    viewer->socket().sendFrame(Opcode::kClose, std::string("\x03\xf4", 2));
+  }
+  EXPECT_EQ(deaf.receiveClose(), 1012);
+  EXPECT_TRUE(eventually([&] { return metric(port, "handed_over_total") == 3; }));
+  drain.join();
+  server->stop();
 }
 
 // Would wait for an hour if the answer did not end it.

@@ -1,4 +1,6 @@
-// The WebSocket to the server: one binary message is one protocol message. When it is lost, it tries again after a growing wait.
+// The WebSocket to the server: one binary message is one protocol message. When it is lost, it tries again after a growing wait, at
+// random, so that the viewers of a server that dies do not all come in one instant. A server that stops asks its viewers to connect
+// again at once (close code 1012), and says nothing to the user.
 // A session that the server refused is not tried again automatically.
 
 export interface ConnectionEvents {
@@ -9,6 +11,7 @@ export interface ConnectionEvents {
 
 const kFirstWait_ms = 500;
 const kLongestWait_ms = 8000;
+const kHandOver = 1012;
 const kMostUnsent_bytes = 1 << 20; // poses are dropped beyond it: newer ones follow
 
 export class Connection {
@@ -31,7 +34,9 @@ export class Connection {
       this.events.onMessage(new Uint8Array(event.data));
     };
     socket.onclose = (event) => {
-      if (socket === this.socket) this.waitAndReopen(event.reason);
+      if (socket !== this.socket) return;
+      if (event.code === kHandOver && this.wait_ms === kFirstWait_ms) this.reopenAtOnce();
+      else this.waitAndReopen(event.reason);
     };
   }
 
@@ -51,10 +56,16 @@ export class Connection {
     if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < kMostUnsent_bytes) this.socket.send(message);
   }
 
+  // Once, until a message has arrived.
+  private reopenAtOnce(): void {
+    this.open();
+    this.wait_ms = 2 * kFirstWait_ms;
+  }
+
   private waitAndReopen(reason: string): void {
     this.socket = null;
     this.events.onWaiting(this.wait_ms / 1000, reason);
-    this.timer = window.setTimeout(() => this.reopen(), this.wait_ms);
+    this.timer = window.setTimeout(() => this.reopen(), this.wait_ms * (0.5 + 0.5 * Math.random()));
     this.wait_ms = Math.min(2 * this.wait_ms, kLongestWait_ms);
   }
 

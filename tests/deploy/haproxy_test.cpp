@@ -1,0 +1,158 @@
+// Two servers behind HAProxy with the configuration of deploy/: whichever stops, dies or is replaced, its viewers
+// resume at the other one, and none starts afresh.
+//
+// FORELAND_VIEWERS says how many fly (12), FORELAND_FLY_SECONDS for how long. What they noticed is printed.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "terrain/build/build.h"
+#include "tests/server/net/client.h"
+#include "tests/support/program.h"
+#include "tests/support/scene.h"
+
+namespace foreland::test {
+namespace {
+
+constexpr const char* kHaproxy = "/usr/sbin/haproxy";  // Debian's
+
+int fromEnvironment(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text ? std::atoi(text) : otherwise;
+}
+
+std::string local(uint16_t port) { return "127.0.0.1:" + std::to_string(port); }
+
+// A port that was free a moment ago.
+uint16_t freePort() {
+  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  EXPECT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(fd);
+  return ntohs(address.sin_port);
+}
+
+std::string textOf(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class BehindHaproxy : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(std::filesystem::exists(kHaproxy)) << "install it: tools/install_packages.sh test";
+    FormulaSource source(257, 257, hills(8));
+    ASSERT_TRUE(terrain::buildScene(source, {folder_ / "land.fls", 0.1, 1}).ok());
+    start(0);
+    start(1);
+    startProxy();
+    ASSERT_TRUE(eventually([&] { return isUp("a") && isUp("b"); }));
+  }
+
+  void start(size_t i) {
+    const std::string listen = local(ports_[i]);
+    servers_[i].emplace("serve", std::vector<std::string>{folder_ / "land.fls", "--listen", listen, "--drain-seconds",
+                                                          "10", "--log-level", "off"});
+    ports_[i] = portOf(servers_[i]->readLine());
+    ASSERT_GT(ports_[i], 0);
+  }
+
+  // The configuration as it is shipped, and a page that tells which servers HAProxy believes to be up.
+  void startProxy() {
+    const std::filesystem::path shipped = std::filesystem::path(FORELAND_SOURCE_DIR) / "deploy/haproxy.cfg";
+    std::ofstream(folder_ / "haproxy.cfg") << textOf(shipped) << "\nlisten statistics\n  bind " << local(statistics_)
+                                           << "\n  stats enable\n  stats uri /\n";
+    ::setenv("FORELAND_PUBLIC", local(public_).c_str(), 1);
+    ::setenv("FORELAND_A", local(ports_[0]).c_str(), 1);
+    ::setenv("FORELAND_B", local(ports_[1]).c_str(), 1);
+    proxy_.emplace(kHaproxy, std::vector<std::string>{"-q", "-f", folder_ / "haproxy.cfg"});
+  }
+
+  bool isUp(const std::string& server) const {
+    const std::string table = httpGet(statistics_, "/;csv");
+    const size_t at = table.find("\nready," + server + ",");
+    return at != std::string::npos && table.substr(at + 1, table.find('\n', at + 1) - at).find(",UP,") != table.npos;
+  }
+
+  // Begins to fly, and returns when every viewer has been sent keyframes.
+  void fly() {
+    viewers_.emplace(
+        "fly",
+        std::vector<std::string>{"ws://" + local(public_), "--viewers", std::to_string(count_), "--tour", "survey",
+                                 "--seconds", seconds_, "--viewport", "320x240", "--keyframe-ms", "250", "--json"},
+        ProgramOptions{.streams = Streams::kOutputOnly});
+    ASSERT_TRUE(eventually([&] { return metric(ports_[0], "flying") + metric(ports_[1], "flying") >= count_; }));
+    ASSERT_GT(metric(ports_[0], "flying"), 0);
+    ASSERT_GT(metric(ports_[1], "flying"), 0);
+  }
+
+  // All have flown to the end, at least `resumed` times from what they held and never from nothing.
+  void expectResumed(int resumed) {
+    const std::string output = viewers_->readToEnd();
+    EXPECT_EQ(viewers_->wait(), 0) << output;
+    const auto report = nlohmann::json::parse(output, nullptr, false);
+    ASSERT_FALSE(report.is_discarded()) << output;
+    EXPECT_EQ(report["landed"], count_) << output;
+    EXPECT_GE(report["resumed"], resumed) << output;
+    EXPECT_EQ(report["started_afresh"], 0) << output;
+    std::printf("%d viewers, %d resumed; longest gap between keyframes: median %.0f ms, p99 %.0f ms, all %.0f ms\n",
+                count_, report["resumed"].get<int>(), report["longest_gap_p50_ms"].get<double>(),
+                report["longest_gap_p99_ms"].get<double>(), report["longest_gap_ms"].get<double>());
+  }
+
+  // A new one takes the stopped one's place and is sent viewers.
+  void replace(size_t i, const std::string& name) {
+    servers_[i]->signal(SIGTERM);
+    ASSERT_EQ(servers_[i]->wait(), 0);
+    start(i);
+    ASSERT_TRUE(eventually([&] { return isUp(name); }));
+  }
+
+  const int count_ = fromEnvironment("FORELAND_VIEWERS", 12);
+  const std::string seconds_ = std::to_string(fromEnvironment("FORELAND_FLY_SECONDS", 10));
+  TemporaryFolder folder_;
+  uint16_t public_ = freePort(), statistics_ = freePort();
+  uint16_t ports_[2] = {0, 0};
+  std::optional<Program> servers_[2];
+  std::optional<Program> proxy_;
+  std::optional<Program> viewers_;
+};
+
+TEST_F(BehindHaproxy, ViewersOfAServerThatStopsResumeAtTheOther) {
+  fly();
+  const double moved = metric(ports_[0], "sessions");
+  servers_[0]->signal(SIGTERM);
+  EXPECT_EQ(servers_[0]->wait(), 0);
+  EXPECT_TRUE(eventually([&] { return metric(ports_[1], "sessions") == count_; }));
+  expectResumed(static_cast<int>(moved));
+}
+
+TEST_F(BehindHaproxy, ViewersOfAServerThatIsKilledResumeAtTheOther) {
+  fly();
+  const double moved = metric(ports_[0], "sessions");
+  servers_[0]->signal(SIGKILL);
+  EXPECT_EQ(servers_[0]->wait(), -1);
+  EXPECT_TRUE(eventually([&] { return metric(ports_[1], "sessions") == count_; }));
+  expectResumed(static_cast<int>(moved));
+}
+
+TEST_F(BehindHaproxy, ViewersResumeWhenBothServersAreReplacedInTurn) {
+  fly();
+  replace(0, "a");
+  replace(1, "b");
+  expectResumed(count_);
+}
+
+}  // namespace
+}  // namespace foreland::test
