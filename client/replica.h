@@ -39,7 +39,7 @@ class Replica {
   // remembered, what was used last first, as far as it takes no more than `most_bytes` in all; the rest is forgotten.
   // `welcome` is the new connection's.
   std::optional<proto::Resume> makeResume(const proto::Welcome& welcome, size_t most_bytes = kResumeBytes);
-  static constexpr size_t kResumeBytes = 64u << 10;
+  static constexpr size_t kResumeBytes = 128u << 10;
 
   // The mesh of the last apply() or extend(); its origin is near the newer keyframe's eye. After the first keyframe it
   // shows that keyframe's section at both ends.

@@ -70,6 +70,14 @@ MUTATIONS = [
        "std::any_of(parents.begin(), parents.end(), isIn) || parents.begin() == parents.end()", "refine_test:HeldSectionsCodec*"),
     of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",
        "addToFrontier(mesh_->slot(parent, level - 1));", "refine_test:*SurfaceCodec*"),
+    # what is remembered
+    of("memory: the newest goes first", "proto/refine/node_memory", "unlink(pages_[kEnds].newer);", "unlink(pages_[kEnds].older);", "refine_test:NodeMemory*"),
+    of("memory: budget ignored", "proto/refine/node_memory", "client_bytes_ > budget_", "false", "refine_test:NodeMemory*"),
+    of("memory: finest question forgotten", "proto/refine/terrain_tester", "std::max(kLeastError, nodes.page(c.page).knowledge.finest)", "kLeastError",
+       "refine_test:*Predicates*"),
+    of("memory: decisions not noted", "proto/refine/terrain_tester", "frontier.noteDecision(c.page, least);", ";", "refine_test:*Predicates*"),
+    of("memory: settled too early", "proto/refine/terrain_tester", "if (low != high) continue;", ";", "refine_test:*Predicates*"),
+    of("memory: finest question not presented", "proto/codec/section_codec", "page.knowledge.finest = given->finest;", ";", "refine_test:SectionCodec*"),
     # the server
     of("fingerprint: removals", "server/section", "proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed)",
        "proto::fingerprint(scratch.delta.added)", FLIGHT),

@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <glm/geometric.hpp>
 
+#include "base/rng.h"
 #include "server/view/ground.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/scene.h"
@@ -172,7 +173,8 @@ struct Scenario {
   }
 
   void run() {
-    HostileViewer hostile(world.serverWorld(), options(), rng.next());
+    Rng choices(rng.next());
+    HostileViewer hostile(world.serverWorld(), options(), choices);
     for (Time now; now < Time{} + kFaulty; now = now + Duration::milliseconds(50)) {
       world.run(now);
       fault(now);

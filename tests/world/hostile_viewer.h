@@ -1,26 +1,28 @@
 // A viewer that says anything at any time, straight to a session: requests of all kinds with extreme numbers, poses
 // whose time stamps lie, paths, tours without end, false acknowledgements, sections that nobody holds, and valid
-// messages with changed bytes. What it may not do is more than the session's limits. The same seed says the same.
+// messages with changed bytes. What it may not do is more than the session's limits. What it says follows from choices:
+// those of a seed (base/rng.h), or a fuzzer's (tests/fuzz/fuzzed_choices.h).
 #pragma once
 
 #include <memory>
 #include <string>
 
-#include "base/rng.h"
 #include "server/session/session.h"
 
 namespace foreland::test {
 
+// `Choices` has what Rng has, and outlives the viewer.
+template <class Choices>
 class HostileViewer {
  public:
-  HostileViewer(std::shared_ptr<const server::World> world, const server::SessionOptions& options, uint64_t seed)
-      : world_(std::move(world)), options_(options), rng_(seed) {
+  HostileViewer(std::shared_ptr<const server::World> world, const server::SessionOptions& options, Choices& choices)
+      : world_(std::move(world)), options_(options), choices_(choices) {
     connect();
   }
 
   // Says something, lets the session do what is due, and checks its limits.
   void act(Time now) {
-    for (uint64_t i = rng_.below(4); i-- > 0;)
+    for (uint64_t i = choices_.below(4); i-- > 0;)
       if (!session_->receive(anything(now), now).ok()) connect();
     for (int i = 0; i < 4; ++i) {
       const auto due = session_->due();
@@ -28,7 +30,7 @@ class HostileViewer {
       const server::SessionStatistics before = session_->statistics();
       out_.clear();
       session_->step(now, scratch_, out_);
-      session_->noteComputeTime(Duration::milliseconds(static_cast<int64_t>(rng_.below(30))));
+      session_->noteComputeTime(Duration::milliseconds(static_cast<int64_t>(choices_.below(30))));
       const server::SessionStatistics& after = session_->statistics();
       const bool made = after.keyframes > before.keyframes || after.replies > before.replies;
       if (unsent_ && made) complain("a keyframe or reply was made while one was unsent");
@@ -36,13 +38,13 @@ class HostileViewer {
       unsent_ = unsent_ || made;
       if (session_->statistics().section_nodes > options_.max_section_nodes) complain("a section exceeds its limit");
     }
-    if (unsent_ && rng_.below(3) > 0) {
+    if (unsent_ && choices_.below(3) > 0) {
       unsent_ = false;
       session_->onDrained(now);
     }
     if (session_->statistics().skipped_keyframes > 10'000)
       complain("more keyframes were skipped than there was time for");
-    if (rng_.below(60) == 0) connect();
+    if (choices_.below(60) == 0) connect();
   }
   const std::string& report() const { return complaints_; }
 
@@ -53,84 +55,85 @@ class HostileViewer {
     session_ = std::make_unique<server::Session>(world_, options_);
     memory_ = {};
     unsent_ = false;
-    if (rng_.below(20) > 0) (void)session_->receive(proto::encode(request()), Time{});
+    if (choices_.below(20) > 0) (void)session_->receive(proto::encode(request()), Time{});
   }
 
   double anyNumber() {
     constexpr double kNumbers[] = {0, 1, -1, 1e-300, 1e8, -1e8, 1e300, 200, 0.5};
-    return rng_.below(3) == 0 ? kNumbers[rng_.below(std::size(kNumbers))] : rng_.uniform(-5000, 5000);
+    return choices_.below(3) == 0 ? kNumbers[choices_.below(std::size(kNumbers))] : choices_.uniform(-5000, 5000);
   }
   int64_t anyTime(Time now) {
     constexpr int64_t kMost = int64_t{1} << 60;
-    switch (rng_.below(8)) {
+    switch (choices_.below(8)) {
       case 0:
-        return static_cast<int64_t>(rng_.next());
+        return static_cast<int64_t>(choices_.next());
       case 1:
-        return rng_.below(2) == 0 ? kMost : -kMost;
+        return choices_.below(2) == 0 ? kMost : -kMost;
       case 2:
-        return now.us + static_cast<int64_t>(rng_.below(1'000'000'000'000));
+        return now.us + static_cast<int64_t>(choices_.below(1'000'000'000'000));
       default:
-        return now.us - 500'000 + static_cast<int64_t>(rng_.below(600'000));
+        return now.us - 500'000 + static_cast<int64_t>(choices_.below(600'000));
     }
   }
   proto::Pose anyPose() {
-    const glm::dvec3 forward(rng_.uniform(-1, 1), rng_.uniform(-1, 1), rng_.uniform(-1, 0.5));
+    const glm::dvec3 forward(choices_.uniform(-1, 1), choices_.uniform(-1, 1), choices_.uniform(-1, 0.5));
     return {{anyNumber(), anyNumber(), anyNumber()}, proto::lookAlong(glm::normalize(forward), {0, 0, 1})};
   }
   proto::ViewRequest request() {
     proto::ViewRequest r;
-    r.lens = {rng_.uniform(0.017, 2.9), 1 + static_cast<uint32_t>(rng_.below(16384)),
-              1 + static_cast<uint32_t>(rng_.below(16384))};
-    r.tau_px = rng_.below(3) == 0 ? 0.01 : rng_.uniform(0.01, 1000);
-    r.strategy = static_cast<proto::Strategy>(rng_.below(3));
-    r.predictor = static_cast<proto::Predictor>(rng_.below(4));
-    r.keyframe_interval = Duration::milliseconds(20 + static_cast<int64_t>(rng_.below(100)));
-    r.max_triangles = rng_.below(3) == 0 ? static_cast<uint32_t>(rng_.next()) : 0;
-    r.max_bytes_per_second = rng_.below(3) == 0 ? 1 + static_cast<uint32_t>(rng_.below(100'000)) : 0;
+    r.lens = {choices_.uniform(0.017, 2.9), 1 + static_cast<uint32_t>(choices_.below(16384)),
+              1 + static_cast<uint32_t>(choices_.below(16384))};
+    r.tau_px = choices_.below(3) == 0 ? 0.01 : choices_.uniform(0.01, 1000);
+    r.strategy = static_cast<proto::Strategy>(choices_.below(3));
+    r.predictor = static_cast<proto::Predictor>(choices_.below(4));
+    r.keyframe_interval = Duration::milliseconds(20 + static_cast<int64_t>(choices_.below(100)));
+    r.max_triangles = choices_.below(3) == 0 ? static_cast<uint32_t>(choices_.next()) : 0;
+    r.max_bytes_per_second = choices_.below(3) == 0 ? 1 + static_cast<uint32_t>(choices_.below(100'000)) : 0;
     return r;
   }
   proto::Path path(Time now) {
-    proto::Path path{Time{anyTime(now)}, Duration{1000 + static_cast<int64_t>(rng_.below(60'000'000))}, {}};
-    for (uint64_t i = 2 + rng_.below(40); i-- > 0;) path.poses.push_back(anyPose());
+    proto::Path path{Time{anyTime(now)}, Duration{1000 + static_cast<int64_t>(choices_.below(60'000'000))}, {}};
+    for (uint64_t i = 2 + choices_.below(40); i-- > 0;) path.poses.push_back(anyPose());
     return path;
   }
 
   Bytes valid(Time now) {
-    switch (rng_.below(12)) {
+    switch (choices_.below(12)) {
       case 0:
         return proto::encode(request());
       case 1:
         return proto::encode(path(now));
       case 2:
-        return proto::encode(proto::TourRequest{static_cast<uint32_t>(rng_.next()), "survey", rng_.uniform(1, 60)});
+        return proto::encode(
+            proto::TourRequest{static_cast<uint32_t>(choices_.next()), "survey", choices_.uniform(1, 60)});
       case 3:
         return proto::encode(proto::GroundRequest{1, {{anyNumber(), anyNumber()}, {NAN, 1e308}}});
       case 4:
-        return proto::encode(proto::Resume{world_->hierarchy.scene().id(), 1 + static_cast<uint32_t>(rng_.below(9)),
-                                           Time{anyTime(now)}, static_cast<uint32_t>(rng_.next()),
-                                           Bytes(rng_.below(2000), static_cast<uint8_t>(rng_.next()))});
+        return proto::encode(proto::Resume{world_->hierarchy.scene().id(), 1 + static_cast<uint32_t>(choices_.below(9)),
+                                           Time{anyTime(now)}, static_cast<uint32_t>(choices_.next()),
+                                           Bytes(choices_.below(2000), static_cast<uint8_t>(choices_.next()))});
       default: {
         proto::PoseUpdate update{{Time{anyTime(now)}, anyPose()}, session_->keyframe().index, Time{anyTime(now)}};
-        if (rng_.below(30) == 0) update.received_keyframe += static_cast<uint32_t>(rng_.below(3));
+        if (choices_.below(30) == 0) update.received_keyframe += static_cast<uint32_t>(choices_.below(3));
         // The encoder takes differences of times and positions, which must not overflow; times may be 2^60 at most.
         for (Time* time : {&update.pose.time, &update.received_at}) time->us >>= 2;
-        const bool is_absolute = rng_.below(2) == 0 || !proto::isUsable(update.pose.pose);
+        const bool is_absolute = choices_.below(2) == 0 || !proto::isUsable(update.pose.pose);
         return is_absolute ? proto::encode(update) : proto::encode(update, memory_);
       }
     }
   }
   Bytes anything(Time now) {
     Bytes message = valid(now);
-    if (rng_.below(6) > 0) return message;
-    for (uint64_t i = rng_.below(4); i-- > 0 && !message.empty();)
-      message[rng_.below(message.size())] = static_cast<uint8_t>(rng_.next());
-    if (rng_.below(4) == 0) message.resize(rng_.below(message.size() + 1));
+    if (choices_.below(6) > 0) return message;
+    for (uint64_t i = choices_.below(4); i-- > 0 && !message.empty();)
+      message[choices_.below(message.size())] = static_cast<uint8_t>(choices_.next());
+    if (choices_.below(4) == 0) message.resize(choices_.below(message.size() + 1));
     return message;
   }
 
   std::shared_ptr<const server::World> world_;
   server::SessionOptions options_;
-  Rng rng_;
+  Choices& choices_;
   std::unique_ptr<server::Session> session_;
   server::SessionScratch scratch_;
   std::vector<Bytes> out_;
