@@ -31,14 +31,17 @@ bool descend(const Topology& topology, Section& section, const Answer& decide) {
     }
     section.slots.insert(section.slots.end(), included.begin(), included.end());
     candidates.clear();
-    const auto isIn = [&](NodeId n) { return std::binary_search(included.begin(), included.end(), topology.slot(n)); };
     for (Slot slot : included)
       for (NodeId child : topology.children(topology.node(slot))) {
         const auto parents = topology.parents(child);
-        if (std::all_of(parents.begin(), parents.end(), isIn)) candidates.push_back(topology.slot(child));
+        // A child is found from each of its parents, and taken from the first one.
+        const auto isThisOrIn = [&](NodeId n) {
+          const Slot parent = topology.slot(n);
+          return parent == slot || (parent > slot && std::binary_search(included.begin(), included.end(), parent));
+        };
+        if (std::all_of(parents.begin(), parents.end(), isThisOrIn)) candidates.push_back(topology.slot(child));
       }
     std::sort(candidates.begin(), candidates.end());
-    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   }
   return true;
 }
