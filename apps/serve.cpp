@@ -37,7 +37,7 @@ constexpr int kUsageError = 2;
 
 struct Flags {
   fs::path scene;
-  std::string listen = "127.0.0.1:8080";
+  std::string listen = "127.0.0.1:8080", metrics_listen;
   size_t threads = std::max(1u, std::thread::hardware_concurrency());
   double tau_px = 1;
   int64_t keyframe_ms = 200;
@@ -55,6 +55,8 @@ std::optional<int> parseFlags(int argc, char** argv, Flags& flags) {
   CLI::App app("Serve a scene to viewers, and the page that shows it.", "foreland serve");
   app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->required();
   app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")->capture_default_str();
+  app.add_option("--metrics-listen", flags.metrics_listen,
+                 "address and port of its own for /metrics, which --listen then does not answer, /livez and /readyz");
   app.add_option("--threads", flags.threads, "threads that compute")->check(CLI::Range(1, 1024))->capture_default_str();
   app.add_option("--occlusion", flags.occlusion,
                  "on: what ridges hide is not sent to viewers that ask for that (foreland fly --occlusion on)")
@@ -126,6 +128,7 @@ constexpr size_t kLargeSceneBytes = size_t{256} << 20;
 server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress& listen, const terrain::Scene& scene) {
   server::ServeOptions options;
   options.listen = listen;
+  options.version = FORELAND_VERSION;
   options.threads = flags.threads;
   options.max_connections = flags.max_connections;
   if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
@@ -164,6 +167,12 @@ int main(int argc, char** argv) {
 
   auto listen = server::parseListenAddress(flags.listen);
   if (!listen) return fail(listen.error());
+  std::optional<server::ListenAddress> metrics_listen;
+  if (!flags.metrics_listen.empty()) {
+    auto parsed = server::parseListenAddress(flags.metrics_listen, "--metrics-listen");
+    if (!parsed) return fail(parsed.error());
+    metrics_listen = *parsed;
+  }
   terrain::endWhenAFileIsLost();
   auto scene = terrain::openVerified(flags.scene);
   if (!scene) return fail(scene.error());
@@ -179,6 +188,7 @@ int main(int argc, char** argv) {
   }
 
   server::ServeOptions options = makeOptions(flags, *listen, **scene);
+  options.metrics_listen = metrics_listen;
   options.files = imagesOf(world->hierarchy.objects());
   if (options.web.empty()) spdlog::warn("the page is not built, so only `foreland fly` can connect; ./demo builds it");
   auto running = server::Server::listen(world, options, server::steadyNow);
@@ -186,6 +196,10 @@ int main(int argc, char** argv) {
 
   listen->port = (*running)->port();
   std::printf("serving %s at http://%s/\n", title.c_str(), toString(*listen).c_str());
+  if (metrics_listen) {
+    metrics_listen->port = (*running)->metricsPort();
+    std::printf("metrics at http://%s/metrics\n", toString(*metrics_listen).c_str());
+  }
   std::fflush(stdout);
   if (apps::waitForStop(stop_signals) == SIGTERM) (*running)->drain(Duration::seconds(flags.drain_seconds));
   (*running)->stop();

@@ -2,8 +2,10 @@
 // What changes in it is used by the I/O thread alone, except the metrics and the host, which any thread may use.
 #pragma once
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
@@ -19,10 +21,18 @@ namespace foreland::server {
 
 class ViewerConnection;
 
+// What a connection may ask for.
+enum class Admission : uint8_t {
+  kWhole,    // a viewer, files, and what operators ask
+  kReserve,  // only what operators ask, for the server is full
+  kMetrics   // likewise, and it came to the port for that
+};
+
 struct ServerContext {
   const ServeOptions& options;
   const Clock& clock;
-  const HttpSite& site;
+  const HttpSite& site;          // of the public port
+  const HttpSite& metrics_site;  // of the port for operators
   boost::asio::io_context& io;
   SessionHost& host;
   Metrics& metrics;
@@ -46,23 +56,25 @@ inline std::string addressOf(const boost::asio::ip::tcp::socket& socket) {
 // socket speaks. I/O thread.
 class ConnectionCount {
  public:
-  ConnectionCount(ServerContext& context, const boost::asio::ip::tcp::socket& socket)
-      : metrics_(&context.metrics), from_(&context.connections_from), address_(addressOf(socket)) {
-    ++metrics_->connections;
+  ConnectionCount(ServerContext& context, Admission admission, const boost::asio::ip::tcp::socket& socket)
+      : open_(admission == Admission::kMetrics ? &context.metrics.metrics_connections : &context.metrics.connections),
+        from_(&context.connections_from),
+        address_(admission == Admission::kMetrics ? std::string() : addressOf(socket)) {
+    ++*open_;
     ++(*from_)[address_];
   }
   ConnectionCount(ConnectionCount&& other) noexcept
-      : metrics_(std::exchange(other.metrics_, nullptr)), from_(other.from_), address_(std::move(other.address_)) {}
+      : open_(std::exchange(other.open_, nullptr)), from_(other.from_), address_(std::move(other.address_)) {}
   ConnectionCount& operator=(ConnectionCount&&) = delete;
   ~ConnectionCount() {
-    if (!metrics_) return;
-    --metrics_->connections;
+    if (!open_) return;
+    --*open_;
     const auto at = from_->find(address_);
     if (at != from_->end() && --at->second == 0) from_->erase(at);
   }
 
  private:
-  Metrics* metrics_;
+  std::atomic<int64_t>* open_;
   std::map<std::string, size_t>* from_;
   std::string address_;
 };

@@ -9,8 +9,8 @@
 namespace foreland::server {
 namespace {
 
-// A server takes less than this for a viewer that resumes.
-constexpr Duration kBetweenViewers = Duration::milliseconds(20);
+// Half of that or less is what one worker takes for a viewer that resumes.
+constexpr Duration kBetweenViewers = Duration::milliseconds(40);
 
 }  // namespace
 

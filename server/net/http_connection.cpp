@@ -22,8 +22,8 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(boost::asio::ip::tcp::socket socket, ServerContext& context)
-      : context_(context), count_(context, socket), stream_(std::move(socket)) {}
+  HttpConnection(boost::asio::ip::tcp::socket socket, Admission admission, ServerContext& context)
+      : context_(context), admission_(admission), count_(context, admission, socket), stream_(std::move(socket)) {}
 
   void read() {
     parser_.emplace();
@@ -40,18 +40,25 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (error && error.category() == make_error_code(http::error::bad_version).category()) return refuse(error);
     if (error) return;  // reset or timed out; the socket is closed when this object is destroyed
     const auto& request = parser_->get();
-    if (beast::websocket::is_upgrade(request)) {
+    if (admission_ == Admission::kReserve && !isForOperators(view(request.target())))
+      return refuse(RefusedFor::kFull, "The server is full. Try again in a while");
+    if (admission_ != Admission::kMetrics && beast::websocket::is_upgrade(request)) {
       if (context_.is_draining)
-        return write(textReply(503, "The server stops. Connect again, to another server."), false, false);
+        return refuse(RefusedFor::kStopping, "The server stops. Connect again, to another server.");
+      context_.metrics.countHttpReply(101);
       acceptViewer(std::move(stream_), std::move(count_), parser_->release(), context_);
       return;
     }
-    ++context_.metrics.http_requests;
     const HttpReply reply = replyTo({.method = view(request.method_string()),
                                      .target = view(request.target()),
                                      .if_none_match = view(request[http::field::if_none_match])},
-                                    context_.site);
+                                    admission_ == Admission::kMetrics ? context_.metrics_site : context_.site);
     write(reply, request.method() == http::verb::head, request.keep_alive());
+  }
+
+  void refuse(RefusedFor reason, const char* why) {
+    context_.metrics.count(reason);
+    write(textReply(503, why), false, false);
   }
 
   void refuse(beast::error_code error) {
@@ -62,6 +69,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void write(const HttpReply& reply, bool head_only, bool keep_alive) {
+    context_.metrics.countHttpReply(reply.status);
     body_ = reply.body;
     response_ = {};
     response_.version(11);
@@ -93,6 +101,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   ServerContext& context_;
+  const Admission admission_;
   ConnectionCount count_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
@@ -103,8 +112,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
 }  // namespace
 
-void serveHttp(boost::asio::ip::tcp::socket socket, ServerContext& context) {
-  std::make_shared<HttpConnection>(std::move(socket), context)->read();
+void serveHttp(boost::asio::ip::tcp::socket socket, Admission admission, ServerContext& context) {
+  std::make_shared<HttpConnection>(std::move(socket), admission, context)->read();
 }
 
 }  // namespace foreland::server

@@ -9,6 +9,6 @@ namespace foreland::server {
 
 // Serves the requests of `socket`, and hands it to a ViewerConnection if one of them asks for WebSocket. Returns at
 // once; the connection keeps itself alive until it is closed or handed over.
-void serveHttp(boost::asio::ip::tcp::socket socket, ServerContext& context);
+void serveHttp(boost::asio::ip::tcp::socket socket, Admission admission, ServerContext& context);
 
 }  // namespace foreland::server

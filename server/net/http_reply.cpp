@@ -1,5 +1,7 @@
 #include "server/net/http_reply.h"
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -49,6 +51,11 @@ HttpReply textReply(unsigned status, std::string text) {
   return {.status = status, .body = std::make_shared<const std::string>(std::move(text) + "\n")};
 }
 
+bool isForOperators(std::string_view target) {
+  constexpr std::string_view kPaths[] = {"/livez", "/readyz", "/healthz", "/metrics"};
+  return std::find(std::begin(kPaths), std::end(kPaths), target.substr(0, target.find('?'))) != std::end(kPaths);
+}
+
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
   if (request.method != "GET" && request.method != "HEAD")
     return textReply(405, "Only GET and HEAD are understood here; viewers connect by WebSocket.");
@@ -59,7 +66,7 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
     const std::string why = site.unready ? site.unready() : std::string();
     return why.empty() ? textReply(200, "ok") : textReply(503, why);
   }
-  if (*path == "/metrics") {
+  if (*path == "/metrics" && site.metrics) {
     HttpReply reply = textReply(200, site.metrics());
     reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
     return reply;

@@ -27,15 +27,18 @@ struct HttpReply {
 // All that plain requests can reach.
 struct HttpSite {
   StaticFiles files;
-  std::function<std::string()> metrics;  // returns the text of /metrics
+  std::function<std::string()> metrics;  // returns the text of /metrics; null: there is no such page
   // Why no further viewer should be sent here, for /readyz; empty if one may. Null: always ready.
   std::function<std::string()> unready{};
 };
 
-// Answers /livez (the server runs), /readyz and /healthz (503 with the reason if no further viewer should come),
-// /metrics, /fly (with the advice to use WebSocket), and files by their paths. HEAD is answered as GET; the sender
+// Answers /livez (the server runs), /readyz and /healthz (503 with the reason if no further viewer should come), and
+// /metrics; /fly (with the advice to use WebSocket), and files by their paths. HEAD is answered as GET; the sender
 // leaves the body out.
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site);
+
+// Whether a request for `target` is for one of those four: answered also when the server is full.
+bool isForOperators(std::string_view target);
 
 // A reply of one line of plain text, for errors.
 HttpReply textReply(unsigned status, std::string text);

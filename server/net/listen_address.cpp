@@ -22,9 +22,9 @@ std::optional<uint16_t> parsePort(std::string_view text) {
 
 }  // namespace
 
-Result<ListenAddress> parseListenAddress(std::string_view text) {
+Result<ListenAddress> parseListenAddress(std::string_view text, std::string_view flag) {
   const Error refusal{ErrorCode::kInvalidArgument,
-                      "cannot listen on '" + std::string(text) +
+                      std::string(flag) + ": cannot listen on '" + std::string(text) +
                           "': give an address and a port from 0 to 65535, such as 127.0.0.1:8080 or [::1]:8080"};
   const size_t colon = text.rfind(':');
   const auto port = parsePort(colon == std::string_view::npos ? text : text.substr(colon + 1));

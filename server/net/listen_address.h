@@ -15,8 +15,8 @@ struct ListenAddress {
 };
 
 // Takes "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or a port alone (on 127.0.0.1 then). Other names are an Error;
-// nothing is looked up.
-Result<ListenAddress> parseListenAddress(std::string_view text);
+// nothing is looked up. It names `flag`, where the text stands.
+Result<ListenAddress> parseListenAddress(std::string_view text, std::string_view flag = "--listen");
 
 // "127.0.0.1:8080" or "[::1]:8080".
 std::string toString(const ListenAddress& address);

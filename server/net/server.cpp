@@ -10,6 +10,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <optional>
 #include <string_view>
@@ -20,6 +21,7 @@
 #include "server/net/context.h"
 #include "server/net/drain.h"
 #include "server/net/http_connection.h"
+#include "server/net/listener.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
 
@@ -31,21 +33,8 @@ namespace {
 
 std::chrono::microseconds chrono(Duration d) { return std::chrono::microseconds(d.us); }
 
-Error cannotListen(const ListenAddress& address, const ErrorOf& why) {
-  const std::string name = toString(address);
-  if (why == net::error::address_in_use)
-    return {ErrorCode::kIo,
-            fmt::format("cannot listen on {}: another program uses the port {}; stop it, or give another "
-                        "port with --listen {} (port 0 picks a free one)",
-                        name, address.port, toString({address.host, 0}))};
-  if (why == net::error::access_denied)
-    return {ErrorCode::kIo,
-            fmt::format("cannot listen on {}: the port {} is reserved to the system; give one above 1023 "
-                        "with --listen",
-                        name, address.port)};
-  return {ErrorCode::kIo,
-          fmt::format("cannot listen on {}: {}; give an address of this machine with --listen", name, why.message())};
-}
+// Connections beyond max_connections, in which operators alone are answered, and those of their own port.
+constexpr int64_t kReserve = 16, kMostMetricsConnections = 64;
 
 }  // namespace
 
@@ -58,33 +47,28 @@ class Server::Impl {
         pool_(options_.threads, clock_, [this](const char* what) { failed(what); }),
         host_(std::move(world), options_.session, options_.limits, pool_, clock_, metrics_),
         site_{.files = std::move(files),
-              .metrics = [this] { return metricsText(); },
-              .unready = [this] { return unready(); }},
-        context_{options_, clock_, site_, io_, host_, metrics_, connections_from_} {}
+              .metrics = options_.metrics_listen ? std::function<std::string()>() : [this] { return metricsText(); },
+              .unready = [this] { return unready(1); }},
+        metrics_site_{
+            .files = {}, .metrics = [this] { return metricsText(); }, .unready = [this] { return unready(0); }},
+        context_{options_, clock_, site_, metrics_site_, io_, host_, metrics_, connections_from_} {}
 
   ~Impl() { stop(); }
 
   Status listen() {
-    ErrorOf error;
-    const auto address = net::ip::make_address(options_.listen.host, error);
-    if (error) return cannotListen(options_.listen, error);
-    const tcp::endpoint endpoint(address, options_.listen.port);
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
-    if (!error) port_ = acceptor_.local_endpoint(error).port();
-    if (error) return cannotListen(options_.listen, error);
-    return {};
+    if (Status status = listener_.open(options_.listen, "--listen"); !status.ok()) return status;
+    return options_.metrics_listen ? metrics_listener_.open(*options_.metrics_listen, "--metrics-listen") : Status();
   }
 
   void start() {
-    accept();
+    listener_.accept();
+    if (options_.metrics_listen) metrics_listener_.accept();
     watch();
     io_thread_ = std::jthread([this] { runIo(); });
   }
 
-  uint16_t port() const { return port_; }
+  uint16_t port() const { return listener_.port(); }
+  uint16_t metricsPort() const { return metrics_listener_.port(); }
 
   void drain(Duration most) {
     net::post(io_, [this, most] { beginDrain(most); });
@@ -112,21 +96,17 @@ class Server::Impl {
     }
   }
 
-  void accept() {
-    acceptor_.async_accept([this](ErrorOf error, tcp::socket socket) {
-      if (!acceptor_.is_open()) return;
-      if (error) return retryAccept(error);
-      guarded([&] { admit(std::move(socket)); });
-      accept();
-    });
-  }
-
   // Loops go on whatever one turn of theirs throws.
   template <class Turn>
   void guarded(const Turn& turn) {
     try {
       turn();
     } catch (const std::exception& e) { failed(e.what()); }
+  }
+
+  Listener::Events eventsOf(std::function<void(tcp::socket)> take) {
+    return {.on_connection = [this, take](tcp::socket socket) { guarded([&] { take(std::move(socket)); }); },
+            .on_trouble = [this](const std::string& line) { context_.log(Severity::kWarning, line); }};
   }
 
   // Any thread.
@@ -138,31 +118,28 @@ class Server::Impl {
     } catch (...) {}  // no memory even for the log
   }
 
-  // Usually there are no descriptors left: wait for some connections to close.
-  void retryAccept(const ErrorOf& error) {
-    context_.log(Severity::kWarning, "cannot accept a connection: " + error.message());
-    accept_timer_.expires_after(std::chrono::milliseconds(100));
-    accept_timer_.async_wait([this](ErrorOf cancelled) {
-      if (!cancelled && acceptor_.is_open()) accept();
-    });
-  }
-
   void admit(tcp::socket socket) {
-    if (metrics_.connections >= static_cast<int64_t>(options_.max_connections))
-      return turnAway(std::move(socket), fmt::format("there are {} connections already", options_.max_connections));
+    const auto most = static_cast<int64_t>(options_.max_connections);
+    if (metrics_.connections >= most + kReserve)
+      return turnAway(std::move(socket), RefusedFor::kFull, fmt::format("there are {} connections already", most));
     const auto from = context_.connections_from.find(addressOf(socket));
     if (from != context_.connections_from.end() && from->second >= options_.max_connections_per_address)
-      return turnAway(std::move(socket),
+      return turnAway(std::move(socket), RefusedFor::kAddress,
                       fmt::format("there are {} connections from its address already", from->second));
     ErrorOf ignored;  // a socket that was closed meanwhile fails at the first read
     socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(net::socket_base::send_buffer_size(static_cast<int>(options_.send_buffer_bytes)), ignored);
-    serveHttp(std::move(socket), context_);
+    serveHttp(std::move(socket), metrics_.connections >= most ? Admission::kReserve : Admission::kWhole, context_);
+  }
+
+  void admitOperator(tcp::socket socket) {
+    if (metrics_.metrics_connections < kMostMetricsConnections)
+      serveHttp(std::move(socket), Admission::kMetrics, context_);
   }
 
   // Says why, and does not wait for whether it is read.
-  void turnAway(tcp::socket socket, const std::string& why) {
-    ++metrics_.turned_away;
+  void turnAway(tcp::socket socket, RefusedFor reason, const std::string& why) {
+    metrics_.count(reason);
     context_.log(Severity::kDebug, "turned a connection away: " + why);
     static constexpr std::string_view kReply =
         "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n"
@@ -175,9 +152,10 @@ class Server::Impl {
   }
 
   // Why no further viewer should come; empty if one may.
-  std::string unready() const {
+  // `asking`: how many of the connections ask for that.
+  std::string unready(int64_t asking) const {
     if (is_stopping_ || context_.is_draining) return "The server stops.";
-    if (metrics_.connections >= static_cast<int64_t>(options_.max_connections)) return "The server is full.";
+    if (metrics_.connections - asking >= static_cast<int64_t>(options_.max_connections)) return "The server is full.";
     return host_.isOverloaded() ? "The server is overloaded." : "";
   }
 
@@ -208,9 +186,9 @@ class Server::Impl {
   }
 
   void takeLeave() {
-    ErrorOf ignored;
     is_stopping_ = true;
-    acceptor_.close(ignored);
+    listener_.close();
+    metrics_listener_.close();
     watch_timer_.cancel();
     for (const auto& viewer : everyViewer())
       viewer->leave(boost::beast::websocket::close_code::going_away, "the server stops");
@@ -231,27 +209,31 @@ class Server::Impl {
   }
 
   std::string metricsText() const {
-    return renderPrometheus(
-        metrics_, {.threads = pool_.threadCount(), .queue_depth = pool_.queueDepth(), .lateness = &pool_.lateness()});
+    return renderPrometheus(metrics_, {.version = options_.version,
+                                       .uptime_s = (clock_() - started_at_).toSeconds(),
+                                       .process = processMetrics(),
+                                       .threads = pool_.threadCount(),
+                                       .queue_depth = pool_.queueDepth(),
+                                       .lateness = &pool_.lateness()});
   }
 
   const ServeOptions options_;
   const Clock clock_;
+  const Time started_at_ = clock_();
   Metrics metrics_;
   std::map<std::string, size_t> connections_from_;
   Pool pool_;
   SessionHost host_;
-  HttpSite site_;
+  HttpSite site_, metrics_site_;
   net::io_context io_{1};  // its handlers hold the connections, whose destructors use the members above
   ServerContext context_;
-  tcp::acceptor acceptor_{io_};
-  net::steady_timer accept_timer_{io_};
+  Listener listener_{io_, eventsOf([this](tcp::socket socket) { admit(std::move(socket)); })};
+  Listener metrics_listener_{io_, eventsOf([this](tcp::socket socket) { admitOperator(std::move(socket)); })};
   net::steady_timer watch_timer_{io_};
   net::steady_timer drain_timer_{io_};
   std::optional<Drain> drain_;  // I/O thread
   std::promise<void> drained_;
   std::chrono::steady_clock::time_point stop_by_;
-  uint16_t port_ = 0;
   bool is_stopping_ = false;  // I/O thread
   std::jthread io_thread_;
 };
@@ -274,6 +256,7 @@ Result<std::unique_ptr<Server>> Server::listen(std::shared_ptr<const World> worl
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 uint16_t Server::port() const { return impl_->port(); }
+uint16_t Server::metricsPort() const { return impl_->metricsPort(); }
 void Server::drain(Duration most) { impl_->drain(most); }
 void Server::stop() { impl_->stop(); }
 

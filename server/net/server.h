@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/result.h"
@@ -24,6 +25,9 @@ using Log = std::function<void(Severity, const std::string&)>;
 
 struct ServeOptions {
   ListenAddress listen;
+  // A port of its own for /metrics, which the other then has not, and for /livez and /readyz.
+  std::optional<ListenAddress> metrics_listen;
+  std::string version;  // of the program, for /metrics
   size_t threads = 2;
   SessionOptions session;
   HostLimits limits;
@@ -51,6 +55,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   uint16_t port() const;
+  uint16_t metricsPort() const;  // 0 if there is none
 
   // Takes no further viewers and hands over those that are here: each is asked, at its next keyframe, to connect again
   // and resume (close code 1012), and is so free to be sent to another server by a proxy. Plain HTTP is still

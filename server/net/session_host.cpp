@@ -16,6 +16,8 @@ constexpr Duration kMessageTimeout = Duration::milliseconds(20);
 constexpr size_t kSmallMessage = 256;
 constexpr size_t kLargeSection = 500'000;  // nodes
 
+int64_t milli(double value) { return std::llround(1000 * value); }
+
 }  // namespace
 
 SessionHost::SessionHost(std::shared_ptr<const World> world, SessionOptions options, HostLimits limits, Pool& pool,
@@ -46,6 +48,8 @@ SessionActor::~SessionActor() {
   host_.metrics_.section_nodes -= static_cast<int64_t>(last.section_nodes);
   host_.metrics_.remembered_nodes -= static_cast<int64_t>(last.remembered_nodes);
   host_.metrics_.memory_bytes -= static_cast<int64_t>(last.memory_bytes);
+  host_.metrics_.tolerances_mpx -= milli(last.tau_px);
+  host_.metrics_.coarse -= last.is_coarse;
   if (last.keyframes > 0) --host_.metrics_.flying;
   host_.metrics_.queue_bytes -= static_cast<int64_t>(inbox_bytes_);
   --host_.metrics_.sessions;
@@ -212,6 +216,8 @@ void SessionActor::countStep(const SessionStatistics& before, Time deadline, Tim
   metrics.section_nodes += change(&SessionStatistics::section_nodes);
   metrics.remembered_nodes += change(&SessionStatistics::remembered_nodes);
   metrics.memory_bytes += change(&SessionStatistics::memory_bytes);
+  metrics.tolerances_mpx += milli(after.tau_px) - milli(before.tau_px);
+  metrics.coarse += static_cast<int>(after.is_coarse) - static_cast<int>(before.is_coarse);
   metrics.replies += after.replies - before.replies;
   metrics.resumed += after.resumed && !before.resumed;
   metrics.jumps += after.jumps - jumps_counted_;

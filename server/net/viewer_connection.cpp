@@ -109,7 +109,9 @@ Outlet ViewerConnection::makeOutlet() {
               },
           .refuse =
               [post](std::string message) {
-                post([message = std::move(message)](ViewerConnection& self) { self.refuse(message); });
+                post([message = std::move(message)](ViewerConnection& self) {
+                  self.refuse(RefusedFor::kMessage, message);
+                });
               }};
 }
 
@@ -132,7 +134,7 @@ void ViewerConnection::onRead(beast::error_code error) {
   countQueues();
   if (context_.metrics.queue_bytes > static_cast<int64_t>(context_.options.limits.queue_bytes) &&
       read_buffer_.size() > kKeptBufferBytes)
-    refuse("too much waits for this server already; try again later");
+    refuse(RefusedFor::kQueues, "too much waits for this server already; try again later");
   read();  // while closing too, to receive the viewer's close frame
 }
 
@@ -144,8 +146,9 @@ void ViewerConnection::deliver() {
   if (state_ != State::kOpen) return;
   context_.metrics.bytes_up += message.size();
   ++context_.metrics.messages_up;
-  if (stream_.got_text()) return refuse("messages are binary here; this one was text");
-  if (const Status status = actor_->deliver(std::move(message)); !status.ok()) refuse(status.error().message);
+  if (stream_.got_text()) return refuse(RefusedFor::kMessage, "messages are binary here; this one was text");
+  if (const Status status = actor_->deliver(std::move(message)); !status.ok())
+    refuse(RefusedFor::kQueues, status.error().message);
 }
 
 void ViewerConnection::send(std::vector<Bytes> batch) {
@@ -161,7 +164,7 @@ void ViewerConnection::send(std::vector<Bytes> batch) {
   outbox_.back().ends_batch = true;
   countQueues();
   if (outbox_.size() > context_.options.max_unread_messages)
-    return refuse("you ask for more than you read; the connection cannot carry it");
+    return refuse(RefusedFor::kUnread, "you ask for more than you read; the connection cannot carry it");
   write();
 }
 
@@ -198,9 +201,9 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   write();
 }
 
-void ViewerConnection::refuse(const std::string& message) {
+void ViewerConnection::refuse(RefusedFor reason, const std::string& message) {
   if (state_ != State::kOpen) return;
-  ++context_.metrics.refusals;
+  context_.metrics.count(reason);
   context_.log(Severity::kInfo, "viewer " + peer_ + " is refused: " + printable(message, kMaxLoggedBytes));
   if (!outbox_.empty()) outbox_.resize(written_of_first_ > 0 || is_writing_ ? 1 : 0);
   outbox_.push_back({.message = proto::encode(proto::Refusal{.message = message})});
@@ -248,15 +251,20 @@ void ViewerConnection::check(Time now) {
   if ((is_writing_ && now - progress_at_ > timeout) || drainsTooSlowly(now)) {
     context_.log(Severity::kInfo,
                  fmt::format("viewer {} read nothing, or hardly anything, for {:.0f} s", peer_, timeout.toSeconds()));
-    ++context_.metrics.refusals;
+    context_.metrics.count(RefusedFor::kUnread);
     return cut();
   }
   if (hand_over_at_ && now - *hand_over_at_ > kLongestToKeyframe) return leaveForAnother();
   if (!has_greeted_ && now - opened_at_ > context_.options.hello_timeout)
-    return leave(websocket::close_code::policy_error, "no message for too long; connect again");
+    return leaveSilent("no message for too long; connect again");
   if (read_buffer_.size() > 0 && now - message_begun_at_ > context_.options.message_timeout)
-    return leave(websocket::close_code::policy_error, "a message does not end; connect again");
-  if (now - heard_at_ > timeout) leave(websocket::close_code::policy_error, "no pose for too long; connect again");
+    return leaveSilent("a message does not end; connect again");
+  if (now - heard_at_ > timeout) leaveSilent("no pose for too long; connect again");
+}
+
+void ViewerConnection::leaveSilent(const std::string& reason) {
+  context_.metrics.count(RefusedFor::kSilent);
+  leave(websocket::close_code::policy_error, reason);
 }
 
 void ViewerConnection::cut() { beast::get_lowest_layer(stream_).close(); }

@@ -30,7 +30,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void accept(UpgradeRequest request);
 
   // Completes the message that is being sent, sends a Refusal with `message`, then closes.
-  void refuse(const std::string& message);
+  void refuse(RefusedFor reason, const std::string& message);
 
   // Closes with a close frame that carries `reason`; messages that wait are not sent.
   void leave(boost::beast::websocket::close_code code, const std::string& reason);
@@ -62,6 +62,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void startClosing(State state, boost::beast::websocket::close_reason reason);
   void sendCloseFrame();
   void leaveForAnother();
+  void leaveSilent(const std::string& reason);
   void cut();
   void countQueues();
   bool drainsTooSlowly(Time now) const;

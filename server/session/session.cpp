@@ -452,6 +452,8 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.send.delta.added.size();
   statistics_.nodes_removed += scratch.send.delta.removed.size();
+  statistics_.tau_px = keyframe().tau_px;
+  statistics_.is_coarse = keyframe().tau_px > 1.001 * request_->tau_px;  // it is a float
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();

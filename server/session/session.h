@@ -58,9 +58,11 @@ struct SessionStatistics {
   size_t remembered_nodes = 0;  // of the terrain, that the viewer knows beside those around its section
   size_t memory_bytes = 0;      // that the server needs to know which
   uint64_t prefetches = 0;
-  uint64_t replies = 0;  // to requests
-  uint64_t jumps = 0;    // of the camera (proto/space/jump.h)
-  bool resumed = false;  // started from a section that the viewer held from an earlier connection
+  uint64_t replies = 0;    // to requests
+  uint64_t jumps = 0;      // of the camera (proto/space/jump.h)
+  double tau_px = 0;       // in force
+  bool is_coarse = false;  // that is above what the viewer asked for
+  bool resumed = false;    // started from a section that the viewer held from an earlier connection
 };
 
 class Session {

@@ -60,6 +60,14 @@ TEST_F(ServeProgram, PrintsWhereItIsAndStopsOnSignals) {
   }
 }
 
+TEST_F(ServeProgram, PrintsWhereItsMetricsAre) {
+  Program program("serve", arguments({"--metrics-listen", "127.0.0.1:0"}));
+  ASSERT_TRUE(program.readLine().starts_with("serving "));
+  const std::string line = program.readLine();
+  ASSERT_TRUE(line.starts_with("metrics at http://127.0.0.1:")) << line;
+  EXPECT_EQ(metric(portOf(line), "sessions"), 0);
+}
+
 // Its viewer does not answer, so it would wait for that.
 TEST_F(ServeProgram, EndsAtOnceOnASecondSignal) {
   Program program("serve", arguments({"--drain-seconds", "3600"}));
@@ -122,9 +130,11 @@ TEST_F(ServeProgram, RefusesAddressesAndPagesThatWillNotDo) {
   const std::string scene = folder_ / "scene.fls";
   expectRefusal({scene, "--listen", "nowhere"}, {"nowhere", "127.0.0.1:8080"});
   expectRefusal({scene, "--listen", "127.0.0.1:0", "--web", folder_ / "nothing"}, {folder_ / "nothing", "--web"});
+  expectRefusal(arguments({"--metrics-listen", "nowhere"}), {"nowhere", "--metrics-listen"});
   Program first("serve", arguments());
   const std::string port = std::to_string(portOf(first.readLine()));
   expectRefusal({scene, "--listen", "127.0.0.1:" + port}, {port, "--listen"});
+  expectRefusal(arguments({"--metrics-listen", "127.0.0.1:" + port}), {port, "--metrics-listen"});
 }
 
 }  // namespace

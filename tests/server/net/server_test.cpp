@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -145,7 +146,7 @@ TEST(Server, RefusesTextAndEmptyMessages) {
   EXPECT_EQ(text.receiveClose(), 1008);
   empty.send({});
   EXPECT_EQ(empty.receiveClose(), 1008);
-  EXPECT_EQ(metric(server->port(), "refusals_total"), 2);
+  EXPECT_EQ(metric(server->port(), "refusals_total{reason=\"message\"}"), 2);
 }
 
 TEST(Server, RefusesAViewerThatFloods) {
@@ -218,10 +219,13 @@ TEST(Server, AdmitsNoMoreThanItsLimit) {
   const auto server = serve(options);
   WebSocketClient first(server->port());
   ASSERT_TRUE(first.isOpen());
-  const std::string reply = Socket(server->port()).receiveToEnd();
+  const std::string reply = WebSocketClient(server->port()).reply();
   EXPECT_TRUE(reply.starts_with("HTTP/1.1 503")) << reply;
   EXPECT_NE(reply.find("Retry-After: "), std::string::npos);
-  EXPECT_TRUE(reply.ends_with("\n"));
+  EXPECT_TRUE(httpGet(server->port(), "/").starts_with("HTTP/1.1 503"));
+  EXPECT_TRUE(httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200")) << "operators are answered";
+  EXPECT_TRUE(httpGet(server->port(), "/readyz").starts_with("HTTP/1.1 503"));
+  EXPECT_EQ(metric(server->port(), "refusals_total{reason=\"full\"}"), 2);
 }
 
 TEST(Server, AdmitsNoMoreFromAnAddressThanItsLimit) {
@@ -235,7 +239,7 @@ TEST(Server, AdmitsNoMoreFromAnAddressThanItsLimit) {
   }
   EXPECT_TRUE(eventually([&] { return httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200"); }));
   EXPECT_TRUE(eventually([&] { return metric(server->port(), "connections") == 1; })) << "that of the question";
-  EXPECT_GE(metric(server->port(), "turned_away_total"), 1);
+  EXPECT_GE(metric(server->port(), "refusals_total{reason=\"address\"}"), 1);
 }
 
 TEST(Server, ClosesAViewerThatNeverGreetsAndOneWhoseMessageDoesNotEnd) {
@@ -249,6 +253,46 @@ TEST(Server, ClosesAViewerThatNeverGreetsAndOneWhoseMessageDoesNotEnd) {
   slow.send(proto::encode(requestView()));
   slow.socket().send(WebSocketClient::frameHead(Opcode::kBinary, 1000) + "beginning");
   EXPECT_EQ(slow.receiveClose(), 1008);
+}
+
+// Whoever holds connections beyond the limit and asks for nothing leaves room for operators for a time only.
+TEST(Server, ClosesWhateverComesBeyondItsReserve) {
+  ServeOptions options = testOptions();
+  options.max_connections = 1;
+  const auto server = serve(options);
+  std::deque<Socket> mute;
+  for (int i = 0; i < 17; ++i) mute.emplace_back(server->port());
+  EXPECT_TRUE(Socket(server->port()).receiveToEnd().starts_with("HTTP/1.1 503"));
+  mute.clear();
+  EXPECT_TRUE(eventually([&] { return httpGet(server->port(), "/livez").starts_with("HTTP/1.1 200"); }));
+}
+
+TEST(Server, HasAPortForOperators) {
+  ServeOptions options = testOptions();
+  options.metrics_listen = ListenAddress{.port = 0};
+  options.max_connections = 1;
+  options.version = "1.2.3";
+  const auto server = serve(options);
+  EXPECT_TRUE(httpGet(server->port(), "/metrics").starts_with("HTTP/1.1 404"));
+  WebSocketClient viewer(server->port());
+  ASSERT_TRUE(viewer.isOpen());
+  const uint16_t port = server->metricsPort();
+  const std::string page = httpGet(port, "/metrics");
+  for (const char* line : {"\nforeland_build_info{version=\"1.2.3\"} 1\n", "\nforeland_uptime_seconds ",
+                           "\nprocess_cpu_seconds_total ", "\nprocess_resident_memory_bytes ", "\nprocess_open_fds ",
+                           "\nforeland_http_replies_total{code=\"404\"} 1\n", "\nforeland_connections 1\n"})
+    EXPECT_NE(page.find(line), std::string::npos) << line << page;
+  EXPECT_TRUE(httpGet(port, "/readyz").starts_with("HTTP/1.1 503")) << "it is full";
+  EXPECT_TRUE(httpGet(port, "/").starts_with("HTTP/1.1 404"));
+  EXPECT_FALSE(WebSocketClient(port).isOpen());
+}
+
+TEST(Server, TellsTheToleranceInForce) {
+  const auto server = serve(testOptions());
+  LiveViewer viewer(server->port());
+  ASSERT_TRUE(eventually([&] { return !viewer.advance() || viewer.keyframes() > 0; }));
+  EXPECT_EQ(metric(server->port(), "tolerance_px"), 1);
+  EXPECT_EQ(metric(server->port(), "coarse"), 0);
 }
 
 TEST(Server, IsReadyUntilItIsFull) {
