@@ -12,9 +12,14 @@ namespace foreland::apps {
 
 inline constexpr std::chrono::milliseconds kConnectTimeout{10'000};
 
-// Flies until the path's end, a frame every `frame`. `on_welcome` is called once, when the server has said what scene
-// it shows; null for no such check. An Error if that, or the session, fails, or if the program is interrupted.
-Status fly(Link& link, client::Player& player, std::chrono::nanoseconds frame,
-           const std::function<Status(const client::Player&)>& on_welcome);
+// What is called during a flight; either may be empty. An Error ends the flight.
+struct FlightHooks {
+  std::function<Status(const client::Player&)> on_welcome;  // once, when the server has said what scene it shows
+  std::function<Status(const client::Player&)> on_frame;    // after each frame
+};
+
+// Flies until the path's end, a frame every `frame`. An Error if a hook or the session fails, or if the program is
+// interrupted.
+Status fly(Link& link, client::Player& player, std::chrono::nanoseconds frame, const FlightHooks& hooks);
 
 }  // namespace foreland::apps

@@ -3,22 +3,20 @@
 // was flown to its end, 2 otherwise.
 #include <chrono>
 #include <cstdio>
-#include <memory>
+#include <filesystem>
 #include <optional>
 #include <random>
 
-#include "apps/exact_sections.h"
+#include "apps/fly/afterwards.h"
 #include "apps/fly/flight.h"
 #include "apps/fly/fly_options.h"
 #include "apps/fly/fly_report.h"
 #include "apps/fly/link.h"
 #include "apps/fly/many_viewers.h"
 #include "apps/stop_signal.h"
-#include "bench/oracle/scene_truth.h"
-#include "client/fly/frame_dump.h"
 #include "client/fly/net/web_socket_client.h"
 #include "client/fly/player.h"
-#include "terrain/store/scene.h"
+#include "client/fly/recording.h"
 
 namespace foreland::apps {
 
@@ -31,99 +29,61 @@ int fail(const Error& error) {
   return 2;
 }
 
-// The files that the options name, opened before the flight so that mistakes are reported at once.
-struct Ground {
-  std::shared_ptr<const terrain::Scene> truth;
-  std::optional<bench::SceneOracle> oracle;  // of `truth`
-  std::optional<client::FrameDump> dump;
+// Records a flight as it goes, if a file is named. A recording that cannot be written does not end the flight.
+class FlightRecorder {
+ public:
+  static Result<FlightRecorder> begin(const std::filesystem::path& file, const client::PlayerOptions& options) {
+    FlightRecorder recorder;
+    if (file.empty()) return recorder;
+    auto writer = client::RecordingWriter::create(file, options);
+    if (!writer.ok()) return writer.error();
+    recorder.writer_.emplace(std::move(writer).value());
+    return recorder;
+  }
+  void onFrame(const client::Player& player) {
+    if (!writer_ || !status_.ok()) return;
+    digest_.add(player.viewer(), player.view());
+    status_ = writer_->append(player.log().entries);
+  }
+  Status finish(const client::Player& player) {
+    if (!writer_ || !status_.ok()) return status_;
+    if (Status s = writer_->append(player.log().entries); !s.ok()) return s;
+    return writer_->finish(digest_.value());
+  }
+
+ private:
+  std::optional<client::RecordingWriter> writer_;
+  client::FlightDigest digest_;
+  Status status_;
 };
-
-Result<Ground> prepare(const FlyOptions& o) {
-  Ground ground;
-  if (!o.truth.empty()) {
-    auto scene = terrain::Scene::open(o.truth);
-    if (!scene.ok()) return scene.error();
-    ground.truth = *scene;
-    auto oracle = bench::sceneOracle(*scene);
-    if (!oracle.ok()) return oracle.error();
-    ground.oracle.emplace(std::move(oracle).value());
-  }
-  if (!o.dump.empty()) {
-    auto dump = client::FrameDump::create(o.dump);
-    if (!dump.ok()) return dump.error();
-    ground.dump = std::move(dump).value();
-  }
-  return ground;
-}
-
-Status checkScene(const client::Player& player, const Ground& ground, const FlyOptions& o) {
-  const auto& welcome = player.viewer().welcome();
-  if (!welcome || !ground.truth || welcome->scene_id == ground.truth->id()) return {};
-  return Error{ErrorCode::kInvalidArgument, "--truth " + o.truth.string() +
-                                                " is not the scene that the server shows ('" + welcome->title +
-                                                "'); name that scene's file"};
-}
-
-Status dumpFlight(const client::FlightLog& log, uint32_t every, client::FrameDump& dump) {
-  Status status;
-  uint64_t number = 0;
-  client::replay(log, [&](const client::Player& player, Time now) {
-    if (player.phase() != client::Player::Phase::kFlying && player.phase() != client::Player::Phase::kDone) return true;
-    const client::FrameView& view = player.view();
-    const uint64_t n = number++;
-    if (n % every != 0 || !view.mesh) return true;
-    status =
-        dump.write({n, (now - player.path().start).toSeconds(), (view.scene_time - player.path().start).toSeconds()},
-                   view, log.options.request);
-    return status.ok();
-  });
-  return status;
-}
-
-bench::FlightTruth measure(const client::FlightLog& log, const Ground& ground, bench::SceneOracle& oracle,
-                           const FlyOptions& o, double flown_s) {
-  bench::FlightTruthOptions options{
-      .frame_every = o.truth_every, .section_at = exactSections(ground.truth), .on_progress = {}};
-  double told_s = 0;
-  options.on_progress = [&](const bench::FlightTruth& truth) {
-    if (truth.seconds < told_s + 5) return;
-    told_s = truth.seconds;
-    std::fprintf(stderr, "measured %.0f of %.0f s\n", truth.seconds, flown_s);
-  };
-  return bench::measureFlight(log, oracle, options);
-}
 
 int run(const FlyOptions& o) {
   Result<client::PlayerOptions> options = playerOptions(o);
   if (!options.ok()) return fail(options.error());
   if (o.viewers > 1) return flyMany(o, *options);
-  Result<Ground> ground = prepare(o);
-  if (!ground.ok()) return fail(ground.error());
+  Result<Afterwards> afterwards = Afterwards::prepare(o.afterwards);
+  if (!afterwards.ok()) return fail(afterwards.error());
+  Result<FlightRecorder> recorder = FlightRecorder::begin(o.record, *options);
+  if (!recorder.ok()) return fail(recorder.error());
   auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout);
   if (!connection.ok()) return fail(connection.error());
 
   client::Player player(*options);
   Link link(std::move(connection).value(), o.url, std::random_device{}());
-  const Status flown =
-      fly(link, player, kFrame, [&](const client::Player& welcomed) { return checkScene(welcomed, *ground, o); });
+  const auto check = [&](const client::Player& welcomed) { return afterwards->checkScene(welcomed.viewer()); };
+  const auto record = [&](const client::Player& flying) {
+    recorder->onFrame(flying);
+    return Status();
+  };
+  const Status flown = fly(link, player, kFrame, {check, record});
   link.close();
 
-  FlySummary summary{.request = options->request,
-                     .blend = options->blend,
-                     .flight = player.report(),
-                     .truth = {},
-                     .notes = {},
-                     .error = {}};
-  if (options->track) summary.notes = options->track->notes;
-  summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());
   int exit_code = flown.ok() ? 0 : fail(flown.error());
+  if (Status s = recorder->finish(player); !s.ok()) exit_code = fail(s.error());
+  FlySummary summary = summaryOf(player);
   if (!flown.ok()) summary.error = flown.error().message;
   if (summary.flight.frames == 0) return exit_code == 0 ? 2 : exit_code;  // there is nothing to report
-  if (ground->dump) {
-    if (Status s = dumpFlight(player.log(), o.dump_every, *ground->dump); !s.ok()) exit_code = fail(s.error());
-    summary.dumped_frames = ground->dump->written();
-  }
-  if (ground->truth) { summary.truth = measure(player.log(), *ground, *ground->oracle, o, summary.flight.seconds); }
+  if (Status s = addAfterwards(*afterwards, player.log(), summary); !s.ok()) exit_code = fail(s.error());
   std::fputs(text(summary, o.format).c_str(), stdout);
   return exit_code;
 }

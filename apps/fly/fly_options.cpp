@@ -87,22 +87,14 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
       ->check(CLI::Range(1u, 8'000'000u));
   app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
   app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)")->check(isFinite());
-  CLI::Option* truth =
-      app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
-  app.add_option("--truth-every", o.truth_every,
-                 "measure one in N frames, more if N shares a factor with the frames per keyframe (default 7; "
-                 "keyframes always)")
-      ->needs(truth)
-      ->check(CLI::PositiveNumber);
-  CLI::Option* dump =
-      app.add_option("--dump", o.dump, "write drawn frames (PLY and frames.jsonl) into this folder, after landing");
-  app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")
-      ->needs(dump)
-      ->check(CLI::PositiveNumber);
+  addAfterwardsOptions(app, o.afterwards);
+  CLI::Option* record =
+      app.add_option("--record", o.record, "write all that comes in to this file, for `foreland replay`");
   app.add_option("--viewers", o.viewers, "fly so many viewers at once, and report on all together (default 1)")
       ->check(CLI::Range(1, 10'000))
-      ->excludes(truth)
-      ->excludes(dump);
+      ->excludes(app.get_option("--truth"))
+      ->excludes(app.get_option("--dump"))
+      ->excludes(record);
   app.add_flag_callback(
       "--json", [&o] { o.format = bench::ReportFormat::kJson; }, "print the report as JSON");
   try {

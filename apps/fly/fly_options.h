@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "apps/fly/afterwards.h"
 #include "base/result.h"
-#include "bench/oracle/flight_truth.h"
 #include "bench/report.h"
 #include "client/fly/player.h"
 
@@ -29,10 +29,8 @@ struct FlyOptions {
   uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0 for none
   std::string viewport = "1920x1080";
   double fov_deg = 60;
-  std::filesystem::path truth;
-  uint32_t truth_every = bench::FlightTruthOptions{}.frame_every;
-  std::filesystem::path dump;
-  uint32_t dump_every = 60;
+  AfterwardsOptions afterwards;
+  std::filesystem::path record;  // empty: nothing is recorded
   size_t viewers = 1;
   bench::ReportFormat format = bench::ReportFormat::kText;
 };

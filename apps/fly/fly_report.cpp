@@ -1,5 +1,9 @@
 #include "apps/fly/fly_report.h"
 
+#include <array>
+#include <cstdint>
+#include <cstdio>
+
 namespace foreland::apps {
 
 namespace {
@@ -17,6 +21,22 @@ Json jumpsOf(const std::vector<client::JumpReport>& jumps) {
                       {"largest_tolerance_px", jump.largest_tolerance_px},
                       {"late_coarse_frames", jump.late_coarse_frames}};
   return all;
+}
+
+std::string hex(uint64_t number) {
+  std::array<char, 17> text;
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(number));
+  return text.data();
+}
+
+void addReplayed(const ReplayedDigest& replayed, Json& json) {
+  json["shown_frames"] = replayed.shown.frames;
+  json["sections_hash"] = hex(replayed.shown.sections);
+  json["drawn_hash"] = hex(replayed.shown.drawn);
+  json["recording_is_whole"] = replayed.recorded.has_value();
+  if (!replayed.recorded) return;
+  json["same_sections"] = replayed.shown.sections == replayed.recorded->sections;
+  json["same_drawn"] = replayed.shown == *replayed.recorded;
 }
 
 Json reportOf(const FlySummary& s) {
@@ -47,6 +67,7 @@ Json reportOf(const FlySummary& s) {
   json["keyframe_ms"] = s.request.keyframe_interval.toMilliseconds();
   json["worst_lateness_ms"] = f.session.worst_lateness.toMilliseconds();
   if (!f.jumps.empty()) json["jumps"] = jumpsOf(f.jumps);
+  if (s.replayed) addReplayed(*s.replayed, json);
   if (s.truth) json.update(bench::toJson(*s.truth));
   if (s.dumped_frames > 0) json["dumped_frames"] = s.dumped_frames;
   json["notes"] = s.notes;
@@ -87,7 +108,33 @@ With --truth SCENE, measured after landing on a replay of the flight:
                                 _m; mean is that over frames of the largest in each
   lod_motion_*_px               what the change of detail alone moves in a 60th of a second; p99 of what moves
   delay_max_ms, delay_mean_ms   t - t_d
+`foreland replay` adds what the replay showed:
+  shown_frames, sections_hash, drawn_hash   frames with a mesh; hashes of all keyframes' sections and heights (the same on every
+                                machine), and of all that is drawn (the same for one build)
+  recording_is_whole            false if the program that recorded was killed; else same_sections and same_drawn say whether the
+                                replay showed what the flight did
 )";
+}
+
+FlySummary summaryOf(const client::Player& player) {
+  const client::PlayerOptions& options = player.log().options;
+  FlySummary summary{.request = options.request,
+                     .blend = options.blend,
+                     .flight = player.report(),
+                     .truth = {},
+                     .notes = {},
+                     .error = {},
+                     .replayed = {}};
+  if (options.track) summary.notes = options.track->notes;
+  summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());
+  return summary;
+}
+
+Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, FlySummary& summary) {
+  const Result<uint64_t> dumped = afterwards.dump(log);
+  if (dumped.ok()) summary.dumped_frames = *dumped;
+  summary.truth = afterwards.measure(log, summary.flight.seconds);
+  return dumped.ok() ? Status() : dumped.error();
 }
 
 std::string text(const FlySummary& summary, bench::ReportFormat format) {

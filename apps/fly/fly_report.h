@@ -1,15 +1,23 @@
-// The report that `foreland fly` prints. Pure; any thread.
+// The report that `foreland fly` prints. Any thread.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/fly/afterwards.h"
 #include "bench/oracle/flight_truth.h"
 #include "bench/report.h"
+#include "client/fly/flight_digest.h"
 #include "client/fly/player.h"
 
 namespace foreland::apps {
+
+// Of a replay: what it showed, and whether that is what the recording says the flight showed.
+struct ReplayedDigest {
+  client::FlightDigest::Value shown;
+  std::optional<client::FlightDigest::Value> recorded;  // absent if the recording ends early
+};
 
 struct FlySummary {
   proto::ViewRequest request;
@@ -19,7 +27,13 @@ struct FlySummary {
   uint64_t dumped_frames = 0;
   std::vector<std::string> notes;
   std::optional<std::string> error;  // why the flight ended early
+  std::optional<ReplayedDigest> replayed;
 };
+
+// Of a player that has landed, or whose flight ended early.
+FlySummary summaryOf(const client::Player& player);
+// Measures and dumps, if asked to, and takes the results in.
+Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, FlySummary& summary);
 
 std::string text(const FlySummary& summary, bench::ReportFormat format);
 // What the keys of the report mean, for --help.

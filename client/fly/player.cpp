@@ -196,18 +196,19 @@ FlightReport Player::report() const {
   return r;
 }
 
-void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame) {
-  Player player(log.options);
+Replayed replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame) {
+  Replayed replayed{Player(log.options), {}};
+  Player& player = replayed.player;
   Bytes unsent;
   for (const FlightLog::Entry& entry : log.entries) {
-    Status status;
-    if (entry.what == FlightLog::What::kMessage) status = player.receive(entry.message, entry.time);
+    if (entry.what == FlightLog::What::kMessage) replayed.status = player.receive(entry.message, entry.time);
     if (entry.what == FlightLog::What::kReconnect) player.reconnect(entry.time);
-    if (entry.what == FlightLog::What::kFrame) status = player.frame(entry.time);
+    if (entry.what == FlightLog::What::kFrame) replayed.status = player.frame(entry.time);
     while (player.takeOutgoing(unsent)) continue;
-    if (!status.ok()) return;  // the recorded flight ended here, too
-    if (entry.what == FlightLog::What::kFrame && !on_frame(player, entry.time)) return;
+    if (!replayed.status.ok()) break;  // the recorded flight ended here, too
+    if (entry.what == FlightLog::What::kFrame && !on_frame(player, entry.time)) break;
   }
+  return replayed;
 }
 
 }  // namespace foreland::client

@@ -125,8 +125,14 @@ class Player {
   double node_sum_ = 0, triangle_sum_ = 0;
 };
 
+// Where a replay ended.
+struct Replayed {
+  Player player;
+  Status status;  // the Error that ended it before the log did
+};
+
 // Flies a recorded flight again. `onFrame` is called after each frame with the player and the frame's time; it may stop
 // the replay by returning false.
-void replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame);
+Replayed replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame);
 
 }  // namespace foreland::client

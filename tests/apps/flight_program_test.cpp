@@ -11,9 +11,29 @@
 namespace foreland::test {
 namespace {
 
+// What a replay reports is what the flight reported. A recording whose last messages are lost ends early.
+void expectSameReplay(const std::string& recording, const std::string& scene, const nlohmann::json& report) {
+  const ProgramResult replayed =
+      runProgram("replay", {recording, "--truth", scene, "--json"}, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.output;
+  const auto again = nlohmann::json::parse(replayed.output, nullptr, false);
+  ASSERT_FALSE(again.is_discarded()) << replayed.output;
+  EXPECT_EQ(again["same_drawn"], true);
+  for (const char* key : {"keyframes", "frames", "nodes", "bytes_down", "max_error_px_frames", "worst_lateness_ms"})
+    EXPECT_EQ(again[key], report[key]) << key;
+
+  std::filesystem::resize_file(recording, std::filesystem::file_size(recording) - 50);
+  const ProgramResult shortened = runProgram("replay", {recording, "--json"}, {.streams = Streams::kOutputOnly});
+  EXPECT_EQ(shortened.exit_code, 0) << shortened.output;
+  EXPECT_EQ(nlohmann::json::parse(shortened.output, nullptr, false)["recording_is_whole"], false);
+  expectRefusal("replay", {recording + "_none"}, {recording + "_none"});
+  expectRefusal("replay", {scene}, {scene, "fly --record"});
+}
+
 TEST(FlightProgram, FromNothingToAFlightWithinTolerance) {
   const TemporaryFolder folder;
-  const std::string land = folder / "land.tif", scene = folder / "land.fls", frames = folder / "frames";
+  const std::string land = folder / "land.tif", scene = folder / "land.fls", frames = folder / "frames",
+                    recording = folder / "flight.rec";
   const ProgramResult made = runProgram("synth", {"-o", land, "--size", "257", "--spacing", "30", "--seed", "5"});
   ASSERT_EQ(made.exit_code, 0) << made.output;
   const ProgramResult built = runProgram("build", {land, "-o", scene});
@@ -24,7 +44,7 @@ TEST(FlightProgram, FromNothingToAFlightWithinTolerance) {
   const std::string url = "ws://127.0.0.1:" + std::to_string(portOf(server.readLine()));
   const ProgramResult flown = runProgram("fly",
                                          {url, "--tour", "survey", "--seconds", "3", "--truth", scene, "--viewport",
-                                          "640x360", "--dump", frames, "--json"},
+                                          "640x360", "--dump", frames, "--record", recording, "--json"},
                                          {.streams = Streams::kOutputOnly});
   ASSERT_EQ(flown.exit_code, 0) << flown.output;
   const auto report = nlohmann::json::parse(flown.output, nullptr, false);
@@ -40,6 +60,7 @@ TEST(FlightProgram, FromNothingToAFlightWithinTolerance) {
 
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
+  expectSameReplay(recording, scene, report);
 }
 
 TEST(FlightProgram, RefusesTheTruthOfAnotherScene) {
@@ -67,6 +88,7 @@ TEST(FlightProgram, RefusesWhatCannotBeFlown) {
   expectRefusal("fly", {url, "--track", missing}, {missing});
   expectRefusal("fly", {url, "--track", text}, {text});
   expectRefusal("fly", {url, "--dump", text}, {text});
+  expectRefusal("fly", {url, "--record", missing + "/flight.rec"}, {missing});
   expectRefusal("fly", {url, "--strategy", "wait"}, {"--strategy", "wait", "predict"});
   for (const char* option : {"--seconds", "--tau", "--fov"})
     for (const char* value : {"nan", "inf", "-1", "x"}) expectRefusal("fly", {url, option, value}, {option});

@@ -1,0 +1,85 @@
+#include "apps/fly/afterwards.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <utility>
+
+#include "apps/exact_sections.h"
+#include "bench/oracle/scene_truth.h"
+
+namespace foreland::apps {
+
+void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& o) {
+  CLI::Option* truth =
+      app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
+  app.add_option("--truth-every", o.truth_every,
+                 "measure one in N frames, more if N shares a factor with the frames per keyframe (default 7; "
+                 "keyframes always)")
+      ->needs(truth)
+      ->check(CLI::PositiveNumber);
+  CLI::Option* dump =
+      app.add_option("--dump", o.dump, "write drawn frames (PLY and frames.jsonl) into this folder, after landing");
+  app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")
+      ->needs(dump)
+      ->check(CLI::PositiveNumber);
+}
+
+Result<Afterwards> Afterwards::prepare(const AfterwardsOptions& options) {
+  Afterwards afterwards;
+  afterwards.options_ = options;
+  if (!options.truth.empty()) {
+    auto scene = terrain::Scene::open(options.truth);
+    if (!scene.ok()) return scene.error();
+    afterwards.truth_ = *scene;
+    auto oracle = bench::sceneOracle(*scene);
+    if (!oracle.ok()) return oracle.error();
+    afterwards.oracle_.emplace(std::move(oracle).value());
+  }
+  if (!options.dump.empty()) {
+    auto dump = client::FrameDump::create(options.dump);
+    if (!dump.ok()) return dump.error();
+    afterwards.dump_ = std::move(dump).value();
+  }
+  return afterwards;
+}
+
+Status Afterwards::checkScene(const client::Viewer& viewer) const {
+  const auto& welcome = viewer.welcome();
+  if (!welcome || !truth_ || welcome->scene_id == truth_->id()) return {};
+  return Error{ErrorCode::kInvalidArgument, "--truth " + options_.truth.string() +
+                                                " is not the scene that the server shows ('" + welcome->title +
+                                                "'); name that scene's file"};
+}
+
+std::optional<bench::FlightTruth> Afterwards::measure(const client::FlightLog& log, double flown_s) {
+  if (!truth_) return std::nullopt;
+  bench::FlightTruthOptions options{
+      .frame_every = options_.truth_every, .section_at = exactSections(truth_), .on_progress = {}};
+  double told_s = 0;
+  options.on_progress = [&](const bench::FlightTruth& truth) {
+    if (truth.seconds < told_s + 5) return;
+    told_s = truth.seconds;
+    std::fprintf(stderr, "measured %.0f of %.0f s\n", truth.seconds, flown_s);
+  };
+  return bench::measureFlight(log, *oracle_, options);
+}
+
+Result<uint64_t> Afterwards::dump(const client::FlightLog& log) {
+  if (!dump_) return uint64_t{0};
+  Status status;
+  uint64_t number = 0;
+  client::replay(log, [&](const client::Player& player, Time now) {
+    if (player.phase() != client::Player::Phase::kFlying && player.phase() != client::Player::Phase::kDone) return true;
+    const client::FrameView& view = player.view();
+    const uint64_t n = number++;
+    if (n % options_.dump_every != 0 || !view.mesh) return true;
+    status =
+        dump_->write({n, (now - player.path().start).toSeconds(), (view.scene_time - player.path().start).toSeconds()},
+                     view, log.options.request);
+    return status.ok();
+  });
+  if (!status.ok()) return status.error();
+  return dump_->written();
+}
+
+}  // namespace foreland::apps

@@ -1,0 +1,51 @@
+// What is done with a flight after landing, on a replay of its log: measuring it against the truth, and dumping frames.
+// For `foreland fly` and `foreland replay`. Main thread.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "base/result.h"
+#include "bench/oracle/flight_truth.h"
+#include "bench/oracle/scene_oracle.h"
+#include "client/fly/frame_dump.h"
+#include "client/fly/player.h"
+#include "terrain/store/scene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace foreland::apps {
+
+struct AfterwardsOptions {
+  std::filesystem::path truth;  // empty: nothing is measured
+  uint32_t truth_every = bench::FlightTruthOptions{}.frame_every;
+  std::filesystem::path dump;  // empty: nothing is dumped
+  uint32_t dump_every = 60;
+};
+
+// Adds --truth, --truth-every, --dump and --dump-every, which write into `options`.
+void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& options);
+
+class Afterwards {
+ public:
+  // Opens what the options name, so that mistakes are reported before the flight.
+  static Result<Afterwards> prepare(const AfterwardsOptions& options);
+
+  // An Error if the truth is not the scene that the server shows. Nothing before its welcome.
+  Status checkScene(const client::Viewer& viewer) const;
+  // Measures, telling the progress of `flown_s` seconds on standard error. nullopt without --truth.
+  std::optional<bench::FlightTruth> measure(const client::FlightLog& log, double flown_s);
+  // Dumps; the number of frames written, 0 without --dump.
+  Result<uint64_t> dump(const client::FlightLog& log);
+
+ private:
+  AfterwardsOptions options_;
+  std::shared_ptr<const terrain::Scene> truth_;
+  std::optional<bench::SceneOracle> oracle_;  // of `truth_`
+  std::optional<client::FrameDump> dump_;
+};
+
+}  // namespace foreland::apps

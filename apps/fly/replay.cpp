@@ -1,0 +1,84 @@
+// `foreland replay FILE`: flies a flight again that `foreland fly --record` recorded, as fast as it can, and reports as
+// `fly` does; with --truth and --dump, too. Exit code 0 if it shows what the flight showed; 1 if it does not; 2 if it
+// cannot be replayed. Main thread.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "apps/fly/afterwards.h"
+#include "apps/fly/fly_report.h"
+#include "client/fly/flight_digest.h"
+#include "client/fly/recording.h"
+
+namespace foreland::apps {
+
+namespace {
+
+struct ReplayOptions {
+  std::filesystem::path recording;
+  AfterwardsOptions afterwards;
+  bench::ReportFormat format = bench::ReportFormat::kText;
+};
+
+constexpr const char* kExitCodes = R"(
+Exit code: 0 when the replay shows what the flight showed, as far as the recording goes; 1 when its sections, or what is
+drawn, are others; 2 when it cannot be replayed.)";
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "foreland replay: %s\n", error.message.c_str());
+  return 2;
+}
+
+int compare(const ReplayedDigest& replayed, const std::string& file) {
+  if (!replayed.recorded || replayed.shown == *replayed.recorded) return 0;
+  const bool same_sections = replayed.shown.sections == replayed.recorded->sections;
+  std::fprintf(stderr, "foreland replay: %s: %s\n", file.c_str(),
+               same_sections ? "the sections are the same, but what is drawn is not, as after a change of the client "
+                               "or with another compiler"
+                             : "other sections than the flight's: the recording or the client has changed");
+  return 1;
+}
+
+int run(const ReplayOptions& o) {
+  Result<Afterwards> afterwards = Afterwards::prepare(o.afterwards);
+  if (!afterwards.ok()) return fail(afterwards.error());
+  const Result<client::Recording> recording = client::readRecording(o.recording);
+  if (!recording.ok()) return fail(recording.error());
+
+  client::FlightDigest digest;
+  Status status;
+  const client::Replayed replayed = client::replay(recording->log, [&](const client::Player& player, Time) {
+    status = afterwards->checkScene(player.viewer());
+    digest.add(player.viewer(), player.view());
+    return status.ok();
+  });
+  if (!status.ok()) return fail(status.error());
+  FlySummary summary = summaryOf(replayed.player);
+  if (!replayed.status.ok()) summary.error = replayed.status.error().message;
+  summary.replayed = ReplayedDigest{digest.value(), recording->shown};
+  if (Status s = addAfterwards(*afterwards, recording->log, summary); !s.ok()) return fail(s.error());
+  std::fputs(text(summary, o.format).c_str(), stdout);
+  return compare(*summary.replayed, o.recording.string());
+}
+
+int main(int argc, char** argv) {
+  ReplayOptions o;
+  CLI::App app("Fly a recorded flight again, and report.", "foreland replay");
+  app.footer(std::string(reportHelp()) + kExitCodes);
+  app.add_option("FILE", o.recording, "written by `foreland fly --record`")->required();
+  addAfterwardsOptions(app, o.afterwards);
+  app.add_flag_callback(
+      "--json", [&o] { o.format = bench::ReportFormat::kJson; }, "print the report as JSON");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
+  return run(o);
+}
+
+}  // namespace
+
+}  // namespace foreland::apps
+
+int main(int argc, char** argv) { return foreland::apps::main(argc, argv); }

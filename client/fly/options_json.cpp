@@ -1,0 +1,182 @@
+#include "client/fly/options_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace foreland::client {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json toJson(const proto::ViewRequest& r) {
+  return {{"fov_rad", r.lens.vertical_fov_rad},
+          {"width_px", r.lens.width_px},
+          {"height_px", r.lens.height_px},
+          {"tau_px", r.tau_px},
+          {"strategy", proto::name(r.strategy)},
+          {"predictor", proto::name(r.predictor)},
+          {"keyframe_us", r.keyframe_interval.us},
+          {"max_triangles", r.max_triangles},
+          {"max_bytes_per_second", r.max_bytes_per_second},
+          {"occlusion", r.occlusion},
+          {"memory_bytes", r.memory_bytes}};
+}
+
+Json toJson(const Track& track) {
+  Json fixes = Json::array();
+  for (const Fix& fix : track.fixes) fixes.push_back({fix.time_s, fix.latitude_rad, fix.longitude_rad, fix.height_m});
+  return {{"has_heights", track.heights == TrackHeights::kRecorded}, {"fixes", std::move(fixes)}};
+}
+
+Json toJson(const TrackOptions& o) {
+  Json json = {{"speed", o.speed}, {"from_s", o.from_s}, {"clearance_m", o.clearance_m}};
+  if (o.seconds) json["seconds"] = *o.seconds;
+  if (o.agl_m) json["agl_m"] = *o.agl_m;
+  return json;
+}
+
+// Reads members of an object; what is missing, of another type or beyond its range is noted once, by its name.
+class Members {
+ public:
+  explicit Members(const Json& object, std::string& wrong) : object_(object), wrong_(wrong) {}
+
+  double number(const char* key, double least, double most) {
+    const Json* value = find(key, &Json::is_number);
+    const double number = value ? value->get<double>() : least;
+    if (!(number >= least && number <= most)) note(key);
+    return std::clamp(std::isnan(number) ? least : number, least, most);
+  }
+  template <class Integer>
+  Integer integer(const char* key, int64_t least, int64_t most) {
+    const Json* value = find(key, &Json::is_number_integer);
+    const int64_t number = value ? value->get<int64_t>() : least;
+    if (number < least || number > most) note(key);
+    return static_cast<Integer>(std::clamp(number, least, most));
+  }
+  bool flag(const char* key) {
+    const Json* value = find(key, &Json::is_boolean);
+    return value && value->get<bool>();
+  }
+  std::string text(const char* key) {
+    const Json* value = find(key, &Json::is_string);
+    return value ? value->get<std::string>() : std::string();
+  }
+  // By its name.
+  template <class Value, class Named>
+  Value named(const char* key, const Named& named, Value otherwise) {
+    const std::optional<Value> value = named(text(key));
+    if (!value) note(key);
+    return value.value_or(otherwise);
+  }
+  Members object(const char* key) {
+    static const Json kEmpty = Json::object();
+    const Json* value = find(key, &Json::is_object);
+    return Members(value ? *value : kEmpty, wrong_);
+  }
+  bool has(const char* key) const { return object_.contains(key); }
+  const Json* array(const char* key) { return find(key, &Json::is_array); }
+  void note(const char* key) {
+    if (wrong_.empty()) wrong_ = key;
+  }
+
+ private:
+  const Json* find(const char* key, bool (Json::*is_kind)() const noexcept) {
+    const auto at = object_.find(key);
+    if (at != object_.end() && (*at.*is_kind)()) return &*at;
+    note(key);
+    return nullptr;
+  }
+  const Json& object_;
+  std::string& wrong_;
+};
+
+constexpr double kMost = 1e9;
+constexpr int64_t kMostWord = std::numeric_limits<uint32_t>::max();
+
+proto::ViewRequest requestFrom(Members json) {
+  constexpr int64_t kWidest = 16384;
+  proto::ViewRequest r;
+  r.lens.vertical_fov_rad = json.number("fov_rad", 0.001, 3.1);
+  r.lens.width_px = json.integer<uint32_t>("width_px", 1, kWidest);
+  r.lens.height_px = json.integer<uint32_t>("height_px", 1, kWidest);
+  r.tau_px = json.number("tau_px", 0, 1000);
+  r.strategy = json.named("strategy", proto::strategyNamed, r.strategy);
+  r.predictor = json.named("predictor", proto::predictorNamed, r.predictor);
+  r.keyframe_interval.us = json.integer<int64_t>("keyframe_us", 0, 10'000'000);
+  r.max_triangles = json.integer<uint32_t>("max_triangles", 0, kMostWord);
+  r.max_bytes_per_second = json.integer<uint32_t>("max_bytes_per_second", 0, kMostWord);
+  r.occlusion = json.flag("occlusion");
+  r.memory_bytes = json.integer<uint32_t>("memory_bytes", 0, kMostWord);
+  return r;
+}
+
+std::shared_ptr<const Track> trackFrom(Members json) {
+  Track track;
+  track.heights = json.flag("has_heights") ? TrackHeights::kRecorded : TrackHeights::kMissing;
+  const Json* fixes = json.array("fixes");
+  for (size_t i = 0; fixes && i < fixes->size(); ++i) {
+    const Json& fix = (*fixes)[i];
+    const auto isSound = [](const Json& n) { return n.is_number() && std::abs(n.get<double>()) <= kMost; };
+    if (!fix.is_array() || fix.size() != 4 || !std::all_of(fix.begin(), fix.end(), isSound)) {
+      json.note("fixes");
+      break;
+    }
+    track.fixes.push_back({fix[0].get<double>(), fix[1].get<double>(), fix[2].get<double>(), fix[3].get<double>()});
+  }
+  const auto isLater = [](const Fix& a, const Fix& b) { return !(a.time_s < b.time_s); };
+  if (track.fixes.size() < 2 || track.fixes.size() > Track::kMaxFixes ||
+      std::adjacent_find(track.fixes.begin(), track.fixes.end(), isLater) != track.fixes.end())
+    json.note("fixes");
+  return std::make_shared<const Track>(std::move(track));
+}
+
+TrackOptions trackOptionsFrom(Members json) {
+  TrackOptions o;
+  o.speed = json.number("speed", -kMost, kMost);
+  o.from_s = json.number("from_s", -kMost, kMost);
+  o.clearance_m = json.number("clearance_m", -kMost, kMost);
+  if (json.has("seconds")) o.seconds = json.number("seconds", -kMost, kMost);
+  if (json.has("agl_m")) o.agl_m = json.number("agl_m", -kMost, kMost);
+  return o;
+}
+
+}  // namespace
+
+std::string optionsToJson(const PlayerOptions& o) {
+  Json json = {{"request", toJson(o.request)},
+               {"blend", name(o.blend)},
+               {"announces_path", o.knowledge == PathKnowledge::kAnnounced},
+               {"tour", o.tour},
+               {"seconds", o.seconds},
+               {"standing_us", o.standing.us},
+               {"timeout_us", o.timeout.us},
+               {"track_options", toJson(o.track_options)}};
+  if (o.track) json["track"] = toJson(*o.track);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<PlayerOptions> optionsFromJson(const std::string& text) {
+  constexpr int64_t kLongest_us = 86'400'000'000;
+  const Json parsed = Json::parse(text, nullptr, false);
+  if (!parsed.is_object()) return Error{ErrorCode::kMalformed, "what was flown is no JSON object"};
+  std::string wrong;
+  Members json(parsed, wrong);
+  PlayerOptions o;
+  o.request = requestFrom(json.object("request"));
+  o.blend = json.named("blend", blendNamed, o.blend);
+  o.knowledge = json.flag("announces_path") ? PathKnowledge::kAnnounced : PathKnowledge::kPrivate;
+  o.tour = json.text("tour");
+  o.seconds = json.number("seconds", 0, kMost);
+  o.standing.us = json.integer<int64_t>("standing_us", 0, kLongest_us);
+  o.timeout.us = json.integer<int64_t>("timeout_us", 0, kLongest_us);
+  o.track_options = trackOptionsFrom(json.object("track_options"));
+  if (json.has("track")) o.track = trackFrom(json.object("track"));
+  if (!wrong.empty()) return Error{ErrorCode::kMalformed, "what was flown is said wrongly: '" + wrong + "'"};
+  return o;
+}
+
+}  // namespace foreland::client

@@ -1,0 +1,150 @@
+#include "client/fly/recording.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "client/fly/options_json.h"
+
+namespace foreland::client {
+
+namespace {
+
+// The file: this line; the options as JSON; then what came in, each as its kind (1 byte), time (8 bytes, microseconds),
+// size (4 bytes) and bytes; all numbers little-endian. The last one is kEnd.
+constexpr std::string_view kFirstLine = "foreland flight 1\n";
+enum Kind : uint8_t { kOptions = 'o', kFrame = 'f', kMessage = 'm', kReconnect = 'r', kEnd = 'e' };
+constexpr size_t kHeadBytes = 13;
+constexpr size_t kMostOptionsBytes = 512u << 20;  // a track of Track::kMaxFixes fits
+constexpr int64_t kMostTime_us = int64_t{1} << 60;
+
+Error invalid(const std::string& what) { return {ErrorCode::kMalformed, what}; }
+
+uint64_t readNumber(ByteSpan bytes) {
+  uint64_t value = 0;
+  for (size_t i = 0; i < bytes.size(); ++i) value |= uint64_t{bytes[i]} << (8 * i);
+  return value;
+}
+
+template <size_t kSize>
+std::array<char, kSize> littleEndian(uint64_t value) {
+  std::array<char, kSize> bytes;
+  for (size_t i = 0; i < kSize; ++i) bytes[i] = static_cast<char>(value >> (8 * i) & 255);
+  return bytes;
+}
+
+FlightLog::What whatOf(uint8_t kind) {
+  return kind == kMessage     ? FlightLog::What::kMessage
+         : kind == kReconnect ? FlightLog::What::kReconnect
+                              : FlightLog::What::kFrame;
+}
+
+FlightDigest::Value digestFrom(ByteSpan bytes) {
+  return {readNumber(bytes.first(8)), readNumber(bytes.subspan(8, 8)), readNumber(bytes.subspan(16, 8))};
+}
+
+// What one record of the file says; the rest of the file follows it.
+struct Record {
+  uint8_t kind = 0;
+  Time time;
+  ByteSpan bytes;
+};
+
+// nullopt where the file ends before the record does.
+std::optional<Record> takeRecord(ByteSpan& file) {
+  if (file.size() < kHeadBytes) return std::nullopt;
+  const size_t size = readNumber(file.subspan(9, 4));
+  if (file.size() - kHeadBytes < size) return std::nullopt;
+  const Record record{file[0], {static_cast<int64_t>(readNumber(file.subspan(1, 8)))}, file.subspan(kHeadBytes, size)};
+  file = file.subspan(kHeadBytes + size);
+  return record;
+}
+
+Status check(const Record& record, Time last) {
+  if (std::string_view("fmre").find(static_cast<char>(record.kind)) == std::string_view::npos)
+    return invalid("a record of a kind that this version does not know");
+  if (record.time < last || record.time.us > kMostTime_us) return invalid("times that go back");
+  const bool is_empty = record.bytes.empty();
+  if (record.kind == kEnd ? record.bytes.size() != 24 : record.kind != kMessage && !is_empty)
+    return invalid("a record of the wrong size");
+  return {};
+}
+
+Result<Recording> parse(ByteSpan file) {
+  if (file.size() < kFirstLine.size() || !std::equal(kFirstLine.begin(), kFirstLine.end(), file.begin()))
+    return invalid("it does not begin as recordings of `foreland fly --record` do");
+  file = file.subspan(kFirstLine.size());
+  const auto first = takeRecord(file);
+  if (!first || first->kind != kOptions || first->bytes.size() > kMostOptionsBytes)
+    return invalid("it ends before it says what is flown");
+  auto options = optionsFromJson({first->bytes.begin(), first->bytes.end()});
+  if (!options.ok()) return options.error();
+  Recording recording{.log = {std::move(options).value(), {}}, .shown = {}};
+  Time last{-kMostTime_us};
+  while (const auto record = takeRecord(file)) {
+    if (Status s = check(*record, last); !s.ok()) return s.error();
+    last = record->time;
+    if (record->kind != kEnd) {
+      recording.log.entries.push_back({last, whatOf(record->kind), {record->bytes.begin(), record->bytes.end()}});
+      continue;
+    }
+    recording.shown = digestFrom(record->bytes);
+    if (!file.empty()) return invalid("something follows its end");
+  }
+  return recording;
+}
+
+}  // namespace
+
+Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& path, const PlayerOptions& options) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(kFirstLine.data(), kFirstLine.size());
+  RecordingWriter writer(path, std::move(file));
+  const std::string text = optionsToJson(options);
+  writer.put(kOptions, {}, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  if (Status s = writer.flush(); !s.ok()) return s.error();
+  return writer;
+}
+
+Status RecordingWriter::append(std::span<const FlightLog::Entry> entries) {
+  constexpr std::array<uint8_t, 3> kKinds{kFrame, kMessage, kReconnect};  // by FlightLog::What
+  for (const FlightLog::Entry& entry : entries.subspan(std::min(appended_, entries.size())))
+    put(kKinds[static_cast<size_t>(entry.what)], entry.time, entry.message);
+  appended_ = entries.size();
+  return flush();
+}
+
+Status RecordingWriter::finish(const FlightDigest::Value& shown) {
+  Bytes bytes;
+  for (uint64_t number : {shown.frames, shown.sections, shown.drawn})
+    for (char byte : littleEndian<8>(number)) bytes.push_back(static_cast<uint8_t>(byte));
+  put(kEnd, {kMostTime_us}, bytes);
+  return flush();
+}
+
+void RecordingWriter::put(uint8_t what, Time time, ByteSpan bytes) {
+  file_.put(static_cast<char>(what));
+  file_.write(littleEndian<8>(static_cast<uint64_t>(time.us)).data(), 8);
+  file_.write(littleEndian<4>(bytes.size()).data(), 4);
+  file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+Status RecordingWriter::flush() {
+  file_.flush();
+  if (file_) return {};
+  return Error{ErrorCode::kIo,
+               "cannot write the recording " + path_.string() + ": is its folder there, and the disk full?"};
+}
+
+Result<Recording> readRecording(const std::filesystem::path& path) {
+  std::error_code error;
+  std::ifstream file(path, std::ios::binary);
+  if (!file || !std::filesystem::is_regular_file(path, error))
+    return Error{ErrorCode::kNotFound, "cannot read " + path.string() + ": it must be a file"};
+  const Bytes bytes((std::istreambuf_iterator<char>(file)), {});
+  auto recording = parse(bytes);
+  if (!recording.ok()) return invalid(path.string() + " is no sound recording: " + recording.error().message);
+  return recording;
+}
+
+}  // namespace foreland::client
