@@ -55,7 +55,7 @@ Section apply(const Section& from, const CutDelta& delta) {
 }
 
 uint32_t fingerprint(Slot slot) {
-  uint32_t h = slot * 0x9e3779b1u;
+  uint32_t h = (slot + 1) * 0x9e3779b1u;  // not 0 of slot 0, which would not count
   h = (h ^ (h >> 15)) * 0x85ebca77u;
   h = (h ^ (h >> 13)) * 0xc2b2ae3du;
   return h ^ (h >> 16);

@@ -121,7 +121,7 @@ class Test:
 
 
 def fingerprint(slot):
-    h = slot * 0x9E3779B1 & 0xFFFFFFFF
+    h = (slot + 1) * 0x9E3779B1 & 0xFFFFFFFF
     h = (h ^ (h >> 15)) * 0x85EBCA77 & 0xFFFFFFFF
     h = (h ^ (h >> 13)) * 0xC2B2AE3D & 0xFFFFFFFF
     return h ^ (h >> 16)
