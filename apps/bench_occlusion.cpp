@@ -10,8 +10,8 @@ namespace foreland::apps {
 CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
   CLI::App* sub = app.add_subcommand("occlusion", "what leaving out hidden nodes saves, costs and shows");
   addFlightOptions(*sub, args.flight);
-  sub->add_option("--predictor", args.predictor, "of the viewer's motion: path (known), hold, velocity or acceleration")
-      ->check(CLI::IsMember({"path", "hold", "velocity", "acceleration"}))
+  sub->add_option("--predictor", args.predictor, "of the viewer's motion")
+      ->check(CLI::IsMember({"path", "hold", "velocity", "acceleration", "double-exponential", "kalman"}))
       ->capture_default_str();
   sub->add_option("--judge", args.judge.keyframes,
                   "keyframes that rays judge beside the first, and frames between; 0: none but the costs")

@@ -27,7 +27,7 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
   const auto strategy = proto::strategyNamed(o.strategy);
   if (!strategy) return invalid("--strategy '" + o.strategy + "': choose delay, current or predict");
   const auto predictor = proto::predictorNamed(o.predictor.value_or(o.tour == "jumps" ? "velocity" : "path"));
-  if (!predictor) return invalid("--predictor '" + *o.predictor + "': choose hold, velocity, acceleration or path");
+  if (!predictor) return invalid("--predictor '" + *o.predictor + "': choose one of " + proto::predictorNames());
   if (!(o.tau_px > 0) || o.tau_px > 1000) return invalid("--tau must be above 0 and at most 1000 pixels");
   if (o.keyframe_ms < 20 || o.keyframe_ms > 10'000) return invalid("--keyframe-ms must be 20 to 10000");
   return proto::ViewRequest{.lens = *lens,
@@ -76,7 +76,8 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--occlusion", o.occlusion,
                  "on: ask for sections without what ridges hide, of a server with --occlusion on (default off)")
       ->check(CLI::IsMember({"on", "off"}));
-  app.add_option("--predictor", o.predictor, "hold, velocity, acceleration or path (default)");
+  app.add_option("--predictor", o.predictor,
+                 "hold, velocity, acceleration, double-exponential, kalman or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
   app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
   app.add_option("--memory-mib", o.memory_mib,

@@ -20,7 +20,7 @@ constexpr size_t kMaxNesting = 16, kMaxTables = ObjectSet::kMaxModels + 16;  // 
 // ---- names
 
 constexpr const char* kStrategyNames[] = {"delay", "current", "predict"};
-constexpr const char* kPredictorNames[] = {"hold", "velocity", "acceleration", "path"};
+constexpr const char* kPredictorNames[] = {"hold", "velocity", "acceleration", "path", "double-exponential", "kalman"};
 
 template <class E, size_t N>
 std::optional<E> named(const char* const (&names)[N], std::string_view wanted) {
@@ -122,7 +122,8 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
   out.tau_px = m.tau_px();
   if (out.tau_px != 0 && !(out.tau_px >= 0.01 && out.tau_px <= 1000))
     return malformed("the tolerance must be 0.01 to 1000 pixels, or 0 for the server's own");
-  if (m.strategy() > 2 || m.predictor() > 3) return malformed("unknown strategy or predictor");
+  if (m.strategy() > 2 || m.predictor() >= std::size(kPredictorNames))
+    return malformed("unknown strategy or predictor");
   out.strategy = static_cast<Strategy>(m.strategy());
   out.predictor = static_cast<Predictor>(m.predictor());
   out.keyframe_interval = {m.keyframe_interval_us()};
@@ -276,6 +277,11 @@ Result<ServerControl> read(const fb::GroundReply& m) {
 
 const char* name(Strategy strategy) { return kStrategyNames[static_cast<size_t>(strategy)]; }
 const char* name(Predictor predictor) { return kPredictorNames[static_cast<size_t>(predictor)]; }
+std::string predictorNames() {
+  std::string all;
+  for (const char* each : kPredictorNames) all += (all.empty() ? "" : ", ") + std::string(each);
+  return all;
+}
 std::optional<Strategy> strategyNamed(std::string_view wanted) { return named<Strategy>(kStrategyNames, wanted); }
 std::optional<Predictor> predictorNamed(std::string_view wanted) { return named<Predictor>(kPredictorNames, wanted); }
 

@@ -27,7 +27,16 @@ inline constexpr size_t kMaxGroundPoints = 65'536;
 
 // P section 4; DESIGN section 4.
 enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
-enum class Predictor : uint8_t { kHold = 0, kConstantVelocity = 1, kConstantAcceleration = 2, kKnownPath = 3 };
+enum class Predictor : uint8_t {
+  kHold = 0,
+  kConstantVelocity = 1,
+  kConstantAcceleration = 2,
+  kKnownPath = 3,
+  kDoubleExponential = 4,
+  kKalman = 5
+};
+// Their names, separated by commas, for messages that ask for one of them.
+std::string predictorNames();
 
 // "delay", "current", "predict"; "hold", "velocity", "acceleration", "path". Empty for other names.
 const char* name(Strategy strategy);

@@ -24,8 +24,19 @@ glm::dquat scaled(glm::dquat q, double factor) {
 
 void PoseHistory::add(const proto::TimedPose& pose) {
   if (!poses_.empty() && pose.time <= poses_.back().time) return;
+  if (poses_.empty()) return restart(pose);
+  const MotionRates rates = MotionRates::between(poses_.back(), pose);
+  const double seconds = (pose.time - poses_.back().time).toSeconds();
+  double_exponential_.add(rates, seconds);
+  kalman_->add(pose.pose, rates, seconds);
   if (poses_.size() == kCapacity) poses_.erase(poses_.begin(), poses_.begin() + kCapacity / 2);
   poses_.push_back(pose);
+}
+
+void PoseHistory::restart(const proto::TimedPose& pose) {
+  poses_.assign(1, pose);
+  double_exponential_ = {};
+  kalman_.emplace(pose.pose);
 }
 
 proto::Pose PoseHistory::at(Time t) const { return proto::poseAt(poses_, t); }
@@ -41,6 +52,8 @@ Extrapolation PoseHistory::extrapolate(proto::Predictor predictor) const {
   const size_t n = poses_.size() - 1, m = before(n);
   Extrapolation result;
   if (predictor == proto::Predictor::kHold || m == n) return result;
+  if (predictor == proto::Predictor::kDoubleExponential) return double_exponential_.extrapolate();
+  if (predictor == proto::Predictor::kKalman) return kalman_->extrapolate();
   result.span_s = (last.time - poses_[m].time).toSeconds();
   result.velocity = (last.pose.eye - poses_[m].pose.eye) / result.span_s;
   result.rotation = last.pose.orientation * glm::conjugate(poses_[m].pose.orientation);

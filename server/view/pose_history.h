@@ -8,19 +8,10 @@
 
 #include "proto/message/message.h"
 #include "proto/space/pose.h"
+#include "server/view/extrapolation.h"
+#include "server/view/motion_filters.h"
 
 namespace foreland::server {
-
-// Motion beyond the newest pose: the eye at constant acceleration, the orientation turning evenly about one axis.
-struct Extrapolation {
-  glm::dvec3 velocity{0};           // over the last `span_s`, m/s
-  glm::dvec3 acceleration{0};       // m/s^2
-  glm::dquat rotation{1, 0, 0, 0};  // over the last `span_s`
-  double span_s = 1;
-
-  // Radians a second.
-  double turnRate() const { return proto::angleBetween(glm::dquat(1, 0, 0, 0), rotation) / span_s; }
-};
 
 class PoseHistory {
  public:
@@ -32,7 +23,7 @@ class PoseHistory {
   void add(const proto::TimedPose& pose);
   bool empty() const { return poses_.empty(); }
   // Forgets all poses but this one: the camera jumped to it.
-  void restart(const proto::TimedPose& pose) { poses_.assign(1, pose); }
+  void restart(const proto::TimedPose& pose);
 
   // All that follows needs at least one pose.
 
@@ -49,6 +40,8 @@ class PoseHistory {
   //   hold          not at all
   //   velocity      straight and turning evenly, as over the last kBaseline (or more, between sparse poses)
   //   acceleration  velocity changes as it did between the last two such spans; turning stays even
+  //   double exponential, Kalman
+  //                 by rates filtered over all poses since the last restart (motion_filters.h)
   //   path          as velocity: no path is known here
   Extrapolation extrapolate(proto::Predictor predictor) const;
 
@@ -60,6 +53,8 @@ class PoseHistory {
   size_t before(size_t i) const;
 
   std::vector<proto::TimedPose> poses_;  // ascending
+  DoubleExponential double_exponential_;
+  std::optional<KalmanMotion> kalman_;  // from the first pose on
 };
 
 }  // namespace foreland::server

@@ -85,7 +85,7 @@ class HostileViewer {
               1 + static_cast<uint32_t>(choices_.below(16384))};
     r.tau_px = choices_.below(3) == 0 ? 0.01 : choices_.uniform(0.01, 1000);
     r.strategy = static_cast<proto::Strategy>(choices_.below(3));
-    r.predictor = static_cast<proto::Predictor>(choices_.below(4));
+    r.predictor = static_cast<proto::Predictor>(choices_.below(6));
     r.keyframe_interval = Duration::milliseconds(20 + static_cast<int64_t>(choices_.below(100)));
     r.max_triangles = choices_.below(3) == 0 ? static_cast<uint32_t>(choices_.next()) : 0;
     r.max_bytes_per_second = choices_.below(3) == 0 ? 1 + static_cast<uint32_t>(choices_.below(100'000)) : 0;

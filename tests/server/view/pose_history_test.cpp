@@ -61,7 +61,7 @@ TEST(PoseHistory, PredictsEvenMotionAndTurningExactly) {
   const glm::dvec3 velocity(30, -7, 2);
   const PoseHistory history = historyOf(
       0.6, [&](double t) { return velocity * t; }, 0.9);
-  for (const auto predictor : {kConstantVelocity, kConstantAcceleration, kKnownPath}) {
+  for (const auto predictor : {kConstantVelocity, kConstantAcceleration, kKnownPath, kDoubleExponential}) {
     const proto::Pose pose = history.predict(predictor, Time::seconds(1.1));
     expectNear(pose.eye, velocity * 1.1, 1e-9);
     EXPECT_LT(proto::angleBetween(pose.orientation, heading(0.99)), 1e-9);
@@ -73,6 +73,36 @@ TEST(PoseHistory, PredictsEvenAccelerationExactlyWithTheAccelerationPredictorAlo
   const PoseHistory history = historyOf(0.6, eye_at);
   expectNear(history.predict(kConstantAcceleration, Time::seconds(1)).eye, eye_at(1), 1e-9);
   EXPECT_GT(glm::distance(history.predict(kConstantVelocity, Time::seconds(1)).eye, eye_at(1)), 0.5);
+}
+
+TEST(PoseHistory, PredictsEvenAccelerationAndTurningNearlyExactlyByAKalmanFilter) {
+  const auto eye_at = [](double t) { return glm::dvec3(5 * t, 3 * t * t, -4 * t * t); };
+  const PoseHistory history = historyOf(4, eye_at, 0.9);
+  const proto::Pose pose = history.predict(kKalman, Time::seconds(4.5));
+  expectNear(pose.eye, eye_at(4.5), 0.02);
+  EXPECT_LT(proto::angleBetween(pose.orientation, heading(0.9 * 4.5)), 1e-3);
+  EXPECT_GT(glm::distance(history.predict(kConstantVelocity, Time::seconds(4.5)).eye, eye_at(4.5)), 1);
+}
+
+// A camera that shakes about a straight path moves on straight for a filter; by its last poses it would fly aside.
+TEST(PoseHistory, SmoothsWhatShakes) {
+  const auto eye_at = [](double t) { return glm::dvec3(30 * t, 0.05 * std::sin(60 * t), 0); };
+  double velocity_m = 0, smoothed_m = 0;
+  for (double last_s = 2; last_s < 2.2; last_s += 0.02) {
+    const PoseHistory history = historyOf(last_s, eye_at);
+    const Time t = history.newest().time + Duration::milliseconds(500);
+    velocity_m = std::max(velocity_m, std::fabs(history.predict(kConstantVelocity, t).eye.y));
+    smoothed_m = std::max(smoothed_m, std::fabs(history.predict(kDoubleExponential, t).eye.y));
+  }
+  EXPECT_LT(smoothed_m, 0.7 * velocity_m);
+}
+
+TEST(PoseHistory, ForgetsWhatItFilteredWhenTheCameraJumps) {
+  PoseHistory history = historyOf(1, [](double t) { return glm::dvec3(40 * t, 0, 0); });
+  history.restart({Time{1'100'000}, {{900, 0, 0}, heading(0)}});
+  history.add({Time{1'150'000}, {{900, 0, 0}, heading(0)}});
+  for (const auto predictor : {kDoubleExponential, kKalman})
+    expectNear(history.predict(predictor, Time{1'400'000}).eye, {900, 0, 0}, 1e-9);
 }
 
 TEST(PoseHistory, StandsStillWithHoldWithOnePoseAndBeyondTheHorizon) {

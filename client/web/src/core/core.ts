@@ -8,7 +8,7 @@ import {
 export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z, w
 
 export const kStrategies = ['delay', 'current', 'predict'] as const;
-export const kPredictors = ['hold', 'velocity', 'acceleration', 'path'] as const;
+export const kPredictors = ['hold', 'velocity', 'acceleration', 'path', 'double-exponential', 'kalman'] as const;
 export const kBlends = ['keyframe', 'geomorph'] as const; // client/mesh/blend.h
 export type Strategy = (typeof kStrategies)[number];
 export type Predictor = (typeof kPredictors)[number];
