@@ -66,8 +66,8 @@ struct Oracle::Impl {
   std::vector<HeightBlock> blocks;
   std::vector<int32_t> rank;
   std::vector<uint32_t> seen;
-  std::vector<TriangleBins> bins_a, bins_b;
-  Tile tile_a, tile_b;
+  std::vector<std::vector<TriangleBins>> bins;  // of each surface, of each of its shares
+  std::vector<Tile> tiles;                      // of each surface
 
   Impl(Truth t, double near)
       : truth(std::move(t)),
@@ -113,24 +113,24 @@ struct Oracle::Impl {
       }
   }
 
-  void bin(Surface surface, std::vector<TriangleBins>& bins) {
-    bins.resize(std::max(bins.size(), surface.size()));
-    for (size_t i = 0; i < surface.size(); ++i) bins[i].build(*surface[i].mesh, rank, blocks_x, blocks_y, seen.size());
+  void bin(Surface surface, std::vector<TriangleBins>& out) {
+    out.resize(std::max(out.size(), surface.size()));
+    for (size_t i = 0; i < surface.size(); ++i) out[i].build(*surface[i].mesh, rank, blocks_x, blocks_y, seen.size());
   }
 
-  void fill(Surface surface, const std::vector<TriangleBins>& bins, size_t k, Tile& tile) {
+  void fill(Surface surface, const std::vector<TriangleBins>& of_shares, size_t k, Tile& tile) {
     for (auto& component : tile.position) component.fill(0);
     tile.covered.fill(~0u);
     std::array<uint32_t, kBlock> covered;
     for (size_t i = 0; i < surface.size(); ++i) {
-      rasterise(*surface[i].mesh, surface[i].weight, surface[i].share, bins[i].triangles(k), seen[k] % blocks_x,
+      rasterise(*surface[i].mesh, surface[i].weight, surface[i].share, of_shares[i].triangles(k), seen[k] % blocks_x,
                 seen[k] / blocks_x, tile, covered);
       for (uint32_t y = 0; y < kBlock; ++y) tile.covered[y] &= covered[y];
     }
   }
 
-  void judgeBlock(size_t k, const Camera& camera, const Tile* reference, Deviation& sums);
-  Deviation judge(Surface drawn, const Surface* reference, const proto::Pose& pose, const proto::Lens& lens);
+  void judgeBlock(size_t k, const Camera& camera, std::span<const SurfacePair> pairs, std::span<Deviation> sums);
+  static void finish(Deviation& d);
 };
 
 namespace {
@@ -174,8 +174,30 @@ Row rowOf(const Tile& tile, uint32_t y) {
 
 }  // namespace
 
-// Sums squares into rms_*, and squares of the largest into max_*; judge() takes the roots.
-void Oracle::Impl::judgeBlock(size_t k, const Camera& camera, const Tile* reference, Deviation& sums) {
+namespace {
+
+void addRow(const RowErrors& errors, uint32_t covered, glm::uvec2 first, uint32_t columns, Deviation& sums) {
+  for (uint32_t x = 0; x < columns; ++x) {
+    if (!errors.is_seen[x]) continue;
+    if (!(covered >> x & 1)) {
+      ++sums.uncovered;
+      continue;
+    }
+    ++sums.samples;
+    sums.rms_px += errors.px2[x];
+    sums.rms_m += errors.m2[x];
+    sums.max_m = std::max(sums.max_m, errors.m2[x]);
+    if (errors.px2[x] <= sums.max_px) continue;
+    sums.max_px = errors.px2[x];
+    sums.worst_sample = {first.x + x, first.y};
+  }
+}
+
+}  // namespace
+
+// Sums squares into rms_*, and squares of the largest into max_*; finish() takes the roots.
+void Oracle::Impl::judgeBlock(size_t k, const Camera& camera, std::span<const SurfacePair> pairs,
+                              std::span<Deviation> sums) {
   const uint32_t bx = seen[k] % blocks_x, by = seen[k] / blocks_x;
   const HeightBlock& block = load(bx, by);
   Row truth_row{};
@@ -185,41 +207,18 @@ void Oracle::Impl::judgeBlock(size_t k, const Camera& camera, const Tile* refere
       const glm::dvec3 p = truePosition(block, bx, by, x, y);
       truth_row.x[x] = p.x, truth_row.y[x] = p.y, truth_row.z[x] = p.z;
     }
-    judgeRow(camera, truth_row, rowOf(tile_a, y), reference ? rowOf(*reference, y) : truth_row, errors);
-    const uint32_t covered = tile_a.covered[y] & (reference ? reference->covered[y] : ~0u);
-    for (uint32_t x = 0; x < columns(bx); ++x) {
-      if (!errors.is_seen[x]) continue;
-      if (!(covered >> x & 1)) {
-        ++sums.uncovered;
-        continue;
-      }
-      ++sums.samples;
-      sums.rms_px += errors.px2[x];
-      sums.rms_m += errors.m2[x];
-      sums.max_m = std::max(sums.max_m, errors.m2[x]);
-      if (errors.px2[x] <= sums.max_px) continue;
-      sums.max_px = errors.px2[x];
-      sums.worst_sample = {bx * kBlock + x, by * kBlock + y};
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const Tile &a = tiles[pairs[i].a], *b = pairs[i].b == SurfacePair::kTruth ? nullptr : &tiles[pairs[i].b];
+      judgeRow(camera, truth_row, rowOf(a, y), b ? rowOf(*b, y) : truth_row, errors);
+      addRow(errors, a.covered[y] & (b ? b->covered[y] : ~0u), {bx * kBlock, by * kBlock + y}, columns(bx), sums[i]);
     }
   }
 }
 
-Deviation Oracle::Impl::judge(Surface drawn, const Surface* reference, const proto::Pose& pose,
-                              const proto::Lens& lens) {
-  const Camera camera(pose, lens, near_m);
-  chooseBlocks(camera);
-  bin(drawn, bins_a);
-  if (reference) bin(*reference, bins_b);
-  Deviation d;
-  for (size_t k = 0; k < seen.size(); ++k) {
-    fill(drawn, bins_a, k, tile_a);
-    if (reference) fill(*reference, bins_b, k, tile_b);
-    judgeBlock(k, camera, reference ? &tile_b : nullptr, d);
-  }
+void Oracle::Impl::finish(Deviation& d) {
   const double count = static_cast<double>(std::max<uint64_t>(d.samples, 1));
   d.max_px = std::sqrt(d.max_px), d.max_m = std::sqrt(d.max_m);
   d.rms_px = std::sqrt(d.rms_px / count), d.rms_m = std::sqrt(d.rms_m / count);
-  return d;
 }
 
 Oracle::Oracle(Truth truth, double near_m) : impl_(std::make_unique<Impl>(std::move(truth), near_m)) {}
@@ -227,11 +226,31 @@ Oracle::~Oracle() = default;
 Oracle::Oracle(Oracle&&) noexcept = default;
 
 Deviation Oracle::error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens) {
-  return impl_->judge(drawn, nullptr, pose, lens);
+  constexpr SurfacePair kAgainstTruth;
+  return compare({&drawn, 1}, {&kAgainstTruth, 1}, pose, lens).front();
 }
 
 Deviation Oracle::difference(Surface a, Surface b, const proto::Pose& pose, const proto::Lens& lens) {
-  return impl_->judge(a, &b, pose, lens);
+  const Surface both[] = {a, b};
+  constexpr SurfacePair kEachOther{0, 1};
+  return compare(both, {&kEachOther, 1}, pose, lens).front();
+}
+
+std::vector<Deviation> Oracle::compare(std::span<const Surface> surfaces, std::span<const SurfacePair> pairs,
+                                       const proto::Pose& pose, const proto::Lens& lens) {
+  Impl& impl = *impl_;
+  const Camera camera(pose, lens, impl.near_m);
+  impl.chooseBlocks(camera);
+  impl.bins.resize(std::max(impl.bins.size(), surfaces.size()));
+  impl.tiles.resize(std::max(impl.tiles.size(), surfaces.size()));
+  for (size_t i = 0; i < surfaces.size(); ++i) impl.bin(surfaces[i], impl.bins[i]);
+  std::vector<Deviation> result(pairs.size());
+  for (size_t k = 0; k < impl.seen.size(); ++k) {
+    for (size_t i = 0; i < surfaces.size(); ++i) impl.fill(surfaces[i], impl.bins[i], k, impl.tiles[i]);
+    impl.judgeBlock(k, camera, pairs, result);
+  }
+  for (Deviation& d : result) impl.finish(d);
+  return result;
 }
 
 }  // namespace foreland::bench

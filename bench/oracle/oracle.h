@@ -54,6 +54,12 @@ struct Deviation {
   uint64_t uncovered = 0;      // seen, but under no triangle of one of the surfaces
 };
 
+// Two of the surfaces that are compared, by index.
+struct SurfacePair {
+  static constexpr size_t kTruth = ~size_t{0};
+  size_t a = 0, b = kTruth;
+};
+
 class Oracle {
  public:
   static constexpr double kDefaultNear_m = 1;
@@ -66,6 +72,10 @@ class Oracle {
   Deviation error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens);
   // Two drawn surfaces against each other, over the samples whose true position is seen.
   Deviation difference(Surface a, Surface b, const proto::Pose& pose, const proto::Lens& lens);
+  // Several such comparisons for one camera, over the same samples, so that the triangle inequality holds between them
+  // sample by sample, where all surfaces cover. Each surface is rasterised once.
+  std::vector<Deviation> compare(std::span<const Surface> surfaces, std::span<const SurfacePair> pairs,
+                                 const proto::Pose& pose, const proto::Lens& lens);
 
  private:
   struct Impl;
