@@ -374,11 +374,12 @@ double Session::mostAddedForLink() const {
 
 // The share that the section of `view` takes of what viewer, link and server allow; infinite if it is not even
 // measured whole.
-double Session::loadOf(const proto::View& view, SessionScratch& scratch) const {
+double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
   const size_t most_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
   // What starts from nothing is added whole, though what is remembered is not sent.
   const size_t most = sender_.startsFromNothing() ? std::min(mostNodes(), options_.max_added_nodes) : mostNodes();
   const SectionSize size = sender_.measure(view, most, scratch.send);
+  statistics_.nodes_measured += size.nodes;
   if (!size.fits) return std::numeric_limits<double>::infinity();
   double load = std::max(double(size.nodes) / double(most), double(size.added) / double(most_added));
   if (request_->max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
@@ -454,6 +455,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   statistics_.nodes_removed += scratch.send.delta.removed.size();
   statistics_.tau_px = keyframe().tau_px;
   statistics_.is_coarse = keyframe().tau_px > 1.001 * request_->tau_px;  // it is a float
+  statistics_.nodes_tested = sender_.adapter().testCount();
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
@@ -467,6 +469,7 @@ void Session::observeRegion(SessionScratch& scratch) {
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
   const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
+  statistics_.nodes_measured += size.nodes;
   region_share_.observe(sender_.nodeCount(), size.nodes);
 }
 

@@ -54,6 +54,8 @@ struct SessionStatistics {
   uint64_t keyframes = 0;
   uint64_t skipped_keyframes = 0;  // grid points without a keyframe
   uint64_t nodes_added = 0, nodes_removed = 0;
+  uint64_t nodes_tested = 0;    // of the terrain, by keyframes
+  uint64_t nodes_measured = 0;  // of sections that were refined from scratch to be counted
   size_t section_nodes = 0;
   size_t remembered_nodes = 0;  // of the terrain, that the viewer knows beside those around its section
   size_t memory_bytes = 0;      // that the server needs to know which
@@ -150,7 +152,7 @@ class Session {
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
   double mostAddedForLink() const;
-  double loadOf(const proto::View& view, SessionScratch& scratch) const;
+  double loadOf(const proto::View& view, SessionScratch& scratch);
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   void observeRegion(SessionScratch& scratch);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);

@@ -4,16 +4,19 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/world/world.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "tests/support/lattice_surface.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
 #include "tests/world/ring_of_objects.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::onKnownTour;
+using bench::World;
 
 using client::Replica;
 

@@ -18,14 +18,18 @@
 #include <glm/geometric.hpp>
 
 #include "base/rng.h"
+#include "bench/world/world.h"
 #include "server/view/ground.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/scene.h"
 #include "tests/world/hostile_viewer.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::ClientOptions;
+using bench::LinkOptions;
+using bench::World;
 
 constexpr size_t kMostNodes = 20'000;
 constexpr Duration kFaulty = Duration::seconds(6), kQuiet = Duration::seconds(5), kSettled = Duration::seconds(4);

@@ -4,12 +4,15 @@
 #include "bench/oracle/crack_checker.h"
 #include "bench/oracle/oracle.h"
 #include "bench/oracle/scene_truth.h"
+#include "bench/world/world.h"
 #include "server/view/tour.h"
 #include "tests/support/scene.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::ClientOptions;
+using bench::World;
 
 using proto::Predictor;
 using proto::Strategy;

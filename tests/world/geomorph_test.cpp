@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bench/oracle/crack_checker.h"
+#include "bench/world/world.h"
 #include "client/replica.h"
 #include "proto/topology/mesh_triangles.h"
 #include "server/section/sender.h"
@@ -15,10 +16,13 @@
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
 #include "tests/world/ring_of_objects.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::ClientOptions;
+using bench::onKnownTour;
+using bench::World;
 
 using client::Blend;
 using client::KeyframeMesh;

@@ -6,13 +6,16 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "bench/world/world.h"
 #include "server/view/ground.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::ClientOptions;
+using bench::World;
 
 using proto::Strategy;
 

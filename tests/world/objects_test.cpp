@@ -6,14 +6,17 @@
 #include <array>
 #include <map>
 
+#include "bench/world/world.h"
 #include "proto/topology/mesh_triangles.h"
 #include "tests/protocol/expectation.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::onKnownTour;
+using bench::World;
 
 using proto::NodeId;
 using proto::Section;

@@ -4,11 +4,15 @@
 #include <array>
 
 #include "bench/oracle/crack_checker.h"
+#include "bench/world/world.h"
 #include "tests/support/scene.h"
-#include "tests/world/world.h"
 
 namespace foreland::test {
 namespace {
+
+using bench::ClientOptions;
+using bench::onKnownTour;
+using bench::World;
 
 std::shared_ptr<const terrain::Scene> hillsOf(uint64_t seed) { return makeScene(301, 217, seed); }
 

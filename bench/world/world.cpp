@@ -1,12 +1,13 @@
-#include "tests/world/world.h"
+#include "bench/world/world.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "bench/timing.h"
 #include "bench/wire/framing.h"
 #include "server/view/tour.h"
 
-namespace foreland::test {
+namespace foreland::bench {
 
 namespace {
 
@@ -28,10 +29,13 @@ ClientOptions onKnownTour(const terrain::Scene& scene, const std::string& tour, 
 
 World::World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
              uint64_t seed, server::SceneObjects objects)
-    : world_(std::make_shared<server::World>(std::move(scene), std::move(objects))),
-      options_(options),
-      compute_time_(compute_time),
-      seed_(seed) {}
+    : World(
+          std::make_shared<server::World>(std::move(scene), std::move(objects)), options,
+          [compute_time](const StepWork&) { return compute_time; }, seed) {}
+
+World::World(std::shared_ptr<const server::World> world, const server::SessionOptions& options,
+             ComputeTime compute_time, uint64_t seed, Laws laws)
+    : world_(std::move(world)), options_(options), compute_time_(std::move(compute_time)), laws_(laws), seed_(seed) {}
 
 size_t World::addClient(const ClientOptions& options) {
   clients_.push_back(std::make_unique<Client>(options, world_, options_, seed_ + 1000 * clients_.size()));
@@ -113,30 +117,42 @@ void World::handle(Client& c, size_t index, Time now) {
       lose(c);
     }
   if (const auto due = c.session.due(); due && due->release <= now) serve(c, now);
-  while (c.down.nextArrival() && *c.down.nextArrival() <= now) receive(c, now);
+  while (c.down.nextArrival() && *c.down.nextArrival() <= now) receive(c, index, now);
   if (c.next_frame <= now) frame(c, index, now);
   flush(c, now);
 }
 
 void World::serve(Client& c, Time now) {
-  const uint32_t before = c.session.keyframe().index;
+  const server::SessionStatistics before = c.session.statistics();
   std::vector<Bytes> out;
+  const double begin_s = on_step ? threadSeconds() : 0;
   c.session.step(now, scratch_, out);
-  c.session.noteComputeTime(compute_time_);
-  const bool computed = c.session.keyframe().index != before;
-  if (computed && c.waits_for_drain && c.down.drainedAt() > now)
-    complain("a second delta was made while one was unsent");
-  if (computed) {
-    c.sections[c.session.keyframe().index] = {c.session.section(), c.session.knownPages()};
-    if (const Status s = proto::validate(c.session.world().hierarchy.grid(), c.session.section()); !s.ok())
-      complain(s.error().message);
-  }
+  const double real_s = on_step ? threadSeconds() - begin_s : 0;
+  uint64_t bytes = 0;
+  for (const Bytes& message : out) bytes += message.size();
+  const StepWork work = StepWork::between(before, c.session.statistics(), bytes);
+  if (on_step) on_step(work, real_s);
+  const Duration spent = compute_time_(work);
+  c.session.noteComputeTime(spent);
+  if (work.keyframes > 0) keep(c, now, work, spent);
   for (Bytes& message : out) {
     c.traffic.largest_down = std::max(c.traffic.largest_down, message.size());
-    c.down.send(std::move(message), now + (computed ? compute_time_ : Duration{}));
+    c.down.send(std::move(message), now + (work.keyframes > 0 ? spent : Duration{}));
   }
   c.traffic.most_unsent_bytes = std::max(c.traffic.most_unsent_bytes, c.down.unsentBytes(now));
   if (!out.empty()) c.waits_for_drain = true;
+}
+
+void World::keep(Client& c, Time now, const StepWork& work, Duration spent) {
+  Client::Sent& sent = c.sections[c.session.keyframe().index];
+  sent.work = work;
+  sent.computed = spent;
+  if (laws_ == Laws::kTrusted) return;
+  if (c.waits_for_drain && c.down.drainedAt() > now) complain("a second delta was made while one was unsent");
+  sent.section = c.session.section();
+  sent.known = c.session.knownPages();
+  if (const Status s = proto::validate(c.session.world().hierarchy.grid(), sent.section); !s.ok())
+    complain(s.error().message);
 }
 
 namespace {
@@ -157,7 +173,7 @@ bool knowsTheTruth(const client::Replica& replica, const server::Hierarchy& hier
 
 }  // namespace
 
-void World::receive(Client& c, Time now) {
+void World::receive(Client& c, size_t index, Time now) {
   Bytes message = c.down.receive();
   if (!c.is_connected) return;
   if (corrupts(c, now)) message[0] = 0xff;
@@ -168,16 +184,23 @@ void World::receive(Client& c, Time now) {
     return lose(c);
   }
   if (!c.viewer.replica()) return;
-  const uint32_t index = c.viewer.replica()->newest().index;
-  const auto it = c.sections.find(index);
+  const uint32_t keyframe = c.viewer.replica()->newest().index;
+  const auto it = c.sections.find(keyframe);
   if (it == c.sections.end()) return;
-  if (c.viewer.replica()->section() != it->second.section)
-    complain("client and server differ at keyframe " + std::to_string(index));
-  if (c.viewer.replica()->knownPages() != it->second.known)
-    complain("client and server remember other nodes at keyframe " + std::to_string(index));
-  if (index % 16 == 0 && !knowsTheTruth(*c.viewer.replica(), c.session.world().hierarchy))
-    complain("the client remembers another height or error at keyframe " + std::to_string(index));
+  if (on_keyframe)
+    on_keyframe(index, {now + c.options.clock_offset, message.size(), c.viewer.statistics().last_lateness,
+                        it->second.work, it->second.computed});
+  if (laws_ == Laws::kChecked) compare(c, keyframe, it->second);
   c.sections.erase(c.sections.begin(), std::next(it));
+}
+
+void World::compare(const Client& c, uint32_t keyframe, const Client::Sent& sent) {
+  const client::Replica& replica = *c.viewer.replica();
+  if (replica.section() != sent.section) complain("client and server differ at keyframe " + std::to_string(keyframe));
+  if (replica.knownPages() != sent.known)
+    complain("client and server remember other nodes at keyframe " + std::to_string(keyframe));
+  if (keyframe % 16 == 0 && !knowsTheTruth(replica, c.session.world().hierarchy))
+    complain("the client remembers another height or error at keyframe " + std::to_string(keyframe));
 }
 
 void World::frame(Client& c, size_t index, Time now) {
@@ -209,7 +232,7 @@ void World::flush(Client& c, Time now) {
 
 void World::countDown(Client& c, const Bytes& message) {
   Traffic& t = c.traffic;
-  t.framing_down += bench::frameHeaderBytes(message.size(), bench::Direction::kDown);
+  t.framing_down += frameHeaderBytes(message.size(), Direction::kDown);
   const auto decoded = proto::decodeServerMessage(message, c.keyframes_counted);
   const auto* keyframe = decoded ? std::get_if<proto::KeyframeMessage>(&*decoded) : nullptr;
   if (!keyframe) return t.other_down.add(message.size());
@@ -219,7 +242,7 @@ void World::countDown(Client& c, const Bytes& message) {
 
 void World::countUp(Client& c, const Bytes& message) {
   Traffic& t = c.traffic;
-  t.framing_up += bench::frameHeaderBytes(message.size(), bench::Direction::kUp);
+  t.framing_up += frameHeaderBytes(message.size(), Direction::kUp);
   const auto decoded = proto::decodeClientMessage(message, c.poses_counted);
   const bool is_pose = decoded && std::holds_alternative<proto::PoseUpdate>(*decoded);
   (is_pose ? t.poses : t.other_up).add(message.size());
@@ -231,4 +254,4 @@ std::string World::report() const {
   return all;
 }
 
-}  // namespace foreland::test
+}  // namespace foreland::bench

@@ -1,6 +1,6 @@
 // A small world in virtual time: the real session and viewer cores, seeded links between them, no sockets, no clock.
-// Minutes of flight run in seconds, and the same seed gives the same bytes. After each event the laws of a session are
-// checked.
+// Minutes of flight run in seconds, and the same seed gives the same bytes. Tests and experiments use the same world;
+// after each event the laws of a session are checked, unless an experiment takes them as proved. One owner.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/world/compute_cost.h"
+#include "bench/world/link.h"
 #include "client/viewer.h"
 #include "server/session/session.h"
-#include "tests/world/link.h"
 
-namespace foreland::test {
+namespace foreland::bench {
 
 struct ClientOptions {
   proto::ViewRequest request;
@@ -47,6 +48,17 @@ struct Traffic {
   size_t most_unsent_bytes = 0, largest_down = 0;
 };
 
+// A keyframe as it arrived.
+struct ArrivedKeyframe {
+  Time at;  // the client's clock
+  size_t bytes = 0;
+  Duration lateness;  // negative is early
+  StepWork work;      // that the server did for it
+  Duration computed;  // what that took
+};
+
+enum class Laws : uint8_t { kChecked, kTrusted };
+
 // Predicts along a tour that it announces, on a small screen.
 ClientOptions onKnownTour(const terrain::Scene& scene, const std::string& tour, double seconds);
 
@@ -54,8 +66,11 @@ class World {
  public:
   static constexpr Duration kFrame{16'667};  // between two frames of a client
 
+  // Every step of a session takes `compute_time`, or as long as its work costs. There are as many workers as clients.
   World(std::shared_ptr<const terrain::Scene> scene, const server::SessionOptions& options, Duration compute_time,
         uint64_t seed, server::SceneObjects objects = {});
+  World(std::shared_ptr<const server::World> world, const server::SessionOptions& options, ComputeTime compute_time,
+        uint64_t seed, Laws laws = Laws::kChecked);
 
   size_t addClient(const ClientOptions& options);
   // The client's server dies with its connection, and what was under way is lost; the client flies on.
@@ -72,6 +87,12 @@ class World {
 
   // Called for each frame that shows something.
   std::function<void(size_t client, const client::FrameView&, Time now_client)> on_frame;
+  // Called for each keyframe that a client has taken.
+  std::function<void(size_t client, const ArrivedKeyframe&)> on_keyframe;
+
+  // Called after each step with the processor time that it really took: how prices are measured. If it is empty, as in
+  // every experiment, no clock is read.
+  std::function<void(const StepWork&, double seconds)> on_step;
 
   const client::Viewer& viewer(size_t i) const { return clients_[i]->viewer; }
   const server::Session& session(size_t i) const { return clients_[i]->session; }
@@ -112,6 +133,8 @@ class World {
     struct Sent {
       proto::Section section;
       std::vector<proto::KnownPage> known;
+      StepWork work;
+      Duration computed;
     };
     std::map<uint32_t, Sent> sections;
   };
@@ -119,7 +142,9 @@ class World {
   std::optional<Time> nextEvent(const Client& c) const;
   void handle(Client& c, size_t index, Time now);
   void serve(Client& c, Time now);
-  void receive(Client& c, Time now);
+  void receive(Client& c, size_t index, Time now);
+  void keep(Client& c, Time now, const StepWork& work, Duration spent);
+  void compare(const Client& c, uint32_t keyframe, const Client::Sent& sent);
   void frame(Client& c, size_t index, Time now);
   void flush(Client& c, Time now);
   bool corrupts(Client& c, Time now);
@@ -130,7 +155,8 @@ class World {
 
   std::shared_ptr<const server::World> world_;
   server::SessionOptions options_;
-  Duration compute_time_;
+  ComputeTime compute_time_;
+  Laws laws_ = Laws::kChecked;
   uint64_t seed_;
   Time now_;
   server::SessionScratch scratch_;
@@ -138,4 +164,4 @@ class World {
   std::vector<std::string> complaints_;
 };
 
-}  // namespace foreland::test
+}  // namespace foreland::bench

@@ -1,0 +1,47 @@
+#include "bench/world/calibrate.h"
+
+#include <cmath>
+
+#include "bench/timing.h"
+#include "bench/world/world.h"
+#include "server/view/tour.h"
+
+namespace foreland::bench {
+
+std::vector<TimedWork> timeSteps(std::shared_ptr<const server::World> world, double seconds) {
+  std::vector<TimedWork> steps;
+  for (const char* tour : {"survey", "canyon", "spin", "orbit"})
+    for (const double tau_px : {1.0, 2.0})
+      for (const auto predictor : {proto::Predictor::kConstantVelocity, proto::Predictor::kKnownPath}) {
+        World flown(
+            world, {}, [](const StepWork& work) { return ComputePrices{}.of(work); }, 1, Laws::kTrusted);
+        flown.on_step = [&](const StepWork& work, double seconds_spent) {
+          if (work.keyframes > 0) steps.push_back({work, seconds_spent});
+        };
+        ClientOptions client = onKnownTour(world->hierarchy.scene(), tour, seconds + 1);
+        client.request.lens = {1.0471975511965976, 1920, 1080};
+        client.request.tau_px = tau_px;
+        client.request.predictor = predictor;
+        client.announce_path = predictor == proto::Predictor::kKnownPath;
+        flown.addClient(client);
+        flown.run(Time::seconds(seconds));
+      }
+  return steps;
+}
+
+Calibration calibrate(const std::vector<TimedWork>& steps) {
+  Calibration result{.prices = fitPrices(steps), .steps = steps.size()};
+  std::vector<double> errors;
+  double priced_s = 0;
+  for (const TimedWork& step : steps) {
+    const double price_s = result.prices.of(step.work).toSeconds();
+    result.total_s += step.seconds;
+    priced_s += price_s;
+    errors.push_back(std::fabs(price_s / step.seconds - 1));
+  }
+  result.total_error = steps.empty() ? 0 : std::fabs(priced_s / result.total_s - 1);
+  result.median_error = median(errors);
+  return result;
+}
+
+}  // namespace foreland::bench

@@ -1,0 +1,103 @@
+#include "bench/world/compute_cost.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "bench/report.h"
+
+namespace foreland::bench {
+
+namespace {
+
+constexpr size_t kKinds = 5;
+using Counts = std::array<double, kKinds>;
+
+Counts countsOf(const StepWork& w) {
+  return {static_cast<double>(w.keyframes), static_cast<double>(w.tested), static_cast<double>(w.changed),
+          static_cast<double>(w.measured), static_cast<double>(w.bytes)};
+}
+
+}  // namespace
+
+StepWork StepWork::between(const server::SessionStatistics& before, const server::SessionStatistics& after,
+                           uint64_t bytes) {
+  return {.keyframes = after.keyframes - before.keyframes,
+          .tested = after.nodes_tested - before.nodes_tested,
+          .changed = after.nodes_added + after.nodes_removed - before.nodes_added - before.nodes_removed,
+          .measured = after.nodes_measured - before.nodes_measured,
+          .bytes = bytes};
+}
+
+Duration ComputePrices::of(const StepWork& work) const {
+  const Counts counts = countsOf(work), prices{keyframe, tested, changed, measured, byte};
+  double ns = 0;
+  for (size_t i = 0; i < kKinds; ++i) ns += counts[i] * prices[i];
+  return Duration{static_cast<int64_t>(std::llround(ns * 1e-3))};
+}
+
+std::string ComputePrices::toJson() const { return bench::toJson(*this).dump(2) + "\n"; }
+
+Result<ComputePrices> readPrices(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return Error{ErrorCode::kNotFound, "cannot open the calibration '" + path.string() + "'"};
+  const auto json = nlohmann::json::parse(file, nullptr, false);
+  if (!json.is_object())
+    return Error{ErrorCode::kMalformed,
+                 path.string() + ": is no calibration; make one with `foreland bench calibrate`"};
+  ComputePrices prices;
+  prices.name = path.filename().string();
+  std::string wrong;
+  const auto read = [&](const char* key, double& value) {
+    const auto it = json.find(key);
+    const bool is_number = it != json.end() && it->is_number();
+    if (is_number) value = it->get<double>();
+    if (wrong.empty() && (!is_number || !std::isfinite(value) || value < 0)) wrong = key;
+  };
+  read("ns_keyframe", prices.keyframe);
+  read("ns_tested", prices.tested);
+  read("ns_changed", prices.changed);
+  read("ns_measured", prices.measured);
+  read("ns_byte", prices.byte);
+  if (!wrong.empty())
+    return Error{ErrorCode::kMalformed, path.string() + ": '" + wrong + "' must be a number, 0 or more"};
+  return prices;
+}
+
+// Coordinate descent: each price in turn becomes the best one, not below zero, given the others. The problem is convex,
+// and with columns scaled to the same size it converges in a few hundred rounds.
+ComputePrices fitPrices(std::span<const TimedWork> steps) {
+  constexpr int kRounds = 2000;
+  Counts prices{}, square{};
+  std::vector<Counts> rows;
+  std::vector<double> residual;
+  for (const TimedWork& step : steps) {
+    if (step.seconds <= 0) continue;
+    Counts row = countsOf(step.work);
+    for (size_t i = 0; i < kKinds; ++i) {
+      row[i] *= 1e-9 / step.seconds;
+      square[i] += row[i] * row[i];
+    }
+    rows.push_back(row);
+    residual.push_back(1);
+  }
+  for (int round = 0; round < kRounds; ++round)
+    for (size_t i = 0; i < kKinds; ++i) {
+      if (square[i] <= 0) continue;
+      double along = 0;
+      for (size_t r = 0; r < rows.size(); ++r) along += rows[r][i] * residual[r];
+      const double next = std::max(0.0, prices[i] + along / square[i]);
+      for (size_t r = 0; r < rows.size(); ++r) residual[r] -= (next - prices[i]) * rows[r][i];
+      prices[i] = next;
+    }
+  return {.name = "fitted",
+          .keyframe = prices[0],
+          .tested = prices[1],
+          .changed = prices[2],
+          .measured = prices[3],
+          .byte = prices[4]};
+}
+
+}  // namespace foreland::bench

@@ -1,0 +1,67 @@
+// What a step of a session costs in processor time, computed from the work that it did, so that results do not depend
+// on how busy the machine was. The prices are measured once by `foreland bench calibrate` and kept in a file; those
+// that ship are of the machine that bench/README.md names. Value types; any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "base/time.h"
+#include "server/session/session.h"
+
+namespace foreland::bench {
+
+// Work of one step, counted.
+struct StepWork {
+  uint64_t keyframes = 0;  // 0 or 1
+  uint64_t tested = 0;     // nodes tested by the adapter
+  uint64_t changed = 0;    // nodes added and removed
+  uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
+  uint64_t bytes = 0;      // written
+
+  static StepWork between(const server::SessionStatistics& before, const server::SessionStatistics& after,
+                          uint64_t bytes);
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("keyframes", keyframes);
+    visit("tested", tested);
+    visit("changed", changed);
+    visit("measured", measured);
+    visit("bytes", bytes);
+  }
+};
+
+// Nanoseconds for each.
+struct ComputePrices {
+  std::string name = "default";  // what reports call them: of the file, where they are from one
+  double keyframe = 540'000, tested = 35, changed = 174, measured = 35, byte = 120;
+
+  Duration of(const StepWork& work) const;
+  std::string toJson() const;
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("ns_keyframe", keyframe);
+    visit("ns_tested", tested);
+    visit("ns_changed", changed);
+    visit("ns_measured", measured);
+    visit("ns_byte", byte);
+  }
+};
+
+// Errors name the file and the price that is missing, no number, negative or not finite.
+Result<ComputePrices> readPrices(const std::filesystem::path& path);
+
+struct TimedWork {
+  StepWork work;
+  double seconds = 0;
+};
+// The prices that explain the times best, in the sense of least squares of the relative errors, none below zero.
+ComputePrices fitPrices(std::span<const TimedWork> steps);
+
+using ComputeTime = std::function<Duration(const StepWork&)>;
+
+}  // namespace foreland::bench
