@@ -6,11 +6,14 @@
 #include <optional>
 #include <string>
 
+#include "apps/bench_calibrate.h"
 #include "apps/bench_flight.h"
+#include "apps/bench_latency.h"
 #include "apps/bench_occlusion.h"
 #include "apps/bench_surfaces.h"
 #include "apps/options.h"
 #include "bench/martini/report.h"
+#include "bench/report/draw_report.h"
 #include "bench/sections/errors.h"
 #include "bench/sections/measure.h"
 #include "bench/wire/measure.h"
@@ -130,6 +133,27 @@ Result<Report> wire(const WireArguments& args) {
   return report;
 }
 
+struct ReportArguments {
+  std::filesystem::path folder, sources = bench::reportSources();
+};
+
+CLI::App* addReport(CLI::App& app, ReportArguments& args) {
+  CLI::App* sub = app.add_subcommand("report", "one page with the figures of an experiment");
+  sub->add_option("folder", args.folder, "that the experiment was told by --out")->required();
+  sub->add_option("--sources", args.sources, "folder of draw.mjs and its node_modules");
+  return sub;
+}
+
+int report(const ReportArguments& args) {
+  const auto drawn = bench::drawReport(args.folder, args.sources);
+  if (!drawn) {
+    std::cerr << "foreland bench: " << drawn.error().message << "\n";
+    return 2;
+  }
+  std::cout << (args.folder / "report.html").string() << ": " << *drawn;
+  return 0;
+}
+
 CLI::App* addSections(CLI::App& app, SectionArguments& args) {
   CLI::App* sub = app.add_subcommand("sections", "refinement, adaptation and the error of every frame");
   apps::addFlightOptions(*sub, args.flight);
@@ -182,12 +206,21 @@ int main(int argc, char** argv) {
   WireArguments wire_args;
   apps::SurfaceArguments surface_args;
   apps::OcclusionArguments occlusion_args;
+  apps::LatencyArguments latency_args;
+  apps::CalibrateArguments calibrate_args;
+  ReportArguments report_args;
   const CLI::App *on_sections = addSections(app, section_args), *on_refine = addRefine(app, refine_args),
-                 *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args);
+                 *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args),
+                 *on_latency = apps::addLatency(app, latency_args),
+                 *on_calibrate = apps::addCalibrate(app, calibrate_args), *on_report = addReport(app, report_args);
   apps::addSurfaces(app, surface_args);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
+  latency_args.experiment.command = apps::commandText(argc, argv);
+  if (*on_latency) return print(apps::latency(latency_args), latency_args.flight.format);
+  if (*on_report) return report(report_args);
+  if (*on_calibrate) return print(apps::calibrate(calibrate_args), calibrate_args.format);
   if (*on_sections) return print(sections(section_args), section_args.flight.format);
   if (*on_refine) return print(refine(refine_args), refine_args.flight.format);
   if (*on_wire) return print(wire(wire_args), wire_args.flight.format);

@@ -49,20 +49,24 @@ Result<proto::Path> planTrack(const terrain::Scene& scene, const FlightArguments
 
 }  // namespace
 
-void addFlightOptions(CLI::App& app, FlightArguments& args) {
+void addPathOptions(CLI::App& app, FlightArguments& args) {
   app.add_option("scene", args.scene, "scene file (foreland build)")->required();
   addTrackOptions(app, args);
   app.add_option("--seconds", args.flight.seconds, "of flight")
       ->check(CLI::Range(1.0, 3600.0) & isFinite())
       ->capture_default_str();
+  app.add_flag_callback(
+      "--json", [&args] { args.format = bench::ReportFormat::kJson; }, "print JSON");
+}
+
+void addFlightOptions(CLI::App& app, FlightArguments& args) {
+  addPathOptions(app, args);
   app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")
       ->check(CLI::Range(0.01, 1000.0) & isFinite())
       ->capture_default_str();
   app.add_option("--keyframe-ms", args.keyframe_ms, "keyframe interval")
       ->check(CLI::Range(20.0, 10000.0) & isFinite())
       ->capture_default_str();
-  app.add_flag_callback(
-      "--json", [&args] { args.format = bench::ReportFormat::kJson; }, "print JSON");
 }
 
 Result<PlannedFlight> planFlight(const FlightArguments& args) {

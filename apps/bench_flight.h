@@ -24,7 +24,9 @@ struct FlightArguments {
   bench::ReportFormat format = bench::ReportFormat::kText;
 };
 
-// Fills `args` when the command line is parsed.
+// The scene, the path over it, how long it is flown, and --json. Fills `args` when the command line is parsed.
+void addPathOptions(CLI::App& app, FlightArguments& args);
+// The same, with a tolerance and a keyframe interval.
 void addFlightOptions(CLI::App& app, FlightArguments& args);
 
 struct PlannedFlight {

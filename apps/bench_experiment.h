@@ -1,0 +1,49 @@
+// What the experiments among the benchmarks share: seed, threads, calibration, the folder for results, progress on a
+// terminal, and what every result says about how it was made. Main thread.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/result.h"
+#include "bench/world/compute_cost.h"
+
+namespace foreland::apps {
+
+struct ExperimentArguments {
+  std::filesystem::path out;
+  std::filesystem::path calibration;  // empty: the prices that ship
+  uint64_t seed = 1;
+  unsigned threads = 0;  // 0: one for each processor
+  std::string command;   // what reports say was asked; without what does not change the result
+};
+
+void addExperimentOptions(CLI::App& app, ExperimentArguments& args);
+
+// `foreland bench ...` as it was called, without --out, --threads and --json.
+std::string commandText(int argc, char** argv);
+
+Result<bench::ComputePrices> pricesOf(const ExperimentArguments& args);
+
+// Command, seed, calibration and version.
+nlohmann::ordered_json aboutExperiment(const ExperimentArguments& args, const bench::ComputePrices& prices);
+
+// Counts pieces of work on the terminal, with the time that is left; prints nothing elsewhere.
+class Progress {
+ public:
+  explicit Progress(size_t count);
+  void show(size_t done) const;
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+ private:
+  size_t count_;
+  bool is_shown_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace foreland::apps

@@ -1,0 +1,54 @@
+// One flight of `foreland bench latency`: the real session and viewer in virtual time, and every sixth of its frames
+// before the oracle. Deterministic: the same arguments give the same result on every run and thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bench/latency/frame_terms.h"
+#include "bench/latency/grid.h"
+#include "bench/world/compute_cost.h"
+#include "bench/world/link_models.h"
+
+namespace foreland::bench {
+
+// What all flights of an experiment share.
+struct LatencyFlight {
+  std::shared_ptr<const server::World> world;
+  proto::Path path;     // from its start on; the first kRunIn of it is not measured
+  double seconds = 20;  // measured
+  proto::Lens lens = {};
+  ComputePrices prices = {};
+  std::optional<LinkPair> trace = {};  // of cells whose link is `trace`
+  uint64_t seed = 1;
+};
+
+// Before the flight the camera stands at its first pose until the first section is there.
+inline constexpr Duration kStanding = Duration::milliseconds(3000);
+// After that the flight begins abruptly, and what it takes to recover from that is not measured.
+inline constexpr Duration kRunIn = Duration::milliseconds(2000);
+
+struct FlownKeyframe {
+  double time_s = 0;  // of its arrival, since the flight began
+  uint64_t bytes = 0;
+  double lateness_ms = 0;
+  double compute_ms = 0;
+  StepWork work;
+};
+
+struct CellFlight {
+  LatencyCell cell;
+  std::vector<FrameTerms> frames;         // judged, by time
+  std::vector<FlownKeyframe> keyframes;   // that arrived while measured
+  uint64_t bytes_up = 0, bytes_down = 0;  // while measured, WebSocket's framing not counted
+  uint64_t frames_shown = 0, frames_outside = 0;
+};
+
+// Whether the frame with this number, counted from the flight's beginning, is judged: one in each six, that is ten a
+// second, at changing phases so that all weights between two keyframes occur.
+constexpr bool isJudged(uint64_t frame) { return frame % 6 == 5 * (frame / 6) % 6; }
+
+CellFlight flyCell(const LatencyFlight& flight, const LatencyCell& cell, Oracle& oracle);
+
+}  // namespace foreland::bench

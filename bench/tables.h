@@ -1,0 +1,48 @@
+// Tables and documents that experiments leave in a folder. Numbers are written so that reading them gives the same
+// doubles, and equal results are equal bytes. Main thread.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace foreland::bench {
+
+// The shortest text that reads as this number.
+std::string numberText(double value);
+
+// A CSV table (RFC 4180, but lines end in \n) whose columns follow from the first row's fields (bench/report.h).
+class CsvTable {
+ public:
+  template <class Figures>
+  void add(const Figures& figures) {
+    begin();
+    figures.fields([this](const char* name, const auto& value) { cell(name, textOf(value)); });
+    end();
+  }
+  // A row cell by cell: begin(), cell(), ..., end().
+  void begin();
+  void cell(const std::string& name, const std::string& text);
+  void cell(const std::string& name, double value) { cell(name, numberText(value)); }
+  void end();
+  const std::string& text() const { return text_; }
+
+ private:
+  static std::string textOf(const std::string& text) { return text; }
+  static std::string textOf(double value) { return numberText(value); }
+  static std::string textOf(uint64_t value) { return std::to_string(value); }
+
+  std::string header_, row_, text_;
+  bool has_header_ = false;
+};
+
+// Makes the folder and writes the file whole, or names what the system refused.
+Status writeFile(const std::filesystem::path& folder, const std::string& name, const std::string& text);
+
+// Reads a JSON document of an experiment; errors name the file.
+Result<nlohmann::ordered_json> readJson(const std::filesystem::path& path);
+
+}  // namespace foreland::bench

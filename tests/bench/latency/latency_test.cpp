@@ -1,0 +1,137 @@
+// The grid of `foreland bench latency`, and its flights over a small scene.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "bench/latency/experiment.h"
+#include "bench/oracle/scene_truth.h"
+#include "server/view/tour.h"
+#include "tests/support/scene.h"
+
+namespace foreland::bench {
+namespace {
+
+using proto::Predictor;
+using proto::Strategy;
+
+TEST(LatencyGrid, HasAllRoundTripsForAllStrategiesAndPredictors) {
+  const auto cells = cellsOf({});
+  ASSERT_TRUE(cells.ok());
+  std::set<std::pair<std::string, double>> seen;
+  for (const LatencyCell& cell : *cells)
+    if (cell.keyframe_ms == 200 && cell.tau_px == 1) seen.insert({cell.how(), cell.round_trip_ms});
+  EXPECT_EQ(seen.size(), 8u * 5u);
+  const auto full = cellsOf({.size = GridSize::kFull});
+  EXPECT_EQ(full->size(), 8u * 5u * 3u * 3u);
+  for (const LatencyCell& cell : *cells) EXPECT_EQ(std::count(cells->begin(), cells->end(), cell), 1) << cell.how();
+}
+
+TEST(LatencyGrid, TakesWhatIsAskedForInAllCombinations) {
+  const auto cells = cellsOf({.strategies = {"predict", "delay"},
+                              .predictors = {"kalman"},
+                              .links = {"lte", "fixed"},
+                              .round_trips_ms = {10, 20},
+                              .keyframes_ms = {150}});
+  ASSERT_TRUE(cells.ok());
+  EXPECT_EQ(cells->size(), 2u * (1u + 2u));
+}
+
+TEST(LatencyGrid, RefusesWhatIsUnknownOrOutOfRangeByName) {
+  const auto refusal = [](const GridRequest& request) {
+    const auto cells = cellsOf(request);
+    return cells.ok() ? std::string() : cells.error().message;
+  };
+  EXPECT_EQ(refusal({.strategies = {"guess"}}), "there is no strategy 'guess'; choose delay, current or predict");
+  EXPECT_NE(refusal({.predictors = {"oracle"}}).find("'oracle'"), std::string::npos);
+  EXPECT_NE(refusal({.links = {"pigeon"}}).find("'pigeon'"), std::string::npos);
+  EXPECT_EQ(refusal({.keyframes_ms = {0}}), "a keyframe interval in ms must be 20 to 10000, not 0");
+  EXPECT_EQ(refusal({.round_trips_ms = {-1}}), "a round trip in ms must be 0 to 2000, not -1");
+  EXPECT_EQ(refusal({.round_trips_ms = {NAN}}), "a round trip in ms must be 0 to 2000, not nan");
+  EXPECT_EQ(refusal({.taus_px = {0}}), "a tolerance in pixels must be 0.01 to 1000, not 0");
+}
+
+TEST(LatencyFlight, JudgesTenFramesASecondAtAllWeights) {
+  for (const uint64_t per_keyframe : {6, 12, 30}) {
+    std::set<uint64_t> phases;
+    uint64_t judged = 0;
+    for (uint64_t frame = 0; frame < 3600; ++frame) {
+      judged += isJudged(frame);
+      if (isJudged(frame)) phases.insert(frame % per_keyframe);
+    }
+    EXPECT_EQ(judged, 600u);
+    EXPECT_GE(phases.size(), std::min<uint64_t>(per_keyframe, 6));
+  }
+}
+
+LatencyFlight smallFlight(const char* tour, double seconds) {
+  static const auto scene = test::makeScene(301, 217, 11);
+  LatencyFlight flight{.world = std::make_shared<server::World>(scene),
+                       .path = server::planTour(*scene, tour, seconds + 4).value(),
+                       .seconds = seconds,
+                       .lens = {1.0471975511965976, 320, 180}};
+  flight.path.start = Time{} + kStanding;
+  return flight;
+}
+
+CellFlight fly(const LatencyFlight& flight, const LatencyCell& cell) {
+  Oracle oracle(truthOf(std::shared_ptr<const terrain::Scene>(flight.world, &flight.world->hierarchy.scene())));
+  return flyCell(flight, cell, oracle);
+}
+
+// The paper's bound, and what each strategy is about.
+TEST(LatencyFlight, BoundsTheTotalByTheTermsOfEachStrategy) {
+  const LatencyFlight flight = smallFlight("canyon", 3);
+  for (const double round_trip_ms : {0.0, 300.0})
+    for (const auto& [strategy, predictor] :
+         {std::pair{Strategy::kDelay, Predictor::kHold}, std::pair{Strategy::kCurrent, Predictor::kHold},
+          std::pair{Strategy::kPredict, Predictor::kHold}, std::pair{Strategy::kPredict, Predictor::kKalman},
+          std::pair{Strategy::kPredict, Predictor::kKnownPath}}) {
+      const CellFlight flown = fly(flight, {strategy, predictor, "fixed", round_trip_ms, 200, 1});
+      const CellFigures figures = figuresOf(flown, flight.seconds);
+      const std::string what = flown.cell.how();
+      EXPECT_EQ(figures.judged, 30u) << what;
+      EXPECT_EQ(figures.bound_violations, 0u) << what;
+      EXPECT_LE(figures.terms[static_cast<size_t>(Term::kRefinement)].max_px, 1.01) << what;
+      EXPECT_GT(figures.terms[0].max_px, 0.1) << what;
+      const bool is_predicted = strategy == Strategy::kPredict;
+      EXPECT_EQ(figures.delay_mean_ms > 150, !is_predicted) << what;
+      EXPECT_EQ(figures.terms[static_cast<size_t>(Term::kView)].max_px > 0, strategy == Strategy::kCurrent) << what;
+      EXPECT_EQ(figures.terms[static_cast<size_t>(Term::kExtrapolation)].max_px > 1e-3,
+                is_predicted && predictor != Predictor::kKnownPath)
+          << what;
+      EXPECT_GT(figures.bytes_down, 100u);
+    }
+}
+
+TEST(LatencyFlight, KeepsTheToleranceOnAKnownPathWhateverTheRoundTrip) {
+  const LatencyFlight flight = smallFlight("survey", 2);
+  for (const double round_trip_ms : {0.0, 400.0}) {
+    const CellFlight flown = fly(flight, {Strategy::kPredict, Predictor::kKnownPath, "fixed", round_trip_ms, 200, 1});
+    const CellFigures figures = figuresOf(flown, flight.seconds);
+    EXPECT_EQ(figures.over_tau, 0u) << round_trip_ms;
+    EXPECT_EQ(figures.late, 0u) << round_trip_ms;
+  }
+}
+
+TEST(LatencyExperiment, LeavesTheSameFilesForAnyNumberOfThreads) {
+  const LatencyFlight flight = smallFlight("orbit", 1);
+  const auto cells =
+      cellsOf({.predictors = {"velocity", "kalman"}, .links = {"fixed", "starlink"}, .round_trips_ms = {100}});
+  const auto filesOf = [&](unsigned threads) {
+    const test::TemporaryFolder folder;
+    const LatencyResult result = flyGrid(flight, *cells, threads, [](size_t) {});
+    EXPECT_TRUE(writeLatency(folder / "out", {{"seed", 1}}, result).ok());
+    std::vector<std::string> files;
+    for (const char* name : {"results.csv", "frames.csv", "keyframes.csv", "results.json"}) {
+      const std::vector<char> bytes = test::slurp(folder / ("out/" + std::string(name)));
+      files.emplace_back(bytes.begin(), bytes.end());
+    }
+    return files;
+  };
+  const std::vector<std::string> one = filesOf(1);
+  for (const std::string& text : one) EXPECT_GT(text.size(), 500u);
+  EXPECT_EQ(one, filesOf(3));
+}
+
+}  // namespace
+}  // namespace foreland::bench
