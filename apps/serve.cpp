@@ -134,6 +134,7 @@ server::ServeOptions makeOptions(const Flags& flags, const server::ListenAddress
   if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
   options.session.tau_px = flags.tau_px;
   options.session.keyframe_interval = Duration::milliseconds(flags.keyframe_ms);
+  options.session.most_early = Duration::milliseconds(100);  // at most half an interval (decision 0024)
   options.session.max_memory_bytes = static_cast<uint32_t>(flags.viewer_memory_mib * 1048576);
   if (scene.nodes().size_bytes() > kLargeSceneBytes) options.session.prefetch_ahead = Duration::milliseconds(2000);
   options.web = findPage(flags.web);

@@ -136,22 +136,24 @@ void SessionActor::work(SessionScratch& scratch, std::deque<Event>& events) {
 
 // Pays the debt at the even share, then adds to it.
 void SessionActor::charge(Duration spent, Time now) {
-  constexpr double kMemory_s = 2, kMostDebt_s = 2;
+  constexpr double kMemory_s = 2;
   const double elapsed_s = std::max(1e-6, (now - charged_at_).toSeconds());
   charged_at_ = now;
-  debt_s_ = std::max(0.0, debt_s_ - elapsed_s * host_.load_.fairShare(host_.metrics_.flying));
-  debt_s_ = std::min(kMostDebt_s, debt_s_ + spent.toSeconds());
+  debt_.charge(spent, now, host_.load_.fairShare(host_.metrics_.flying));
   cost_ += (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost_);
   host_.load_.add(spent, now);
   session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying));
 }
 
+Due SessionActor::jobFor(const Session::Due& due) {
+  return {due.release, due.deadline, due.is_costly, due.work, due.earliest};
+}
+
 Due SessionActor::fairly(Due due) const {
   constexpr double kSmallDebt_s = 0.1;
   constexpr Duration kShortStep = Duration::milliseconds(50);
-  const double wait_s = debt_s_ / host_.load_.fairShare(host_.metrics_.flying);
-  due.deadline = due.deadline + Duration::seconds(wait_s);
-  due.is_costly = due.is_costly || (debt_s_ > kSmallDebt_s && session_.computeTime() > kShortStep);
+  due.deadline = due.deadline + debt_.wait(host_.load_.fairShare(host_.metrics_.flying));
+  due.is_costly = due.is_costly || (debt_.seconds() > kSmallDebt_s && session_.computeTime() > kShortStep);
   return due;
 }
 
@@ -160,6 +162,7 @@ bool SessionActor::takeLease(std::deque<Event>& events) {
   CHECK_TRUE(lease_ == Lease::kQueued);
   lease_ = closed_ ? Lease::kIdle : Lease::kRunning;
   is_lease_costly_ = ticket_.due.is_costly;
+  is_lease_early_ = ticket_.due.release > host_.clock_();
   if (closed_) return false;
   events.swap(inbox_);
   forgetInbox();
@@ -174,7 +177,7 @@ void SessionActor::returnLease() {
   const Time now = host_.clock_();
   if (!inbox_.empty())
     return schedule({now, due ? std::min(due->deadline, now + kMessageTimeout) : now + kMessageTimeout});
-  if (due) schedule(fairly({due->release, due->deadline, due->is_costly}));
+  if (due) schedule(fairly(jobFor(*due)));
 }
 
 bool SessionActor::isClosed() {
@@ -191,11 +194,13 @@ Status SessionActor::handle(const Event& event) {
 void SessionActor::stepIfDue(SessionScratch& scratch) {
   const auto due = session_.due();
   const Time begin = host_.clock_();
-  if (!due || due->release > begin || isClosed()) return;
-  if (fairly({due->release, due->deadline, due->is_costly}).is_costly && !is_lease_costly_) return;  // in its own turn
+  if (!due || isClosed()) return;
+  const bool is_early = is_lease_early_ && due->release > begin && due->earliest && *due->earliest <= begin;
+  if (due->release > begin && !is_early) return;
+  if (fairly(jobFor(*due)).is_costly && !is_lease_costly_) return;  // in its own turn
   const SessionStatistics before = session_.statistics();
   std::vector<Bytes> out;
-  session_.step(begin, scratch, out);
+  session_.step(begin, scratch, out, is_early ? Session::Start::kEarly : Session::Start::kWhenDue);
   const Time end = host_.clock_();
   session_.noteComputeTime(end - begin);
   countStep(before, due->deadline, begin, end);

@@ -23,6 +23,7 @@
 #include "base/result.h"
 #include "server/net/load.h"
 #include "server/net/metrics.h"
+#include "server/sched/debt.h"
 #include "server/sched/pool.h"
 #include "server/session/session.h"
 
@@ -94,6 +95,7 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void schedule(Due due);     // with mutex_ held
   void run(size_t worker);
   void work(SessionScratch& scratch, std::deque<Event>& events);
+  static Due jobFor(const Session::Due& due);
   Due fairly(Due due) const;
   void charge(Duration spent, Time now);
   void forgetInbox();  // with mutex_ held
@@ -114,6 +116,7 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   Pool::Ticket ticket_;  // while queued
   bool closed_ = false;
   bool is_lease_costly_ = false;  // the job that took the lease is scheduled as costly
+  bool is_lease_early_ = false;   // and was started before its release
 
   // Owned by the lease.
   Session session_;
@@ -121,8 +124,8 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   uint64_t batches_posted_ = 0;
   uint64_t jumps_counted_ = 0;
   Time charged_at_;
-  double debt_s_ = 0;  // processor time used beyond the even share
-  double cost_ = 0;    // of one worker's time; smoothed over some seconds
+  Debt debt_;        // of processor time used beyond the even share
+  double cost_ = 0;  // of one worker's time; smoothed over some seconds
 };
 
 }  // namespace foreland::server

@@ -1,6 +1,12 @@
 // The order of jobs: of those whose release time has come, the one with the earliest deadline is next; of equal
-// deadlines, the one added first. Costly jobs wait while the taker wants none. Plain data without clock or lock; Pool
-// protects it. Every operation costs O(log n).
+// deadlines, the one added first. Costly jobs wait while the taker wants none.
+//
+// Jobs are released as late as they can be, so that they use the newest pose; but if several are due together, some
+// would end late though nobody worked before. So a job that permits it is started before its release when nothing is
+// released and the jobs that wait, one after another, could not all end in time otherwise.
+//
+// Plain data without clock or lock; Pool protects it. Adding and cancelling cost O(log n), taking and nextRelease()
+// O(log n + kLookAhead).
 #pragma once
 
 #include <cstdint>
@@ -22,10 +28,21 @@ struct Due {
   Time release;
   Time deadline;
   bool is_costly = false;  // may take long, so that not all workers should run such jobs at a time (Pool)
+  Duration work{};         // how long it is expected to take; 0: nothing is planned for it
+  // From when it may be started, if others would be late otherwise; nothing: not before its release.
+  std::optional<Time> earliest{};
 };
+
+// Which of the released jobs is next. Servers use kDeadline; the others are there to be compared with it.
+enum class JobOrder : uint8_t { kDeadline, kRelease, kLaxity };
 
 class DeadlineQueue {
  public:
+  static constexpr size_t kLookAhead = 128;  // jobs that wait, by release
+
+  explicit DeadlineQueue(size_t workers = 1, JobOrder order = JobOrder::kDeadline)
+      : workers_(static_cast<int64_t>(workers)), order_(order) {}
+
   // Identifies one job of one queue; tickets are never reused.
   struct Ticket {
     Due due;
@@ -46,7 +63,8 @@ class DeadlineQueue {
   // Removes the job that is next at `now` and returns it; nothing if none is released.
   std::optional<Entry> take(Time now, Take which = Take::kAny);
 
-  // The earliest release among jobs not released at the last take(); nothing if there are none. May lie in the past.
+  // When a job may be taken next, of those not released at the last take(); nothing if there are none. May lie in the
+  // past.
   std::optional<Time> nextRelease() const;
 
   size_t size() const { return waiting_.size() + readyCount(); }
@@ -58,10 +76,17 @@ class DeadlineQueue {
   using Jobs = std::map<Key, Entry>;
 
   void release(Time now);
+  void releaseEarly(Time now);
+  std::optional<Time> latestStart() const;
+  std::optional<Time> earliestStart() const;
+  Time keyOf(const Due& due) const;
+  Jobs::iterator makeReady(Jobs::iterator waiting);
   Jobs& readyOf(const Due& due) { return due.is_costly ? costly_ : cheap_; }
 
+  int64_t workers_;
+  JobOrder order_;
   Jobs waiting_;         // by release
-  Jobs cheap_, costly_;  // released; by deadline
+  Jobs cheap_, costly_;  // released; by the order
   uint64_t next_sequence_ = 0;
 };
 

@@ -15,7 +15,10 @@ constexpr Duration kLongestWait =
 }
 
 Pool::Pool(size_t threads, Clock clock, std::function<void(const char*)> on_failure)
-    : clock_(std::move(clock)), worker_count_(std::max<size_t>(1, threads)), on_failure_(std::move(on_failure)) {
+    : clock_(std::move(clock)),
+      worker_count_(std::max<size_t>(1, threads)),
+      on_failure_(std::move(on_failure)),
+      queue_(worker_count_) {
   workers_.reserve(worker_count_);
   for (size_t worker = 0; worker < worker_count_; ++worker)
     workers_.emplace_back([this, worker](std::stop_token stop) { run(worker, stop); });

@@ -240,6 +240,7 @@ Session::Plan Session::notTooSoon(Plan plan) const {
   const Time earliest = earliestKeyframe();
   plan.due.release = std::max(plan.due.release, earliest);
   plan.due.deadline = std::max(plan.due.deadline, earliest);
+  if (plan.due.earliest) plan.due.earliest = std::max(*plan.due.earliest, earliest);
   return plan;
 }
 
@@ -260,14 +261,17 @@ std::optional<Session::Plan> Session::plan() const {
   if (request_->strategy == proto::Strategy::kPredict) {
     if (!target_) return std::nullopt;
     const Time deadline = clocks_.sendBy(*target_ - T) - options_.safety;
-    return notTooSoon({*target_, {deadline - compute_time_, deadline}, skippedTo(*target_)});
+    Due due{deadline - compute_time_, deadline, false, compute_time_};
+    if (options_.most_early > Duration{} && !first)
+      due.earliest = due.release - std::min(options_.most_early, Duration{T.us / 2});
+    return notTooSoon({*target_, due, skippedTo(*target_)});
   }
   // The pose of the grid point must have arrived; if those of several have, the newest one counts.
   const Time newest = history_.newest().time;
   if (first) return Plan{newest, {now_, now_}, 0};
   if (newest < next) return std::nullopt;
   const Time latest{next.us + (newest - next).us / T.us * T.us};
-  return notTooSoon({latest, {now_, now_ + Duration{T.us / 2}}, skippedTo(latest)});
+  return notTooSoon({latest, {now_, now_ + Duration{T.us / 2}, false, compute_time_}, skippedTo(latest)});
 }
 
 std::optional<Session::Due> Session::due() const {
@@ -308,14 +312,17 @@ void Session::prefetch(SessionScratch& scratch) {
   ++statistics_.prefetches;
 }
 
-void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
+void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, Start start) {
   now_ = std::max(now_, now);
   const bool is_greeting = !replies_.empty();
   for (Bytes& reply : replies_) out.push_back(std::move(reply));
   replies_.clear();
   did_ = Did::kNothing;
   const auto next = plan();
-  if (next && next->due.release <= now_) return computeKeyframe(*next, now_, scratch, out);
+  const auto begin = [&] {
+    return start == Start::kEarly ? next->due.earliest.value_or(next->due.release) : next->due.release;
+  };
+  if (next && begin() <= now_) return computeKeyframe(*next, now_, scratch, out);
   if (is_greeting) return;  // which is due at once, unlike what follows
   if (resume_) return tryToResume();
   if (const auto due = requestDue(); due && due->release <= now_) return answer(out);

@@ -42,7 +42,9 @@ struct SessionOptions {
   size_t max_added_nodes = 250'000, max_added_after_jump = 40'000;
   Duration prefetch_ahead{};  // reads what will be needed this much later, for scenes larger than memory; 0: never
   uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs up to a tenth of that for it
-  size_t max_unacknowledged = 8;          // keyframes sent and not yet acknowledged; more would only queue in the link
+  Duration most_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
+                          // half an interval
+  size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link
 };
 
 // Working memory that a worker lends to a step; one per worker, reused.
@@ -79,7 +81,9 @@ class Session {
   struct Due {
     Time release;
     Time deadline;
-    bool is_costly = false;  // no keyframe, and may take up to a second
+    bool is_costly = false;          // no keyframe, and may take up to a second
+    Duration work{};                 // that a keyframe is expected to take; 0 for anything else
+    std::optional<Time> earliest{};  // from when a keyframe may be computed early, that is with Start::kEarly
   };
   std::optional<Due> due() const;
 
@@ -91,7 +95,10 @@ class Session {
   // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, one after a jump, or
   // one of more than half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the
   // section then is too large, about four (toleranceThatFits), most of which end early.
-  void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out);
+  // A keyframe is computed as late as it can be, for then it uses the newest pose; Start::kEarly computes it from
+  // Due::earliest on, for the sake of others who are due at the same time.
+  enum class Start : uint8_t { kWhenDue, kEarly };
+  void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, Start start = Start::kWhenDue);
   void noteComputeTime(Duration spent);
   // How long a keyframe is expected to take.
   Duration computeTime() const { return compute_time_; }

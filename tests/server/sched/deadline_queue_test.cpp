@@ -65,6 +65,72 @@ TEST(DeadlineQueue, CancelsWaitingAndReadyJobsOnce) {
   EXPECT_FALSE(queue.take({1'000}).has_value());
 }
 
+// A job that takes `work` until `deadline`, and may be started up to `early` sooner.
+Due planned(int64_t deadline, int64_t work, int64_t early) {
+  return {Time{deadline - work}, Time{deadline}, false, Duration{work}, Time{deadline - work - early}};
+}
+
+TEST(DeadlineQueue, StartsJobsEarlyThatWouldCollide) {
+  DeadlineQueue queue;
+  for (int i = 0; i < 4; ++i) queue.add(planned(1000, 10, 500), [](size_t) {});
+  EXPECT_EQ(queue.nextRelease(), Time{960});  // four of them take 40
+  EXPECT_FALSE(queue.take(Time{959}));
+  for (const int64_t at : {960, 970, 980, 990}) {
+    EXPECT_TRUE(queue.take(Time{at})) << at;
+    EXPECT_FALSE(queue.take(Time{at})) << at;
+  }
+}
+
+TEST(DeadlineQueue, StartsNoJobEarlyWithoutNeedOrPermission) {
+  DeadlineQueue queue;
+  queue.add(planned(1000, 10, 500), [](size_t) {});
+  queue.add(planned(1100, 10, 500), [](size_t) {});
+  EXPECT_EQ(queue.nextRelease(), Time{990});
+  EXPECT_FALSE(queue.take(Time{989}));
+  DeadlineQueue strict;
+  strict.add({Time{990}, Time{1000}, false, Duration{10}}, [](size_t) {});
+  strict.add(planned(1000, 10, 5), [](size_t) {});
+  EXPECT_EQ(strict.nextRelease(), Time{985});  // from when the one that may be early may be
+  EXPECT_FALSE(strict.take(Time{984}));
+  EXPECT_EQ(strict.take(Time{985})->due.earliest, Time{985});
+  EXPECT_FALSE(strict.take(Time{986}));
+}
+
+// Whatever jobs wait: if one worker can do all in time at all, starting them early does so.
+TEST(DeadlineQueue, EndsAllInTimeThatCanBeDoneInTime) {
+  EXPECT_TRUE(rc::check([] {
+    const auto deadlines = *rc::gen::container<std::vector<int64_t>>(rc::gen::inRange<int64_t>(2000, 3000));
+    constexpr int64_t kWork = 20;
+    DeadlineQueue queue;
+    for (const int64_t deadline : deadlines) queue.add(planned(deadline, kWork, 2000), [](size_t) {});
+    RC_PRE(deadlines.size() < DeadlineQueue::kLookAhead && kWork * deadlines.size() < 1000);
+    Time now;
+    while (queue.size() > 0) {
+      if (auto entry = queue.take(now)) {
+        now = now + entry->due.work;
+        RC_ASSERT(now <= entry->due.deadline);
+      } else {
+        const Time next = *queue.nextRelease();
+        RC_ASSERT(next > now);
+        now = next;
+      }
+    }
+  }));
+}
+
+TEST(DeadlineQueue, OrdersByReleaseOrLaxityIfAskedTo) {
+  const auto first = [](JobOrder order) {
+    DeadlineQueue queue(1, order);
+    queue.add({Time{5}, Time{100}, false, Duration{90}}, [](size_t) {});
+    queue.add({Time{1}, Time{80}, false, Duration{10}}, [](size_t) {});
+    queue.add({Time{6}, Time{60}, false, Duration{10}}, [](size_t) {});
+    return queue.take(Time{10})->due.deadline;
+  };
+  EXPECT_EQ(first(JobOrder::kDeadline), Time{60});
+  EXPECT_EQ(first(JobOrder::kRelease), Time{80});
+  EXPECT_EQ(first(JobOrder::kLaxity), Time{100});
+}
+
 TEST(DeadlineQueue, LeavesCostlyJobsToWhoeverTakesThem) {
   DeadlineQueue queue;
   queue.add({Time{0}, Time{1}, true}, [](size_t) {});

@@ -73,6 +73,30 @@ TEST(Session, MakesNoKeyframeWhileOneIsUnsent) {
   EXPECT_EQ(session.statistics().keyframes, 2u);
 }
 
+// By half an interval at most, and only if it is told to.
+TEST(Session, ComputesAKeyframeEarlyIfItIsToldTo) {
+  Session session(smallWorld(), {.most_early = Duration::milliseconds(1000)});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  ASSERT_TRUE(session.receive(proto::encode(poseAt(0)), Time{}).ok());
+  session.step(Time::seconds(1), scratch, out);
+  ASSERT_EQ(session.statistics().keyframes, 1u);
+  session.onDrained(Time::seconds(1));
+  ASSERT_TRUE(session.receive(proto::encode(poseAt(1)), Time::seconds(1)).ok());
+  const auto due = session.due();
+  ASSERT_TRUE(due && due->earliest);
+  EXPECT_EQ(due->work, session.computeTime());
+  EXPECT_GT(due->release - *due->earliest, Duration{});
+  EXPECT_LE(due->release - *due->earliest, Duration::milliseconds(100));  // half of the usual interval
+  const Time early = std::max(*due->earliest, Time::seconds(1));
+  ASSERT_LT(early, due->release);
+  session.step(early, scratch, out);
+  EXPECT_EQ(session.statistics().keyframes, 1u);
+  session.step(early, scratch, out, Session::Start::kEarly);
+  EXPECT_EQ(session.statistics().keyframes, 2u);
+}
+
 TEST(Session, PrefetchesBetweenKeyframesWithoutSendingAnything) {
   Session session(smallWorld(), {.prefetch_ahead = Duration::milliseconds(2000)});
   SessionScratch scratch;
