@@ -20,7 +20,7 @@ class CsvTable {
   template <class Figures>
   void add(const Figures& figures) {
     begin();
-    figures.fields([this](const char* name, const auto& value) { cell(name, textOf(value)); });
+    figures.fields([this](const char* name, const auto& value) { this->cell(name, textOf(value)); });
     end();
   }
   // A row cell by cell: begin(), cell(), ..., end().

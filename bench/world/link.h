@@ -39,6 +39,10 @@ class Link {
   std::optional<Time> nextArrival() const {
     return on_the_way_.empty() ? std::nullopt : std::optional(on_the_way_.front().arrival);
   }
+  // Of the message that was handed over last; nothing if it has been received.
+  std::optional<Time> newestArrival() const {
+    return on_the_way_.empty() ? std::nullopt : std::optional(on_the_way_.back().arrival);
+  }
   Bytes receive();
   // Of messages that have not wholly left the sender.
   size_t unsentBytes(Time now) const;

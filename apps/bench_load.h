@@ -1,0 +1,29 @@
+// `foreland bench load`: its options, and the experiment that they ask for.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/bench_experiment.h"
+#include "bench/load/experiment.h"
+#include "bench/report.h"
+
+namespace foreland::apps {
+
+enum class Search : uint8_t { kNone, kMostViewers };
+
+struct LoadArguments {
+  std::string scene, mix = "mixed";
+  ExperimentArguments experiment;
+  bench::LoadRequest request;
+  Search search = Search::kNone;
+  bench::ReportFormat format = bench::ReportFormat::kText;
+};
+
+CLI::App* addLoad(CLI::App& app, LoadArguments& args);
+
+// Runs what is asked for, writes its files if there is a folder for them, and returns the summary.
+Result<nlohmann::ordered_json> load(const LoadArguments& args);
+
+}  // namespace foreland::apps

@@ -1,0 +1,111 @@
+// Many viewers on few processors in virtual time.
+#include <gtest/gtest.h>
+
+#include "bench/load/experiment.h"
+#include "tests/support/scene.h"
+
+namespace foreland::bench {
+namespace {
+
+std::shared_ptr<const server::World> smallWorld() {
+  static const auto world = std::make_shared<server::World>(test::makeScene(129, 129, 5));
+  return world;
+}
+
+// Every keyframe costs 4 ms, so that one worker serves 250 a second, 50 viewers.
+LoadOptions smallLoad(size_t viewers) {
+  LoadOptions options;
+  options.viewers = viewers;
+  options.seconds = 2;
+  options.tau_px = 20;
+  options.mix = Mix::kSurvey;
+  options.prices = {"test", 4e6, 0, 0, 0, 0};
+  return options;
+}
+
+LoadFigures run(LoadOptions options) { return runLoad(smallWorld(), options).figures; }
+
+TEST(Load, ServesAFewViewersInTime) {
+  const LoadFigures f = run(smallLoad(4));
+  EXPECT_NEAR(static_cast<double>(f.keyframes), 4 * 5 * 2, 4);
+  EXPECT_NEAR(f.utilisation, 0.08, 0.01);
+  EXPECT_NEAR(f.work_mean_ms, 4, 1e-9);
+  EXPECT_GT(f.jain, 0.9);
+}
+
+TEST(Load, NeverUsesMoreThanAllOfItsWorkers) {
+  for (const size_t workers : {1, 3}) {
+    LoadOptions options = smallLoad(120);
+    options.workers = workers;
+    const LoadRun result = runLoad(smallWorld(), options);
+    for (const double used : result.used) EXPECT_LE(used, 1 + 1e-9);
+    EXPECT_GT(result.figures.utilisation, workers == 1 ? 0.95 : 0.7);
+    EXPECT_EQ(result.figures.keyframes, result.lateness_ms.size());
+  }
+}
+
+// The finding of issue 15: viewers who are due together are late though the worker idles before, unless their keyframes
+// are begun early.
+TEST(Load, MissesDeadlinesTogetherUnlessItStartsEarly) {
+  LoadOptions options = smallLoad(20);  // two fifths of the worker
+  options.phases = Phases::kSynchronised;
+  EXPECT_GT(run(options).missed_share, 0.5);
+  options.start = LoadStart::kEarly;
+  EXPECT_LT(run(options).missed_share, 0.02);
+  options.phases = Phases::kStaggered;
+  EXPECT_LT(run(options).missed_share, 0.02);
+}
+
+TEST(Load, CountsWhatIsDueAtOnceApart) {
+  LoadOptions options = smallLoad(20);
+  options.mix = Mix::kMixed;  // one of them jumps
+  options.seconds = 9;
+  const LoadFigures f = run(options);
+  EXPECT_GE(f.at_once, 2u);
+  EXPECT_LE(f.at_once, 4u);
+}
+
+TEST(Load, FindsTheMostViewersThatAreServed) {
+  LoadOptions options = smallLoad(8);
+  options.phases = Phases::kStaggered;
+  options.start = LoadStart::kEarly;
+  const size_t most = mostViewers(smallWorld(), options);
+  EXPECT_GE(most, 30u);
+  EXPECT_LE(most, 51u);
+}
+
+TEST(Load, GivesTheSameFilesForAnyNumberOfThreads) {
+  LoadRequest request;
+  request.base = smallLoad(10);
+  request.base.mix = Mix::kMixed;
+  request.policies = {"edf", "fair"};
+  const auto runs = runsOf(request);
+  ASSERT_TRUE(runs.ok());
+  ASSERT_EQ(runs->size(), 2u * 3u * 2u);
+  const auto filesOf = [&](unsigned threads) {
+    const test::TemporaryFolder folder;
+    EXPECT_TRUE(writeLoad(folder / "out", {{"seed", 1}}, runAll(smallWorld(), *runs, threads, [](size_t) {})).ok());
+    std::vector<std::vector<char>> files;
+    for (const char* name : {"results.csv", "results.json", "utilisation.csv", "lateness.csv"})
+      files.push_back(test::slurp(folder / ("out/" + std::string(name))));
+    return files;
+  };
+  const auto one = filesOf(1);
+  for (const auto& file : one) EXPECT_GT(file.size(), 500u);
+  EXPECT_EQ(one, filesOf(2));
+}
+
+TEST(Load, RefusesWhatIsUnknownByName) {
+  const auto refusal = [](LoadRequest request) {
+    const auto runs = runsOf(request);
+    return runs.ok() ? std::string() : runs.error().message;
+  };
+  EXPECT_EQ(refusal({.base = {}, .policies = {"luck"}}),
+            "there is no policy 'luck'; choose one of fifo, edf, least-laxity, fair");
+  EXPECT_NE(refusal({.base = {}, .phases = {"moon"}}).find("'moon'"), std::string::npos);
+  EXPECT_NE(refusal({.base = {}, .starts = {"never"}}).find("'never'"), std::string::npos);
+  EXPECT_NE(mixNamed("cocktail").error().message.find("'cocktail'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace foreland::bench
