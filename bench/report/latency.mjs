@@ -5,6 +5,7 @@ const kTerms = ['refinement', 'interpolation', 'view', 'extrapolation'];
 const kLeast_px = 0.05; // of logarithmic axes
 
 const howOf = (cell) => (cell.predictor === 'none' ? cell.strategy : `${cell.strategy} ${cell.predictor}`);
+const kLog_px = { type: 'log', tickFormat: (px) => `${+px.toPrecision(2)}` };
 const clamp = (px) => Math.max(px, kLeast_px);
 
 // The interval and tolerance that most flights have: those that vary the round trip.
@@ -33,7 +34,7 @@ function againstLatency(cells, colours, norm, words) {
     caption: `Total error against the truth, ${words}, over the round trip; ${about(fixed[0])}. The dashed line is the tolerance.`,
     svg: svgOf({
       x: { label: 'round trip, ms' },
-      y: { label: `total error, ${words}, px`, type: 'log' },
+      y: { label: `total error, ${words}, px`, ...kLog_px },
       marks: [Plot.ruleY([fixed[0].tau_px], { strokeDasharray: '4 4' }), Plot.line(fixed, channels), Plot.dot(fixed, channels), ...legend(colours)],
     }),
   }];
@@ -60,7 +61,7 @@ function overTime(frames, keyframes, colours, first) {
     name: 'error_over_time',
     caption: `The largest error of each judged frame over the flight; round trip ${first.round_trip_ms} ms, ${about(first)}. Ticks at the foot: keyframes of ${first.how} as they arrive.`,
     svg: svgOf({
-      x: { label: 'time, s' }, y: { label: 'total error, px', type: 'log' },
+      x: { label: 'time, s' }, y: { label: 'total error, px', ...kLog_px },
       marks: [Plot.tickX(keyframes.filter((k) => k.cell === first.cell), { x: 'time_s', y: null, insetTop: 300, stroke: '#bbb' }),
         Plot.line(frames, channels), ...legend(colours)],
     }),
@@ -85,7 +86,7 @@ function histogram(frames, colours, first) {
     caption: `How many judged frames have which largest error; round trip ${first.round_trip_ms} ms, ${about(first)}.`,
     svg: svgOf({
       marginLeft: 170, height: 60 + 60 * colours.size,
-      x: { label: 'total error, px', type: 'log' }, y: { label: null, ticks: 2 }, fy: { label: null, domain: [...colours.keys()], axis: 'left' },
+      y: { label: null, axis: null }, fy: { label: null, domain: [...colours.keys()], axis: 'left' },
       marks: [Plot.rectY(frames, Plot.binX({ y: 'count' }, { x: { value: (f) => Math.log10(clamp(f.total_max_px)), thresholds: 40 }, fy: 'how', fill: (f) => colours.get(f.how) }))],
       x: { label: 'total error, px', tickFormat: (v) => `${+(10 ** v).toPrecision(2)}` },
     }),
@@ -102,7 +103,7 @@ function intervals(cells, colours) {
     name: 'error_against_bytes',
     caption: `Total error (99th percentile over frames of the largest) against what the link carries down, for keyframe intervals of ${[...new Set(several.map((c) => c.keyframe_ms))].join(', ')} ms; round trip 200 ms.`,
     svg: svgOf({
-      x: { label: 'down, kbit/s' }, y: { label: 'total error, p99, px', type: 'log' },
+      x: { label: 'down, kbit/s' }, y: { label: 'total error, p99, px', ...kLog_px },
       marks: [Plot.line(several, { ...channels, sort: 'keyframe_ms' }), Plot.dot(several, channels),
         Plot.text(several, { ...channels, stroke: null, fill: 'black', text: (c) => `${c.keyframe_ms} ms`, dy: -9 }), ...legend(colours)],
     }),
