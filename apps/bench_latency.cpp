@@ -85,7 +85,7 @@ nlohmann::ordered_json summaryOf(const bench::LatencyResult& result) {
 CLI::App* addLatency(CLI::App& app, LatencyArguments& args) {
   CLI::App* sub =
       app.add_subcommand("latency", "error against latency, for strategies, predictors, links and intervals");
-  args.flight.flight.seconds = 10;
+  args.flight.flight.seconds = 6;
   addPathOptions(*sub, args.flight);
   addGridOptions(*sub, args.grid);
   sub->add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server");
