@@ -30,6 +30,7 @@ constexpr std::array kSubcommands{
     Subcommand{"info", "print what a scene or surface file holds"},
     Subcommand{"verify", "check a file's checksums and invariants"},
     Subcommand{"serve", "serve a scene to viewers, and the page that shows it"},
+    Subcommand{"token", "make a token with which viewers may connect"},
     Subcommand{"fly", "fly through a served scene without a screen, and report"},
     Subcommand{"replay", "fly a recorded flight again, and report"},
     Subcommand{"render", "make reference pictures by ray casting"},

@@ -24,23 +24,24 @@ inline void catchStopSignals() {
 // Whether one of the signals has arrived since catchStopSignals(). Any thread.
 inline bool isStopRequested() { return detail::g_stop_requested.load(); }
 
-// Keeps the two signals from this thread and from every thread that it starts later, so that only waitForStop() takes
-// them. Main thread, before any other thread starts.
+// Keeps the two signals, and SIGHUP, from this thread and from every thread that it starts later, so that only
+// waitForSignal() takes them. Main thread, before any other thread starts.
 inline sigset_t blockStopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
 
-// Returns which of the blocked signals has arrived. A second one ends the process at once.
-inline int waitForStop(const sigset_t& signals) {
+// Returns which of the blocked signals has arrived.
+inline int waitForSignal(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
-  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   return signal;
 }
+
+// From now on another signal ends the process at once.
+inline void endOnFurtherSignals(const sigset_t& signals) { pthread_sigmask(SIG_UNBLOCK, &signals, nullptr); }
 
 }  // namespace foreland::apps

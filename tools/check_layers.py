@@ -17,7 +17,7 @@ import source_files
 # A room is a folder; a file belongs to the deepest room that holds it. Each room sees itself and what is listed.
 PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine", "proto/codec", "proto/message"]
 PROTO = ["base", *PROTO_ROOMS]
-SEES = {"base": []}
+SEES = {"base": [], "transport": ["base"]}
 for at, room in enumerate(PROTO_ROOMS):
     SEES[room] = ["base", *PROTO_ROOMS[:at]]
 SEES |= {
@@ -56,7 +56,8 @@ SEES["client/mesh"] = PROTO
 SEES["client"] = [*PROTO, "client/mesh"]
 CLIENT = [*PROTO, "client/mesh", "client"]
 SEES["client/wasm"] = CLIENT
-SEES["client/fly/net"] = CLIENT
+SEES["client/fly/net"] = [*CLIENT, "transport"]
+SEES["server/net"] = [*SEES["server/net"], "transport"]
 SEES["client/fly"] = [*CLIENT, "client/fly/net"]
 
 LIBRARIES = sorted(SEES)
@@ -84,10 +85,11 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
-    (r"boost/", "Boost", ["server/net", "client/fly/net", *EDGES]),
+    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", *EDGES]),
     (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
     (r"(draco/|meshoptimizer\.h$|zlib\.h$)", "a mesh codec to compare with, or zlib", ["bench/wire/peers", *TESTS]),
     (r"CLI/", "CLI11", EDGES),
+    (r"toml\+\+/", "toml++", EDGES),
     (r"benchmark/", "Google Benchmark", ["bench"]),
     (r"(gtest|gmock|rapidcheck)[/.]", "a test framework", TESTS),
     (r"(spdlog|fmt|nlohmann|zstd|xxhash|tbb|oneapi)[/.]", "a library that WebAssembly lacks",

@@ -65,11 +65,11 @@ int run(const FlyOptions& o) {
   if (!afterwards.ok()) return fail(afterwards.error());
   Result<FlightRecorder> recorder = FlightRecorder::begin(o.record, *options);
   if (!recorder.ok()) return fail(recorder.error());
-  auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout);
+  auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout, o.connection);
   if (!connection.ok()) return fail(connection.error());
 
   client::Player player(*options);
-  Link link(std::move(connection).value(), o.url, std::random_device{}());
+  Link link(std::move(connection).value(), o.url, o.connection, std::random_device{}());
   const auto check = [&](const client::Player& welcomed) { return afterwards->checkScene(welcomed.viewer()); };
   const auto record = [&](const client::Player& flying) {
     recorder->onFrame(flying);

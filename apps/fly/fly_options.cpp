@@ -47,7 +47,9 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   FlyOptions o;
   CLI::App app("Fly through a served scene without a screen, and report.", "foreland fly");
   app.footer(std::string(kFlight) + reportHelp() + kExitCodes);
-  app.add_option("URL", o.url, "the server, as ws://HOST:PORT")->required();
+  app.add_option("URL", o.url, "the server, as ws://HOST:PORT or wss://HOST:PORT")->required();
+  app.add_option("--token", o.connection.token, "a token from `foreland token`, for a server that asks for one");
+  app.add_option("--ca", o.connection.ca_file, "certificates to trust, in PEM format, instead of the system's");
   CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
   app.add_option("--tour", o.tour,
                  "fly a built-in tour: survey (default), canyon, spin, orbit; or jumps, from view to view")

@@ -9,12 +9,14 @@
 #include "apps/fly/afterwards.h"
 #include "base/result.h"
 #include "bench/report.h"
+#include "client/fly/net/web_socket_client.h"
 #include "client/fly/player.h"
 
 namespace foreland::apps {
 
 struct FlyOptions {
   std::string url;
+  client::WebSocketClient::Options connection;
   std::optional<std::filesystem::path> track;
   std::optional<std::string> tour;
   std::optional<double> seconds;

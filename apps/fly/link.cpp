@@ -37,7 +37,7 @@ Status Link::run(client::Player& player, Clock::time_point epoch, Clock::time_po
 }
 
 void Link::connect(client::Player& player, Clock::time_point epoch) {
-  auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout);
+  auto connection = client::WebSocketClient::connect(url_, kReconnectTimeout, options_);
   if (!connection.ok()) {
     ++attempts_;
     next_attempt_ = Clock::now() + wait();

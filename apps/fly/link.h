@@ -5,6 +5,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "base/result.h"
 #include "base/time.h"
@@ -18,8 +19,8 @@ class Link {
   using Clock = client::WebSocketClient::Clock;
 
   // `seed` spreads the attempts of many viewers that have lost the same server.
-  Link(client::WebSocketClient connection, std::string url, uint32_t seed)
-      : connection_(std::move(connection)), url_(std::move(url)), random_(seed) {}
+  Link(client::WebSocketClient connection, std::string url, client::WebSocketClient::Options options, uint32_t seed)
+      : connection_(std::move(connection)), url_(std::move(url)), options_(std::move(options)), random_(seed) {}
 
   // Sends and receives messages until `until`. When the connection is lost, it tries to make a new one, with which the
   // player resumes: at once if the server asks for that (client::LostBy::kHandOver), else within a fifth of a second,
@@ -33,6 +34,7 @@ class Link {
 
   std::optional<client::WebSocketClient> connection_;
   std::string url_;
+  client::WebSocketClient::Options options_;
   std::minstd_rand random_;
   Error lost_{ErrorCode::kIo, {}};
   Clock::time_point lost_at_, next_attempt_;

@@ -28,10 +28,10 @@ struct Flown {
 
 Flown flyOne(const FlyOptions& o, const client::PlayerOptions& options, size_t number) {
   std::this_thread::sleep_for(kBetweenStarts * number);
-  auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout);
+  auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout, o.connection);
   if (!connection.ok()) return {connection.error(), {}};
   client::Player player(options);
-  Link link(std::move(connection).value(), o.url, static_cast<uint32_t>(number + 1));
+  Link link(std::move(connection).value(), o.url, o.connection, static_cast<uint32_t>(number + 1));
   Status status = fly(link, player, kFrame, {});
   link.close();
   return {std::move(status), player.report()};

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "server/net/gate.h"
 #include "server/net/http_reply.h"
 #include "server/net/metrics.h"
 #include "server/net/server.h"
@@ -36,7 +38,9 @@ struct ServerContext {
   boost::asio::io_context& io;
   SessionHost& host;
   Metrics& metrics;
-  std::map<std::string, size_t>& connections_from;  // open ones, by address
+  Gate& gate;
+  std::map<std::string, size_t>& connections_from;   // open ones, by address
+  std::shared_ptr<boost::asio::ssl::context> tls{};  // null: the public port is in the clear
   std::set<std::shared_ptr<ViewerConnection>> viewers{};
   bool is_draining = false;  // takes no further viewers
 
@@ -69,11 +73,23 @@ class ConnectionCount {
   ~ConnectionCount() {
     if (!open_) return;
     --*open_;
+    forget();
+  }
+
+  // A proxy has said whom the connection is for. Returns how many others there are of that address.
+  size_t countFor(const std::string& address) {
+    forget();
+    address_ = address;
+    return (*from_)[address_]++;
+  }
+  const std::string& address() const { return address_; }
+
+ private:
+  void forget() {
     const auto at = from_->find(address_);
     if (at != from_->end() && --at->second == 0) from_->erase(at);
   }
 
- private:
   std::atomic<int64_t>* open_;
   std::map<std::string, size_t>* from_;
   std::string address_;

@@ -6,16 +6,21 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "server/net/viewer_connection.h"
+#include "transport/transport.h"
 
 namespace foreland::server {
 namespace beast = boost::beast;
+using transport::Transport;
 namespace http = beast::http;
 namespace {
 
 constexpr uint32_t kMaxHeaderBytes = 8u << 10;
+constexpr const char* kTooManyFromThere = "There are too many connections from your address. Try again in a while.";
 constexpr uint64_t kMaxBodyBytes = 4u << 10;  // no request here needs a body
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -23,32 +28,46 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::asio::ip::tcp::socket socket, Admission admission, ServerContext& context)
-      : context_(context), admission_(admission), count_(context, admission, socket), stream_(std::move(socket)) {}
+      : context_(context),
+        admission_(admission),
+        count_(context, admission, socket),
+        from_(addressOf(socket)),
+        tls_(admission == Admission::kMetrics ? nullptr : context.tls),
+        stream_(tls_ ? Transport(beast::tcp_stream(std::move(socket)), *tls_)
+                     : Transport(beast::tcp_stream(std::move(socket)))) {}
+
+  void start() {
+    if (!stream_.tls()) return read();
+    allowMoreTime();
+    stream_.tls()->async_handshake(boost::asio::ssl::stream_base::server,
+                                   [self = shared_from_this()](beast::error_code error) {
+                                     if (!error) self->read();
+                                   });
+  }
+
+ private:
+  void allowMoreTime() {
+    stream_.next_layer().expires_after(std::chrono::microseconds(context_.options.http_timeout.us));
+  }
 
   void read() {
     parser_.emplace();
     parser_->header_limit(kMaxHeaderBytes);
     parser_->body_limit(kMaxBodyBytes);
-    stream_.expires_after(std::chrono::microseconds(context_.options.http_timeout.us));
+    allowMoreTime();
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code error, size_t) { self->onRead(error); });
   }
 
- private:
   void onRead(beast::error_code error) {
     if (error == http::error::end_of_stream) return shutDown();
     if (error && error.category() == make_error_code(http::error::bad_version).category()) return refuse(error);
     if (error) return;  // reset or timed out; the socket is closed when this object is destroyed
     const auto& request = parser_->get();
     if (admission_ == Admission::kReserve && !isForOperators(view(request.target())))
-      return refuse(RefusedFor::kFull, "The server is full. Try again in a while");
-    if (admission_ != Admission::kMetrics && beast::websocket::is_upgrade(request)) {
-      if (context_.is_draining)
-        return refuse(RefusedFor::kStopping, "The server stops. Connect again, to another server.");
-      context_.metrics.countHttpReply(101);
-      acceptViewer(std::move(stream_), std::move(count_), parser_->release(), context_);
-      return;
-    }
+      return refuse({503, RefusedFor::kFull, "The server is full. Try again in a while"});
+    if (isFullFor(request)) return refuse({503, RefusedFor::kAddress, kTooManyFromThere});
+    if (admission_ != Admission::kMetrics && beast::websocket::is_upgrade(request)) return letIn();
     const HttpReply reply = replyTo({.method = view(request.method_string()),
                                      .target = view(request.target()),
                                      .if_none_match = view(request[http::field::if_none_match])},
@@ -56,9 +75,32 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     write(reply, request.method() == http::verb::head, request.keep_alive());
   }
 
-  void refuse(RefusedFor reason, const char* why) {
-    context_.metrics.count(reason);
-    write(textReply(503, why), false, false);
+  // Whether there are as many connections from the address that a trusted proxy names as may be.
+  bool isFullFor(const http::request<http::string_body>& request) {
+    if (admission_ == Admission::kMetrics || !context_.gate.isTrusted(from_)) return false;
+    const std::string client = context_.gate.clientOf(from_, view(request["X-Forwarded-For"]));
+    return client != from_ && count_.countFor(client) >= context_.options.max_connections_per_address;
+  }
+
+  // A viewer, if it may come.
+  void letIn() {
+    if (context_.is_draining)
+      return refuse({503, RefusedFor::kStopping, "The server stops. Connect again, to another server."});
+    const auto& request = parser_->get();
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    auto pass = context_.gate.admit({.origin = view(request[http::field::origin]),
+                                     .host = view(request[http::field::host]),
+                                     .target = view(request.target()),
+                                     .authorization = view(request[http::field::authorization])},
+                                    std::chrono::duration_cast<std::chrono::seconds>(now).count());
+    if (const auto* rejection = std::get_if<Rejection>(&pass)) return refuse(*rejection);
+    context_.metrics.countHttpReply(101);
+    acceptViewer(std::move(stream_), std::move(count_), std::get<Pass>(std::move(pass)), parser_->release(), context_);
+  }
+
+  void refuse(const Rejection& rejection) {
+    context_.metrics.count(rejection.reason);
+    write(textReply(rejection.status, rejection.why), false, false);
   }
 
   void refuse(beast::error_code error) {
@@ -79,13 +121,14 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response_.set(http::field::cache_control, reply.cache_control);
     response_.set("X-Content-Type-Options", "nosniff");
     if (!reply.etag.empty()) response_.set(http::field::etag, reply.etag);
+    if (reply.status == 401) response_.set(http::field::www_authenticate, "Bearer");
     if (reply.status == 405) response_.set(http::field::allow, "GET, HEAD");
     if (reply.status == 503) response_.set(http::field::retry_after, "5");
     if (reply.status == 426) response_.set(http::field::upgrade, "websocket");
     response_.keep_alive(keep_alive);
     if (reply.status != 304) response_.content_length(body_->size());
     if (!head_only) response_.body() = {body_->data(), body_->size()};
-    stream_.expires_after(std::chrono::microseconds(context_.options.http_timeout.us));
+    allowMoreTime();
     http::async_write(stream_, response_, [self = shared_from_this(), keep_alive](beast::error_code error, size_t) {
       if (error) return;
       if (keep_alive)
@@ -96,14 +139,20 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void shutDown() {
+    if (stream_.tls()) {
+      allowMoreTime();
+      return stream_.tls()->async_shutdown([self = shared_from_this()](beast::error_code) {});
+    }
     beast::error_code ignored;
-    stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+    stream_.next_layer().socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
   }
 
   ServerContext& context_;
   const Admission admission_;
   ConnectionCount count_;
-  beast::tcp_stream stream_;
+  const std::string from_;  // the other end's address
+  const std::shared_ptr<boost::asio::ssl::context> tls_;
+  Transport stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::shared_ptr<const std::string> body_;  // which the response points into
@@ -113,7 +162,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 }  // namespace
 
 void serveHttp(boost::asio::ip::tcp::socket socket, Admission admission, ServerContext& context) {
-  std::make_shared<HttpConnection>(std::move(socket), admission, context)->read();
+  std::make_shared<HttpConnection>(std::move(socket), admission, context)->start();
 }
 
 }  // namespace foreland::server

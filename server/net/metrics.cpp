@@ -60,8 +60,8 @@ class Page {
   std::string text_;
 };
 
-constexpr std::array<const char*, kRefusals> kRefusalNames = {"full",   "address", "stopping", "message",
-                                                              "queues", "unread",  "silent"};
+constexpr std::array<const char*, kRefusals> kRefusalNames = {"full",    "address", "stopping", "origin", "token",
+                                                              "message", "queues",  "unread",   "silent"};
 
 void renderViewers(const Metrics& m, Page& page) {
   page.gauge("foreland_connections", "Open sockets.", m.connections.load());

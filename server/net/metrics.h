@@ -17,15 +17,18 @@ enum class RefusedFor : uint8_t {
   kFull,     // there were too many connections
   kAddress,  // likewise, from its address
   kStopping,
+  kOrigin,   // the page that it comes from may not
+  kToken,    // it has no token, or not one that lets it in
   kMessage,  // what it sent
   kQueues,   // more waited for this server than it takes
   kUnread,   // it read nothing, or too slowly
   kSilent,   // it sent nothing for too long, or did not end a message
 };
-inline constexpr size_t kRefusals = 7;
+inline constexpr size_t kRefusals = 9;
 
 // That replies to plain requests may have. Others are counted as the last one.
-inline constexpr std::array kHttpStatuses = {101u, 200u, 304u, 400u, 404u, 405u, 426u, 503u, 500u};
+inline constexpr std::array kHttpStatuses = {101u, 200u, 206u, 304u, 400u, 401u, 403u,
+                                             404u, 405u, 416u, 426u, 503u, 500u};
 
 struct Metrics {
   void count(RefusedFor reason) { ++refusals[static_cast<size_t>(reason)]; }

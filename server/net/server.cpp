@@ -22,6 +22,7 @@
 #include "server/net/drain.h"
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
+#include "server/net/tls.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
 
@@ -51,13 +52,27 @@ class Server::Impl {
               .unready = [this] { return unready(1); }},
         metrics_site_{
             .files = {}, .metrics = [this] { return metricsText(); }, .unready = [this] { return unready(0); }},
-        context_{options_, clock_, site_, metrics_site_, io_, host_, metrics_, connections_from_} {}
+        gate_(options_.gate),
+        context_{options_, clock_, site_, metrics_site_, io_, host_, metrics_, gate_, connections_from_} {}
 
   ~Impl() { stop(); }
 
   Status listen() {
+    if (Status status = check(options_.gate); !status.ok()) return status;
+    if (Status status = loadTls(); !status.ok()) return status;
     if (Status status = listener_.open(options_.listen, "--listen"); !status.ok()) return status;
     return options_.metrics_listen ? metrics_listener_.open(*options_.metrics_listen, "--metrics-listen") : Status();
+  }
+
+  // A null one if there is to be none.
+  Status loadTls() {
+    if (options_.tls_certificate.empty() && options_.tls_key.empty()) return {};
+    if (options_.tls_certificate.empty() || options_.tls_key.empty())
+      return Error{ErrorCode::kInvalidArgument, "TLS needs both --tls-cert and --tls-key"};
+    auto tls = server::loadTls(options_.tls_certificate, options_.tls_key);
+    if (!tls) return tls.error();
+    net::post(io_, [this, tls = std::move(*tls)] { context_.tls = tls; });
+    return {};
   }
 
   void start() {
@@ -123,7 +138,8 @@ class Server::Impl {
     if (metrics_.connections >= most + kReserve)
       return turnAway(std::move(socket), RefusedFor::kFull, fmt::format("there are {} connections already", most));
     const auto from = context_.connections_from.find(addressOf(socket));
-    if (from != context_.connections_from.end() && from->second >= options_.max_connections_per_address)
+    if (from != context_.connections_from.end() && !context_.gate.isTrusted(from->first) &&
+        from->second >= options_.max_connections_per_address)
       return turnAway(std::move(socket), RefusedFor::kAddress,
                       fmt::format("there are {} connections from its address already", from->second));
     ErrorOf ignored;  // a socket that was closed meanwhile fails at the first read
@@ -141,6 +157,7 @@ class Server::Impl {
   void turnAway(tcp::socket socket, RefusedFor reason, const std::string& why) {
     metrics_.count(reason);
     context_.log(Severity::kDebug, "turned a connection away: " + why);
+    if (context_.tls) return;  // it would not be understood
     static constexpr std::string_view kReply =
         "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n"
         "Content-Type: text/plain; charset=utf-8\r\nContent-Length: 40\r\n\r\nThe server is full. Try again in a "
@@ -225,6 +242,7 @@ class Server::Impl {
   Pool pool_;
   SessionHost host_;
   HttpSite site_, metrics_site_;
+  Gate gate_;
   net::io_context io_{1};  // its handlers hold the connections, whose destructors use the members above
   ServerContext context_;
   Listener listener_{io_, eventsOf([this](tcp::socket socket) { admit(std::move(socket)); })};
@@ -257,6 +275,7 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 uint16_t Server::port() const { return impl_->port(); }
 uint16_t Server::metricsPort() const { return impl_->metricsPort(); }
+Status Server::reloadTls() { return impl_->loadTls(); }
 void Server::drain(Duration most) { impl_->drain(most); }
 void Server::stop() { impl_->stop(); }
 

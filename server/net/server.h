@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "server/net/gate.h"
 #include "server/net/listen_address.h"
 #include "server/net/session_host.h"
 #include "server/sched/clock.h"
@@ -34,6 +35,9 @@ struct ServeOptions {
   std::filesystem::path web;  // directory of the page's files; empty for no page
   // More files by their paths in URLs: the images of the scene's models.
   std::map<std::string, std::string> files;
+  GateOptions gate;
+  // Of TLS on the public port; both empty for none.
+  std::filesystem::path tls_certificate, tls_key;
   size_t max_connections = 1024;                  // one more is told to try again later (503)
   size_t max_connections_per_address = SIZE_MAX;  // likewise; behind a proxy all come from one
   size_t max_unread_messages = 64;                // a viewer that leaves more replies unread is refused
@@ -56,6 +60,9 @@ class Server {
 
   uint16_t port() const;
   uint16_t metricsPort() const;  // 0 if there is none
+
+  // Reads the certificate and its key again, for connections to come. An Error changes nothing. Owner's thread.
+  Status reloadTls();
 
   // Takes no further viewers and hands over those that are here: each is asked, at its next keyframe, to connect again
   // and resume (close code 1012), and is so free to be sent to another server by a proxy. Plain HTTP is still

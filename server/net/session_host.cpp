@@ -33,12 +33,14 @@ SessionHost::SessionHost(std::shared_ptr<const World> world, SessionOptions opti
 
 SessionHost::~SessionHost() = default;
 
-std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet) {
-  return std::make_shared<SessionActor>(*this, std::move(outlet));
+std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t most_nodes) {
+  SessionOptions options = options_;
+  if (most_nodes > 0) options.max_section_nodes = std::min(options.max_section_nodes, most_nodes);
+  return std::make_shared<SessionActor>(*this, options, std::move(outlet));
 }
 
-SessionActor::SessionActor(SessionHost& host, Outlet outlet)
-    : host_(host), session_(host.world_, host.options_), outlet_(std::move(outlet)) {
+SessionActor::SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet)
+    : host_(host), session_(host.world_, options), outlet_(std::move(outlet)) {
   ++host_.metrics_.sessions;
   ++host_.metrics_.sessions_opened;
 }

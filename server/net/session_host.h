@@ -50,7 +50,8 @@ class SessionHost {
               Metrics& metrics);
   ~SessionHost();
 
-  std::shared_ptr<SessionActor> open(Outlet outlet);
+  // `most_nodes` of its section, at most; 0 for the server's limit.
+  std::shared_ptr<SessionActor> open(Outlet outlet, size_t most_nodes = 0);
 
   // Whether the workers are too busy for further viewers. Any thread.
   bool isOverloaded() const { return load_.isOverloaded(clock_()); }
@@ -71,7 +72,7 @@ class SessionHost {
 // One viewer's session and its inbox. The public functions belong to the I/O thread. The host outlives it.
 class SessionActor : public std::enable_shared_from_this<SessionActor> {
  public:
-  SessionActor(SessionHost& host, Outlet outlet);
+  SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet);
   ~SessionActor();
 
   // Takes a whole message from the viewer. An Error means that the inbox is full, and the viewer is to be refused.

@@ -33,20 +33,30 @@ websocket::close_reason reasonOf(websocket::close_code code, const std::string& 
   return {code, beast::string_view(cut.data(), cut.size())};
 }
 
-std::string peerOf(const beast::tcp_stream& stream) {
+// Its address and port, after that of whom a proxy connects, if one does.
+std::string peerOf(const beast::tcp_stream& stream, const std::string& client) {
   beast::error_code error;
   const auto endpoint = stream.socket().remote_endpoint(error);
-  return error ? "an unknown address" : fmt::format("{}:{}", endpoint.address().to_string(), endpoint.port());
+  if (error) return "an unknown address";
+  const std::string address = endpoint.address().to_string();
+  return fmt::format("{}{}:{}", client == address ? "" : client + " by ", address, endpoint.port());
 }
 
 }  // namespace
 
-void acceptViewer(beast::tcp_stream stream, ConnectionCount count, UpgradeRequest request, ServerContext& context) {
-  std::make_shared<ViewerConnection>(std::move(stream), std::move(count), context)->accept(std::move(request));
+void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, UpgradeRequest request,
+                  ServerContext& context) {
+  std::make_shared<ViewerConnection>(std::move(stream), std::move(count), std::move(pass), context)
+      ->accept(std::move(request));
 }
 
-ViewerConnection::ViewerConnection(beast::tcp_stream stream, ConnectionCount count, ServerContext& context)
-    : context_(context), metrics_(context.metrics), count_(std::move(count)), stream_(std::move(stream)) {}
+ViewerConnection::ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass,
+                                   ServerContext& context)
+    : context_(context),
+      metrics_(context.metrics),
+      count_(std::move(count)),
+      pass_(std::move(pass)),
+      stream_(std::move(stream)) {}
 
 ViewerConnection::~ViewerConnection() { metrics_.queue_bytes -= counted_bytes_; }
 
@@ -64,7 +74,7 @@ bool ViewerConnection::drainsTooSlowly(Time now) const {
 
 void ViewerConnection::accept(UpgradeRequest request) {
   beast::get_lowest_layer(stream_).expires_never();  // from here on check() enforces the timeouts
-  peer_ = peerOf(beast::get_lowest_layer(stream_));
+  peer_ = peerOf(beast::get_lowest_layer(stream_), count_.address());
   stream_.set_option(
       websocket::stream_base::timeout{.handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
                                       .idle_timeout = websocket::stream_base::none(),
@@ -88,7 +98,7 @@ void ViewerConnection::onAccept(beast::error_code error) {
   }
   state_ = State::kOpen;
   heard_at_ = progress_at_ = opened_at_ = message_begun_at_ = context_.clock();
-  actor_ = context_.host.open(makeOutlet());
+  actor_ = context_.host.open(makeOutlet(), pass_.token.section_nodes);
   context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
   read();
   if (close_reason_.code != websocket::close_code::none)
@@ -255,6 +265,7 @@ void ViewerConnection::check(Time now) {
     return cut();
   }
   if (hand_over_at_ && now - *hand_over_at_ > kLongestToKeyframe) return leaveForAnother();
+  if (hasExpired()) return leave(websocket::close_code::policy_error, "your token has expired");
   if (!has_greeted_ && now - opened_at_ > context_.options.hello_timeout)
     return leaveSilent("no message for too long; connect again");
   if (read_buffer_.size() > 0 && now - message_begun_at_ > context_.options.message_timeout)
@@ -265,6 +276,11 @@ void ViewerConnection::check(Time now) {
 void ViewerConnection::leaveSilent(const std::string& reason) {
   context_.metrics.count(RefusedFor::kSilent);
   leave(websocket::close_code::policy_error, reason);
+}
+
+bool ViewerConnection::hasExpired() const {
+  return pass_.viewers &&
+         std::chrono::system_clock::now().time_since_epoch() > std::chrono::seconds(pass_.token.expires_s);
 }
 
 void ViewerConnection::cut() { beast::get_lowest_layer(stream_).close(); }

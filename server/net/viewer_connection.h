@@ -3,7 +3,6 @@
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket/stream.hpp>
@@ -17,6 +16,7 @@
 #include "base/bytes.h"
 #include "base/time.h"
 #include "server/net/context.h"
+#include "transport/transport.h"
 
 namespace foreland::server {
 
@@ -24,7 +24,7 @@ using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_bo
 
 class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
  public:
-  ViewerConnection(boost::beast::tcp_stream stream, ConnectionCount count, ServerContext& context);
+  ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass, ServerContext& context);
   ~ViewerConnection();
 
   void accept(UpgradeRequest request);
@@ -51,6 +51,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   };
   enum class State : uint8_t { kAccepting, kOpen, kFlushing, kClosing, kGone };
 
+  bool hasExpired() const;
   void onAccept(boost::beast::error_code error);
   Outlet makeOutlet();
   void read();
@@ -71,7 +72,8 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   ServerContext& context_;
   Metrics& metrics_;  // outlives the context
   ConnectionCount count_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;  // false: no permessage-deflate
+  const Pass pass_;
+  boost::beast::websocket::stream<transport::Transport, false> stream_;  // false: no permessage-deflate
   std::string peer_;
   std::shared_ptr<SessionActor> actor_;  // null unless open
   State state_ = State::kAccepting;
@@ -96,7 +98,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
 };
 
 // Takes over a socket whose HTTP request asks for WebSocket.
-void acceptViewer(boost::beast::tcp_stream stream, ConnectionCount count, UpgradeRequest request,
+void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, UpgradeRequest request,
                   ServerContext& context);
 
 }  // namespace foreland::server

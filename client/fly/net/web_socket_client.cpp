@@ -1,15 +1,23 @@
 #include "client/fly/net/web_socket_client.h"
 
+#include <openssl/ssl.h>
+
+#include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <iterator>
 #include <optional>
+#include <string_view>
 
 #include "proto/message/message.h"
+#include "transport/transport.h"
 
 namespace foreland::client {
 
@@ -18,16 +26,29 @@ namespace beast = boost::beast;
 using boost::system::error_code;
 using tcp = asio::ip::tcp;
 
+namespace {
+
+struct Scheme {
+  std::string_view prefix;
+  Security security;
+  const char* port;
+};
+constexpr Scheme kSchemes[] = {{"ws://", Security::kNone, "80"},
+                               {"wss://", Security::kTls, "443"},
+                               {"http://", Security::kNone, "80"},
+                               {"https://", Security::kTls, "443"}};
+
+}  // namespace
+
 Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
   const auto refuse = [&](const std::string& why) {
-    return Error{ErrorCode::kInvalidArgument, "'" + url + "': " + why + "; write ws://HOST:PORT"};
+    return Error{ErrorCode::kInvalidArgument, "'" + url + "': " + why + "; write ws://HOST:PORT or wss://HOST:PORT"};
   };
-  if (url.starts_with("wss://"))
-    return Error{ErrorCode::kUnsupported,
-                 "'" + url + "': encrypted connections are not known yet; write ws://HOST:PORT"};
-  if (!url.starts_with("ws://")) return refuse("not a WebSocket address");
-  std::string authority = url.substr(5);
-  WebSocketUrl result{.host = {}, .target = "/fly"};
+  const auto scheme = std::find_if(std::begin(kSchemes), std::end(kSchemes),
+                                   [&](const Scheme& s) { return url.starts_with(s.prefix); });
+  if (scheme == std::end(kSchemes)) return refuse("not a WebSocket address");
+  std::string authority = url.substr(scheme->prefix.size());
+  WebSocketUrl result{.security = scheme->security, .host = {}, .port = scheme->port, .target = "/fly"};
   if (const size_t slash = authority.find('/'); slash != std::string::npos) {
     if (slash + 1 < authority.size()) result.target = authority.substr(slash);
     authority.resize(slash);
@@ -49,57 +70,100 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
 
 struct WebSocketClient::Impl {
   asio::io_context io{1};
-  beast::websocket::stream<beast::tcp_stream, false> stream{io};  // false: no permessage-deflate
-  std::string name;                                               // for messages
+  asio::ssl::context tls{asio::ssl::context::tls_client};
+  // Replaced by open(). false: no permessage-deflate.
+  std::optional<beast::websocket::stream<transport::Transport, false>> stream;
+  std::string name;  // for messages
   beast::flat_buffer incoming;
   std::deque<Bytes> outgoing;  // the front one is being written
   const std::function<Status(ByteSpan)>* on_message = nullptr;
   std::optional<Error> failure;
 
-  Status open(const std::string& url, std::chrono::milliseconds timeout);
-  Status shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout);
+  Status open(const std::string& url, std::chrono::milliseconds timeout, const Options& options);
+  Status connectTo(const WebSocketUrl& url, std::chrono::milliseconds timeout, const Options& options);
+  Status startTls(const WebSocketUrl& url, const Options& options);
+  Status shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout, const Options& options);
   void read();
   void write();
   void fail(const error_code& error);
 };
 
-Status WebSocketClient::Impl::open(const std::string& url, std::chrono::milliseconds timeout) {
+Status WebSocketClient::Impl::open(const std::string& url, std::chrono::milliseconds timeout, const Options& options) {
   const Result<WebSocketUrl> parsed = parseWebSocketUrl(url);
   if (!parsed.ok()) return parsed.error();
   name = url;
-  error_code error;
-  tcp::resolver resolver(io);
-  const auto endpoints = resolver.resolve(parsed->host, parsed->port, error);
-  if (error) return Error{ErrorCode::kNotFound, url + ": no such host: " + error.message()};
-  stream.next_layer().expires_after(timeout);
-  stream.next_layer().async_connect(endpoints, [&](error_code e, const tcp::endpoint&) { error = e; });
-  io.run();
-  io.restart();
-  if (error)
-    return Error{ErrorCode::kIo, url + ": cannot connect: " + error.message() + "; is `foreland serve` running there?"};
-  stream.next_layer().socket().set_option(tcp::no_delay(true), error);  // poses are small and urgent
-  return shakeHands(*parsed, timeout);
+  if (Status s = connectTo(*parsed, timeout, options); !s.ok()) return s;
+  if (parsed->security == Security::kTls)
+    if (Status s = startTls(*parsed, options); !s.ok()) return s;
+  return shakeHands(*parsed, timeout, options);
 }
 
-Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout) {
-  stream.next_layer().expires_never();
-  auto limits = beast::websocket::stream_base::timeout::suggested(beast::role_type::client);
-  limits.handshake_timeout = timeout;
-  stream.set_option(limits);
-  stream.read_message_max(proto::kMaxServerMessageBytes);
-  stream.binary(true);
-  stream.auto_fragment(false);
+Status WebSocketClient::Impl::connectTo(const WebSocketUrl& url, std::chrono::milliseconds timeout,
+                                        const Options& options) {
   error_code error;
-  beast::websocket::response_type response;
-  stream.async_handshake(response, url.host + ":" + url.port, url.target, [&](error_code e) { error = e; });
+  tcp::resolver resolver(io);
+  const auto endpoints = resolver.resolve(url.host, url.port, error);
+  if (error) return Error{ErrorCode::kNotFound, name + ": no such host: " + error.message()};
+  if (url.security == Security::kTls) {
+    tls.set_verify_mode(asio::ssl::verify_peer);
+    tls.set_verify_callback(asio::ssl::host_name_verification(url.host));
+    if (options.ca_file.empty())
+      tls.set_default_verify_paths(error);
+    else
+      tls.load_verify_file(options.ca_file, error);
+    if (error) return Error{ErrorCode::kInvalidArgument, "--ca '" + options.ca_file + "': " + error.message()};
+    stream.emplace(beast::tcp_stream(io), tls);
+  } else {
+    stream.emplace(beast::tcp_stream(io));
+  }
+  beast::tcp_stream& socket = beast::get_lowest_layer(*stream);
+  socket.expires_after(timeout);
+  socket.async_connect(endpoints, [&](error_code e, const tcp::endpoint&) { error = e; });
   io.run();
   io.restart();
   if (error)
-    return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
-                                     (response.result_int() != 0 && response.result_int() != 101
-                                          ? " (HTTP " + std::to_string(response.result_int()) + ")"
-                                          : "")};
+    return Error{ErrorCode::kIo,
+                 name + ": cannot connect: " + error.message() + "; is `foreland serve` running there?"};
+  socket.socket().set_option(tcp::no_delay(true), error);  // poses are small and urgent
   return {};
+}
+
+Status WebSocketClient::Impl::startTls(const WebSocketUrl& url, const Options& options) {
+  transport::Transport::Tls& session = *stream->next_layer().tls();
+  SSL_set_tlsext_host_name(session.native_handle(), url.host.c_str());
+  error_code error;
+  session.async_handshake(asio::ssl::stream_base::client, [&](error_code e) { error = e; });
+  io.run();
+  io.restart();
+  if (!error) return {};
+  return Error{ErrorCode::kIo, name + ": no TLS: " + error.message() +
+                                   (options.ca_file.empty() ? "; --ca names the authority of its certificate" : "")};
+}
+
+Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout,
+                                         const Options& options) {
+  beast::get_lowest_layer(*stream).expires_never();
+  auto limits = beast::websocket::stream_base::timeout::suggested(beast::role_type::client);
+  limits.handshake_timeout = timeout;
+  stream->set_option(limits);
+  if (!options.token.empty())
+    stream->set_option(
+        beast::websocket::stream_base::decorator([token = options.token](beast::websocket::request_type& request) {
+          request.set(beast::http::field::authorization, "Bearer " + token);
+        }));
+  stream->read_message_max(proto::kMaxServerMessageBytes);
+  stream->binary(true);
+  stream->auto_fragment(false);
+  error_code error;
+  beast::websocket::response_type response;
+  stream->async_handshake(response, url.host + ":" + url.port, url.target, [&](error_code e) { error = e; });
+  io.run();
+  io.restart();
+  if (!error) return {};
+  const bool is_answer = response.result_int() != 0 && response.result_int() != 101;
+  return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
+                                   (is_answer ? " (HTTP " + std::to_string(response.result_int()) + ")" : "") +
+                                   (response.result_int() == 401 ? "; give a valid token with --token" : "")};
 }
 
 void WebSocketClient::Impl::fail(const error_code& error) {
@@ -107,14 +171,14 @@ void WebSocketClient::Impl::fail(const error_code& error) {
   std::string why = error == beast::websocket::error::closed || error == asio::error::eof
                         ? "the server closed the connection"
                         : error.message();
-  if (const auto& reason = stream.reason(); error == beast::websocket::error::closed && !reason.reason.empty())
+  if (const auto& reason = stream->reason(); error == beast::websocket::error::closed && !reason.reason.empty())
     why += ": " + std::string(reason.reason.data(), reason.reason.size());
   failure = Error{ErrorCode::kIo, name + ": connection lost: " + why};
   io.stop();
 }
 
 void WebSocketClient::Impl::read() {
-  stream.async_read(incoming, [this](error_code error, size_t) {
+  stream->async_read(incoming, [this](error_code error, size_t) {
     if (error) return fail(error);
     const auto bytes = incoming.cdata();
     const Status taken = (*on_message)({static_cast<const uint8_t*>(bytes.data()), bytes.size()});
@@ -129,7 +193,7 @@ void WebSocketClient::Impl::read() {
 }
 
 void WebSocketClient::Impl::write() {
-  stream.async_write(asio::buffer(outgoing.front()), [this](error_code error, size_t) {
+  stream->async_write(asio::buffer(outgoing.front()), [this](error_code error, size_t) {
     if (error) return;  // reading reports the loss, after what still came in
     outgoing.pop_front();
     if (!outgoing.empty()) write();
@@ -141,9 +205,10 @@ WebSocketClient::~WebSocketClient() = default;
 WebSocketClient::WebSocketClient(WebSocketClient&&) noexcept = default;
 WebSocketClient& WebSocketClient::operator=(WebSocketClient&&) noexcept = default;
 
-Result<WebSocketClient> WebSocketClient::connect(const std::string& url, std::chrono::milliseconds timeout) try {
+Result<WebSocketClient> WebSocketClient::connect(const std::string& url, std::chrono::milliseconds timeout,
+                                                 const Options& options) try {
   auto impl = std::make_unique<Impl>();
-  if (Status s = impl->open(url, timeout); !s.ok()) return s.error();
+  if (Status s = impl->open(url, timeout, options); !s.ok()) return s.error();
   return WebSocketClient(std::move(impl));
 } catch (const std::exception& e) { return Error{ErrorCode::kIo, url + ": " + e.what()}; }
 
@@ -165,15 +230,15 @@ Status WebSocketClient::run(Clock::time_point until, const std::function<Status(
 } catch (const std::exception& e) { return Error{ErrorCode::kIo, impl_->name + ": " + e.what()}; }
 
 LostBy WebSocketClient::lostBy() const {
-  return impl_->stream.reason().code == beast::websocket::close_code::service_restart ? LostBy::kHandOver
-                                                                                      : LostBy::kFailure;
+  return impl_->stream->reason().code == beast::websocket::close_code::service_restart ? LostBy::kHandOver
+                                                                                       : LostBy::kFailure;
 }
 
 void WebSocketClient::close() try {
   if (impl_->failure) return;
   const std::function<Status(ByteSpan)> ignore = [](ByteSpan) { return Status(); };
   impl_->on_message = &ignore;
-  impl_->stream.async_close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
+  impl_->stream->async_close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
   impl_->io.restart();
   impl_->io.run_for(std::chrono::seconds(1));
   impl_->failure = Error{ErrorCode::kIo, impl_->name + ": closed"};

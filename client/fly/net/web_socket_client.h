@@ -14,13 +14,17 @@
 
 namespace foreland::client {
 
+enum class Security : uint8_t { kNone, kTls };
+
 struct WebSocketUrl {
+  Security security = Security::kNone;
   std::string host;
   std::string port = "80";
   std::string target = "/";
 };
 
-// ws://HOST[:PORT][/PATH]; an IPv6 address stands in brackets. Anything else is an Error that names the form.
+// ws://HOST[:PORT][/PATH], or wss:// for TLS; http and https mean the same. An IPv6 address stands in brackets.
+// Anything else is an Error that names the form.
 Result<WebSocketUrl> parseWebSocketUrl(const std::string& url);
 
 // How a connection ended.
@@ -33,8 +37,14 @@ class WebSocketClient {
  public:
   using Clock = std::chrono::steady_clock;
 
+  struct Options {
+    std::string token;    // a bearer token for the server; empty for none
+    std::string ca_file;  // certificates of authorities to trust, in PEM format; empty for the system's
+  };
+
   // Resolves the name, connects and shakes hands; each may take `timeout` at most.
-  static Result<WebSocketClient> connect(const std::string& url, std::chrono::milliseconds timeout);
+  static Result<WebSocketClient> connect(const std::string& url, std::chrono::milliseconds timeout,
+                                         const Options& options = {});
   ~WebSocketClient();
   WebSocketClient(WebSocketClient&&) noexcept;
   WebSocketClient& operator=(WebSocketClient&&) noexcept;

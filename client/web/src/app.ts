@@ -62,7 +62,8 @@ export class App {
     this.resize();
     this.viewer = new Viewer(core, this.request());
     this.tours = new Tours(byId('tours'), (tour) => this.chooseTour(tour));
-    this.connection = new Connection(address.server, {
+    const token = address.token === null ? '' : `?token=${encodeURIComponent(address.token)}`;
+    this.connection = new Connection(address.server + token, {
       onOpen: () => this.beginSession(),
       onMessage: (message) => this.receive(message),
       onWaiting: (seconds, reason) => this.showWaiting(seconds, reason),

@@ -21,6 +21,7 @@ export interface Address {
   settings: Settings;
   tour: Tour | null;
   server: string; // ws://...
+  token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
   sharpness: number; // most device pixels per page pixel
 }
@@ -40,6 +41,9 @@ export function readAddress(location: Location): Address {
   };
   const flag = (name: string, otherwise: boolean): boolean => (query.has(name) ? query.get(name) !== '0' : otherwise);
   const tour = query.get('tour') as Tour | null;
+  // In the part of the address that is not sent with the page's own requests: #token=...
+  const token = new URLSearchParams(location.hash.slice(1)).get('token');
+  const server = query.get('server') ?? `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/fly`;
   const view = query.get('view')?.split(',').map(Number);
   return {
     settings: {
@@ -55,7 +59,8 @@ export function readAddress(location: Location): Address {
       frozen: false,
     },
     tour: tour !== null && kTours.includes(tour) ? tour : null,
-    server: query.get('server') ?? `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/fly`,
+    server,
+    token,
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
     sharpness: number('sharpness', 0.25, 3, 2),
   };

@@ -1,0 +1,42 @@
+// The options of `foreland serve`, from the command line and from a TOML file: one table for both.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "server/net/server.h"
+
+namespace foreland::apps {
+
+struct ServeFlags {
+  std::filesystem::path scene;
+  std::string listen = "127.0.0.1:8080", metrics_listen;
+  size_t threads = 1;
+  double tau_px = 1;
+  int64_t keyframe_ms = 200;
+  std::string web;  // empty for where builds and installations put it
+  std::string log_level = "info", log_format = "text";
+  std::string occlusion = "off";
+  size_t max_connections = server::ServeOptions{}.max_connections;
+  size_t max_per_address = 0;  // 0: no limit
+  double viewer_memory_mib = 64;
+  double drain_seconds = 10;
+  std::filesystem::path tls_cert, tls_key, token_secret;
+  std::vector<std::string> allow_origin, trusted_proxy;
+};
+
+// The flags, or the exit code with which the program is to end at once: 0 after --help and --print-config, 2 after a
+// mistake, about which a message was printed.
+struct ParsedServeFlags {
+  ServeFlags flags;
+  std::optional<int> exit_code;
+};
+ParsedServeFlags parseServeFlags(int argc, const char* const* argv);
+
+// What follows from the flags alone. An Error names the flag and the value that will not do.
+Result<server::ServeOptions> serveOptions(const ServeFlags& flags);
+
+}  // namespace foreland::apps

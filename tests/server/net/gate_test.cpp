@@ -1,0 +1,132 @@
+// Who is let in: pages by their origin, viewers by their tokens, and whom a proxy speaks for.
+#include "server/net/gate.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <string>
+
+namespace foreland::server {
+namespace {
+
+constexpr int64_t kNow = 1'800'000'000;
+const std::string kSecret(48, 's');
+
+Token tokenOf(const std::string& name, int64_t expires_s = kNow + 60) { return {.name = name, .expires_s = expires_s}; }
+
+TEST(Token, IsReadAsItWasSigned) {
+  const Token token{.name = "M\xc3\xbcller \"x\"", .expires_s = kNow + 1, .viewers = 3, .section_nodes = 1000};
+  const auto read = verifyToken(signToken(token, kSecret), kSecret, kNow);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->name, token.name);
+  EXPECT_EQ(read->expires_s, token.expires_s);
+  EXPECT_EQ(read->viewers, token.viewers);
+  EXPECT_EQ(read->section_nodes, token.section_nodes);
+}
+
+// Made by another library: RFC 7515, appendix A.1, has no name, so the signature is accepted and the claims are not.
+TEST(Token, AgreesWithTheExampleOfTheStandard) {
+  const std::string key =
+      "\x03\x23\x35\x4b\x2b\x0f\xa5\xbc\x83\x7e\x06\x65\x77\x7b\xa6\x8f\x5a\xb3\x28\xe6\xf0\x54\xc9\x28\xa9\x0f\x84\xb2"
+      "\xd2\x50\x2e\xbf\xd3\xfb\x5a\x92\xd2\x06\x47\xef\x96\x8a\xb4\xc3\x77\x62\x3d\x22\x3d\x2e\x21\x72\x05\x2e\x4f\x08"
+      "\xc0\xcd\x9a\xf5\x67\xd0\x80\xa3";
+  const std::string text =
+      "eyJ0eXAiOiJKV1QiLA0KICJhbGciOiJIUzI1NiJ9.eyJpc3MiOiJqb2UiLA0KICJleHAiOjEzMDA4MTkzODAsDQogImh0dHA6Ly9leGFt"
+      "cGxlLmNvbS9pc19yb290Ijp0cnVlfQ.dBjftJeZ4CVP-mB92K27uhbUJU1p1r_wW1gFWFOEjXk";
+  const auto read = verifyToken(text, key, 1'300'000'000);
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(read.error().message, "the token is malformed");
+}
+
+TEST(Token, IsRefusedIfAnyByteIsChanged) {
+  const std::string good = signToken(tokenOf("a"), kSecret);
+  ASSERT_TRUE(verifyToken(good, kSecret, kNow).ok());
+  for (size_t i = 0; i < good.size(); ++i)
+    for (const char c : {'A', 'z', '.', '=', '\0'}) {
+      std::string changed = good;
+      changed[i] = c;
+      const bool is_same = changed == good;
+      // The last character of a signature has two bits that mean nothing.
+      if (i + 1 < good.size()) { EXPECT_EQ(verifyToken(changed, kSecret, kNow).ok(), is_same) << changed; }
+    }
+  for (size_t size = 0; size < good.size(); ++size)
+    EXPECT_FALSE(verifyToken(good.substr(0, size), kSecret, kNow).ok()) << size;
+  EXPECT_FALSE(verifyToken(good, std::string(48, 't'), kNow).ok());
+}
+
+TEST(Token, ExpiresAndIsOfNoOtherKind) {
+  EXPECT_FALSE(verifyToken(signToken(tokenOf("a", kNow), kSecret), kSecret, kNow).ok());
+  EXPECT_FALSE(verifyToken("eyJhbGciOiJub25lIn0.eyJzdWIiOiJhIiwiZXhwIjo5OTk5OTk5OTk5fQ.", kSecret, kNow).ok());
+}
+
+class GateTest : public testing::Test {
+ protected:
+  static std::variant<Pass, Rejection> visit(Gate& gate, const std::string& token) {
+    const std::string target = "/fly?a=b&token=" + token + "&c=d";
+    return gate.admit({.target = target}, kNow);
+  }
+  static unsigned statusOf(const std::variant<Pass, Rejection>& result) {
+    const auto* rejection = std::get_if<Rejection>(&result);
+    return rejection ? rejection->status : 101;
+  }
+};
+
+TEST_F(GateTest, LetsEverybodyInUnlessToldOtherwise) {
+  Gate gate({});
+  EXPECT_EQ(statusOf(gate.admit({.origin = "https://evil.example"}, kNow)), 101u);
+}
+
+TEST_F(GateTest, AsksForTheOrigin) {
+  Gate gate({.allowed_origins = {"https://maps.example"}});
+  const auto from = [&](const char* origin) {
+    return statusOf(gate.admit({.origin = origin, .host = "own.example:8080"}, kNow));
+  };
+  EXPECT_EQ(from("https://maps.example"), 101u);
+  EXPECT_EQ(from("https://own.example:8080"), 101u) << "its own page";
+  EXPECT_EQ(from(""), 101u) << "not a browser";
+  for (const char* other : {"https://maps.example.evil", "http://maps.example", "https://own.example", "null", "://"})
+    EXPECT_EQ(from(other), 403u) << other;
+}
+
+TEST_F(GateTest, AsksForATokenInTheHeaderOrInTheQuery) {
+  Gate gate({.token_secret = kSecret});
+  const std::string token = signToken(tokenOf("a"), kSecret), header = "Bearer " + token;
+  EXPECT_EQ(statusOf(gate.admit({.target = "/fly", .authorization = header}, kNow)), 101u);
+  EXPECT_EQ(statusOf(visit(gate, token)), 101u);
+  EXPECT_EQ(statusOf(gate.admit({.target = "/fly?mytoken=" + token}, kNow)), 401u);
+  EXPECT_EQ(statusOf(visit(gate, "")), 401u);
+  EXPECT_EQ(statusOf(visit(gate, signToken(tokenOf("a", kNow - 1), kSecret))), 401u);
+}
+
+TEST_F(GateTest, CountsTheViewersOfAName) {
+  Gate gate({.token_secret = kSecret});
+  Token token = tokenOf("a");
+  token.viewers = 2;
+  const std::string text = signToken(token, kSecret);
+  std::deque<std::variant<Pass, Rejection>> inside;
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(statusOf(inside.emplace_back(visit(gate, text))), 101u);
+  EXPECT_EQ(statusOf(visit(gate, text)), 503u);
+  EXPECT_EQ(statusOf(visit(gate, signToken(tokenOf("b"), kSecret))), 101u) << "another name";
+  inside.pop_back();
+  EXPECT_EQ(statusOf(visit(gate, text)), 101u);
+}
+
+TEST_F(GateTest, BelievesProxiesThatItTrustsAndNobodyElse) {
+  const Gate gate({.trusted_proxies = {"127.0.0.1", "10.0.0.0/8", "fd00::/16"}});
+  EXPECT_EQ(gate.clientOf("127.0.0.1", "198.51.100.7"), "198.51.100.7");
+  EXPECT_EQ(gate.clientOf("127.0.0.1", "1.2.3.4, 198.51.100.7 ,10.255.0.1"), "198.51.100.7") << "the first is hearsay";
+  EXPECT_EQ(gate.clientOf("fd00::1", "2001:db8::1"), "2001:db8::1");
+  EXPECT_EQ(gate.clientOf("11.0.0.1", "198.51.100.7"), "11.0.0.1") << "not trusted";
+  EXPECT_EQ(gate.clientOf("127.0.0.1", ""), "127.0.0.1");
+  EXPECT_EQ(gate.clientOf("127.0.0.1", "bogus\x01"), "127.0.0.1");
+}
+
+TEST_F(GateTest, NamesFlagsWithBadValues) {
+  for (const char* origin : {"example.org", "https://", "https://a/b", ""})
+    EXPECT_NE(check({.allowed_origins = {origin}}).error().message.find("--allow-origin"), std::string::npos);
+  for (const char* proxy : {"proxy.example", "10.0.0.0/33", "10.0.0.0/", "10.0.0.0/x", "::/129", ""})
+    EXPECT_NE(check({.trusted_proxies = {proxy}}).error().message.find("--trusted-proxy"), std::string::npos) << proxy;
+}
+
+}  // namespace
+}  // namespace foreland::server
