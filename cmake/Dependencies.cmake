@@ -14,8 +14,9 @@ find_package(CLI11 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
-# What `foreland bench wire` compares with; bench/wire/peers alone uses them. zstd comes without a CMake package.
 find_package(ZLIB REQUIRED)
+find_library(FORELAND_BROTLI brotlienc REQUIRED)  # comes without a CMake package
+# What `foreland bench wire` compares with; bench/wire/peers alone uses them. zstd comes without a CMake package.
 find_package(meshoptimizer 0.18 REQUIRED)
 find_package(draco 1.5 REQUIRED)
 find_library(FORELAND_ZSTD zstd REQUIRED)

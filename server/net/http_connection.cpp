@@ -1,5 +1,6 @@
 #include "server/net/http_connection.h"
 
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -22,6 +24,18 @@ namespace {
 constexpr uint32_t kMaxHeaderBytes = 8u << 10;
 constexpr const char* kTooManyFromThere = "There are too many connections from your address. Try again in a while.";
 constexpr uint64_t kMaxBodyBytes = 4u << 10;  // no request here needs a body
+constexpr size_t kPieceBytes = 32u << 10;
+
+// What browsers are told about the page: it runs its own scripts and its module only, and connects to any server of
+// terrain (?server=); nobody else's page may frame it or share its process.
+constexpr std::pair<const char*, const char*> kPageRules[] = {
+    {"X-Content-Type-Options", "nosniff"},
+    {"Content-Security-Policy",
+     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
+     "blob:; connect-src 'self' ws: wss:; object-src 'none'; base-uri 'none'; frame-ancestors 'self'"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cross-Origin-Embedder-Policy", "require-corp"},
+    {"Referrer-Policy", "no-referrer"}};
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -70,7 +84,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (admission_ != Admission::kMetrics && beast::websocket::is_upgrade(request)) return letIn();
     const HttpReply reply = replyTo({.method = view(request.method_string()),
                                      .target = view(request.target()),
-                                     .if_none_match = view(request[http::field::if_none_match])},
+                                     .if_none_match = view(request[http::field::if_none_match]),
+                                     .accept_encoding = view(request[http::field::accept_encoding]),
+                                     .range = view(request[http::field::range]),
+                                     .if_range = view(request[http::field::if_range])},
                                     admission_ == Admission::kMetrics ? context_.metrics_site : context_.site);
     write(reply, request.method() == http::verb::head, request.keep_alive());
   }
@@ -113,29 +130,45 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void write(const HttpReply& reply, bool head_only, bool keep_alive) {
     context_.metrics.countHttpReply(reply.status);
     body_ = reply.body;
+    unsent_ = head_only ? std::string_view() : reply.content();
     response_ = {};
     response_.version(11);
     response_.result(reply.status);
+    setFields(reply);
+    response_.keep_alive(keep_alive);
+    if (reply.status != 304) response_.content_length(reply.content().size());
+    allowMoreTime();
+    http::async_write(stream_, response_, [self = shared_from_this(), keep_alive](beast::error_code error, size_t) {
+      if (!error) self->writeBody(keep_alive);
+    });
+  }
+
+  void setFields(const HttpReply& reply) {
     response_.set(http::field::server, "foreland");
     response_.set(http::field::content_type, reply.content_type);
     response_.set(http::field::cache_control, reply.cache_control);
-    response_.set("X-Content-Type-Options", "nosniff");
+    for (const auto& [name, value] : kPageRules) response_.set(name, value);
     if (!reply.etag.empty()) response_.set(http::field::etag, reply.etag);
+    if (!reply.etag.empty()) response_.set(http::field::accept_ranges, "bytes");
+    if (!reply.encoding.empty()) response_.set(http::field::content_encoding, reply.encoding);
+    if (reply.varies) response_.set(http::field::vary, "Accept-Encoding");
+    if (!reply.content_range.empty()) response_.set(http::field::content_range, reply.content_range);
     if (reply.status == 401) response_.set(http::field::www_authenticate, "Bearer");
     if (reply.status == 405) response_.set(http::field::allow, "GET, HEAD");
     if (reply.status == 503) response_.set(http::field::retry_after, "5");
     if (reply.status == 426) response_.set(http::field::upgrade, "websocket");
-    response_.keep_alive(keep_alive);
-    if (reply.status != 304) response_.content_length(body_->size());
-    if (!head_only) response_.body() = {body_->data(), body_->size()};
+  }
+
+  // Piece by piece, each with a deadline of its own: who reads slowly gets large files, too.
+  void writeBody(bool keep_alive) {
+    if (unsent_.empty()) return keep_alive ? read() : shutDown();
+    const std::string_view piece = unsent_.substr(0, kPieceBytes);
+    unsent_.remove_prefix(piece.size());
     allowMoreTime();
-    http::async_write(stream_, response_, [self = shared_from_this(), keep_alive](beast::error_code error, size_t) {
-      if (error) return;
-      if (keep_alive)
-        self->read();
-      else
-        self->shutDown();
-    });
+    boost::asio::async_write(stream_, boost::asio::buffer(piece),
+                             [self = shared_from_this(), keep_alive](beast::error_code error, size_t) {
+                               if (!error) self->writeBody(keep_alive);
+                             });
   }
 
   void shutDown() {
@@ -155,8 +188,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   Transport stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
-  std::shared_ptr<const std::string> body_;  // which the response points into
-  http::response<http::span_body<const char>> response_;
+  std::shared_ptr<const std::string> body_;
+  std::string_view unsent_;                    // of the body
+  http::response<http::empty_body> response_;  // without it
 };
 
 }  // namespace

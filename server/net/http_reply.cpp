@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "server/net/http_fields.h"
+
 namespace foreland::server {
 namespace {
 
@@ -36,13 +38,49 @@ std::optional<std::string> pathOf(std::string_view target) {
   return path;
 }
 
-HttpReply fileReply(const StaticFile& file, std::string_view if_none_match) {
-  const bool known = if_none_match == file.etag;
-  return {.status = known ? 304u : 200u,
-          .content_type = file.content_type,
-          .cache_control = file.cache_control,
-          .etag = file.etag,
-          .body = known ? std::make_shared<const std::string>() : file.body};
+// The file in the form that is wanted. Parts are taken of the file as it is.
+HttpReply formOf(const StaticFile& file, const HttpRequest& request) {
+  HttpReply reply{.content_type = file.content_type,
+                  .cache_control = file.cache_control,
+                  .etag = file.etag,
+                  .body = file.body,
+                  .varies = file.brotli || file.gzip};
+  if (!request.range.empty()) return reply;
+  for (const auto& [coding, body] : {std::pair{"br", file.brotli}, {"gzip", file.gzip}}) {
+    if (!body || !acceptsCoding(request.accept_encoding, coding)) continue;
+    reply.body = body;
+    reply.encoding = coding;
+    reply.etag.insert(reply.etag.size() - 1, std::string("-") + coding);
+    break;
+  }
+  return reply;
+}
+
+void takePart(HttpReply& reply, std::string_view range) {
+  const size_t size = reply.body->size();
+  const RequestedRange part = rangeOf(range, size);
+  if (part.kind == RangeKind::kNone) return;
+  if (part.kind == RangeKind::kUnsatisfiable) {
+    reply = textReply(416, "The file has " + std::to_string(size) + " bytes.");
+    reply.content_range = "bytes */" + std::to_string(size);
+    return;
+  }
+  const auto [begin, end] = part.range;
+  reply.status = 206;
+  reply.part_begin = begin;
+  reply.part_size = end - begin;
+  reply.content_range = "bytes " + std::to_string(begin) + "-" + std::to_string(end - 1) + "/" + std::to_string(size);
+}
+
+HttpReply fileReply(const StaticFile& file, const HttpRequest& request) {
+  HttpReply reply = formOf(file, request);
+  if (namesTag(request.if_none_match, reply.etag)) {
+    reply.status = 304;
+    reply.body = std::make_shared<const std::string>();
+  } else if (request.if_range.empty() || request.if_range == reply.etag) {
+    takePart(reply, request.range);
+  }
+  return reply;
 }
 
 }  // namespace
@@ -73,7 +111,7 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
   }
   if (*path == kViewerPath)
     return textReply(426, "This address speaks WebSocket. Open / in a browser, or use: foreland fly ws://HOST:PORT");
-  if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request.if_none_match);
+  if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request);
   if (*path == "/")
     return textReply(404,
                      "The server runs, but it was started without the page (--web). "

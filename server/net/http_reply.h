@@ -11,9 +11,13 @@
 namespace foreland::server {
 
 struct HttpRequest {
-  std::string_view method;         // "GET"
-  std::string_view target;         // path and query, percent-encoded
-  std::string_view if_none_match;  // empty if absent
+  std::string_view method;  // "GET"
+  std::string_view target;  // path and query, percent-encoded
+  // The fields of these names; empty if absent.
+  std::string_view if_none_match;
+  std::string_view accept_encoding{};
+  std::string_view range{};
+  std::string_view if_range{};
 };
 
 struct HttpReply {
@@ -22,6 +26,13 @@ struct HttpReply {
   std::string cache_control = "no-store";
   std::string etag{};                         // empty for replies that have none
   std::shared_ptr<const std::string> body{};  // never null
+  std::string encoding{};                     // of the body: br, gzip, or empty
+  bool varies = false;                        // whether another client may get another encoding
+  std::string content_range{};                // of a part of a file
+  size_t part_begin = 0, part_size = std::string::npos;
+
+  // What is sent of the body.
+  std::string_view content() const { return std::string_view(*body).substr(part_begin, part_size); }
 };
 
 // All that plain requests can reach.

@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "server/net/compression.h"
+
 namespace foreland::server {
 namespace fs = std::filesystem;
 namespace {
@@ -72,6 +74,10 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
   uint64_t total = 0;
   auto it = fs::recursive_directory_iterator(directory, error);
   for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (it->path().filename().native().starts_with('.')) {
+      it.disable_recursion_pending();
+      continue;
+    }
     if (!fs::is_regular_file(it->symlink_status(error))) continue;
     const uint64_t size = it->file_size(error);
     if (error) return unreadable(it->path(), error.message());
@@ -84,9 +90,7 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
     if (!body) return body.error();
     std::string path = "/";  // not by `+`, for which g++ 12 gives a false warning
     path += it->path().lexically_relative(directory).generic_string();
-    auto shared = std::make_shared<const std::string>(std::move(*body));
-    const std::string etag = etagOf(*shared);
-    result.files_[path] = {std::move(shared), contentType(it->path()), cacheControl(path), etag};
+    result.add(std::move(path), std::move(*body));
   }
   if (error) return unreadable(directory, error.message());
   if (!result.files_.contains("/index.html"))
@@ -101,7 +105,9 @@ void StaticFiles::add(std::string path, std::string body) {
   auto shared = std::make_shared<const std::string>(std::move(body));
   const std::string etag = etagOf(*shared);
   std::string type = contentType(path), cache = cacheControl(path);
-  files_[std::move(path)] = {std::move(shared), std::move(type), std::move(cache), etag};
+  auto brotli = compressBrotli(*shared), gzip = compressGzip(*shared);
+  files_[std::move(path)] = {std::move(shared), std::move(type), std::move(cache), etag,
+                             std::move(brotli), std::move(gzip)};
 }
 
 const StaticFile* StaticFiles::find(std::string_view path) const {

@@ -17,7 +17,8 @@ struct StaticFile {
   std::shared_ptr<const std::string> body;
   std::string content_type;
   std::string cache_control;
-  std::string etag;  // quoted; a hash of the content
+  std::string etag;                                     // quoted; a hash of the content
+  std::shared_ptr<const std::string> brotli{}, gzip{};  // the body, compressed; null where that gains nothing
 };
 
 class StaticFiles {
@@ -27,7 +28,8 @@ class StaticFiles {
 
   StaticFiles() = default;  // no files
 
-  // Reads the regular files below `directory`; links are not followed. An Error if that is no directory, has no
+  // Reads the regular files below `directory` and compresses them; links are not followed, and names that begin with a
+  // dot are left out. An Error if that is no directory, has no
   // index.html or exceeds the limits.
   static Result<StaticFiles> load(const std::filesystem::path& directory);
 

@@ -82,7 +82,7 @@ TEST(FlightProgram, RefusesWhatCannotBeFlown) {
   std::ofstream(text) << "no track\n";
   expectRefusal("fly", {}, {"URL"});
   expectRefusal("fly", {url, "--wings"}, {"--wings", "--help"});
-  expectRefusal("fly", {"http://127.0.0.1"}, {"http://127.0.0.1", "ws://HOST:PORT"});
+  expectRefusal("fly", {"ftp://127.0.0.1"}, {"ftp://127.0.0.1", "ws://HOST:PORT"});
   expectRefusal("fly", {url}, {url, "foreland serve"});
   expectRefusal("fly", {url, "--truth", missing}, {missing});
   expectRefusal("fly", {url, "--track", missing}, {missing});

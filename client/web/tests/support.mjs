@@ -122,8 +122,10 @@ export const status = (page) => page.evaluate(() => window.foreland.status());
 
 // Waits until the page's status satisfies a condition, written as a function of the status (and of `value`).
 export async function until(page, condition, value = null, timeout = 60_000) {
-  const text = `(value) => window.foreland && (${condition})(window.foreland.status(), value)`;
-  await page.waitForFunction(`(${text})(${JSON.stringify(value)})`, null, { timeout, polling: 50 });
+  const text = `(window.foreland && (${condition})(window.foreland.status(), ${JSON.stringify(value)}))`;
+  // Not by waitForFunction, which evaluates text in the page: the page's Content-Security-Policy forbids that.
+  for (const end = Date.now() + timeout; !(await page.evaluate(text)); await page.waitForTimeout(50))
+    if (Date.now() > end) throw new Error(`waited ${timeout} ms in vain for ${condition}`);
   return status(page);
 }
 
@@ -145,7 +147,7 @@ export function changedShare(page, one, other) {
   const urls = [one, other].map((picture) => `data:image/png;base64,${picture.toString('base64')}`);
   return page.evaluate(async (pictures) => {
     const pixelsOf = async (url) => {
-      const image = await createImageBitmap(await (await fetch(url)).blob());
+      const image = await createImageBitmap(new Blob([Uint8Array.from(atob(url.split(',')[1]), (c) => c.charCodeAt(0))]));
       const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
       context.drawImage(image, 0, 0);
       return context.getImageData(0, 0, image.width, image.height).data;
@@ -164,7 +166,7 @@ export async function pictureOf(page) {
   const picture = await page.screenshot();
   const data = `data:image/png;base64,${picture.toString('base64')}`;
   return page.evaluate(async (url) => {
-    const image = await createImageBitmap(await (await fetch(url)).blob());
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(url.split(',')[1]), (c) => c.charCodeAt(0))]));
     const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
     context.drawImage(image, 0, 0);
     const { data: pixels, width, height } = context.getImageData(0, 0, image.width, image.height);

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <rapidcheck.h>
+#include <zlib.h>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "server/net/http_fields.h"
 #include "server/net/http_reply.h"
 #include "server/net/listen_address.h"
 #include "server/net/metrics.h"
@@ -75,6 +77,105 @@ TEST_F(Site, SendsAFileOnceToWhoKnowsIt) {
   const HttpReply again = get("/index.html", get("/index.html").etag);
   EXPECT_EQ(again.status, 304u);
   EXPECT_TRUE(again.body->empty());
+}
+
+TEST_F(Site, LeavesOutNamesThatBeginWithADot) {
+  writeFile(folder_ / "web/.env", "secret");
+  writeFile(folder_ / "web/.git/config", "secret");
+  writeFile(folder_ / "web/assets/.hidden.js", "secret");
+  const auto files = StaticFiles::load(folder_ / "web");
+  ASSERT_TRUE(files.ok());
+  for (const char* path : {"/.env", "/.git/config", "/assets/.hidden.js"})
+    EXPECT_EQ(files->find(path), nullptr) << path;
+  EXPECT_NE(files->find("/"), nullptr);
+}
+
+// Whatever form is sent, it is a form of the file, and is smaller.
+TEST_F(Site, CompressesForWhoTakesIt) {
+  std::string text;
+  for (int i = 0; i < 3000; ++i) text += "line " + std::to_string(i) + "\n";
+  site_.files.add("/lines.txt", text);
+  const auto encoded = [&](std::string_view accepted, std::string_view known = {}) {
+    return replyTo({.method = "GET", .target = "/lines.txt", .if_none_match = known, .accept_encoding = accepted},
+                   site_);
+  };
+  const HttpReply plain = encoded(""), gzip = encoded("deflate, gzip;q=0.5"), brotli = encoded("gzip, deflate, br");
+  EXPECT_EQ(plain.content(), text);
+  EXPECT_EQ(gzip.encoding, "gzip");
+  EXPECT_EQ(brotli.encoding, "br");
+  EXPECT_LT(brotli.content().size(), gzip.content().size());
+  EXPECT_LT(3 * gzip.content().size(), text.size());
+  EXPECT_TRUE(plain.varies && gzip.varies);
+  EXPECT_NE(gzip.etag, plain.etag);
+  EXPECT_EQ(encoded("br;q=0, gzip;q=0.0").encoding, "");
+  EXPECT_EQ(encoded("*").encoding, "") << "what is not named is not taken";
+  EXPECT_EQ(encoded("br", brotli.etag).status, 304u);
+  EXPECT_EQ(encoded("br", plain.etag).status, 200u) << "another form";
+
+  std::string unpacked(text.size() + 1, '\0');
+  z_stream stream{};
+  ASSERT_EQ(inflateInit2(&stream, MAX_WBITS + 16), Z_OK);
+  const std::string packed(gzip.content());
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  stream.next_out = reinterpret_cast<Bytef*>(unpacked.data());
+  stream.avail_out = static_cast<uInt>(unpacked.size());
+  EXPECT_EQ(inflate(&stream, Z_FINISH), Z_STREAM_END);
+  unpacked.resize(stream.total_out);
+  EXPECT_EQ(unpacked, text);
+  inflateEnd(&stream);
+}
+
+// The parts that a client asks for, put together, are the file.
+TEST_F(Site, SendsParts) {
+  site_.files.add("/digits.bin", "0123456789");
+  const auto part = [&](std::string_view range, std::string_view if_range = {}) {
+    return replyTo({.method = "GET",
+                    .target = "/digits.bin",
+                    .if_none_match = {},
+                    .accept_encoding = "br, gzip",
+                    .range = range,
+                    .if_range = if_range},
+                   site_);
+  };
+  EXPECT_EQ(part("bytes=0-3").content(), "0123");
+  EXPECT_EQ(part("bytes=4-").content(), "456789");
+  EXPECT_EQ(part("bytes=-3").content(), "789");
+  EXPECT_EQ(part("bytes=8-99").content(), "89");
+  EXPECT_EQ(part("bytes=2-2").content_range, "bytes 2-2/10");
+  EXPECT_EQ(part("bytes=2-2").status, 206u);
+  for (const char* none : {"bytes=10-", "bytes=-0", "bytes=99-100"}) {
+    EXPECT_EQ(part(none).status, 416u) << none;
+    EXPECT_EQ(part(none).content_range, "bytes */10") << none;
+  }
+  for (const char* whole : {"", "bytes=", "bytes=-", "bytes=3-2", "bytes=a-b", "bytes=1-2,4-5", "lines=1-2", "bytes=1",
+                            "bytes=99999999999999999999999-"}) {
+    EXPECT_EQ(part(whole).status, 200u) << whole;
+    EXPECT_EQ(part(whole).content(), "0123456789") << whole;
+  }
+  const std::string etag = part("").etag;
+  EXPECT_EQ(part("bytes=0-3", etag).status, 206u);
+  EXPECT_EQ(part("bytes=0-3", "\"another\"").status, 200u) << "the file has changed since";
+}
+
+TEST_F(Site, AnyFieldsGetAPartOfTheFile) {
+  EXPECT_TRUE(rc::check([this](const std::string& range, const std::string& accepted, const std::string& known) {
+    const HttpReply reply = replyTo({.method = "GET",
+                                     .target = "/index.html",
+                                     .if_none_match = known,
+                                     .accept_encoding = accepted,
+                                     .range = "bytes=" + range},
+                                    site_);
+    RC_ASSERT(reply.content().size() <= reply.body->size());
+    RC_ASSERT(reply.status != 206 || std::string_view("<html>").find(reply.content()) != std::string_view::npos);
+  }));
+}
+
+TEST(EntityTags, AreFoundInListsWeakOrNot) {
+  for (const char* list : {"\"a\"", "W/\"a\"", "\"b\", \"a\"", "\"b\" ,W/\"a\",\"c\"", "*"})
+    EXPECT_TRUE(namesTag(list, "\"a\"")) << list;
+  for (const char* list : {"", "a", "\"b\"", "\"b\",", "\"aa\", \"b\"", "w/\"a\""})
+    EXPECT_FALSE(namesTag(list, "\"a\"")) << list;
 }
 
 TEST_F(Site, TellsWhoStraysWhereToGo) {

@@ -27,8 +27,21 @@ TEST(WebSocketUrl, ReadsAnAddressInBrackets) {
   EXPECT_EQ(url->port, "8080");
 }
 
+TEST(WebSocketUrl, TakesTheAddressesOfPages) {
+  for (const auto& [text, port, security] : {std::tuple{"ws://a", "80", Security::kNone},
+                                             {"http://a", "80", Security::kNone},
+                                             {"wss://a", "443", Security::kTls},
+                                             {"https://a/", "443", Security::kTls}}) {
+    const auto url = parseWebSocketUrl(text);
+    ASSERT_TRUE(url.ok()) << text;
+    EXPECT_EQ(url->port, port) << text;
+    EXPECT_EQ(url->security, security) << text;
+    EXPECT_EQ(url->target, "/fly") << text;
+  }
+}
+
 TEST(WebSocketUrl, RefusesWhatIsNotOneAndSaysHowToWriteIt) {
-  for (const char* bad : {"", "http://a:1", "wss://a:1", "ws://", "ws://:80", "ws://a:0", "ws://a:70000", "ws://a:x",
+  for (const char* bad : {"", "ftp://a:1", "a:1", "wss://", "ws://", "ws://:80", "ws://a:0", "ws://a:70000", "ws://a:x",
                           "ws://a b:1", "ws://[", "ws://[]:1"}) {
     const auto url = parseWebSocketUrl(bad);
     ASSERT_FALSE(url.ok()) << bad;
