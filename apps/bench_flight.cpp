@@ -49,6 +49,11 @@ Result<proto::Path> planTrack(const terrain::Scene& scene, const FlightArguments
 
 }  // namespace
 
+void addScreenOptions(CLI::App& app, uint32_t& width_px, uint32_t& height_px) {
+  for (const auto& [name, size] : {std::pair<const char*, uint32_t&>{"--width", width_px}, {"--height", height_px}})
+    app.add_option(name, size, "of the screen, in pixels")->check(CLI::Range(16, 8192))->capture_default_str();
+}
+
 void addPathOptions(CLI::App& app, FlightArguments& args) {
   app.add_option("scene", args.scene, "scene file (foreland build)")->required();
   addTrackOptions(app, args);

@@ -28,6 +28,8 @@ struct FlightArguments {
 void addPathOptions(CLI::App& app, FlightArguments& args);
 // The same, with a tolerance and a keyframe interval.
 void addFlightOptions(CLI::App& app, FlightArguments& args);
+// --width and --height.
+void addScreenOptions(CLI::App& app, uint32_t& width_px, uint32_t& height_px);
 
 struct PlannedFlight {
   std::shared_ptr<const terrain::Scene> scene;

@@ -90,12 +90,7 @@ CLI::App* addLatency(CLI::App& app, LatencyArguments& args) {
   addGridOptions(*sub, args.grid);
   sub->add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server");
   sub->add_option("--trace-down", args.trace_down, "mahimahi trace of the link `trace`, to the viewer");
-  sub->add_option("--width", args.width_px, "of the screen, in pixels")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
-  sub->add_option("--height", args.height_px, "of the screen, in pixels")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
+  addScreenOptions(*sub, args.width_px, args.height_px);
   addExperimentOptions(*sub, args.experiment);
   return sub;
 }

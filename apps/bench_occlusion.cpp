@@ -17,12 +17,7 @@ CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
                   "keyframes that rays judge beside the first, and frames between; 0: none but the costs")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  sub->add_option("--width", args.width_px, "of the screen, in pixels")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
-  sub->add_option("--height", args.height_px, "of the screen, in pixels")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
+  addScreenOptions(*sub, args.width_px, args.height_px);
   return sub;
 }
 

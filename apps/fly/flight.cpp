@@ -13,8 +13,7 @@ Status fly(Link& link, client::Player& player, std::chrono::nanoseconds frame, c
   while (player.phase() != client::Player::Phase::kDone) {
     if (isStopRequested()) return Error{ErrorCode::kIo, "interrupted"};
     if (Status s = player.frame(timeSince(epoch)); !s.ok()) return s;
-    if (hooks.on_frame)
-      if (Status s = hooks.on_frame(player); !s.ok()) return s;
+    if (hooks.on_frame) hooks.on_frame(player);
     next = std::max(next + frame, Link::Clock::now() - frame);  // after a stall there is no burst of frames
     if (Status s = link.run(player, epoch, next); !s.ok()) return s;
     if (is_welcomed || !player.viewer().welcome()) continue;

@@ -12,14 +12,15 @@ namespace foreland::apps {
 
 inline constexpr std::chrono::milliseconds kConnectTimeout{10'000};
 
-// What is called during a flight; either may be empty. An Error ends the flight.
+// What is called during a flight; either may be empty.
 struct FlightHooks {
-  std::function<Status(const client::Player&)> on_welcome;  // once, when the server has said what scene it shows
-  std::function<Status(const client::Player&)> on_frame;    // after each frame
+  std::function<Status(const client::Player&)> on_welcome;  // once, when the server has said what scene it
+                                                            // shows; an Error ends the flight
+  std::function<void(const client::Player&)> on_frame;      // after each frame
 };
 
-// Flies until the path's end, a frame every `frame`. An Error if a hook or the session fails, or if the program is
-// interrupted.
+// Flies until the path's end, a frame every `frame`. An Error if `on_welcome` or the session fails, or if the program
+// is interrupted.
 Status fly(Link& link, client::Player& player, std::chrono::nanoseconds frame, const FlightHooks& hooks);
 
 }  // namespace foreland::apps

@@ -71,10 +71,7 @@ int run(const FlyOptions& o) {
   client::Player player(*options);
   Link link(std::move(connection).value(), o.url, o.connection, std::random_device{}());
   const auto check = [&](const client::Player& welcomed) { return afterwards->checkScene(welcomed.viewer()); };
-  const auto record = [&](const client::Player& flying) {
-    recorder->onFrame(flying);
-    return Status();
-  };
+  const auto record = [&](const client::Player& flying) { recorder->onFrame(flying); };
   const Status flown = fly(link, player, kFrame, {check, record});
   link.close();
 

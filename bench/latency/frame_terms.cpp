@@ -42,16 +42,7 @@ FrameJudge::Mesh FrameJudge::viewAt(const SectionAt& chain, Time t) const {
 }
 
 FrameJudge::Mesh FrameJudge::trueKeyframe(const proto::KeyframeHeader& header) {
-  Mesh& mesh = true_keyframes_[header.index];
-  if (!mesh)
-    mesh = keyframes_({.pose = flight_.path->at(header.time),
-                       .lens = flight_.lens,
-                       .tau_px = header.tau_px,
-                       .region_radius_m = header.region_radius_m,
-                       .region_angle_rad = header.region_angle_rad});
-  const Mesh result = mesh;
-  while (true_keyframes_.size() > 3) true_keyframes_.erase(true_keyframes_.begin());
-  return result;
+  return true_keyframes_.at(keyframes_, flight_.path->at(header.time), flight_.lens, header);
 }
 
 FrameTerms FrameJudge::judge(const client::FrameView& view, Time now) {

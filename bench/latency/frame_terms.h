@@ -16,9 +16,9 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 
+#include "bench/oracle/exact_keyframes.h"
 #include "bench/oracle/flight_truth.h"
 #include "bench/oracle/oracle.h"
 #include "client/viewer.h"
@@ -67,7 +67,7 @@ class FrameJudge {
   Flight flight_;
   Oracle& oracle_;
   SectionAt shown_, current_, keyframes_;
-  std::map<uint32_t, Mesh> true_keyframes_;  // by index; those that may still be shown
+  ExactKeyframes true_keyframes_;
 };
 
 }  // namespace foreland::bench

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
+#include "bench/oracle/exact_keyframes.h"
 #include "bench/oracle/lod_motion.h"
 #include "bench/timing.h"
 
@@ -145,18 +145,9 @@ class Measurement {
     truth_.lod_motion.add(motion);
   }
 
-  // What a keyframe would have been, had its pose been known; the last few are kept.
+  // What a keyframe would have been, had its pose been known.
   Mesh keyframeAt(const Player& player, const proto::KeyframeHeader& header) {
-    Mesh& mesh = exact_[header.index];
-    if (!mesh)
-      mesh = options_.section_at({.pose = player.path().at(header.time),
-                                  .lens = lens_,
-                                  .tau_px = header.tau_px,
-                                  .region_radius_m = header.region_radius_m,
-                                  .region_angle_rad = header.region_angle_rad});
-    const Mesh result = mesh;
-    while (exact_.size() > 3) exact_.erase(exact_.begin());
-    return result;
+    return exact_.at(options_.section_at, player.path().at(header.time), lens_, header);
   }
 
   SceneOracle& oracle_;
@@ -166,7 +157,7 @@ class Measurement {
   proto::Lens lens_;
   Duration asked_interval_;
   FlightTruth truth_;
-  std::map<uint32_t, Mesh> exact_;
+  ExactKeyframes exact_;
   uint32_t measured_version_ = 0, measured_keyframe_ = 0;
   Time last_frame_;
   double last_weight_ = 0;

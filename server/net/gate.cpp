@@ -8,6 +8,8 @@
 #include <boost/asio/ip/network_v6.hpp>
 #include <charconv>
 
+#include "server/net/http_fields.h"
+
 namespace foreland::server {
 namespace ip = boost::asio::ip;
 namespace {
@@ -47,11 +49,6 @@ bool isOrigin(std::string_view text) {
   if (scheme == std::string_view::npos || scheme == 0) return false;
   const std::string_view host = text.substr(scheme + 3);
   return !host.empty() && host.find_first_of("/?#@ \t") == std::string_view::npos;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
-  return begin == std::string_view::npos ? std::string_view() : text.substr(begin, end - begin + 1);
 }
 
 // Of "Authorization: Bearer TOKEN", or of the query: pages cannot set headers of WebSockets.

@@ -4,12 +4,13 @@
 #include <charconv>
 
 namespace foreland::server {
-namespace {
 
 std::string_view trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
   return begin == std::string_view::npos ? std::string_view() : text.substr(begin, end - begin + 1);
 }
+
+namespace {
 
 // Takes what comes before the next comma off the list.
 std::string_view takeElement(std::string_view& list) {

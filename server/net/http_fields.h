@@ -8,6 +8,9 @@
 
 namespace foreland::server {
 
+// Without white space at either end.
+std::string_view trimmed(std::string_view text);
+
 // Whether an If-None-Match field names the entity tag: in a list, weak or not, or by `*`.
 bool namesTag(std::string_view if_none_match, std::string_view etag);
 

@@ -49,6 +49,12 @@ std::string etagOf(const std::string& body) {
   return fmt::format("\"{:016x}-{:x}\"", hash, body.size());
 }
 
+// Not compressed.
+StaticFile fileOf(const std::string& path, std::string body) {
+  const std::string etag = etagOf(body);
+  return {std::make_shared<const std::string>(std::move(body)), contentType(path), cacheControl(path), etag};
+}
+
 Error unreadable(const fs::path& path, const std::string& why) {
   return {ErrorCode::kIo, fmt::format("cannot read the page's file '{}': {}", path.string(), why)};
 }
@@ -90,7 +96,10 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
     if (!body) return body.error();
     std::string path = "/";  // not by `+`, for which g++ 12 gives a false warning
     path += it->path().lexically_relative(directory).generic_string();
-    result.add(std::move(path), std::move(*body));
+    StaticFile file = fileOf(path, std::move(*body));
+    file.brotli = compressBrotli(*file.body);
+    file.gzip = compressGzip(*file.body);
+    result.files_[std::move(path)] = std::move(file);
   }
   if (error) return unreadable(directory, error.message());
   if (!result.files_.contains("/index.html"))
@@ -102,12 +111,8 @@ Result<StaticFiles> StaticFiles::load(const fs::path& directory) {
 }
 
 void StaticFiles::add(std::string path, std::string body) {
-  auto shared = std::make_shared<const std::string>(std::move(body));
-  const std::string etag = etagOf(*shared);
-  std::string type = contentType(path), cache = cacheControl(path);
-  auto brotli = compressBrotli(*shared), gzip = compressGzip(*shared);
-  files_[std::move(path)] = {std::move(shared), std::move(type), std::move(cache), etag,
-                             std::move(brotli), std::move(gzip)};
+  StaticFile file = fileOf(path, std::move(body));
+  files_[std::move(path)] = std::move(file);
 }
 
 const StaticFile* StaticFiles::find(std::string_view path) const {

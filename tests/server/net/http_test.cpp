@@ -94,7 +94,8 @@ TEST_F(Site, LeavesOutNamesThatBeginWithADot) {
 TEST_F(Site, CompressesForWhoTakesIt) {
   std::string text;
   for (int i = 0; i < 3000; ++i) text += "line " + std::to_string(i) + "\n";
-  site_.files.add("/lines.txt", text);
+  writeFile(folder_ / "web/lines.txt", text);
+  site_.files = StaticFiles::load(folder_ / "web").value();
   const auto encoded = [&](std::string_view accepted, std::string_view known = {}) {
     return replyTo({.method = "GET", .target = "/lines.txt", .if_none_match = known, .accept_encoding = accepted},
                    site_);
