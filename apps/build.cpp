@@ -10,11 +10,13 @@
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "apps/date.h"
 #include "apps/options.h"
 #include "apps/output_file.h"
 #include "apps/stop_signal.h"
@@ -33,7 +35,7 @@ struct Arguments {
   terrain::OpenOptions open;
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
-  std::vector<std::string> objects;
+  std::vector<std::string> objects, epochs;
 };
 
 // Shows progress: on a terminal by one line that is redrawn, otherwise by one line for each stage.
@@ -106,6 +108,12 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "A surface made by `foreland remesh` that stands on the terrain: "
          "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable")
       ->allow_extra_args(false);
+  app.add_option(
+         "--epoch", arguments.epochs,
+         "The ground at a date, YYYY-MM-DD=FILE: the scene changes in time from the first date to the last. The "
+         "file has the samples of INPUT or a window of them; outside, and where it has no data, the ground is as "
+         "at the date before. The first is laid over INPUT; repeatable")
+      ->allow_extra_args(false);
   static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
                                                                   {"planar", terrain::FrameChoice::kPlanar},
                                                                   {"geographic", terrain::FrameChoice::kGeographic}};
@@ -159,10 +167,38 @@ void describeInput(const terrain::ElevationInfo& info) {
 
 void describeScene(const terrain::BuildReport& report, const std::filesystem::path& output, double seconds) {
   for (const std::string& note : report.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  for (const terrain::EpochReport& epoch : report.epochs)
+    std::printf("  epoch %s: %llu samples changed, by %.1f m at most, %.3f MB\n", epoch.date.c_str(),
+                static_cast<unsigned long long>(epoch.changed_samples), epoch.most_m,
+                static_cast<double>(epoch.bytes) * 1e-6);
   std::printf("%s: %u x %u samples, %llu nodes, heights %.1f to %.1f m, %llu voids filled, %.1f MB, %.1f s\n",
               output.c_str(), report.width, report.height, static_cast<unsigned long long>(report.nodes),
               report.lowest_m, report.highest_m, static_cast<unsigned long long>(report.voids_filled),
               static_cast<double>(report.file_bytes) * 1e-6, seconds);
+}
+
+struct OpenedEpochs {
+  std::vector<std::unique_ptr<terrain::ElevationSource>> sources;
+  std::vector<terrain::EpochRequest> requests;
+};
+
+Result<OpenedEpochs> openEpochs(const Arguments& arguments) {
+  OpenedEpochs epochs;
+  for (const std::string& text : arguments.epochs) {
+    const size_t split = text.find('=');
+    const auto time = split == std::string::npos ? std::nullopt : apps::parseDate(text.substr(0, split));
+    if (!time || split + 1 == text.size())
+      return Error{ErrorCode::kInvalidArgument, "--epoch " + text +
+                                                    ": write YYYY-MM-DD=FILE, for example "
+                                                    "2004-10-04=dome.tif"};
+    const std::filesystem::path file = text.substr(split + 1);
+    if (Status s = apps::checkApart(arguments.output, file, "one of the epochs"); !s.ok()) return s.error();
+    auto source = terrain::openElevation({file}, arguments.open);
+    if (!source) return source.error();
+    epochs.requests.push_back({*time, text.substr(0, split), source->get()});
+    epochs.sources.push_back(std::move(*source));
+  }
+  return epochs;
 }
 
 int build(const Arguments& arguments) {
@@ -180,6 +216,9 @@ int build(const Arguments& arguments) {
     if (!object.ok()) return fail(object.error());
     options.objects.push_back(std::move(*object));
   }
+  auto epochs = openEpochs(arguments);
+  if (!epochs.ok()) return fail(epochs.error());
+  options.epochs = epochs->requests;
   ProgressLine line;
   const auto report =
       terrain::buildScene(**source, options,

@@ -19,6 +19,8 @@ class ExactSections {
   std::shared_ptr<const client::KeyframeMesh> at(const bench::SectionRequest& wanted) {
     const proto::View view{wanted.pose, wanted.lens, wanted.tau_px, wanted.region_radius_m, wanted.region_angle_rad};
     server::SectionSender sender(hierarchy_);
+    if (const proto::Epochs& epochs = hierarchy_.epochs().epochs(); !epochs.empty())
+      sender.showAt(epochs.clamp(static_cast<double>(wanted.scene_time.us)));
     Bytes message;
     sender.send(view, Time{}, scratch_, message);
     client::Replica replica(welcome_);

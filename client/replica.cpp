@@ -30,6 +30,9 @@ Replica::Replica(const proto::Welcome& welcome)
       object_set_(std::make_unique<proto::ObjectSet>(
           std::move(proto::ObjectSet::create(welcome.models, welcome.objects)).value())) {
   model_.tells_blocks = welcome.occlusion;
+  if (!welcome.epochs.empty())
+    epochs_ = std::make_unique<proto::EpochStream>(
+        domain_->grid, std::move(proto::Epochs::create(welcome.shape, welcome.epochs)).value(), welcome.base_offsets);
   makeObjects();
   setMemory(welcome.memory_bytes);
 }
@@ -64,6 +67,8 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend
   const bool is_first = to_.index == 0;
   from_ = is_first ? header : to_;
   to_ = header;
+  if (epochs_) to_.scene_time = epochs_->sceneTime();
+  if (is_first) from_.scene_time = to_.scene_time;
   const Duration interval = to_.time - from_.time;
   motion_ = Motion::between(proto::viewOf(from_), proto::viewOf(to_), interval);
   this->blend({blend, proto::viewOf(from_), motion_, interval.toSeconds(), is_first}, delta_);
@@ -142,6 +147,7 @@ std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome, 
   adapter_.learn(known);
   model_ = proto::DeltaModel::forConnection(welcome.occlusion);
   if (stream_) stream_->restart();
+  if (epochs_) epochs_->resume();
   return resume;
 }
 
@@ -171,7 +177,10 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
       return refused("an earlier keyframe of this connection was malformed");
     is_broken_ = false;
     adapter_.restart(remembered);
-    if (remembered == proto::Remembered::kNothing) model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+    if (remembered == proto::Remembered::kNothing) {
+      model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+      if (epochs_) epochs_->restart();
+    }
     nodes_.clearSections();
   }
   if (!adapt(header, decoder)) {
@@ -182,6 +191,8 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
   if (stream_) stream_->begin(proto::viewOf(header));
   for (ObjectReplica& object : objects_)
     if (!object.step(*stream_, decoder.coder(), print)) return refused("the bytes for an object are no delta");
+  if (epochs_ && !epochs_->decode(adapter_, delta_.added, decoder.coder()))
+    return refused("the bytes for the ground's motion are no delta");
   if (Status s = decoder.finish(); !s.ok()) return refused(s.error().message);
   if (((print ^ header.fingerprint) & header.fingerprint_mask) != 0)
     return refused("the resulting section is not the server's");
@@ -207,7 +218,8 @@ KeyframeMesh Replica::buildMesh() const {
   KeyframeMesh mesh;
   mesh.from = from_;
   mesh.to = to_;
-  MeshBuilder(*domain_, nodes_, morphs_.all(), mesh).run();
+  const EndHeights heights = this->heights();
+  MeshBuilder(*domain_, nodes_, morphs_.all(), heights, mesh).run();
   for (const ObjectReplica& object : objects_) object.appendTo(mesh);
   return mesh;
 }
@@ -258,8 +270,13 @@ std::optional<double> Replica::heightAt(double x, double y) const {
     if (!(nodes_.in(grid.slot(HeightTriangle::vertex(t.m))) & kInTo)) break;
     t = t.half(p);
   }
-  const auto a = knownHeight(HeightTriangle::vertex(t.m - t.d)), b = knownHeight(HeightTriangle::vertex(t.m + t.d)),
-             apex = knownHeight(HeightTriangle::vertex(t.m + t.rot()));
+  const EndHeights heights = this->heights();
+  const auto height = [&](proto::NodeId v) {
+    const auto known = knownHeight(v);
+    return known ? std::optional(heights.at(v, *known, 1)) : std::nullopt;
+  };
+  const auto a = height(HeightTriangle::vertex(t.m - t.d)), b = height(HeightTriangle::vertex(t.m + t.d)),
+             apex = height(HeightTriangle::vertex(t.m + t.rot()));
   if (!a || !b || !apex) return std::nullopt;
   return glm::dot(t.weights(p), glm::dvec3(*a, *b, *apex)) * domain_->frame.transform().frame().height_quantum_m;
 }

@@ -7,11 +7,13 @@
 #include <optional>
 #include <vector>
 
+#include "client/mesh/end_heights.h"
 #include "client/mesh/held_nodes.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "client/mesh/morph_timing.h"
 #include "client/object_replica.h"
 #include "proto/codec/delta_codec.h"
+#include "proto/codec/epoch_stream.h"
 #include "proto/codec/object_stream.h"
 #include "proto/codec/section_codec.h"
 #include "proto/message/message.h"
@@ -62,8 +64,13 @@ class Replica {
   // still drawn refine it further. Nullopt outside the data and before the first keyframe. O(levels).
   std::optional<double> heightAt(double x, double y) const;
 
-  // Height in quanta of a vertex that is drawn (base vertex, or node of either end); nullopt of any other.
+  // Height in quanta of a vertex that is drawn (base vertex, or node of either end), at the first epoch in scenes with
+  // epochs; nullopt of any other.
   std::optional<int32_t> knownHeight(proto::NodeId v) const;
+  // How far the ground has moved at the mesh's two ends.
+  EndHeights heights() const {
+    return epochs_ ? EndHeights(epochs_->offsets(), from_.scene_time, to_.scene_time) : EndHeights();
+  }
 
  private:
   void reset();
@@ -91,6 +98,7 @@ class Replica {
   std::unique_ptr<const proto::ObjectSet> object_set_;
   std::vector<ObjectReplica> objects_;
   std::unique_ptr<proto::ObjectStream> stream_;  // null in scenes without objects, because it is large
+  std::unique_ptr<proto::EpochStream> epochs_;   // null in scenes without epochs
   uint32_t fingerprint_ = 0;                     // of the newest sections
   proto::KeyframeHeader from_, to_;              // index 0 before the first keyframe
   proto::CutDelta delta_;

@@ -72,6 +72,7 @@ Status Viewer::onWelcome(proto::Welcome welcome) {
   }
   welcome_ = std::move(welcome);
   if (path_) send(proto::encode(*path_));
+  if (scene_clock_) send(proto::encode(*scene_clock_));
   return {};
 }
 
@@ -175,6 +176,11 @@ void Viewer::setRequest(const proto::ViewRequest& request) {
 void Viewer::announcePath(const proto::Path& path) {
   path_ = path;
   send(proto::encode(path));
+}
+
+void Viewer::setSceneClock(const proto::SceneClock& clock) {
+  scene_clock_ = clock;
+  if (is_greeted_) send(proto::encode(clock));
 }
 
 void Viewer::requestTour(const std::string& name, double seconds) {

@@ -69,6 +69,10 @@ class Viewer {
   Blend blend() const { return blend_; }
   // Announces a planned path, on the client's clock, for the predictor kKnownPath.
   void announcePath(const proto::Path& path);
+  // Sets how scene time goes in scenes with epochs, whose last keyframes' scene time is in FrameView::mesh; on this
+  // connection and later ones.
+  void setSceneClock(const proto::SceneClock& clock);
+  const std::optional<proto::SceneClock>& sceneClock() const { return scene_clock_; }
   void requestTour(const std::string& name, double seconds);
   void requestGround(std::vector<glm::dvec2> lattice_points);
   // The reply to such a request, once; nullopt until it arrives.
@@ -103,6 +107,7 @@ class Viewer {
   bool is_greeted_ = false;
   std::optional<Time> reconnected_at_;  // until the first keyframe after it
   std::optional<proto::Path> path_;     // as announced
+  std::optional<proto::SceneClock> scene_clock_;
   std::optional<Replica> replica_;
   Timeline timeline_;
   proto::PoseMemory poses_sent_;

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "apps/date.h"
 #include "apps/fly/fly_report.h"
 #include "apps/lens_option.h"
 #include "apps/options.h"
@@ -39,6 +40,23 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .max_bytes_per_second = o.max_kbit_per_s * 125,
                             .occlusion = o.occlusion == "on",
                             .memory_bytes = static_cast<uint32_t>(o.memory_mib * 1048576)};
+}
+
+// What is asked of the scene's time; nothing if nothing is.
+Result<std::optional<proto::SceneClock>> sceneOf(const FlyOptions& o) {
+  if (!o.scene_from && !o.scene_speed) return std::optional<proto::SceneClock>();
+  proto::SceneClock clock{.at = {}, .scene_time = {-proto::Epochs::kMostTime_us}, .rate = 0};
+  if (o.scene_from) {
+    const auto date = parseDate(*o.scene_from);
+    if (!date) return invalid("--scene-from " + *o.scene_from + ": write a date as YYYY-MM-DD");
+    clock.scene_time = *date;
+  }
+  if (o.scene_speed) {
+    const auto rate = parseSceneSpeed(*o.scene_speed);
+    if (!rate) return invalid("--scene-speed " + *o.scene_speed + ": write for example 90d/s, -12h/s or 1y/s");
+    clock.rate = *rate;
+  }
+  return std::optional(clock);
 }
 
 }  // namespace
@@ -90,6 +108,10 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
       ->check(CLI::Range(1u, 8'000'000u));
   app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
   app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)")->check(isFinite());
+  app.add_option("--scene-from", o.scene_from,
+                 "in scenes that change in time: the date that the flight begins at, YYYY-MM-DD (default: the first)");
+  app.add_option("--scene-speed", o.scene_speed,
+                 "and how fast the scene's time goes, for example 90d/s; s, h, d and y are understood (default 0d/s)");
   addAfterwardsOptions(app, o.afterwards);
   CLI::Option* record =
       app.add_option("--record", o.record, "write all that comes in to this file, for `foreland replay`");
@@ -115,6 +137,8 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
     return invalid("--predictor path: the tour 'jumps' has no path; choose hold, velocity or acceleration");
   if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
     return invalid("--seconds must be above 0 and at most 86400");
+  const auto scene = sceneOf(o);
+  if (!scene.ok()) return scene.error();
   client::PlayerOptions player{.request = *request,
                                .blend = *blend,
                                .knowledge = request->predictor == proto::Predictor::kKnownPath
@@ -123,6 +147,7 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
                                .tour = o.tour.value_or("survey"),
                                .track = nullptr,
                                .track_options = o.track_options,
+                               .scene = *scene,
                                .seconds = o.seconds.value_or(60)};
   player.track_options.seconds = o.seconds;
   if (!o.track) return player;

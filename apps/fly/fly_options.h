@@ -33,6 +33,7 @@ struct FlyOptions {
   double fov_deg = 60;
   AfterwardsOptions afterwards;
   std::filesystem::path record;  // empty: nothing is recorded
+  std::optional<std::string> scene_from, scene_speed;
   size_t viewers = 1;
   bench::ReportFormat format = bench::ReportFormat::kText;
 };

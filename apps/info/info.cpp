@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/date.h"
 #include "apps/info/info_objects.h"
 #include "apps/info/info_surface.h"
 #include "terrain/store/scene.h"
@@ -58,6 +59,35 @@ ordered_json describeFrame(const terrain::Scene& scene) {
   return frame;
 }
 
+// What epoch i costs in the file, without what it shares with the one before.
+double epochMegabytes(const terrain::EpochTable& table, uint32_t i) {
+  return static_cast<double>(table.newBlocks(i) * sizeof(terrain::OffsetBlock)) * 1e-6;
+}
+
+ordered_json describeEpochs(const terrain::EpochTable& table) {
+  ordered_json epochs = ordered_json::array();
+  for (uint32_t i = 0; i < table.epochs().size(); ++i) {
+    const proto::Epoch& epoch = table.epochs()[i];
+    const proto::LatticeWindow& w = epoch.moved;
+    epochs.push_back({{"date", apps::dateText(epoch.time)},
+                      {"window", {w.x, w.y, w.width, w.height}},
+                      {"megabytes", epochMegabytes(table, i)}});
+  }
+  return epochs;
+}
+
+void printEpochs(const terrain::EpochTable& table) {
+  for (uint32_t i = 0; i < table.epochs().size(); ++i) {
+    const proto::Epoch& epoch = table.epochs()[i];
+    const proto::LatticeWindow& w = epoch.moved;
+    if (w.isEmpty())
+      std::printf("epoch      %s\n", apps::dateText(epoch.time).c_str());
+    else
+      std::printf("epoch      %s: %u x %u samples from (%u, %u) differ from the first, %.3f MB\n",
+                  apps::dateText(epoch.time).c_str(), w.width, w.height, w.x, w.y, epochMegabytes(table, i));
+  }
+}
+
 ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   const proto::GridShape& shape = scene.grid().shape();
   const double quantum_m = scene.frame().height_quantum_m;
@@ -75,6 +105,7 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["frame"] = describeFrame(scene);
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
+  if (!scene.epochs().epochs().empty()) about["epochs"] = describeEpochs(scene.epochs());
   return about;
 }
 
@@ -113,6 +144,7 @@ void print(const std::string& path, const terrain::Scene& scene) {
   printFrame(scene.frame(), scene.origin().crs_wkt);
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());
+  printEpochs(scene.epochs());
 }
 
 void printJson(const ordered_json& about) {

@@ -22,7 +22,8 @@ class ExactKeyframes {
                          .lens = lens,
                          .tau_px = header.tau_px,
                          .region_radius_m = header.region_radius_m,
-                         .region_angle_rad = header.region_angle_rad});
+                         .region_angle_rad = header.region_angle_rad,
+                         .scene_time = header.scene_time});
     const Mesh result = mesh;
     while (meshes_.size() > kKept) meshes_.erase(meshes_.begin());
     return result;

@@ -112,8 +112,8 @@ class Measurement {
   void measureTerms(const Player& player, Time now, const DrawnShare& drawn) {
     const client::FrameView& view = player.view();
     const double tau_px = view.mesh->to.tau_px;
-    const Mesh shown =
-        options_.section_at({.pose = player.path().at(view.scene_time), .lens = lens_, .tau_px = tau_px});
+    const Mesh shown = options_.section_at(
+        {.pose = player.path().at(view.scene_time), .lens = lens_, .tau_px = tau_px, .scene_time = sceneTimeOf(view)});
     const DrawnShare shown_share{.mesh = shown.get()};
     if (strategy_ == proto::Strategy::kPredict && blend_ == client::Blend::kKeyframe) {
       const Mesh from = keyframeAt(player, view.mesh->from), to = keyframeAt(player, view.mesh->to);
@@ -124,9 +124,17 @@ class Measurement {
     }
     truth_.interpolation.add(oracle_.terrain().difference({&drawn, 1}, {&shown_share, 1}, view.pose, lens_));
     if (strategy_ != proto::Strategy::kCurrent) return;
-    const Mesh current = options_.section_at({.pose = player.path().at(now), .lens = lens_, .tau_px = tau_px});
+    const Mesh current = options_.section_at(
+        {.pose = player.path().at(now), .lens = lens_, .tau_px = tau_px, .scene_time = sceneTimeOf(view)});
     const DrawnShare current_share{.mesh = current.get()};
     truth_.view.add(oracle_.terrain().difference({&current_share, 1}, {&shown_share, 1}, view.pose, lens_));
+  }
+
+  // Of the ground that the frame shows.
+  static Time sceneTimeOf(const client::FrameView& view) {
+    const proto::KeyframeHeader &from = view.mesh->from, &to = view.mesh->to;
+    return {from.scene_time.us +
+            std::llround(static_cast<double>(view.weight) * static_cast<double>((to.scene_time - from.scene_time).us))};
   }
 
   void measureMotion(const client::FrameView& view, double seconds) {

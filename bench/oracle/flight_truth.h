@@ -43,6 +43,7 @@ struct SectionRequest {
   double tau_px = 1;
   double region_radius_m = 0;
   double region_angle_rad = 0;
+  Time scene_time{};  // of the ground, in scenes with epochs; before the first one is at it
 };
 
 // The mesh of the section computed from scratch for exactly that, both positions equal.

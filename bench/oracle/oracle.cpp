@@ -48,8 +48,8 @@ struct Camera {
 };
 
 struct HeightBlock {
-  std::vector<int32_t> heights;  // kBlock * kBlock, unused beyond the data; empty until first needed
-  Sphere bound;                  // of the true positions
+  std::vector<double> heights;  // kBlock * kBlock, unused beyond the data; empty until first needed
+  Sphere bound;                 // of the true positions
 };
 
 struct Row {
@@ -68,6 +68,8 @@ struct Oracle::Impl {
   std::vector<uint32_t> seen;
   std::vector<std::vector<TriangleBins>> bins;  // of each surface, of each of its shares
   std::vector<Tile> tiles;                      // of each surface
+  TruthTime time;
+  std::vector<double> epoch_shares;  // at `time`, by epoch
 
   Impl(Truth t, double near)
       : truth(std::move(t)),
@@ -85,13 +87,60 @@ struct Oracle::Impl {
     return grid.position(proto::NodeId::at(bx * kBlock + x, by * kBlock + y), block.heights[y * kBlock + x]);
   }
 
+  bool mayMove(uint32_t bx, uint32_t by) const {
+    const proto::LatticeWindow& w = truth.moved;
+    return w.x < (bx + 1) * kBlock && bx * kBlock < w.x + w.width && w.y < (by + 1) * kBlock &&
+           by * kBlock < w.y + w.height;
+  }
+
+  void readRow(uint32_t bx, uint32_t y, double* out) {
+    std::array<int32_t, kBlock> heights;
+    truth.heights(bx * kBlock, y, std::span(heights).first(columns(bx)));
+    std::copy_n(heights.begin(), columns(bx), out);
+    if (!mayMove(bx, y / kBlock)) return;
+    std::array<double, kBlock> offsets;
+    for (size_t epoch = 0; epoch < epoch_shares.size(); ++epoch) {
+      if (epoch_shares[epoch] == 0) continue;
+      truth.offsets(epoch, bx * kBlock, y, std::span(offsets).first(columns(bx)));
+      for (uint32_t x = 0; x < columns(bx); ++x) out[x] += epoch_shares[epoch] * offsets[x];
+    }
+  }
+
+  // Adds the shares of the epochs around a time.
+  void addEpochs(Time at, double share) {
+    size_t before = 0;
+    while (before + 1 < truth.epochs.size() && truth.epochs[before + 1] <= at) ++before;
+    double passed = 0;
+    if (before + 1 < truth.epochs.size() && at > truth.epochs[before])
+      passed = (at - truth.epochs[before]).toSeconds() / (truth.epochs[before + 1] - truth.epochs[before]).toSeconds();
+    epoch_shares[before] += share * (1 - passed);
+    if (passed > 0) epoch_shares[before + 1] += share * passed;
+  }
+
+  void showAt(const TruthTime& wanted) {
+    if (truth.epochs.empty() || (wanted == time && !epoch_shares.empty())) return;
+    time = wanted;
+    epoch_shares.assign(truth.epochs.size(), 0);
+    const auto [first, last] = std::minmax(wanted.from, wanted.to);
+    const bool is_linear =
+        std::none_of(truth.epochs.begin(), truth.epochs.end(), [&](Time t) { return first < t && t < last; });
+    if (is_linear) {
+      addEpochs({wanted.from.us + std::llround(wanted.weight * static_cast<double>((wanted.to - wanted.from).us))}, 1);
+    } else {
+      addEpochs(wanted.from, 1 - wanted.weight);
+      addEpochs(wanted.to, wanted.weight);
+    }
+    for (uint32_t by = 0; by < blocks_y; ++by)
+      for (uint32_t bx = 0; bx < blocks_x; ++bx)
+        if (mayMove(bx, by)) blocks[static_cast<size_t>(by) * blocks_x + bx] = {};
+  }
+
   // Reads a block's heights and bounds it, once.
   const HeightBlock& load(uint32_t bx, uint32_t by) {
     HeightBlock& block = blocks[static_cast<size_t>(by) * blocks_x + bx];
     if (!block.heights.empty()) return block;
     block.heights.resize(kBlock * kBlock);
-    for (uint32_t y = 0; y < rows(by); ++y)
-      truth.heights(bx * kBlock, by * kBlock + y, std::span(block.heights).subspan(y * kBlock, columns(bx)));
+    for (uint32_t y = 0; y < rows(by); ++y) readRow(bx, by * kBlock + y, &block.heights[y * kBlock]);
     block.bound.centre = truePosition(block, bx, by, columns(bx) / 2, rows(by) / 2);
     for (uint32_t y = 0; y < rows(by); ++y)
       for (uint32_t x = 0; x < columns(bx); ++x)
@@ -224,6 +273,8 @@ void Oracle::Impl::finish(Deviation& d) {
 Oracle::Oracle(Truth truth, double near_m) : impl_(std::make_unique<Impl>(std::move(truth), near_m)) {}
 Oracle::~Oracle() = default;
 Oracle::Oracle(Oracle&&) noexcept = default;
+
+void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
 
 Deviation Oracle::error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens) {
   constexpr SurfacePair kAgainstTruth;

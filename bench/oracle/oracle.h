@@ -19,7 +19,9 @@
 #include <span>
 #include <vector>
 
+#include "base/time.h"
 #include "client/mesh/keyframe_mesh.h"
+#include "proto/section/epochs.h"
 #include "proto/space/frame_grid.h"
 #include "proto/space/pose.h"
 #include "proto/topology/grid.h"
@@ -32,6 +34,19 @@ struct Truth {
   proto::GridShape shape;
   // Writes the heights (quanta) of samples (x .. x + out.size() - 1, y); called only inside the data.
   std::function<void(uint32_t x, uint32_t y, std::span<int32_t> out)> heights;
+  // Of ground that moves in time: the times at which it is given, ascending, and by how many quanta it lies above
+  // `heights` then; between them it moves linearly. Outside of `moved` it does not. Otherwise empty.
+  std::vector<Time> epochs{};
+  proto::LatticeWindow moved{};
+  std::function<void(size_t epoch, uint32_t x, uint32_t y, std::span<double> out)> offsets{};
+};
+
+// The time of a truth: a mix of two, for frames of a mesh that leads from one time to another. Where the ground moves
+// linearly between them, that is the truth at the mixed time.
+struct TruthTime {
+  Time from, to;
+  double weight = 0;
+  bool operator==(const TruthTime&) const = default;
 };
 
 // A share of a drawn mesh: mix(from, to, weight). A surface is a sum of shares whose `share`s add to 1, so the blend of
@@ -67,6 +82,9 @@ class Oracle {
   explicit Oracle(Truth truth, double near_m = kDefaultNear_m);
   ~Oracle();
   Oracle(Oracle&&) noexcept;
+
+  // Moves the ground of a truth that has epochs; at first it is as at the first one.
+  void showAt(const TruthTime& time);
 
   // The drawn surface against the truth.
   Deviation error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens);

@@ -8,6 +8,7 @@ namespace foreland::bench {
 SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
                                   const proto::Lens& lens) {
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
+  terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight});
   SceneDeviation all{terrain_.error({&drawn, 1}, pose, lens)};
   const SurfaceJudgement objects = objects_.judge(mesh, weight, pose, lens);
   all.silhouette_px = objects.silhouette.max_px;

@@ -10,12 +10,24 @@
 namespace foreland::bench {
 
 inline Truth truthOf(std::shared_ptr<const terrain::Scene> scene) {
+  const proto::Epochs& epochs = scene->epochs().epochs();
+  std::vector<Time> times;
+  for (const proto::Epoch& epoch : epochs.all()) times.push_back(epoch.time);
   return {.frame = scene->frame(),
           .shape = scene->grid().shape(),
-          .heights = [scene](uint32_t x, uint32_t y, std::span<int32_t> out) {
-            for (size_t i = 0; i < out.size(); ++i)
-              out[i] = scene->height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
-          }};
+          .heights =
+              [scene](uint32_t x, uint32_t y, std::span<int32_t> out) {
+                for (size_t i = 0; i < out.size(); ++i)
+                  out[i] = scene->height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
+              },
+          .epochs = std::move(times),
+          .moved = epochs.empty() ? proto::LatticeWindow{} : epochs[epochs.size() - 1].moved,
+          .offsets =
+              [scene](size_t epoch, uint32_t x, uint32_t y, std::span<double> out) {
+                for (size_t i = 0; i < out.size(); ++i)
+                  out[i] = scene->epochs().offset(static_cast<uint32_t>(epoch), scene->grid(),
+                                                  proto::NodeId::at(x + static_cast<uint32_t>(i), y));
+              }};
 }
 
 // Terrain and objects. An Error if the section of objects is damaged.

@@ -171,6 +171,22 @@ bool knowsTheTruth(const client::Replica& replica, const server::Hierarchy& hier
   return is_true;
 }
 
+// Whether the client draws every node of its section at the height that the ground has at the keyframe's scene time.
+bool movesTruly(const client::Replica& replica, const server::Hierarchy& hierarchy) {
+  const terrain::EpochTable& table = hierarchy.epochs();
+  if (table.epochs().empty()) return true;
+  const proto::GridTopology& grid = hierarchy.grid();
+  const proto::EpochWeights weights = table.epochs().weightsAt(replica.newest().scene_time);
+  const client::EndHeights heights = replica.heights();
+  return std::ranges::all_of(replica.section().slots, [&](proto::Slot slot) {
+    const proto::NodeId n = grid.node(slot);
+    double truth = 0;
+    for (uint32_t i = 0; i < weights.count; ++i) truth += weights.weight[i] * table.offset(weights.epoch[i], grid, n);
+    const int32_t height = replica.nodes().records().at(slot).height();
+    return heights.at(n, height, 1) == hierarchy.nodes()[slot].height() + truth;
+  });
+}
+
 }  // namespace
 
 void World::receive(Client& c, size_t index, Time now) {
@@ -199,6 +215,8 @@ void World::compare(const Client& c, uint32_t keyframe, const Client::Sent& sent
   if (replica.section() != sent.section) complain("client and server differ at keyframe " + std::to_string(keyframe));
   if (replica.knownPages() != sent.known)
     complain("client and server remember other nodes at keyframe " + std::to_string(keyframe));
+  if (!movesTruly(replica, c.session.world().hierarchy))
+    complain("the client shows the ground of another time at keyframe " + std::to_string(keyframe));
   if (keyframe % 16 == 0 && !knowsTheTruth(replica, c.session.world().hierarchy))
     complain("the client remembers another height or error at keyframe " + std::to_string(keyframe));
 }

@@ -156,6 +156,7 @@ std::string optionsToJson(const PlayerOptions& o) {
                {"timeout_us", o.timeout.us},
                {"track_options", toJson(o.track_options)}};
   if (o.track) json["track"] = toJson(*o.track);
+  if (o.scene) json["scene"] = {{"from_us", o.scene->scene_time.us}, {"rate", o.scene->rate}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -175,6 +176,13 @@ Result<PlayerOptions> optionsFromJson(const std::string& text) {
   o.timeout.us = json.integer<int64_t>("timeout_us", 0, kLongest_us);
   o.track_options = trackOptionsFrom(json.object("track_options"));
   if (json.has("track")) o.track = trackFrom(json.object("track"));
+  if (json.has("scene")) {
+    Members scene = json.object("scene");
+    constexpr int64_t kMost_us = proto::Epochs::kMostTime_us;
+    o.scene = {{},
+               Time{scene.integer<int64_t>("from_us", -kMost_us, kMost_us)},
+               scene.number("rate", -proto::SceneClock::kMostRate, proto::SceneClock::kMostRate)};
+  }
   if (!wrong.empty()) return Error{ErrorCode::kMalformed, "what was flown is said wrongly: '" + wrong + "'"};
   return o;
 }

@@ -86,6 +86,8 @@ Status Player::checkTimeout(Time now) const {
 
 Status Player::plan() {
   const PlayerOptions& o = log_.options;
+  if (o.scene && viewer_.welcome()->epochs.empty())
+    return Error{ErrorCode::kInvalidArgument, "this scene does not change in time: fly it without a scene time"};
   if (!o.track && o.tour == "jumps") return planJumps();
   if (!o.track) {
     viewer_.requestTour(o.tour, o.seconds);
@@ -142,8 +144,13 @@ Status Player::startJumps(Time now) {
   jumps_->setGround(ground_m_);
   const proto::Pose pose = jumps_->at({});
   path_ = {.start = now + log_.options.standing, .step = jumps_->length(), .poses = {pose, pose}};
+  startScene();
   enter(Phase::kStanding, now);
   return {};
+}
+
+void Player::startScene() {
+  if (const auto& scene = log_.options.scene) viewer_.setSceneClock({path_.start, scene->scene_time, scene->rate});
 }
 
 proto::Pose Player::camera(Time now) const { return jumps_ ? jumps_->at(now - path_.start) : path_.at(now); }
@@ -162,6 +169,7 @@ Status Player::setPath(proto::Path path, Time now) {
   path.start = now + log_.options.standing;
   if (Status s = path.validate(); !s.ok()) return s;
   path_ = std::move(path);
+  startScene();
   if (log_.options.knowledge == PathKnowledge::kAnnounced) viewer_.announcePath(path_);
   enter(Phase::kStanding, now);
   return {};
@@ -177,6 +185,10 @@ void Player::countFrame(Time now) {
   }
   report_.nodes = view_.mesh->to_nodes;
   report_.triangles = view_.mesh->triangleCount();
+  if (!viewer_.welcome()->epochs.empty()) {
+    report_.scene_last = view_.mesh->to.scene_time;
+    if (!report_.scene_first) report_.scene_first = view_.mesh->from.scene_time;
+  }
   node_sum_ += report_.nodes;
   triangle_sum_ += static_cast<double>(report_.triangles);
 }

@@ -33,6 +33,9 @@ struct PlayerOptions {
   std::string tour = "survey";  // used if there is no track; `jumps` is planned here, others by the server
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
+  // In scenes with epochs: from which scene time and at which rate the flight goes through scene time, from its
+  // beginning; SceneClock::at does not count.
+  std::optional<proto::SceneClock> scene{};
   double seconds = 60;                               // of the flight; on a track, track_options.seconds is used instead
   Duration standing = Duration::milliseconds(1000);  // least time at the first pose
   Duration timeout = Duration::milliseconds(10'000);  // longest wait for a reply, or for the first section
@@ -61,7 +64,8 @@ struct FlightReport {
   uint64_t frames_outside = 0;    // drawn from where one of the two keyframes does not guarantee its tolerance
   Duration longest_gap;           // between the arrivals of two keyframes, while flying
   std::vector<JumpReport> jumps;  // by kind; empty for other tours
-  ViewerStatistics session;       // everything since the connection
+  std::optional<Time> scene_first, scene_last;  // shown, in scenes with epochs
+  ViewerStatistics session;                     // everything since the connection
 };
 
 class Player {
@@ -99,6 +103,7 @@ class Player {
   const std::vector<glm::dvec2>& groundPositions() const { return jumps_ ? jumps_->positions() : planned_.positions; }
   Status planJumps();
   Status startJumps(Time now);
+  void startScene();
   proto::Pose camera(Time now) const;
   void countJump(Time now);
   Status setPath(proto::Path path, Time now);

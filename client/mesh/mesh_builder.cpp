@@ -8,11 +8,12 @@
 namespace foreland::client {
 
 MeshBuilder::MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
-                         KeyframeMesh& mesh)
+                         const EndHeights& heights, KeyframeMesh& mesh)
     : domain_(domain),
       grid_(domain.grid),
       held_(nodes),
       nodes_(nodes, morphs),
+      heights_(heights),
       mesh_(mesh),
       limit_(static_cast<float>(grid_.shape().samples_x - 1), static_cast<float>(grid_.shape().samples_y - 1)) {}
 
@@ -34,8 +35,8 @@ void MeshBuilder::addBaseVertices() {
   mesh_.parameters.reserve(count);
   mesh_.indices.reserve(6 * count);
   const auto add = [&](uint32_t x, uint32_t y) {
-    const glm::dvec4 position = truePosition({static_cast<int32_t>(x), static_cast<int32_t>(y)});
-    vertices_.push_back({.drawn = {{{position, true}, {position, true}}}});
+    const LatticePoint at{static_cast<int32_t>(x), static_cast<int32_t>(y)};
+    vertices_.push_back({.drawn = {{{truePosition(at, 0), true}, {truePosition(at, 1), true}}}});
     mesh_.parameters.emplace_back(static_cast<float>(x), static_cast<float>(y));
   };
   for (uint32_t y = 0; y <= shape.roots_y; ++y)
@@ -78,28 +79,29 @@ uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found&
   index = static_cast<uint32_t>(vertices_.size());
   Vertex vertex{.drawn = {}, .endpoints = {t.a, t.b}};
   mesh_.parameters.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
-  const glm::dvec4 position = positionAt(t.m, nodes_.height(node));
   const std::array<double, 2> weight = nodes_.weight(node);
-  const auto displacement = [&] {
-    return position -
-           0.5 * (truePosition({t.m.x - t.d.x, t.m.y - t.d.y}) + truePosition({t.m.x + t.d.x, t.m.y + t.d.y}));
-  };
-  for (size_t s = 0; s < 2; ++s)
-    vertex.drawn[s] = blendPosition(
-        vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], [&] { return position; }, displacement);
+  for (size_t s = 0; s < 2; ++s) {
+    const auto position = [&] { return positionAt(t.m, nodes_.height(node), s); };
+    const auto displacement = [&] {
+      return position() -
+             0.5 * (truePosition({t.m.x - t.d.x, t.m.y - t.d.y}, s) + truePosition({t.m.x + t.d.x, t.m.y + t.d.y}, s));
+    };
+    vertex.drawn[s] =
+        blendPosition(vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], position, displacement);
+  }
   vertices_.push_back(vertex);
   return index;
 }
 
-glm::dvec4 MeshBuilder::positionAt(LatticePoint at, int32_t height) const {
+glm::dvec4 MeshBuilder::positionAt(LatticePoint at, int32_t height, size_t end) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  const double height_m = height * domain_.frame.transform().frame().height_quantum_m;
-  return {domain_.frame.position(v, height), height_m};
+  const double quanta = heights_.at(v, height, end);
+  return {domain_.frame.position(v, quanta), quanta * domain_.frame.transform().frame().height_quantum_m};
 }
 
-glm::dvec4 MeshBuilder::truePosition(LatticePoint at) const {
+glm::dvec4 MeshBuilder::truePosition(LatticePoint at, size_t end) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  return positionAt(at, held_.records().height(v));
+  return positionAt(at, held_.records().height(v), end);
 }
 
 void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {

@@ -13,6 +13,7 @@
 
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
+#include "client/mesh/end_heights.h"
 #include "client/mesh/held_nodes.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "proto/refine/terrain_domain.h"
@@ -23,7 +24,7 @@ class MeshBuilder {
  public:
   // Fills the terrain's part of `mesh`, whose keyframe headers are set. `morphs` are those of the terrain's nodes.
   MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
-              KeyframeMesh& mesh);
+              const EndHeights& heights, KeyframeMesh& mesh);
   void run();
 
  private:
@@ -49,8 +50,8 @@ class MeshBuilder {
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
   uint32_t vertexOf(const Triangle& t, const HeldNodes::Index::Found& node);
-  glm::dvec4 positionAt(LatticePoint at, int32_t height) const;
-  glm::dvec4 truePosition(LatticePoint at) const;
+  glm::dvec4 positionAt(LatticePoint at, int32_t height, size_t end) const;
+  glm::dvec4 truePosition(LatticePoint at, size_t end) const;
   void addNormals(uint8_t sections, const Triangle& t);
   void emit(uint32_t a, uint32_t b, uint32_t c);
   void clip(std::array<uint32_t, 3> corners);
@@ -63,6 +64,7 @@ class MeshBuilder {
   const proto::GridTopology& grid_;
   const HeldNodes& held_;
   const HeldNodes::Index nodes_;
+  const EndHeights heights_;
   KeyframeMesh& mesh_;
   glm::vec2 limit_;                       // the data's last samples
   std::vector<Vertex> vertices_;          // in the order of the descent, so that it finds recent ones in the cache

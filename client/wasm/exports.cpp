@@ -26,7 +26,7 @@ struct Host {
   Bytes outgoing;
   std::string error;
   proto::Path tour;
-  std::vector<double> landmarks;
+  std::vector<double> landmarks, epochs_ms;
 
   PoseRecord pose_record{};
   FrameRecord frame_record{};
@@ -71,6 +71,8 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.origin[2] = mesh.origin.z;
   out.from_time_ms = millisecondsOf(mesh.from.time);
   out.to_time_ms = millisecondsOf(mesh.to.time);
+  out.ground_time_ms =
+      millisecondsOf(mesh.from.scene_time) + out.weight * (mesh.to.scene_time - mesh.from.scene_time).toMilliseconds();
   out.to_pose = recordOf(mesh.to.pose);
   out.vertex_count = static_cast<uint32_t>(mesh.to_positions.size());
   out.index_count = static_cast<uint32_t>(mesh.indices.size());
@@ -204,6 +206,12 @@ void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_p
       requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion, memory_bytes));
 }
 
+// From `at_ms` on scene time goes from `scene_ms`, since 1970, at `rate` scene seconds a second.
+FORELAND_EXPORT(foreland_set_scene_clock)
+void setSceneClock(Host* host, double at_ms, double scene_ms, double rate) {
+  host->viewer.setSceneClock({timeOf(at_ms), timeOf(scene_ms), rate});
+}
+
 // `blend` is a client::Blend. 1 on success; 0 if there is no such blend.
 FORELAND_EXPORT(foreland_set_blend) uint32_t setBlend(Host* host, uint32_t blend) {
   if (blend > static_cast<uint32_t>(Blend::kGeomorph)) return 0;
@@ -259,6 +267,10 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   collectLandmarks(from, transform, host->landmarks);
   out.landmark_count = static_cast<uint32_t>(host->landmarks.size() / 3);
   out.landmarks = addressOf(host->landmarks.data());
+  host->epochs_ms.clear();
+  for (const proto::Epoch& epoch : from.epochs) host->epochs_ms.push_back(millisecondsOf(epoch.time));
+  out.epoch_count = static_cast<uint32_t>(host->epochs_ms.size());
+  out.epochs = addressOf(host->epochs_ms.data());
   return &out;
 }
 

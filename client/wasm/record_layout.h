@@ -55,6 +55,7 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, scene_time_ms),
     FORELAND_FIELD(FrameRecord, from_time_ms),
     FORELAND_FIELD(FrameRecord, to_time_ms),
+    FORELAND_FIELD(FrameRecord, ground_time_ms),
     FORELAND_FIELD(FrameRecord, to_pose),
     FORELAND_FIELD(FrameRecord, weight),
     FORELAND_FIELD(FrameRecord, mesh_version),
@@ -89,7 +90,8 @@ inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, crs),           FORELAND_FIELD(WelcomeRecord, crs_size),
     FORELAND_FIELD(WelcomeRecord, is_geographic), FORELAND_FIELD(WelcomeRecord, samples_x),
     FORELAND_FIELD(WelcomeRecord, samples_y),     FORELAND_FIELD(WelcomeRecord, landmark_count),
-    FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, unused),
+    FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, epoch_count),
+    FORELAND_FIELD(WelcomeRecord, epochs),        FORELAND_FIELD(WelcomeRecord, unused),
 };
 inline constexpr RecordField kPlaceFields[] = {
     FORELAND_FIELD(MapPositionRecord, height_m),

@@ -21,7 +21,8 @@ struct FrameRecord {
   double scene_time_ms;  // the client's clock
   double from_time_ms;
   double to_time_ms;
-  PoseRecord to_pose;  // the pose that the newer section was computed for
+  double ground_time_ms;  // whose ground is shown, since 1970, in scenes with epochs
+  PoseRecord to_pose;     // the pose that the newer section was computed for
   float weight;
   uint32_t mesh_version;  // 0: no mesh yet
   uint32_t vertex_count;
@@ -65,6 +66,8 @@ struct WelcomeRecord {
   uint32_t samples_y;
   uint32_t landmark_count;  // base vertices inside the data
   Address landmarks;        // double x, y, z, in the scene frame
+  uint32_t epoch_count;     // of a scene that changes in time
+  Address epochs;           // double milliseconds since 1970, ascending
   uint32_t unused;          // keeps the size a multiple of 8
 };
 

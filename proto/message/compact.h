@@ -67,6 +67,7 @@ struct KeyframeHeader {
   float region_angle_rad = 0;              // turned by no more than this
   uint32_t fingerprint = 0;                // of the section that results
   uint32_t fingerprint_mask = 0xffffffff;  // which of its bits the message carried
+  Time scene_time{};                       // whose ground it shows, in scenes with epochs; it is in the delta
 };
 
 struct KeyframeMessage {

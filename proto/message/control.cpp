@@ -161,6 +161,14 @@ Result<ClientControl> read(const fb::GroundRequest& m) {
   return ClientControl(std::move(out));
 }
 
+Result<ClientControl> read(const fb::SceneClock& m) {
+  const SceneClock clock{Time{m.at_us()}, Time{m.scene_time_us()}, m.rate()};
+  const auto isAbsurd = [](Time t) { return t.us < -Epochs::kMostTime_us || t.us > Epochs::kMostTime_us; };
+  if (isAbsurd(clock.at) || isAbsurd(clock.scene_time) || !(std::abs(clock.rate) <= SceneClock::kMostRate))
+    return malformed("a scene clock's time or rate is absurd");
+  return ClientControl(clock);
+}
+
 Result<Frame> frameOf(const fb::Frame* m, const GridShape& shape) {
   if (!m || !m->anchor() || !m->axis_x_m() || !m->axis_y_m() || !m->map_origin_m() || !m->origin())
     return malformed("the welcome lacks its frame");
@@ -231,6 +239,27 @@ Status readObjects(const fb::Welcome& m, Welcome& out) {
   return {};
 }
 
+Status readEpochs(const fb::Welcome& m, Welcome& out) {
+  if (m.epochs()) {
+    if (m.epochs()->size() > Epochs::kMost) return malformed("too many epochs");
+    for (size_t i = 0; i < m.epochs()->size(); ++i) {
+      const fb::Epoch e = structAt(*m.epochs(), i);
+      out.epochs.push_back({Time{e.time_us()}, {e.x(), e.y(), e.width(), e.height()}});
+    }
+  }
+  if (auto epochs = Epochs::create(out.shape, out.epochs); !epochs) return epochs.error();
+  if (!m.base_offsets()) return {};
+  const size_t vertices = out.corner_heights.size() + out.centre_heights.size();
+  if (m.base_offsets()->size() > vertices * out.epochs.size()) return malformed("too many offsets of base vertices");
+  for (size_t i = 0; i < m.base_offsets()->size(); ++i) {
+    const fb::BaseOffset o = structAt(*m.base_offsets(), i);
+    if (o.epoch() >= out.epochs.size() || o.vertex() >= vertices || std::abs(int64_t{o.quanta()}) > 2 * kMaxHeight)
+      return malformed("an offset of a base vertex is of no epoch or no vertex, or absurd");
+    out.base_offsets.push_back({o.epoch(), o.vertex(), o.quanta()});
+  }
+  return {};
+}
+
 Result<ServerControl> read(const fb::Welcome& m) {
   if (m.protocol() != kProtocolVersion)
     return malformed("the server speaks another protocol version; reload or update");
@@ -258,6 +287,7 @@ Result<ServerControl> read(const fb::Welcome& m) {
   if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0)
     return malformed("the welcome's tolerance or interval is not positive");
   if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
+  if (Status epochs = readEpochs(m, out); !epochs.ok()) return epochs.error();
   return ServerControl(std::move(out));
 }
 
@@ -315,6 +345,11 @@ Bytes encode(const GroundRequest& m) {
   return finish(b, fb::Body_GroundRequest, fb::CreateGroundRequest(b, m.id, positions).Union());
 }
 
+Bytes encode(const SceneClock& m) {
+  Builder b;
+  return finish(b, fb::Body_SceneClock, fb::CreateSceneClock(b, m.at.us, m.scene_time.us, m.rate).Union());
+}
+
 namespace {
 
 flatbuffers::Offset<fb::Model> putModel(Builder& b, const ObjectModel& m) {
@@ -346,6 +381,17 @@ Bytes encode(const Welcome& m) {
     objects = b.CreateVectorOfStructs<fb::Placement>(m.objects.size(),
                                                      [&](size_t i, fb::Placement* out) { *out = toFb(m.objects[i]); });
   }
+  flatbuffers::Offset<flatbuffers::Vector<const fb::Epoch*>> epochs;
+  flatbuffers::Offset<flatbuffers::Vector<const fb::BaseOffset*>> base_offsets;
+  if (!m.epochs.empty()) {
+    epochs = b.CreateVectorOfStructs<fb::Epoch>(m.epochs.size(), [&](size_t i, fb::Epoch* out) {
+      const LatticeWindow& w = m.epochs[i].moved;
+      *out = {m.epochs[i].time.us, w.x, w.y, w.width, w.height};
+    });
+    base_offsets = b.CreateVectorOfStructs<fb::BaseOffset>(m.base_offsets.size(), [&](size_t i, fb::BaseOffset* out) {
+      *out = {m.base_offsets[i].epoch, m.base_offsets[i].vertex, m.base_offsets[i].quanta};
+    });
+  }
   const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
   const auto frame = putFrame(b, m.frame);
   const auto shape =
@@ -353,7 +399,7 @@ Bytes encode(const Welcome& m) {
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
   const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
                                       corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,
-                                      objects, m.occlusion, m.memory_bytes);
+                                      objects, m.occlusion, m.memory_bytes, epochs, base_offsets);
   return finish(b, fb::Body_Welcome, body.Union());
 }
 
@@ -388,6 +434,8 @@ Result<ClientControl> decodeClientControl(ByteSpan bytes) {
       return read(*control->body_as_TourRequest());
     case fb::Body_GroundRequest:
       return read(*control->body_as_GroundRequest());
+    case fb::Body_SceneClock:
+      return read(*control->body_as_SceneClock());
     default:
       return malformed("not one that a client sends");
   }

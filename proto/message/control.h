@@ -12,6 +12,7 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "proto/refine/objects.h"
+#include "proto/section/epochs.h"
 #include "proto/space/frame.h"
 #include "proto/space/path.h"
 #include "proto/space/pose.h"
@@ -19,7 +20,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 6;
+inline constexpr uint32_t kProtocolVersion = 7;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
@@ -85,6 +86,8 @@ struct Welcome {
   std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
   bool occlusion = false;                // deltas on this connection carry hidden blocks (codec/block_coder.h)
   uint32_t memory_bytes = 0;             // that the client remembers, at most what it asked for
+  std::vector<Epoch> epochs;             // what Epochs::create accepts; empty: the scene does not change in time
+  std::vector<BaseOffset> base_offsets;  // those that are not zero
 };
 
 struct TourReply {
@@ -103,13 +106,14 @@ struct Refusal {
   std::string message;
 };
 
-using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest>;
+using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock>;
 using ServerControl = std::variant<Welcome, TourReply, GroundReply, Refusal>;
 
 Bytes encode(const ViewRequest& message);
 Bytes encode(const Path& message);
 Bytes encode(const TourRequest& message);
 Bytes encode(const GroundRequest& message);
+Bytes encode(const SceneClock& message);
 Bytes encode(const Welcome& message);
 Bytes encode(const TourReply& message);
 Bytes encode(const GroundReply& message);

@@ -12,7 +12,7 @@ namespace foreland::proto {
 inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
 inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
 
-using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, PoseUpdate, Resume>;
+using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, PoseUpdate, Resume>;
 using ServerMessage = std::variant<Welcome, TourReply, GroundReply, Refusal, KeyframeMessage>;
 
 // Any bytes end in a valid value or in an Error; after an Error neither memory nor connection is of use any more.

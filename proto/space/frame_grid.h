@@ -16,7 +16,7 @@ class FrameGrid {
   const FrameTransform& transform() const { return transform_; }
 
   // Scene position of lattice vertex (x, y) at a height of `height` quanta.
-  glm::dvec3 position(NodeId v, int32_t height) const {
+  glm::dvec3 position(NodeId v, double height) const {
     const double height_m = height * height_quantum_m_;
     if (tables_.columns.empty()) {
       const double dx = v.x() - frame().anchor.x, dy = v.y() - frame().anchor.y;

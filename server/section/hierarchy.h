@@ -36,6 +36,8 @@ class Hierarchy {
   const terrain::Scene& scene() const { return *scene_; }
   const proto::TerrainDomain& domain() const { return domain_; }
   const SceneObjects& objects() const { return objects_; }
+  // How the ground moves in time.
+  const terrain::EpochTable& epochs() const { return scene_->epochs(); }
   const proto::GridTopology& grid() const { return domain_.grid; }
   const proto::FrameGrid& frame() const { return domain_.frame; }
   std::span<const proto::NodeRecord> nodes() const { return scene_->nodes(); }

@@ -33,6 +33,10 @@ bool isPossible(proto::KnownPage& page, std::span<const proto::NodeRecord> nodes
 SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy), adapter_(hierarchy.domain()) {
   makeObjects();
   setMemory(proto::kDefaultMemoryBytes);
+  if (const terrain::EpochTable& table = hierarchy.epochs(); !table.epochs().empty()) {
+    epochs_ = std::make_unique<proto::EpochStream>(hierarchy.grid(), table.epochs(), table.baseOffsets());
+    scene_time_ = table.epochs().first();
+  }
 }
 
 void SectionSender::makeObjects() {
@@ -74,7 +78,10 @@ void SectionSender::restart(proto::Remembered remembered) {
   const auto memory_bytes = static_cast<uint32_t>(adapter_.memory().pages.budget());
   remembered_ = remembered;
   adapter_.restart(remembered);
-  if (remembered == proto::Remembered::kNothing) model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+  if (remembered == proto::Remembered::kNothing) {
+    model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+    if (epochs_) epochs_->restart();
+  }
   makeObjects();
   setMemory(memory_bytes);
   keyframe_.fingerprint = 0;
@@ -121,6 +128,7 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
   keyframe_.region_radius_m = proto::shortAtLeast(view.region_radius_m);
   keyframe_.region_angle_rad = proto::shortAtLeast(view.region_angle_rad);
   keyframe_.pose = proto::asSentInHeader(view.pose);  // what the viewer decodes, and steps to
+  keyframe_.scene_time = scene_time_;
 
   Bytes delta;
   const proto::DenseNodes table = hierarchy_->table();
@@ -133,6 +141,8 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
     restart(proto::Remembered::kNothing);  // the step was not taken to its end
     return false;
   }
+  if (epochs_)
+    epochs_->encode(scene_time_, adapter_, scratch.delta.added, hierarchy_->epochs(), encoder.coder(), epoch_bits_);
   bits_ = encoder.bits();
   keyframe_.fingerprint += proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
   encoder.finish();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "proto/codec/epoch_stream.h"
 #include "proto/codec/object_stream.h"
 #include "proto/codec/section_codec.h"
 #include "proto/message/message.h"
@@ -44,6 +45,9 @@ class SectionSender {
   // Remembers what the viewer has been sent as long as the viewer does, which has so many bytes for it. At first
   // proto::kDefaultMemoryBytes.
   void setMemory(uint32_t bytes);
+
+  // The scene time of the keyframes from now on, in a scene with epochs: within them.
+  void showAt(Time scene_time) { scene_time_ = scene_time; }
 
   // Makes the next keyframe start from the empty section, whatever the viewer holds. What it knows it remembers.
   void restart();
@@ -88,6 +92,7 @@ class SectionSender {
   // Of the last keyframe: where the bits of its delta went, and how many bytes its header has.
   const proto::DeltaBits& bits() const { return bits_; }                 // of the terrain
   const proto::SurfaceBits& objectBits() const { return object_bits_; }  // of all objects
+  const proto::EpochBits& epochBits() const { return epoch_bits_; }      // of the ground's motion in time
   size_t headerBytes() const { return header_bytes_; }
 
  private:
@@ -100,10 +105,13 @@ class SectionSender {
   proto::DeltaModel model_;  // adapts over all deltas sent
   std::vector<proto::SurfaceAdapter> objects_;
   std::unique_ptr<proto::ObjectStream> stream_;  // null without objects, for it is large
+  std::unique_ptr<proto::EpochStream> epochs_;   // null without epochs
+  Time scene_time_;
   proto::KeyframeHeader keyframe_;
   proto::KeyframeMemory headers_sent_;
   proto::DeltaBits bits_;
   proto::SurfaceBits object_bits_;
+  proto::EpochBits epoch_bits_;
   size_t header_bytes_ = 0;
   proto::Remembered remembered_ = proto::Remembered::kNothing;  // by the next keyframe from nothing
   bool is_restarted_ = false;                                   // and nothing was sent since

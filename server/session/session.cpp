@@ -81,6 +81,13 @@ Status Session::take(const proto::Path& path, Time) {
   return {};
 }
 
+// A scene without epochs does not mind.
+Status Session::take(const proto::SceneClock& clock, Time) {
+  scene_clock_ = clock;
+  is_clock_new_ = true;
+  return {};
+}
+
 // Requests are answered in steps, one at a time.
 Status Session::checkRequests() const {
   if (requests_.size() < SessionOptions::kMostRequests) return {};
@@ -343,6 +350,16 @@ Time Session::shownFrom(Time t) const {
   return std::min(isFirst() ? history_.newest().time : keyframe().time, t - request_->keyframe_interval);
 }
 
+// The scene time of a keyframe. While the clock runs, no keyframe passes an epoch before one has shown it: between two
+// keyframes the ground then moves linearly in truth, too. Where that is slower than the clock, scene time falls behind.
+Time Session::sceneTimeFor(Time t) const {
+  const proto::Epochs& epochs = world_->hierarchy.epochs().epochs();
+  const Time last = keyframe().scene_time;
+  if (!scene_clock_) return isFirst() ? epochs.first() : last;
+  const Time wanted = scene_clock_->timeAt(epochs, t);
+  return isFirst() || is_clock_new_ ? wanted : epochs.towards(last, wanted);
+}
+
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
 proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
@@ -438,6 +455,8 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
     tolerance_.restart();
   }
   const proto::View view = viewFor(plan.time_client);
+  if (!world_->hierarchy.epochs().epochs().empty()) sender_.showAt(sceneTimeFor(plan.time_client));
+  is_clock_new_ = false;
   Bytes message;
   // The second one starts from nothing, and so is as large as it was measured.
   if (!sendKeyframe(view, plan, mostNodes(), scratch, message))

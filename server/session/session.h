@@ -122,6 +122,7 @@ class Session {
   Status take(const proto::Path& path, Time now);
   Status take(const proto::TourRequest& request, Time now);
   Status take(const proto::GroundRequest& request, Time now);
+  Status take(const proto::SceneClock& clock, Time now);
   Status take(const proto::PoseUpdate& update, Time now);
   Status take(const proto::Resume& resume, Time now);
 
@@ -146,6 +147,7 @@ class Session {
   Time gridAtOrAfter(Time t_client) const;
   ExpectedMotion expectedMotion() const;
   Time shownFrom(Time t) const;
+  Time sceneTimeFor(Time t_client) const;
   proto::View viewFor(Time t_client) const;
   Region unknownMotion(Duration time) const;
   size_t mostNodes() const;
@@ -172,6 +174,8 @@ class Session {
   RegionShare region_share_;
   std::deque<proto::TimedPose> predictions_;  // of times for which no true pose has arrived yet
   std::optional<proto::Path> path_;
+  std::optional<proto::SceneClock> scene_clock_;
+  bool is_clock_new_ = false;  // and no keyframe has been computed by it
   ClockMap clocks_;
   bool jumped_ = false;        // and no keyframe has been computed since
   Region motion_before_jump_;  // a second

@@ -17,6 +17,9 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   w.memory_bytes = proto::kDefaultMemoryBytes;
   w.models = hierarchy.objects().set.models();
   w.objects = hierarchy.objects().set.placements();
+  const terrain::EpochTable& epochs = hierarchy.epochs();
+  w.epochs.assign(epochs.epochs().all().begin(), epochs.epochs().all().end());
+  w.base_offsets.assign(epochs.baseOffsets().begin(), epochs.baseOffsets().end());
   return w;
 }
 

@@ -1,5 +1,5 @@
-// The height of the ground of a scene at any lattice position, from its full-resolution samples. Pure; any thread;
-// O(1).
+// The height of the ground of a scene at any lattice position, from its full-resolution samples: of the highest ground
+// at any time, in scenes that change. Pure; any thread; O(epochs).
 #pragma once
 
 #include <glm/vec3.hpp>

@@ -59,6 +59,7 @@ class BoundsPass {
         levels_(job.grid, job.frame),
         tables_(proto::FrameTransform(job.frame), job.grid.maxX(), job.grid.maxY()),
         positions_(job.grid, job.frame, job.heights, tables_),
+        extremes_(extremesOf(job, tables_)),
         error_(ErrorRows::makeError(job, tables_)) {}
 
   bool run() {
@@ -92,7 +93,7 @@ class BoundsPass {
   struct Scratch {
     Scratch(const BoundsPass& pass, const NodeLevel& level)
         : errors(pass.error_, pass.job_, level),
-          spheres(pass.job_.grid, pass.levels_, pass.positions_, pass.job_.nodes, level.level) {}
+          spheres(pass.job_.grid, pass.levels_, pass.positions_, pass.extremes_, pass.job_.nodes, level.level) {}
     ErrorRows errors;
     SphereRows spheres;
     std::vector<NodeRecord> records;  // of the current band
@@ -133,7 +134,22 @@ class BoundsPass {
     }
   }
 
+  static std::vector<RowPositions> extremesOf(const BoundsJob& job, const proto::GeographicTables& tables) {
+    std::vector<RowPositions> extremes;
+    for (const Heights& heights : {job.lowest, job.highest})
+      if (!heights.quanta.empty()) extremes.emplace_back(job.grid, job.frame, heights, tables);
+    return extremes;
+  }
+
+  bool isWanted(const NodeLevel& level, const NodeRow& row) const {
+    return row.y + level.s >= job_.first_row && row.y <= uint64_t{job_.last_row} + level.s;
+  }
+  proto::QuantisedError leastError(proto::Slot slot) const {
+    return job_.least_errors.empty() ? proto::QuantisedError{} : job_.least_errors[slot];
+  }
+
   void fillRow(int level, const NodeRow& row, Scratch& band) {
+    if (!isWanted(NodeLevel(job_.grid, level), row)) return;
     band.errors_m.resize(row.count);
     band.radii_m.resize(row.count);
     band.child_errors.resize(row.count);
@@ -145,7 +161,8 @@ class BoundsPass {
         const int32_t height = positions_.quanta(row.first_x + i * row.step_x, row.y);
         *record = NodeRecord::of(
             height, height - positions_.middleQuanta(row.node(i)),
-            std::max(proto::QuantisedError::roundUp(band.errors_m[i]), proto::QuantisedError{band.child_errors[i]}),
+            std::max({proto::QuantisedError::roundUp(band.errors_m[i]), proto::QuantisedError{band.child_errors[i]},
+                      leastError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
             levels_.roundUp(level, band.radii_m[i] + kPad_m));
       }
     });
@@ -165,6 +182,7 @@ class BoundsPass {
   proto::SphereLevels levels_;
   proto::GeographicTables tables_;
   RowPositions positions_;
+  std::vector<RowPositions> extremes_;
   Error error_;
   std::atomic<bool> stopped_{false};
 };

@@ -23,6 +23,13 @@ struct BoundsJob {
   const proto::GridTopology& grid;
   const proto::Frame& frame;
   Heights heights;
+  // In scenes that change in time, the lowest and highest height of each sample at any time: spheres hold the surface
+  // at all of them. Otherwise empty.
+  Heights lowest{}, highest{};
+  // By slot, errors that the nodes' must not be below; empty: none.
+  std::span<const proto::QuantisedError> least_errors{};
+  // Only nodes whose supports reach a lattice row from first_row to last_row get errors; the others' are zero.
+  uint32_t first_row = 0, last_row = 0xffffffff;
   std::span<const NodeRecord> nodes;  // slotCount() records, in which what `store` is given appears
   unsigned threads = 0;               // 0: one per processor
   // Called from any thread, once for each slot, with whole tiles and zeros in their padding. False stops the work.

@@ -60,10 +60,11 @@ void RowPositions::toPositions(const NodeRow& row, const Out& out) const {
 }
 
 SphereRows::SphereRows(const proto::GridTopology& grid, const proto::SphereLevels& levels,
-                       const RowPositions& positions, std::span<const NodeRecord> nodes, int level)
-    : grid_(grid), levels_(levels), positions_(positions), nodes_(nodes), level_(grid, level) {}
+                       const RowPositions& positions, std::span<const RowPositions> extremes,
+                       std::span<const NodeRecord> nodes, int level)
+    : grid_(grid), levels_(levels), positions_(positions), extremes_(extremes), nodes_(nodes), level_(grid, level) {}
 
-void SphereRows::load(Row& row, const NodeRow& where, Content content) {
+void SphereRows::load(const RowPositions& positions, Row& row, const NodeRow& where, Content content) {
   const size_t size = where.count + 2;
   for (auto* column : {&row.x, &row.y_m, &row.z, &row.radius}) column->resize(size);
   row.error.assign(size, 0);
@@ -71,9 +72,9 @@ void SphereRows::load(Row& row, const NodeRow& where, Content content) {
   row.used = true;
   const RowPositions::Out out{row.x.data() + 1, row.y_m.data() + 1, row.z.data() + 1};
   if (content == Content::kSamples)
-    positions_.fill(where, out);
+    positions.fill(where, out);
   else
-    positions_.fillMiddles(where, out);
+    positions.fillMiddles(where, out);
   for (auto* column : {&row.x, &row.y_m, &row.z}) column->front() = column->back() = 0;
   std::fill(row.radius.begin(), row.radius.end(), 0.0);
   row.radius.front() = row.radius.back() = kEmpty;
@@ -93,7 +94,7 @@ const SphereRows::Row& SphereRows::childRow(uint32_t y) {
     if (row.used && row.y == y) return row;
   Row& row = kept_[oldest_];
   oldest_ = (oldest_ + 1) % kept_.size();
-  load(row, NodeLevel(grid_, level_.level + 1).row(y), Content::kSpheres);
+  load(positions_, row, NodeLevel(grid_, level_.level + 1).row(y), Content::kSpheres);
   return row;
 }
 
@@ -143,9 +144,15 @@ void SphereRows::includePairs(const Row& children, int offset, std::span<double>
 // Finest sides have no children: their spheres hold the four lattice points around them and their own, which are all
 // their support's samples.
 void SphereRows::corners(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors) {
+  corners(positions_, row, radii_m, child_errors);
+  for (const RowPositions& samples : extremes_) corners(samples, row, radii_m, child_errors);
+}
+
+void SphereRows::corners(const RowPositions& samples, const NodeRow& row, std::span<double> radii_m,
+                         std::span<uint8_t> child_errors) {
   const bool along_x = row.first_x == 1;
   Row& beside = kept_[0];
-  load(beside, along_x ? NodeRow{row.y, 0, 2, row.count + 1, 1} : NodeRow{row.y, 1, 2, row.count - 1, 1},
+  load(samples, beside, along_x ? NodeRow{row.y, 0, 2, row.count + 1, 1} : NodeRow{row.y, 1, 2, row.count - 1, 1},
        Content::kSamples);
   include(beside, along_x ? 0 : -1, radii_m, child_errors);
   include(beside, along_x ? 1 : 0, radii_m, child_errors);
@@ -153,7 +160,7 @@ void SphereRows::corners(const NodeRow& row, std::span<double> radii_m, std::spa
     if (y < 0 || y > grid_.maxY()) continue;
     NodeRow across = row;
     across.y = static_cast<uint32_t>(y);
-    load(beside, across, Content::kSamples);
+    load(samples, beside, across, Content::kSamples);
     include(beside, 0, radii_m, child_errors);
   }
 }
@@ -161,7 +168,7 @@ void SphereRows::corners(const NodeRow& row, std::span<double> radii_m, std::spa
 void SphereRows::compute(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors) {
   std::fill(radii_m.begin(), radii_m.end(), 0.0);
   std::fill(child_errors.begin(), child_errors.end(), uint8_t{0});
-  load(own_, row, Content::kMiddles);
+  load(positions_, own_, row, Content::kMiddles);
   if (level_.level == grid_.maxLevel()) return corners(row, radii_m, child_errors);
   if (!level_.sides) {  // the sides of the square around a centre
     const Row& beside = childRow(row.y);

@@ -47,8 +47,9 @@ class RowPositions {
 
 class SphereRows {
  public:
+  // The spheres hold the samples of `extremes`, too.
   SphereRows(const proto::GridTopology& grid, const proto::SphereLevels& levels, const RowPositions& positions,
-             std::span<const NodeRecord> nodes, int level);
+             std::span<const RowPositions> extremes, std::span<const NodeRecord> nodes, int level);
 
   // Smallest radii that saturate the row's nodes, without padding; and the largest error of each node's children.
   void compute(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors);
@@ -64,7 +65,7 @@ class SphereRows {
   const Row& childRow(uint32_t y);
   // What a Row holds: samples, middles of nodes' edges, or the latter with the nodes' spheres.
   enum class Content : uint8_t { kSamples, kMiddles, kSpheres };
-  void load(Row& row, const NodeRow& where, Content content);
+  void load(const RowPositions& positions, Row& row, const NodeRow& where, Content content);
   // The columns of a Row from sphere `offset` on.
   struct Spheres {
     Spheres(const Row& row, int offset);
@@ -74,10 +75,13 @@ class SphereRows {
   void include(const Row& children, int offset, std::span<double> radii_m, std::span<uint8_t> child_errors) const;
   void includePairs(const Row& children, int offset, std::span<double> radii_m, std::span<uint8_t> child_errors) const;
   void corners(const NodeRow& row, std::span<double> radii_m, std::span<uint8_t> child_errors);
+  void corners(const RowPositions& samples, const NodeRow& row, std::span<double> radii_m,
+               std::span<uint8_t> child_errors);
 
   const proto::GridTopology& grid_;
   const proto::SphereLevels& levels_;
   const RowPositions& positions_;
+  std::span<const RowPositions> extremes_;
   std::span<const NodeRecord> nodes_;
   NodeLevel level_;
   Row own_;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
 
 #include "terrain/bounds/bounds.h"
 #include "terrain/dem/voids/voids.h"
@@ -78,12 +79,15 @@ Status fill(HeightRaster& raster, const ElevationInfo& info, SceneOrigin& origin
 }
 
 // The height quantum: the user's, or a wider one that represents every height of the source exactly.
-double chooseQuantum(std::span<const float> metres, const BuildOptions& options, SceneOrigin& origin) {
+double chooseQuantum(std::span<const float> metres, const std::vector<EpochSamples>& epochs,
+                     const BuildOptions& options, SceneOrigin& origin) {
   if (!options.widen_quantum) return options.height_quantum_m;
   for (const double quantum_m : {1.0, 0.5, 0.25}) {
     if (quantum_m <= options.height_quantum_m) break;
     const auto fits = [&](float h) { return !std::isfinite(h) || std::remainder(double{h}, quantum_m) == 0; };
-    if (!std::all_of(metres.begin(), metres.end(), fits)) continue;
+    if (!std::all_of(metres.begin(), metres.end(), fits) ||
+        !std::ranges::all_of(epochs, [&](const EpochSamples& e) { return std::ranges::all_of(e.metres, fits); }))
+      continue;
     origin.notes.push_back("all heights are multiples of " +
                            std::string(quantum_m == 1     ? "1"
                                        : quantum_m == 0.5 ? "0.5"
@@ -109,7 +113,42 @@ struct Terrain {
   const proto::GridTopology& grid;
   const proto::Frame& frame;
   Heights heights;
+  const EpochLayers* epochs;  // null without any
 };
+
+Result<std::vector<EpochSamples>> readEpochs(const BuildOptions& options, const ElevationInfo& info,
+                                             const Progress& progress) {
+  std::vector<EpochSamples> epochs;
+  if (Status s = checkDates(options.epochs); !s.ok()) return s.error();
+  for (const EpochRequest& request : options.epochs) {
+    if (!progress.keepGoing()) return stopped();
+    auto epoch = readEpoch(request, info);
+    if (!epoch) return epoch.error();
+    epochs.push_back(std::move(*epoch));
+  }
+  return epochs;
+}
+
+void layOver(const EpochSamples& epoch, uint32_t width, std::span<float> metres) {
+  const proto::LatticeWindow& w = epoch.window;
+  for (uint32_t row = 0; row < w.height; ++row)
+    for (uint32_t column = 0; column < w.width; ++column)
+      if (const float height = epoch.metres[static_cast<size_t>(row) * w.width + column]; !std::isnan(height))
+        metres[static_cast<size_t>(w.y + row) * width + w.x + column] = height;
+}
+
+Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, const Progress& progress) {
+  layers.begin(epochs.front());
+  for (size_t i = 1; i < epochs.size(); ++i) {
+    const auto keepGoing = [&](double fraction) {
+      progress.report("epochs", (static_cast<double>(i - 1) + fraction) / static_cast<double>(epochs.size() - 1));
+      return progress.keepGoing();
+    };
+    if (Status s = layers.add(epochs[i], keepGoing); !s.ok()) return s;
+  }
+  progress.report("epochs", 1);
+  return {};
+}
 
 Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer, const Progress& progress) {
   Status failure;  // the first of any thread
@@ -122,18 +161,22 @@ Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer
     return ok;
   };
   progress.report("bounding", 0);
-  const bool complete = computeBounds({.grid = terrain.grid,
-                                       .frame = terrain.frame,
-                                       .heights = terrain.heights,
-                                       .nodes = writer.nodes(),
-                                       .threads = threads,
-                                       .store = store,
-                                       .onIdle = [&](std::span<const NodeRecord> nodes) { writer.release(nodes); },
-                                       .onProgress =
-                                           [&](double fraction) {
-                                             progress.report("bounding", fraction);
-                                             return progress.keepGoing();
-                                           }});
+  const bool complete = computeBounds(
+      {.grid = terrain.grid,
+       .frame = terrain.frame,
+       .heights = terrain.heights,
+       .lowest = terrain.epochs ? terrain.epochs->lowest() : Heights{},
+       .highest = terrain.epochs ? terrain.epochs->highest() : Heights{},
+       .least_errors = terrain.epochs ? terrain.epochs->leastErrors() : std::span<const proto::QuantisedError>{},
+       .nodes = writer.nodes(),
+       .threads = threads,
+       .store = store,
+       .onIdle = [&](std::span<const NodeRecord> nodes) { writer.release(nodes); },
+       .onProgress =
+           [&](double fraction) {
+             progress.report("bounding", fraction);
+             return progress.keepGoing();
+           }});
   if (!failure.ok()) return failure;
   return complete ? Status() : Status(stopped());
 }
@@ -184,9 +227,12 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                         " MiB of heights do not fit this machine's memory"};
   if (Status status = readAll(source, raster, progress); !status.ok()) return status.error();
 
+  auto epochs = readEpochs(options, info, progress);
+  if (!epochs) return epochs.error();
+  if (!epochs->empty()) layOver(epochs->front(), info.width, raster.metres());
   progress.report("filling voids", 0);
   SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
-  const double height_quantum_m = chooseQuantum(raster.metres(), options, origin);
+  const double height_quantum_m = chooseQuantum(raster.metres(), *epochs, options, origin);
   if (Status status = fill(raster, info, origin); !status.ok()) return status.error();
   progress.report("filling voids", 1);
 
@@ -199,11 +245,19 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   auto objects =
       makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
   if (!objects.ok()) return objects.error();
-  auto writer = SceneWriter::create(options.output, {grid->shape(), frame, range, origin, std::move(*objects)});
+  std::optional<EpochLayers> layers;
+  if (!epochs->empty()) {
+    layers.emplace(*grid, frame, heights, options.threads);
+    if (Status s = addEpochs(*epochs, *layers, progress); !s.ok()) return s.error();
+    range = layers->range();
+  }
+  auto writer = SceneWriter::create(
+      options.output, {grid->shape(), frame, range, origin, std::move(*objects), layers ? layers->section() : Bytes{}});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);
 
-  if (Status status = bound({*grid, frame, heights}, options.threads, *writer, progress); !status.ok())
+  if (Status status = bound({*grid, frame, heights, layers ? &*layers : nullptr}, options.threads, *writer, progress);
+      !status.ok())
     return status.error();
   if (!progress.keepGoing()) return stopped();
   progress.report("writing", 0);
@@ -221,7 +275,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                      .file_bytes = writer->fileBytes(),
                      .scene_id = *id,
                      .lowest_m = range.lowest * height_quantum_m,
-                     .highest_m = range.highest * height_quantum_m};
+                     .highest_m = range.highest * height_quantum_m,
+                     .epochs = layers ? layers->reports() : std::vector<EpochReport>{}};
 }
 
 }  // namespace foreland::terrain

@@ -1,6 +1,6 @@
 // Elevation data in, one scene file out: read in windows, fill voids, quantise, bound, write. The file appears whole or
 // not at all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source and the filling of voids
-// need. One caller; uses threads of its own while it runs.
+// need; with epochs, another 12 bytes a sample and 9 a node. One caller; uses threads of its own while it runs.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 #include "base/result.h"
 #include "terrain/elevation_source.h"
+#include "terrain/epochs/epoch_layers.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/scene.h"
 
@@ -26,6 +27,8 @@ struct BuildOptions {
   // Filled voids are rounded.
   bool widen_quantum = false;
   std::vector<ObjectRequest> objects{};  // to place on the terrain
+  // The ground at other times, for scenes that change; the first is laid over the source. In the order of their dates.
+  std::vector<EpochRequest> epochs{};
 };
 
 // Called on the caller's thread. `report` gets the name of a stage and the fraction of it that is done, at least 0 and
@@ -46,6 +49,7 @@ struct BuildReport {
   uint64_t file_bytes = 0;
   uint64_t scene_id = 0;
   double lowest_m = 0, highest_m = 0;
+  std::vector<EpochReport> epochs;
 };
 
 [[nodiscard]] Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options,

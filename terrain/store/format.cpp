@@ -17,14 +17,21 @@ std::string getString(ByteReader& in) {
 
 }  // namespace
 
-FileLayout FileLayout::of(const proto::GridTopology& grid, uint64_t text_bytes, uint64_t object_bytes) {
+FileLayout FileLayout::of(const proto::GridTopology& grid, const Sizes& sizes) {
   FileLayout layout;
   const proto::GridShape& shape = grid.shape();
-  const std::array<uint64_t, kChecksums> bytes{
-      text_bytes, sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull),
+  const std::array<uint64_t, kChecksums + 1> bytes{
+      sizes.text,
+      sizeof(int32_t) * (shape.roots_x + 1ull) * (shape.roots_y + 1ull),
       sizeof(int32_t) * static_cast<uint64_t>(shape.roots_x) * shape.roots_y,
-      sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount()), object_bytes};
-  layout.file_bytes = layOutSections(bytes, layout.sections);
+      sizeof(NodeRecord) * static_cast<uint64_t>(grid.slotCount()),
+      sizes.objects,
+      sizes.epochs};
+  std::array<SectionRange, kSectionCount + 1> ranges;
+  layout.file_bytes = layOutSections(bytes, ranges);
+  std::copy_n(ranges.begin(), kChecksums, layout.sections.begin());
+  layout.sections[kChecksums] = ranges.back();
+  if (sizes.epochs > 0) layout.epochs = ranges[kChecksums];
   return layout;
 }
 

@@ -40,16 +40,21 @@ struct FileHeader {
   uint64_t voids_filled = 0;
   uint64_t slot_count = 0;
   SectionRange sections[kSectionCount];
+  SectionRange epochs;  // between the objects and the checksums (epoch_section.h); zeros in scenes without epochs
 };
-static_assert(sizeof(FileHeader) == 328 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 344 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
-// Where the sections of a file lie, given the grid and the sizes of the text and of the objects.
+// Where the sections of a file lie, given the grid and the sizes of those that do not follow from it.
 struct FileLayout {
+  struct Sizes {
+    uint64_t text = 0, objects = 0, epochs = 0;
+  };
   std::array<SectionRange, kSectionCount> sections;
+  SectionRange epochs;  // zeros without epochs
   uint64_t file_bytes = 0;
-  static FileLayout of(const proto::GridTopology& grid, uint64_t text_bytes, uint64_t object_bytes);
+  static FileLayout of(const proto::GridTopology& grid, const Sizes& bytes);
 };
 
 void putFrame(const proto::Frame& frame, FileHeader& header);

@@ -35,9 +35,12 @@ Status MappedScene::adopt() {
   if (text_bytes > kMaxTextBytes) return malformed("its text is too long");
   const uint64_t object_bytes = header_.sections[kObjects].bytes;
   if (object_bytes > bytes_.size()) return malformed("its objects are too large");
-  const FileLayout layout = FileLayout::of(grid_, text_bytes, object_bytes);
+  const uint64_t epoch_bytes = header_.epochs.bytes;
+  if (epoch_bytes > bytes_.size()) return malformed("its epochs are too large");
+  const FileLayout layout = FileLayout::of(grid_, {text_bytes, object_bytes, epoch_bytes});
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
+  if (header_.epochs != layout.epochs) return malformed("its epochs are not where they belong");
   if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() ||
       header_.lowest > header_.highest)
     return malformed("its sizes contradict each other");
@@ -52,6 +55,9 @@ Status MappedScene::adopt() {
   corners_ = section<int32_t>(kCorners);
   centres_ = section<int32_t>(kCentres);
   objects_ = section<uint8_t>(kObjects);
+  auto epochs = EpochTable::read(grid_, sectionOf<uint8_t>(bytes_, header_.epochs));
+  if (!epochs) return epochs.error();
+  epochs_ = std::move(*epochs);
   const auto isAbsurd = [](int32_t h) { return h < -proto::kMaxHeight || h > proto::kMaxHeight; };
   if (std::any_of(corners_.begin(), corners_.end(), isAbsurd) ||
       std::any_of(centres_.begin(), centres_.end(), isAbsurd))

@@ -15,6 +15,7 @@
 #include "proto/section/bounds.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
+#include "terrain/store/epoch_table.h"
 
 namespace foreland::terrain {
 
@@ -53,6 +54,9 @@ class Scene {
   std::span<const int32_t> cornerHeights() const { return corners_; }
   std::span<const int32_t> centreHeights() const { return centres_; }
 
+  // How the ground moves in time. Errors and radii of nodes hold for all scene times, heights for the first.
+  const EpochTable& epochs() const { return epochs_; }
+
   // The bytes of the objects, which terrain/objects reads; empty if there are none.
   ByteSpan objectSection() const { return objects_; }
 
@@ -72,6 +76,7 @@ class Scene {
   std::span<const NodeRecord> nodes_;
   std::span<const int32_t> corners_, centres_;
   ByteSpan objects_;
+  EpochTable epochs_;
 };
 
 }  // namespace foreland::terrain

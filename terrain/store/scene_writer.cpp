@@ -14,7 +14,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
 
-  const FileLayout layout = FileLayout::of(*grid, text.size(), about.objects.size());
+  const FileLayout layout = FileLayout::of(*grid, {text.size(), about.objects.size(), about.epochs.size()});
   FileHeader h;
   h.file_bytes = layout.file_bytes;
   const proto::GridShape& s = about.shape;
@@ -25,12 +25,14 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.voids_filled = about.origin.voids_filled;
   h.slot_count = grid->slotCount();
   for (uint32_t kind = 0; kind < kSectionCount; ++kind) h.sections[kind] = layout.sections[kind];
+  h.epochs = layout.epochs;
 
   auto file = NewFile::create(target, layout.file_bytes);
   if (!file.ok()) return file.error();
   SceneWriter writer(std::move(file).value(), layout, h);
   std::memcpy(writer.at(kText), text.data(), text.size());
   if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
+  if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
   return writer;
 }
 

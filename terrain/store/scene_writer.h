@@ -23,6 +23,7 @@ class SceneWriter {
     HeightRange heights;
     SceneOrigin origin;
     Bytes objects{};  // the section of objects (terrain/objects)
+    Bytes epochs{};   // the section of epochs (epoch_section.h)
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 
@@ -44,6 +45,7 @@ class SceneWriter {
   SceneWriter(NewFile file, const FileLayout& layout, const FileHeader& header)
       : file_(std::move(file)), layout_(layout), header_(header) {}
   uint8_t* at(SectionKind kind) const { return file_.data() + layout_.sections[kind].offset; }
+  uint8_t* at(const SectionRange& range) const { return file_.data() + range.offset; }
 
   NewFile file_;
   FileLayout layout_;

@@ -1,5 +1,6 @@
 #include "terrain/store/verify.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
@@ -44,16 +45,14 @@ class NodeCheck {
       fault(name(n) + " has another radius than its page");
     const glm::dvec3 centre = centreOf(n, record);
     const double radius = radiusOf(n, record);
+    for (uint32_t epoch = 0; epoch < std::max<size_t>(scene_.epochs().epochs().size(), 1); ++epoch)
+      if (epoch == 0 || mayMove(epoch, n)) checkBounds(n, record, centre, radius, epoch);
     for (NodeId child : grid_.children(n)) {
       const NodeRecord& below = scene_.node(child);
       if (below.error() > record.error()) fault(name(n) + " has a smaller error than its child " + name(child));
       if (glm::distance(centre, centreOf(child, below)) + radiusOf(child, below) > radius)
         fault(name(n) + " has a sphere that does not hold that of its child " + name(child));
     }
-    for (NodeId corner : grid_.endpoints(n)) checkCorner(n, centre, radius, corner);
-    for (NodeId corner : grid_.apexes(n)) checkCorner(n, centre, radius, corner);
-    if (holdsItself(n) && record.error().metres() < displacement(n))
-      fault(name(n) + " has an error below its own displacement");
     return true;
   }
 
@@ -65,15 +64,31 @@ class NodeCheck {
   bool inRange(int32_t height) const {
     return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest;
   }
-  void checkCorner(NodeId n, const glm::dvec3& centre, double radius, NodeId corner) const {
-    if (glm::distance(centre, positions_.position(corner, scene_.height(corner))) > radius)
-      faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners");
+  // Whether one of the vertices that a node's bounds are checked against may move by an epoch.
+  bool mayMove(uint32_t epoch, NodeId n) const {
+    const auto moves = [&](NodeId v) { return scene_.epochs().epochs().mayMove(epoch, v); };
+    return moves(n) || std::ranges::any_of(grid_.endpoints(n), moves) || std::ranges::any_of(grid_.apexes(n), moves);
   }
+  int32_t heightAt(uint32_t epoch, NodeId v) const {
+    return scene_.height(v) + (epoch == 0 ? 0 : scene_.epochs().offset(epoch, grid_, v));
+  }
+  // Errors and spheres hold at all epochs.
+  void checkBounds(NodeId n, const NodeRecord& record, const glm::dvec3& centre, double radius, uint32_t epoch) const {
+    const auto checkCorner = [&](NodeId corner) {
+      if (glm::distance(centre, positions_.position(corner, heightAt(epoch, corner))) > radius)
+        faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners" + atEpoch(epoch));
+    };
+    std::ranges::for_each(grid_.endpoints(n), checkCorner);
+    std::ranges::for_each(grid_.apexes(n), checkCorner);
+    if (holdsItself(n) && record.error().metres() < displacement(n, epoch))
+      faults_.add(grid_.slot(n), name(n) + " has an error below its own displacement" + atEpoch(epoch));
+  }
+  static std::string atEpoch(uint32_t epoch) { return epoch == 0 ? "" : " at epoch " + std::to_string(epoch + 1); }
   bool holdsItself(NodeId n) const { return n.x() < grid_.shape().samples_x && n.y() < grid_.shape().samples_y; }
   // Distance of a node from the middle of its edge; in planar frames along the vertical, where it is exact.
-  double displacement(NodeId n) const {
+  double displacement(NodeId n, uint32_t epoch) const {
     const auto ends = grid_.endpoints(n);
-    const int32_t a = scene_.height(ends[0]), b = scene_.height(ends[1]), own = scene_.node(n).height();
+    const int32_t a = heightAt(epoch, ends[0]), b = heightAt(epoch, ends[1]), own = heightAt(epoch, n);
     if (scene_.frame().kind == proto::FrameKind::kPlanar)
       return std::fabs(own - 0.5 * (static_cast<double>(a) + b)) * scene_.frame().height_quantum_m;
     const glm::dvec3 middle = 0.5 * (positions_.position(ends[0], a) + positions_.position(ends[1], b));
@@ -99,6 +114,12 @@ uint64_t checkBase(const Scene& scene, Faults& faults) {
   return scene.cornerHeights().size() + scene.centreHeights().size();
 }
 
+void checkEpochs(const Scene& scene, Faults& faults) {
+  scene.epochs().check(scene.grid(), [&](uint32_t epoch, const std::string& what) {
+    faults.add(0, "epoch " + std::to_string(epoch + 1) + ": " + what);
+  });
+}
+
 }  // namespace
 
 Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned threads) {
@@ -109,6 +130,7 @@ Result<VerifyReport> verifyScene(const std::filesystem::path& path, unsigned thr
   checkSceneBlocks(**scene, threads, blocks);
   report.blocks = blockCount((*scene)->header().sections[kChecksums]);
   report.base_vertices = checkBase(**scene, values);
+  checkEpochs(**scene, values);
   report.nodes = checkNodes(**scene, threads, values);
   report.padding = (*scene)->grid().slotCount() - report.nodes;
   report.faults = blocks.count() + values.count();

@@ -16,6 +16,7 @@ import zlib
 
 import wire
 from coder import RangeDecoder, read_sections
+from epochs import Epochs
 from objects import Objects
 from section import Section
 from terrain import Frame, Grid
@@ -62,7 +63,7 @@ class Session:
             if not self.has_asked:
                 self.wanted_bytes = fields["memory_bytes"]
             self.has_asked = True
-        elif name != "PathUpload":
+        elif name not in ("PathUpload", "SceneClock"):
             self.asked.append((name.replace("Request", "Reply"), fields["id"]))
 
     def resume(self, resume):
@@ -73,6 +74,7 @@ class Session:
                 objects == [s.slots for s in self.objects.sections], "another section than is held")
         self.section.begin_anew(known, finest, self.memory_bytes)
         self.objects.begin_anew()
+        self.epochs.begin_anew()
 
     def fingerprint(self):
         return self.section.fingerprint + self.objects.fingerprint() & 0xFFFFFFFF
@@ -109,6 +111,7 @@ class Session:
         if self.scene_id != fields["scene_id"]:  # else the client may resume from those that it holds
             self.section = None
             self.objects = Objects(fields["models"] or [], placements)
+            self.epochs = Epochs(grid, shape, fields["epochs"] or [], fields["base_offsets"] or [], len(corners))
         self.scene_id, self.is_welcome = fields["scene_id"], True
 
     def take(self, keyframe):
@@ -122,8 +125,12 @@ class Session:
             self.section.begin_from_nothing(keeps_pages)
             self.section.memory_bytes = self.memory_bytes
             self.objects.begin_from_nothing()
+            if not keeps_pages:
+                self.epochs.begin_anew()
         added, removed = self.section.step(keyframe.view, coder)
         self.objects.step(keyframe.view, coder, self.memory_bytes)
+        nodes = [(slot, self.section.nodes[slot]) for slot in sorted(self.section.slots)] if self.epochs.times else []
+        self.epochs.take(nodes, coder)
         coder.finish()
         fingerprint = self.fingerprint()
         require(fingerprint & keyframe.mask == keyframe.fingerprint, f"another section at keyframe {keyframe.index}")
@@ -135,6 +142,8 @@ class Session:
         line = f"{keyframe.index} {len(slots)} {added} {removed} {fingerprint:08x} {sums_of(packed)}"
         if self.objects.sections:
             line += f" {' '.join(map(str, self.objects.counts()))} {sums_of(self.objects.packed())}"
+        if self.epochs.times:
+            line += f" {sums_of(self.epochs.packed(nodes))}"
         return line
 
 

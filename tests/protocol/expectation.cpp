@@ -135,6 +135,26 @@ std::string objectColumns(const server::Hierarchy& hierarchy, const proto::HeldS
   return text;
 }
 
+// Of a scene time, and of the offsets of a section's nodes at the epochs around it.
+std::string epochColumns(const server::Hierarchy& hierarchy, Time scene_time, const proto::Section& section) {
+  const terrain::EpochTable& table = hierarchy.epochs();
+  Crc crc;
+  crc.add(static_cast<uint32_t>(scene_time.us));
+  crc.add(static_cast<uint32_t>(static_cast<uint64_t>(scene_time.us) >> 32));
+  for (uint32_t epoch = 0; epoch < table.epochs().size(); ++epoch) {
+    const Time own = table.epochs()[epoch].time;
+    const bool is_blended =
+        own == scene_time ||
+        (own < scene_time && epoch + 1 < table.epochs().size() && scene_time < table.epochs()[epoch + 1].time) ||
+        (own > scene_time && epoch > 0 && table.epochs()[epoch - 1].time < scene_time);
+    if (!is_blended) continue;
+    for (proto::Slot slot : section.slots) crc.add(static_cast<uint32_t>(table.offset(epoch, slot)));
+  }
+  char text[16];
+  std::snprintf(text, sizeof(text), " %08x", crc.value());
+  return text;
+}
+
 }  // namespace
 
 proto::HeldSections emptySections(const server::Hierarchy& hierarchy) {
@@ -157,6 +177,7 @@ std::string expectedLine(const server::Hierarchy& hierarchy, const proto::Keyfra
   const proto::View view = proto::viewOf(keyframe);
   std::string line = std::to_string(keyframe.index) + ' ' + terrainColumns(hierarchy, view, before, now);
   if (!now.objects.empty()) line += objectColumns(hierarchy, before, now);
+  if (!hierarchy.epochs().epochs().empty()) line += epochColumns(hierarchy, keyframe.scene_time, now.terrain);
   return line + '\n';
 }
 

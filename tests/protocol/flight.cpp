@@ -26,6 +26,7 @@ class Recorder {
     for (char c : std::string("FLSTREAM")) golden_.stream.push_back(static_cast<uint8_t>(c));
     golden_.expected = "# keyframe nodes added removed fingerprint slots_crc heights_crc tests_crc";
     if (!sections_.objects.empty()) golden_.expected += " object_nodes added removed slots_crc positions_crc";
+    if (!world_->hierarchy.epochs().epochs().empty()) golden_.expected += " offsets_crc";
     golden_.expected += '\n';
   }
 

@@ -151,6 +151,43 @@ Script objectsScript() {
   return s;
 }
 
+// Ground that changes three times, in windows that overlap; the last reaches the border of the data.
+std::shared_ptr<const server::World> worldThatMoves() {
+  constexpr int64_t kDay_us = 86'400'000'000;
+  FormulaSource source(100, 90, [](uint32_t x, uint32_t y) { return country(x, y, 0); });
+  source.info().title = "moving";
+  std::vector<FormulaSource> sources;
+  const proto::LatticeWindow windows[] = {{0, 0, 2, 2}, {20, 15, 40, 30}, {30, 25, 50, 40}, {45, 40, 55, 50}};
+  for (uint32_t i = 0; i < 4; ++i)
+    sources.push_back(windowSource(source, windows[i], [i](uint32_t x, uint32_t y) {
+      return country(x, y, 0) + 30 * i * zigzag(x + 0.5 * y, 70) * zigzag(y, 45);
+    }));
+  std::vector<terrain::EpochRequest> epochs;
+  for (uint32_t i = 0; i < 4; ++i)
+    epochs.push_back({Time{(12'000 + i * i * 30) * kDay_us}, std::to_string(i), &sources[i]});
+  return std::make_shared<server::World>(makeScene(source, 0.1, 1, std::move(epochs)));
+}
+
+// Scene time stands, runs, is dragged backwards, runs backwards; a lost connection is resumed in mid-time.
+Script movingScript() {
+  constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
+  constexpr double kDay = 86'400;
+  Script s{"moving", worldThatMoves(), {}, {}, at(20)};
+  s.route = {{at(0), {-450, -500, 700}, {1, 0.9, -0.6}},
+             {at(3), {-200, -250, 600}, {0.7, 0.9, -0.7}},
+             {at(6), {100, -200, 650}, {-0.2, 0.9, -0.7}}};
+  const Bytes greeting = proto::encode(request({1.0, 320, 240}, 6, proto::Strategy::kPredict, kVelocity));
+  const auto clock = [&](double begin_s, double day, double days_per_s) {
+    return proto::encode(
+        proto::SceneClock{Time{} + s.clock_offset + at(begin_s), Time::seconds(day * kDay), days_per_s * kDay});
+  };
+  s.cues = {{at(0), greeting, Cue::What::kConnect}, {at(0.7), clock(0.8, 12'000, 60)},
+            {at(2.5), {}, Cue::What::kDisconnect},  {at(2.9), greeting, Cue::What::kConnect},
+            {at(3.0), clock(0.8, 12'000, 60)},      {at(4.2), clock(4.2, 12'031.5, 0)},
+            {at(4.8), clock(4.8, 12'260, -200)}};
+  return s;
+}
+
 }  // namespace
 
 proto::Pose Script::poseAt(Duration t) const {
@@ -161,6 +198,6 @@ proto::Pose Script::poseAt(Duration t) const {
   return {a.eye + (b.eye - a.eye) * u, proto::lookAlong(a.ahead + (b.ahead - a.ahead) * u, {0, 0, 1})};
 }
 
-std::vector<Script> goldenScripts() { return {planarScript(), geographicScript(), objectsScript()}; }
+std::vector<Script> goldenScripts() { return {planarScript(), geographicScript(), objectsScript(), movingScript()}; }
 
 }  // namespace foreland::test

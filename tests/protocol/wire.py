@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 6
+VERSION = 7
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 
@@ -60,6 +60,8 @@ STRUCTS = {
     "Lens": ["double", "uint", "uint"],
     "Geodetic": ["double"] * 3,
     "Placement": ["double"] * 8 + ["uint"],
+    "Epoch": ["long"] + ["uint"] * 4,
+    "BaseOffset": ["uint", "uint", "int"],
 }
 TABLES = {
     "Frame": [("kind", "ubyte"), ("height_quantum_m", "double"), ("anchor", "Vec2"), ("axis_x_m", "Vec2"), ("axis_y_m", "Vec2"),
@@ -73,18 +75,21 @@ TABLES = {
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
+    "SceneClock": [("at_us", "long"), ("scene_time_us", "long"), ("rate", "double")],
     "Model": [("rule", "ubyte"), ("halvings", "uint"), ("vertices", "uint"), ("faces", "[uint]"), ("base", "[int]"),
               ("quantum_m", "double"), ("atlas_side", "uint")],
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
-                ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint")],
+                ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint"), ("epochs", "[Epoch]"),
+                ("base_offsets", "[BaseOffset]")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],
 }
-BODIES = ["ViewRequest", "PathUpload", "TourRequest", "GroundRequest", "Welcome", "TourReply", "GroundReply", "Refusal"]
-FROM_CLIENT = BODIES[:4]
+BODIES = ["ViewRequest", "PathUpload", "TourRequest", "GroundRequest", "Welcome", "TourReply", "GroundReply", "Refusal",
+          "SceneClock"]
+FROM_CLIENT = BODIES[:4] + ["SceneClock"]
 
 
 class FlatBuffer:

@@ -91,9 +91,13 @@ inline HeightFunction noise(uint64_t seed, double metres) {
 // Builds and opens a scene file and removes its name; the scene exists as long as it is referenced. Aborts the test on
 // failure.
 inline std::shared_ptr<const terrain::Scene> makeScene(terrain::ElevationSource& source, double height_quantum_m = 0.1,
-                                                       unsigned threads = 1) {
+                                                       unsigned threads = 1,
+                                                       std::vector<terrain::EpochRequest> epochs = {}) {
   const TemporaryFolder folder;
-  const auto report = terrain::buildScene(source, {folder / "scene.fls", height_quantum_m, threads});
+  const auto report = terrain::buildScene(source, {.output = folder / "scene.fls",
+                                                   .height_quantum_m = height_quantum_m,
+                                                   .threads = threads,
+                                                   .epochs = std::move(epochs)});
   if (!report.ok()) std::fprintf(stderr, "makeScene: %s\n", report.error().message.c_str());
   CHECK_TRUE(report.ok());
   const auto scene = terrain::Scene::open(folder / "scene.fls");
@@ -110,6 +114,45 @@ inline std::shared_ptr<const terrain::Scene> makeScene(uint32_t width, uint32_t 
 inline std::shared_ptr<const terrain::Scene> makeScene(uint32_t width, uint32_t height, uint64_t seed,
                                                        proto::FrameKind kind = proto::FrameKind::kPlanar) {
   return makeScene(width, height, hills(seed), kind);
+}
+
+// A window of formula terrain, as an epoch of it: the same lattice, and heights by their place on the whole.
+inline FormulaSource windowSource(const FormulaSource& whole, const proto::LatticeWindow& w, HeightFunction formula) {
+  FormulaSource source(w.width, w.height,
+                       [w, formula = std::move(formula)](uint32_t x, uint32_t y) { return formula(w.x + x, w.y + y); });
+  proto::Frame frame = const_cast<FormulaSource&>(whole).info().frame;
+  frame.anchor -= glm::dvec2(w.x, w.y);
+  frame.latitude0_rad += w.y * frame.latitude_step_rad;
+  frame.longitude0_rad += w.x * frame.longitude_step_rad;
+  source.info().frame = frame;
+  return source;
+}
+
+// Hills of which some windows change by bumps, from epoch to epoch, a hundred days apart; the same for the same seed.
+inline std::shared_ptr<const terrain::Scene> makeMovingScene(uint32_t width, uint32_t height, uint64_t seed,
+                                                             size_t epochs,
+                                                             proto::FrameKind kind = proto::FrameKind::kPlanar) {
+  Rng rng(seed);
+  FormulaSource whole(width, height, hills(seed), kind);
+  std::vector<FormulaSource> sources;
+  std::vector<terrain::EpochRequest> requests;
+  for (size_t i = 0; i < epochs; ++i) {
+    const auto x = static_cast<uint32_t>(rng.below(width - 1)), y = static_cast<uint32_t>(rng.below(height - 1));
+    const proto::LatticeWindow window{x, y, static_cast<uint32_t>(1 + rng.below(width - x)),
+                                      static_cast<uint32_t>(1 + rng.below(height - y))};
+    const double metres = i == 0 ? 0 : rng.uniform(-150, 150), rough = rng.uniform(0, 10);
+    sources.push_back(windowSource(whole, window, [=, ground = hills(seed)](uint32_t at_x, uint32_t at_y) {
+      const double u = (at_x - window.x + 0.5) / window.width - 0.5, v = (at_y - window.y + 0.5) / window.height - 0.5;
+      const double bump = metres * std::exp(-8 * (u * u + v * v));
+      return (at_x + 3 * at_y) % 17 == 0
+                 ? std::numeric_limits<double>::quiet_NaN()
+                 : ground(at_x, at_y) + bump +
+                       (i == 0 ? 0 : Rng(seed ^ at_x << 20 ^ at_y ^ i << 40).uniform(-rough, rough));
+    }));
+  }
+  for (size_t i = 0; i < epochs; ++i)
+    requests.push_back({Time{static_cast<int64_t>(i) * 100 * 86'400'000'000}, std::to_string(i), &sources[i]});
+  return makeScene(whole, 0.1, 1, std::move(requests));
 }
 
 }  // namespace foreland::test

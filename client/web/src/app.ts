@@ -11,6 +11,7 @@ import { Panel } from './ui/panel';
 import { PredictionCheck } from './core/prediction_check';
 import { Readout } from './ui/readout';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
+import { SceneTime } from './ui/scene_time';
 import { Sky } from './draw/sky';
 import { startView } from './ui/start_view';
 import { ObjectMesh } from './draw/object_mesh';
@@ -41,6 +42,8 @@ export class App {
   private readonly readout = new Readout(byId('readout'));
   private readonly prediction = new PredictionCheck();
   private readonly tours: Tours;
+  private readonly scene_time = new SceneTime(byId('time'), (scene_ms, rate) =>
+    this.viewer.setSceneClock(performance.now(), scene_ms, rate));
   private readonly connection: Connection;
   private readonly settings: Settings;
   private viewer: Viewer;
@@ -49,6 +52,7 @@ export class App {
   private sent_request = ''; // the last one, as JSON
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
+  private ground_time_ms = 0; // of the last frame
   private last_ms = 0;
   private frames = 0;
 
@@ -102,6 +106,7 @@ export class App {
       heading: this.controls.look.heading,
       above_ground_m: this.above_ground_m,
       title: this.welcome?.title ?? null,
+      ground_time_ms: this.ground_time_ms,
       ...this.viewer.statistics(),
     };
   }
@@ -143,6 +148,7 @@ export class App {
     this.terrain.setScene(welcome);
     this.terrain.show(this.settings);
     this.objects.show(this.settings);
+    this.scene_time.setEpochs(welcome.epochs_ms);
     byId('scene-title').textContent = welcome.title;
     document.title = `${welcome.title} \u00b7 Foreland`;
     if (!is_first) return;
@@ -274,6 +280,8 @@ export class App {
   private takeMesh(frame: Frame, now_ms: number, sent: Pose): void {
     this.prediction.frame(now_ms, sent.eye);
     if (this.mesh) this.mesh.tau_px = frame.tau_px;
+    if (frame.mesh_version > 0) this.scene_time.show(frame.ground_time_ms);
+    this.ground_time_ms = frame.ground_time_ms;
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
     const mesh = this.viewer.mesh();
     this.terrain.upload(mesh);

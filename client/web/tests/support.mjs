@@ -42,6 +42,21 @@ export async function makeScene(folder, { size = 513, spacing_m = 30, seed = 7 }
   return scene;
 }
 
+// A landscape that becomes another one from 2000 to 2002, by way of a third.
+export async function makeMovingScene(folder) {
+  const foreland = join(bin, 'foreland');
+  const epochs = [];
+  for (const year of [2000, 2001, 2002]) {
+    const raster = join(folder, `Ground of ${year}.tif`);
+    await run(foreland, ['synth', '-o', raster, '--size', '257', '--spacing', '30', '--seed', `${year}`]);
+    epochs.push(raster, '--epoch', `${year}-01-01=${raster}`);
+  }
+  const scene = join(folder, 'moving.fls');
+  const [first] = epochs;
+  await run(foreland, ['build', first, ...epochs.filter((_, i) => i % 3 !== 0), '-o', scene]);
+  return scene;
+}
+
 // A scene with `count` rings of many colours on its ground.
 export async function makeSceneWithObjects(folder, count) {
   const foreland = join(bin, 'foreland');

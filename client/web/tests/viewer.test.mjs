@@ -4,7 +4,7 @@ import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import {
-  changedShare, makeFolder, makeScene, makeSceneWithObjects, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
+  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
 } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
@@ -260,6 +260,47 @@ test('fifty objects fly by, each in the colours of its model', kTest, async () =
     await crowded.stop();
   }
 });
+
+test('scene time is dragged, runs to its end, and stops', kTest, async () => {
+  const day_ms = 86_400_000;
+  const [first, last] = [Date.UTC(2000, 0, 1), Date.UTC(2002, 0, 1)];
+  const moving = await startServer(await makeMovingScene(folder.folder));
+  try {
+    await visit('', async (page) => {
+      const bar = page.locator('#time');
+      assert.equal(await bar.isVisible(), true);
+      assert.equal(await bar.locator('.ticks i').count(), 3);
+      assert.equal((await status(page)).ground_time_ms, first);
+      const drag = (ms) => bar.locator('input').evaluate((slider, value) => {
+        slider.value = String(value);
+        slider.dispatchEvent(new Event('input'));
+        slider.dispatchEvent(new Event('change'));
+        return Number(slider.value); // of a whole step
+      }, ms);
+      const before_ = await page.screenshot();
+      const middle = await drag(first + 500 * day_ms);
+      await until(page, (s, ms) => s.ground_time_ms === ms, middle);
+      assert.equal(await bar.locator('output').textContent(), new Date(middle).toISOString().slice(0, 10));
+      assert.ok((await changedShare(page, before_, await page.screenshot())) > 0.1, 'the ground is another one');
+      await bar.locator('select').selectOption('90');
+      await bar.locator('button').click();
+      await until(page, (s, ms) => s.ground_time_ms > ms + 20 * 86_400_000 && s.ground_time_ms < ms + 200 * 86_400_000, middle);
+      await bar.locator('button').click(); // stops
+      const { keyframes } = await status(page);
+      const stopped = await until(page, (s, n) => s.keyframes > n + 15, keyframes);
+      assert.equal((await until(page, (s, n) => s.keyframes > n + 10, stopped.keyframes)).ground_time_ms, stopped.ground_time_ms);
+      await bar.locator('select').selectOption('365');
+      await bar.locator('button').click();
+      await until(page, (s, ms) => s.ground_time_ms === ms, last);
+      assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Run scene time');
+    }, { server: moving });
+  } finally {
+    await moving.stop();
+  }
+});
+
+test('a scene that does not change has no time line', kTest, () =>
+  visit('', async (page) => assert.equal(await page.locator('#time').isVisible(), false)));
 
 // Pictures go to docs/images only when asked for, so that a test run leaves the checkout as it was.
 test('the picture for the README', kTest, () =>

@@ -67,7 +67,7 @@ class MeshAtTheBorder : public testing::Test {
     proto::diff({change.added}, {{to_.begin(), to_.end()}}, change);
     nodes.step(change);
     KeyframeMesh mesh;
-    MeshBuilder(domain, nodes, {}, mesh).run();
+    MeshBuilder(domain, nodes, {}, EndHeights(), mesh).run();
     return mesh;
   }
 

@@ -58,7 +58,8 @@ export interface ObjectArrays {
 
 export interface Frame {
   pose: Pose;
-  scene_time_ms: number;
+  scene_time_ms: number; // the page's clock: the time whose view is shown
+  ground_time_ms: number; // since 1970: the time whose ground is shown, in scenes that change in time
   weight: number;
   mesh_version: number; // 0: no mesh yet
   tau_px: number; // what the error of this frame is guaranteed not to exceed; Infinity: nothing is guaranteed
@@ -75,6 +76,7 @@ export interface Welcome {
   crs: string;
   is_geographic: boolean;
   samples: [number, number];
+  epochs_ms: number[]; // since 1970, of a scene that changes in time
   landmarks: [number, number, number][];
 }
 
@@ -98,6 +100,7 @@ interface Exports {
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number, occlusion: number, memory_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
+  foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
@@ -207,10 +210,16 @@ export class Viewer {
     this.core.exports.foreland_set_blend(this.handle, kBlends.indexOf(blend));
   }
 
+  // From now on scene time, in milliseconds since 1970, goes from `scene_ms` at `rate` scene seconds a second.
+  setSceneClock(now_ms: number, scene_ms: number, rate: number): void {
+    this.core.exports.foreland_set_scene_clock(this.handle, now_ms, scene_ms, rate);
+  }
+
   frame(now_ms: number, pose: Pose): Frame {
     this.frame_record = this.core.exports.foreland_frame(this.handle, now_ms, ...pose.eye, ...pose.orientation);
     const r = readFrameRecord(this.core.view(), this.frame_record);
-    return { pose: r.pose, scene_time_ms: r.scene_time_ms, weight: r.weight, mesh_version: r.mesh_version, tau_px: r.tau_px };
+    const { scene_time_ms, ground_time_ms, weight, mesh_version, tau_px } = r;
+    return { pose: r.pose, scene_time_ms, ground_time_ms, weight, mesh_version, tau_px };
   }
   // The mesh of the last frame().
   mesh(): Mesh {
@@ -280,6 +289,7 @@ export class Viewer {
       crs: this.core.text(r.crs, r.crs_size),
       is_geographic: r.is_geographic === 1,
       samples: [r.samples_x, r.samples_y],
+      epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
       landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
     };
   }

@@ -1,0 +1,111 @@
+#include "terrain/epochs/epoch_layers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/section/epoch_offsets.h"
+
+namespace foreland::terrain {
+
+EpochLayers::EpochLayers(const proto::GridTopology& grid, const proto::Frame& frame, Heights first, unsigned threads)
+    : grid_(grid),
+      frame_(frame),
+      first_(first),
+      threads_(threads),
+      ground_(first.quanta.begin(), first.quanta.end()),
+      lowest_(ground_),
+      highest_(ground_),
+      least_errors_(grid.slotCount()),
+      scratch_(grid.slotCount()) {}
+
+void EpochLayers::begin(const EpochSamples& first) {
+  section_.add(proto::Epoch{first.time, {}}, {});
+  reports_.push_back({first.date, 0, 0, section_.lastBytes()});
+}
+
+// Moves the ground to an epoch; moved_ grows by the samples that changed.
+Status EpochLayers::move(const EpochSamples& epoch, EpochReport& report) {
+  const proto::LatticeWindow& w = epoch.window;
+  for (uint32_t row = 0; row < w.height; ++row)
+    for (uint32_t column = 0; column < w.width; ++column) {
+      const float metres = epoch.metres[static_cast<size_t>(row) * w.width + column];
+      if (std::isnan(metres)) continue;
+      const double quanta = std::nearbyint(metres / frame_.height_quantum_m);
+      if (!(std::fabs(quanta) < proto::kMaxHeight))
+        return Error{ErrorCode::kLimit, "epoch " + epoch.date + ": a height of " + std::to_string(metres) +
+                                            " m does not fit the scene's steps; use a larger --vertical-step"};
+      const size_t at = static_cast<size_t>(w.y + row) * first_.width + w.x + column;
+      const auto height = static_cast<int32_t>(quanta);
+      if (height == ground_[at]) continue;
+      ++report.changed_samples;
+      report.most_m = std::max(report.most_m, std::fabs(double{quanta} - ground_[at]) * frame_.height_quantum_m);
+      ground_[at] = height;
+      lowest_[at] = std::min(lowest_[at], height);
+      highest_[at] = std::max(highest_[at], height);
+      moved_ = proto::LatticeWindow::hull(moved_, {w.x + column, w.y + row, 1, 1});
+    }
+  return {};
+}
+
+bool EpochLayers::raiseErrors(const proto::LatticeWindow& rows, const std::function<bool(double)>& keepGoing) {
+  std::fill(scratch_.begin(), scratch_.end(), NodeRecord{});
+  const auto store = [this](proto::Slot first, std::span<const NodeRecord> records) {
+    std::copy(records.begin(), records.end(), scratch_.begin() + static_cast<std::ptrdiff_t>(first));
+    for (size_t i = 0; i < records.size(); ++i)
+      least_errors_[first + i] = std::max(least_errors_[first + i], records[i].error());
+    return true;
+  };
+  return computeBounds({.grid = grid_,
+                        .frame = frame_,
+                        .heights = {ground_, first_.width, first_.height},
+                        .first_row = rows.y,
+                        .last_row = rows.y + rows.height - 1,
+                        .nodes = scratch_,
+                        .threads = threads_,
+                        .store = store,
+                        .onProgress = keepGoing});
+}
+
+int32_t EpochLayers::offsetAt(uint32_t x, uint32_t y) const {
+  const size_t at = static_cast<size_t>(std::min(y, first_.height - 1)) * first_.width + std::min(x, first_.width - 1);
+  return ground_[at] - first_.quanta[at];
+}
+
+// Of all vertices in the window, and beyond the data where it reaches the border.
+EpochBlocks EpochLayers::offsets(uint32_t epoch) {
+  EpochBlocks blocks;
+  if (moved_.isEmpty()) return blocks;
+  const uint32_t end_x = moved_.x + moved_.width == first_.width ? grid_.maxX() + 1 : moved_.x + moved_.width,
+                 end_y = moved_.y + moved_.height == first_.height ? grid_.maxY() + 1 : moved_.y + moved_.height;
+  for (uint32_t y = moved_.y; y < end_y; ++y)
+    for (uint32_t x = moved_.x; x < end_x; ++x) {
+      const int32_t quanta = offsetAt(x, y);
+      if (quanta == 0) continue;
+      const proto::NodeId v = proto::NodeId::at(x, y);
+      if (grid_.isBase(v)) {
+        section_.add(proto::BaseOffset{epoch, proto::baseVertexNumber(grid_, v), quanta});
+        continue;
+      }
+      const proto::Slot slot = grid_.slot(v);
+      blocks[slot / 64][slot % 64] = quanta;
+    }
+  return blocks;
+}
+
+Status EpochLayers::add(const EpochSamples& epoch, const std::function<bool(double)>& keepGoing) {
+  EpochReport report{.date = epoch.date};
+  if (Status s = move(epoch, report); !s.ok()) return s;
+  if (report.changed_samples > 0 && !raiseErrors(epoch.window, keepGoing))
+    return Error{ErrorCode::kIo, "stopped before the scene was complete; nothing was written"};
+  const auto number = static_cast<uint32_t>(reports_.size());
+  section_.add({epoch.time, moved_}, offsets(number));
+  report.bytes = section_.lastBytes();
+  reports_.push_back(std::move(report));
+  return {};
+}
+
+HeightRange EpochLayers::range() const {
+  return {*std::min_element(lowest_.begin(), lowest_.end()), *std::max_element(highest_.begin(), highest_.end())};
+}
+
+}  // namespace foreland::terrain

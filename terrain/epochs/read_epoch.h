@@ -1,0 +1,35 @@
+// Reads the heights of an epoch from elevation data that covers a scene's samples or some of them. Pure but for the
+// source; one caller.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "base/time.h"
+#include "proto/section/epochs.h"
+#include "terrain/elevation_source.h"
+
+namespace foreland::terrain {
+
+struct EpochRequest {
+  Time time;         // since 1970, UTC
+  std::string date;  // as the user wrote it
+  ElevationSource* source = nullptr;
+};
+
+struct EpochSamples {
+  Time time;
+  std::string date;
+  proto::LatticeWindow window;  // on the scene's lattice
+  std::vector<float> metres;    // of the window, row by row from the south; kVoid where the epoch says nothing
+};
+
+// An Error if dates are out of order or twice, and names the first such date.
+Status checkDates(const std::vector<EpochRequest>& epochs);
+
+// An Error that names the epoch's file if it is on another lattice or in another reference system than `base`, or
+// reaches beyond it (P, definition 2: key geometries refine the same base complex).
+Result<EpochSamples> readEpoch(const EpochRequest& epoch, const ElevationInfo& base);
+
+}  // namespace foreland::terrain

@@ -1,0 +1,91 @@
+#include "terrain/store/epoch_table.h"
+
+#include <algorithm>
+#include <cstring>
+#include <tuple>
+
+#include "proto/section/bounds.h"
+#include "proto/section/epoch_offsets.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr int32_t kMostOffset = 2 * proto::kMaxHeight;
+
+// The next `count` values of a section.
+template <class T>
+std::span<const T> take(ByteSpan& bytes, size_t count) {
+  const std::span<const T> values(reinterpret_cast<const T*>(bytes.data()), count);
+  bytes = bytes.subspan(count * sizeof(T));
+  return values;
+}
+
+auto orderOf(const proto::BaseOffset& b) { return std::tie(b.epoch, b.vertex); }
+
+}  // namespace
+
+Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan bytes) {
+  const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
+  EpochTable table;
+  if (bytes.empty()) return table;
+  EpochSectionStart start;
+  if (bytes.size() < sizeof(start)) return malformed("its epochs are cut short");
+  std::memcpy(&start, bytes.data(), sizeof(start));
+  const uint64_t wanted = sizeof(start) + sizeof(StoredEpoch) * uint64_t{start.epochs} +
+                          sizeof(BlockEntry) * uint64_t{start.entries} + sizeof(OffsetBlock) * uint64_t{start.blocks} +
+                          sizeof(proto::BaseOffset) * uint64_t{start.base_offsets};
+  if (wanted != bytes.size()) return malformed("its epochs are not as large as they say");
+  bytes = bytes.subspan(sizeof(start));
+  table.stored_ = take<StoredEpoch>(bytes, start.epochs);
+  table.entries_ = take<BlockEntry>(bytes, start.entries);
+  table.blocks_ = take<OffsetBlock>(bytes, start.blocks);
+  const auto base = take<proto::BaseOffset>(bytes, start.base_offsets);
+  std::vector<proto::Epoch> epochs;
+  for (const StoredEpoch& e : table.stored_) {
+    if (uint64_t{e.first_entry} + e.entry_count > start.entries) return malformed("an epoch's offsets are missing");
+    epochs.push_back({Time{e.time_us}, {e.x, e.y, e.width, e.height}});
+  }
+  auto checked = proto::Epochs::create(grid.shape(), std::move(epochs));
+  if (!checked) return checked.error();
+  table.epochs_ = std::move(*checked);
+  const proto::GridShape& s = grid.shape();
+  const uint64_t vertices = (s.roots_x + 1ull) * (s.roots_y + 1ull) + static_cast<uint64_t>(s.roots_x) * s.roots_y;
+  for (const proto::BaseOffset& b : base)
+    if (b.epoch >= start.epochs || b.vertex >= vertices || b.quanta < -kMostOffset || b.quanta > kMostOffset)
+      return malformed("an offset of a base vertex is damaged");
+  table.base_.assign(base.begin(), base.end());
+  std::sort(table.base_.begin(), table.base_.end(),
+            [](const auto& a, const auto& b) { return orderOf(a) < orderOf(b); });
+  return table;
+}
+
+// What a damaged file says is kept within bounds; verify finds the damage.
+int32_t EpochTable::offset(uint32_t epoch, proto::Slot slot) const {
+  const auto entries = entriesOf(epoch);
+  const uint32_t key = slot / 64;
+  const auto at =
+      std::lower_bound(entries.begin(), entries.end(), key, [](const BlockEntry& e, uint32_t k) { return e.key < k; });
+  if (at == entries.end() || at->key != key || at->block >= blocks_.size()) return 0;
+  return std::clamp(blocks_[at->block][slot % 64], -kMostOffset, kMostOffset);
+}
+
+int32_t EpochTable::offset(uint32_t epoch, const proto::GridTopology& grid, proto::NodeId v) const {
+  if (!grid.isBase(v)) return offset(epoch, grid.slot(v));
+  const proto::BaseOffset wanted{epoch, proto::baseVertexNumber(grid, v), 0};
+  const auto at = std::lower_bound(base_.begin(), base_.end(), wanted,
+                                   [](const auto& a, const auto& b) { return orderOf(a) < orderOf(b); });
+  return at != base_.end() && orderOf(*at) == orderOf(wanted) ? at->quanta : 0;
+}
+
+size_t EpochTable::newBlocks(uint32_t epoch) const {
+  if (epoch == 0) return entriesOf(epoch).size();
+  const auto before = entriesOf(epoch - 1);
+  return static_cast<size_t>(std::ranges::count_if(entriesOf(epoch), [&](const BlockEntry& entry) {
+    const auto at = std::lower_bound(before.begin(), before.end(), entry.key,
+                                     [](const BlockEntry& e, uint32_t k) { return e.key < k; });
+    return at == before.end() || at->key != entry.key || at->block != entry.block;
+  }));
+}
+
+}  // namespace foreland::terrain

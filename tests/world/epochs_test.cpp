@@ -1,0 +1,225 @@
+// Scenes that change in time, server and client together: whatever way scene time goes, every frame keeps its error
+// guarantee against the ground at that time.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "bench/oracle/crack_checker.h"
+#include "bench/oracle/scene_truth.h"
+#include "bench/world/world.h"
+#include "tests/support/scene.h"
+#include "tests/support/seed.h"
+
+namespace foreland::test {
+namespace {
+
+using bench::ClientOptions;
+using bench::onKnownTour;
+using bench::World;
+
+constexpr double kDay = 86'400;
+
+std::shared_ptr<const terrain::Scene> movingScene(uint64_t seed, proto::FrameKind kind = proto::FrameKind::kPlanar) {
+  return makeMovingScene(201, 173, seed, 6, kind);
+}
+
+// Judges what a world's client shows.
+class Judge {
+ public:
+  explicit Judge(std::shared_ptr<const terrain::Scene> scene)
+      : scene_(scene), oracle_(bench::sceneOracle(scene).value()) {}
+
+  // Every mesh for cracks and for the heights of its vertices, and every seventh frame against the truth.
+  void judge(const client::FrameView& view, const proto::Lens& lens) {
+    const client::KeyframeMesh& mesh = *view.mesh;
+    if (std::exchange(version_, view.mesh_version) != view.mesh_version) {
+      cracks_ += bench::findCracks(mesh, scene_->grid().shape()).cracks;
+      checkHeights(mesh);
+      scene_times_.push_back(mesh.to.scene_time);
+    }
+    if (frames_++ % 7 != 0 || std::isinf(view.tolerance_px)) return;
+    const bench::SceneDeviation d = oracle_.error(mesh, view.weight, view.pose, lens);
+    worst_ = std::max(worst_, d.max_px / view.tolerance_px);
+    uncovered_ += d.uncovered;
+    samples_ += d.samples;
+    moving_ += mesh.from.scene_time != mesh.to.scene_time ? 1 : 0;
+  }
+
+  void keep(const client::Replica& replica) { sections_[replica.newest().index] = replica.section(); }
+
+  void expectSound() const {
+    EXPECT_EQ(cracks_, 0u);
+    EXPECT_EQ(uncovered_, 0u);
+    EXPECT_EQ(wrong_heights_, 0u);
+    EXPECT_GT(samples_, 10'000u);
+    EXPECT_GT(moving_, 20u) << "frames in which the ground moved";
+    EXPECT_LE(worst_, 1.001) << "of the tolerance";
+    EXPECT_GT(worst_, 0.2) << "an oracle that sees nothing moves nobody";
+  }
+  const std::vector<Time>& sceneTimes() const { return scene_times_; }
+
+ private:
+  // A node of the section is drawn at the height of the ground at the keyframe's scene time; its ancestors are in the
+  // section, too.
+  void checkHeights(const client::KeyframeMesh& mesh) {
+    const proto::GridTopology& grid = scene_->grid();
+    const proto::Section& section = sections_[mesh.to.index];
+    const auto& epochs = scene_->epochs().epochs();
+    size_t before = 0;
+    while (before + 1 < epochs.size() && epochs[before + 1].time <= mesh.to.scene_time) ++before;
+    const size_t after = std::min(before + 1, epochs.size() - 1);
+    const double span = (epochs[after].time - epochs[before].time).toSeconds(),
+                 passed = span > 0 ? (mesh.to.scene_time - epochs[before].time).toSeconds() / span : 0;
+    for (size_t i = 0; i < mesh.parameters.size(); ++i) {
+      const glm::vec2 p = mesh.parameters[i];
+      const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y));
+      if (glm::vec2(v.x(), v.y()) != p) continue;  // where a triangle was cut at the data's border
+      if (!grid.isBase(v) && !proto::contains(section, grid.slot(v))) continue;
+      const double quanta = scene_->height(v) +
+                            (1 - passed) * scene_->epochs().offset(static_cast<uint32_t>(before), grid, v) +
+                            passed * scene_->epochs().offset(static_cast<uint32_t>(after), grid, v);
+      const double metres = quanta * scene_->frame().height_quantum_m;
+      if (std::fabs(mesh.to_positions[i].w - metres) > 1e-3) ++wrong_heights_;
+    }
+  }
+
+  std::shared_ptr<const terrain::Scene> scene_;
+  bench::SceneOracle oracle_;
+  std::map<uint32_t, proto::Section> sections_;  // by keyframe
+  uint32_t version_ = 0;
+  uint64_t frames_ = 0, cracks_ = 0, uncovered_ = 0, samples_ = 0, wrong_heights_ = 0, moving_ = 0;
+  double worst_ = 0;
+  std::vector<Time> scene_times_;
+};
+
+void attach(World& world, Judge& judge, const ClientOptions& options) {
+  world.on_frame = [&, lens = options.request.lens](size_t, const client::FrameView& view, Time) {
+    judge.judge(view, lens);
+  };
+  world.on_keyframe = [&](size_t i, const bench::ArrivedKeyframe&) { judge.keep(*world.viewer(i).replica()); };
+}
+
+class MovingGround : public ::testing::TestWithParam<proto::FrameKind> {};
+
+// Scene time stops, runs, runs backwards, is dragged and jumps.
+TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
+  const uint64_t seed = randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  const auto scene = movingScene(seed, GetParam());
+  const proto::Epochs& epochs = scene->epochs().epochs();
+  World world(scene, {}, Duration::milliseconds(4), seed);
+  ClientOptions options = onKnownTour(*scene, rng.below(2) == 0 ? "orbit" : "survey", 30);
+  options.at_frame = [&](client::Viewer& viewer, Time now) {
+    if (rng.below(60) != 0) return;
+    const auto span = static_cast<double>((epochs.last() - epochs.first()).us);
+    proto::SceneClock clock{now, epochs.clamp(static_cast<double>(epochs.first().us) + rng.uniform(0, span)), 0};
+    if (rng.below(4) != 0) clock.rate = rng.uniform(-60, 120) * kDay;
+    if (viewer.replica() && rng.below(2) != 0) clock.scene_time = viewer.replica()->newest().scene_time;
+    viewer.setSceneClock(clock);
+  };
+  Judge judge(scene);
+  attach(world, judge, options);
+  world.addClient(options);
+  world.run(Time::seconds(12));
+  EXPECT_EQ(world.report(), "");
+  judge.expectSound();
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, MovingGround,
+                         ::testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic),
+                         [](const auto& instance) {
+                           return std::string(instance.param == proto::FrameKind::kPlanar ? "Planar" : "Geographic");
+                         });
+
+// Resumed on another server in mid-time, again and again.
+TEST(MovingGroundLost, IsResumedInMidTime) {
+  const uint64_t seed = randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  const auto scene = movingScene(seed);
+  World world(scene, {}, Duration::milliseconds(4), seed);
+  ClientOptions options = onKnownTour(*scene, "orbit", 30);
+  bool is_set = false;
+  options.at_frame = [&](client::Viewer& viewer, Time now) {
+    if (!std::exchange(is_set, true)) viewer.setSceneClock({now, scene->epochs().epochs().first(), 40 * kDay});
+  };
+  Judge judge(scene);
+  attach(world, judge, options);
+  world.addClient(options);
+  double t = 1;
+  for (int i = 0; i < 6; ++i) {
+    world.run(Time::seconds(t += rng.uniform(0.3, 1.5)));
+    world.loseConnection(0);
+    world.run(Time::seconds(t += rng.uniform(0, 0.4)));
+    world.connectAgain(0);
+  }
+  world.run(Time::seconds(t + 2));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GE(world.viewer(0).statistics().resumed, 4u);
+  judge.expectSound();
+}
+
+// While the clock runs, no keyframe passes an epoch that none has shown; in the end the last epoch is shown.
+TEST(SceneTime, StopsAtEveryEpochOnItsWay) {
+  const auto scene = movingScene(5);
+  const proto::Epochs& epochs = scene->epochs().epochs();
+  for (const double days_per_s : {7.0, 90.0, 100'000.0, -90.0}) {
+    World world(scene, {}, Duration::milliseconds(4), 5);
+    ClientOptions options = onKnownTour(*scene, "orbit", 60);
+    bool is_set = false;
+    options.at_frame = [&](client::Viewer& viewer, Time now) {
+      if (!std::exchange(is_set, true))
+        viewer.setSceneClock({now, days_per_s > 0 ? epochs.first() : epochs.last(), days_per_s * kDay});
+    };
+    Judge judge(scene);
+    attach(world, judge, options);
+    world.addClient(options);
+    world.run(Time::seconds(8));
+    EXPECT_EQ(world.report(), "");
+    const std::vector<Time>& times = judge.sceneTimes();
+    for (size_t i = 1; i < times.size(); ++i)
+      for (const proto::Epoch& epoch : epochs.all())
+        EXPECT_FALSE(std::min(times[i - 1], times[i]) < epoch.time && epoch.time < std::max(times[i - 1], times[i]));
+    if (std::fabs(days_per_s) > 80) {
+      EXPECT_EQ(times.back(), days_per_s > 0 ? epochs.last() : epochs.first());
+    } else {
+      EXPECT_NEAR((times.back() - times.front()).toSeconds() / kDay, 7 * 8, 7);
+    }
+  }
+}
+
+// What was sent of an epoch is not sent again: there and back costs the bytes of there.
+TEST(SceneTime, IsSentOnceThereAndBack) {
+  const auto scene = movingScene(6);
+  const proto::Epochs& epochs = scene->epochs().epochs();
+  World world(scene, {}, Duration::milliseconds(4), 6);
+  ClientOptions options = onKnownTour(*scene, "orbit", 60);
+  const proto::Pose still = options.path.poses.front();
+  options.camera = [still](Time) { return still; };
+  std::optional<proto::SceneClock> next;
+  options.at_frame = [&](client::Viewer& viewer, Time now) {
+    if (!next) return;
+    next->at = now;
+    viewer.setSceneClock(*next);
+    next.reset();
+  };
+  world.addClient(options);
+  world.run(Time::seconds(2));
+  const auto bytes = [&] { return world.viewer(0).statistics().bytes_down; };
+  const uint64_t begun = bytes();
+  next = {Time{}, epochs.first(), 150 * kDay};
+  world.run(Time::seconds(7));
+  EXPECT_EQ(world.viewer(0).replica()->newest().scene_time, epochs.last());
+  const uint64_t there = bytes() - begun;
+  next = {Time{}, epochs.last(), -150 * kDay};
+  world.run(Time::seconds(12));
+  EXPECT_EQ(world.viewer(0).replica()->newest().scene_time, epochs.first());
+  const uint64_t back = bytes() - begun - there;
+  EXPECT_GT(there, 4 * back);
+  EXPECT_EQ(world.report(), "");
+}
+
+}  // namespace
+}  // namespace foreland::test
