@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "bench/report.h"
+#include "proto/message/control.h"
 
 namespace foreland::apps {
 
@@ -40,6 +41,13 @@ nlohmann::ordered_json aboutExperiment(const ExperimentArguments& args, const be
           {"version", FORELAND_VERSION},
           {"calibration", prices.name},
           {"prices", bench::toJson(prices)}};
+}
+
+nlohmann::ordered_json askedOf(nlohmann::ordered_json about, const terrain::Scene& scene) {
+  about.erase("command");
+  about["scene_id"] = scene.id();
+  about["protocol"] = proto::kProtocolVersion;
+  return about;
 }
 
 Progress::Progress(size_t count) : count_(count), is_shown_(isatty(STDERR_FILENO) == 1) {}

@@ -9,7 +9,9 @@
 #include <string>
 
 #include "base/result.h"
+#include "bench/cells.h"
 #include "bench/world/compute_cost.h"
+#include "terrain/store/scene.h"
 
 namespace foreland::apps {
 
@@ -17,8 +19,9 @@ struct ExperimentArguments {
   std::filesystem::path out;
   std::filesystem::path calibration;  // empty: the prices that ship
   uint64_t seed = 1;
-  unsigned threads = 0;  // 0: one for each processor
-  std::string command;   // what reports say was asked; without what does not change the result
+  unsigned threads = 0;         // 0: one for each processor
+  std::filesystem::path cells;  // folder in which finished cells are kept; empty: nowhere
+  std::string command;          // what reports say was asked; without what does not change the result
 };
 
 void addExperimentOptions(CLI::App& app, ExperimentArguments& args);
@@ -30,6 +33,10 @@ Result<bench::ComputePrices> pricesOf(const ExperimentArguments& args);
 
 // Command, seed, calibration and version.
 nlohmann::ordered_json aboutExperiment(const ExperimentArguments& args, const bench::ComputePrices& prices);
+
+// Everything in which two experiments on the same `about` and scene may differ: `about` without the command that asked,
+// but with the scene's content and the protocol.
+nlohmann::ordered_json askedOf(nlohmann::ordered_json about, const terrain::Scene& scene);
 
 // Counts pieces of work on the terminal, with the time that is left; prints nothing elsewhere.
 class Progress {

@@ -1,5 +1,6 @@
 #include "apps/bench_latency.h"
 
+#include <bit>
 #include <cstdio>
 
 #include "bench/latency/experiment.h"
@@ -65,19 +66,39 @@ Result<bench::LatencyFlight> flightOf(const LatencyArguments& args, const Planne
   return flight;
 }
 
-nlohmann::ordered_json summaryOf(const bench::LatencyResult& result) {
-  nlohmann::ordered_json cells = nlohmann::ordered_json::array();
+nlohmann::ordered_json summaryOf(const std::vector<bench::LatencyCell>& cells,
+                                 const std::vector<bench::CellTables>& tables) {
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
   uint64_t violations = 0;
-  for (const bench::CellFigures& c : result.cells) {
-    violations += c.bound_violations;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const bench::LatencyCell& c = cells[i];
+    const nlohmann::ordered_json& row = tables[i].row;
+    violations += row["bound_violations"].get<uint64_t>();
     char text[240];
-    std::snprintf(text, sizeof text,
-                  "%-26s %-8s %3.0f ms, %3.0f ms, %.1f px: total p99 %6.2f px, rms %.3f px, %5.0f kbit/s",
-                  c.cell.how().c_str(), c.cell.link.c_str(), c.cell.round_trip_ms, c.cell.keyframe_ms, c.cell.tau_px,
-                  c.terms[0].p99_px, c.terms[0].rms_px, c.down_kbit_s);
-    cells.push_back(text);
+    std::snprintf(
+        text, sizeof text, "%-26s %-8s %3.0f ms, %3.0f ms, %.1f px: total p99 %6.2f px, rms %.3f px, %5.0f kbit/s",
+        c.how().c_str(), c.link.c_str(), c.round_trip_ms, c.keyframe_ms, c.tau_px, row["total_p99_px"].get<double>(),
+        row["total_rms_px"].get<double>(), row["down_kbit_s"].get<double>());
+    lines.push_back(text);
   }
-  return {{"cells", std::move(cells)}, {"bound_violations", violations}};
+  return {{"cells", std::move(lines)}, {"bound_violations", violations}};
+}
+
+// Of the files that a path and a link were read from, their names say too little.
+uint64_t digestOf(const bench::LatencyFlight& flight) {
+  uint64_t hash = 1469598103934665603ull;
+  const auto add = [&](double value) { hash = (hash ^ std::bit_cast<uint64_t>(value)) * 1099511628211ull; };
+  for (const proto::Pose& pose : flight.path.poses) {
+    for (int i = 0; i < 3; ++i) add(pose.eye[i]);
+    for (int i = 0; i < 4; ++i) add(pose.orientation[i]);
+  }
+  for (const bench::LinkOptions* link :
+       {flight.trace ? &flight.trace->up : nullptr, flight.trace ? &flight.trace->down : nullptr})
+    for (size_t packets = 1; link && packets < 4096; packets *= 2) {
+      bench::LinkTrace::Position at;
+      add(link->trace->transmit(packets * bench::LinkTrace::kPacketBytes, {}, at).toSeconds());
+    }
+  return hash;
 }
 
 }  // namespace
@@ -95,6 +116,13 @@ CLI::App* addLatency(CLI::App& app, LatencyArguments& args) {
   return sub;
 }
 
+Status checkArguments(const LatencyArguments& args) {
+  if (const auto cells = bench::cellsOf(args.grid); !cells) return cells.error();
+  if (const auto prices = pricesOf(args.experiment); !prices) return prices.error();
+  if (const auto trace = traceOf(args); !trace) return trace.error();
+  return {};
+}
+
 Result<nlohmann::ordered_json> latency(const LatencyArguments& args) {
   const auto cells = bench::cellsOf(args.grid);
   if (!cells) return cells.error();
@@ -104,20 +132,23 @@ Result<nlohmann::ordered_json> latency(const LatencyArguments& args) {
   if (!planned) return planned.error();
   const auto flight = flightOf(args, *planned);
   if (!flight) return flight.error();
-  const Progress progress(cells->size());
-  const bench::LatencyResult result =
-      bench::flyGrid(*flight, *cells, args.experiment.threads, [&](size_t done) { progress.show(done); });
-
   nlohmann::ordered_json about{{"experiment", "latency"}};
   about.update(aboutExperiment(args.experiment, flight->prices));
   about["scene"] = std::filesystem::path(args.flight.scene).filename().string();
   about.update(flightReport(args.flight, *planned));
   about["seconds"] = flight->seconds;
   about["viewport"] = std::to_string(args.width_px) + "x" + std::to_string(args.height_px);
+  nlohmann::ordered_json asked = askedOf(about, *planned->scene);
+  asked["flight"] = digestOf(*flight);
+  const Progress progress(cells->size());
+  const auto tables = bench::flyGrid(*flight, *cells, asked, bench::KeptCells(args.experiment.cells),
+                                     args.experiment.threads, [&](size_t done) { progress.show(done); });
+  if (!tables) return tables.error();
   nlohmann::ordered_json summary = about;
-  summary.update(summaryOf(result));
+  summary.update(summaryOf(*cells, *tables));
   if (args.experiment.out.empty()) return summary;
-  if (Status s = bench::writeLatency(args.experiment.out, about, result); !s.ok()) return s.error();
+  if (Status s = bench::writeCells(args.experiment.out, about, bench::kLatencyNames, *tables); !s.ok())
+    return s.error();
   summary["out"] = args.experiment.out.string();
   return summary;
 }

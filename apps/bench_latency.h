@@ -21,6 +21,9 @@ struct LatencyArguments {
 
 CLI::App* addLatency(CLI::App& app, LatencyArguments& args);
 
+// Whether the grid, the prices and the recorded links are usable.
+Status checkArguments(const LatencyArguments& args);
+
 // Flies the grid, writes its files if there is a folder for them, and returns the summary.
 Result<nlohmann::ordered_json> latency(const LatencyArguments& args);
 

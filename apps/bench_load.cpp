@@ -9,21 +9,45 @@ namespace foreland::apps {
 
 namespace {
 
-std::string lineOf(const bench::LoadRun& run) {
-  const bench::LoadFigures& f = run.figures;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "%-12s %-12s %-5s %4zu viewers: %6.2f %% of %llu missed, lateness p99 %7.2f ms, used %.2f (peak %.2f), "
-                "Jain %.3f",
-                name(run.options.policy), name(run.options.phases), name(run.options.start), run.options.viewers,
-                100 * f.missed_share, static_cast<unsigned long long>(f.keyframes), f.lateness_p99_ms, f.utilisation,
-                f.utilisation_peak, f.jain);
+std::string lineOf(const nlohmann::ordered_json& row) {
+  const auto number = [&](const char* key) { return row[key].get<double>(); };
+  char text[300];
+  if (row.contains("balance")) {
+    std::snprintf(
+        text, sizeof text,
+        "%-12s %5.2f %% of %.0f not in time, used %.2f, imbalance %.2f; connected again %.0f moved, %.0f handed "
+        "over, %.0f lost; gap p50 %.0f and %.0f ms; %.1f kB up, %.1f kB down",
+        row["balance"].get<std::string>().c_str(), 100 * number("not_in_time_share"), number("asked"),
+        number("utilisation"), number("imbalance"), number("moves"), number("handed_over"), number("lost"),
+        number("move_gap_p50_ms"), number("lost_gap_p50_ms"), 1e-3 * number("move_up_mean_bytes"),
+        1e-3 * number("move_down_mean_bytes"));
+    return text;
+  }
+  std::snprintf(
+      text, sizeof text,
+      "%-12s %-12s %-5s %4.0f viewers: %6.2f %% of %.0f missed, lateness p99 %7.2f ms, used %.2f (peak %.2f), "
+      "Jain %.3f",
+      row["policy"].get<std::string>().c_str(), row["phases"].get<std::string>().c_str(),
+      row["start"].get<std::string>().c_str(), number("viewers"), 100 * number("missed_share"), number("keyframes"),
+      number("lateness_p99_ms"), number("utilisation"), number("utilisation_peak"), number("jain"));
   return text;
 }
 
 // Searches run one after another on each thread, so that the most viewers of each is found on its own.
 void search(const std::shared_ptr<const server::World>& world, std::vector<bench::LoadOptions>& runs) {
   for (bench::LoadOptions& run : runs) run.viewers = std::max<size_t>(1, bench::mostViewers(world, run));
+}
+
+void addClusterOptions(CLI::App& sub, bench::LoadRequest& request) {
+  sub.add_option("--servers", request.base.cluster.servers, "with so many --workers each")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  sub.add_option("--balance", request.balances,
+                 "random,round-robin,least-loaded,two-choices,migrate (default: all, of several servers)")
+      ->delimiter(',');
+  sub.add_option("--fail", request.fails, "SERVER@SECONDS: a server fails; may be repeated")->delimiter(',');
+  sub.add_option("--drain", request.drains, "SERVER@SECONDS: a server hands its viewers over")->delimiter(',');
+  sub.add_option("--join", request.joins, "SERVER@SECONDS: a server is added, or is there again")->delimiter(',');
 }
 
 }  // namespace
@@ -40,6 +64,7 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
   sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
   sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
+  addClusterOptions(*sub, request);
   sub->add_option("--seconds", request.base.seconds, "measured")
       ->check(CLI::Range(1.0, 3600.0) & isFinite())
       ->capture_default_str();
@@ -58,7 +83,10 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   return sub;
 }
 
-Result<nlohmann::ordered_json> load(const LoadArguments& args) {
+namespace {
+
+// With what several options say together.
+Result<bench::LoadRequest> requestOf(const LoadArguments& args) {
   bench::LoadRequest request = args.request;
   const auto mix = bench::mixNamed(args.mix);
   if (!mix) return mix.error();
@@ -67,6 +95,22 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   request.base.mix = *mix;
   request.base.prices = *prices;
   request.base.seed = args.experiment.seed;
+  return request;
+}
+
+}  // namespace
+
+Status checkArguments(const LoadArguments& args) {
+  const auto request = requestOf(args);
+  if (!request) return request.error();
+  if (const auto runs = bench::runsOf(*request); !runs) return runs.error();
+  return {};
+}
+
+Result<nlohmann::ordered_json> load(const LoadArguments& args) {
+  const auto asked = requestOf(args);
+  if (!asked) return asked.error();
+  const bench::LoadRequest& request = *asked;
   auto runs = bench::runsOf(request);
   if (!runs) return runs.error();
   const auto scene = terrain::Scene::open(args.scene);
@@ -76,10 +120,8 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   const auto world = std::make_shared<server::World>(*scene, std::move(*objects));
 
   if (args.search == Search::kMostViewers) search(world, *runs);
-  const Progress progress(runs->size());
-  const auto results = bench::runAll(world, *runs, args.experiment.threads, [&](size_t done) { progress.show(done); });
   nlohmann::ordered_json about{{"experiment", "load"}};
-  about.update(aboutExperiment(args.experiment, *prices));
+  about.update(aboutExperiment(args.experiment, request.base.prices));
   about.update({{"scene", std::filesystem::path(args.scene).filename().string()},
                 {"viewers", request.base.viewers},
                 {"workers", request.base.workers},
@@ -87,13 +129,22 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                 {"seconds", request.base.seconds},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
+  if (request.base.cluster.servers > 1)
+    about.update({{"servers", request.base.cluster.servers},
+                  {"fail", request.fails},
+                  {"drain", request.drains},
+                  {"join", request.joins}});
+  const Progress progress(runs->size());
+  const auto tables = bench::runAll(world, *runs, askedOf(about, **scene), bench::KeptCells(args.experiment.cells),
+                                    args.experiment.threads, [&](size_t done) { progress.show(done); });
+  if (!tables) return tables.error();
   if (!args.experiment.out.empty())
-    if (Status s = bench::writeLoad(args.experiment.out, about, results); !s.ok()) return s.error();
+    if (Status s = bench::writeCells(args.experiment.out, about, bench::kLoadNames, *tables); !s.ok()) return s.error();
   nlohmann::ordered_json summary = about;
   summary["runs"] = nlohmann::ordered_json::array();
-  for (const bench::LoadRun& run : results)
-    summary["runs"].push_back(args.format == bench::ReportFormat::kJson ? bench::rowOf(run)
-                                                                        : nlohmann::ordered_json(lineOf(run)));
+  for (const bench::CellTables& cell : *tables)
+    summary["runs"].push_back(args.format == bench::ReportFormat::kJson ? cell.row
+                                                                        : nlohmann::ordered_json(lineOf(cell.row)));
   return summary;
 }
 

@@ -23,6 +23,9 @@ struct LoadArguments {
 
 CLI::App* addLoad(CLI::App& app, LoadArguments& args);
 
+// Whether the mix, the runs and the prices are usable.
+Status checkArguments(const LoadArguments& args);
+
 // Runs what is asked for, writes its files if there is a folder for them, and returns the summary.
 Result<nlohmann::ordered_json> load(const LoadArguments& args);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <system_error>
 
@@ -29,15 +30,28 @@ void CsvTable::end() {
   text_ += row_ + "\n";
 }
 
+void CsvTable::addRow(const nlohmann::ordered_json& row) {
+  begin();
+  for (const auto& [name, value] : row.items())
+    cell(name, value.is_string()         ? value.get<std::string>()
+               : value.is_number_float() ? numberText(value.get<double>())
+                                         : value.dump());
+  end();
+}
+
+double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
 Status writeFile(const std::filesystem::path& folder, const std::string& name, const std::string& text) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return Error{ErrorCode::kIo, "cannot make the folder '" + folder.string() + "': " + error.message()};
-  const std::filesystem::path path = folder / name;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  const std::filesystem::path path = folder / name, part = folder / (name + ".part");
+  std::ofstream file(part, std::ios::binary | std::ios::trunc);
   file << text;
   file.close();
-  if (!file) return Error{ErrorCode::kIo, "cannot write '" + path.string() + "'"};
+  if (!file) return Error{ErrorCode::kIo, "cannot write '" + part.string() + "'"};
+  std::filesystem::rename(part, path, error);
+  if (error) return Error{ErrorCode::kIo, "cannot write '" + path.string() + "': " + error.message()};
   return {};
 }
 

@@ -28,6 +28,8 @@ class CsvTable {
   void cell(const std::string& name, const std::string& text);
   void cell(const std::string& name, double value) { cell(name, numberText(value)); }
   void end();
+  // A row of texts and numbers.
+  void addRow(const nlohmann::ordered_json& row);
   const std::string& text() const { return text_; }
 
  private:
@@ -39,7 +41,11 @@ class CsvTable {
   bool has_header_ = false;
 };
 
-// Makes the folder and writes the file whole, or names what the system refused.
+// As exact as plots need.
+double rounded(double value);
+
+// Makes the folder and writes the file, or names what the system refused. Whoever reads the file finds what was there
+// before or all of the text, never a part of it.
 Status writeFile(const std::filesystem::path& folder, const std::string& name, const std::string& text);
 
 // Reads a JSON document of an experiment; errors name the file.

@@ -2,26 +2,22 @@
 // equal files, whatever the number of threads.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "bench/cells.h"
 #include "bench/latency/figures.h"
 
 namespace foreland::bench {
 
-struct LatencyResult {
-  std::vector<CellFigures> cells;   // in the grid's order
-  std::vector<CellFlight> flights;  // the same
-};
+inline constexpr CellNames kLatencyNames{"cell", "cells"};
 
-// `on_progress(done)` is called on the calling thread after flights of its own.
-LatencyResult flyGrid(const LatencyFlight& flight, const std::vector<LatencyCell>& cells, unsigned threads,
-                      const std::function<void(size_t done)>& on_progress);
+// A flight's row, and its rows of frames.csv (each judged frame) and keyframes.csv.
+CellTables tablesOf(const CellFlight& flight, double seconds);
 
-// Writes results.csv (a row for each cell), frames.csv (for each judged frame), keyframes.csv, and results.json: what
-// `about` says, and the cells.
-Status writeLatency(const std::filesystem::path& folder, const nlohmann::ordered_json& about,
-                    const LatencyResult& result);
+// The cells, those that are kept without flying them; `asked` says what they share.
+Result<std::vector<CellTables>> flyGrid(const LatencyFlight& flight, const std::vector<LatencyCell>& cells,
+                                        const nlohmann::ordered_json& asked, const KeptCells& kept, unsigned threads,
+                                        const std::function<void(size_t done)>& on_progress);
 
 }  // namespace foreland::bench

@@ -39,12 +39,7 @@ struct CellFigures {
   // Every figure with its name, in the order of the columns of results.csv.
   template <class Visit>
   void fields(const Visit& visit) const {
-    visit("strategy", std::string(proto::name(cell.strategy)));
-    visit("predictor", std::string(cell.strategy == proto::Strategy::kPredict ? proto::name(cell.predictor) : "none"));
-    visit("link", cell.link);
-    visit("round_trip_ms", cell.round_trip_ms);
-    visit("keyframe_ms", cell.keyframe_ms);
-    visit("tau_px", cell.tau_px);
+    cell.fields(visit);
     for (size_t i = 0; i < kTerms; ++i)
       terms[i].fields([&](const char* norm, double value) {
         visit((std::string(name(static_cast<Term>(i))) + "_" + norm).c_str(), value);

@@ -24,6 +24,16 @@ struct LatencyCell {
   bool operator==(const LatencyCell&) const = default;
   // For people and plots: `predict kalman`, `delay`.
   std::string how() const;
+
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("strategy", std::string(proto::name(strategy)));
+    visit("predictor", std::string(strategy == proto::Strategy::kPredict ? proto::name(predictor) : "none"));
+    visit("link", link);
+    visit("round_trip_ms", round_trip_ms);
+    visit("keyframe_ms", keyframe_ms);
+    visit("tau_px", tau_px);
+  }
 };
 
 enum class GridSize : uint8_t { kDefault, kFull };

@@ -1,11 +1,10 @@
 #include "bench/load/experiment.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "bench/report.h"
 #include "bench/tables.h"
-#include "terrain/parallel.h"
 
 namespace foreland::bench {
 
@@ -13,54 +12,121 @@ namespace {
 
 constexpr double kMostMissed = 1e-3;
 
-double rounded(double value) { return std::round(value * 1e4) / 1e4; }
-
 bool isServed(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
   const LoadFigures figures = runLoad(world, options).figures;
   return figures.keyframes > 0 && figures.missed_share < kMostMissed;
 }
 
-std::string textOf(const nlohmann::ordered_json& value) {
-  return value.is_string() ? value.get<std::string>() : value.is_number_float() ? numberText(value) : value.dump();
-}
-
-std::string utilisationCsv(const std::vector<LoadRun>& runs) {
+std::string utilisationCsv(const LoadRun& run) {
   CsvTable table;
-  for (size_t i = 0; i < runs.size(); ++i)
-    for (size_t bin = 0; bin < runs[i].used.size(); ++bin) {
-      table.begin();
-      table.cell("run", std::to_string(i));
-      table.cell("time_s", rounded(static_cast<double>(bin) * kUtilisationBin.toSeconds()));
-      table.cell("used", rounded(runs[i].used[bin]));
-      table.end();
-    }
+  for (size_t bin = 0; bin < run.used.size(); ++bin) {
+    table.begin();
+    table.cell("time_s", rounded(static_cast<double>(bin) * kUtilisationBin.toSeconds()));
+    table.cell("used", rounded(run.used[bin]));
+    table.end();
+  }
   return table.text();
 }
 
-std::string latenessCsv(const std::vector<LoadRun>& runs) {
+// The distribution, in two hundred steps.
+std::string latenessCsv(const LoadRun& run) {
   constexpr size_t kSteps = 200;
   CsvTable table;
-  for (size_t i = 0; i < runs.size(); ++i)
-    for (size_t step = 0; step <= kSteps && !runs[i].lateness_ms.empty(); ++step) {
-      table.begin();
-      table.cell("run", std::to_string(i));
-      table.cell("lateness_ms", rounded(runs[i].lateness_ms[step * (runs[i].lateness_ms.size() - 1) / kSteps]));
-      table.cell("share", static_cast<double>(step) / kSteps);
-      table.end();
-    }
+  for (size_t step = 0; step <= kSteps && !run.lateness_ms.empty(); ++step) {
+    table.begin();
+    table.cell("lateness_ms", rounded(run.lateness_ms[step * (run.lateness_ms.size() - 1) / kSteps]));
+    table.cell("share", static_cast<double>(step) / kSteps);
+    table.end();
+  }
   return table.text();
+}
+
+std::string serversCsv(const ClusterRun& run) {
+  CsvTable table;
+  for (const ServerLook& look : run.looks) {
+    table.begin();
+    table.cell("time_s", rounded(look.time_s));
+    table.cell("server", std::to_string(look.server + 1));
+    table.cell("used", rounded(look.used));
+    table.cell("viewers", std::to_string(look.viewers));
+    table.end();
+  }
+  return table.text();
+}
+
+std::string inTimeCsv(const ClusterRun& run, double seconds) {
+  const double bin_s = kClusterBin.toSeconds(), asked = static_cast<double>(run.figures.asked) * bin_s / seconds;
+  CsvTable table;
+  for (size_t bin = 0; bin < run.in_time.size(); ++bin) {
+    table.begin();
+    table.cell("time_s", rounded(bin_s * static_cast<double>(bin)));
+    table.cell("in_time", rounded(static_cast<double>(run.in_time[bin]) / asked));
+    table.end();
+  }
+  return table.text();
+}
+
+std::string movesCsv(const ClusterRun& run) {
+  constexpr std::array<const char*, 3> kCauses{"balanced", "drained", "lost"};
+  CsvTable table;
+  for (const ViewerMove& move : run.moves) {
+    table.begin();
+    table.cell("time_s", rounded(move.at_s));
+    table.cell("cause", kCauses[static_cast<size_t>(move.cause)]);
+    table.cell("resumed", move.is_resumed ? "1" : "0");
+    table.cell("gap_ms", rounded(move.gap_ms));
+    table.cell("up_bytes", std::to_string(move.up));
+    table.cell("down_bytes", std::to_string(move.down));
+    table.end();
+  }
+  return table.text();
+}
+
+// The servers, with everything but how they are balanced.
+Result<ClusterOptions> clusterOf(const LoadRequest& request) {
+  ClusterOptions cluster = request.base.cluster;
+  const auto add = [&](const std::vector<std::string>& texts, ServerEvent::What what) -> Status {
+    for (const std::string& text : texts) {
+      const auto event = parseServerEvent(what, text);
+      if (!event) return event.error();
+      cluster.events.push_back(*event);
+    }
+    return {};
+  };
+  if (Status s = add(request.fails, ServerEvent::What::kFail); !s.ok()) return s.error();
+  if (Status s = add(request.drains, ServerEvent::What::kDrain); !s.ok()) return s.error();
+  if (Status s = add(request.joins, ServerEvent::What::kJoin); !s.ok()) return s.error();
+  if (cluster.servers < 2 && !(cluster.events.empty() && request.balances.empty()))
+    return Error{ErrorCode::kInvalidArgument,
+                 "one server can neither fail nor be balanced; ask for several with --servers"};
+  if (Status s = checkCluster(cluster, request.base.seconds); !s.ok()) return s.error();
+  return cluster;
+}
+
+Status addBalances(const LoadRequest& request, const LoadOptions& options, std::vector<LoadOptions>& runs) {
+  if (options.cluster.servers < 2) runs.push_back(options);
+  for (const std::string& balance_name : request.balances.empty() ? balanceNames() : request.balances) {
+    const auto balance = balanceNamed(balance_name);
+    if (!balance) return balance.error();
+    if (options.cluster.servers < 2) break;
+    runs.push_back(options);
+    runs.back().cluster.balance = *balance;
+  }
+  return {};
 }
 
 }  // namespace
 
 Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
-  const auto orAll = [](const std::vector<std::string>& asked, std::vector<std::string> all) {
-    return asked.empty() ? all : asked;
+  const auto cluster = clusterOf(request);
+  if (!cluster) return cluster.error();
+  const auto orAll = [&](const std::vector<std::string>& asked, const char* usual, std::vector<std::string> all) {
+    return !asked.empty() ? asked : cluster->servers > 1 ? std::vector<std::string>{usual} : all;
   };
   std::vector<LoadOptions> runs;
-  for (const std::string& policy_name : orAll(request.policies, {"fifo", "edf", "least-laxity", "fair"}))
-    for (const std::string& phases_name : orAll(request.phases, {"synchronised", "random", "staggered"}))
-      for (const std::string& start_name : orAll(request.starts, {"late", "early"})) {
+  for (const std::string& policy_name : orAll(request.policies, "edf", {"fifo", "edf", "least-laxity", "fair"}))
+    for (const std::string& phases_name : orAll(request.phases, "random", {"synchronised", "random", "staggered"}))
+      for (const std::string& start_name : orAll(request.starts, "early", {"late", "early"})) {
         const auto policy = policyNamed(policy_name);
         if (!policy) return policy.error();
         const auto phases = phasesNamed(phases_name);
@@ -68,24 +134,36 @@ Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
         if (start_name != "late" && start_name != "early")
           return Error{ErrorCode::kInvalidArgument, "there is no start '" + start_name + "'; choose late or early"};
         LoadOptions options = request.base;
+        options.cluster = *cluster;
         options.policy = *policy;
         options.phases = *phases;
         options.start = start_name == "late" ? LoadStart::kLate : LoadStart::kEarly;
-        runs.push_back(options);
+        if (Status s = addBalances(request, options, runs); !s.ok()) return s.error();
       }
   return runs;
 }
 
-std::vector<LoadRun> runAll(const std::shared_ptr<const server::World>& world, const std::vector<LoadOptions>& runs,
-                            unsigned threads, const std::function<void(size_t done)>& on_progress) {
-  std::vector<LoadRun> results(runs.size());
-  terrain::parallelFor(
-      runs.size(), threads, [&](uint64_t i, unsigned) { results[i] = runLoad(world, runs[i]); },
-      [&](uint64_t done) {
-        on_progress(done);
-        return true;
-      });
-  return results;
+CellTables tablesOf(const LoadRun& run) {
+  CellTables tables{.row = rowOf(run)};
+  tables.rows = {{"utilisation.csv", utilisationCsv(run)}, {"lateness.csv", latenessCsv(run)}};
+  if (!run.cluster) return tables;
+  tables.rows.emplace_back("servers.csv", serversCsv(*run.cluster));
+  tables.rows.emplace_back("in_time.csv", inTimeCsv(*run.cluster, run.options.seconds));
+  tables.rows.emplace_back("moves.csv", movesCsv(*run.cluster));
+  return tables;
+}
+
+Result<std::vector<CellTables>> runAll(const std::shared_ptr<const server::World>& world,
+                                       const std::vector<LoadOptions>& runs, const nlohmann::ordered_json& asked,
+                                       const KeptCells& kept, unsigned threads,
+                                       const std::function<void(size_t done)>& on_progress) {
+  const auto compute = [&](size_t i, unsigned) { return tablesOf(runLoad(world, runs[i])); };
+  const auto askedOf = [&](size_t i) {
+    nlohmann::ordered_json all = asked;
+    all.update(askedBy(runs[i]));
+    return all;
+  };
+  return runCells({runs.size(), askedOf, compute, on_progress}, kept, threads);
 }
 
 size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOptions options) {
@@ -103,31 +181,20 @@ size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOption
   return good;
 }
 
-nlohmann::ordered_json rowOf(const LoadRun& run) {
-  nlohmann::ordered_json row{{"policy", name(run.options.policy)},
-                             {"phases", name(run.options.phases)},
-                             {"start", name(run.options.start)},
-                             {"viewers", run.options.viewers}};
-  row.update(toJson(run.figures));
-  return row;
+nlohmann::ordered_json askedBy(const LoadOptions& options) {
+  nlohmann::ordered_json asked{{"policy", name(options.policy)},
+                               {"phases", name(options.phases)},
+                               {"start", name(options.start)},
+                               {"viewers", options.viewers}};
+  if (options.cluster.servers > 1) asked["balance"] = name(options.cluster.balance);
+  return asked;
 }
 
-Status writeLoad(const std::filesystem::path& folder, const nlohmann::ordered_json& about,
-                 const std::vector<LoadRun>& runs) {
-  CsvTable table;
-  nlohmann::ordered_json json = about;
-  json["runs"] = nlohmann::ordered_json::array();
-  for (const LoadRun& run : runs) {
-    const nlohmann::ordered_json row = rowOf(run);
-    table.begin();
-    for (const auto& [key, value] : row.items()) table.cell(key, textOf(value));
-    table.end();
-    json["runs"].push_back(row);
-  }
-  if (Status s = writeFile(folder, "results.csv", table.text()); !s.ok()) return s;
-  if (Status s = writeFile(folder, "utilisation.csv", utilisationCsv(runs)); !s.ok()) return s;
-  if (Status s = writeFile(folder, "lateness.csv", latenessCsv(runs)); !s.ok()) return s;
-  return writeFile(folder, "results.json", json.dump(1) + "\n");
+nlohmann::ordered_json rowOf(const LoadRun& run) {
+  nlohmann::ordered_json row = askedBy(run.options);
+  if (run.cluster) row.update(toJson(run.cluster->figures));
+  row.update(toJson(run.figures));
+  return row;
 }
 
 }  // namespace foreland::bench

@@ -2,35 +2,42 @@
 // Equal arguments give equal files, whatever the number of threads.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "bench/cells.h"
 #include "bench/load/load_run.h"
 
 namespace foreland::bench {
 
 struct LoadRequest {
   LoadOptions base;
-  std::vector<std::string> policies{}, phases{}, starts{};  // empty: all
+  // Empty: all; with several servers edf, random and early, which is how `foreland serve` runs.
+  std::vector<std::string> policies{}, phases{}, starts{};
+  std::vector<std::string> balances{}, fails{}, drains{}, joins{};  // of several servers; the last three SERVER@SECONDS
 };
 
 // The runs that are asked for. Errors name what is unknown.
 Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request);
 
-std::vector<LoadRun> runAll(const std::shared_ptr<const server::World>& world, const std::vector<LoadOptions>& runs,
-                            unsigned threads, const std::function<void(size_t done)>& on_progress);
+inline constexpr CellNames kLoadNames{"run", "runs"};
+
+// What tells this run from others of the experiment, and with it its figures.
+nlohmann::ordered_json askedBy(const LoadOptions& options);
+nlohmann::ordered_json rowOf(const LoadRun& run);
+// A run's row, and its rows of utilisation.csv (share used, bin by bin) and lateness.csv (the distribution); of several
+// servers also of servers.csv (use and viewers of each over time), in_time.csv (keyframes that were there in time, of
+// those asked for, over time) and moves.csv (viewers who connected again).
+CellTables tablesOf(const LoadRun& run);
+
+// The runs, those that are kept without running them; `asked` says what they share.
+Result<std::vector<CellTables>> runAll(const std::shared_ptr<const server::World>& world,
+                                       const std::vector<LoadOptions>& runs, const nlohmann::ordered_json& asked,
+                                       const KeptCells& kept, unsigned threads,
+                                       const std::function<void(size_t done)>& on_progress);
 
 // The largest number of viewers that miss fewer than a thousandth of their deadlines, to a twentieth of it: doubled
 // until too many do, then halved in between. 0 if not even one viewer is served so.
 size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOptions options);
-
-// A run as a row: what was asked, and its figures.
-nlohmann::ordered_json rowOf(const LoadRun& run);
-
-// Writes results.csv, results.json, utilisation.csv (time and share used, bin by bin) and lateness.csv (the
-// distribution, in two hundred steps).
-Status writeLoad(const std::filesystem::path& folder, const nlohmann::ordered_json& about,
-                 const std::vector<LoadRun>& runs);
 
 }  // namespace foreland::bench

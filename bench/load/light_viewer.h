@@ -1,10 +1,13 @@
-// A viewer without a screen or a section: it asks for keyframes, sends poses and acknowledges what arrives, so that
-// hundreds of them can be simulated beside the real sessions that serve them. Bytes and times in, bytes out; one owner.
+// A viewer without a screen or a mesh: it asks for keyframes, sends poses and acknowledges what arrives, so that
+// hundreds of them can be simulated beside the real sessions that serve them. If it holds its sections, in the replica
+// of a real client, it can resume on another server. Bytes and times in, bytes out; one owner.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/bytes.h"
+#include "client/replica.h"
 #include "proto/message/message.h"
 #include "proto/space/path.h"
 
@@ -13,6 +16,7 @@ namespace foreland::bench {
 class LightViewer {
  public:
   static constexpr Duration kPoseInterval = Duration::milliseconds(50);
+  enum class Holds : uint8_t { kNothing, kSections };
 
   // The camera flies `path` over and over, at the viewer's time plus `offset` into it; with `jump_every` it is
   // elsewhere on the path each time so much has gone by.
@@ -20,19 +24,32 @@ class LightViewer {
     std::shared_ptr<const proto::Path> path;
     Duration offset, jump_every;
   };
-  LightViewer(const proto::ViewRequest& request, Flight flight) : request_(request), flight_(std::move(flight)) {}
+  LightViewer(const proto::ViewRequest& request, Flight flight, Holds holds = Holds::kNothing)
+      : request_(request), flight_(std::move(flight)), holds_(holds) {}
 
-  Bytes hello() const { return proto::encode(request_); }
-  Bytes pose(Time now);
-  // Returns by how much the keyframe is late to be shown; negative is early. Nothing if the message is no keyframe.
-  std::optional<Duration> receive(ByteSpan message, Time now);
+  // The first message of a connection, the first one or another.
+  Bytes connect();
+  // A pose; nothing while what is held must wait for the welcome, since it is presented before the first pose.
+  std::optional<Bytes> pose(Time now);
+
+  struct Received {
+    bool is_keyframe = false;
+    bool is_resumed = false;        // a keyframe that starts from another
+    Duration lateness{};            // of a keyframe, to be shown; negative is early
+    std::optional<Bytes> resume{};  // to be sent: what is held
+  };
+  Received receive(ByteSpan message, Time now);
   const proto::ViewRequest& request() const { return request_; }
 
  private:
   proto::Pose at(Time now) const;
+  std::optional<Bytes> takeWelcome(proto::Welcome welcome);
 
   proto::ViewRequest request_;
   Flight flight_;
+  Holds holds_;
+  bool is_greeted_ = false;
+  std::optional<client::Replica> replica_;  // of Holds::kSections, after the first welcome
   proto::PoseMemory poses_sent_;
   proto::KeyframeMemory keyframes_taken_;
   uint32_t received_ = 0;

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "bench/load/cluster.h"
 #include "bench/world/compute_cost.h"
 #include "server/session/world.h"
 
@@ -39,6 +41,7 @@ struct LoadOptions {
   double tau_px = 2, keyframe_ms = 200;
   ComputePrices prices{};
   uint64_t seed = 1;
+  ClusterOptions cluster{};
 };
 // In which viewers come and get their first sections.
 inline constexpr Duration kLoadRunIn = Duration::milliseconds(3000);
@@ -53,7 +56,7 @@ struct LoadFigures {
   double jain = 0;                               // fairness of keyframes in time over those asked for
   double work_mean_ms = 0, work_p99_ms = 0;      // of a keyframe
   double ahead_mean_ms = 0;                      // how much before its deadline a keyframe was begun
-  std::array<double, 5> shares{};                // of the priced time: keyframe, tested, changed, measured, bytes
+  std::array<double, 6> shares{};  // of the priced time: keyframe, tested, changed, measured, bytes, resumed
 
   template <class Visit>
   void fields(const Visit& visit) const {
@@ -72,7 +75,8 @@ struct LoadFigures {
     visit("work_mean_ms", work_mean_ms);
     visit("work_p99_ms", work_p99_ms);
     visit("ahead_mean_ms", ahead_mean_ms);
-    const char* const kShares[] = {"share_keyframe", "share_tested", "share_changed", "share_measured", "share_bytes"};
+    const char* const kShares[] = {"share_keyframe", "share_tested", "share_changed",
+                                   "share_measured", "share_bytes",  "share_resumed"};
     for (size_t i = 0; i < shares.size(); ++i) visit(kShares[i], shares[i]);
   }
 };
@@ -80,8 +84,9 @@ struct LoadFigures {
 struct LoadRun {
   LoadOptions options;
   LoadFigures figures;
-  std::vector<double> used;         // share of the workers' time, bin by bin
-  std::vector<double> lateness_ms;  // of all keyframes, ascending
+  std::vector<double> used;           // share of the workers' time, bin by bin
+  std::vector<double> lateness_ms;    // of all keyframes, ascending
+  std::optional<ClusterRun> cluster;  // of several servers
 };
 
 LoadRun runLoad(const std::shared_ptr<const server::World>& world, const LoadOptions& options);

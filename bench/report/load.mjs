@@ -1,4 +1,5 @@
 // The figures of `foreland bench load`.
+import { drawCluster } from './cluster.mjs';
 import { coloursOf, legend, Plot, svgOf } from './plot.mjs';
 
 const howOf = (run) => `${run.policy}, ${run.phases}, ${run.start}`;
@@ -47,6 +48,7 @@ function lateness(runs, rows, what) {
 }
 
 export function drawLoad(results, table) {
+  if (results.servers > 1) return drawCluster(results, table);
   const runs = results.runs.map((r, i) => ({ ...r, run: i, how: howOf(r) })), some = ofOnePolicy(runs);
   const isShown = new Set(some.map((r) => r.run));
   const ofShown = (rows) => rows.filter((r) => isShown.has(r.run)).map((r) => ({ ...r, how: runs[r.run].how }));

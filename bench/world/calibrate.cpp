@@ -8,6 +8,14 @@
 
 namespace foreland::bench {
 
+namespace {
+
+// At the end of each flight the viewer loses its connection and resumes, so often and so far apart.
+constexpr int kResumes = 3;
+constexpr Duration kBetweenResumes = Duration::milliseconds(300);
+
+}  // namespace
+
 std::vector<TimedWork> timeSteps(std::shared_ptr<const server::World> world, double seconds) {
   std::vector<TimedWork> steps;
   for (const char* tour : {"survey", "canyon", "spin", "orbit"})
@@ -16,15 +24,20 @@ std::vector<TimedWork> timeSteps(std::shared_ptr<const server::World> world, dou
         World flown(
             world, {}, [](const StepWork& work) { return ComputePrices{}.of(work); }, 1, Laws::kTrusted);
         flown.on_step = [&](const StepWork& work, double seconds_spent) {
-          if (work.keyframes > 0) steps.push_back({work, seconds_spent});
+          if (work.keyframes + work.resumed > 0) steps.push_back({work, seconds_spent});
         };
-        ClientOptions client = onKnownTour(world->hierarchy.scene(), tour, seconds + 1);
+        ClientOptions client = onKnownTour(world->hierarchy.scene(), tour, seconds + 2);
         client.request.lens = {1.0471975511965976, 1920, 1080};
         client.request.tau_px = tau_px;
         client.request.predictor = predictor;
         client.announce_path = predictor == proto::Predictor::kKnownPath;
         flown.addClient(client);
         flown.run(Time::seconds(seconds));
+        for (int i = 1; i <= kResumes; ++i) {
+          flown.loseConnection(0);
+          flown.connectAgain(0);
+          flown.run(Time::seconds(seconds) + kBetweenResumes * i);
+        }
       }
   return steps;
 }

@@ -12,27 +12,45 @@ namespace foreland::bench {
 
 namespace {
 
-constexpr size_t kKinds = 5;
+constexpr size_t kKinds = 6;
 using Counts = std::array<double, kKinds>;
 
 Counts countsOf(const StepWork& w) {
   return {static_cast<double>(w.keyframes), static_cast<double>(w.tested), static_cast<double>(w.changed),
-          static_cast<double>(w.measured), static_cast<double>(w.bytes)};
+          static_cast<double>(w.measured),  static_cast<double>(w.bytes),  static_cast<double>(w.resumed)};
+}
+
+// What the viewer knows, its section included.
+uint64_t knownNodes(const server::Session& session) {
+  uint64_t sum = 0;
+  for (const proto::KnownPage& page : session.knownPages()) sum += page.knowledge.known.count();
+  return sum;
 }
 
 }  // namespace
 
-StepWork StepWork::between(const server::SessionStatistics& before, const server::SessionStatistics& after,
-                           uint64_t bytes) {
+StepWork StepWork::between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes) {
+  const server::SessionStatistics& after = session.statistics();
   return {.keyframes = after.keyframes - before.keyframes,
           .tested = after.nodes_tested - before.nodes_tested,
           .changed = after.nodes_added + after.nodes_removed - before.nodes_added - before.nodes_removed,
           .measured = after.nodes_measured - before.nodes_measured,
-          .bytes = bytes};
+          .bytes = bytes,
+          .resumed = after.resumed && !before.resumed ? knownNodes(session) : 0};
+}
+
+StepWork& StepWork::operator+=(const StepWork& other) {
+  keyframes += other.keyframes;
+  tested += other.tested;
+  changed += other.changed;
+  measured += other.measured;
+  bytes += other.bytes;
+  resumed += other.resumed;
+  return *this;
 }
 
 Duration ComputePrices::of(const StepWork& work) const {
-  const Counts counts = countsOf(work), prices{keyframe, tested, changed, measured, byte};
+  const Counts counts = countsOf(work), prices{keyframe, tested, changed, measured, byte, resumed};
   double ns = 0;
   for (size_t i = 0; i < kKinds; ++i) ns += counts[i] * prices[i];
   return Duration{static_cast<int64_t>(std::llround(ns * 1e-3))};
@@ -61,6 +79,7 @@ Result<ComputePrices> readPrices(const std::filesystem::path& path) {
   read("ns_changed", prices.changed);
   read("ns_measured", prices.measured);
   read("ns_byte", prices.byte);
+  read("ns_resumed", prices.resumed);
   if (!wrong.empty())
     return Error{ErrorCode::kMalformed, path.string() + ": '" + wrong + "' must be a number, 0 or more"};
   return prices;
@@ -97,7 +116,8 @@ ComputePrices fitPrices(std::span<const TimedWork> steps) {
           .tested = prices[1],
           .changed = prices[2],
           .measured = prices[3],
-          .byte = prices[4]};
+          .byte = prices[4],
+          .resumed = prices[5]};
 }
 
 }  // namespace foreland::bench

@@ -22,9 +22,11 @@ struct StepWork {
   uint64_t changed = 0;    // nodes added and removed
   uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
   uint64_t bytes = 0;      // written
+  uint64_t resumed = 0;    // nodes that a viewer who resumes presents, in its section or remembered
 
-  static StepWork between(const server::SessionStatistics& before, const server::SessionStatistics& after,
-                          uint64_t bytes);
+  // Of a step that has just been done; before it the session's statistics were `before`.
+  static StepWork between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes);
+  StepWork& operator+=(const StepWork& other);
   template <class Visit>
   void fields(const Visit& visit) const {
     visit("keyframes", keyframes);
@@ -32,13 +34,14 @@ struct StepWork {
     visit("changed", changed);
     visit("measured", measured);
     visit("bytes", bytes);
+    visit("resumed", resumed);
   }
 };
 
 // Nanoseconds for each.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
-  double keyframe = 540'000, tested = 35, changed = 174, measured = 35, byte = 120;
+  double keyframe = 540'000, tested = 35, changed = 174, measured = 35, byte = 120, resumed = 300;
 
   Duration of(const StepWork& work) const;
   std::string toJson() const;
@@ -49,6 +52,7 @@ struct ComputePrices {
     visit("ns_changed", changed);
     visit("ns_measured", measured);
     visit("ns_byte", byte);
+    visit("ns_resumed", resumed);
   }
 };
 

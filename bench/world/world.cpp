@@ -130,7 +130,7 @@ void World::serve(Client& c, Time now) {
   const double real_s = on_step ? threadSeconds() - begin_s : 0;
   uint64_t bytes = 0;
   for (const Bytes& message : out) bytes += message.size();
-  const StepWork work = StepWork::between(before, c.session.statistics(), bytes);
+  const StepWork work = StepWork::between(before, c.session, bytes);
   if (on_step) on_step(work, real_s);
   const Duration spent = compute_time_(work);
   c.session.noteComputeTime(spent);

@@ -119,8 +119,8 @@ TEST(LatencyExperiment, LeavesTheSameFilesForAnyNumberOfThreads) {
       cellsOf({.predictors = {"velocity", "kalman"}, .links = {"fixed", "starlink"}, .round_trips_ms = {100}});
   const auto filesOf = [&](unsigned threads) {
     const test::TemporaryFolder folder;
-    const LatencyResult result = flyGrid(flight, *cells, threads, [](size_t) {});
-    EXPECT_TRUE(writeLatency(folder / "out", {{"seed", 1}}, result).ok());
+    const auto tables = flyGrid(flight, *cells, {}, {}, threads, [](size_t) {});
+    EXPECT_TRUE(writeCells(folder / "out", {{"seed", 1}}, kLatencyNames, tables.value()).ok());
     std::vector<std::string> files;
     for (const char* name : {"results.csv", "frames.csv", "keyframes.csv", "results.json"}) {
       const std::vector<char> bytes = test::slurp(folder / ("out/" + std::string(name)));

@@ -19,7 +19,7 @@ LoadOptions smallLoad(size_t viewers) {
   options.seconds = 2;
   options.tau_px = 20;
   options.mix = Mix::kSurvey;
-  options.prices = {"test", 4e6, 0, 0, 0, 0};
+  options.prices = {"test", 4e6, 0, 0, 0, 0, 0};
   return options;
 }
 
@@ -84,7 +84,8 @@ TEST(Load, GivesTheSameFilesForAnyNumberOfThreads) {
   ASSERT_EQ(runs->size(), 2u * 3u * 2u);
   const auto filesOf = [&](unsigned threads) {
     const test::TemporaryFolder folder;
-    EXPECT_TRUE(writeLoad(folder / "out", {{"seed", 1}}, runAll(smallWorld(), *runs, threads, [](size_t) {})).ok());
+    const auto tables = runAll(smallWorld(), *runs, {}, {}, threads, [](size_t) {});
+    EXPECT_TRUE(writeCells(folder / "out", {{"seed", 1}}, kLoadNames, tables.value()).ok());
     std::vector<std::vector<char>> files;
     for (const char* name : {"results.csv", "results.json", "utilisation.csv", "lateness.csv"})
       files.push_back(test::slurp(folder / ("out/" + std::string(name))));

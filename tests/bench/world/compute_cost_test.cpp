@@ -14,7 +14,7 @@ namespace {
 
 TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
   Rng rng(test::randomSeed());
-  const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8};
+  const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8, 50};
   std::vector<TimedWork> steps;
   for (int i = 0; i < 200; ++i) {
     const StepWork work{1, rng.below(20'000), rng.below(9000), rng.below(4) == 0 ? rng.below(90'000) : 0,
@@ -38,7 +38,7 @@ TEST(ComputePrices, AreNeverNegative) {
 
 TEST(ComputePrices, AreReadAsTheyWereWritten) {
   const test::TemporaryFolder folder;
-  const ComputePrices prices{"x", 1.5, 2.25, 3, 0, 1e-3};
+  const ComputePrices prices{"x", 1.5, 2.25, 3, 0, 1e-3, 7};
   std::ofstream(folder / "c.json") << prices.toJson();
   const auto read = readPrices(folder / "c.json");
   ASSERT_TRUE(read.ok()) << read.error().message;

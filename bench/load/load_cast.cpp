@@ -1,0 +1,40 @@
+#include "bench/load/load_cast.h"
+
+#include "server/view/tour.h"
+
+namespace foreland::bench {
+
+namespace {
+
+constexpr double kTour_s = 60;
+
+std::shared_ptr<const proto::Path> tourOf(const terrain::Scene& scene, const char* tour) {
+  return std::make_shared<const proto::Path>(server::planTour(scene, tour, kTour_s).value());
+}
+
+}  // namespace
+
+LoadTours::LoadTours(const terrain::Scene& scene)
+    : survey(tourOf(scene, "survey")), canyon(tourOf(scene, "canyon")), spin(tourOf(scene, "spin")) {}
+
+LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance) {
+  const Duration offset = Duration::seconds(chance.uniform(0, kTour_s));
+  LoadCast cast{.flight = {tours.survey, offset, {}}, .request = {}};
+  cast.request.tau_px = options.tau_px;
+  cast.request.strategy = proto::Strategy::kPredict;
+  cast.request.predictor = proto::Predictor::kConstantVelocity;
+  cast.request.keyframe_interval = Duration::seconds(1e-3 * options.keyframe_ms);
+  if (options.mix == Mix::kSurvey) return cast;
+  role %= 20;
+  if (role >= 8 && role < 15) cast.flight.path = tours.canyon;
+  if (role == 15 || role == 16) cast.flight.path = tours.spin;
+  if (role == 17) cast.flight.jump_every = Duration::seconds(4);
+  if (role == 18) cast.links.down.bytes_per_second = 256e3 / 8;
+  if (role == 19) {
+    cast.request.tau_px = options.tau_px / 4;
+    cast.request.lens = {1.0471975511965976, 3840, 2160};
+  }
+  return cast;
+}
+
+}  // namespace foreland::bench

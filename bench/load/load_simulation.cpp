@@ -1,0 +1,255 @@
+#include "bench/load/load_simulation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/check.h"
+
+namespace foreland::bench {
+
+namespace {
+
+using server::Session;
+
+server::JobOrder orderOf(LoadPolicy policy) {
+  if (policy == LoadPolicy::kFifo) return server::JobOrder::kRelease;
+  return policy == LoadPolicy::kLeastLaxity ? server::JobOrder::kLaxity : server::JobOrder::kDeadline;
+}
+
+}  // namespace
+
+LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
+    : queue(options.workers, orderOf(options.policy)), free_workers(options.workers), busy_us(bins) {}
+
+LoadSimulation::Viewer::Viewer(const LoadCast& cast, uint64_t link_seed, LightViewer::Holds holds)
+    : light(cast.request, cast.flight, holds),
+      links(cast.links),
+      up(links.up, link_seed),
+      down(links.down, link_seed + 1),
+      seeds(link_seed) {}
+
+LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options)
+    : world_(std::move(world)),
+      options_(options),
+      begin_(Time{} + kLoadRunIn),
+      end_(begin_ + Duration::seconds(options.seconds)),
+      balancing_(options.seed + 1) {
+  const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
+  for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, bins);
+  if (options.start == LoadStart::kEarly) session_options_.most_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
+  addViewers(world_);
+  if (isCluster()) addClusterEvents();
+}
+
+// Among servers viewers come in any order, for otherwise taking turns would give all hogs to the same one.
+void LoadSimulation::addViewers(const std::shared_ptr<const server::World>& world) {
+  const LoadTours tours(world->hierarchy.scene());
+  std::vector<size_t> roles;
+  for (size_t i = 0; i < options_.viewers; ++i) roles.push_back(i);
+  for (size_t i = roles.size(); isCluster() && i > 1; --i) std::swap(roles[i - 1], roles[balancing_.below(i)]);
+  Rng chance(options_.seed);
+  const auto holds = isCluster() ? LightViewer::Holds::kSections : LightViewer::Holds::kNothing;
+  for (const size_t role : roles) {
+    const uint64_t link_seed = chance.next();
+    viewers_.push_back(std::make_unique<Viewer>(castOf(tours, options_, role, chance), link_seed, holds));
+  }
+  for (size_t i = 0; i < options_.viewers; ++i) begin(i, chance);
+}
+
+// Viewers come one after another within a second; their phases follow from their clocks.
+void LoadSimulation::begin(size_t i, Rng& chance) {
+  Viewer& v = *viewers_[i];
+  const auto interval_us = static_cast<double>(v.light.request().keyframe_interval.us);
+  const double share = static_cast<double>(i) / static_cast<double>(options_.viewers);
+  if (options_.phases == Phases::kRandom) v.clock = Duration{static_cast<int64_t>(chance.uniform(0, interval_us))};
+  if (options_.phases == Phases::kStaggered) v.clock = Duration{static_cast<int64_t>(share * interval_us)};
+  at(Time::seconds(share), What::kConnect, i);
+  at(Time::seconds(share) + Duration{1000}, What::kPose, i);
+}
+
+void LoadSimulation::run() {
+  while (!events_.empty() && events_.top().at <= end_) {
+    const Event event = events_.top();
+    events_.pop();
+    now_ = std::max(now_, event.at);
+    handle(event);
+    for (size_t s = 0; s < servers_.size(); ++s) startJobs(s);
+  }
+}
+
+void LoadSimulation::send(size_t i, Bytes message, Time t) {
+  Viewer& v = *viewers_[i];
+  v.up.send(std::move(message), t);
+  at(*v.up.newestArrival(), What::kUp, i, v.connection);  // messages arrive in order, and each has an event
+}
+
+void LoadSimulation::handle(const Event& event) {
+  const size_t i = event.index;
+  if (event.what == What::kWake) servers_[i].wake.reset();
+  if (event.what == What::kConnect) connect(i);
+  if (event.what == What::kServer) change(options_.cluster.events[i]);
+  if (event.what == What::kBalance) balance();
+  if (event.what == What::kAdmit) admit();
+  if (event.what == What::kPose) {
+    Viewer& v = *viewers_[i];
+    if (v.session && !v.closing)
+      if (auto pose = v.light.pose(now_ + v.clock)) send(i, std::move(*pose), now_);
+    at(now_ + LightViewer::kPoseInterval, What::kPose, i);
+  }
+  handleConnection(event);
+}
+
+// What belongs to a connection goes with it.
+void LoadSimulation::handleConnection(const Event& event) {
+  constexpr What kKinds[] = {What::kUp, What::kDown, What::kDrained, What::kDone, What::kHandOver};
+  if (std::find(std::begin(kKinds), std::end(kKinds), event.what) == std::end(kKinds)) return;
+  const size_t i = event.index;
+  Viewer& v = *viewers_[i];
+  if (event.connection != v.connection) return;
+  if (event.what == What::kUp) {
+    Bytes message = v.up.receive();
+    if (v.session) v.inbox.push_back(std::move(message)), take(i);
+  }
+  if (event.what == What::kDown) receive(i);
+  if (event.what == What::kDrained && v.waits_for_drain && v.session && v.down.drainedAt() <= now_) {
+    v.waits_for_drain = false;
+    if (!v.is_running) v.session->onDrained(now_), schedule(i);
+  }
+  if (event.what == What::kDone) done(i);
+  if (event.what == What::kHandOver) leave(i, MoveCause::kDrained);
+}
+
+void LoadSimulation::receive(size_t i) {
+  Viewer& v = *viewers_[i];
+  const Bytes message = v.down.receive();
+  if (v.closing && !v.down.nextArrival()) return connectLater(i, {});  // it was the end of the connection
+  LightViewer::Received received = v.light.receive(message, now_ + v.clock);
+  if (received.resume) {
+    v.move.up += received.resume->size();
+    if (!v.closing) send(i, std::move(*received.resume), now_);
+  }
+  if (!received.is_keyframe) v.move.down += message.size();
+  if (!received.is_keyframe) return;
+  if (received.lateness > Duration{} && isMeasured()) ++figures_.late_at_viewers;
+  arrived(v, received, message.size());
+}
+
+// Messages wait for a step that runs to end, as in a server's inbox.
+void LoadSimulation::take(size_t i) {
+  Viewer& v = *viewers_[i];
+  if (v.is_running) return;
+  for (; !v.inbox.empty(); v.inbox.pop_front()) CHECK_TRUE(v.session->receive(v.inbox.front(), now_).ok());
+  schedule(i);
+}
+
+void LoadSimulation::schedule(size_t i) {
+  Viewer& v = *viewers_[i];
+  server::DeadlineQueue& queue = servers_[v.server].queue;
+  if (v.is_queued) (void)queue.cancel(v.ticket);
+  v.is_queued = false;
+  const auto due = v.session->due();
+  if (!due) return;
+  server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
+  if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.debt.wait(share());
+  v.ticket = queue.add(job, [this, i](size_t) { step(i); });
+  v.is_queued = true;
+}
+
+// As Pool: of several workers one takes no costly jobs.
+std::optional<server::DeadlineQueue::Entry> LoadSimulation::nextJob(Server& server) {
+  using Take = server::DeadlineQueue::Take;
+  const size_t most_costly = std::max<size_t>(1, options_.workers - 1);
+  return server.queue.take(now_, server.costly_running < most_costly ? Take::kAny : Take::kCheap);
+}
+
+void LoadSimulation::startJobs(size_t s) {
+  Server& server = servers_[s];
+  if (!server.is_up) return;
+  while (server.free_workers > 0) {
+    auto entry = nextJob(server);
+    if (!entry) break;
+    entry->job(0);
+  }
+  if (server.free_workers == 0) return;
+  const auto next = server.queue.nextRelease();
+  if (!next || (server.wake && *server.wake <= *next)) return;
+  server.wake = std::max(*next, now_ + Duration{1});
+  at(*server.wake, What::kWake, s);
+}
+
+void LoadSimulation::step(size_t i) {
+  Viewer& v = *viewers_[i];
+  Server& server = servers_[v.server];
+  v.is_queued = false;
+  v.is_running = true;
+  --server.free_workers;
+  const auto due = v.session->due();
+  v.deadline = due ? due->deadline : now_;
+  v.has_deadline = due && due->deadline > due->release;
+  v.is_costly = v.ticket.due.is_costly;
+  server.costly_running += v.is_costly;
+  const server::SessionStatistics before = v.session->statistics();
+  const auto start = v.ticket.due.release > now_ ? Session::Start::kEarly : Session::Start::kWhenDue;
+  v.session->step(now_, scratch_, v.out, start);
+  uint64_t bytes = 0;
+  for (const Bytes& message : v.out) bytes += message.size();
+  const StepWork work = StepWork::between(before, *v.session, bytes);
+  v.is_keyframe = work.keyframes > 0;
+  v.work = options_.prices.of(work);
+  if (before.keyframes > 0) v.used_s += v.work.toSeconds();
+  if (isMeasured()) {
+    figures_.skipped += v.session->statistics().skipped_keyframes - before.skipped_keyframes;
+    figures_.ahead_mean_ms += v.is_keyframe && v.has_deadline ? (v.deadline - now_).toMilliseconds() : 0;
+    work_ += work;
+  }
+  use(server, now_, now_ + v.work);
+  at(now_ + v.work, What::kDone, i, v.connection);
+}
+
+void LoadSimulation::done(size_t i) {
+  Viewer& v = *viewers_[i];
+  Server& server = servers_[v.server];
+  ++server.free_workers;
+  server.costly_running -= v.is_costly;
+  v.is_running = false;
+  v.session->noteComputeTime(v.work);
+  v.debt.charge(v.work, now_, share());
+  if (v.is_keyframe && isMeasured()) count(v);
+  for (Bytes& message : v.out) {
+    v.down.send(std::move(message), now_);
+    at(*v.down.newestArrival(), What::kDown, i, v.connection);
+    v.waits_for_drain = true;
+  }
+  if (!v.out.empty()) at(std::max(now_, v.down.drainedAt()), What::kDrained, i, v.connection);
+  v.out.clear();
+  if (v.leaving) return close(i);
+  take(i);
+}
+
+void LoadSimulation::count(Viewer& v) {
+  const bool is_in_time = now_ <= v.deadline || !v.has_deadline;
+  v.in_time += is_in_time;
+  if (isCluster()) in_time_[static_cast<size_t>((now_ - begin_).us / kClusterBin.us)] += is_in_time;
+  figures_.at_once += !v.has_deadline;
+  if (!v.has_deadline) return;
+  ++figures_.keyframes;
+  figures_.missed += now_ > v.deadline;
+  lateness_ms_.push_back((now_ - v.deadline).toMilliseconds());
+  work_ms_.push_back(v.work.toMilliseconds());
+}
+
+void LoadSimulation::use(Server& server, Time from, Time to) {
+  from = std::max(from, begin_), to = std::min(to, end_);
+  while (from < to) {
+    const int64_t bin = (from - begin_).us / kUtilisationBin.us;
+    const Time end = std::min(to, begin_ + kUtilisationBin * (bin + 1));
+    server.busy_us[static_cast<size_t>(bin)] += (end - from).us;
+    from = end;
+  }
+}
+
+double LoadSimulation::share() const {
+  return 0.85 * static_cast<double>(options_.workers * servers_.size()) / static_cast<double>(options_.viewers);
+}
+
+}  // namespace foreland::bench
