@@ -63,6 +63,99 @@ TEST_F(ExperimentProgram, WritesTheSameFilesInEveryRun) {
   EXPECT_EQ(first, files("b", "2"));
 }
 
+// An experiment in a file.
+class ExperimentFile : public ExperimentProgram {
+ protected:
+  std::string file(const std::string& text) const {
+    std::ofstream(folder_ / "e.toml") << text;
+    return folder_ / "e.toml";
+  }
+  void refusesFile(const std::string& text, const std::vector<std::string>& words) const {
+    expectRefusal("bench", {"run", file(text), "--out", folder_ / "out"}, words);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  }
+  // Both experiments in small, two seeds.
+  std::string latencyText() const {
+    return "experiment = 'latency'\nseeds = [1, 2]\nmetrics = ['total_p99_px', 'down_kbit_s']\n[all]\nscene = '" +
+           scene() +
+           "'\nseconds = 1\nwidth = 160\nheight = 90\nstrategies = 'predict'\npredictors = ['velocity']\n"
+           "[[run]]\nname = 'survey'\nround-trips = [50, 100]\n[[run]]\nname = 'wifi'\ntour = 'orbit'\nlinks = "
+           "['wifi']\n";
+  }
+  std::vector<std::vector<char>> runFiles(const std::string& text, const std::string& out, const std::string& threads) {
+    const ProgramResult result = runProgram("bench", {"run", file(text), "--out", folder_ / out, "--threads", threads});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::vector<std::vector<char>> all{slurp(folder_ / (out + "/results.csv"))};
+    for (const char* part : {"survey-seed1", "survey-seed2", "wifi-seed1", "wifi-seed2"})
+      for (const char* name : {"results.csv", "results.json", "frames.csv", "keyframes.csv"})
+        all.push_back(slurp(folder_ / (out + "/" + part + "/" + name)));
+    return all;
+  }
+};
+
+TEST_F(ExperimentFile, WritesTheSameFilesInEveryRunAndAfterAStop) {
+  const auto first = runFiles(latencyText(), "a", "1");
+  const std::string all(first[0].begin(), first[0].end());
+  EXPECT_EQ(all.substr(0, all.find('\n')),
+            "run,seed,strategy,predictor,link,round_trip_ms,keyframe_ms,tau_px,total_p99_px,down_kbit_s");
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 1 + 2 * 3);
+  EXPECT_EQ(first, runFiles(latencyText(), "b", "2"));
+
+  // Stopped between cells, in a cell, and while the tables were written.
+  std::vector<std::filesystem::path> cells;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "a/cells")) cells.push_back(entry.path());
+  ASSERT_EQ(cells.size(), 6u);
+  std::filesystem::remove(cells[0]);
+  std::filesystem::rename(cells[1], cells[1].string() + ".part");
+  std::filesystem::remove(folder_ / "a/results.csv");
+  std::filesystem::remove_all(folder_ / "a/wifi-seed2");
+  EXPECT_EQ(first, runFiles(latencyText(), "a", "2"));
+}
+
+TEST_F(ExperimentFile, GivesTheRowsOfTheCommand) {
+  const std::string text = "experiment = 'load'\n[[run]]\nname = 'few'\nscene = '" + scene() +
+                           "'\nviewers = 4\nseconds = 1\npolicies = ['edf']\nphases = 'random'\n";
+  const ProgramResult run = runProgram("bench", {"run", file(text), "--out", folder_ / "run"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  const ProgramResult command = runProgram("bench", {"load", scene(), "--viewers", "4", "--seconds", "1", "--policies",
+                                                     "edf", "--phases", "random", "--out", folder_ / "few"});
+  EXPECT_EQ(command.exit_code, 0) << command.output;
+  for (const char* name : {"results.csv", "utilisation.csv", "lateness.csv"})
+    EXPECT_EQ(slurp(folder_ / ("run/few/" + std::string(name))), slurp(folder_ / ("few/" + std::string(name))));
+}
+
+TEST_F(ExperimentFile, IsRefusedByNameBeforeAnythingRuns) {
+  const std::string load = "experiment = 'load'\n", run = "[[run]]\nname = 'a'\nscene = '" + scene() + "'\n";
+  refusesFile("experiment = 'luck'\n" + run, {"experiment", "latency", "load"});
+  refusesFile(load + "sedes = [1]\n" + run, {"e.toml:2", "'sedes'"});
+  refusesFile(load + "seeds = ['one']\n" + run, {"e.toml:2", "'seeds'"});
+  refusesFile(load + "seeds = []\n" + run, {"'seeds'"});
+  refusesFile(load + "metrics = ['luck']\n" + run, {"'luck'"});
+  refusesFile(load, {"[[run]]"});
+  refusesFile(load + run + "viewers =\n", {"e.toml:5"});
+  refusesFile(load + run + run, {"two runs", "'a'"});
+  refusesFile(load + "[[run]]\nname = '../a'\n", {"needs a name"});
+  refusesFile(load + "[[run]]\nname = 'a'\n", {"e.toml:2", "run 'a'", "scene"});
+  refusesFile(load + run + "viewers = 0\n", {"run 'a'", "viewers"});
+  refusesFile(load + run + "vieewers = 10\n", {"run 'a'", "vieewers"});
+  refusesFile(load + run + "policies = ['edf', 'luck']\n", {"run 'a'", "'luck'"});
+  refusesFile(load + run + "out = 'b'\n", {"e.toml:5", "'out'"});
+  refusesFile(load + run + "viewers = {}\n", {"e.toml:5", "'viewers'"});
+  refusesFile("experiment = 'latency'\n" + run + "keyframes-ms = 0\n", {"run 'a'", "keyframe interval", "not 0"});
+  expectRefusal("bench", {"run", file(load + run)}, {"--out"});
+  expectRefusal("bench", {"run", folder_ / "none.toml", "--out", folder_ / "out"}, {"none.toml"});
+}
+
+TEST(ShippedExperiments, AreUsable) {
+  size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(FORELAND_SOURCE_DIR "/bench/experiments")) {
+    const ProgramResult result = runProgram("bench", {"run", entry.path().string(), "--check"});
+    EXPECT_EQ(result.exit_code, 0) << entry.path() << result.output;
+    ++files;
+  }
+  EXPECT_GE(files, 4u);
+}
+
 TEST_F(ExperimentProgram, SaysWhatAReportLacks) {
   expectRefusal("bench", {"report", folder_ / "nothing"}, {"results.json", "--out"});
   std::ofstream(folder_ / "results.json") << "{}";
