@@ -121,7 +121,7 @@ struct Oracle::Impl {
     if (truth.epochs.empty() || (wanted == time && !epoch_shares.empty())) return;
     time = wanted;
     epoch_shares.assign(truth.epochs.size(), 0);
-    const auto [first, last] = std::minmax(wanted.from, wanted.to);
+    const Time first = std::min(wanted.from, wanted.to), last = std::max(wanted.from, wanted.to);
     const bool is_linear =
         std::none_of(truth.epochs.begin(), truth.epochs.end(), [&](Time t) { return first < t && t < last; });
     if (is_linear) {

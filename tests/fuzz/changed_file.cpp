@@ -65,6 +65,9 @@ SoundFile::SoundFile(Bytes bytes) : bytes_(std::move(bytes)) {
     places_.push_back({at, sizeof(header)});
     for (const terrain::SectionRange& section : header.sections)
       if (section.bytes > 0) places_.push_back({at + section.offset, std::min<size_t>(section.bytes, kLongestPlace)});
+    if constexpr (requires { header.epochs; })
+      if (header.epochs.bytes > 0)
+        places_.push_back({at + header.epochs.offset, std::min<size_t>(header.epochs.bytes, kLongestPlace)});
   });
   CHECK_GT(places_.size(), 1u);
 }

@@ -42,7 +42,12 @@ void fly(const server::Hierarchy& hierarchy, uint8_t how) {
   const double ground =
       std::clamp<double>(server::groundHeight(hierarchy.scene(), 0, 0).value_or(0), -kHighest, kHighest);
   int different = 0;  // keyframes on end after which the sections were not the same
+  const proto::Epochs& epochs = hierarchy.epochs().epochs();
   for (int step = 0; step < kToySteps; ++step) {
+    if (!epochs.empty()) {
+      const double span = static_cast<double>(epochs.last().us) - static_cast<double>(epochs.first().us);
+      sender.showAt(epochs.clamp(static_cast<double>(epochs.first().us) + span * ((how + 3 * step) % 8) / 7));
+    }
     Bytes message;
     if (!sender.send(viewAt(how, step, ground), Time{step * 200'000}, kMostNodes, scratch, message)) return;
     auto decoded = proto::decodeServerMessage(message, memory);

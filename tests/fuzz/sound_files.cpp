@@ -41,6 +41,19 @@ SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::O
   return SoundFile(readWhole(folder / "scene.fls"));
 }
 
+SoundFile movingSceneFile() {
+  const TemporaryFolder folder;
+  FormulaSource source(9, 9, hills(1));
+  FormulaSource first = windowSource(source, {0, 0, 2, 2}, hills(1)), second = windowSource(source, {1, 2, 6, 5}, hills(2)),
+                third = windowSource(source, {3, 3, 6, 6}, hills(3));
+  const auto built = terrain::buildScene(
+      source, {.output = folder / "scene.fls",
+               .threads = 1,
+               .epochs = {{Time{0}, "first", &first}, {Time{1000}, "second", &second}, {Time{3000}, "third", &third}}});
+  CHECK_TRUE(built.ok());
+  return SoundFile(readWhole(folder / "scene.fls"));
+}
+
 SoundFile surfaceFile(proto::MeshRule rule, uint32_t texels_a_side) {
   const TemporaryFolder folder;
   writeSurface(folder / "surface.fls", rule, texels_a_side);
@@ -55,6 +68,7 @@ std::vector<SoundFile> makeScenes() {
   scenes.push_back(sceneFile(6, proto::FrameKind::kPlanar, {}));
   scenes.push_back(sceneFile(9, proto::FrameKind::kGeographic, {}));
   scenes.push_back(sceneFile(9, proto::FrameKind::kPlanar, {{model, {10, 20}}, {model, {-20, 10}, 1, 30, 2}}));
+  scenes.push_back(movingSceneFile());
   return scenes;
 }
 

@@ -299,6 +299,56 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
   }
 });
 
+// Its first ground, two between, and its last, side by side. FORELAND_MOVING_SCENE and FORELAND_MOVING_VIEW choose another scene and
+// view: the picture in the documents is of Mount St. Helens (README.md, foreland build), with FORELAND_SCREENSHOT=1 from
+// FORELAND_MOVING_VIEW=60,-2000,2550,180,-16.
+test('the strip of a ground that changes', kTest, async () => {
+  const moving = await startServer(process.env.FORELAND_MOVING_SCENE ?? await makeMovingScene(folder.folder));
+  const view = process.env.FORELAND_MOVING_VIEW ?? '';
+  try {
+    await visit(view === '' ? '' : `view=${view}&fog=0`, async (page) => {
+      const slider = page.locator('#time input');
+      const [first, last] = await slider.evaluate((s) => [Number(s.min), Number(s.max)]);
+      const pictures = [];
+      for (const share of kSaves ? [0, 0.62, 0.78, 1] : [0, 1]) {
+        const at = await slider.evaluate((s, ms) => {
+          s.value = String(ms);
+          for (const event of ['input', 'change']) s.dispatchEvent(new Event(event));
+          return Number(s.value);
+        }, first + share * (last - first));
+        await until(page, (s, ms) => s.ground_time_ms === ms, at);
+        const { keyframes } = await status(page);
+        await until(page, (s, n) => s.keyframes > n + 8 && s.ground_time_ms > 0, keyframes);
+        const { width, height } = page.viewportSize();
+        const date = await page.locator('#time output').textContent();
+        const clip = { x: 0.34 * width, y: 0.16 * height, width: 0.32 * width, height: 0.62 * height };
+        pictures.push({ date, data: (await page.screenshot({ clip })).toString('base64') });
+      }
+      assert.ok((await changedShare(page, ...[0, 1].map((i) => Buffer.from(pictures[i * (pictures.length - 1)].data, 'base64')))) > 0.02);
+      if (!kSaves) return;
+      await page.evaluate((all) => {
+        const strip = document.createElement('div');
+        strip.append(...all.map(({ date, data }) => {
+          const figure = document.createElement('figure');
+          const image = Object.assign(new Image(), { src: `data:image/png;base64,${data}` });
+          const caption = Object.assign(document.createElement('figcaption'), { textContent: date });
+          Object.assign(figure.style, { margin: 0, position: 'relative' });
+          Object.assign(caption.style, { position: 'absolute', left: '10px', bottom: '8px', font: '600 15px sans-serif', textShadow: '0 1px 4px #000' });
+          figure.append(image, caption);
+          return figure;
+        }));
+        Object.assign(strip.style, { position: 'fixed', inset: '0', zIndex: 9, display: 'grid', gap: '4px', background: '#fff',
+          gridTemplateColumns: `repeat(${all.length}, max-content)` });
+        document.body.append(strip);
+      }, pictures);
+      await page.setViewportSize({ width: 1651, height: 446 });
+      await save(page, 'moving.png');
+    }, { server: moving, ...(kSaves ? { width: 1280, height: 720, sharpness: 1 } : {}) });
+  } finally {
+    await moving.stop();
+  }
+});
+
 test('a scene that does not change has no time line', kTest, () =>
   visit('', async (page) => assert.equal(await page.locator('#time').isVisible(), false)));
 
@@ -339,7 +389,7 @@ test('the picture of hidden valleys, frozen and seen from outside', kTest, async
 });
 
 async function save(page, name) {
-  await page.locator('#hint').evaluate((hint) => (hint.hidden = true));
+  await page.evaluate(() => document.getElementById('hint')?.toggleAttribute('hidden', true));
   const to = kSaves ? join(root, 'docs/images') : folder.folder;
   await mkdir(to, { recursive: true });
   await page.screenshot({ path: join(to, name) });
