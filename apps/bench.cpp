@@ -13,6 +13,7 @@
 #include "apps/bench_occlusion.h"
 #include "apps/bench_run.h"
 #include "apps/bench_surfaces.h"
+#include "apps/bench_tiles.h"
 #include "apps/options.h"
 #include "bench/martini/report.h"
 #include "bench/report/draw_report.h"
@@ -213,16 +214,20 @@ int main(int argc, char** argv) {
   ReportArguments report_args;
   apps::LoadArguments load_args;
   apps::RunArguments run_args;
+  apps::TilesArguments tiles_args;
   const CLI::App *on_sections = addSections(app, section_args), *on_refine = addRefine(app, refine_args),
                  *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args),
                  *on_latency = apps::addLatency(app, latency_args),
                  *on_calibrate = apps::addCalibrate(app, calibrate_args), *on_report = addReport(app, report_args),
-                 *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args);
+                 *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args),
+                 *on_tiles = apps::addTiles(app, tiles_args);
   apps::addSurfaces(app, surface_args);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
-  latency_args.experiment.command = load_args.experiment.command = apps::commandText(argc, argv);
+  latency_args.experiment.command = load_args.experiment.command = tiles_args.experiment.command =
+      apps::commandText(argc, argv);
+  if (*on_tiles) return print(apps::tiles(tiles_args), tiles_args.flight.format);
   if (*on_run) return print(apps::runExperiment(run_args), bench::ReportFormat::kText);
   if (*on_load) return print(apps::load(load_args), load_args.format);
   if (*on_latency) return print(apps::latency(latency_args), latency_args.flight.format);

@@ -15,7 +15,8 @@ constexpr Duration kLongestDrain = Duration::milliseconds(5000), kBetweenViewers
 constexpr Duration kNoServer = Duration::milliseconds(10);  // until a balancer looks for one again
 constexpr size_t kCloseBytes = 4;                           // of WebSocket, with its reason
 constexpr double kNewest = 0.125;                           // weight of the newest look at a viewer's load
-constexpr Duration kStays = Duration::milliseconds(2000);   // at least, between two moves of a viewer
+constexpr Duration kStays =
+    Duration::milliseconds(5000);  // at least, before a viewer is moved, for its first keyframes cost more
 
 Duration roundTrip(const LinkPair& links) { return links.up.latency + links.down.latency; }
 

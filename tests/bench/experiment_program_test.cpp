@@ -146,6 +146,20 @@ TEST_F(ExperimentFile, IsRefusedByNameBeforeAnythingRuns) {
   expectRefusal("bench", {"run", folder_ / "none.toml", "--out", folder_ / "out"}, {"none.toml"});
 }
 
+TEST_F(ExperimentProgram, ComparesWithTilesAlikeInEveryRun) {
+  const auto table = [&](const std::string& out) {
+    const ProgramResult result = runProgram("bench", {"tiles", scene(), "--seconds", "2", "--width", "160", "--height",
+                                                      "90", "--jump", "--out", folder_ / out});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return slurp(folder_ / (out + "/results.csv"));
+  };
+  const auto first = table("a");
+  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 5);
+  EXPECT_EQ(first, table("b"));
+  expectRefusal("bench", {"tiles", scene(), "--link", "pigeon"}, {"'pigeon'", "starlink"});
+  expectRefusal("bench", {"tiles", scene(), "--tau", "0"}, {"--tau"});
+}
+
 TEST(ShippedExperiments, AreUsable) {
   size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(FORELAND_SOURCE_DIR "/bench/experiments")) {
