@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/bench_animated.h"
 #include "apps/bench_calibrate.h"
 #include "apps/bench_flight.h"
 #include "apps/bench_latency.h"
@@ -209,6 +210,7 @@ int main(int argc, char** argv) {
   WireArguments wire_args;
   apps::SurfaceArguments surface_args;
   apps::OcclusionArguments occlusion_args;
+  apps::AnimatedArguments animated_args;
   apps::LatencyArguments latency_args;
   apps::CalibrateArguments calibrate_args;
   ReportArguments report_args;
@@ -217,6 +219,7 @@ int main(int argc, char** argv) {
   apps::TilesArguments tiles_args;
   const CLI::App *on_sections = addSections(app, section_args), *on_refine = addRefine(app, refine_args),
                  *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args),
+                 *on_animated = apps::addAnimated(app, animated_args),
                  *on_latency = apps::addLatency(app, latency_args),
                  *on_calibrate = apps::addCalibrate(app, calibrate_args), *on_report = addReport(app, report_args),
                  *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args),
@@ -236,6 +239,7 @@ int main(int argc, char** argv) {
   if (*on_sections) return print(sections(section_args), section_args.flight.format);
   if (*on_refine) return print(refine(refine_args), refine_args.flight.format);
   if (*on_wire) return print(wire(wire_args), wire_args.flight.format);
+  if (*on_animated) return print(apps::animated(animated_args), animated_args.flight.format);
   if (*on_occlusion) return print(apps::occlusion(occlusion_args), occlusion_args.flight.format);
   return print(apps::surfaces(surface_args), surface_args.format);
 }

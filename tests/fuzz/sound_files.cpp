@@ -44,7 +44,8 @@ SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::O
 SoundFile movingSceneFile() {
   const TemporaryFolder folder;
   FormulaSource source(9, 9, hills(1));
-  FormulaSource first = windowSource(source, {0, 0, 2, 2}, hills(1)), second = windowSource(source, {1, 2, 6, 5}, hills(2)),
+  FormulaSource first = windowSource(source, {0, 0, 2, 2}, hills(1)),
+                second = windowSource(source, {1, 2, 6, 5}, hills(2)),
                 third = windowSource(source, {3, 3, 6, 6}, hills(3));
   const auto built = terrain::buildScene(
       source, {.output = folder / "scene.fls",
