@@ -16,6 +16,7 @@
 #include "apps/bench_surfaces.h"
 #include "apps/bench_tiles.h"
 #include "apps/options.h"
+#include "bench/client/measure.h"
 #include "bench/martini/report.h"
 #include "bench/report/draw_report.h"
 #include "bench/sections/errors.h"
@@ -137,6 +138,18 @@ Result<Report> wire(const WireArguments& args) {
   return report;
 }
 
+Result<Report> clientCosts(const apps::FlightArguments& args) {
+  const auto flight = apps::planFlight(args);
+  if (!flight) return flight.error();
+  const auto hierarchy = apps::hierarchyOf(flight->scene);
+  if (!hierarchy) return hierarchy.error();
+  const auto views = bench::keyframeViews(flight->path, flight->options, bench::Guarantee::kEveryFrame);
+  const auto recorded = bench::recordFlight(*hierarchy, views, flight->options.keyframe_interval);
+  Report report = apps::flightReport(args, *flight);
+  report.update(bench::toJson(bench::measureClient(*hierarchy, recorded)));
+  return report;
+}
+
 struct ReportArguments {
   std::filesystem::path folder, sources = bench::reportSources();
 };
@@ -191,6 +204,12 @@ CLI::App* addWire(CLI::App& app, WireArguments& args) {
   return sub;
 }
 
+CLI::App* addClient(CLI::App& app, apps::FlightArguments& args) {
+  CLI::App* sub = app.add_subcommand("client", "what keyframes cost a client: decoding, meshes, uploads");
+  apps::addFlightOptions(*sub, args);
+  return sub;
+}
+
 int print(const Result<Report>& report, bench::ReportFormat format) {
   if (!report) {
     std::cerr << "foreland bench: " << report.error().message << "\n";
@@ -208,6 +227,7 @@ int main(int argc, char** argv) {
   SectionArguments section_args;
   RefineArguments refine_args;
   WireArguments wire_args;
+  apps::FlightArguments client_args;
   apps::SurfaceArguments surface_args;
   apps::OcclusionArguments occlusion_args;
   apps::AnimatedArguments animated_args;
@@ -223,7 +243,7 @@ int main(int argc, char** argv) {
                  *on_latency = apps::addLatency(app, latency_args),
                  *on_calibrate = apps::addCalibrate(app, calibrate_args), *on_report = addReport(app, report_args),
                  *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args),
-                 *on_tiles = apps::addTiles(app, tiles_args);
+                 *on_tiles = apps::addTiles(app, tiles_args), *on_client = addClient(app, client_args);
   apps::addSurfaces(app, surface_args);
   try {
     app.parse(argc, argv);
@@ -232,6 +252,7 @@ int main(int argc, char** argv) {
       apps::commandText(argc, argv);
   if (*on_tiles) return print(apps::tiles(tiles_args), tiles_args.flight.format);
   if (*on_run) return print(apps::runExperiment(run_args), bench::ReportFormat::kText);
+  if (*on_client) return print(clientCosts(client_args), client_args.format);
   if (*on_load) return print(apps::load(load_args), load_args.format);
   if (*on_latency) return print(apps::latency(latency_args), latency_args.flight.format);
   if (*on_report) return report(report_args);

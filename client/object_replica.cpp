@@ -38,6 +38,7 @@ void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& strea
   const bool was_still = std::exchange(is_still_, morphs_.all().empty());
   if (was_still && is_still_ && !mesh_.indices.empty()) return;
   mesh_ = buildObjectMesh(*objects_, positions(stream), {from_, to_, section_, morphs_.all()});
+  has_changed_ = true;
   forgetRemoved();
 }
 

@@ -4,6 +4,7 @@
 
 #include <glm/vec3.hpp>
 #include <unordered_map>
+#include <utility>
 
 #include "base/result.h"
 #include "client/mesh/keyframe_mesh.h"
@@ -26,6 +27,8 @@ class ObjectReplica {
   void blend(const MeshSpan& span, const proto::ObjectStream& stream);
   bool isInTransition() const { return morphs_.isInTransition(); }
 
+  // Whether the object's mesh has changed since the last call.
+  bool takeChanged() { return std::exchange(has_changed_, false); }
   // Appends the last mesh made to the objects' mesh.
   void appendTo(KeyframeMesh& mesh) const { mesh_.appendTo(mesh, objects_->placement(object_).model); }
 
@@ -47,6 +50,7 @@ class ObjectReplica {
   Morphs morphs_;
   proto::CutDelta delta_;
   bool is_still_ = false;  // nothing of the last mesh moves
+  bool has_changed_ = true;
   ObjectMesh mesh_;
 };
 

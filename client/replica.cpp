@@ -1,8 +1,10 @@
 #include "client/replica.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "client/mesh/mesh_builder.h"
 #include "proto/codec/section_codec.h"
@@ -92,6 +94,8 @@ void Replica::blend(const MeshSpan& span, const proto::CutDelta& change) {
   nodes_.step(morphs_.drawn());
   nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
   for (ObjectReplica& object : objects_) object.blend(span, *stream_);
+  if (const glm::dvec3 eye = to_.pose.eye; meshes_++ == 0 || glm::distance(origin_, eye) > kOriginReach_m)
+    origin_ = glm::round(eye);
 }
 
 // How many intervals a node's transition takes, by its bounding sphere. The adapter may have forgotten the radii of
@@ -112,6 +116,7 @@ void Replica::reset() {
   morphs_ = {};
   fingerprint_ = 0;
   from_ = to_ = {};
+  ++meshes_;  // the next one follows from none
   makeObjects();
   setMemory(static_cast<uint32_t>(memory().budget()));
 }
@@ -218,10 +223,48 @@ KeyframeMesh Replica::buildMesh() const {
   KeyframeMesh mesh;
   mesh.from = from_;
   mesh.to = to_;
-  const EndHeights heights = this->heights();
-  MeshBuilder(*domain_, nodes_, morphs_.all(), heights, mesh).run();
+  mesh.origin = origin_;
+  MeshBuilder(*domain_, nodes_, morphs_.all(), heights(), mesh).run();
   for (const ObjectReplica& object : objects_) object.appendTo(mesh);
   return mesh;
+}
+
+void Replica::makePatch(MeshPatch& out) {
+  out.clear();
+  out.from = from_, out.to = to_;
+  out.origin = origin_;
+  const EndHeights heights = this->heights();
+  const TerrainStep step{nodes_, morphs_, heights, from_.scene_time, to_.scene_time, origin_};
+  const bool follows = patcher_ && patched_ + 1 == meshes_,
+             has_new_origin = std::exchange(patched_origin_, origin_) != origin_;
+  if (!patcher_) patcher_ = std::make_unique<TerrainPatcher>(*domain_);
+  follows ? patcher_->step(step, out.terrain) : patcher_->rebuild(step, out.terrain);
+  out.from_nodes = patcher_->fromNodes();
+  out.to_nodes = patcher_->toNodes();
+  patchObjects(!follows || has_new_origin, out);
+  patched_ = meshes_;
+}
+
+// The objects' part as a whole, unless nothing of any of them changes.
+void Replica::patchObjects(bool is_whole, MeshPatch& out) {
+  KeyframeMesh mesh;
+  mesh.origin = origin_;
+  for (ObjectReplica& object : objects_) is_whole = object.takeChanged() || is_whole;
+  for (const ObjectReplica& object : objects_) object.appendTo(mesh);
+  const auto count = static_cast<uint32_t>(mesh.objects.from_positions.size());
+  out.object_parts = std::move(mesh.object_parts);
+  out.objects.is_whole = is_whole;
+  out.objects.vertex_count = count;
+  out.objects.triangle_count = static_cast<uint32_t>(mesh.objects.triangleCount());
+  if (!is_whole) return;
+  for (uint32_t v = 0; v < count; ++v) {
+    out.objects.positions.push_back({v, mesh.objects.from_positions[v], mesh.objects.to_positions[v]});
+    out.objects.normals.push_back({v, mesh.objects.from_normals[v], mesh.objects.to_normals[v]});
+    out.objects.parameters.push_back({v, mesh.objects.parameters[v]});
+  }
+  const std::vector<uint32_t>& i = mesh.objects.indices;
+  for (uint32_t t = 0; t < out.objects.triangle_count; ++t)
+    out.objects.triangles.push_back({t, {i[3 * t], i[3 * t + 1], i[3 * t + 2]}});
 }
 
 namespace {

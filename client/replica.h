@@ -7,10 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "client/mesh/blend_patch.h"
 #include "client/mesh/end_heights.h"
 #include "client/mesh/held_nodes.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "client/mesh/morph_timing.h"
+#include "client/mesh/terrain_patcher.h"
 #include "client/object_replica.h"
 #include "proto/codec/delta_codec.h"
 #include "proto/codec/epoch_stream.h"
@@ -43,9 +45,16 @@ class Replica {
   std::optional<proto::Resume> makeResume(const proto::Welcome& welcome, size_t most_bytes = kResumeBytes);
   static constexpr size_t kResumeBytes = 128u << 10;
 
-  // The mesh of the last apply() or extend(); its origin is near the newer keyframe's eye. After the first keyframe it
-  // shows that keyframe's section at both ends.
+  // The mesh of the last apply() or extend(), made from nothing. After the first keyframe it shows that keyframe's
+  // section at both ends. Its origin is within kOriginReach_m of the newer keyframe's eye.
   KeyframeMesh buildMesh() const;
+  // The same mesh as changes of the one that was made so last: O(changes). The first one is whole, and so is one before
+  // which a mesh was left out. Reuses the vectors of `out`.
+  void makePatch(MeshPatch& out);
+  // Memory that makePatch() keeps.
+  size_t patcherBytes() const { return patcher_ ? patcher_->bytes() : 0; }
+  // Positions are floats, so that far from their origin they are coarse: a millimetre at 8 to 16 km.
+  static constexpr double kOriginReach_m = 8192;
 
   // What is known of the terrain, ascending; and beside what is around its section.
   std::vector<proto::KnownPage> knownPages() const { return adapter_.knownPages(); }
@@ -81,6 +90,7 @@ class Replica {
   bool adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder);
   void blend(const MeshSpan& span, const proto::CutDelta& change);
   double intervals(const MorphTiming& timing, proto::Slot slot) const;
+  void patchObjects(bool is_whole, MeshPatch& out);
 
   // Behind pointers, because the adapter refers to them and replicas are moved.
   std::unique_ptr<const proto::TerrainDomain> domain_;
@@ -104,6 +114,10 @@ class Replica {
   proto::CutDelta delta_;
   proto::AdaptScratch scratch_;
   bool is_broken_ = false;  // after an Error
+  glm::dvec3 origin_{0};    // of meshes
+  glm::dvec3 patched_origin_{0};
+  uint64_t meshes_ = 0, patched_ = 0;  // how many there were, and which was patched last
+  std::unique_ptr<TerrainPatcher> patcher_;
 };
 
 }  // namespace foreland::client

@@ -16,7 +16,7 @@ constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, p
 
 }  // namespace
 
-Duration Timeline::intervalOf(const KeyframeMesh& mesh) {
+Duration Timeline::intervalOf(const MeshPatch& mesh) {
   const Duration interval = mesh.to.time - mesh.from.time;
   if (mesh.from.index == mesh.to.index) return interval;
   intervals_.push_back(interval);
@@ -26,7 +26,7 @@ Duration Timeline::intervalOf(const KeyframeMesh& mesh) {
 
 // The playout delay is the worst recent latency, outages apart, and a margin. It falls slowly, so that t_d does not
 // jump when the link gets better.
-void Timeline::updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival) {
+void Timeline::updatePlayoutDelay(const MeshPatch& mesh, Time arrival) {
   latencies_.push_back(arrival - mesh.to.time);
   if (latencies_.size() > kRecent) latencies_.pop_front();
   const Duration wanted = std::max(Duration{}, slowestUsual(latencies_) + kLatencyMargin);
@@ -41,7 +41,7 @@ void Timeline::restart() {
   playout_delay_ = {};
 }
 
-Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy) {
+Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, proto::Strategy strategy) {
   const bool still = mesh->from.index == mesh->to.index, predicted = strategy == proto::Strategy::kPredict;
   if (still) restart();
   const bool first = entries_.empty();
@@ -67,7 +67,7 @@ Duration Timeline::add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, p
   return still || first ? Duration{} : lateness;
 }
 
-void Timeline::extend(std::shared_ptr<const KeyframeMesh> mesh) {
+void Timeline::extend(std::shared_ptr<const MeshPatch> mesh) {
   const Time begin = entries_.back().end;
   entries_.push_back({std::move(mesh), begin, begin + kExtension, next_version_++});
 }

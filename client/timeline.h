@@ -18,7 +18,7 @@
 #include <memory>
 
 #include "base/time.h"
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/blend_patch.h"
 
 namespace foreland::client {
 
@@ -27,42 +27,47 @@ class Timeline {
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
   static constexpr Duration kTimeout = Duration::milliseconds(500);
   static constexpr Duration kExtension = Duration::milliseconds(250);
-  // A host that has stopped drawing keeps the newest kMaxUndrawn meshes; each can be drawn without those before it. One
-  // that draws keeps them all, up to kMaxMeshes: the playout delay may hold kLongestDelay of them, and after a stall
-  // all that were on their way arrive between two frames. To drop one that is shown would make the display jump.
+  // For a host that has stopped drawing the newest kMaxUndrawn meshes are kept; it applies the patches of those that
+  // are not (DrawnMesh::skipTo). One that draws keeps them all, up to kMaxMeshes: the playout delay may hold
+  // kLongestDelay of them, and after a stall all that were on their way arrive between two frames. To drop one that is
+  // shown would make the display jump.
   static constexpr size_t kMaxUndrawn = 8;
   static constexpr size_t kMaxMeshes = 32;
 
   // Schedules the mesh that a keyframe completed. Returns how late it arrived for the time from which it was to be
   // shown; negative is early, and 0 is returned for the first mesh and for one that does not move.
-  Duration add(std::shared_ptr<const KeyframeMesh> mesh, Time arrival, proto::Strategy strategy);
+  Duration add(std::shared_ptr<const MeshPatch> mesh, Time arrival, proto::Strategy strategy);
 
   // Schedules a mesh that extends transitions, for kExtension after the last one. There must have been a mesh.
-  void extend(std::shared_ptr<const KeyframeMesh> mesh);
+  void extend(std::shared_ptr<const MeshPatch> mesh);
+
+  // Of the meshes that are kept; 0 if there are none.
+  uint32_t oldestVersion() const { return entries_.empty() ? 0 : entries_.front().version; }
+  uint32_t newestVersion() const { return entries_.empty() ? 0 : entries_.back().version; }
 
   // Shows nothing until the next mesh is added. Versions are not reused.
   void clear() { restart(); }
 
   struct Shown {
-    const KeyframeMesh* mesh = nullptr;  // nullptr if there is none; valid until the next call of a member
-    double weight = 0;                   // of the mesh's `to`, from 0 to 1
-    Time scene_time;                     // t_d: the time in the scene that is shown
-    uint32_t version = 0;                // of the mesh; ascends, never 0
-    bool is_over = false;                // the mesh's interval has ended and no other mesh follows
+    const MeshPatch* mesh = nullptr;  // nullptr if there is none; valid until the next call of a member
+    double weight = 0;                // of the mesh's `to`, from 0 to 1
+    Time scene_time;                  // t_d: the time in the scene that is shown
+    uint32_t version = 0;             // of the mesh; ascends, never 0
+    bool is_over = false;             // the mesh's interval has ended and no other mesh follows
   };
   // What to show at `now`, which must not decrease. Drops meshes whose interval has ended.
   Shown at(Time now);
 
  private:
   struct Entry {
-    std::shared_ptr<const KeyframeMesh> mesh;
+    std::shared_ptr<const MeshPatch> mesh;
     Time begin, end;  // the client's clock
     uint32_t version;
   };
   // The interval T that the mesh is delayed by.
-  Duration intervalOf(const KeyframeMesh& mesh);
+  Duration intervalOf(const MeshPatch& mesh);
   void restart();
-  void updatePlayoutDelay(const KeyframeMesh& mesh, Time arrival);
+  void updatePlayoutDelay(const MeshPatch& mesh, Time arrival);
 
   std::deque<Entry> entries_;
   std::deque<Duration> intervals_;  // of recent meshes

@@ -86,8 +86,10 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   }
   received_keyframe_ = message.header.index;
   received_at_ = now;
-  const Duration lateness =
-      timeline_.add(std::make_shared<KeyframeMesh>(replica_->buildMesh()), now, request_.strategy);
+  std::shared_ptr<const MeshPatch> patch = makePatch();
+  const Duration lateness = timeline_.add(patch, now, request_.strategy);
+  drawn_->add(timeline_.newestVersion(), std::move(patch));
+  drawn_->skipTo(timeline_.oldestVersion());
   ViewerStatistics& s = statistics_;
   s.worst_lateness = s.keyframes == 0 ? lateness : std::max(s.worst_lateness, lateness);
   s.last_lateness = lateness;
@@ -96,6 +98,12 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   s.nodes_removed += replica_->lastDelta().removed.size();
   ++s.keyframes;
   return {};
+}
+
+std::shared_ptr<const MeshPatch> Viewer::makePatch() {
+  auto patch = std::make_shared<MeshPatch>();
+  replica_->makePatch(*patch);
+  return patch;
 }
 
 void Viewer::sendPose(Time now, const proto::Pose& pose) {
@@ -154,11 +162,15 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
   Timeline::Shown shown = timeline_.at(now);
   if (shown.is_over && now - received_at_ >= Timeline::kTimeout && replica_->isInTransition()) {
     replica_->extend(Timeline::kExtension, blend_);
-    timeline_.extend(std::make_shared<KeyframeMesh>(replica_->buildMesh()));
+    std::shared_ptr<const MeshPatch> patch = makePatch();
+    timeline_.extend(patch);
+    drawn_->add(timeline_.newestVersion(), std::move(patch));
     shown = timeline_.at(now);
   }
-  FrameView view{shown.mesh, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
-  if (!view.mesh) return view;
+  FrameView view{nullptr, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
+  if (!shown.mesh) return view;
+  drawn_->show(shown.version);
+  view.mesh = &drawn_->mesh();
   if (request_.strategy == proto::Strategy::kDelay) view.pose = poseShownAt(shown.scene_time);
   view.tolerance_px = toleranceOf(*view.mesh, view.weight, view.pose);
   ++statistics_.frames;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/drawn_mesh.h"
 #include "client/mesh/blend.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "client/replica.h"
@@ -34,11 +35,12 @@ struct ViewerStatistics {
 
 // What to draw in one frame.
 struct FrameView {
-  const KeyframeMesh* mesh = nullptr;  // nullptr until the first keyframe; valid until the next call of frame()
-  float weight = 0;                    // 0 shows mesh->from, 1 shows mesh->to
-  proto::Pose pose;                    // the camera: M(t), or M(t_d) with strategy `delay`
-  Time scene_time;                     // the time whose geometry is shown: t with `predict`, t_d otherwise
-  uint32_t mesh_version = 0;           // changes when `mesh` does: upload buffers again
+  // nullptr until the first keyframe; valid until the next call of frame() or receive()
+  const KeyframeMesh* mesh = nullptr;
+  float weight = 0;           // 0 shows mesh->from, 1 shows mesh->to
+  proto::Pose pose;           // the camera: M(t), or M(t_d) with strategy `delay`
+  Time scene_time;            // the time whose geometry is shown: t with `predict`, t_d otherwise
+  uint32_t mesh_version = 0;  // changes when `mesh` does: upload buffers again
   // The largest error on the screen, in pixels, that the server guarantees for what is shown: infinity if the camera is
   // outside the region that a shown keyframe is computed for, as it is between a jump and the first keyframe after it.
   // With `current` it is that for the camera at `scene_time`: of the present one the server had not been told.
@@ -90,11 +92,14 @@ class Viewer {
   const ViewerStatistics& statistics() const { return statistics_; }
   // The sections held; nullopt before the first welcome. For tools and tests.
   const std::optional<Replica>& replica() const { return replica_; }
+  // The mesh of the last frame() that had one, and what has changed in it.
+  DrawnMesh& drawn() { return *drawn_; }
 
  private:
   Status onWelcome(proto::Welcome welcome);
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
+  std::shared_ptr<const MeshPatch> makePatch();
   void sendPose(Time now, const proto::Pose& pose);
   void sendPoseIfDue(Time now, const proto::Pose& pose);
   proto::Pose poseShownAt(Time t) const;
@@ -110,6 +115,7 @@ class Viewer {
   std::optional<proto::SceneClock> scene_clock_;
   std::optional<Replica> replica_;
   Timeline timeline_;
+  std::unique_ptr<DrawnMesh> drawn_ = std::make_unique<DrawnMesh>();
   proto::PoseMemory poses_sent_;
   proto::KeyframeMemory keyframes_taken_;
   std::deque<Bytes> outgoing_;

@@ -50,11 +50,12 @@ class Checker {
 
   // Gives vertices at one lattice position one name, and compares their positions.
   void mergeVertices() {
-    std::vector<uint32_t> order(mesh_.parameters.size());
-    std::iota(order.begin(), order.end(), 0u);
+    std::vector<uint32_t> order = mesh_.indices;  // not the places of vertices that no triangle uses
+    std::ranges::sort(order);
+    order.erase(std::unique(order.begin(), order.end()), order.end());
     const auto key = [this](uint32_t i) { return std::pair(mesh_.parameters[i].y, mesh_.parameters[i].x); };
     std::ranges::sort(order, {}, key);
-    name_.resize(order.size());
+    name_.resize(mesh_.parameters.size());
     for (size_t k = 0; k < order.size(); ++k) {
       const uint32_t i = order[k];
       name_[i] = k > 0 && key(order[k - 1]) == key(i) ? name_[order[k - 1]] : i;

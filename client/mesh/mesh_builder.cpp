@@ -14,6 +14,7 @@ MeshBuilder::MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& no
       held_(nodes),
       nodes_(nodes, morphs),
       heights_(heights),
+      face_normal_(terrainFaceNormal(domain)),
       mesh_(mesh),
       limit_(static_cast<float>(grid_.shape().samples_x - 1), static_cast<float>(grid_.shape().samples_y - 1)) {}
 
@@ -77,7 +78,7 @@ uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found&
   uint32_t& index = vertex_of_node_[node.position];
   if (index != kNoVertex) return index;
   index = static_cast<uint32_t>(vertices_.size());
-  Vertex vertex{.drawn = {}, .endpoints = {t.a, t.b}};
+  Vertex vertex{.drawn = {}, .endpoints = {t.a, t.b}, .in = node.in};
   mesh_.parameters.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
   const std::array<double, 2> weight = nodes_.weight(node);
   for (size_t s = 0; s < 2; ++s) {
@@ -108,8 +109,8 @@ void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {
   Vertex &a = vertices_[t.a], &b = vertices_[t.b], &apex = vertices_[t.apex];
   for (size_t s = 0; s < 2; ++s) {
     if (!(sections >> s & 1)) continue;
-    const glm::dvec3 from(a.drawn[s].position);
-    const glm::dvec3 n = glm::cross(glm::dvec3(b.drawn[s].position) - from, glm::dvec3(apex.drawn[s].position) - from);
+    const glm::dvec3 n = face_normal_(glm::dvec3(a.drawn[s].position), glm::dvec3(b.drawn[s].position),
+                                      glm::dvec3(apex.drawn[s].position));
     for (Vertex* v : {&a, &b, &apex}) v->normal[s] += n;
   }
 }
@@ -155,7 +156,7 @@ uint32_t MeshBuilder::cutEdge(uint32_t inside, uint32_t outside, int axis) {
   glm::vec2 on_border = p + static_cast<float>(u) * (q - p);
   on_border[axis] = limit_[axis];
   mesh_.parameters.push_back(on_border);
-  Vertex vertex{.drawn = {}, .endpoints = {inside, outside}};
+  Vertex vertex{.drawn = {}, .endpoints = {inside, outside}, .in = 0};
   for (size_t s = 0; s < 2; ++s) {
     const glm::dvec4 from = vertices_[inside].drawn[s].position, to = vertices_[outside].drawn[s].position;
     vertex.drawn[s] = {from + u * (to - from), false};
@@ -167,7 +168,8 @@ uint32_t MeshBuilder::cutEdge(uint32_t inside, uint32_t outside, int axis) {
 void MeshBuilder::finishNormals() {
   for (size_t s = 0; s < 2; ++s) {
     completeNormals(
-        vertices_.size(), [this](size_t v) { return vertices_[v].endpoints; },
+        vertices_.size(), [this, s](size_t v) { return (vertices_[v].in >> s & 1) != 0; },
+        [this](size_t v) { return vertices_[v].endpoints; },
         [this, s](size_t v) -> glm::dvec3& { return vertices_[v].normal[s]; });
     auto& packed = s == 0 ? mesh_.from_normals : mesh_.to_normals;
     packed.reserve(vertices_.size());
@@ -176,7 +178,6 @@ void MeshBuilder::finishNormals() {
 }
 
 void MeshBuilder::writePositions() {
-  mesh_.origin = glm::round(mesh_.to.pose.eye);
   for (size_t s = 0; s < 2; ++s) {
     auto& out = s == 0 ? mesh_.from_positions : mesh_.to_positions;
     out.reserve(vertices_.size());

@@ -3,6 +3,7 @@
 //   position  from the weights of the nodes at either end (blend_position.h)
 //   normal    area-weighted over the triangles of that end's section alone, so shading does not jump where two meshes
 //             meet
+// Makes a mesh from nothing: for tools, and as the reference that the mesh by change (terrain_patcher.h) must equal.
 // Used once per mesh; one owner. O(vertices).
 #pragma once
 
@@ -14,6 +15,7 @@
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
 #include "client/mesh/end_heights.h"
+#include "client/mesh/face_normal.h"
 #include "client/mesh/held_nodes.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "proto/refine/terrain_domain.h"
@@ -22,7 +24,8 @@ namespace foreland::client {
 
 class MeshBuilder {
  public:
-  // Fills the terrain's part of `mesh`, whose keyframe headers are set. `morphs` are those of the terrain's nodes.
+  // Fills the terrain's part of `mesh`, whose keyframe headers and origin are set. `morphs` are those of the terrain's
+  // nodes.
   MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
               const EndHeights& heights, KeyframeMesh& mesh);
   void run();
@@ -44,6 +47,7 @@ class MeshBuilder {
     std::array<DrawnPosition<glm::dvec4>, 2> drawn;  // scene frame, and the height; metres
     std::array<uint32_t, 2> endpoints{kNoVertex, kNoVertex};
     std::array<glm::dvec3, 2> normal{};
+    uint8_t in = kInFrom | kInTo;  // the sections (HeldNodes::in) of which it is a vertex
   };
 
   void addBaseVertices();
@@ -65,6 +69,7 @@ class MeshBuilder {
   const HeldNodes& held_;
   const HeldNodes::Index nodes_;
   const EndHeights heights_;
+  const FaceNormal face_normal_;
   KeyframeMesh& mesh_;
   glm::vec2 limit_;                       // the data's last samples
   std::vector<Vertex> vertices_;          // in the order of the descent, so that it finds recent ones in the cache

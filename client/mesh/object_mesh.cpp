@@ -5,6 +5,7 @@
 
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
+#include "client/mesh/face_normal.h"
 #include "client/mesh/pack_normal.h"
 #include "proto/topology/mesh_triangles.h"
 
@@ -30,6 +31,13 @@ class SlotSet {
   std::vector<uint64_t> words_;
 };
 
+// Edges are no longer than the model's box, twice over for what nodes add to it.
+FaceNormal objectFaceNormal(const proto::ObjectModel& model) {
+  glm::dvec3 low(0), high(0);
+  for (const glm::ivec3& p : model.base) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
+  return FaceNormal(2 * glm::distance(low, high) * model.quantum_m);
+}
+
 // Makes vertices as the triangles of the union name them. A vertex is a base vertex, a node of either section, or the
 // midpoint of an edge where a neighbour is split (S 3.6). Where it is no node of an end's section it lies between its
 // endpoints.
@@ -44,6 +52,7 @@ class Builder {
         placement_(objects.placement(positions.object)),
         layout_(parameterLayout(mesh_.base().faceCount(), model_.atlas_side)),
         scale_(mesh_.weightScale()),
+        face_normal_(objectFaceNormal(model_)),
         out_(out) {
     in_from_.insert(sections.from);
     in_to_.insert(sections.to);
@@ -63,6 +72,7 @@ class Builder {
       proto::forEachTriangleOf(mesh_, face, isInEither, draw);
     }
     for (auto& normals : normal_) normals.resize(endpoints_.size(), glm::dvec3(0));
+    for (auto& is_vertex : is_vertex_) is_vertex.resize(endpoints_.size());
     proto::forEachTriangle(mesh_, isInFrom, [this](NodeId a, NodeId b, NodeId c) { addNormal(0, a, b, c); });
     proto::forEachTriangle(mesh_, isInTo, [this](NodeId a, NodeId b, NodeId c) { addNormal(1, a, b, c); });
     finish();
@@ -121,15 +131,18 @@ class Builder {
   void addNormal(size_t s, NodeId a, NodeId b, NodeId c) {
     const std::array<uint32_t, 3> corner{out_.vertex_of.at(a), out_.vertex_of.at(b), out_.vertex_of.at(c)};
     const auto& p = out_.position[s];
-    const glm::dvec3 n = glm::cross(p[corner[1]] - p[corner[0]], p[corner[2]] - p[corner[0]]);
-    for (uint32_t v : corner) normal_[s][v] += n;
+    const glm::dvec3 n = face_normal_(p[corner[0]], p[corner[1]], p[corner[2]]);
+    for (uint32_t v : corner) {
+      normal_[s][v] += n;
+      is_vertex_[s][v] = 1;
+    }
   }
 
   // Until here all is in the object's frame.
   void finish() {
     for (size_t s = 0; s < 2; ++s) {
       completeNormals(
-          endpoints_.size(), [&](size_t v) { return endpoints_[v]; },
+          endpoints_.size(), [&](size_t v) { return is_vertex_[s][v] != 0; }, [&](size_t v) { return endpoints_[v]; },
           [&](size_t v) -> glm::dvec3& { return normal_[s][v]; });
       for (const glm::dvec3& n : normal_[s]) out_.normal[s].push_back(packNormal(placement_.orientation * n));
       for (glm::dvec3& p : out_.position[s]) p = placement_.toScene(p);
@@ -143,11 +156,13 @@ class Builder {
   const proto::ObjectPlacement& placement_;
   const proto::AtlasLayout layout_;
   const double scale_;
+  const FaceNormal face_normal_;
   ObjectMesh& out_;
   SlotSet in_from_, in_to_, in_either_;
   std::unordered_map<NodeId, uint32_t> corners_;    // of the face at hand
   std::vector<std::array<uint32_t, 2>> endpoints_;  // by vertex
   std::array<std::vector<uint8_t>, 2> is_true_;     // by vertex: it is drawn at its true position
+  std::array<std::vector<uint8_t>, 2> is_vertex_;   // by vertex: it is a corner of the triangles of that end's section
   std::array<std::vector<glm::dvec3>, 2> normal_;
 };
 

@@ -9,13 +9,12 @@
 
 namespace foreland::client {
 
-// `n` need not be of unit length; a vector of no length packs as straight up.
+// `n` is of unit length; a vector of no length packs as straight up.
 inline uint32_t packNormal(const glm::dvec3& n) {
-  const double length = std::sqrt(glm::dot(n, n));
-  const auto byte = [&](double v) {
-    return static_cast<uint32_t>(static_cast<uint8_t>(static_cast<int32_t>(std::floor(v / length * 127 + 0.5))));
-  };
-  return length > 0 ? byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16 : 127u << 16;
+  // A conversion rounds towards zero, so it takes a positive number to round to the nearest.
+  const auto byte = [](double v) { return static_cast<uint32_t>(static_cast<int32_t>(v * 127 + 256.5)) & 0xff; };
+  const uint32_t packed = byte(n.x) | byte(n.y) << 8 | byte(n.z) << 16;
+  return packed != 0 ? packed : 127u << 16;
 }
 
 inline glm::dvec3 unpackNormal(uint32_t packed) {

@@ -2,6 +2,7 @@
 // converts; client/ and the page make the decisions. Times are milliseconds of the page's clock; texts are UTF-8. One
 // thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -30,6 +31,10 @@ struct Host {
 
   PoseRecord pose_record{};
   FrameRecord frame_record{};
+  // Of the terrain and the objects.
+  std::array<ChangesRecord, 2> changes_records{};
+  std::array<uint32_t, 2> taken_versions{};
+  std::array<ChangedRanges, 2> changes;
   WelcomeRecord welcome_record{};
   MapPositionRecord place_record{};
   StatisticsRecord statistics_record{};
@@ -196,6 +201,31 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
   out.mesh_version = view.mesh_version;
   out.tau_px = view.tolerance_px;
   fillMesh(*view.mesh, out);
+  return &out;
+}
+
+// What has changed in the terrain's arrays (`part` 0) or the objects' (1) of the last frame's mesh since the last call
+// for it. Null if that frame had no mesh.
+FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* host, uint32_t part) {
+  if (host->frame_record.mesh_version == 0 || part > 1) return nullptr;
+  PatchedMesh& mesh = part == 0 ? host->viewer.drawn().terrain() : host->viewer.drawn().objects();
+  ChangedRanges& changes = host->changes[part];
+  mesh.collectChanges(kUploadGap, changes);
+  ChangesRecord& out = host->changes_records[part];
+  out = {};
+  out.base_version = mesh.isAllChanged() ? 0 : host->taken_versions[part];
+  mesh.clearChanges();
+  host->taken_versions[part] = host->frame_record.mesh_version;
+  const auto tell = [](const std::vector<Range>& ranges, Address& address, uint32_t& count) {
+    address = addressOf(ranges.data());
+    count = static_cast<uint32_t>(ranges.size());
+  };
+  tell(changes.from_positions, out.from_positions, out.from_position_ranges);
+  tell(changes.to_positions, out.to_positions, out.to_position_ranges);
+  tell(changes.from_normals, out.from_normals, out.from_normal_ranges);
+  tell(changes.to_normals, out.to_normals, out.to_normal_ranges);
+  tell(changes.parameters, out.texture_coordinates, out.texture_coordinate_ranges);
+  tell(changes.triangles, out.triangles, out.triangle_ranges);
   return &out;
 }
 

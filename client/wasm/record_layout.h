@@ -82,6 +82,21 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, object_parts),
     FORELAND_FIELD(FrameRecord, object_part_count),
 };
+inline constexpr RecordField kChangesFields[] = {
+    FORELAND_FIELD(ChangesRecord, base_version),
+    FORELAND_FIELD(ChangesRecord, from_positions),
+    FORELAND_FIELD(ChangesRecord, from_position_ranges),
+    FORELAND_FIELD(ChangesRecord, to_positions),
+    FORELAND_FIELD(ChangesRecord, to_position_ranges),
+    FORELAND_FIELD(ChangesRecord, from_normals),
+    FORELAND_FIELD(ChangesRecord, from_normal_ranges),
+    FORELAND_FIELD(ChangesRecord, to_normals),
+    FORELAND_FIELD(ChangesRecord, to_normal_ranges),
+    FORELAND_FIELD(ChangesRecord, texture_coordinates),
+    FORELAND_FIELD(ChangesRecord, texture_coordinate_ranges),
+    FORELAND_FIELD(ChangesRecord, triangles),
+    FORELAND_FIELD(ChangesRecord, triangle_ranges),
+};
 inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, low),           FORELAND_FIELD(WelcomeRecord, high),
     FORELAND_FIELD(WelcomeRecord, lowest_m),      FORELAND_FIELD(WelcomeRecord, highest_m),
@@ -112,6 +127,7 @@ inline constexpr RecordField kTextFields[] = {FORELAND_FIELD(TextRecord, text), 
 inline constexpr RecordLayout kRecordLayouts[] = {
     {"PoseRecord", sizeof(PoseRecord), kPoseFields},
     {"FrameRecord", sizeof(FrameRecord), kFrameFields},
+    {"ChangesRecord", sizeof(ChangesRecord), kChangesFields},
     {"WelcomeRecord", sizeof(WelcomeRecord), kWelcomeFields},
     {"MapPositionRecord", sizeof(MapPositionRecord), kPlaceFields},
     {"StatisticsRecord", sizeof(StatisticsRecord), kStatisticsFields},

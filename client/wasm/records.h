@@ -50,6 +50,24 @@ struct FrameRecord {
   uint32_t object_part_count;
 };
 
+// What has changed in the arrays of the terrain's or the objects' mesh. Ranges are pairs of uint32: the first element,
+// and one past the last.
+struct ChangesRecord {
+  uint32_t base_version;  // what an array of this mesh_version lacks; 0: all of it
+  Address from_positions;
+  uint32_t from_position_ranges;
+  Address to_positions;
+  uint32_t to_position_ranges;
+  Address from_normals;
+  uint32_t from_normal_ranges;
+  Address to_normals;
+  uint32_t to_normal_ranges;
+  Address texture_coordinates;  // of objects
+  uint32_t texture_coordinate_ranges;
+  Address triangles;
+  uint32_t triangle_ranges;
+};
+
 struct WelcomeRecord {
   double low[3];  // box around the data, scene frame, metres
   double high[3];

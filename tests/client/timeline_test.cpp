@@ -13,8 +13,8 @@ using proto::Strategy;
 Time at(double ms) { return Time{} + Duration{static_cast<int64_t>(ms * 1000)}; }
 
 // The mesh from the keyframe at `from_ms` with index `index` to the next one at `to_ms`.
-std::shared_ptr<KeyframeMesh> mesh(uint32_t index, double from_ms, double to_ms) {
-  auto made = std::make_shared<KeyframeMesh>();
+std::shared_ptr<MeshPatch> mesh(uint32_t index, double from_ms, double to_ms) {
+  auto made = std::make_shared<MeshPatch>();
   made->from.index = index;
   made->from.time = at(from_ms);
   made->to.index = index + 1;
@@ -22,7 +22,7 @@ std::shared_ptr<KeyframeMesh> mesh(uint32_t index, double from_ms, double to_ms)
   return made;
 }
 
-std::shared_ptr<KeyframeMesh> stillMesh(double ms) {
+std::shared_ptr<MeshPatch> stillMesh(double ms) {
   auto made = mesh(1, ms, ms);
   made->to.index = 1;
   return made;
@@ -128,7 +128,7 @@ TEST(Timeline, ExtendsAfterTheLastMesh) {
 TEST(Timeline, KeepsTheNewestMeshesOnlyWhenNothingIsDrawn) {
   Timeline timeline;
   timeline.add(stillMesh(0), at(0), Strategy::kPredict);
-  std::weak_ptr<KeyframeMesh> oldest;
+  std::weak_ptr<MeshPatch> oldest;
   for (uint32_t i = 1; i < Timeline::kMaxUndrawn; ++i) {
     const auto made = mesh(i, 200.0 * i, 200.0 * (i + 1));
     if (i == 1) oldest = made;

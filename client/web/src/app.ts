@@ -121,6 +121,8 @@ export class App {
     } else {
       this.viewer.destroy();
       this.viewer = new Viewer(this.core, this.request());
+      this.terrain.forget();
+      this.objects.forget();
       this.viewer.setBlend(this.settings.blend);
       this.sent_request = JSON.stringify(this.request());
       if (this.address.tour) this.tours.request(this.address.tour, this.viewer);
@@ -283,9 +285,10 @@ export class App {
     if (frame.mesh_version > 0) this.scene_time.show(frame.ground_time_ms);
     this.ground_time_ms = frame.ground_time_ms;
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
+    const changes = this.viewer.takeChanges();
     const mesh = this.viewer.mesh();
-    this.terrain.upload(mesh);
-    this.objects.upload(mesh);
+    this.terrain.upload(mesh, changes.terrain);
+    this.objects.upload(mesh, changes.objects);
     this.prediction.expect(mesh.to_time_ms, mesh.to_pose.eye);
     const { triangles, vertices, to_nodes, to_time_ms, version } = mesh; // the arrays do not outlive this frame
     this.mesh = { triangles, vertices, to_nodes, tau_px: frame.tau_px, to_time_ms, version };

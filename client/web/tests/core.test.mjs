@@ -101,7 +101,7 @@ test('a session gives meshes without cracks', kTest, async () => {
 // The heights of what is drawn at either end, by place; only of vertices that the camera, which looks down, sees.
 function heightsInView(mesh, eye, positions) {
   const heights = new Map();
-  for (let v = 0; v < mesh.vertices; ++v) {
+  for (const v of new Set(mesh.indices)) { // not places that no triangle uses
     const [x, y, z] = [0, 1, 2].map((axis) => mesh.origin[axis] + positions[4 * v + axis]);
     const [right, up, depth] = [x - eye[0], y - eye[1], eye[2] - z];
     const tan_y = Math.tan(0.5 * kRequest.fov_rad), tan_x = (tan_y * kRequest.width_px) / kRequest.height_px;

@@ -1,7 +1,7 @@
 // The client core (client/wasm) as the page sees it: a module to load once, and a Viewer for each session. Arrays point into
 // the module's memory and are valid until the next call into it.
 import {
-  kRecordLayout, readFrameRecord, readMapPositionRecord, readPoseRecord, readStatisticsRecord, readTextRecord, readWelcomeRecord,
+  kRecordLayout, readChangesRecord, readFrameRecord, readMapPositionRecord, readPoseRecord, readStatisticsRecord, readTextRecord, readWelcomeRecord,
   type MapPositionRecord, type PoseRecord, type StatisticsRecord,
 } from './records';
 
@@ -56,6 +56,18 @@ export interface ObjectArrays {
   parts: Uint32Array;
 }
 
+// What has changed in a mesh's arrays since they were of version `base_version`; 0: all of it. Ranges are pairs: the first
+// element, and one past the last; of triangles their numbers.
+export interface Changes {
+  base_version: number;
+  from_positions: Uint32Array;
+  to_positions: Uint32Array;
+  from_normals: Uint32Array;
+  to_normals: Uint32Array;
+  texture_coordinates: Uint32Array;
+  triangles: Uint32Array;
+}
+
 export interface Frame {
   pose: Pose;
   scene_time_ms: number; // the page's clock: the time whose view is shown
@@ -97,6 +109,7 @@ interface Exports {
   foreland_take_outgoing(viewer: number): number;
   foreland_error(viewer: number): number;
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
+  foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number, occlusion: number, memory_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
@@ -252,6 +265,27 @@ export class Viewer {
         indices: new Uint32Array(memory, r.object_indices, r.object_index_count),
         parts: new Uint32Array(memory, r.object_parts, 3 * r.object_part_count),
       },
+    };
+  }
+
+  // What has changed in the mesh of the last frame(), which had one, since the last call. Valid as long as the mesh; to be
+  // called before mesh(), whose arrays it makes invalid.
+  takeChanges(): { terrain: Changes; objects: Changes } {
+    const [terrain, objects] = [0, 1].map((part) => this.core.exports.foreland_take_changes(this.handle, part)) as [number, number];
+    return { terrain: this.changesAt(terrain), objects: this.changesAt(objects) };
+  }
+  private changesAt(record: number): Changes {
+    const view = this.core.view();
+    const r = readChangesRecord(view, record);
+    const ranges = (address: number, count: number) => new Uint32Array(view.buffer as ArrayBuffer, address, 2 * count);
+    return {
+      base_version: r.base_version,
+      from_positions: ranges(r.from_positions, r.from_position_ranges),
+      to_positions: ranges(r.to_positions, r.to_position_ranges),
+      from_normals: ranges(r.from_normals, r.from_normal_ranges),
+      to_normals: ranges(r.to_normals, r.to_normal_ranges),
+      texture_coordinates: ranges(r.texture_coordinates, r.texture_coordinate_ranges),
+      triangles: ranges(r.triangles, r.triangle_ranges),
     };
   }
 

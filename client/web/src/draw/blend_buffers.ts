@@ -1,19 +1,45 @@
-// Buffers of a mesh between two keyframes, straight on the graphics card: filled when the mesh changes.
+// Buffers of a mesh between two keyframes, straight on the graphics card: brought up to date when the mesh changes.
 import * as THREE from 'three';
+import type { Changes } from '../core/core';
 
 export interface Channel {
   buffer: WebGLBuffer;
   attribute: THREE.GLBufferAttribute;
+  capacity: number; // bytes on the card
 }
+
+// A mesh changes little by little and may grow: its buffers have so much more than it needs.
+const kSlack = 1.25;
 
 export function channel(gl: WebGL2RenderingContext, type: number, items: number, bytes: 1 | 2 | 4): Channel {
   const buffer = gl.createBuffer()!;
-  return { buffer, attribute: new THREE.GLBufferAttribute(buffer, type, items, bytes, 0) };
+  return { buffer, attribute: new THREE.GLBufferAttribute(buffer, type, items, bytes, 0), capacity: 0 };
 }
 
 export function fill(gl: WebGL2RenderingContext, target: number, channel: Channel, data: ArrayBufferView, count: number): void {
   gl.bindBuffer(target, channel.buffer);
-  gl.bufferData(target, data, gl.DYNAMIC_DRAW);
+  if (data.byteLength > channel.capacity || kSlack * kSlack * data.byteLength < channel.capacity) {
+    channel.capacity = Math.ceil((kSlack * data.byteLength) / 4) * 4;
+    gl.bufferData(target, channel.capacity, gl.DYNAMIC_DRAW);
+  }
+  gl.bufferSubData(target, 0, data);
+  channel.attribute.setCount(count);
+}
+
+type Elements = Float32Array | Int8Array | Uint32Array;
+
+// Uploads the ranges of an array, `items` numbers for each element of theirs. All of it if it has outgrown its buffer.
+export function patch(gl: WebGL2RenderingContext, target: number, channel: Channel, data: Elements, items: number, ranges: Uint32Array,
+                      count: number): void {
+  if (data.byteLength > channel.capacity) {
+    fill(gl, target, channel, data, count);
+    return;
+  }
+  gl.bindBuffer(target, channel.buffer);
+  for (let i = 0; i < ranges.length; i += 2) {
+    const [begin, end] = [items * ranges[i]!, items * ranges[i + 1]!];
+    gl.bufferSubData(target, begin * data.BYTES_PER_ELEMENT, data, begin, end - begin);
+  }
   channel.attribute.setCount(count);
 }
 
@@ -43,6 +69,15 @@ export function fillBlend(gl: WebGL2RenderingContext, c: BlendChannels, index: C
   fill(gl, gl.ARRAY_BUFFER, c.from_normal, mesh.from_normals, mesh.vertices);
   fill(gl, gl.ARRAY_BUFFER, c.to_normal, mesh.to_normals, mesh.vertices);
   fill(gl, gl.ELEMENT_ARRAY_BUFFER, index, mesh.indices, mesh.indices.length);
+}
+
+// `changes` are those since what the buffers hold.
+export function patchBlend(gl: WebGL2RenderingContext, c: BlendChannels, index: Channel, mesh: BlendArrays, changes: Changes): void {
+  patch(gl, gl.ARRAY_BUFFER, c.from_position, mesh.from_positions, 4, changes.from_positions, mesh.vertices);
+  patch(gl, gl.ARRAY_BUFFER, c.to_position, mesh.to_positions, 4, changes.to_positions, mesh.vertices);
+  patch(gl, gl.ARRAY_BUFFER, c.from_normal, mesh.from_normals, 4, changes.from_normals, mesh.vertices);
+  patch(gl, gl.ARRAY_BUFFER, c.to_normal, mesh.to_normals, 4, changes.to_normals, mesh.vertices);
+  patch(gl, gl.ELEMENT_ARRAY_BUFFER, index, mesh.indices, 3, changes.triangles, mesh.indices.length);
 }
 
 export function bindBlend(geometry: THREE.BufferGeometry, channels: BlendChannels, index: Channel): void {

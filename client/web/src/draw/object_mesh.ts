@@ -1,8 +1,8 @@
 // The scene's objects on the graphics card, blended between two keyframes by the terrain's weight and textured with the images
 // of their models.
 import * as THREE from 'three';
-import { bindBlend, blendChannels, channel, fill, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
-import type { Mesh } from '../core/core';
+import { bindBlend, blendChannels, channel, fill, fillBlend, patch, patchBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
+import type { Changes, Mesh } from '../core/core';
 import { kObjectFragment, kObjectVertex } from './shaders';
 import { WireLines } from './wire_lines';
 
@@ -17,6 +17,7 @@ export class ObjectMesh {
   private readonly index: Channel;
   private readonly materials: THREE.RawShaderMaterial[] = [];
   private readonly origin = new THREE.Vector3();
+  private version = 0; // of the mesh on the card; 0: none
   triangles = 0;
   images = 0; // how many have been loaded
 
@@ -43,15 +44,23 @@ export class ObjectMesh {
     this.wire.object.visible = options.wireframe;
   }
 
-  upload(mesh: Mesh): void {
+  // `changes` are those that the viewer tells of this mesh.
+  upload(mesh: Mesh, changes: Changes): void {
     const { objects } = mesh;
     this.triangles = objects.indices.length / 3;
     this.object.visible = this.triangles > 0;
     if (!this.object.visible) return;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
-    fillBlend(gl, this.channels, this.index, objects);
-    fill(gl, gl.ARRAY_BUFFER, this.texture_coordinate, objects.texture_coordinates, objects.vertices);
+    if (this.version !== 0 && changes.base_version === this.version) {
+      patchBlend(gl, this.channels, this.index, objects, changes);
+      const { texture_coordinates: ranges } = changes;
+      patch(gl, gl.ARRAY_BUFFER, this.texture_coordinate, objects.texture_coordinates, 2, ranges, objects.vertices);
+    } else {
+      fillBlend(gl, this.channels, this.index, objects);
+      fill(gl, gl.ARRAY_BUFFER, this.texture_coordinate, objects.texture_coordinates, objects.vertices);
+    }
+    this.version = mesh.version;
     this.geometry.clearGroups();
     for (let i = 0; i < objects.parts.length; i += 3) {
       const [first, count, model] = [objects.parts[i]!, objects.parts[i + 1]!, objects.parts[i + 2]!];
@@ -60,6 +69,11 @@ export class ObjectMesh {
     }
     this.origin.fromArray(mesh.origin);
     if (this.wire.object.visible) this.wire.upload(objects.indices, true);
+  }
+
+  // A new session counts its meshes anew.
+  forget(): void {
+    this.version = 0;
   }
 
   placeFrom(eye: readonly number[]): void {

@@ -1,8 +1,8 @@
 // The keyframe mesh on the graphics card. Buffers are filled when the mesh changes, straight from the client core's memory;
 // between keyframes only one number changes, the weight.
 import * as THREE from 'three';
-import { bindBlend, blendChannels, channel, fillBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
-import type { Mesh, Welcome } from '../core/core';
+import { bindBlend, blendChannels, channel, fillBlend, patchBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
+import type { Changes, Mesh, Welcome } from '../core/core';
 import { kTerrainFragment, kTerrainVertex } from './shaders';
 import { kSun } from './sky';
 import { WireLines } from './wire_lines';
@@ -59,11 +59,12 @@ export class TerrainMesh {
     this.uniforms.u_haze!.value = options.fog ? this.haze : 0;
   }
 
-  // Call when the mesh's version differs from `version`.
-  upload(mesh: Mesh): void {
+  // Call when the mesh's version differs from `version`; `changes` are those that the viewer tells of this mesh.
+  upload(mesh: Mesh, changes: Changes): void {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
-    fillBlend(gl, this.channels, this.index, mesh);
+    if (this.version !== 0 && changes.base_version === this.version) patchBlend(gl, this.channels, this.index, mesh, changes);
+    else fillBlend(gl, this.channels, this.index, mesh);
     this.origin.fromArray(mesh.origin);
     this.version = mesh.version;
     this.triangles = mesh.triangles;

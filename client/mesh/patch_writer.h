@@ -1,0 +1,81 @@
+// Collects the vertices that change in one patch: where each begins, when it is touched for the first time, and where
+// it ends. A mesh has two ends, and the state of its vertices is brought from the last mesh's end to this one's
+// beginning, then to its end; what is touched before beginDone() gets its beginning there. One owner.
+#pragma once
+
+#include "client/mesh/blend_patch.h"
+#include "client/mesh/pack_normal.h"
+#include "client/mesh/terrain_vertices.h"
+
+namespace foreland::client {
+
+class PatchWriter {
+ public:
+  PatchWriter(TerrainVertices& vertices, const glm::dvec3& origin, BlendPatch& out)
+      : vertices_(vertices), origin_(origin), out_(out) {}
+
+  // To be called before the vertex moves, and before its normal turns.
+  void touchPosition(uint32_t v) {
+    TerrainVertex& vertex = vertices_[v];
+    if (vertex.position_entry != kNoVertex) return;
+    vertex.position_entry = static_cast<uint32_t>(out_.positions.size());
+    out_.positions.push_back({v, positionOf(vertex), {}});
+  }
+  void touchNormal(uint32_t v) {
+    TerrainVertex& vertex = vertices_[v];
+    if (vertex.normal_entry != kNoVertex) return;
+    vertex.normal_entry = static_cast<uint32_t>(out_.normals.size());
+    out_.normals.push_back({v, vertex.packed_normal, 0});
+    if (!has_begun_) before_.push_back(vertex.packed_normal);
+  }
+  // A vertex whose arrays hold nothing yet.
+  void addVertex(uint32_t v, const glm::vec2& parameter) {
+    vertices_[v].packed_normal = kNoNormal;
+    touchPosition(v);
+    touchNormal(v);
+    out_.parameters.push_back({v, parameter});
+  }
+
+  // All vertices are where the mesh begins.
+  void beginDone() {
+    has_begun_ = true;
+    for (BlendPatch::Position& p : out_.positions) p.from = positionOf(vertices_[p.vertex]);
+    for (BlendPatch::Normal& n : out_.normals) n.from = pack(n.vertex);
+  }
+  // All vertices are where the mesh ends. Leaves out normals that did not change, and vertices that are gone.
+  void endDone() {
+    for (BlendPatch::Position& p : out_.positions) {
+      p.to = positionOf(vertices_[p.vertex]);
+      vertices_[p.vertex].position_entry = kNoVertex;
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < out_.normals.size(); ++i) {
+      BlendPatch::Normal n = out_.normals[i];
+      vertices_[n.vertex].normal_entry = kNoVertex;
+      n.to = pack(n.vertex);
+      const uint32_t before = i < before_.size() ? before_[i] : n.from;
+      if (before != n.from || n.from != n.to) out_.normals[kept++] = n;
+    }
+    out_.normals.resize(kept);
+    out_.vertex_count = vertices_.count();
+  }
+
+ private:
+  static constexpr uint32_t kNoNormal = 0xffffffffu;  // packs of nothing
+
+  glm::vec4 positionOf(const TerrainVertex& vertex) const {
+    return {glm::vec3(vertex.position - origin_), static_cast<float>(vertex.height_m)};
+  }
+  uint32_t pack(uint32_t v) {
+    TerrainVertex& vertex = vertices_[v];
+    return vertex.packed_normal = packNormal(vertex.is_in_section ? unitNormal(vertex.normal) : vertex.normal);
+  }
+
+  TerrainVertices& vertices_;
+  glm::dvec3 origin_;
+  BlendPatch& out_;
+  std::vector<uint32_t> before_;  // normals that entries had before the mesh's beginning
+  bool has_begun_ = false;
+};
+
+}  // namespace foreland::client

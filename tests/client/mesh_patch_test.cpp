@@ -1,0 +1,91 @@
+// The mesh by change is the mesh made anew, bit for bit, through any sequence of keyframes, extended transitions,
+// restarts and meshes that nobody took; its ranges of changes hold all that changed.
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "client/mesh/blend_patch.h"
+#include "client/replica.h"
+#include "server/section/sender.h"
+#include "server/session/world.h"
+#include "tests/support/same_mesh.h"
+#include "tests/support/scene.h"
+#include "tests/support/seed.h"
+#include "tests/support/wanderer.h"
+#include "tests/world/ring_of_objects.h"
+
+namespace foreland::test {
+namespace {
+
+using client::Blend;
+using client::KeyframeMesh;
+
+class MeshPatches : public testing::Test {
+ protected:
+  void begin(uint32_t samples_x, uint32_t samples_y, proto::FrameKind kind) {
+    scene_ = makeScene(samples_x, samples_y, seed_, kind);
+    hierarchy_.emplace(scene_, proto::ErrorBound::kSpheroid, objectsIn(*scene_, 6));
+    sender_.emplace(*hierarchy_);
+    replica_.emplace(server::welcomeTo(*hierarchy_));
+    shown_ = {};
+    terrain_.emplace(shown_);
+    objects_.emplace(shown_.objects);
+  }
+
+  void keyframe(const proto::View& view, Blend blend) {
+    if (rng_.below(12) == 0) sender_.emplace(*hierarchy_);  // the next keyframe starts from nothing
+    now_ = now_ + Duration::milliseconds(20 + static_cast<int64_t>(rng_.below(400)));
+    Bytes message;
+    sender_->send(view, now_, scratch_, message);
+    const auto status = replica_->apply(sender_->keyframe(), ByteSpan(message).subspan(sender_->headerBytes()), blend);
+    CHECK_TRUE(status.ok());
+  }
+
+  void expectSame() {
+    client::MeshPatch patch;
+    replica_->makePatch(patch);
+    terrain_->apply(patch.terrain);
+    objects_->apply(patch.objects);
+    const KeyframeMesh anew = replica_->buildMesh();
+    ASSERT_EQ(patch.origin, anew.origin);
+    ASSERT_TRUE(isSameMesh(shown_, anew));
+    ASSERT_TRUE(isSameMesh(shown_.objects, anew.objects));
+    ASSERT_EQ(patch.from_nodes, anew.from_nodes);
+    ASSERT_EQ(patch.to_nodes, anew.to_nodes);
+    ASSERT_LE(shown_.parameters.size(), 2 * anew.parameters.size() + client::kFewPlaces);
+    whole_ += patch.terrain.is_whole;
+    ++all_;
+  }
+
+  const uint64_t seed_ = randomSeed();
+  Rng rng_{seed_};
+  std::shared_ptr<const terrain::Scene> scene_;
+  std::optional<server::Hierarchy> hierarchy_;
+  std::optional<server::SectionSender> sender_;
+  std::optional<client::Replica> replica_;
+  server::SendScratch scratch_;
+  Time now_ = Time::seconds(1);
+  KeyframeMesh shown_;
+  std::optional<client::PatchedMesh> terrain_, objects_;
+  size_t whole_ = 0, all_ = 0;
+};
+
+TEST_F(MeshPatches, MakeTheMeshThatIsMadeAnew) {
+  for (proto::FrameKind kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic})
+    for (bool morphs : {false, true}) {
+      begin(100 + static_cast<uint32_t>(rng_.below(80)), 90 + static_cast<uint32_t>(rng_.below(80)), kind);
+      Wanderer wanderer(*hierarchy_, rng_.below(1u << 30));
+      for (int i = 0; i < 60; ++i) {
+        keyframe(wanderer.next(), morphs && rng_.below(8) > 0 ? Blend::kGeomorph : Blend::kKeyframe);
+        if (rng_.below(10) == 0) continue;  // nobody takes this mesh
+        ASSERT_NO_FATAL_FAILURE(expectSame()) << "mesh " << i << ", morphs " << morphs;
+        if (rng_.below(3) > 0) continue;
+        replica_->extend(Duration::milliseconds(250), morphs ? Blend::kGeomorph : Blend::kKeyframe);
+        ASSERT_NO_FATAL_FAILURE(expectSame()) << "after mesh " << i << ", morphs " << morphs;
+      }
+    }
+  EXPECT_LT(3 * whole_, all_) << "most meshes should follow from the last one";
+}
+
+}  // namespace
+}  // namespace foreland::test
