@@ -143,9 +143,7 @@ TerrainPatcher::Move TerrainPatcher::drawnAt(uint32_t v, Slot slot, double weigh
   const proto::SparseNodes& records = now().nodes.records();
   const auto own = [&] { return truePosition(vertices_[v].id, records.at(slot).height(), end); };
   const auto displacement = [&] {
-    const auto trueAt = [&](uint32_t end) {
-      return truePosition(vertices_[end].id, records.height(vertices_[end].id));
-    };
+    const auto trueAt = [&](uint32_t u) { return truePosition(vertices_[u].id, records.height(vertices_[u].id), end); };
     return own() - 0.5 * (trueAt(a) + trueAt(b));
   };
   const DrawnPosition<glm::dvec4> p = blendPosition(willBeAt(a), willBeAt(b), weight, own, displacement);

@@ -9,8 +9,8 @@
 // triangles that it ends and adds those that it makes. The triangles of the mesh are those of the union of both ends'
 // sections: a node that enters the union halves one or two of them, a node that leaves it merges them again.
 //
-// One owner. step(): O(nodes changed or in transition), and O(edges that cross the data's border); while scene time goes,
-// O(mesh) to find what the ground moves. rebuild(): O(mesh).
+// One owner. step(): O(nodes changed or in transition), and O(edges that cross the data's border); while scene time
+// goes, O(mesh) to find what the ground moves. rebuild(): O(mesh).
 #pragma once
 
 #include <span>

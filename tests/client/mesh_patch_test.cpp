@@ -22,8 +22,12 @@ using client::KeyframeMesh;
 
 class MeshPatches : public testing::Test {
  protected:
-  void begin(uint32_t samples_x, uint32_t samples_y, proto::FrameKind kind) {
-    scene_ = makeScene(samples_x, samples_y, seed_, kind);
+  // With another size each time; `epochs` 0: the ground does not move.
+  void begin(proto::FrameKind kind, size_t epochs) {
+    const auto samples_x = static_cast<uint32_t>(100 + rng_.below(80)),
+               samples_y = static_cast<uint32_t>(90 + rng_.below(80));
+    scene_ = epochs > 0 ? makeMovingScene(samples_x, samples_y, seed_, epochs, kind)
+                        : makeScene(samples_x, samples_y, seed_, kind);
     hierarchy_.emplace(scene_, proto::ErrorBound::kSpheroid, objectsIn(*scene_, 6));
     sender_.emplace(*hierarchy_);
     replica_.emplace(server::welcomeTo(*hierarchy_));
@@ -35,10 +39,23 @@ class MeshPatches : public testing::Test {
   void keyframe(const proto::View& view, Blend blend) {
     if (rng_.below(12) == 0) sender_.emplace(*hierarchy_);  // the next keyframe starts from nothing
     now_ = now_ + Duration::milliseconds(20 + static_cast<int64_t>(rng_.below(400)));
+    if (!scene_->epochs().epochs().empty()) moveSceneTime();
     Bytes message;
     sender_->send(view, now_, scratch_, message);
     const auto status = replica_->apply(sender_->keyframe(), ByteSpan(message).subspan(sender_->headerBytes()), blend);
     CHECK_TRUE(status.ok());
+  }
+
+  // It stands, goes on or back, or is somewhere else.
+  void moveSceneTime() {
+    const proto::Epochs& epochs = scene_->epochs().epochs();
+    const auto span = static_cast<double>((epochs.last() - epochs.first()).us);
+    if (rng_.below(4) == 0) return sender_->showAt(scene_time_);
+    const double wanted = rng_.below(8) == 0
+                              ? static_cast<double>(epochs.first().us) + rng_.uniform(0, span)
+                              : static_cast<double>(scene_time_.us) + rng_.uniform(-0.05, 0.1) * span;
+    scene_time_ = epochs.towards(scene_time_, epochs.clamp(wanted));
+    sender_->showAt(scene_time_);
   }
 
   void expectSame() {
@@ -64,7 +81,7 @@ class MeshPatches : public testing::Test {
   std::optional<server::SectionSender> sender_;
   std::optional<client::Replica> replica_;
   server::SendScratch scratch_;
-  Time now_ = Time::seconds(1);
+  Time now_ = Time::seconds(1), scene_time_;
   KeyframeMesh shown_;
   std::optional<client::PatchedMesh> terrain_, objects_;
   size_t whole_ = 0, all_ = 0;
@@ -73,7 +90,7 @@ class MeshPatches : public testing::Test {
 TEST_F(MeshPatches, MakeTheMeshThatIsMadeAnew) {
   for (proto::FrameKind kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic})
     for (bool morphs : {false, true}) {
-      begin(100 + static_cast<uint32_t>(rng_.below(80)), 90 + static_cast<uint32_t>(rng_.below(80)), kind);
+      begin(kind, rng_.below(2) * 5);
       Wanderer wanderer(*hierarchy_, rng_.below(1u << 30));
       for (int i = 0; i < 60; ++i) {
         keyframe(wanderer.next(), morphs && rng_.below(8) > 0 ? Blend::kGeomorph : Blend::kKeyframe);

@@ -71,7 +71,7 @@ class Judge {
     const size_t after = std::min(before + 1, epochs.size() - 1);
     const double span = (epochs[after].time - epochs[before].time).toSeconds(),
                  passed = span > 0 ? (mesh.to.scene_time - epochs[before].time).toSeconds() / span : 0;
-    for (size_t i = 0; i < mesh.parameters.size(); ++i) {
+    for (uint32_t i : mesh.indices) {
       const glm::vec2 p = mesh.parameters[i];
       const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y));
       if (glm::vec2(v.x(), v.y()) != p) continue;  // where a triangle was cut at the data's border
