@@ -51,9 +51,8 @@ class MeshPatches : public testing::Test {
     const proto::Epochs& epochs = scene_->epochs().epochs();
     const auto span = static_cast<double>((epochs.last() - epochs.first()).us);
     if (rng_.below(4) == 0) return sender_->showAt(scene_time_);
-    const double wanted = rng_.below(8) == 0
-                              ? static_cast<double>(epochs.first().us) + rng_.uniform(0, span)
-                              : static_cast<double>(scene_time_.us) + rng_.uniform(-0.05, 0.1) * span;
+    const double wanted = rng_.below(8) == 0 ? static_cast<double>(epochs.first().us) + rng_.uniform(0, span)
+                                             : static_cast<double>(scene_time_.us) + rng_.uniform(-0.05, 0.1) * span;
     scene_time_ = epochs.towards(scene_time_, epochs.clamp(wanted));
     sender_->showAt(scene_time_);
   }
