@@ -28,7 +28,7 @@ Fleet randomFleet(Rng& rng) {
   fleet.servers.resize(2 + rng.below(6));
   for (ServerLoad& s : fleet.servers) s.is_open = rng.below(5) != 0;
   for (size_t i = rng.below(60); i > 0; --i) {
-    fleet.viewers.push_back({rng.below(fleet.servers.size()), rng.uniform(0, 0.1), rng.below(4) != 0});
+    fleet.viewers.push_back({rng.below(fleet.servers.size()), rng.uniform(0, 0.4), rng.below(4) != 0});
     fleet.servers[fleet.viewers.back().server].used += fleet.viewers.back().used;
   }
   return fleet;
