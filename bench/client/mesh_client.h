@@ -1,5 +1,5 @@
 // A client at the end of a wire without a link that makes every keyframe's mesh in two ways: by change, and anew. For
-// `foreland bench client`, natively and as a WebAssembly module. One owner.
+// `foreland bench client`. One owner.
 #pragma once
 
 #include <cstdint>
