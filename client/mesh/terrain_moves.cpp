@@ -1,6 +1,7 @@
 // TerrainPatcher's part for vertices that move and stay in the section: nodes in transition by per-node morph timing,
 // nodes with another height, and all that lie between such.
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <iterator>
 
@@ -139,14 +140,14 @@ DrawnPosition<glm::dvec4> TerrainPatcher::willBeAt(uint32_t v) const {
 
 // As MeshBuilder::vertexOf.
 TerrainPatcher::Move TerrainPatcher::drawnAt(uint32_t v, Slot slot, double weight, End end) const {
-  const auto [a, b] = vertices_[v].endpoints();
+  const std::array<uint32_t, 2> ends = vertices_[v].endpoints();
   const proto::SparseNodes& records = now().nodes.records();
   const auto own = [&] { return truePosition(vertices_[v].id, records.at(slot).height(), end); };
   const auto displacement = [&] {
     const auto trueAt = [&](uint32_t u) { return truePosition(vertices_[u].id, records.height(vertices_[u].id), end); };
-    return own() - 0.5 * (trueAt(a) + trueAt(b));
+    return own() - 0.5 * (trueAt(ends[0]) + trueAt(ends[1]));
   };
-  const DrawnPosition<glm::dvec4> p = blendPosition(willBeAt(a), willBeAt(b), weight, own, displacement);
+  const DrawnPosition<glm::dvec4> p = blendPosition(willBeAt(ends[0]), willBeAt(ends[1]), weight, own, displacement);
   return {v, glm::dvec3(p.position), p.position.w, p.is_true};
 }
 
