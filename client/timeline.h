@@ -1,4 +1,4 @@
-// Decides which mesh is shown when (DESIGN section 4). A keyframe mesh spans the scene times [from.time, to.time] and
+// Decides which mesh is shown when (DESIGN section 4). A keyframe mesh spans the times [from.time, to.time] and
 // is shown during an interval of the client's clock that begins where that of the mesh before it ends, so what is drawn
 // never jumps:
 //   predict         from from.time to to.time: geometry and clock agree, and nothing is delayed
@@ -51,7 +51,7 @@ class Timeline {
   struct Shown {
     const MeshPatch* mesh = nullptr;  // nullptr if there is none; valid until the next call of a member
     double weight = 0;                // of the mesh's `to`, from 0 to 1
-    Time scene_time;                  // t_d: the time in the scene that is shown
+    Time shown_time;                  // t_d: the time on the path that is shown
     uint32_t version = 0;             // of the mesh; ascends, never 0
     bool is_over = false;             // the mesh's interval has ended and no other mesh follows
   };

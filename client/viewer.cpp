@@ -167,16 +167,16 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
     drawn_->add(timeline_.newestVersion(), std::move(patch));
     shown = timeline_.at(now);
   }
-  FrameView view{nullptr, static_cast<float>(shown.weight), pose, shown.scene_time, shown.version};
+  FrameView view{nullptr, static_cast<float>(shown.weight), pose, shown.shown_time, shown.version};
   if (!shown.mesh) return view;
   drawn_->show(shown.version);
   view.mesh = &drawn_->mesh();
-  if (request_.strategy == proto::Strategy::kDelay) view.pose = poseShownAt(shown.scene_time);
+  if (request_.strategy == proto::Strategy::kDelay) view.pose = poseShownAt(shown.shown_time);
   view.tolerance_px = toleranceOf(*view.mesh, view.weight, view.pose);
   ++statistics_.frames;
   if (std::isinf(view.tolerance_px)) ++statistics_.frames_outside;
-  if (request_.strategy == proto::Strategy::kCurrent && !hasJumpedSince(shown.scene_time))
-    view.tolerance_px = toleranceOf(*view.mesh, view.weight, poseShownAt(shown.scene_time));
+  if (request_.strategy == proto::Strategy::kCurrent && !hasJumpedSince(shown.shown_time))
+    view.tolerance_px = toleranceOf(*view.mesh, view.weight, poseShownAt(shown.shown_time));
   return view;
 }
 

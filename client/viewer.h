@@ -39,11 +39,11 @@ struct FrameView {
   const KeyframeMesh* mesh = nullptr;
   float weight = 0;           // 0 shows mesh->from, 1 shows mesh->to
   proto::Pose pose;           // the camera: M(t), or M(t_d) with strategy `delay`
-  Time scene_time;            // the time whose geometry is shown: t with `predict`, t_d otherwise
+  Time shown_time;            // the time whose geometry is shown: t with `predict`, t_d otherwise
   uint32_t mesh_version = 0;  // changes when `mesh` does: upload buffers again
   // The largest error on the screen, in pixels, that the server guarantees for what is shown: infinity if the camera is
   // outside the region that a shown keyframe is computed for, as it is between a jump and the first keyframe after it.
-  // With `current` it is that for the camera at `scene_time`: of the present one the server had not been told.
+  // With `current` it is that for the camera at `shown_time`: of the present one the server had not been told.
   float tolerance_px = 0;
 };
 

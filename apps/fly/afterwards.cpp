@@ -74,7 +74,7 @@ Result<uint64_t> Afterwards::dump(const client::FlightLog& log) {
     const uint64_t n = number++;
     if (n % options_.dump_every != 0 || !view.mesh) return true;
     status =
-        dump_->write({n, (now - player.path().start).toSeconds(), (view.scene_time - player.path().start).toSeconds()},
+        dump_->write({n, (now - player.path().start).toSeconds(), (view.shown_time - player.path().start).toSeconds()},
                      view, log.options.request);
     return status.ok();
   });

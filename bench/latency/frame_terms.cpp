@@ -47,7 +47,7 @@ FrameJudge::Mesh FrameJudge::trueKeyframe(const proto::KeyframeHeader& header) {
 
 FrameTerms FrameJudge::judge(const client::FrameView& view, Time now) {
   constexpr size_t kDrawn = 0, kShown = 1, kThird = 2;
-  const Mesh shown = viewAt(shown_, view.scene_time);
+  const Mesh shown = viewAt(shown_, view.shown_time);
   Mesh current, from, to;
   const DrawnShare drawn_share{.mesh = view.mesh, .weight = view.weight}, shown_share{.mesh = shown.get()};
   std::array<DrawnShare, 2> third_shares;
@@ -84,7 +84,7 @@ FrameTerms FrameJudge::judge(const client::FrameView& view, Time now) {
   }
   FrameTerms frame{.time_s = (now - flight_.path->start).toSeconds(),
                    .weight = view.weight,
-                   .delay_ms = (now - view.scene_time).toMilliseconds(),
+                   .delay_ms = (now - view.shown_time).toMilliseconds(),
                    .triangles = view.mesh->triangleCount(),
                    .is_outside = std::isinf(view.tolerance_px)};
   const std::vector<Deviation> found = oracle_.compare(surfaces, pairs, view.pose, flight_.lens);

@@ -40,7 +40,7 @@ class Measurement {
     truth_.seconds = (now - player.path().start).toSeconds();
     const bool is_new = std::exchange(measured_version_, view.mesh_version) != view.mesh_version;
     if (is_new) measureMesh(player);
-    const double delay_ms = (now - view.scene_time).toMilliseconds();
+    const double delay_ms = (now - view.shown_time).toMilliseconds();
     if (strategy_ != proto::Strategy::kPredict) {
       delay_sum_ms_ += delay_ms;
       truth_.delay_max_ms = std::max(truth_.delay_max_ms, delay_ms);
@@ -113,7 +113,7 @@ class Measurement {
     const client::FrameView& view = player.view();
     const double tau_px = view.mesh->to.tau_px;
     const Mesh shown = options_.section_at(
-        {.pose = player.path().at(view.scene_time), .lens = lens_, .tau_px = tau_px, .scene_time = sceneTimeOf(view)});
+        {.pose = player.path().at(view.shown_time), .lens = lens_, .tau_px = tau_px, .scene_time = sceneTimeOf(view)});
     const DrawnShare shown_share{.mesh = shown.get()};
     if (strategy_ == proto::Strategy::kPredict && blend_ == client::Blend::kKeyframe) {
       const Mesh from = keyframeAt(player, view.mesh->from), to = keyframeAt(player, view.mesh->to);

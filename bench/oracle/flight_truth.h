@@ -9,7 +9,7 @@
 //   error at keyframes  what is drawn at each keyframe's time (weight 1: its section, but for geomorphs) against the
 //                       truth, seen from the pose it was computed for
 //   error in frames     what is drawn against the truth, seen as the frame shows it
-//   interpolation       |S_view(s) - S_inter(s)|, s the scene time shown. `delay`, `current`, geomorphs: S_inter is what is drawn.
+//   interpolation       |S_view(s) - S_inter(s)|, s the time shown. `delay`, `current`, geomorphs: S_inter is what is drawn.
 //                       `predict`: between the sections for the true poses at the two keyframes' times, so that extrapolation
 //                       stays apart
 //   view                |S_view(t) - S_view(t_d)|; `current` only, zero otherwise

@@ -44,7 +44,7 @@ uint64_t hashOf(const FrameView& view, uint64_t mesh, uint64_t before) {
                                        bits(q.y),
                                        bits(q.z),
                                        bits(q.w),
-                                       static_cast<uint64_t>(view.scene_time.us)};
+                                       static_cast<uint64_t>(view.shown_time.us)};
   return XXH3_64bits_withSeed(words.data(), sizeof(words), before);
 }
 

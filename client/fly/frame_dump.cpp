@@ -95,8 +95,8 @@ Status FrameDump::write(const Frame& frame, const FrameView& view, const proto::
   const glm::dvec3& eye = view.pose.eye;
   const glm::dquat& q = view.pose.orientation;
   const std::string line =
-      format("{\"file\":\"%s\",\"frame\":%llu,\"time_s\":%.6f,\"scene_time_s\":%.6f,\"eye_m\":[%.17g,%.17g,%.17g],",
-             name.c_str(), static_cast<unsigned long long>(frame.number), frame.time_s, frame.scene_time_s, eye.x,
+      format("{\"file\":\"%s\",\"frame\":%llu,\"time_s\":%.6f,\"shown_time_s\":%.6f,\"eye_m\":[%.17g,%.17g,%.17g],",
+             name.c_str(), static_cast<unsigned long long>(frame.number), frame.time_s, frame.shown_time_s, eye.x,
              eye.y, eye.z) +
       format("\"orientation_wxyz\":[%.17g,%.17g,%.17g,%.17g],\"vertical_fov_rad\":%.17g,\"viewport_px\":[%u,%u],", q.w,
              q.x, q.y, q.z, request.lens.vertical_fov_rad, request.lens.width_px, request.lens.height_px) +

@@ -25,7 +25,7 @@ class FrameDump {
   struct Frame {
     uint64_t number = 0;  // counts shown frames from 0
     double time_s = 0;    // since the flight began
-    double scene_time_s = 0;
+    double shown_time_s = 0;
   };
   // `view.mesh` is not nullptr.
   Status write(const Frame& frame, const FrameView& view, const proto::ViewRequest& request);

@@ -76,7 +76,7 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.origin[2] = mesh.origin.z;
   out.from_time_ms = millisecondsOf(mesh.from.time);
   out.to_time_ms = millisecondsOf(mesh.to.time);
-  out.ground_time_ms =
+  out.scene_time_ms =
       millisecondsOf(mesh.from.scene_time) + out.weight * (mesh.to.scene_time - mesh.from.scene_time).toMilliseconds();
   out.to_pose = recordOf(mesh.to.pose);
   out.vertex_count = static_cast<uint32_t>(mesh.to_positions.size());
@@ -195,7 +195,7 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
   FrameRecord& out = host->frame_record;
   out = {};
   out.pose = recordOf(view.pose);
-  out.scene_time_ms = millisecondsOf(view.scene_time);
+  out.shown_time_ms = millisecondsOf(view.shown_time);
   out.weight = view.weight;
   if (view.mesh == nullptr) return &out;
   out.mesh_version = view.mesh_version;

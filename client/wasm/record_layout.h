@@ -52,10 +52,10 @@ inline constexpr RecordField kPoseFields[] = {FORELAND_FIELD(PoseRecord, eye), F
 inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, pose),
     FORELAND_FIELD(FrameRecord, origin),
-    FORELAND_FIELD(FrameRecord, scene_time_ms),
+    FORELAND_FIELD(FrameRecord, shown_time_ms),
     FORELAND_FIELD(FrameRecord, from_time_ms),
     FORELAND_FIELD(FrameRecord, to_time_ms),
-    FORELAND_FIELD(FrameRecord, ground_time_ms),
+    FORELAND_FIELD(FrameRecord, scene_time_ms),
     FORELAND_FIELD(FrameRecord, to_pose),
     FORELAND_FIELD(FrameRecord, weight),
     FORELAND_FIELD(FrameRecord, mesh_version),

@@ -18,11 +18,11 @@ struct PoseRecord {
 struct FrameRecord {
   PoseRecord pose;
   double origin[3];      // scene frame, metres; positions are relative to it
-  double scene_time_ms;  // the client's clock
+  double shown_time_ms;  // the client's clock
   double from_time_ms;
   double to_time_ms;
-  double ground_time_ms;  // whose ground is shown, since 1970, in scenes with epochs
-  PoseRecord to_pose;     // the pose that the newer section was computed for
+  double scene_time_ms;  // whose ground is shown, since 1970, in scenes with epochs
+  PoseRecord to_pose;    // the pose that the newer section was computed for
   float weight;
   uint32_t mesh_version;  // 0: no mesh yet
   uint32_t vertex_count;

@@ -49,7 +49,7 @@ TEST(Timeline, NeverGoesBackAndNeverSkipsWhateverTheArrivals) {
       ASSERT_NE(shown.mesh, nullptr);
       ASSERT_GE(shown.weight, 0);
       ASSERT_LE(shown.weight, 1);
-      ASSERT_GE(shown.scene_time, last.scene_time) << now;
+      ASSERT_GE(shown.shown_time, last.shown_time) << now;
       ASSERT_LE(shown.version - last.version, last.version > 0 ? 1u : 2u) << now;
       if (shown.version != last.version && last.version > 0) {
         // 5 ms of at least kShortestBlend at either side of the change.
@@ -82,7 +82,7 @@ TEST(Timeline, PredictShowsTheTimeThatItIs) {
   for (double now : {200.0, 250.0, 300.0, 399.0}) {
     const auto shown = timeline.at(at(now));
     EXPECT_NEAR(shown.weight, (now - 200) / 200, 1e-9);
-    EXPECT_EQ(shown.scene_time, at(now));
+    EXPECT_EQ(shown.shown_time, at(now));
     EXPECT_FALSE(shown.is_over);
   }
   EXPECT_TRUE(timeline.at(at(400)).is_over);
@@ -95,8 +95,8 @@ TEST(Timeline, DelayShowsTheSceneLaterByTheIntervalAndThePlayoutDelay) {
   // The latency is 30 ms, and the margin 10 ms: from.time + T + playout delay = 240 ms.
   EXPECT_EQ(timeline.at(at(240)).weight, 0);
   EXPECT_NEAR(timeline.at(at(340)).weight, 0.5, 1e-9);
-  EXPECT_EQ(timeline.at(at(340)).scene_time, at(100));
-  EXPECT_EQ(timeline.at(at(440)).scene_time, at(200));
+  EXPECT_EQ(timeline.at(at(340)).shown_time, at(100));
+  EXPECT_EQ(timeline.at(at(440)).shown_time, at(200));
 }
 
 TEST(Timeline, ALateMeshBeginsOnArrivalEndsInTimeAndLastsTheShortestBlendAtLeast) {

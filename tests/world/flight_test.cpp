@@ -186,7 +186,7 @@ TEST(World, ASlowLinkGetsFewerKeyframesAndStaysCurrent) {
   Time first{};
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
     if (first == Time{}) first = now;
-    if (now > first + Duration::milliseconds(10'000)) worst = std::max(worst, now - view.scene_time);
+    if (now > first + Duration::milliseconds(10'000)) worst = std::max(worst, now - view.shown_time);
   };
   world.run(Time::seconds(60));
   EXPECT_EQ(world.report(), "");

@@ -87,7 +87,7 @@ TEST_P(ReadingNothing, LeavesNothingPiledUpAndComesBackInSeconds) {
   world.addClient(c);
   Duration worst{};
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
-    if (now > back) worst = std::max(worst, now - view.scene_time);
+    if (now > back) worst = std::max(worst, now - view.shown_time);
   };
   world.run(begin);
   const uint32_t before = world.session(0).keyframe().index;
@@ -133,7 +133,7 @@ TEST_P(SlowLink, KeyframesStayCurrentAt20KilobitsASecond) {
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
     most_tau_px = std::max(most_tau_px, view.mesh->to.tau_px);
     least_tau_px = std::min(least_tau_px, view.mesh->to.tau_px);
-    if (now > kBegun) worst = std::max(worst, now - view.scene_time);
+    if (now > kBegun) worst = std::max(worst, now - view.shown_time);
   };
   world.run(kBegun + Duration::seconds(kSeconds));
   EXPECT_EQ(world.report(), "");

@@ -52,7 +52,7 @@ export class App {
   private sent_request = ''; // the last one, as JSON
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
-  private ground_time_ms = 0; // of the last frame
+  private scene_time_ms = 0; // of the last frame
   private last_ms = 0;
   private frames = 0;
 
@@ -106,7 +106,7 @@ export class App {
       heading: this.controls.look.heading,
       above_ground_m: this.above_ground_m,
       title: this.welcome?.title ?? null,
-      ground_time_ms: this.ground_time_ms,
+      scene_time_ms: this.scene_time_ms,
       ...this.viewer.statistics(),
     };
   }
@@ -282,8 +282,8 @@ export class App {
   private takeMesh(frame: Frame, now_ms: number, sent: Pose): void {
     this.prediction.frame(now_ms, sent.eye);
     if (this.mesh) this.mesh.tau_px = frame.tau_px;
-    if (frame.mesh_version > 0) this.scene_time.show(frame.ground_time_ms);
-    this.ground_time_ms = frame.ground_time_ms;
+    if (frame.mesh_version > 0) this.scene_time.show(frame.scene_time_ms);
+    this.scene_time_ms = frame.scene_time_ms;
     if (!this.terrain.needsUpload(frame.mesh_version)) return;
     const changes = this.viewer.takeChanges();
     const mesh = this.viewer.mesh();
@@ -326,7 +326,7 @@ export class App {
       statistics: this.viewer.statistics(),
       mesh: this.mesh,
       strategy: this.settings.strategy,
-      shown_late_ms: now_ms - frame.scene_time_ms,
+      shown_late_ms: now_ms - frame.shown_time_ms,
       is_late: this.mesh !== null && this.settings.strategy === 'predict' && now_ms > this.mesh.to_time_ms + 20,
       prediction_error_m: this.settings.strategy === 'predict' ? this.prediction.error_m : null,
       welcome: this.welcome,

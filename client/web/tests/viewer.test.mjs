@@ -270,7 +270,7 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
       const bar = page.locator('#time');
       assert.equal(await bar.isVisible(), true);
       assert.equal(await bar.locator('.ticks i').count(), 3);
-      assert.equal((await status(page)).ground_time_ms, first);
+      assert.equal((await status(page)).scene_time_ms, first);
       const drag = (ms) => bar.locator('input').evaluate((slider, value) => {
         slider.value = String(value);
         slider.dispatchEvent(new Event('input'));
@@ -279,19 +279,19 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
       }, ms);
       const before_ = await page.screenshot();
       const middle = await drag(first + 500 * day_ms);
-      await until(page, (s, ms) => s.ground_time_ms === ms, middle);
+      await until(page, (s, ms) => s.scene_time_ms === ms, middle);
       assert.equal(await bar.locator('output').textContent(), new Date(middle).toISOString().slice(0, 10));
       assert.ok((await changedShare(page, before_, await page.screenshot())) > 0.1, 'the ground is another one');
       await bar.locator('select').selectOption('90');
       await bar.locator('button').click();
-      await until(page, (s, ms) => s.ground_time_ms > ms + 20 * 86_400_000 && s.ground_time_ms < ms + 200 * 86_400_000, middle);
+      await until(page, (s, ms) => s.scene_time_ms > ms + 20 * 86_400_000 && s.scene_time_ms < ms + 200 * 86_400_000, middle);
       await bar.locator('button').click(); // stops
       const { keyframes } = await status(page);
       const stopped = await until(page, (s, n) => s.keyframes > n + 15, keyframes);
-      assert.equal((await until(page, (s, n) => s.keyframes > n + 10, stopped.keyframes)).ground_time_ms, stopped.ground_time_ms);
+      assert.equal((await until(page, (s, n) => s.keyframes > n + 10, stopped.keyframes)).scene_time_ms, stopped.scene_time_ms);
       await bar.locator('select').selectOption('365');
       await bar.locator('button').click();
-      await until(page, (s, ms) => s.ground_time_ms === ms, last);
+      await until(page, (s, ms) => s.scene_time_ms === ms, last);
       assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Run scene time');
     }, { server: moving });
   } finally {
@@ -316,9 +316,9 @@ test('the strip of a ground that changes', kTest, async () => {
           for (const event of ['input', 'change']) s.dispatchEvent(new Event(event));
           return Number(s.value);
         }, first + share * (last - first));
-        await until(page, (s, ms) => s.ground_time_ms === ms, at);
+        await until(page, (s, ms) => s.scene_time_ms === ms, at);
         const { keyframes } = await status(page);
-        await until(page, (s, n) => s.keyframes > n + 8 && s.ground_time_ms > 0, keyframes);
+        await until(page, (s, n) => s.keyframes > n + 8 && s.scene_time_ms > 0, keyframes);
         const { width, height } = page.viewportSize();
         const date = await page.locator('#time output').textContent();
         const clip = { x: 0.34 * width, y: 0.16 * height, width: 0.32 * width, height: 0.62 * height };

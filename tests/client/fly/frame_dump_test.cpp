@@ -48,7 +48,7 @@ TEST_F(FrameDumpTest, WritesALinePerFrameAndLeavesNothingUnfinished) {
   auto dump = FrameDump::create(folder_);
   ASSERT_TRUE(dump.ok()) << dump.error().message;
   const KeyframeMesh mesh = test::flatMesh(1, 4);
-  const FrameView view{.mesh = &mesh, .weight = 0.5, .pose = {}, .scene_time = {}, .mesh_version = 1};
+  const FrameView view{.mesh = &mesh, .weight = 0.5, .pose = {}, .shown_time = {}, .mesh_version = 1};
   ASSERT_TRUE(dump->write({0, 0, 0}, view, {}).ok());
   ASSERT_TRUE(dump->write({60, 1, 1}, view, {}).ok());
   const std::string lines = textOf(folder_ / "frames.jsonl");

@@ -70,8 +70,8 @@ export interface Changes {
 
 export interface Frame {
   pose: Pose;
-  scene_time_ms: number; // the page's clock: the time whose view is shown
-  ground_time_ms: number; // since 1970: the time whose ground is shown, in scenes that change in time
+  shown_time_ms: number; // the page's clock: the time whose view is shown
+  scene_time_ms: number; // since 1970: the time whose ground is shown, in scenes that change in time
   weight: number;
   mesh_version: number; // 0: no mesh yet
   tau_px: number; // what the error of this frame is guaranteed not to exceed; Infinity: nothing is guaranteed
@@ -231,8 +231,8 @@ export class Viewer {
   frame(now_ms: number, pose: Pose): Frame {
     this.frame_record = this.core.exports.foreland_frame(this.handle, now_ms, ...pose.eye, ...pose.orientation);
     const r = readFrameRecord(this.core.view(), this.frame_record);
-    const { scene_time_ms, ground_time_ms, weight, mesh_version, tau_px } = r;
-    return { pose: r.pose, scene_time_ms, ground_time_ms, weight, mesh_version, tau_px };
+    const { shown_time_ms, scene_time_ms, weight, mesh_version, tau_px } = r;
+    return { pose: r.pose, shown_time_ms, scene_time_ms, weight, mesh_version, tau_px };
   }
   // The mesh of the last frame().
   mesh(): Mesh {

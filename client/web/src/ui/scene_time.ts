@@ -52,12 +52,12 @@ export class SceneTime {
   }
 
   // What the last frame shows.
-  show(ground_time_ms: number): void {
+  show(scene_time_ms: number): void {
     if (this.root.hidden || this.is_dragged) return;
-    this.at_ms = ground_time_ms;
-    this.slider.value = String(ground_time_ms);
-    this.date.value = dateText(ground_time_ms);
-    if (this.is_playing && ground_time_ms === this.end()) this.showPlaying(false);
+    this.at_ms = scene_time_ms;
+    this.slider.value = String(scene_time_ms);
+    this.date.value = dateText(scene_time_ms);
+    if (this.is_playing && scene_time_ms === this.end()) this.showPlaying(false);
   }
 
   // Where scene time goes to at the chosen speed.
