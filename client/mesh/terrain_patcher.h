@@ -53,8 +53,6 @@ class TerrainPatcher {
   uint32_t fromNodes() const { return from_nodes_; }
   uint32_t toNodes() const { return section_nodes_; }
   size_t bytes() const { return vertices_.bytes() + triangles_.bytes(); }
-  // CHECKs all that must hold between the structures. O(mesh).
-  void validate() const;
 
  private:
   using Slots = std::vector<proto::Slot>;

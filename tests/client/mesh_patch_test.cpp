@@ -2,6 +2,8 @@
 // restarts and meshes that nobody took; its ranges of changes hold all that changed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <optional>
 
 #include "client/mesh/blend_patch.h"
@@ -19,6 +21,37 @@ namespace {
 
 using client::Blend;
 using client::KeyframeMesh;
+
+// What a graphics card holds that is sent the ranges of changes alone.
+struct Uploaded {
+  client::BlendMesh mesh;
+
+  void take(client::PatchedMesh& patched, const client::BlendMesh& from, size_t gap) {
+    const bool is_all = patched.isAllChanged();
+    client::ChangedRanges changes;
+    if (!is_all) patched.collectChanges(gap, changes);
+    const auto upload = [&](const std::vector<client::Range>& ranges, size_t each, const auto& source, auto& held) {
+      held.resize(source.size());
+      if (is_all) held = source;
+      for (const client::Range& r : ranges)
+        std::copy(source.begin() + static_cast<ptrdiff_t>(each * r.begin),
+                  source.begin() + static_cast<ptrdiff_t>(each * r.end),
+                  held.begin() + static_cast<ptrdiff_t>(each * r.begin));
+    };
+    upload(changes.from_positions, 1, from.from_positions, mesh.from_positions);
+    upload(changes.to_positions, 1, from.to_positions, mesh.to_positions);
+    upload(changes.from_normals, 1, from.from_normals, mesh.from_normals);
+    upload(changes.to_normals, 1, from.to_normals, mesh.to_normals);
+    upload(changes.parameters, 1, from.parameters, mesh.parameters);
+    upload(changes.triangles, 3, from.indices, mesh.indices);
+    patched.clearChanges();
+  }
+  bool holds(const client::BlendMesh& other) const {
+    return mesh.from_positions == other.from_positions && mesh.to_positions == other.to_positions &&
+           mesh.from_normals == other.from_normals && mesh.to_normals == other.to_normals &&
+           mesh.parameters == other.parameters && mesh.indices == other.indices;
+  }
+};
 
 class MeshPatches : public testing::Test {
  protected:
@@ -68,6 +101,13 @@ class MeshPatches : public testing::Test {
     ASSERT_TRUE(isSameMesh(shown_.objects, anew.objects));
     ASSERT_EQ(patch.from_nodes, anew.from_nodes);
     ASSERT_EQ(patch.to_nodes, anew.to_nodes);
+    if (rng_.below(3) > 0) {  // otherwise the next upload is of the changes of several meshes
+      const size_t gap = rng_.below(2) * client::kUploadGap;
+      uploaded_[0].take(*terrain_, shown_, gap);
+      uploaded_[1].take(*objects_, shown_.objects, gap);
+      ASSERT_TRUE(uploaded_[0].holds(shown_));
+      ASSERT_TRUE(uploaded_[1].holds(shown_.objects));
+    }
     ASSERT_LE(shown_.parameters.size(), 2 * anew.parameters.size() + client::kFewPlaces);
     whole_ += patch.terrain.is_whole;
     ++all_;
@@ -83,6 +123,7 @@ class MeshPatches : public testing::Test {
   Time now_ = Time::seconds(1), scene_time_;
   KeyframeMesh shown_;
   std::optional<client::PatchedMesh> terrain_, objects_;
+  std::array<Uploaded, 2> uploaded_;  // of the terrain, and of objects
   size_t whole_ = 0, all_ = 0;
 };
 
