@@ -1,11 +1,12 @@
 #include "bench/animated/orders.h"
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <glm/geometric.hpp>
 
 #include "base/check.h"
+#include "bench/oracle/oracle.h"
+#include "bench/oracle/surface/oracle_eye.h"
 #include "bench/timing.h"
 
 namespace foreland::bench {
@@ -14,39 +15,6 @@ namespace {
 
 constexpr int kMostOrder = 3;
 constexpr size_t kWindow = 2 * kMostOrder + 1;  // keyframes around a joint
-
-// A camera at rest, in pixels.
-class Screen {
- public:
-  explicit Screen(const proto::View& view)
-      : eye_(view.pose.eye),
-        right_(view.pose.right()),
-        up_(view.pose.up()),
-        ahead_(view.pose.forward()),
-        focal_px_(view.lens.focalPx()),
-        half_(0.5 * view.lens.width_px, 0.5 * view.lens.height_px) {}
-
-  bool sees(const glm::dvec3& p) const {
-    const glm::dvec3 d = p - eye_;
-    const double depth = glm::dot(d, ahead_);
-    return depth > 1 && std::fabs(glm::dot(d, right_)) * focal_px_ < depth * half_.x &&
-           std::fabs(glm::dot(d, up_)) * focal_px_ < depth * half_.y;
-  }
-  // How fast the image of a point moves, in pixels by the unit of the velocity's time.
-  glm::dvec2 velocity(const glm::dvec3& p, const glm::dvec3& v) const {
-    const glm::dvec3 d = p - eye_;
-    const double depth = glm::dot(d, ahead_), receding = glm::dot(v, ahead_);
-    const auto along = [&](const glm::dvec3& axis) {
-      return focal_px_ * (glm::dot(v, axis) * depth - receding * glm::dot(d, axis)) / (depth * depth);
-    };
-    return {along(right_), along(up_)};
-  }
-
- private:
-  glm::dvec3 eye_, right_, up_, ahead_;
-  double focal_px_;
-  glm::dvec2 half_;
-};
 
 // The weights of a window's keyframes, a keyframe before the joint at `first`.
 std::vector<double> spread(const std::vector<double>& weights, size_t first) {
@@ -124,15 +92,18 @@ class Keyframes {
   std::deque<client::BlendedKeyframe> window_;
 };
 
-// Jumps of velocity at one joint, in pixels a second.
-void judge(const client::OrderMesh& mesh, const Joint& joint, const Screen& screen, double interval_s,
+// Jumps of velocity at one joint, in pixels a second, seen by an eye at rest.
+void judge(const client::OrderMesh& mesh, const Joint& joint, const OracleEye& eye, double interval_s,
            std::vector<double>& jumps_px_s) {
+  constexpr double kMoment = 1e-6;                     // intervals, over which a velocity is a distance
+  std::vector<bool> is_drawn(mesh.parameters.size());  // vertices of no triangle lie beyond the data
+  for (uint32_t vertex : mesh.indices) is_drawn[vertex] = true;
   for (size_t v = 0; v < mesh.parameters.size(); ++v) {
     const glm::dvec3 p = glm::dvec3(mesh.at(v, joint.position)) + mesh.origin;
-    if (!screen.sees(p)) continue;
-    const glm::dvec2 before = screen.velocity(p, glm::dvec3(mesh.at(v, joint.before))),
-                     after = screen.velocity(p, glm::dvec3(mesh.at(v, joint.after)));
-    jumps_px_s.push_back(glm::distance(before, after) / interval_s);
+    if (!is_drawn[v] || eye.depth(p) < Oracle::kDefaultNear_m || !eye.sees(eye.project(p))) continue;
+    const glm::dvec3 before = kMoment * glm::dvec3(mesh.at(v, joint.before)),
+                     after = kMoment * glm::dvec3(mesh.at(v, joint.after));
+    jumps_px_s.push_back(glm::distance(eye.project(p + before), eye.project(p + after)) / (kMoment * interval_s));
   }
 }
 
@@ -156,7 +127,7 @@ std::vector<OrderFigures> measureOrders(const server::Hierarchy& hierarchy, std:
     const proto::View& at = views[k - kMostOrder];
     const client::OrderMesh mesh = keyframes.mesh(at.pose.eye);
     for (size_t i = 0; i < figures.size(); ++i) {
-      judge(mesh, joints[i], Screen(at), interval.toSeconds(), jumps_px_s[i]);
+      judge(mesh, joints[i], OracleEye(at.pose, at.lens), interval.toSeconds(), jumps_px_s[i]);
       ++figures[i].joints;
     }
   }

@@ -70,8 +70,10 @@ void LoadSimulation::wait(size_t i) {
 
 // Those who hold least first, for then the fewest wait for long.
 void LoadSimulation::admit() {
-  std::stable_sort(waiting_.begin(), waiting_.end(),
-                   [&](size_t a, size_t b) { return viewers_[a]->resume_work < viewers_[b]->resume_work; });
+  const auto holdsLess = [&](size_t a, size_t b) { return viewers_[a]->resume_work < viewers_[b]->resume_work; };
+  // By insertion, which is stable; libstdc++'s stable_sort uses what clang warns of.
+  for (auto it = waiting_.begin(); it != waiting_.end(); ++it)
+    std::rotate(std::upper_bound(waiting_.begin(), it, *it, holdsLess), it, it + 1);
   while (!waiting_.empty()) {
     Viewer& v = *viewers_[waiting_.front()];
     v.goes_to = placeViewer(options_.cluster.balance, serverLoads(), turn_, balancing_);

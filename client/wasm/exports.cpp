@@ -28,6 +28,7 @@ struct Host {
   std::string error;
   proto::Path tour;
   std::vector<double> landmarks, epochs_ms;
+  std::vector<uint32_t> model_sides;
 
   PoseRecord pose_record{};
   FrameRecord frame_record{};
@@ -301,6 +302,10 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   for (const proto::Epoch& epoch : from.epochs) host->epochs_ms.push_back(millisecondsOf(epoch.time));
   out.epoch_count = static_cast<uint32_t>(host->epochs_ms.size());
   out.epochs = addressOf(host->epochs_ms.data());
+  host->model_sides.clear();
+  for (const proto::ObjectModel& model : from.models) host->model_sides.push_back(model.atlas_side);
+  out.model_count = static_cast<uint32_t>(host->model_sides.size());
+  out.model_sides = addressOf(host->model_sides.data());
   return &out;
 }
 

@@ -106,7 +106,8 @@ inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, is_geographic), FORELAND_FIELD(WelcomeRecord, samples_x),
     FORELAND_FIELD(WelcomeRecord, samples_y),     FORELAND_FIELD(WelcomeRecord, landmark_count),
     FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, epoch_count),
-    FORELAND_FIELD(WelcomeRecord, epochs),        FORELAND_FIELD(WelcomeRecord, unused),
+    FORELAND_FIELD(WelcomeRecord, epochs),        FORELAND_FIELD(WelcomeRecord, model_count),
+    FORELAND_FIELD(WelcomeRecord, model_sides),   FORELAND_FIELD(WelcomeRecord, unused),
 };
 inline constexpr RecordField kPlaceFields[] = {
     FORELAND_FIELD(MapPositionRecord, height_m),

@@ -86,6 +86,8 @@ struct WelcomeRecord {
   Address landmarks;        // double x, y, z, in the scene frame
   uint32_t epoch_count;     // of a scene that changes in time
   Address epochs;           // double milliseconds since 1970, ascending
+  uint32_t model_count;     // of objects
+  Address model_sides;      // uint32: texels a base edge of each model's image; 0: it has none
   uint32_t unused;          // keeps the size a multiple of 8
 };
 

@@ -148,6 +148,7 @@ export class App {
     const is_first = this.welcome === null;
     this.welcome = welcome;
     this.terrain.setScene(welcome);
+    this.objects.setScene(welcome);
     this.terrain.show(this.settings);
     this.objects.show(this.settings);
     this.scene_time.setEpochs(welcome.epochs_ms);

@@ -57,14 +57,14 @@ export async function makeMovingScene(folder) {
   return scene;
 }
 
-// A scene with `count` rings of many colours on its ground.
-export async function makeSceneWithObjects(folder, count) {
+// A scene with `count` rings on its ground, of many colours or of none.
+export async function makeSceneWithObjects(folder, count, colours = true) {
   const foreland = join(bin, 'foreland');
   const raster = join(folder, 'Ground.tif');
   const model = join(folder, 'ring.obj');
   const surface = join(folder, 'ring.fls');
   const scene = join(folder, 'objects.fls');
-  await writeFile(model, ringObj(48, 24));
+  await writeFile(model, ringObj(48, 24, colours));
   await run(foreland, ['remesh', model, '-o', surface, '--levels', '4', '--base-triangles', '96']);
   await run(foreland, ['synth', '-o', raster, '--size', '257', '--spacing', '30', '--seed', '9']);
   const about = JSON.parse((await run(foreland, ['build', raster, '-o', scene]).then(() => run(foreland, ['info', scene, '--json']))).stdout);
@@ -79,14 +79,14 @@ export async function makeSceneWithObjects(folder, count) {
   return scene;
 }
 
-// A torus of radius 1 with a colour for each vertex, as OBJ, standing upright.
-function ringObj(around, across) {
+// A torus of radius 1, as OBJ, standing upright; with a colour for each vertex, or without.
+function ringObj(around, across, colours) {
   const lines = [];
   for (let i = 0; i < around; ++i) {
     for (let j = 0; j < across; ++j) {
       const [a, b] = [(2 * Math.PI * i) / around, (2 * Math.PI * j) / across];
       const r = 1 + 0.35 * Math.cos(b);
-      const colour = [0, 2, 4].map((shift) => (0.5 + 0.5 * Math.cos(a + shift)).toFixed(3));
+      const colour = (colours ? [0, 2, 4] : []).map((shift) => (0.5 + 0.5 * Math.cos(a + shift)).toFixed(3));
       lines.push(`v ${(r * Math.cos(a)).toFixed(6)} ${(0.35 * Math.sin(b)).toFixed(6)} ${(r * Math.sin(a)).toFixed(6)} ${colour.join(' ')}`);
     }
   }

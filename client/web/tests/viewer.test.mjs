@@ -352,6 +352,21 @@ test('the strip of a ground that changes', kTest, async () => {
 test('a scene that does not change has no time line', kTest, () =>
   visit('', async (page) => assert.equal(await page.locator('#time').isVisible(), false)));
 
+test('a model without an image is drawn, and none is asked for', kTest, async () => {
+  const plain = await startServer(await makeSceneWithObjects(folder.folder, 3, false));
+  try {
+    await visit('tour=orbit', async (page) => {
+      const asked = [];
+      page.on('request', (request) => asked.push(request.url()));
+      const { keyframes } = await until(page, (s) => s.object_triangles > 3 * 96);
+      await until(page, (s, n) => s.keyframes > n + 3, keyframes);
+      assert.deepEqual(asked.filter((url) => url.includes('models/')), []);
+    }, { server: plain }); // and the console has nothing to complain of
+  } finally {
+    await plain.stop();
+  }
+});
+
 // Pictures go to docs/images only when asked for, so that a test run leaves the checkout as it was.
 test('the picture for the README', kTest, () =>
   visit('', async (page) => {

@@ -88,6 +88,7 @@ export interface Welcome {
   crs: string;
   is_geographic: boolean;
   samples: [number, number];
+  model_has_image: boolean[]; // of the objects' models
   epochs_ms: number[]; // since 1970, of a scene that changes in time
   landmarks: [number, number, number][];
 }
@@ -323,6 +324,7 @@ export class Viewer {
       crs: this.core.text(r.crs, r.crs_size),
       is_geographic: r.is_geographic === 1,
       samples: [r.samples_x, r.samples_y],
+      model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
       epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
       landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
     };

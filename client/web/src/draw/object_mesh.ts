@@ -17,6 +17,7 @@ export class ObjectMesh {
   private readonly index: Channel;
   private readonly materials: THREE.RawShaderMaterial[] = [];
   private readonly origin = new THREE.Vector3();
+  private has_image: readonly boolean[] = []; // by model
   private version = 0; // of the mesh on the card; 0: none
   triangles = 0;
   images = 0; // how many have been loaded
@@ -38,6 +39,10 @@ export class ObjectMesh {
     this.wire = new WireLines(renderer, this.channels, uniforms);
     this.object.add(surfaces, this.wire.object);
     this.object.visible = false;
+  }
+
+  setScene(scene: { model_has_image: readonly boolean[] }): void {
+    this.has_image = scene.model_has_image;
   }
 
   show(options: { wireframe: boolean }): void {
@@ -83,7 +88,7 @@ export class ObjectMesh {
   // A plain colour until the model's image has been loaded, and for good if the model has none.
   private materialOf(model: number): THREE.RawShaderMaterial {
     const image = { value: textureOf(new Uint8Array(kPlain), 1, 1) };
-    void this.load(model, image);
+    if (this.has_image[model]) void this.load(model, image);
     return shader(kObjectVertex, kObjectFragment, { ...this.uniforms, u_image: image });
   }
 
