@@ -78,7 +78,8 @@ class Keyframes {
   void learn(const proto::Section& section, Time scene_time) {
     const proto::Epochs& epochs = offsets_.epochs();
     if (epochs.empty()) return;
-    for (uint32_t epoch : epochs.weightsAt(scene_time).epochs())
+    const proto::EpochWeights weights = epochs.weightsAt(scene_time);
+    for (uint32_t epoch : weights.epochs())
       for (proto::Slot slot : section.slots) {
         const proto::NodeId n = hierarchy_.grid().node(slot);
         if (!offsets_.knows(epoch, n)) offsets_.set(epoch, n, hierarchy_.epochs().offset(epoch, slot));
