@@ -79,7 +79,7 @@ MUTATIONS = [
     of("memory: settled too early", "proto/refine/terrain_tester", "if (low != high) continue;", ";", "refine_test:*Predicates*"),
     of("memory: finest question not presented", "proto/codec/section_codec", "page.knowledge.finest = given->finest;", ";", "refine_test:SectionCodec*"),
     of("epochs: both ends at one time", "client/mesh/end_heights", "offsets_->at(weights_[end], v)", "offsets_->at(weights_[1], v)",
-       "world_test:*Moving*"),
+       "client_session_test"),
     of("epochs: passed unshown", "server/session", "epochs.towards(last, wanted)", "wanted", "world_test:SceneTime*"),
     of("epochs: errors of the first alone", "terrain/bounds", "job_.least_errors.empty()", "true", "epochs_test"),
     of("epochs: spheres of the first alone", "terrain/bounds", "corners(samples, row, radii_m, child_errors);", ";",
