@@ -5,7 +5,6 @@
 namespace foreland::client {
 
 void DrawnMesh::add(uint32_t version, std::shared_ptr<const MeshPatch> patch) {
-  if (patch->terrain.is_whole && patch->objects.is_whole) waiting_.clear();
   waiting_.push_back({version, std::move(patch)});
 }
 

@@ -1,5 +1,5 @@
 // The mesh that is drawn, brought from one interval to the next by the patches of the intervals between. Patches wait
-// here until they are shown, or until nobody can show what they follow from. One owner.
+// here until they are shown or skipped. One owner.
 #pragma once
 
 #include <deque>
@@ -18,6 +18,9 @@ class DrawnMesh {
   // Applies what leads up to this version, but not to it: those before it will not be shown.
   void skipTo(uint32_t version);
 
+  // Applies a patch at once; none waits.
+  void apply(const MeshPatch& patch);
+
   const KeyframeMesh& mesh() const { return mesh_; }
   PatchedMesh& terrain() { return terrain_; }
   PatchedMesh& objects() { return objects_; }
@@ -27,8 +30,6 @@ class DrawnMesh {
     uint32_t version;
     std::shared_ptr<const MeshPatch> patch;
   };
-  void apply(const MeshPatch& patch);
-
   KeyframeMesh mesh_;
   PatchedMesh terrain_{mesh_}, objects_{mesh_.objects};
   std::deque<Waiting> waiting_;

@@ -247,15 +247,19 @@ void Replica::makePatch(MeshPatch& out) {
 
 // The objects' part as a whole, unless nothing of any of them changes.
 void Replica::patchObjects(bool is_whole, MeshPatch& out) {
+  for (ObjectReplica& object : objects_) is_whole = object.takeChanged() || is_whole;
   KeyframeMesh mesh;
   mesh.origin = origin_;
-  for (ObjectReplica& object : objects_) is_whole = object.takeChanged() || is_whole;
-  for (const ObjectReplica& object : objects_) object.appendTo(mesh);
-  const auto count = static_cast<uint32_t>(mesh.objects.from_positions.size());
-  out.object_parts = std::move(mesh.object_parts);
+  if (is_whole) {
+    for (const ObjectReplica& object : objects_) object.appendTo(mesh);
+    patched_objects_ = {static_cast<uint32_t>(mesh.objects.from_positions.size()),
+                        static_cast<uint32_t>(mesh.objects.triangleCount()), std::move(mesh.object_parts)};
+  }
+  const uint32_t count = patched_objects_.vertices;
+  out.object_parts = patched_objects_.parts;
   out.objects.is_whole = is_whole;
   out.objects.vertex_count = count;
-  out.objects.triangle_count = static_cast<uint32_t>(mesh.objects.triangleCount());
+  out.objects.triangle_count = patched_objects_.triangles;
   if (!is_whole) return;
   for (uint32_t v = 0; v < count; ++v) {
     out.objects.positions.push_back({v, mesh.objects.from_positions[v], mesh.objects.to_positions[v]});

@@ -118,6 +118,11 @@ class Replica {
   glm::dvec3 patched_origin_{0};
   uint64_t meshes_ = 0, patched_ = 0;  // how many there were, and which was patched last
   std::unique_ptr<TerrainPatcher> patcher_;
+  struct PatchedObjects {
+    uint32_t vertices = 0, triangles = 0;
+    std::vector<ObjectPart> parts;
+  };
+  PatchedObjects patched_objects_;  // as the last patch has them
 };
 
 }  // namespace foreland::client

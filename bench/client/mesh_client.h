@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "client/mesh/blend_patch.h"
+#include "client/drawn_mesh.h"
 #include "client/replica.h"
 #include "proto/message/message.h"
 
@@ -26,17 +26,14 @@ class MeshClient {
   // Brings the mesh to that keyframe.
   void patch() {
     replica_.makePatch(patch_);
-    mesh_.origin = patch_.origin;
-    mesh_.object_parts = patch_.object_parts;
-    terrain_.apply(patch_.terrain);
-    objects_.apply(patch_.objects);
+    drawn_.apply(patch_);
   }
   // What has changed since the last call, as the page uploads it.
   void collect() {
     uploads_ = upload_bytes_ = 0;
-    for (client::PatchedMesh* part : {&terrain_, &objects_}) {
+    for (client::PatchedMesh* part : {&drawn_.terrain(), &drawn_.objects()}) {
       part->collectChanges(client::kUploadGap, ranges_);
-      const client::BlendMesh& mesh = part == &terrain_ ? mesh_ : mesh_.objects;
+      const client::BlendMesh& mesh = part == &drawn_.terrain() ? drawn_.mesh() : drawn_.mesh().objects;
       upload_bytes_ += part->isAllChanged() ? client::bytesOf(mesh) : ranges_.bytes();
       uploads_ += part->isAllChanged() ? 1 : ranges_.count();
       part->clearChanges();
@@ -49,8 +46,8 @@ class MeshClient {
   }
 
   const client::Replica& replica() const { return replica_; }
-  size_t triangles() const { return mesh_.triangleCount() + mesh_.objects.triangleCount(); }
-  size_t wholeBytes() const { return client::bytesOf(mesh_) + client::bytesOf(mesh_.objects); }
+  size_t triangles() const { return drawn_.mesh().triangleCount() + drawn_.mesh().objects.triangleCount(); }
+  size_t wholeBytes() const { return client::bytesOf(drawn_.mesh()) + client::bytesOf(drawn_.mesh().objects); }
   size_t uploadBytes() const { return upload_bytes_; }
   size_t uploads() const { return uploads_; }
 
@@ -59,8 +56,7 @@ class MeshClient {
   proto::KeyframeMemory headers_;
   proto::KeyframeMessage keyframe_;
   client::MeshPatch patch_;
-  client::KeyframeMesh mesh_;
-  client::PatchedMesh terrain_{mesh_}, objects_{mesh_.objects};
+  client::DrawnMesh drawn_;
   client::ChangedRanges ranges_;
   size_t upload_bytes_ = 0, uploads_ = 0;
 };
