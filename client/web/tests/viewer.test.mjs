@@ -293,6 +293,9 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
       await bar.locator('button').click();
       await until(page, (s, ms) => s.scene_time_ms === ms, last);
       assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Run scene time');
+      await bar.locator('button').click(); // once more, from the first date, though the last is still shown
+      await until(page, (s, ms) => s.scene_time_ms < ms, last);
+      assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Stop scene time');
     }, { server: moving });
   } finally {
     await moving.stop();

@@ -16,6 +16,7 @@ export class SceneTime {
   private epochs_ms: readonly number[] = [];
   private at_ms = 0;
   private is_playing = false;
+  private has_left_end = false; // since it began to play
   private is_dragged = false;
 
   constructor(private readonly root: HTMLElement, private readonly setClock: SetClock) {
@@ -57,7 +58,8 @@ export class SceneTime {
     this.at_ms = scene_time_ms;
     this.slider.value = String(scene_time_ms);
     this.date.value = dateText(scene_time_ms);
-    if (this.is_playing && scene_time_ms === this.end()) this.showPlaying(false);
+    if (scene_time_ms !== this.end()) this.has_left_end = true;
+    else if (this.is_playing && this.has_left_end) this.showPlaying(false);
   }
 
   // Where scene time goes to at the chosen speed.
@@ -71,8 +73,8 @@ export class SceneTime {
   private start(): void {
     const others = this.rate() > 0 ? this.epochs_ms[0]! : this.epochs_ms[this.epochs_ms.length - 1]!;
     this.showPlaying(true);
+    this.has_left_end = false;
     this.setClock(this.at_ms === this.end() ? others : this.at_ms, this.rate());
-    this.at_ms = Number.NaN; // until a frame shows it
   }
   private stop(): void {
     this.showPlaying(false);
