@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdio>
 
+#include "base/fnv1a.h"
 #include "bench/latency/experiment.h"
 #include "bench/report.h"
 #include "bench/tables.h"
@@ -86,8 +87,8 @@ nlohmann::ordered_json summaryOf(const std::vector<bench::LatencyCell>& cells,
 
 // Of the files that a path and a link were read from, their names say too little.
 uint64_t digestOf(const bench::LatencyFlight& flight) {
-  uint64_t hash = 1469598103934665603ull;
-  const auto add = [&](double value) { hash = (hash ^ std::bit_cast<uint64_t>(value)) * 1099511628211ull; };
+  Fnv1a hash;
+  const auto add = [&](double value) { hash.add(std::bit_cast<uint64_t>(value)); };
   for (const proto::Pose& pose : flight.path.poses) {
     for (int i = 0; i < 3; ++i) add(pose.eye[i]);
     for (int i = 0; i < 4; ++i) add(pose.orientation[i]);
@@ -98,7 +99,7 @@ uint64_t digestOf(const bench::LatencyFlight& flight) {
       bench::LinkTrace::Position at;
       add(link->trace->transmit(packets * bench::LinkTrace::kPacketBytes, {}, at).toSeconds());
     }
-  return hash;
+  return hash.value();
 }
 
 }  // namespace

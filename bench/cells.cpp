@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 
+#include "base/fnv1a.h"
 #include "bench/tables.h"
 #include "terrain/parallel.h"
 
@@ -13,11 +14,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// FNV-1a, for a file's name alone: what was asked stands in the file, too, and is compared.
+// For a file's name alone: what was asked stands in the file, too, and is compared.
 uint64_t hashOf(const std::string& text) {
-  uint64_t hash = 1469598103934665603ull;
-  for (const char c : text) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211ull;
-  return hash;
+  Fnv1a hash;
+  for (const char c : text) hash.add(static_cast<uint8_t>(c));
+  return hash.value();
 }
 
 // The rows of one table, with the cell's number before each; the header if they are the first.

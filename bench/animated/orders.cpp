@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/check.h"
+#include "bench/oracle/drawn_surface.h"
 #include "bench/oracle/oracle.h"
 #include "bench/oracle/surface/oracle_eye.h"
 #include "bench/timing.h"
@@ -60,8 +61,11 @@ class Keyframes {
     if (!scene_times_.empty()) keyframe.scene_time = scene_times_[index];
     window_.push_back(std::move(keyframe));
     if (window_.size() > kWindow) window_.pop_front();
-    for (const client::BlendedKeyframe& each : window_)
-      for (const client::BlendedKeyframe& other : window_) learn(each.section, other.scene_time);
+    const client::BlendedKeyframe& newest = window_.back();
+    for (const client::BlendedKeyframe& each : window_) {
+      learn(each.section, newest.scene_time);
+      learn(newest.section, each.scene_time);
+    }
   }
   bool isFull() const { return window_.size() == kWindow; }
   client::OrderMesh mesh(const glm::dvec3& eye) const {
@@ -94,11 +98,9 @@ class Keyframes {
 };
 
 // Jumps of velocity at one joint, in pixels a second, seen by an eye at rest.
-void judge(const client::OrderMesh& mesh, const Joint& joint, const OracleEye& eye, double interval_s,
-           std::vector<double>& jumps_px_s) {
-  constexpr double kMoment = 1e-6;                     // intervals, over which a velocity is a distance
-  std::vector<bool> is_drawn(mesh.parameters.size());  // vertices of no triangle lie beyond the data
-  for (uint32_t vertex : mesh.indices) is_drawn[vertex] = true;
+void judge(const client::OrderMesh& mesh, const std::vector<bool>& is_drawn, const Joint& joint, const OracleEye& eye,
+           double interval_s, std::vector<double>& jumps_px_s) {
+  constexpr double kMoment = 1e-6;  // intervals, over which a velocity is a distance
   for (size_t v = 0; v < mesh.parameters.size(); ++v) {
     const glm::dvec3 p = glm::dvec3(mesh.at(v, joint.position)) + mesh.origin;
     if (!is_drawn[v] || eye.depth(p) < Oracle::kDefaultNear_m || !eye.sees(eye.project(p))) continue;
@@ -127,8 +129,9 @@ std::vector<OrderFigures> measureOrders(const server::Hierarchy& hierarchy, std:
     if (!keyframes.isFull()) continue;
     const proto::View& at = views[k - kMostOrder];
     const client::OrderMesh mesh = keyframes.mesh(at.pose.eye);
+    const std::vector<bool> is_drawn = drawnVertices(mesh.parameters.size(), mesh.indices);
     for (size_t i = 0; i < figures.size(); ++i) {
-      judge(mesh, joints[i], OracleEye(at.pose, at.lens), interval.toSeconds(), jumps_px_s[i]);
+      judge(mesh, is_drawn, joints[i], OracleEye(at.pose, at.lens), interval.toSeconds(), jumps_px_s[i]);
       ++figures[i].joints;
     }
   }

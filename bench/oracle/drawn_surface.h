@@ -4,11 +4,20 @@
 
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
+#include <span>
+#include <vector>
 
 #include "client/mesh/keyframe_mesh.h"
 #include "terrain/render/ray_caster.h"
 
 namespace foreland::bench {
+
+// Which vertices triangles refer to: others lie beyond the data, or are places that nobody uses.
+inline std::vector<bool> drawnVertices(size_t count, std::span<const uint32_t> indices) {
+  std::vector<bool> is_drawn(count);
+  for (uint32_t vertex : indices) is_drawn[vertex] = true;
+  return is_drawn;
+}
 
 inline terrain::DrawnSurface::Triangles drawnTriangles(const client::BlendMesh& mesh, double weight) {
   terrain::DrawnSurface::Triangles out{{}, {}, mesh.parameters, mesh.indices};

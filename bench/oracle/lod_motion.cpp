@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "bench/oracle/drawn_surface.h"
 #include "bench/oracle/oracle.h"
 #include "bench/oracle/surface/oracle_eye.h"
 
@@ -25,8 +26,7 @@ struct Step {
 };
 
 size_t collect(const client::BlendMesh& mesh, const Step& step, std::vector<double>& out_px) {
-  std::vector<bool> is_drawn(mesh.parameters.size());  // vertices of no triangle lie beyond the data
-  for (uint32_t vertex : mesh.indices) is_drawn[vertex] = true;
+  const std::vector<bool> is_drawn = drawnVertices(mesh.parameters.size(), mesh.indices);
   size_t seen = 0;
   for (size_t i = 0; i < mesh.parameters.size(); ++i) {
     const glm::dvec3 from(mesh.from_positions[i]), to(mesh.to_positions[i]);

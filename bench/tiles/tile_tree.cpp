@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "bench/oracle/oracle.h"
+#include "bench/oracle/surface/oracle_eye.h"
 #include "bench/wire/peers/draco_peer.h"
 #include "bench/wire/peers/quantized_mesh.h"
 
@@ -11,15 +13,11 @@ namespace foreland::bench {
 
 namespace {
 
-// Where a point lies on the screen, from its middle, and how far ahead.
-glm::dvec3 onScreen(const glm::dvec3& point, const proto::Pose& pose, const proto::Lens& lens) {
-  const glm::dvec3 p = glm::conjugate(pose.orientation) * (point - pose.eye);
-  const double depth = -p.z, focal = lens.focalPx();
-  return {focal * p.x / depth, focal * p.y / depth, depth};
-}
-
-bool isSeen(const glm::dvec3& at, const proto::Lens& lens) {
-  return at.z > 1 && std::fabs(at.x) <= 0.5 * lens.width_px && std::fabs(at.y) <= 0.5 * lens.height_px;
+// Where the eye sees a point; nothing if it does not.
+std::optional<glm::dvec2> seenAt(const OracleEye& eye, const glm::dvec3& point) {
+  if (eye.depth(point) <= Oracle::kDefaultNear_m) return std::nullopt;
+  const glm::dvec2 at = eye.project(point);
+  return eye.sees(at) ? std::optional(at) : std::nullopt;
 }
 
 }  // namespace
@@ -146,14 +144,15 @@ double TileTree::heightAt(const TileId& tile, uint32_t x, uint32_t y) const {
 
 double TileTree::jump(const TileId& fine, const TileId& coarse, const proto::Pose& pose,
                       const proto::Lens& lens) const {
+  const OracleEye eye(pose, lens);
   double most = 0;
   for (const uint32_t y : lines(fine.y, fine.level, last_y_))
     for (const uint32_t x : lines(fine.x, fine.level, last_x_)) {
       const proto::NodeId at = proto::NodeId::at(x, y);
-      const glm::dvec3 before = onScreen(frame_.position(at, height(x, y)), pose, lens);
-      if (!isSeen(before, lens)) continue;
-      const glm::dvec3 after = onScreen(frame_.position(at, heightAt(coarse, x, y)), pose, lens);
-      if (isSeen(after, lens)) most = std::max(most, std::hypot(after.x - before.x, after.y - before.y));
+      const auto before = seenAt(eye, frame_.position(at, height(x, y)));
+      if (!before) continue;
+      const auto after = seenAt(eye, frame_.position(at, heightAt(coarse, x, y)));
+      if (after) most = std::max(most, glm::distance(*before, *after));
     }
   return most;
 }

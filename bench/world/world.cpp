@@ -193,7 +193,7 @@ void World::receive(Client& c, size_t index, Time now) {
   Bytes message = c.down.receive();
   if (!c.is_connected) return;
   if (corrupts(c, now)) message[0] = 0xff;
-  for (uint8_t byte : message) c.hash = (c.hash ^ byte) * 1099511628211ull;
+  for (uint8_t byte : message) c.hash.add(byte);
   countDown(c, message);
   if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok()) {
     if (!c.cut_at) complain("client refuses: " + s.error().message);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/fnv1a.h"
 #include "bench/world/compute_cost.h"
 #include "bench/world/link.h"
 #include "client/viewer.h"
@@ -97,7 +98,7 @@ class World {
   const client::Viewer& viewer(size_t i) const { return clients_[i]->viewer; }
   const server::Session& session(size_t i) const { return clients_[i]->session; }
   // A fingerprint of every byte that has arrived at a client.
-  uint64_t bytesHash(size_t i) const { return clients_[i]->hash; }
+  uint64_t bytesHash(size_t i) const { return clients_[i]->hash.value(); }
   const Traffic& traffic(size_t i) const { return clients_[i]->traffic; }
   // Broken laws, in words; empty if all is well.
   const std::vector<std::string>& complaints() const { return complaints_; }
@@ -125,7 +126,7 @@ class World {
     std::optional<Time> cut_at;  // after a message was changed on its way
     bool has_mesh = false, scene_changed = false;
     uint64_t connections = 1;
-    uint64_t hash = 1469598103934665603ull;
+    Fnv1a hash;
     Traffic traffic;
     proto::PoseMemory poses_counted;
     proto::KeyframeMemory keyframes_counted;

@@ -10,14 +10,8 @@ glm::vec2 BorderCuts::parameterOf(uint32_t v, const TerrainVertices& vertices) c
 
 // Sutherland and Hodgman's clipping against the two far borders, as MeshBuilder::clip.
 uint32_t BorderCuts::add(const TrianglePlaces::Corners& corners, const Mesh& mesh) {
-  uint32_t leaf = static_cast<uint32_t>(leaves_.size());
-  if (free_leaves_.empty()) {
-    leaves_.emplace_back();
-  } else {
-    leaf = free_leaves_.back();
-    free_leaves_.pop_back();
-    leaves_[leaf] = {};
-  }
+  const uint32_t leaf = takePlace(leaves_, free_leaves_);
+  leaves_[leaf] = {};
   polygon_.assign(corners.begin(), corners.end());
   for (int axis = 0; axis < 2; ++axis) {
     const auto at = [&](uint32_t v) { return parameterOf(v, mesh.vertices)[axis]; };
@@ -87,10 +81,6 @@ void BorderCuts::refresh(const Mesh& mesh) {
   const auto isTouched = [&](uint32_t v) {
     return mesh.vertices[v].position_entry != kNoVertex || mesh.vertices[v].normal_entry != kNoVertex;
   };
-  const auto unit = [&](uint32_t v) {
-    const TerrainVertex& vertex = mesh.vertices[v];
-    return vertex.is_in_section ? unitNormal(vertex.normal) : vertex.normal;
-  };
   for (auto& cuts : cuts_)
     for (auto& [key, cut] : cuts) {
       if (!cut.is_new && !isTouched(key[0]) && !isTouched(key[1])) continue;
@@ -101,7 +91,7 @@ void BorderCuts::refresh(const Mesh& mesh) {
       TerrainVertex& vertex = mesh.vertices[cut.vertex];
       vertex.position = inside.position + cut.at * (outside.position - inside.position);
       vertex.height_m = inside.height_m + cut.at * (outside.height_m - inside.height_m);
-      vertex.normal = unitNormal(unit(key[0]) + unit(key[1]));
+      vertex.normal = unitNormal(inside.unitNormal() + outside.unitNormal());
     }
 }
 

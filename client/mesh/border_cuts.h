@@ -9,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "client/mesh/free_places.h"
 #include "client/mesh/patch_writer.h"
 #include "client/mesh/terrain_vertices.h"
 #include "client/mesh/triangle_places.h"
@@ -38,7 +39,6 @@ class BorderCuts {
   }
   // Brings the vertices on cuts to where the ends of their edges are now, if these were touched.
   void refresh(const Mesh& mesh);
-  size_t size() const { return cuts_[0].size() + cuts_[1].size(); }
 
  private:
   using Key = std::array<uint32_t, 2>;  // the edge's vertex inside, and the one outside

@@ -68,7 +68,7 @@ class PatchWriter {
   }
   uint32_t pack(uint32_t v) {
     TerrainVertex& vertex = vertices_[v];
-    return vertex.packed_normal = packNormal(vertex.is_in_section ? unitNormal(vertex.normal) : vertex.normal);
+    return vertex.packed_normal = packNormal(vertex.unitNormal());
   }
 
   TerrainVertices& vertices_;

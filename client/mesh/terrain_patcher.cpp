@@ -344,7 +344,7 @@ void TerrainPatcher::lieOnEdges(const Places& outside) {
     vertex.position = 0.5 * (vertices_[a].position + vertices_[b].position);
     vertex.height_m = 0.5 * (vertices_[a].height_m + vertices_[b].height_m);
     vertex.is_true = false;
-    vertex.normal = unitNormal(unitAt(a) + unitAt(b));
+    vertex.normal = unitNormal(vertices_[a].unitNormal() + vertices_[b].unitNormal());
   }
 }
 

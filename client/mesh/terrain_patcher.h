@@ -122,9 +122,6 @@ class TerrainPatcher {
   glm::dvec4 truePosition(proto::NodeId v, int32_t height, End end) const;
   uint32_t cornerCount() const { return (grid_.shape().roots_x + 1) * (grid_.shape().roots_y + 1); }
   uint32_t baseCount() const { return cornerCount() + grid_.shape().roots_x * grid_.shape().roots_y; }
-  glm::dvec3 unitAt(uint32_t v) const {
-    return vertices_[v].is_in_section ? unitNormal(vertices_[v].normal) : vertices_[v].normal;
-  }
   const TerrainStep& now() const { return *step_; }
 
   const proto::TerrainDomain& domain_;

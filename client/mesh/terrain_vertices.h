@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "client/mesh/complete_normals.h"
+#include "client/mesh/free_places.h"
 #include "proto/section/index_table.h"
 #include "proto/topology/grid.h"
 
@@ -52,6 +53,7 @@ struct alignas(64) TerrainVertex {
   bool is_moving = false;  // scratch
   bool is_used = false;    // not a free place
 
+  glm::dvec3 unitNormal() const { return is_in_section ? client::unitNormal(normal) : normal; }
   std::array<uint32_t, 2> endpoints() const { return {ring[(first_apex + 1) % 4], ring[(first_apex + 3) % 4]}; }
 };
 static_assert(sizeof(TerrainVertex) == 128);
@@ -72,14 +74,8 @@ class TerrainVertices {
   void fetchState(uint32_t place) const { client::fetch(&all_[place]); }
   // Takes a free place.
   uint32_t add() {
-    uint32_t place = count();
-    if (free_.empty()) {
-      all_.emplace_back();
-    } else {
-      place = free_.back();
-      free_.pop_back();
-      all_[place] = {};
-    }
+    const uint32_t place = takePlace(all_, free_);
+    all_[place] = {};
     all_[place].is_used = true;
     return place;
   }
@@ -96,7 +92,7 @@ class TerrainVertices {
   // The node must have no place.
   void insert(proto::Slot slot, uint32_t place) {
     uint32_t number = numbers_.find(slot / kBlock);
-    if (number == proto::IndexTable::kNone) numbers_.insert(slot / kBlock, number = makeBlock());
+    if (number == proto::IndexTable::kNone) numbers_.insert(slot / kBlock, number = takePlace(blocks_, free_blocks_));
     blocks_[number].places[slot % kBlock] = place;
     ++blocks_[number].used;
   }
@@ -121,15 +117,6 @@ class TerrainVertices {
     std::array<uint32_t, kBlock> places;
     uint32_t used = 0;
   };
-  uint32_t makeBlock() {
-    if (free_blocks_.empty()) {
-      blocks_.emplace_back();
-      return static_cast<uint32_t>(blocks_.size() - 1);
-    }
-    const uint32_t number = free_blocks_.back();
-    free_blocks_.pop_back();
-    return number;
-  }
 
   std::vector<TerrainVertex> all_;
   std::vector<uint32_t> free_;

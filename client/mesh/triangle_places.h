@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "client/mesh/blend_patch.h"
+#include "client/mesh/free_places.h"
 
 namespace foreland::client {
 
@@ -17,13 +18,7 @@ class TrianglePlaces {
 
   // `owner` is whatever finds who keeps the place.
   uint32_t add(const Corners& corners, uint32_t owner) {
-    uint32_t place = count();
-    if (free_.empty()) {
-      triangles_.emplace_back();
-    } else {
-      place = free_.back();
-      free_.pop_back();
-    }
+    const uint32_t place = takePlace(triangles_, free_);
     triangles_[place].corners = corners;
     triangles_[place].owner = owner;
     touch(place);
@@ -38,10 +33,8 @@ class TrianglePlaces {
   void finish(const Moved& moved, BlendPatch& out);
 
   uint32_t count() const { return static_cast<uint32_t>(triangles_.size()); }
-  const Corners& corners(uint32_t place) const { return triangles_[place].corners; }
   // Begins to load a triangle that will be needed soon.
   void fetch(uint32_t place) const { __builtin_prefetch(&triangles_[place]); }
-  uint32_t owner(uint32_t place) const { return triangles_[place].owner; }
   size_t bytes() const {
     return triangles_.capacity() * sizeof(Triangle) + (free_.capacity() + touched_.capacity()) * sizeof(uint32_t);
   }

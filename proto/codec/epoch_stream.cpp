@@ -4,16 +4,11 @@
 #include <bit>
 #include <cstdlib>
 
-#include "proto/section/bounds.h"
-
 namespace foreland::proto {
 
 namespace {
 
 size_t widthOf(int64_t x) { return static_cast<size_t>(std::bit_width(static_cast<uint64_t>(std::abs(x)))); }
-
-// Offsets are differences of two heights.
-constexpr int64_t kMostOffset = 2 * int64_t{kMaxHeight};
 
 // Whether more was read than there is.
 bool isOver(const RangeEncoder&) { return false; }
@@ -58,7 +53,7 @@ bool EpochStream::codeEpoch(uint32_t epoch, std::span<const Slot> slots, Coder& 
   size_t before = 0;
   for (Slot slot : slots) {
     const NodeId n = grid_->node(slot);
-    if (!offsets_.epochs().mayMove(epoch, n) || offsets_.knows(epoch, n)) continue;
+    if (offsets_.knows(epoch, n)) continue;
     const uint32_t known = offsets_.nearestKnown(epoch, n);
     const auto [a, b] = grid_->endpoints(n);
     const int64_t at_a = int64_t{offsets_.known(epoch, a)} - offsets_.known(known, a),
@@ -70,7 +65,7 @@ bool EpochStream::codeEpoch(uint32_t epoch, std::span<const Slot> slots, Coder& 
     const int32_t difference = symbols.number(model_.offset[activity * Model::kBefore + before], sign,
                                               static_cast<int32_t>(valueOf(epoch, slot) - guess));
     const int64_t value = guess + difference;
-    if (std::abs(value) > kMostOffset || isOver(coder)) return false;
+    if (std::abs(value) > kMaxOffset || isOver(coder)) return false;
     offsets_.set(epoch, n, static_cast<int32_t>(value));
     before = std::min(widthOf(difference), Model::kBefore - 1);
     ++coded_;

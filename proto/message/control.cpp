@@ -253,7 +253,7 @@ Status readEpochs(const fb::Welcome& m, Welcome& out) {
   if (m.base_offsets()->size() > vertices * out.epochs.size()) return malformed("too many offsets of base vertices");
   for (size_t i = 0; i < m.base_offsets()->size(); ++i) {
     const fb::BaseOffset o = structAt(*m.base_offsets(), i);
-    if (o.epoch() >= out.epochs.size() || o.vertex() >= vertices || std::abs(int64_t{o.quanta()}) > 2 * kMaxHeight)
+    if (o.epoch() >= out.epochs.size() || o.vertex() >= vertices || std::abs(int64_t{o.quanta()}) > kMaxOffset)
       return malformed("an offset of a base vertex is of no epoch or no vertex, or absurd");
     out.base_offsets.push_back({o.epoch(), o.vertex(), o.quanta()});
   }

@@ -24,13 +24,13 @@ class EpochOffsets {
   const Epochs& epochs() const { return epochs_; }
 
   // Whether a node's offset at an epoch is known; where it cannot differ from zero it is.
-  bool knows(uint32_t epoch, NodeId n) const;
+  bool knows(uint32_t epoch, NodeId n) const { return find(epoch, n, &Block::known).has_value(); }
   // A vertex's offset at an epoch, quanta; if it is not known, that at the nearest epoch at which it is.
-  int32_t known(uint32_t epoch, NodeId v) const { return nearest(epoch, v, &Block::known); }
+  int32_t known(uint32_t epoch, NodeId v) const { return nearest(epoch, v, &Block::known).quanta; }
   // The same by what is held.
-  int32_t at(uint32_t epoch, NodeId v) const { return nearest(epoch, v, &Block::held); }
+  int32_t at(uint32_t epoch, NodeId v) const { return nearest(epoch, v, &Block::held).quanta; }
   // The epoch nearest to `epoch` at which the node's offset is known; the first one's always is.
-  uint32_t nearestKnown(uint32_t epoch, NodeId n) const;
+  uint32_t nearestKnown(uint32_t epoch, NodeId n) const { return nearest(epoch, n, &Block::known).epoch; }
   // A vertex's offset at a scene time by what is held, quanta.
   double at(const EpochWeights& weights, NodeId v) const;
 
@@ -55,20 +55,16 @@ class EpochOffsets {
   const Block& block(uint32_t epoch, Slot slot) const;
   using Bits = uint64_t Block::*;  // which of a block's offsets are known, or held
   std::optional<int32_t> find(uint32_t epoch, NodeId v, Bits bits) const;
-  int32_t nearest(uint32_t epoch, NodeId v, Bits bits) const;
-  int32_t baseAt(uint32_t epoch, NodeId v) const;
+  struct Found {
+    uint32_t epoch = 0;
+    int32_t quanta = 0;
+  };
+  Found nearest(uint32_t epoch, NodeId v, Bits bits) const;
 
   const GridTopology* grid_;
   Epochs epochs_;
   std::vector<BaseOffset> base_;  // by epoch and vertex
   std::vector<Table> tables_;     // by epoch
 };
-
-// The number of a base vertex in a BaseOffset.
-inline uint32_t baseVertexNumber(const GridTopology& grid, NodeId base) {
-  const uint32_t k = grid.shape().root_log2, x = base.x() >> k, y = base.y() >> k, row = grid.shape().roots_x + 1;
-  if (grid.scaleLog2(base) >= k) return y * row + x;
-  return row * (grid.shape().roots_y + 1) + y * grid.shape().roots_x + x;
-}
 
 }  // namespace foreland::proto

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 
 namespace foreland::proto {
 
@@ -10,6 +11,27 @@ LatticeWindow LatticeWindow::hull(const LatticeWindow& a, const LatticeWindow& b
   if (b.isEmpty()) return a;
   const uint32_t x = std::min(a.x, b.x), y = std::min(a.y, b.y);
   return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
+}
+
+namespace {
+
+bool isBefore(const BaseOffset& a, const BaseOffset& b) {
+  return std::tie(a.epoch, a.vertex) < std::tie(b.epoch, b.vertex);
+}
+
+}  // namespace
+
+void sortBaseOffsets(std::vector<BaseOffset>& offsets) { std::sort(offsets.begin(), offsets.end(), isBefore); }
+
+int32_t baseOffsetAt(std::span<const BaseOffset> sorted, uint32_t epoch, uint32_t vertex) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), BaseOffset{epoch, vertex, 0}, isBefore);
+  return at != sorted.end() && at->epoch == epoch && at->vertex == vertex ? at->quanta : 0;
+}
+
+uint32_t baseVertexNumber(const GridTopology& grid, NodeId base) {
+  const uint32_t k = grid.shape().root_log2, x = base.x() >> k, y = base.y() >> k, row = grid.shape().roots_x + 1;
+  if (grid.scaleLog2(base) >= k) return y * row + x;
+  return row * (grid.shape().roots_y + 1) + y * grid.shape().roots_x + x;
 }
 
 Result<Epochs> Epochs::create(const GridShape& shape, std::vector<Epoch> epochs) {

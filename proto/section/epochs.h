@@ -18,6 +18,7 @@
 
 #include "base/result.h"
 #include "base/time.h"
+#include "proto/section/bounds.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::proto {
@@ -33,6 +34,9 @@ struct LatticeWindow {
   bool operator==(const LatticeWindow&) const = default;
 };
 
+// Largest offset, quanta either way: a difference of two heights.
+inline constexpr int32_t kMaxOffset = 2 * kMaxHeight;
+
 struct Epoch {
   Time time;            // since 1970, UTC
   LatticeWindow moved;  // where offsets may differ from zero
@@ -46,6 +50,12 @@ struct BaseOffset {
   int32_t quanta = 0;
   bool operator==(const BaseOffset&) const = default;
 };
+// By epoch and vertex, as baseOffsetAt() takes them.
+void sortBaseOffsets(std::vector<BaseOffset>& offsets);
+// The offset of a base vertex; 0 if it is not among them. O(log n).
+int32_t baseOffsetAt(std::span<const BaseOffset> sorted, uint32_t epoch, uint32_t vertex);
+// The number of a base vertex in a BaseOffset.
+uint32_t baseVertexNumber(const GridTopology& grid, NodeId base);
 
 // The epochs whose blend is the ground at a scene time; weights are positive and add to 1.
 struct EpochWeights {
@@ -98,7 +108,7 @@ class Epochs {
 class OffsetSource {
  public:
   virtual ~OffsetSource() = default;
-  // Quanta; at most twice kMaxHeight either way.
+  // Quanta; at most kMaxOffset either way.
   virtual int32_t offset(uint32_t epoch, Slot slot) const = 0;
 };
 

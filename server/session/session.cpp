@@ -83,8 +83,7 @@ Status Session::take(const proto::Path& path, Time) {
 
 // A scene without epochs does not mind.
 Status Session::take(const proto::SceneClock& clock, Time) {
-  scene_clock_ = clock;
-  is_clock_new_ = true;
+  scene_time_.take(clock);
   return {};
 }
 
@@ -350,16 +349,6 @@ Time Session::shownFrom(Time t) const {
   return std::min(isFirst() ? history_.newest().time : keyframe().time, t - request_->keyframe_interval);
 }
 
-// The scene time of a keyframe. While the clock runs, no keyframe passes an epoch before one has shown it: between two
-// keyframes the ground then moves linearly in truth, too. Where that is slower than the clock, scene time falls behind.
-Time Session::sceneTimeFor(Time t) const {
-  const proto::Epochs& epochs = world_->hierarchy.epochs().epochs();
-  const Time last = keyframe().scene_time;
-  if (!scene_clock_) return isFirst() ? epochs.first() : last;
-  const Time wanted = scene_clock_->timeAt(epochs, t);
-  return isFirst() || is_clock_new_ ? wanted : epochs.towards(last, wanted);
-}
-
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
 proto::View Session::viewFor(Time t) const {
   const Duration T = request_->keyframe_interval;
@@ -455,8 +444,8 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
     tolerance_.restart();
   }
   const proto::View view = viewFor(plan.time_client);
-  if (!world_->hierarchy.epochs().epochs().empty()) sender_.showAt(sceneTimeFor(plan.time_client));
-  is_clock_new_ = false;
+  if (const proto::Epochs& epochs = world_->hierarchy.epochs().epochs(); !epochs.empty())
+    sender_.showAt(scene_time_.next(epochs, plan.time_client));
   Bytes message;
   // The second one starts from nothing, and so is as large as it was measured.
   if (!sendKeyframe(view, plan, mostNodes(), scratch, message))

@@ -21,6 +21,7 @@
 #include "server/section/budget.h"
 #include "server/section/sender.h"
 #include "server/session/clock_map.h"
+#include "server/session/scene_time.h"
 #include "server/session/world.h"
 #include "server/view/pose_history.h"
 #include "server/view/prediction_errors.h"
@@ -147,7 +148,6 @@ class Session {
   Time gridAtOrAfter(Time t_client) const;
   ExpectedMotion expectedMotion() const;
   Time shownFrom(Time t) const;
-  Time sceneTimeFor(Time t_client) const;
   proto::View viewFor(Time t_client) const;
   Region unknownMotion(Duration time) const;
   size_t mostNodes() const;
@@ -174,8 +174,7 @@ class Session {
   RegionShare region_share_;
   std::deque<proto::TimedPose> predictions_;  // of times for which no true pose has arrived yet
   std::optional<proto::Path> path_;
-  std::optional<proto::SceneClock> scene_clock_;
-  bool is_clock_new_ = false;  // and no keyframe has been computed by it
+  SceneTime scene_time_;
   ClockMap clocks_;
   bool jumped_ = false;        // and no keyframe has been computed since
   Region motion_before_jump_;  // a second

@@ -33,14 +33,13 @@ class HeightRaster {
   Status quantise(double height_quantum_m, HeightRange& range) {
     range = {proto::kMaxHeight, -proto::kMaxHeight};
     for (size_t i = 0; i < count_; ++i) {
-      const double quanta = std::nearbyint(metres_[i] / height_quantum_m);
-      if (!(std::fabs(quanta) < proto::kMaxHeight))
+      const auto value = quantised(metres_[i], height_quantum_m);
+      if (!value)
         return Error{ErrorCode::kLimit, "a height of " + std::to_string(metres_[i]) + " m does not fit steps of " +
                                             std::to_string(height_quantum_m) +
                                             " m; use a larger --vertical-step or name the void value with --nodata"};
-      const auto value = static_cast<int32_t>(quanta);
-      new (bytes_.get() + i * sizeof(float)) int32_t(value);
-      range = {std::min(range.lowest, value), std::max(range.highest, value)};
+      new (bytes_.get() + i * sizeof(float)) int32_t(*value);
+      range = {std::min(range.lowest, *value), std::max(range.highest, *value)};
     }
     return {};
   }
@@ -130,11 +129,7 @@ Result<std::vector<EpochSamples>> readEpochs(const BuildOptions& options, const 
 }
 
 void layOver(const EpochSamples& epoch, uint32_t width, std::span<float> metres) {
-  const proto::LatticeWindow& w = epoch.window;
-  for (uint32_t row = 0; row < w.height; ++row)
-    for (uint32_t column = 0; column < w.width; ++column)
-      if (const float height = epoch.metres[static_cast<size_t>(row) * w.width + column]; !std::isnan(height))
-        metres[static_cast<size_t>(w.y + row) * width + w.x + column] = height;
+  epoch.forEach([&](uint32_t x, uint32_t y, float height) { metres[static_cast<size_t>(y) * width + x] = height; });
 }
 
 Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, const Progress& progress) {

@@ -1,9 +1,8 @@
 #include "terrain/epochs/epoch_layers.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "proto/section/epoch_offsets.h"
+#include <cstdlib>
+#include <optional>
 
 namespace foreland::terrain {
 
@@ -25,26 +24,22 @@ void EpochLayers::begin(const EpochSamples& first) {
 
 // Moves the ground to an epoch; moved_ grows by the samples that changed.
 Status EpochLayers::move(const EpochSamples& epoch, EpochReport& report) {
-  const proto::LatticeWindow& w = epoch.window;
-  for (uint32_t row = 0; row < w.height; ++row)
-    for (uint32_t column = 0; column < w.width; ++column) {
-      const float metres = epoch.metres[static_cast<size_t>(row) * w.width + column];
-      if (std::isnan(metres)) continue;
-      const double quanta = std::nearbyint(metres / frame_.height_quantum_m);
-      if (!(std::fabs(quanta) < proto::kMaxHeight))
-        return Error{ErrorCode::kLimit, "epoch " + epoch.date + ": a height of " + std::to_string(metres) +
-                                            " m does not fit the scene's steps; use a larger --vertical-step"};
-      const size_t at = static_cast<size_t>(w.y + row) * first_.width + w.x + column;
-      const auto height = static_cast<int32_t>(quanta);
-      if (height == ground_[at]) continue;
-      ++report.changed_samples;
-      report.most_m = std::max(report.most_m, std::fabs(double{quanta} - ground_[at]) * frame_.height_quantum_m);
-      ground_[at] = height;
-      lowest_[at] = std::min(lowest_[at], height);
-      highest_[at] = std::max(highest_[at], height);
-      moved_ = proto::LatticeWindow::hull(moved_, {w.x + column, w.y + row, 1, 1});
-    }
-  return {};
+  std::optional<float> too_high;
+  epoch.forEach([&](uint32_t x, uint32_t y, float metres) {
+    const auto height = quantised(metres, frame_.height_quantum_m);
+    if (!height) too_high = metres;
+    const size_t at = static_cast<size_t>(y) * first_.width + x;
+    if (!height || *height == ground_[at]) return;
+    ++report.changed_samples;
+    report.most_m = std::max(report.most_m, std::abs(*height - ground_[at]) * frame_.height_quantum_m);
+    ground_[at] = *height;
+    lowest_[at] = std::min(lowest_[at], *height);
+    highest_[at] = std::max(highest_[at], *height);
+    moved_ = proto::LatticeWindow::hull(moved_, {x, y, 1, 1});
+  });
+  if (!too_high) return {};
+  return Error{ErrorCode::kLimit, "epoch " + epoch.date + ": a height of " + std::to_string(*too_high) +
+                                      " m does not fit the scene's steps; use a larger --vertical-step"};
 }
 
 bool EpochLayers::raiseErrors(const proto::LatticeWindow& rows, const std::function<bool(double)>& keepGoing) {

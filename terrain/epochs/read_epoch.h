@@ -2,6 +2,7 @@
 // source; one caller.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,15 @@ struct EpochSamples {
   std::string date;
   proto::LatticeWindow window;  // on the scene's lattice
   std::vector<float> metres;    // of the window, row by row from the south; kVoid where the epoch says nothing
+
+  // Calls visit(x, y, metres) for each sample of which the epoch says something.
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    for (uint32_t row = 0; row < window.height; ++row)
+      for (uint32_t column = 0; column < window.width; ++column)
+        if (const float height = metres[static_cast<size_t>(row) * window.width + column]; !std::isnan(height))
+          visit(window.x + column, window.y + row, height);
+  }
 };
 
 // An Error if dates are out of order or twice, and names the first such date.

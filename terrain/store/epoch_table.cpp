@@ -2,16 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <tuple>
-
-#include "proto/section/bounds.h"
-#include "proto/section/epoch_offsets.h"
 
 namespace foreland::terrain {
 
 namespace {
-
-constexpr int32_t kMostOffset = 2 * proto::kMaxHeight;
 
 // The next `count` values of a section.
 template <class T>
@@ -21,7 +15,12 @@ std::span<const T> take(ByteSpan& bytes, size_t count) {
   return values;
 }
 
-auto orderOf(const proto::BaseOffset& b) { return std::tie(b.epoch, b.vertex); }
+// The entry of a key; null if there is none.
+const BlockEntry* find(std::span<const BlockEntry> entries, uint32_t key) {
+  const auto at =
+      std::lower_bound(entries.begin(), entries.end(), key, [](const BlockEntry& e, uint32_t k) { return e.key < k; });
+  return at != entries.end() && at->key == key ? &*at : nullptr;
+}
 
 }  // namespace
 
@@ -52,39 +51,32 @@ Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan by
   const proto::GridShape& s = grid.shape();
   const uint64_t vertices = (s.roots_x + 1ull) * (s.roots_y + 1ull) + static_cast<uint64_t>(s.roots_x) * s.roots_y;
   for (const proto::BaseOffset& b : base)
-    if (b.epoch >= start.epochs || b.vertex >= vertices || b.quanta < -kMostOffset || b.quanta > kMostOffset)
+    if (b.epoch >= start.epochs || b.vertex >= vertices || b.quanta < -proto::kMaxOffset ||
+        b.quanta > proto::kMaxOffset)
       return malformed("an offset of a base vertex is damaged");
   table.base_.assign(base.begin(), base.end());
-  std::sort(table.base_.begin(), table.base_.end(),
-            [](const auto& a, const auto& b) { return orderOf(a) < orderOf(b); });
+  proto::sortBaseOffsets(table.base_);
   return table;
 }
 
 // What a damaged file says is kept within bounds; verify finds the damage.
 int32_t EpochTable::offset(uint32_t epoch, proto::Slot slot) const {
-  const auto entries = entriesOf(epoch);
-  const uint32_t key = slot / 64;
-  const auto at =
-      std::lower_bound(entries.begin(), entries.end(), key, [](const BlockEntry& e, uint32_t k) { return e.key < k; });
-  if (at == entries.end() || at->key != key || at->block >= blocks_.size()) return 0;
-  return std::clamp(blocks_[at->block][slot % 64], -kMostOffset, kMostOffset);
+  const BlockEntry* at = find(entriesOf(epoch), slot / 64);
+  if (!at || at->block >= blocks_.size()) return 0;
+  return std::clamp(blocks_[at->block][slot % 64], -proto::kMaxOffset, proto::kMaxOffset);
 }
 
 int32_t EpochTable::offset(uint32_t epoch, const proto::GridTopology& grid, proto::NodeId v) const {
   if (!grid.isBase(v)) return offset(epoch, grid.slot(v));
-  const proto::BaseOffset wanted{epoch, proto::baseVertexNumber(grid, v), 0};
-  const auto at = std::lower_bound(base_.begin(), base_.end(), wanted,
-                                   [](const auto& a, const auto& b) { return orderOf(a) < orderOf(b); });
-  return at != base_.end() && orderOf(*at) == orderOf(wanted) ? at->quanta : 0;
+  return proto::baseOffsetAt(base_, epoch, proto::baseVertexNumber(grid, v));
 }
 
 size_t EpochTable::newBlocks(uint32_t epoch) const {
   if (epoch == 0) return entriesOf(epoch).size();
   const auto before = entriesOf(epoch - 1);
   return static_cast<size_t>(std::ranges::count_if(entriesOf(epoch), [&](const BlockEntry& entry) {
-    const auto at = std::lower_bound(before.begin(), before.end(), entry.key,
-                                     [](const BlockEntry& e, uint32_t k) { return e.key < k; });
-    return at == before.end() || at->key != entry.key || at->block != entry.block;
+    const BlockEntry* at = find(before, entry.key);
+    return !at || at->block != entry.block;
   }));
 }
 

@@ -2,12 +2,12 @@
 // epoch. A view of the file's bytes; immutable; any thread. A node's offset takes a binary search.
 #pragma once
 
+#include <cstdlib>
 #include <span>
 #include <vector>
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/section/bounds.h"
 #include "proto/section/epochs.h"
 #include "terrain/store/epoch_section.h"
 
@@ -47,7 +47,6 @@ class EpochTable final : public proto::OffsetSource {
 
 template <class Visit>
 void EpochTable::check(const proto::GridTopology& grid, const Visit& visit) const {
-  constexpr int64_t kMost = 2 * int64_t{proto::kMaxHeight};
   for (uint32_t epoch = 0; epoch < epochs_.size(); ++epoch) {
     uint64_t next = 0;
     for (const BlockEntry& entry : entriesOf(epoch)) {
@@ -62,7 +61,7 @@ void EpochTable::check(const proto::GridTopology& grid, const Visit& visit) cons
         const uint64_t slot = uint64_t{entry.key} * 64 + low;
         const proto::NodeId n = slot < grid.slotCount() ? grid.node(static_cast<proto::Slot>(slot)) : proto::NodeId{};
         if (n == proto::NodeId{} || !epochs_.mayMove(epoch, n)) visit(epoch, "an offset is of no node in its window");
-        if (quanta < -kMost || quanta > kMost) visit(epoch, "an offset is absurd");
+        if (std::abs(quanta) > proto::kMaxOffset) visit(epoch, "an offset is absurd");
       }
     }
   }

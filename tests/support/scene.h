@@ -120,7 +120,7 @@ inline std::shared_ptr<const terrain::Scene> makeScene(uint32_t width, uint32_t 
 inline FormulaSource windowSource(const FormulaSource& whole, const proto::LatticeWindow& w, HeightFunction formula) {
   FormulaSource source(w.width, w.height,
                        [w, formula = std::move(formula)](uint32_t x, uint32_t y) { return formula(w.x + x, w.y + y); });
-  proto::Frame frame = const_cast<FormulaSource&>(whole).info().frame;
+  proto::Frame frame = whole.info().frame;
   frame.anchor -= glm::dvec2(w.x, w.y);
   frame.latitude0_rad += w.y * frame.latitude_step_rad;
   frame.longitude0_rad += w.x * frame.longitude_step_rad;
