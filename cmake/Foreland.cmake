@@ -53,3 +53,17 @@ function(foreland_vectorised_roots target)
   target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math)
   set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # which are for one set of such options
 endfunction()
+
+# Sources that take a client's time. In WebAssembly these are compiled for speed, and everything else for size (cmake/wasm32-wasi.cmake).
+function(foreland_fast_in_wasm)
+  if(CMAKE_SYSTEM_NAME STREQUAL "WASI")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O2")
+  endif()
+endfunction()
+
+# The same for the inner loops of decoding: by itself clang leaves most of the adapter's small functions as calls.
+function(foreland_fastest_in_wasm)
+  if(CMAKE_SYSTEM_NAME STREQUAL "WASI")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-mllvm;-inline-threshold=1000")
+  endif()
+endfunction()

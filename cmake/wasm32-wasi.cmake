@@ -8,7 +8,7 @@ set(CMAKE_AR llvm-ar-19)
 set(CMAKE_RANLIB llvm-ranlib-19)
 # Every browser with SIMD has memory.copy.
 set(CMAKE_CXX_FLAGS_INIT "-fno-exceptions -msimd128 -mbulk-memory")
-# By itself clang leaves most of the adapter's small functions as calls.
-add_compile_options("SHELL:-mllvm -inline-threshold=1000")
+# For size, which is what a viewer waits for first; what takes time is compiled for speed (foreland_fast_in_wasm).
+set(CMAKE_CXX_FLAGS_RELEASE "-Oz -fno-rtti -DNDEBUG" CACHE STRING "")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-mexec-model=reactor -fuse-ld=lld")
 set(CMAKE_CXX_COMPILER_WORKS TRUE)

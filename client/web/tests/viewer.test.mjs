@@ -227,6 +227,30 @@ test('it fits a phone', kTest, () =>
     await until(page, (s, e) => Math.hypot(...s.eye.map((v, i) => v - e[i])) > 1, eye);
   }, { width: 390, height: 760, mobile: true }));
 
+// Pairs of the page's parts that lie over one another.
+const overlaps = (page) => page.evaluate(() => {
+  const boxes = ['title', 'panel', 'readout', 'time', 'tours', 'hint'].map((id) => [id, document.getElementById(id).getBoundingClientRect()]);
+  const covers = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  const shown = boxes.filter(([, box]) => box.width > 0);
+  return shown.flatMap(([a, box], i) => shown.slice(i + 1).filter(([, other]) => covers(box, other)).map(([b]) => `${a}, ${b}`));
+});
+
+test('no part of the page lies over another, on small screens and large ones, with a time line and without', kTest, async () => {
+  const moving = await startServer(await makeMovingScene(folder.folder));
+  try {
+    for (const at of [server, moving]) {
+      await visit('', async (page) => {
+        for (const [width, height] of [[640, 360], [390, 844], [844, 390], [720, 600], [960, 600], [1280, 720]]) {
+          await page.setViewportSize({ width, height });
+          assert.deepEqual(await overlaps(page), [], `${width} x ${height}`);
+        }
+      }, { server: at, mobile: true, width: 640, height: 360 });
+    }
+  } finally {
+    await moving.stop();
+  }
+});
+
 // Two fingers going apart.
 async function pinch(page) {
   const client = await page.context().newCDPSession(page);
