@@ -17,6 +17,7 @@
 #include "apps/bench_tiles.h"
 #include "apps/options.h"
 #include "bench/client/measure.h"
+#include "bench/client/wasm_meshes.h"
 #include "bench/martini/report.h"
 #include "bench/report/draw_report.h"
 #include "bench/sections/errors.h"
@@ -48,6 +49,11 @@ struct WireArguments {
   bench::PeerOptions peers{.quantized_mesh = bench::peerSources()};
   std::filesystem::path wasm_decoder = bench::wasmDecoderPath();
   bool has_peers = true;
+};
+
+struct ClientArguments {
+  apps::FlightArguments flight;
+  std::filesystem::path wasm_mesher = bench::wasmMesherPath();
 };
 
 // Under `key` of a report stands why a rival was left out.
@@ -92,14 +98,19 @@ Result<Report> refine(const RefineArguments& args) {
   return report;
 }
 
+// What a client of the flight is welcomed with.
+proto::Welcome welcomeTo(const server::Hierarchy& hierarchy, const bench::FlightOptions& options) {
+  proto::Welcome welcome = server::welcomeTo(hierarchy);
+  welcome.tau_px = options.tau_px;
+  welcome.keyframe_interval = options.keyframe_interval;
+  return welcome;
+}
+
 // The flight decoded in WebAssembly; null, with the reason, where that cannot be.
 Result<Report> wasmReport(const std::filesystem::path& module, const bench::FlightOptions& options,
                           const server::Hierarchy& hierarchy, const std::vector<bench::RecordedKeyframe>& flight,
                           const bench::WireCosts& costs) {
-  proto::Welcome welcome = server::welcomeTo(hierarchy);
-  welcome.tau_px = options.tau_px;
-  welcome.keyframe_interval = options.keyframe_interval;
-  const auto times = bench::decodeInWasm(module, welcome, flight);
+  const auto times = bench::decodeInWasm(module, welcomeTo(hierarchy, options), flight);
   Report report{{"decode_wasm_mnodes_per_s", nullptr}, {"first_decode_wasm_mnodes_per_s", nullptr}};
   if (!times && times.error().code != ErrorCode::kNotFound) return times.error();
   if (!times) {
@@ -138,15 +149,22 @@ Result<Report> wire(const WireArguments& args) {
   return report;
 }
 
-Result<Report> clientCosts(const apps::FlightArguments& args) {
-  const auto flight = apps::planFlight(args);
+Result<Report> clientCosts(const ClientArguments& args) {
+  const auto flight = apps::planFlight(args.flight);
   if (!flight) return flight.error();
   const auto hierarchy = apps::hierarchyOf(flight->scene);
   if (!hierarchy) return hierarchy.error();
   const auto views = bench::keyframeViews(flight->path, flight->options, bench::Guarantee::kEveryFrame);
   const auto recorded = bench::recordFlight(*hierarchy, views, flight->options.keyframe_interval);
-  Report report = apps::flightReport(args, *flight);
-  report.update(bench::toJson(bench::measureClient(*hierarchy, recorded)));
+  const bench::ClientMeasurement native = bench::measureClient(*hierarchy, recorded);
+  Report report = apps::flightReport(args.flight, *flight);
+  report.update(bench::toJson(native.costs));
+  const auto wasm =
+      bench::measureInWasm(args.wasm_mesher, welcomeTo(*hierarchy, flight->options), recorded, native.keyframes);
+  if (!wasm && wasm.error().code != ErrorCode::kNotFound) return wasm.error();
+  if (wasm) wasm->times([&](const std::string& name, double value) { report["wasm_" + name] = value; });
+  if (!wasm) report["wasm_skipped"] = wasm.error().message;
+  warnOfSkipped(report, "wasm_skipped", "WebAssembly");
   return report;
 }
 
@@ -204,9 +222,10 @@ CLI::App* addWire(CLI::App& app, WireArguments& args) {
   return sub;
 }
 
-CLI::App* addClient(CLI::App& app, apps::FlightArguments& args) {
+CLI::App* addClient(CLI::App& app, ClientArguments& args) {
   CLI::App* sub = app.add_subcommand("client", "what keyframes cost a client: decoding, meshes, uploads");
-  apps::addFlightOptions(*sub, args);
+  apps::addFlightOptions(*sub, args.flight);
+  sub->add_option("--wasm-mesher", args.wasm_mesher, "module of the wasm preset that makes meshes");
   return sub;
 }
 
@@ -227,7 +246,7 @@ int main(int argc, char** argv) {
   SectionArguments section_args;
   RefineArguments refine_args;
   WireArguments wire_args;
-  apps::FlightArguments client_args;
+  ClientArguments client_args;
   apps::SurfaceArguments surface_args;
   apps::OcclusionArguments occlusion_args;
   apps::AnimatedArguments animated_args;
@@ -252,7 +271,7 @@ int main(int argc, char** argv) {
       apps::commandText(argc, argv);
   if (*on_tiles) return print(apps::tiles(tiles_args), tiles_args.flight.format);
   if (*on_run) return print(apps::runExperiment(run_args), bench::ReportFormat::kText);
-  if (*on_client) return print(clientCosts(client_args), client_args.format);
+  if (*on_client) return print(clientCosts(client_args), client_args.flight.format);
   if (*on_load) return print(apps::load(load_args), load_args.format);
   if (*on_latency) return print(apps::latency(latency_args), latency_args.flight.format);
   if (*on_report) return report(report_args);

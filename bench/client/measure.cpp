@@ -1,6 +1,7 @@
 #include "bench/client/measure.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/check.h"
 #include "bench/client/mesh_client.h"
@@ -13,9 +14,9 @@ namespace {
 
 constexpr int kPasses = 3;
 
-struct Keyframe {
-  std::vector<double> decode_s, mesh_s, full_s;  // by pass
-  size_t triangles = 0, changes = 0, upload_bytes = 0, uploads = 0, whole_bytes = 0;
+// Times of one keyframe by pass.
+struct PassTimes {
+  std::vector<double> decode_s, mesh_s, full_mesh_s;
 };
 
 template <class Work>
@@ -31,10 +32,10 @@ size_t changesOf(const client::Replica& replica) {
   return changes;
 }
 
-void stepByChange(MeshClient& client, const RecordedKeyframe& recorded, Keyframe& k) {
+void stepByChange(MeshClient& client, const RecordedKeyframe& recorded, PassTimes& times, KeyframeCosts& k) {
   CHECK_TRUE(client.read(recorded.message));
-  timed(k.decode_s, [&] { CHECK_TRUE(client.decode()); });
-  timed(k.mesh_s, [&] { client.patch(); });
+  timed(times.decode_s, [&] { CHECK_TRUE(client.decode()); });
+  timed(times.mesh_s, [&] { client.patch(); });
   client.collect();
   k.triangles = client.triangles();
   k.changes = changesOf(client.replica());
@@ -43,35 +44,34 @@ void stepByChange(MeshClient& client, const RecordedKeyframe& recorded, Keyframe
   k.whole_bytes = client.wholeBytes();
 }
 
-void stepAnew(MeshClient& client, const RecordedKeyframe& recorded, Keyframe& k) {
+void stepAnew(MeshClient& client, const RecordedKeyframe& recorded, PassTimes& times, const KeyframeCosts& k) {
   CHECK_TRUE(client.read(recorded.message) && client.decode());
-  timed(k.full_s, [&] { CHECK_EQ(client.buildAnew(), k.triangles); });
+  timed(times.full_mesh_s, [&] { CHECK_EQ(client.buildAnew(), k.triangles); });
 }
 
 template <class Value>
-std::vector<double> valuesOf(const std::vector<Keyframe>& all, const Value& value) {
+std::vector<double> valuesOf(const std::vector<KeyframeCosts>& all, const Value& value) {
   std::vector<double> values;
-  for (size_t i = 1; i < all.size(); ++i) values.push_back(value(all[i]));
+  for (size_t i = 1; i < all.size(); ++i) values.push_back(static_cast<double>(value(all[i])));
   return values;
 }
 
-double sumOf(const std::vector<double>& values) {
-  double sum = 0;
-  for (double v : values) sum += v;
-  return sum;
-}
+double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-ClientCosts costsOf(const std::vector<Keyframe>& all) {
-  const auto decode_ms = valuesOf(all, [](const Keyframe&k) { return 1e3 * median(k.decode_s); }),
-             mesh_ms = valuesOf(all, [](const Keyframe&k) { return 1e3 * median(k.mesh_s); }),
-             full_ms = valuesOf(all, [](const Keyframe&k) { return 1e3 * median(k.full_s); }),
-             triangles = valuesOf(all, [](const Keyframe&k) { return static_cast<double>(k.triangles); }),
-             changes = valuesOf(all, [](const Keyframe&k) { return static_cast<double>(k.changes); }),
-             upload = valuesOf(all, [](const Keyframe&k) { return static_cast<double>(k.upload_bytes); }),
-             uploads = valuesOf(all, [](const Keyframe&k) { return static_cast<double>(k.uploads); }),
-             whole = valuesOf(all, [](const Keyframe&k) { return static_cast<double>(k.whole_bytes); });
+}  // namespace
+
+ClientCosts costsOf(const std::vector<KeyframeCosts>& all, double memory_bytes) {
+  using K = KeyframeCosts;
+  const auto decode_ms = valuesOf(all, [](const K&k) { return 1e3 * k.decode_s; }),
+             mesh_ms = valuesOf(all, [](const K&k) { return 1e3 * k.mesh_s; }),
+             full_ms = valuesOf(all, [](const K&k) { return 1e3 * k.full_mesh_s; }),
+             triangles = valuesOf(all, [](const K&k) { return k.triangles; }),
+             changes = valuesOf(all, [](const K&k) { return k.changes; }),
+             upload = valuesOf(all, [](const K&k) { return k.upload_bytes; }),
+             uploads = valuesOf(all, [](const K&k) { return k.uploads; }),
+             whole = valuesOf(all, [](const K&k) { return k.whole_bytes; });
   const double count = std::max(1.0, static_cast<double>(mesh_ms.size()));
-  ClientCosts costs{.keyframes = all.size()};
+  ClientCosts costs{.keyframes = all.size(), .mesh_memory_bytes = memory_bytes};
   costs.triangles = sumOf(triangles) / count;
   costs.changes = sumOf(changes) / count;
   costs.mesh_ms_p50 = median(mesh_ms);
@@ -86,20 +86,22 @@ ClientCosts costsOf(const std::vector<Keyframe>& all) {
   return costs;
 }
 
-}  // namespace
-
-ClientCosts measureClient(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight) {
-  std::vector<Keyframe> all(flight.size());
+ClientMeasurement measureClient(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight) {
+  std::vector<KeyframeCosts> all(flight.size());
+  std::vector<PassTimes> times(flight.size());
   size_t memory_bytes = 0;
   for (int pass = 0; pass < kPasses; ++pass) {
     MeshClient by_change(server::welcomeTo(hierarchy)), anew(server::welcomeTo(hierarchy));
-    for (size_t i = 0; i < flight.size(); ++i) stepByChange(by_change, flight[i], all[i]);
-    for (size_t i = 0; i < flight.size(); ++i) stepAnew(anew, flight[i], all[i]);
+    for (size_t i = 0; i < flight.size(); ++i) stepByChange(by_change, flight[i], times[i], all[i]);
+    for (size_t i = 0; i < flight.size(); ++i) stepAnew(anew, flight[i], times[i], all[i]);
     memory_bytes = by_change.wholeBytes() + by_change.replica().patcherBytes();
   }
-  ClientCosts costs = costsOf(all);
-  costs.mesh_memory_bytes = static_cast<double>(memory_bytes);
-  return costs;
+  for (size_t i = 0; i < flight.size(); ++i) {
+    all[i].decode_s = median(times[i].decode_s);
+    all[i].mesh_s = median(times[i].mesh_s);
+    all[i].full_mesh_s = median(times[i].full_mesh_s);
+  }
+  return {all, costsOf(all, static_cast<double>(memory_bytes))};
 }
 
 }  // namespace foreland::bench

@@ -8,6 +8,12 @@
 
 namespace foreland::bench {
 
+// Of one keyframe; times are medians of passes.
+struct KeyframeCosts {
+  double decode_s = 0, mesh_s = 0, full_mesh_s = 0;
+  size_t triangles = 0, changes = 0, upload_bytes = 0, uploads = 0, whole_bytes = 0;
+};
+
 // All but `keyframes` and the memory are of the keyframes after the first.
 struct ClientCosts {
   uint64_t keyframes = 0;
@@ -24,19 +30,29 @@ struct ClientCosts {
     visit("keyframes", keyframes);
     visit("triangles", triangles);
     visit("changes", changes);
+    visit("upload_bytes_p50", upload_bytes_p50);
+    visit("upload_share", upload_share);
+    visit("uploads_p50", uploads_p50);
+    times(visit);
+  }
+  // What differs from machine to machine.
+  template <class Visit>
+  void times(const Visit& visit) const {
     visit("mesh_ms_p50", mesh_ms_p50);
     visit("mesh_ms_p99", mesh_ms_p99);
     visit("mesh_us_per_change", mesh_us_per_change);
     visit("full_mesh_ms", full_mesh_ms);
     visit("mesh_ratio", mesh_ratio);
-    visit("upload_bytes_p50", upload_bytes_p50);
-    visit("upload_share", upload_share);
-    visit("uploads_p50", uploads_p50);
     visit("decode_ms_p50", decode_ms_p50);
     visit("mesh_memory_bytes", mesh_memory_bytes);
   }
 };
 
-ClientCosts measureClient(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight);
+struct ClientMeasurement {
+  std::vector<KeyframeCosts> keyframes;
+  ClientCosts costs;
+};
+ClientMeasurement measureClient(const server::Hierarchy& hierarchy, const std::vector<RecordedKeyframe>& flight);
+ClientCosts costsOf(const std::vector<KeyframeCosts>& keyframes, double memory_bytes);
 
 }  // namespace foreland::bench

@@ -5,26 +5,12 @@
 // MODULE: build/wasm/bin/foreland-decoder.wasm. STREAM: for each message its size as uint32, little-endian, and its bytes; the
 // welcome first. Prints JSON: processor seconds of the process while applying the first keyframe and the others (median of five
 // passes, after one that is not counted), the digest of the last section, and node's version.
-import { readFileSync } from 'node:fs';
+import { loadStream } from './stream_module.mjs';
 
 const kWarmUps = 1, kPasses = 5;
 
 const [module_path, stream_path] = process.argv.slice(2);
-const module = await WebAssembly.compile(readFileSync(module_path));
-const wasi = Object.fromEntries(WebAssembly.Module.imports(module).map(({ name }) => [name, () => 52])); // not supported
-wasi.proc_exit = (code) => {
-  throw new Error(`the decoder stopped (code ${code})`);
-};
-const { exports } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: wasi });
-exports._initialize?.();
-
-const stream = readFileSync(stream_path);
-const address = exports.decoder_buffer(stream.length) >>> 0;
-new Uint8Array(exports.memory.buffer).set(stream, address);
-const messages = [];
-for (let at = 0; at < stream.length; at = messages.at(-1).begin + messages.at(-1).size) {
-  messages.push({ begin: at + 4, size: stream.readUInt32LE(at) });
-}
+const { exports, messages } = await loadStream(module_path, stream_path, 'decoder');
 
 function processorSeconds() {
   const { user, system } = process.cpuUsage();

@@ -1,57 +1,18 @@
 #include "bench/wire/wasm_decoder.h"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "bench/programs/run_program.h"
-#include "bench/programs/temporary_folder.h"
+#include "bench/wire/wasm_stream.h"
 
 namespace foreland::bench {
 
-namespace {
+std::filesystem::path wasmDecoderPath() { return wasmModulePath("foreland-decoder"); }
 
-namespace fs = std::filesystem;
-
-void putMessage(ByteSpan message, ByteWriter& w) {
-  w.put(static_cast<uint32_t>(message.size()));
-  w.putBytes(message);
-}
-
-Status writeStream(const proto::Welcome& welcome, const std::vector<RecordedKeyframe>& flight, const fs::path& path) {
-  Bytes stream;
-  ByteWriter w(stream);
-  putMessage(proto::encode(welcome), w);
-  for (const RecordedKeyframe& k : flight) putMessage(k.message, w);
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(stream.data()), static_cast<std::streamsize>(stream.size()));
-  file.close();
-  if (file) return {};
-  return Error{ErrorCode::kIo, path.string() + ": cannot be written; free some space, or set TMPDIR to where there is"};
-}
-
-}  // namespace
-
-fs::path wasmDecoderPath() { return fs::path(FORELAND_SOURCE_DIR) / "build/wasm/bin/foreland-decoder.wasm"; }
-
-Result<WasmTimes> decodeInWasm(const fs::path& module, const proto::Welcome& welcome,
+Result<WasmTimes> decodeInWasm(const std::filesystem::path& module, const proto::Welcome& welcome,
                                const std::vector<RecordedKeyframe>& flight) {
-  std::error_code ignored;
-  if (!fs::exists(module, ignored))
-    return Error{ErrorCode::kNotFound,
-                 module.string() + " is not built; run: cmake --preset wasm && cmake --build --preset wasm"};
-  const TemporaryFolder scratch;
-  if (scratch.path().empty())
-    return Error{ErrorCode::kIo, "no temporary folder can be made; set TMPDIR to where one can"};
-  const fs::path stream = scratch.path() / "flight.stream";
-  if (Status s = writeStream(welcome, flight, stream); !s.ok()) return s.error();
-  const fs::path script = fs::path(FORELAND_SOURCE_DIR) / "bench/wire/decode_stream.mjs";
-  const auto printed = runProgram({"node", script.string(), module.string(), stream.string()});
-  if (!printed && printed.error().code == ErrorCode::kNotFound)
-    return Error{ErrorCode::kNotFound, "node is not installed; install nodejs"};
-  if (!printed) return Error{ErrorCode::kMalformed, "decoding in WebAssembly failed: " + printed.error().message};
-  const auto report = nlohmann::json::parse(*printed, nullptr, false);
-  if (report.is_discarded()) return Error{ErrorCode::kMalformed, "decode_stream.mjs printed no JSON"};
-  return WasmTimes{report.at("first_s"), report.at("rest_s"), report.at("digest"), report.at("node")};
+  const auto report = runInWasm("bench/wire/decode_stream.mjs", module, welcome, flight);
+  if (!report) return report.error();
+  return WasmTimes{report->at("first_s"), report->at("rest_s"), report->at("digest"), report->at("node")};
 }
 
 }  // namespace foreland::bench

@@ -82,9 +82,9 @@ struct ChangedRanges {
 // What an upload of the whole mesh takes.
 size_t bytesOf(const BlendMesh& mesh);
 
-// Changes that are closer in an array than so many bytes are uploaded together with what lies between: a call of the
-// graphics interface costs about as much.
-inline constexpr size_t kUploadGap = 256;
+// Changes that are closer in an array than so many bytes are uploaded together with what lies between: fewer bytes are
+// more calls (bench/README.md, `client`).
+inline constexpr size_t kUploadGap = 64;
 
 // A blended mesh that is brought up to date by patches, and what has changed in it since clearChanges(). One owner.
 class PatchedMesh {
