@@ -15,7 +15,7 @@ Result<Bytes> readFile(const fs::path& path) {
   std::error_code failed;
   if (!fs::exists(path, failed)) return Error{ErrorCode::kNotFound, path.string() + ": there is no such file"};
   if (!fs::is_regular_file(path, failed))
-    return Error{ErrorCode::kInvalidArgument, path.string() + ": not a file; name an .obj or .ply model"};
+    return Error{ErrorCode::kInvalidArgument, path.string() + ": not a file; name a model's file"};
   const uint64_t size = fs::file_size(path, failed);
   if (failed) return Error{ErrorCode::kIo, path.string() + ": " + failed.message()};
   if (size > kMaxModelBytes) return Error{ErrorCode::kLimit, path.string() + ": larger than 8 GiB; simplify the model"};
@@ -26,20 +26,26 @@ Result<Bytes> readFile(const fs::path& path) {
   return bytes;
 }
 
+Result<Model> parse(const std::string& suffix, ByteSpan bytes, const fs::path& path) {
+  const std::string name = path.string();
+  if (suffix == ".ply") return parsePly(bytes, name);
+  if (suffix == ".stl") return parseStl(bytes, name);
+  const auto library = [&](const std::string& file) { return readFile(path.parent_path() / file); };
+  return parseObj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name, library);
+}
+
 }  // namespace
 
 Result<Model> readModel(const fs::path& path) {
   std::string suffix = path.extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (suffix != ".obj" && suffix != ".ply")
-    return Error{ErrorCode::kUnsupported, path.string() + ": neither .obj nor .ply; export the model as one of these"};
+  if (suffix != ".obj" && suffix != ".ply" && suffix != ".stl")
+    return Error{ErrorCode::kUnsupported,
+                 path.string() + ": not one of .obj, .ply and .stl; export the model as one of these"};
   const auto bytes = readFile(path);
   if (!bytes.ok()) return bytes.error();
   const fs::path folder = path.parent_path();
-  const auto text = std::string_view(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  auto model = suffix == ".ply"
-                   ? parsePly(*bytes, path.string())
-                   : parseObj(text, path.string(), [&](const std::string& name) { return readFile(folder / name); });
+  auto model = parse(suffix, *bytes, path);
   if (!model.ok()) return model;
   for (Material& material : model->materials)
     if (!material.texture.empty()) material.texture = folder / material.texture;

@@ -1,5 +1,6 @@
-// Reads a polygon model: Wavefront OBJ (polygons, texture coordinates, mtllib and map_Kd, colours behind the vertices)
-// or PLY (ascii and both binary orders, colours, texture coordinates by vertex, "comment TextureFile"). Any bytes end
+// Reads a polygon model: Wavefront OBJ (polygons, texture coordinates, mtllib and map_Kd, colours behind the vertices),
+// PLY (ascii and both binary orders, colours, texture coordinates by vertex, "comment TextureFile") or STL (ascii and
+// binary; vertices at the same position become one, because STL repeats them at each face). Any bytes end
 // in a Model or an Error that names the file, its line or element, and the remedy; every count is checked against the
 // number of bytes that follow before memory is allocated for it. Textures are only named, not read. Pure but for the
 // files; any thread. Cost: linear in the file, which is held in memory meanwhile.
@@ -15,7 +16,7 @@
 
 namespace foreland::terrain {
 
-// Reads a file; the suffix of its name, .obj or .ply, says which kind it is.
+// Reads a file; the suffix of its name, .obj, .ply or .stl, says which kind it is.
 [[nodiscard]] Result<Model> readModel(const std::filesystem::path& path);
 
 // The same from memory; messages use `name`. `library` returns the text of the file that `mtllib` names. A material
@@ -23,5 +24,6 @@ namespace foreland::terrain {
 using LibraryReader = std::function<Result<Bytes>(const std::string& name)>;
 [[nodiscard]] Result<Model> parseObj(std::string_view text, const std::string& name, const LibraryReader& library);
 [[nodiscard]] Result<Model> parsePly(ByteSpan bytes, const std::string& name);
+[[nodiscard]] Result<Model> parseStl(ByteSpan bytes, const std::string& name);
 
 }  // namespace foreland::terrain

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -119,6 +120,51 @@ inline std::string toObj(const terrain::Model& model) {
     out << '\n';
   }
   return out.str();
+}
+
+inline void appendFloat(std::string& out, double value) {
+  const auto bits = std::bit_cast<uint32_t>(static_cast<float>(value));
+  for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(bits >> shift & 255);
+}
+
+// A model of triangles alone; its normals are zero.
+inline std::string toBinaryStl(const terrain::Model& model, const std::string& header = "made") {
+  std::string out = header;
+  out.resize(80, ' ');
+  for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(model.faceCount() >> shift & 255);
+  for (size_t f = 0; f < model.faceCount(); ++f) {
+    out.append(12, '\0');
+    for (size_t k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis) appendFloat(out, model.positions[model.corners[3 * f + k].vertex][axis]);
+    out.append(2, '\0');
+  }
+  return out;
+}
+
+inline std::string toTextStl(const terrain::Model& model) {
+  std::ostringstream out;
+  out.precision(9);
+  out << "solid made\n";
+  for (size_t f = 0; f < model.faceCount(); ++f) {
+    out << "  facet normal 0 0 0\n    outer loop\n";
+    for (uint64_t c = model.faceBegin(f); c < model.face_ends[f]; ++c) {
+      const glm::dvec3& p = model.positions[model.corners[c].vertex];
+      out << "      vertex " << static_cast<float>(p.x) << ' ' << static_cast<float>(p.y) << ' '
+          << static_cast<float>(p.z) << '\n';
+    }
+    out << "    endloop\n  endfacet\n";
+  }
+  out << "endsolid made\n";
+  return out.str();
+}
+
+// Each polygon as triangles around its first corner.
+inline terrain::Model inTriangles(const terrain::Model& model) {
+  std::vector<std::vector<uint32_t>> faces;
+  for (size_t f = 0; f < model.faceCount(); ++f)
+    for (uint64_t c = model.faceBegin(f) + 1; c + 1 < model.face_ends[f]; ++c)
+      faces.push_back({model.corners[model.faceBegin(f)].vertex, model.corners[c].vertex, model.corners[c + 1].vertex});
+  return makeModel(model.positions, faces);
 }
 
 }  // namespace foreland::test

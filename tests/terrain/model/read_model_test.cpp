@@ -179,7 +179,7 @@ TEST(Models, DamagedFilesEndInAModelOrAnError) {
 }
 
 TEST(Models, FilesThatAreNotThereOrOfAnotherKindAreNamed) {
-  for (const char* path : {"missing.obj", "missing.PLY", "model.stl", ""}) {
+  for (const char* path : {"missing.obj", "missing.PLY", "missing.Stl", "model.fbx", ""}) {
     const auto read = readModel(path);
     ASSERT_FALSE(read.ok());
     EXPECT_NE(read.error().message.find(path), std::string::npos);

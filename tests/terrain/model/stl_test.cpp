@@ -1,0 +1,101 @@
+// STL: both forms say the same, and what is wrong is named.
+#include <gtest/gtest.h>
+
+#include "base/rng.h"
+#include "terrain/model/read_model.h"
+#include "tests/support/models.h"
+#include "tests/support/seed.h"
+
+namespace foreland::terrain {
+namespace {
+
+Result<Model> stl(const std::string& text) {
+  const std::vector<uint8_t> exact(text.begin(), text.end());
+  return parseStl(exact, "m.stl");
+}
+void expectRefusal(const std::string& bytes, const std::string& words) {
+  const auto model = stl(bytes);
+  ASSERT_FALSE(model.ok()) << words;
+  EXPECT_NE(model.error().message.find(words), std::string::npos) << model.error().message;
+}
+std::vector<uint32_t> verticesOf(const Model& model) {
+  std::vector<uint32_t> vertices;
+  for (const Corner& corner : model.corners) vertices.push_back(corner.vertex);
+  return vertices;
+}
+
+std::vector<glm::dvec3> rounded(std::vector<glm::dvec3> positions) {
+  for (glm::dvec3& p : positions) p = glm::dvec3(glm::vec3(p));
+  return positions;
+}
+
+TEST(Stl, BothFormsAreTheModelWithOneVertexAtEachPosition) {
+  for (const Model& model :
+       {test::inTriangles(test::makeCube(2)), test::makeSphere(3), test::inTriangles(test::makePatch(5))}) {
+    const auto text = stl(test::toTextStl(model)), binary = stl(test::toBinaryStl(model));
+    ASSERT_TRUE(text.ok()) << text.error().message;
+    ASSERT_TRUE(binary.ok()) << binary.error().message;
+    EXPECT_EQ(rounded(text->positions), binary->positions);  // text may have more digits than a float
+    EXPECT_EQ(verticesOf(*text), verticesOf(*binary));
+    EXPECT_EQ(text->face_ends, model.face_ends);
+    for (size_t c = 0; c < model.corners.size(); ++c)
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_EQ(binary->positions[binary->corners[c].vertex][axis],
+                  static_cast<float>(model.positions[model.corners[c].vertex][axis]));
+  }
+  EXPECT_EQ(stl(test::toBinaryStl(test::inTriangles(test::makeCube(2))))->positions.size(), 26u);
+}
+
+TEST(Stl, ReadsWhatExportersWrite) {
+  const Model sphere = test::makeSphere(1);
+  const auto solid = stl(test::toBinaryStl(sphere, "solid made by a program that did not read the format"));
+  ASSERT_TRUE(solid.ok()) << solid.error().message;
+  EXPECT_EQ(solid->faceCount(), sphere.faceCount());
+  const auto trailed = stl(test::toBinaryStl(sphere) + "trailer");
+  ASSERT_TRUE(trailed.ok()) << trailed.error().message;
+  const auto loud =
+      stl("solid\r\nFACET NORMAL 0 0 1\r\nOUTER LOOP\r\nVERTEX 0 0 -0\r\nVERTEX 1e0 0 0\r\nVERTEX 0 +1 0\r\n"
+          "ENDLOOP\r\nENDFACET\r\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex -1 0 0\n"
+          "endloop\nendfacet\nendsolid\n");
+  ASSERT_TRUE(loud.ok()) << loud.error().message;
+  EXPECT_EQ(verticesOf(*loud), (std::vector<uint32_t>{0, 1, 2, 0, 2, 3}));
+}
+
+TEST(Stl, NamesWhatIsWrong) {
+  const std::string sphere = test::toBinaryStl(test::makeSphere(1));
+  expectRefusal("", "m.stl: is no STL file");
+  expectRefusal("<html></html>", "is no STL file");
+  expectRefusal(sphere.substr(0, sphere.size() - 1), "promises 32 triangles, but ends after 31");
+  expectRefusal(sphere.substr(0, 84), "promises 32 triangles, but ends after 0");
+  std::string infinite = sphere;
+  infinite.replace(84 + 12, 4, "\x00\x00\x80\x7f", 4);
+  expectRefusal(infinite, "vertex 1 has a coordinate that is no finite number");
+  const std::string begin = "solid\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
+  expectRefusal(begin, "ends within a facet");
+  expectRefusal(begin + "endloop\n", "m.stl:5: face 1 has fewer than three corners");
+  expectRefusal(begin + "vertex 0 x 0\n", "m.stl:5: has 'x' where a number belongs");
+  expectRefusal("solid\nendsolid\n", "has no face");
+}
+
+TEST(Stl, DamagedFilesEndInAModelOrAnError) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  const std::string files[] = {test::toBinaryStl(test::makeSphere(1)), test::toTextStl(test::makeSphere(1))};
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::string bytes = files[i % 2];
+    for (uint64_t changes = 1 + rng.below(4); changes > 0; --changes)
+      bytes[rng.below(bytes.size())] = static_cast<char>(rng.next());
+    if (rng.below(2) == 0) bytes.resize(rng.below(bytes.size()));
+    const auto read = stl(bytes);
+    refused += !read.ok();
+    if (!read.ok()) continue;
+    for (const Corner& corner : read->corners) ASSERT_LT(corner.vertex, read->positions.size());
+  }
+  EXPECT_GT(refused, 300);
+  EXPECT_LT(refused, 2000);
+}
+
+}  // namespace
+}  // namespace foreland::terrain
