@@ -31,7 +31,7 @@ struct Arguments {
   std::optional<double> step;
   std::optional<uint32_t> texels;
   proto::MeshRule rule = proto::MeshRule::kQuadrisection;
-  bool json = false;
+  bool json = false, strict = false;
 };
 
 CLI::Validator isPositive() {
@@ -44,7 +44,7 @@ CLI::Validator isPositive() {
 }
 
 void describeOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("MODEL", arguments.input, "A polygon model: .obj or .ply, closed or with borders")->required();
+  app.add_option("MODEL", arguments.input, "A polygon model: .obj, .ply or .stl, closed or with borders")->required();
   app.add_option("-o,--output", arguments.output, "The surface file to write")->required();
   app.add_option("--levels", arguments.remesh.levels,
                  "Levels of refinement: how often each base triangle is cut into four")
@@ -74,6 +74,8 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0u, proto::AtlasLayout::kMaxPixels));
   app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one per processor")
       ->check(CLI::Range(0u, 1024u));
+  app.add_flag("--strict", arguments.strict,
+               "Refuse a model that is no surface, and name the fault, instead of repairing it with a note");
   app.add_flag("--json", arguments.json, "Print the report as JSON");
 }
 
@@ -120,18 +122,13 @@ Status addColours(const Arguments& arguments, const terrain::Model& model, const
   return {};
 }
 
-void noteRepairs(const terrain::Original& original, std::vector<std::string>& notes) {
-  if (original.welded > 0)
-    notes.push_back(std::to_string(original.welded) + " vertices welded to others at the same position");
-  if (original.flipped > 0) notes.push_back(std::to_string(original.flipped) + " faces turned over");
-}
-
 int remesh(Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
   const auto model = terrain::readModel(arguments.input);
   if (!model.ok()) return fail(model.error());
-  const auto original = terrain::makeOriginal(*model);
+  const auto original =
+      terrain::makeOriginal(*model, arguments.strict ? terrain::OnDefect::kRefuse : terrain::OnDefect::kRepair);
   if (!original.ok()) return fail(original.error());
   const double finest = arguments.step.value_or(terrain::finestQuantum(original->positions));
   if (Status s = terrain::checkQuantum(original->positions, finest); !s.ok()) return fail(s.error());
@@ -144,9 +141,9 @@ int remesh(Arguments& arguments) {
   if (!surface.ok()) return fail(surface.error());
   Finished finished;
   finished.about.title = arguments.input.filename().string();
-  noteRepairs(*original, finished.about.notes);
+  finished.about.notes = apps::repairNotes(*original);
   if (Status s = addColours(arguments, *model, *original, *remeshed, finished); !s.ok()) return fail(s.error());
-  apps::RemeshReport report = apps::judgeRemesh(*original, *surface, arguments.remesh.threads);
+  apps::RemeshReport report = apps::judgeRemesh(*model, *original, *surface, arguments.remesh.threads);
   report.atlas = finished.painted.atlas;
   finished.about.notes.push_back(apps::sentence(report));
   const auto records = terrain::computeBounds(
@@ -160,6 +157,7 @@ int remesh(Arguments& arguments) {
   if (!id.ok()) return fail(id.error());
   report.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
   for (const std::string& note : finished.about.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  report.notes = finished.about.notes;
   apps::printReport(report, arguments.output, *id, arguments.json);
   return 0;
 }

@@ -15,9 +15,46 @@ namespace {
 
 constexpr double kTolerance = 1e-4;  // of the diagonal
 
+// All that the model's file has: the original's triangles, and the lines that faces without area are.
+struct GivenMesh {
+  std::vector<glm::dvec3> positions;
+  std::vector<terrain::Triangle> faces;
+};
+
+GivenMesh givenMesh(const terrain::Model& model, const terrain::Original& original) {
+  GivenMesh given{original.positions, original.faces};
+  for (terrain::Triangle line : original.degenerate) {
+    for (uint32_t& vertex : line) {
+      given.positions.push_back(model.positions[vertex]);
+      vertex = static_cast<uint32_t>(given.positions.size() - 1);
+    }
+    given.faces.push_back(line);
+  }
+  return given;
+}
+
 }  // namespace
 
-RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueSurface& surface, unsigned threads) {
+std::vector<std::string> repairNotes(const terrain::Original& original) {
+  std::vector<std::string> notes;
+  const auto add = [&](uint64_t count, const char* one, const char* several) {
+    if (count > 0) notes.push_back(std::to_string(count) + (count == 1 ? one : several));
+  };
+  const terrain::Repairs& r = original.repairs;
+  add(original.welded, " vertex welded to another at the same position",
+      " vertices welded to others at the same position");
+  add(r.repeated_corners, " repeated corner dropped", " repeated corners dropped");
+  add(r.degenerate_faces, " face without area dropped", " faces without area dropped");
+  add(r.duplicate_faces, " face dropped that repeats another", " faces dropped that repeat others");
+  add(r.cut_edges, " edge cut at which the faces are not one surface",
+      " edges cut at which the faces are not one surface");
+  add(r.split_vertices, " vertex split at which parts touch", " vertices split at which parts touch");
+  add(original.flipped, " face turned over", " faces turned over");
+  return notes;
+}
+
+RemeshReport judgeRemesh(const terrain::Model& model, const terrain::Original& original,
+                         const terrain::TrueSurface& surface, unsigned threads) {
   const proto::MeshTopology& topology = surface.topology;
   const terrain::FullMesh full(surface);
   RemeshReport r;
@@ -34,10 +71,19 @@ RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueS
     positions.push_back(full.position(v));
   const terrain::MeshView of{original.positions, original.faces}, by{positions, full.triangles()};
   const terrain::ClosestPoint closest_original(of), closest_surface(by);
+  const GivenMesh given = givenMesh(model, original);
   const double tolerance = kTolerance * r.diagonal;
   r.to_original = terrain::largestDistance(by, closest_original, tolerance, threads) / r.diagonal;
-  r.to_surface = terrain::largestDistance(of, closest_surface, tolerance, threads) / r.diagonal;
+  r.to_surface =
+      terrain::largestDistance({given.positions, given.faces}, closest_surface, tolerance, threads) / r.diagonal;
   r.flipped = terrain::findFlipped(by, closest_original, threads).size();
+  r.flipped_as_given = r.flipped;
+  if (original.flipped > 0) {
+    const std::vector<terrain::Triangle> as_given = terrain::facesAsGiven(original);
+    const terrain::ClosestPoint closest_given({original.positions, as_given});
+    r.flipped_as_given = terrain::findFlipped(by, closest_given, threads).size();
+  }
+  r.welded = original.welded, r.turned = original.flipped, r.repairs = original.repairs;
   r.step = surface.quantum_m;
   return r;
 }
@@ -73,6 +119,15 @@ void printReport(const RemeshReport& r, const std::filesystem::path& output, uin
                        {"original_to_surface", r.to_surface},
                        {"tolerance", r.tolerance}};
   json["flipped"] = r.flipped;
+  json["flipped_as_given"] = r.flipped_as_given;
+  json["repairs"] = {{"welded_vertices", r.welded},
+                     {"repeated_corners", r.repairs.repeated_corners},
+                     {"degenerate_faces", r.repairs.degenerate_faces},
+                     {"duplicate_faces", r.repairs.duplicate_faces},
+                     {"cut_edges", r.repairs.cut_edges},
+                     {"split_vertices", r.repairs.split_vertices},
+                     {"turned_faces", r.turned}};
+  json["notes"] = r.notes;
   json["step"] = r.step;
   json["image"] = {{"width", r.atlas.width()}, {"height", r.atlas.height()}, {"texels_per_base_edge", r.atlas.side}};
   json["seconds"] = r.seconds;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "proto/topology/atlas_layout.h"
 #include "terrain/remesh/original/original.h"
@@ -19,7 +20,11 @@ struct RemeshReport {
   // The largest distance of a point of one surface from the other, as a share of the diagonal. The true distance is at
   // most `tolerance` larger.
   double to_original = 0, to_surface = 0, tolerance = 0;
-  uint64_t flipped = 0;
+  // Triangles that face away from the original: as repaired, and with the orientation that its file gives each face.
+  uint64_t flipped = 0, flipped_as_given = 0;
+  uint64_t welded = 0, turned = 0;  // vertices merged; faces whose orientation changed
+  terrain::Repairs repairs;
+  std::vector<std::string> notes;  // printed elsewhere, but for JSON
   double step = 0;
   proto::AtlasLayout atlas;
   double seconds = 0;
@@ -27,8 +32,13 @@ struct RemeshReport {
   double hausdorff() const { return to_original > to_surface ? to_original : to_surface; }
 };
 
-// Compares the surface, with its rounded positions, with the original. The caller fills in atlas and seconds.
-RemeshReport judgeRemesh(const terrain::Original& original, const terrain::TrueSurface& surface, unsigned threads);
+// What was done to the model before it was remeshed; one note for each kind of change.
+std::vector<std::string> repairNotes(const terrain::Original& original);
+
+// Compares the surface, with its rounded positions, with the model as given: faces without area, which the original
+// lacks, count as lines. The caller fills in atlas, notes and seconds.
+RemeshReport judgeRemesh(const terrain::Model& model, const terrain::Original& original,
+                         const terrain::TrueSurface& surface, unsigned threads);
 
 // One sentence, for the notes in the surface's file.
 std::string sentence(const RemeshReport& report);

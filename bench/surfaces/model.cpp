@@ -28,7 +28,7 @@ Result<TrueSurface> surfaceOfModel(const std::filesystem::path& path, uint32_t b
   if (terrain::isSurfaceFile(path)) return stored(path);
   const auto model = terrain::readModel(path);
   if (!model) return model.error();
-  const auto original = terrain::makeOriginal(*model);
+  const auto original = terrain::makeOriginal(*model, terrain::OnDefect::kRepair);
   if (!original) return original.error();
   const auto remeshed =
       terrain::remesh(*original, {.base_triangles = base_triangles, .levels = static_cast<int>(halvings)});

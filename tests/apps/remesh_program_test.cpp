@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "tests/apps/expect_refusal.h"
 #include "tests/support/files.h"
@@ -15,6 +16,7 @@ namespace {
 class RemeshProgram : public testing::Test {
  protected:
   std::string write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
@@ -103,13 +105,77 @@ TEST_F(RemeshProgram, TexturesComeAlongAndThoseThatAreMissingAreNoted) {
   EXPECT_EQ(about["base"]["border_edges"].get<int>() > 0, true);
 }
 
+// Two bodies that share a vertex, as a teapot's lid and its knob do, a face that is there twice, one that is a line and
+// one that is turned over.
+terrain::Model touchingBodies() {
+  terrain::Model model = makeSphere(2);
+  const auto count = static_cast<uint32_t>(model.positions.size());
+  const auto add = [&](std::array<uint32_t, 3> face) {
+    for (const uint32_t v : face) model.corners.push_back({v, terrain::kNoIndex});
+    model.face_ends.push_back(model.corners.size());
+    model.face_materials.push_back(terrain::kNoIndex);
+  };
+  for (const glm::dvec3& p : makeSphere(2).positions) model.positions.push_back(0.3 * p + glm::dvec3(0, 0, 1.3));
+  for (const auto sphere = makeSphere(2); const size_t f : std::views::iota(size_t{0}, sphere.faceCount())) {
+    std::array<uint32_t, 3> face{};
+    for (size_t k = 0; k < 3; ++k) face[k] = sphere.corners[3 * f + k].vertex + count;
+    for (uint32_t& v : face) v = v == count + 5 ? 4 : v;  // the lowest vertex is the other sphere's highest
+    add(face);
+  }
+  add({model.corners[0].vertex, model.corners[1].vertex, model.corners[1].vertex});
+  add({model.corners[0].vertex, model.corners[1].vertex, model.corners[2].vertex});
+  std::swap(model.corners[30], model.corners[31]);
+  return model;
+}
+
+TEST_F(RemeshProgram, WhatIsNoSurfaceIsRepairedWithNotesOrRefusedIfAsked) {
+  const std::string model = write("touching.obj", toObj(touchingBodies()));
+  std::vector<std::string> arguments{model, "-o",         output(), "--levels", "3", "--base-triangles",
+                                     "60",  "--attempts", "2",      "--json"};
+  const ProgramResult made = runProgram("remesh", arguments, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(made.exit_code, 0);
+  const auto report = nlohmann::json::parse(made.output, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << made.output;
+  EXPECT_EQ(report["repairs"],
+            nlohmann::json::parse(R"({"welded_vertices": 0, "repeated_corners": 0, "degenerate_faces": 1,
+            "duplicate_faces": 1, "cut_edges": 0, "split_vertices": 1, "turned_faces": 1})"));
+  EXPECT_EQ(report["flipped"], 0);
+  EXPECT_GT(report["flipped_as_given"], 0);
+  EXPECT_LT(report["hausdorff"]["share_of_diagonal"], 0.03);
+  EXPECT_EQ(report["notes"].size(), 5u);
+  const std::string info = runProgram("info", {output()}).output;
+  for (const char* note : {"1 face without area dropped", "1 face dropped that repeats another",
+                           "1 vertex split at which parts touch", "1 face turned over"})
+    EXPECT_NE(info.find(note), std::string::npos) << info;
+  std::filesystem::remove(output());
+  arguments.push_back("--strict");
+  expectRefusal("remesh", arguments, {model, "two corners at the position of vertex 1"});
+  EXPECT_FALSE(std::filesystem::exists(output()));
+}
+
+TEST_F(RemeshProgram, AnStlCubeIsTheSameInBothForms) {
+  const terrain::Model cube = inTriangles(makeCube(4));
+  const std::string files[] = {write("binary/cube.stl", toBinaryStl(cube)), write("text/cube.stl", toTextStl(cube))};
+  std::vector<char> first;
+  for (const std::string& file : files) {
+    ASSERT_EQ(runProgram("remesh", {file, "-o", output(), "--levels", "2", "--base-triangles", "24", "--attempts", "1"})
+                  .exit_code,
+              0);
+    const auto about = nlohmann::json::parse(
+        runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly}).output, nullptr, false);
+    EXPECT_EQ(about["base"]["border_edges"], 0);
+    if (first.empty()) first = slurp(output());
+    EXPECT_EQ(slurp(output()), first);
+  }
+}
+
 TEST_F(RemeshProgram, BadModelsAndOptionsAreRefusedByName) {
   const std::string crowded =
       write("crowded.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
   const std::string empty = write("empty.obj", "");
   const std::string huge = write("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n");
   const std::string good = write("good.obj", toObj(makeSphere(2)));
-  expectRefusal("remesh", {crowded, "-o", output()}, {crowded, "face 3", "vertex 1", "vertex 2"});
+  expectRefusal("remesh", {crowded, "-o", output(), "--strict"}, {crowded, "face 3", "vertex 1", "vertex 2"});
   expectRefusal("remesh", {empty, "-o", output()}, {empty, "no face"});
   expectRefusal("remesh", {huge, "-o", output()}, {huge, "vertex 2", "1e9"});
   expectRefusal("remesh", {folder_ / "missing.obj", "-o", output()}, {"missing.obj"});

@@ -5,13 +5,12 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
-#include <numeric>
 #include <tuple>
-#include <unordered_set>
 #include <utility>
 
+#include "terrain/remesh/original/cut_to_manifold.h"
 #include "terrain/remesh/original/orientation.h"
-#include "terrain/remesh/original/triangulate.h"
+#include "terrain/remesh/original/weld_and_triangulate.h"
 
 namespace foreland::terrain {
 
@@ -24,12 +23,11 @@ constexpr double kMinExtent =
 
 class OriginalMaker {
  public:
-  explicit OriginalMaker(const Model& model) : model_(model) {}
+  OriginalMaker(const Model& model, OnDefect on_defect) : model_(model), repairs_(on_defect == OnDefect::kRepair) {}
 
   Result<Original> make() {
-    weld();
     for (const auto step :
-         {&OriginalMaker::triangulateFaces, &OriginalMaker::checkExtent, &OriginalMaker::checkDuplicateFaces,
+         {&OriginalMaker::triangulate, &OriginalMaker::checkExtent, &OriginalMaker::checkDuplicateFaces,
           &OriginalMaker::connect, &OriginalMaker::orient, &OriginalMaker::splitFans})
       if (Status status = (this->*step)(); !status.ok())
         return Error{status.error().code, model_.name + ": " + status.error().message};
@@ -41,85 +39,7 @@ class OriginalMaker {
   std::string faceName(uint32_t triangle) const { return model_.faceName(made_.source_faces[triangle]); }
   std::string vertexName(uint32_t vertex) const { return model_.vertexName(made_.source_vertices[vertex]); }
 
-  // One vertex for each position that a face uses, in the order of the file.
-  void weld() {
-    const auto& all = model_.positions;
-    std::vector<uint32_t> order(all.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto key = [&](uint32_t v) { return std::tuple(all[v].x, all[v].y, all[v].z); };
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return std::tuple(key(a), a) < std::tuple(key(b), b); });
-    std::vector<uint32_t> first(all.size());  // of each vertex: the first one at the same position
-    for (size_t i = 0; i < order.size(); ++i) {
-      const bool is_same = i > 0 && all[order[i]] == all[order[i - 1]];
-      first[order[i]] = is_same ? first[order[i - 1]] : order[i];
-    }
-    std::vector<bool> is_used(all.size());
-    for (const Corner& corner : model_.corners) is_used[corner.vertex] = true;
-    vertices_.assign(all.size(), kNoIndex);
-    for (uint32_t v = 0; v < all.size(); ++v) {
-      if (!is_used[v]) continue;
-      uint32_t& welded = vertices_[first[v]];
-      if (welded == kNoIndex) {
-        welded = static_cast<uint32_t>(made_.positions.size());
-        made_.positions.push_back(all[v]);
-        made_.source_vertices.push_back(v);
-      } else {
-        ++made_.welded;
-      }
-      vertices_[v] = welded;
-    }
-  }
-
-  static uint64_t keyOf(uint32_t a, uint32_t b) { return static_cast<uint64_t>(std::min(a, b)) << 32 | std::max(a, b); }
-
-  // All edges of the model's faces: a diagonal between the same two vertices would make them non-manifold.
-  std::unordered_set<uint64_t> outlines() const {
-    std::unordered_set<uint64_t> edges;
-    if (model_.corners.size() == 3 * model_.faceCount()) return edges;
-    for (size_t face = 0; face < model_.faceCount(); ++face) {
-      const uint64_t begin = model_.faceBegin(face), end = model_.face_ends[face];
-      for (uint64_t c = begin; c < end; ++c) edges.insert(keyOf(vertexAt(c), vertexAt(c + 1 == end ? begin : c + 1)));
-    }
-    return edges;
-  }
-
-  Status triangulateFaces() {
-    std::vector<dvec3> outline;
-    std::unordered_set<uint64_t> edges = outlines();
-    for (uint32_t face = 0; face < model_.faceCount(); ++face) {
-      const uint64_t begin = model_.faceBegin(face);
-      if (Status status = checkOutline(face); !status.ok()) return status;
-      outline.clear();
-      for (uint64_t c = begin; c < model_.face_ends[face]; ++c)
-        outline.push_back(model_.positions[model_.corners[c].vertex]);
-      const auto key = [&](uint32_t i, uint32_t j) { return keyOf(vertexAt(begin + i), vertexAt(begin + j)); };
-      const auto triangles = triangulate(outline, [&](uint32_t i, uint32_t j) { return !edges.contains(key(i, j)); });
-      if (triangles.empty())
-        return refuse(model_.faceName(face) + " has no area or crosses itself; remove or correct it");
-      for (const auto& t : triangles) {
-        made_.faces.push_back({vertexAt(begin + t[0]), vertexAt(begin + t[1]), vertexAt(begin + t[2])});
-        made_.source_corners.push_back({begin + t[0], begin + t[1], begin + t[2]});
-        made_.source_faces.push_back(face);
-        if (triangles.size() > 1)
-          for (uint32_t k = 0; k < 3; ++k) edges.insert(key(t[k], t[(k + 1) % 3]));
-      }
-    }
-    if (made_.faces.size() > kMaxModelVertices)
-      return Error{ErrorCode::kLimit, "more than 134217728 triangles; simplify the model"};
-    return {};
-  }
-  uint32_t vertexAt(uint64_t corner) const { return vertices_[model_.corners[corner].vertex]; }
-
-  Status checkOutline(uint32_t face) {
-    corners_.clear();
-    for (uint64_t c = model_.faceBegin(face); c < model_.face_ends[face]; ++c) corners_.push_back(vertexAt(c));
-    std::sort(corners_.begin(), corners_.end());
-    const auto twice = std::adjacent_find(corners_.begin(), corners_.end());
-    if (twice == corners_.end()) return {};
-    return refuse(model_.faceName(face) + " has two corners at the position of " + vertexName(*twice) +
-                  "; remove or correct it");
-  }
+  Status triangulate() { return weldAndTriangulate(model_, repairs_ ? OnDefect::kRepair : OnDefect::kRefuse, made_); }
 
   Status checkExtent() {
     dvec3 low = made_.positions.front(), high = low;
@@ -138,22 +58,46 @@ class OriginalMaker {
       sorted.emplace_back(t, f);
     }
     std::sort(sorted.begin(), sorted.end());
-    const auto twin = std::adjacent_find(sorted.begin(), sorted.end(),
-                                         [](const auto& a, const auto& b) { return a.first == b.first; });
+    const auto is_same = [](const auto& a, const auto& b) { return a.first == b.first; };
+    const auto twin = std::adjacent_find(sorted.begin(), sorted.end(), is_same);
     if (twin == sorted.end()) return {};
+    if (repairs_) {
+      std::vector<bool> repeats(made_.faces.size());
+      for (size_t i = 1; i < sorted.size(); ++i) repeats[sorted[i].second] = is_same(sorted[i - 1], sorted[i]);
+      return dropFaces(repeats), Status();
+    }
     return refuse(faceName(std::next(twin)->second) + " has the same corners as " + faceName(twin->second) +
                   "; remove one of them");
+  }
+
+  void dropFaces(const std::vector<bool>& is_dropped) {
+    uint32_t count = 0;
+    for (uint32_t f = 0; f < is_dropped.size(); ++f) {
+      if (is_dropped[f]) continue;
+      made_.faces[count] = made_.faces[f], made_.source_faces[count] = made_.source_faces[f];
+      made_.source_corners[count++] = made_.source_corners[f];
+    }
+    made_.repairs.duplicate_faces += made_.faces.size() - count;
+    made_.faces.resize(count), made_.source_faces.resize(count), made_.source_corners.resize(count);
   }
 
   Status connect() {
     Adjacency adjacency = findAdjacency(made_.faces);
     made_.twins = std::move(adjacency.twins);
+    if (repairs_) return cut(), Status();
     if (adjacency.non_manifold_face == kNoIndex) return {};
     const Triangle& t = made_.faces[adjacency.non_manifold_face];
     const uint32_t a = t[adjacency.non_manifold_edge], b = t[(adjacency.non_manifold_edge + 1) % 3];
     return refuse(faceName(adjacency.non_manifold_face) + " shares its edge from " + vertexName(a) + " to " +
                   vertexName(b) +
                   " with more than one other face; a surface has at most two faces at an edge, so separate the sheets");
+  }
+  void cut() {
+    std::vector<Triangle> sources = made_.faces;
+    for (uint32_t c = 0; c < 3 * sources.size(); ++c) sources[c / 3][c % 3] = sourceVertex(c);
+    ManifoldTwins found = cutToManifold(made_.faces, sources);
+    made_.twins = std::move(found.twins);
+    made_.repairs.cut_edges = found.cut_edges;
   }
 
   Status orient() {
@@ -169,8 +113,16 @@ class OriginalMaker {
       made_.flipped += made_.source_faces[f] != last;
       last = made_.source_faces[f];
     }
-    if (made_.flipped > 0) made_.twins = findAdjacency(made_.faces).twins;
+    if (made_.flipped > 0) turnTwins(found.is_flipped);
     return {};
+  }
+  // Edge k of a face that was flipped is edge 2 - k now.
+  void turnTwins(const std::vector<bool>& is_flipped) {
+    for (uint32_t f = 0; f < made_.faces.size(); ++f) {
+      if (is_flipped[f]) std::swap(made_.twins[f][0], made_.twins[f][2]);
+      for (uint32_t& twin : made_.twins[f])
+        if (twin != kNoIndex && is_flipped[twin / 3]) twin = twin - twin % 3 + 2 - twin % 3;
+    }
   }
 
   // The faces at a vertex must form one fan. Fans that only welding has brought together get vertices of their own
@@ -199,21 +151,26 @@ class OriginalMaker {
   uint32_t& cornerVertex(uint32_t c) { return made_.faces[c / 3][c % 3]; }
   uint32_t sourceVertex(uint32_t c) const { return model_.corners[made_.source_corners[c / 3][c % 3]].vertex; }
 
-  // Gives `fan` a vertex of its own. Error if the model itself has it share a vertex with an earlier fan.
+  // Gives `fan` a vertex of its own. If the model itself has it share a vertex with an earlier fan, that is an error or
+  // a repair.
   Status splitOff(uint32_t v, const std::vector<uint32_t>& fan, std::vector<uint32_t>& others) {
-    const size_t before = others.size();
+    const auto before = static_cast<ptrdiff_t>(others.size());
+    bool is_shared = false;
     for (uint32_t c : fan) {
-      const uint32_t source = sourceVertex(c);
-      if (std::find(others.begin(), others.begin() + static_cast<ptrdiff_t>(before), source) !=
-          others.begin() + static_cast<ptrdiff_t>(before))
-        return refuse(vertexName(v) + " joins parts of the surface that touch in this point only; give each its own");
-      others.push_back(source);
+      const auto end = others.begin() + before;
+      is_shared |= std::find(others.begin(), end, sourceVertex(c)) != end;
+      others.push_back(sourceVertex(c));
     }
+    if (is_shared && !repairs_)
+      return refuse(vertexName(v) + " joins parts of the surface that touch in this point only; give each its own");
     const auto own = static_cast<uint32_t>(made_.positions.size());
     for (uint32_t c : fan) cornerVertex(c) = own;
     made_.positions.push_back(made_.positions[v]);
     made_.source_vertices.push_back(sourceVertex(fan.front()));
-    --made_.welded;
+    if (is_shared)
+      ++made_.repairs.split_vertices;
+    else
+      --made_.welded;
     return {};
   }
 
@@ -232,9 +189,8 @@ class OriginalMaker {
   }
 
   const Model& model_;
+  bool repairs_;
   Original made_;
-  std::vector<uint32_t> vertices_;  // of the model's vertices; kNoIndex for those that no face uses
-  std::vector<uint32_t> corners_;   // scratch
 };
 
 }  // namespace
@@ -269,6 +225,16 @@ Adjacency findAdjacency(const std::vector<Triangle>& faces) {
   return found;
 }
 
-Result<Original> makeOriginal(const Model& model) { return OriginalMaker(model).make(); }
+Result<Original> makeOriginal(const Model& model, OnDefect on_defect) { return OriginalMaker(model, on_defect).make(); }
+
+std::vector<Triangle> facesAsGiven(const Original& original) {
+  std::vector<Triangle> faces = original.faces;
+  for (size_t f = 0; f < faces.size(); ++f) {
+    const auto& c = original.source_corners[f];  // ascending around the model's face, from any of the three
+    const int descents = (c[0] > c[1]) + (c[1] > c[2]) + (c[2] > c[0]);
+    if (descents == 2) std::swap(faces[f][1], faces[f][2]);
+  }
+  return faces;
+}
 
 }  // namespace foreland::terrain

@@ -110,6 +110,17 @@ double triangleQuality(const dvec3& a, const dvec3& b, const dvec3& c) {
   return sides > 0 ? 2 * std::numbers::sqrt3 * glm::length(glm::cross(b - a, c - a)) / sides : 0;
 }
 
+bool isLine(std::span<const dvec3> outline) {
+  const dvec3 origin = outline.front();
+  dvec3 furthest = origin;
+  for (const dvec3& p : outline)
+    if (glm::distance(p, origin) > glm::distance(furthest, origin)) furthest = p;
+  const dvec3 along = furthest - origin;
+  return std::all_of(outline.begin(), outline.end(), [&](const dvec3& p) {
+    return glm::length(glm::cross(along, p - origin)) <= kThinnest * glm::dot(along, along);
+  });
+}
+
 std::vector<Indices> triangulate(std::span<const dvec3> outline, const MayJoin& may_join) {
   if (outline.size() == 4) return cutQuadrangle(outline, may_join);
   return EarClipper(outline, may_join).clip();
