@@ -7,7 +7,7 @@ readonly build_packages=(
   ca-certificates git cmake ninja-build g++ ccache python3
   libgdal-dev gdal-bin proj-data
   libopenexr-dev
-  libpng-dev
+  libpng-dev libjpeg-dev libwebp-dev
   libpugixml-dev
   libgeographiclib-dev
   libglm-dev

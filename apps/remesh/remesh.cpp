@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -12,7 +13,7 @@
 #include "apps/output_file.h"
 #include "apps/remesh/remesh_report.h"
 #include "apps/stop_signal.h"
-#include "terrain/model/png.h"
+#include "terrain/model/image.h"
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/paint/paint.h"
 #include "terrain/remesh/remesh.h"
@@ -25,12 +26,15 @@ namespace {
 using namespace foreland;
 using Clock = std::chrono::steady_clock;
 
+using Textures = std::vector<std::shared_ptr<const terrain::Image>>;
+
 struct Arguments {
   std::filesystem::path input, output;
   terrain::RemeshOptions remesh;
   std::optional<double> step;
   std::optional<uint32_t> texels;
   proto::MeshRule rule = proto::MeshRule::kQuadrisection;
+  std::optional<terrain::UpAxis> up;
   bool json = false, strict = false;
 };
 
@@ -44,7 +48,8 @@ CLI::Validator isPositive() {
 }
 
 void describeOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("MODEL", arguments.input, "A polygon model: .obj, .ply or .stl, closed or with borders")->required();
+  app.add_option("MODEL", arguments.input, "A polygon model: .obj, .ply, .stl, .glb or .gltf, closed or with borders")
+      ->required();
   app.add_option("-o,--output", arguments.output, "The surface file to write")->required();
   app.add_option("--levels", arguments.remesh.levels,
                  "Levels of refinement: how often each base triangle is cut into four")
@@ -60,6 +65,11 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "How triangles are cut: into four; or, after a vertex is added in the middle of each face, in two, twice a "
          "level")
       ->check(CLI::IsMember(std::vector<std::string>{"quadrisection", "bisection"}));
+  static const std::map<std::string, terrain::UpAxis> axes{{"y", terrain::UpAxis::kY}, {"z", terrain::UpAxis::kZ}};
+  app.add_option_function<std::string>(
+         "--up", [&](const std::string& name) { arguments.up = axes.at(name); },
+         "Which axis of the model points up; the surface's is z. By default y for glTF, as its format has it, else z")
+      ->check(CLI::IsMember(std::vector<std::string>{"y", "z"}));
   app.add_option("--attempts", arguments.remesh.attempts, "Base meshes tried; each learns from the one before")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -89,16 +99,25 @@ Status checkOutput(const Arguments& arguments) {
   return apps::checkApart(arguments.output, arguments.input, "the model");
 }
 
-// For a texture that cannot be read, a note is made, and the material's own colour is used.
-std::vector<terrain::Image> readTextures(const terrain::Model& model, std::vector<std::string>& notes) {
-  std::vector<terrain::Image> textures(model.materials.size());
+// For a texture that cannot be read, a note is made, and the material's own colour is used. Materials that share an
+// image of the model's file share its pixels.
+Textures readTextures(const terrain::Model& model, std::vector<std::string>& notes) {
+  Textures textures(model.materials.size());
+  std::map<const Bytes*, std::shared_ptr<const terrain::Image>> decoded;
   for (size_t i = 0; i < textures.size(); ++i) {
-    if (model.materials[i].texture.empty()) continue;
-    auto image = terrain::readPng(model.materials[i].texture);
+    const terrain::Material& material = model.materials[i];
+    if (material.texture.empty()) continue;
+    if (const auto found = decoded.find(material.embedded.get()); material.embedded && found != decoded.end()) {
+      textures[i] = found->second;
+      continue;
+    }
+    auto image = material.embedded ? terrain::decodeImage(*material.embedded, material.texture.string())
+                                   : terrain::readImage(material.texture);
     if (image.ok())
-      textures[i] = std::move(image).value();
+      textures[i] = std::make_shared<const terrain::Image>(std::move(image).value());
     else
-      notes.push_back("without the texture of material '" + model.materials[i].name + "': " + image.error().message);
+      notes.push_back("without the texture of material '" + material.name + "': " + image.error().message);
+    if (material.embedded) decoded[material.embedded.get()] = textures[i];
   }
   return textures;
 }
@@ -111,7 +130,7 @@ struct Finished {
 
 Status addColours(const Arguments& arguments, const terrain::Model& model, const terrain::Original& original,
                   const terrain::Remeshed& remeshed, Finished& finished) {
-  const std::vector<terrain::Image> textures = readTextures(model, finished.about.notes);
+  const Textures textures = readTextures(model, finished.about.notes);
   const terrain::Palette palette{model, textures};
   if (!terrain::hasColours(palette) || arguments.texels == 0u) return {};
   const uint32_t side = arguments.texels.value_or(
@@ -125,8 +144,9 @@ Status addColours(const Arguments& arguments, const terrain::Model& model, const
 int remesh(Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
-  const auto model = terrain::readModel(arguments.input);
+  auto model = terrain::readModel(arguments.input);
   if (!model.ok()) return fail(model.error());
+  if (arguments.up.value_or(model->up) == terrain::UpAxis::kY) terrain::standUp(*model);
   const auto original =
       terrain::makeOriginal(*model, arguments.strict ? terrain::OnDefect::kRefuse : terrain::OnDefect::kRepair);
   if (!original.ok()) return fail(original.error());
@@ -141,7 +161,9 @@ int remesh(Arguments& arguments) {
   if (!surface.ok()) return fail(surface.error());
   Finished finished;
   finished.about.title = arguments.input.filename().string();
-  finished.about.notes = apps::repairNotes(*original);
+  finished.about.notes = model->notes;
+  const auto repairs = apps::repairNotes(*original);
+  finished.about.notes.insert(finished.about.notes.end(), repairs.begin(), repairs.end());
   if (Status s = addColours(arguments, *model, *original, *remeshed, finished); !s.ok()) return fail(s.error());
   apps::RemeshReport report = apps::judgeRemesh(*model, *original, *surface, arguments.remesh.threads);
   report.atlas = finished.painted.atlas;

@@ -10,8 +10,12 @@
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "base/bytes.h"
 
 namespace foreland::terrain {
 
@@ -28,6 +32,8 @@ struct Material {
   std::string name;
   std::filesystem::path texture{};  // empty: the colour alone; relative names are already joined to the model's folder
   Colour colour{255, 255, 255, 255};
+  glm::dvec4 tint{1};                       // of the texture: shares of light, and of opacity
+  std::shared_ptr<const Bytes> embedded{};  // the texture's file, if it is part of the model's; `texture` is its name
 };
 
 struct Corner {
@@ -35,9 +41,12 @@ struct Corner {
   uint32_t texture = kNoIndex;  // in `texture_coordinates`
 };
 
+enum class UpAxis : uint8_t { kY, kZ };
+
 struct Model {
-  std::string name;           // of the file
-  uint32_t first_number = 0;  // the file's own name for its first vertex and face: OBJ counts from 1, PLY from 0
+  std::string name;  // of the file
+  uint32_t first_number =
+      0;  // the file's own name for its first vertex and face: OBJ and STL count from 1, others from 0
   std::vector<glm::dvec3> positions;
   std::vector<Colour> colours;                  // empty, or one for each position
   std::vector<glm::dvec2> texture_coordinates;  // (0, 0) is the lower left corner of the image
@@ -45,11 +54,19 @@ struct Model {
   std::vector<uint64_t> face_ends;              // one past each face's last corner
   std::vector<uint32_t> face_materials;         // for each face; kNoIndex for none
   std::vector<Material> materials;
+  UpAxis up = UpAxis::kZ;          // by the rule of the file's format; z where it has none
+  std::vector<std::string> notes;  // what the reader left out
 
   size_t faceCount() const { return face_ends.size(); }
   uint64_t faceBegin(size_t face) const { return face == 0 ? 0 : face_ends[face - 1]; }
   std::string faceName(size_t face) const { return "face " + std::to_string(face + first_number); }
   std::string vertexName(size_t vertex) const { return "vertex " + std::to_string(vertex + first_number); }
 };
+
+// Turns a model whose y axis points up so that its z axis does; exact.
+inline void standUp(Model& model) {
+  for (glm::dvec3& p : model.positions) p = {p.x, -p.z, p.y};
+  model.up = UpAxis::kZ;
+}
 
 }  // namespace foreland::terrain

@@ -43,7 +43,7 @@ std::vector<Material> parseLibrary(std::string_view text) {
 
 class ObjParser {
  public:
-  ObjParser(const std::string& name, const LibraryReader& library) : model_(name, 1), library_(library) {}
+  ObjParser(const std::string& name, const FileReader& library) : model_(name, 1), library_(library) {}
 
   Result<Model> parse(std::string_view text) {
     Lines lines(text);
@@ -154,14 +154,14 @@ class ObjParser {
   }
 
   CheckedModel model_;
-  const LibraryReader& library_;
+  const FileReader& library_;
   std::map<std::string, uint32_t> materials_;
   uint32_t material_ = kNoIndex;
 };
 
 }  // namespace
 
-Result<Model> parseObj(std::string_view text, const std::string& name, const LibraryReader& library) {
+Result<Model> parseObj(std::string_view text, const std::string& name, const FileReader& library) {
   return ObjParser(name, library).parse(text);
 }
 

@@ -2,25 +2,38 @@
 
 #include <png.h>
 
+#include <string>
+
 #include "base/check.h"
+#include "terrain/model/image_formats.h"
+#include "terrain/model/read_file.h"
 
 namespace foreland::terrain {
 
-Result<Image> readPng(const std::filesystem::path& path) {
+Result<Image> decodePng(ByteSpan bytes) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
-  const auto fail = [&](ErrorCode code, const std::string& what) {
+  const auto fail = [&](const std::string& what) {
+    const Error error{ErrorCode::kMalformed, what + " (" + png.message + ")"};
     png_image_free(&png);
-    return Error{code, path.string() + ": " + what};
+    return error;
   };
-  if (!png_image_begin_read_from_file(&png, path.c_str()))
-    return fail(ErrorCode::kMalformed, std::string("not a readable PNG image (") + png.message + ")");
-  if (uint64_t{png.width} * png.height > kMaxImagePixels)
-    return fail(ErrorCode::kLimit, "more than 268435456 pixels; scale the image down");
+  if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) return fail("not a readable PNG image");
+  if (Status status = checkImageSize(png.width, png.height); !status.ok()) {
+    png_image_free(&png);
+    return status.error();
+  }
   png.format = PNG_FORMAT_RGBA;
   Image image{png.width, png.height, std::vector<Colour>(uint64_t{png.width} * png.height)};
-  if (!png_image_finish_read(&png, nullptr, image.pixels.data(), 0, nullptr))
-    return fail(ErrorCode::kMalformed, std::string("a damaged PNG image (") + png.message + ")");
+  if (!png_image_finish_read(&png, nullptr, image.pixels.data(), 0, nullptr)) return fail("a damaged PNG image");
+  return image;
+}
+
+Result<Image> readPng(const std::filesystem::path& path) {
+  const auto bytes = readFile(path);
+  if (!bytes.ok()) return bytes.error();
+  auto image = decodePng(*bytes);
+  if (!image.ok()) return Error{image.error().code, path.string() + ": " + image.error().message};
   return image;
 }
 

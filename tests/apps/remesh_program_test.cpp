@@ -6,8 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
+#include "terrain/model/png.h"
 #include "tests/apps/expect_refusal.h"
 #include "tests/support/files.h"
+#include "tests/support/gltf.h"
+#include "tests/support/images.h"
 #include "tests/support/models.h"
 
 namespace foreland::test {
@@ -169,6 +172,58 @@ TEST_F(RemeshProgram, AnStlCubeIsTheSameInBothForms) {
   }
 }
 
+// A bumpy square in the picture's colours; `image` is the file of the picture.
+std::string texturedGlb(const Bytes& image) {
+  const terrain::Model patch = inTriangles(makePatch(8));
+  GltfFile file = toGltf(patch);
+  std::vector<float> coordinates;
+  for (const glm::dvec3& p : patch.positions)
+    coordinates.insert(coordinates.end(), {static_cast<float>(p.x), static_cast<float>(p.y)});
+  auto& primitive = file.json["meshes"][0]["primitives"][0];
+  primitive["attributes"]["TEXCOORD_0"] =
+      file.addAccessor(file.addView(bytesOf(coordinates)), 5126, "VEC2", patch.positions.size());
+  primitive["material"] = 0;
+  file.append("images", {{"bufferView", file.addView(image)}});
+  file.append("textures", {{"source", 0}});
+  file.append("materials", {{"name", "skin"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  return file.toGlb();
+}
+
+TEST_F(RemeshProgram, TexturesOfAGlbReachTheSurfaceFromEachFormat) {
+  const terrain::Image picture{64, 64, std::vector<terrain::Colour>(64 * 64, {255, 128, 0, 255})};
+  const Bytes broken{1, 2, 3};
+  for (const Bytes& image : {terrain::encodePng(picture).value(), toJpeg(picture), toWebp(picture), broken}) {
+    const std::string model = write("patch.glb", texturedGlb(image));
+    const ProgramResult made =
+        runProgram("remesh", {model, "-o", output(), "--levels", "3", "--base-triangles", "16", "--attempts", "1"});
+    EXPECT_EQ(made.exit_code, 0) << made.output;
+    const auto about = nlohmann::json::parse(
+        runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly}).output, nullptr, false);
+    EXPECT_EQ(about["image"]["texels_per_base_edge"], image == broken ? 4 : 24);
+    EXPECT_EQ(made.output.find("without the texture of material 'skin'") != std::string::npos, image == broken)
+        << made.output;
+  }
+}
+
+TEST_F(RemeshProgram, TheSameMeshIsTheSameSurfaceFromAnyFormat) {
+  terrain::Model torus = inTriangles(makeTorus(20, 10));
+  for (glm::dvec3& p : torus.positions) p = glm::dvec3(glm::vec3(p));
+  const std::string files[] = {write("torus.obj", toObj(torus)), write("torus.glb", toGltf(torus).toGlb()),
+                               write("torus.gltf", toGltf(torus).toText())};
+  std::vector<double> distances;
+  for (const std::string& file : files) {
+    const ProgramResult made = runProgram(
+        "remesh",
+        {file, "-o", output(), "--levels", "2", "--base-triangles", "40", "--attempts", "1", "--up", "y", "--json"},
+        {.streams = Streams::kOutputOnly});
+    ASSERT_EQ(made.exit_code, 0) << file;
+    const auto report = nlohmann::json::parse(made.output, nullptr, false);
+    distances.push_back(report["hausdorff"]["surface_to_original"]);
+    EXPECT_EQ(report["original"]["triangles"], 400);
+  }
+  EXPECT_EQ(distances, std::vector(3, distances[0]));
+}
+
 TEST_F(RemeshProgram, BadModelsAndOptionsAreRefusedByName) {
   const std::string crowded =
       write("crowded.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
@@ -178,6 +233,7 @@ TEST_F(RemeshProgram, BadModelsAndOptionsAreRefusedByName) {
   expectRefusal("remesh", {crowded, "-o", output(), "--strict"}, {crowded, "face 3", "vertex 1", "vertex 2"});
   expectRefusal("remesh", {empty, "-o", output()}, {empty, "no face"});
   expectRefusal("remesh", {huge, "-o", output()}, {huge, "vertex 2", "1e9"});
+  expectRefusal("remesh", {write("broken.glb", "glTF"), "-o", output()}, {"broken.glb", "cut short"});
   expectRefusal("remesh", {folder_ / "missing.obj", "-o", output()}, {"missing.obj"});
   expectRefusal("remesh", {good, "-o", folder_ / "nowhere" / "out.fls"}, {"nowhere"});
   expectRefusal("remesh", {good, "-o", good}, {"is the model"});
@@ -187,7 +243,7 @@ TEST_F(RemeshProgram, BadModelsAndOptionsAreRefusedByName) {
   expectRefusal("remesh", {good, "-o", output(), "--step", "1e-15"}, {"coarser"});
   expectRefusal("remesh", {good, "-o", output(), "--levels", "2", "--attempts", "1"}, {"cannot reserve"},
                 {.largest_file_bytes = 1000});
-  EXPECT_EQ(filesIn(folder_.path()), 4u);
+  EXPECT_EQ(filesIn(folder_.path()), 5u);
 }
 
 }  // namespace

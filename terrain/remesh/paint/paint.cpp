@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "terrain/model/srgb.h"
 #include "terrain/parallel.h"
 #include "terrain/remesh/paint/point_location.h"
 #include "terrain/surface_store/fill_gutters.h"
@@ -40,6 +41,14 @@ dvec4 sample(const Image& image, const glm::dvec2& at) {
          v * ((1 - u) * pixel(left, top + 1) + u * pixel(left + 1, top + 1));
 }
 
+// `colour`, 0 to 255, with each channel multiplied by its share of light.
+dvec4 tinted(dvec4 colour, const glm::dvec4& tint) {
+  if (tint == glm::dvec4(1)) return colour;
+  for (int k = 0; k < 3; ++k) colour[k] = 255 * srgbOfLinear(tint[k] * linearOfSrgb(colour[k] / 255));
+  colour.a *= tint.a;
+  return colour;
+}
+
 // The colour of the original at one of its points.
 class OriginalColours {
  public:
@@ -51,13 +60,13 @@ class OriginalColours {
     std::array<Corner, 3> corners;
     for (size_t k = 0; k < 3; ++k) corners[k] = model.corners[original_.source_corners[point.face][k]];
     const bool is_textured =
-        material != kNoIndex && !palette_.textures[material].pixels.empty() &&
+        material != kNoIndex && palette_.textures[material] != nullptr &&
         std::none_of(corners.begin(), corners.end(), [](const Corner& c) { return c.texture == kNoIndex; });
     if (is_textured) {
       glm::dvec2 coordinate(0);
       for (int k = 0; k < 3; ++k)
         coordinate += point.weights[k] * model.texture_coordinates[corners[static_cast<size_t>(k)].texture];
-      return sample(palette_.textures[material], coordinate);
+      return tinted(sample(*palette_.textures[material], coordinate), model.materials[material].tint);
     }
     if (!model.colours.empty()) {
       dvec4 colour(0);
@@ -127,14 +136,14 @@ uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t b
   double texels = palette.model.colours.empty() ? 0 : 4.0 * static_cast<double>(original.positions.size());
   for (uint32_t f = 0; f < original.faces.size(); ++f) {
     const uint32_t material = palette.model.face_materials[original.source_faces[f]];
-    if (material == kNoIndex || palette.textures[material].pixels.empty()) continue;
+    if (material == kNoIndex || palette.textures[material] == nullptr) continue;
     std::array<glm::dvec2, 3> at{};
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t coordinate = palette.model.corners[original.source_corners[f][k]].texture;
       if (coordinate != kNoIndex) at[k] = palette.model.texture_coordinates[coordinate];
     }
-    texels +=
-        std::fabs(doubledArea(at[0], at[1], at[2])) / 2 * static_cast<double>(palette.textures[material].pixels.size());
+    texels += std::fabs(doubledArea(at[0], at[1], at[2])) / 2 *
+              static_cast<double>(palette.textures[material]->pixels.size());
   }
   uint32_t side = static_cast<uint32_t>(std::clamp(std::ceil(std::sqrt(2 * texels / base_faces)), 4.0, 4096.0));
   const auto fits = [&] {

@@ -5,10 +5,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "terrain/model/image.h"
 #include "terrain/model/model.h"
-#include "terrain/model/png.h"
 #include "terrain/remesh/original/original.h"
 #include "terrain/remesh/remesh.h"
 #include "terrain/surface_store/surface_format.h"
@@ -18,7 +19,7 @@ namespace foreland::terrain {
 // A model and the images that its materials name.
 struct Palette {
   const Model& model;
-  std::vector<Image> textures;  // of each material; without pixels if the material has no texture
+  std::vector<std::shared_ptr<const Image>> textures;  // of each material; null if the material has no texture
 };
 
 // Whether the model has colours of any kind: textures, vertex colours or materials.

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "base/rng.h"
+#include "terrain/model/png.h"
 #include "terrain/remesh/remeshed_surface.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
@@ -44,6 +46,8 @@ std::array<double, 4> filtered(const Painted& painted, const glm::dvec2& coordin
   return filtered(painted.texels, painted.atlas.width(), coordinates * size);
 }
 
+using Textures = std::vector<std::shared_ptr<const Image>>;
+
 struct Sphere {
   Model model = test::makeSphere(5);
   Original original;
@@ -57,7 +61,7 @@ struct Sphere {
 
 TEST(Paint, VertexColoursArriveWhereTheyBelong) {
   const Sphere sphere;
-  const std::vector<Image> none;
+  const Textures none;
   const Palette palette{sphere.model, none};
   ASSERT_TRUE(hasColours(palette));
   const auto painted = paint(palette, sphere.original, sphere.remeshed, 16, 2);
@@ -80,7 +84,7 @@ TEST(Paint, BothFacesOfAnEdgeShowTheSameAlongIt) {
   Sphere sphere;
   for (Colour& c : sphere.model.colours)  // as unlike from vertex to vertex as can be without saturating
     for (size_t k = 0; k < 3; ++k) c[k] = static_cast<uint8_t>(96 + rng.below(64));
-  const std::vector<Image> none;
+  const Textures none;
   const auto painted = paint({sphere.model, none}, sphere.original, sphere.remeshed, 12, 2);
   ASSERT_TRUE(painted.ok());
   const auto mesh =
@@ -124,7 +128,7 @@ TEST(Paint, SmallerImagesShowTheColoursThere) {
   SCOPED_TRACE(kSeed);
   Rng rng(kSeed);
   const Sphere sphere;
-  const std::vector<Image> none;
+  const Textures none;
   const auto painted = paint({sphere.model, none}, sphere.original, sphere.remeshed, 32, 2);
   ASSERT_TRUE(painted.ok());
   const glm::dvec2 size(painted->atlas.width(), painted->atlas.height());
@@ -152,7 +156,7 @@ TEST(Paint, SmallerImagesShowTheColoursThere) {
 
 TEST(Paint, DoesNotDependOnThreads) {
   const Sphere sphere;
-  const std::vector<Image> none;
+  const Textures none;
   const Palette palette{sphere.model, none};
   const auto one = paint(palette, sphere.original, sphere.remeshed, 9, 1),
              five = paint(palette, sphere.original, sphere.remeshed, 9, 5);
@@ -177,8 +181,9 @@ TEST(Paint, TexturesComeThroughTheirSeams) {
     }
   tube.materials.push_back({"shades", "shades.png"});
   std::fill(tube.face_materials.begin(), tube.face_materials.end(), 0);
-  std::vector<Image> textures{{256, 4, std::vector<Colour>(1024)}};
-  for (uint32_t i = 0; i < 1024; ++i) textures[0].pixels[i] = {static_cast<uint8_t>(i % 256), 10, 20, 255};
+  Image image{256, 4, std::vector<Colour>(1024)};
+  for (uint32_t i = 0; i < 1024; ++i) image.pixels[i] = {static_cast<uint8_t>(i % 256), 10, 20, 255};
+  const Textures textures{std::make_shared<const Image>(image)};
 
   const Original original = makeOriginal(tube).value();
   const Remeshed remeshed = remesh(original, {.base_triangles = 60, .levels = 4, .attempts = 1}).value();
@@ -195,6 +200,21 @@ TEST(Paint, TexturesComeThroughTheirSeams) {
         const double found = filtered(*painted, painted->atlas.coordinates(face, dvec3(16 - i - j, i, j) / 16.0))[0];
         if (expected > 2 && expected < 253) { EXPECT_NEAR(found, expected, 1.5); }
       }
+}
+
+TEST(Paint, TintsMultiplyTheLightOfTextures) {
+  Model patch = test::makePatch(4);
+  patch.texture_coordinates.assign(patch.positions.size(), glm::dvec2(0.5));
+  for (Corner& corner : patch.corners) corner.texture = corner.vertex;
+  patch.materials.push_back({.name = "skin", .texture = "skin.png", .tint = {0.5, 1, 0, 0.5}});
+  std::fill(patch.face_materials.begin(), patch.face_materials.end(), 0);
+  const Textures textures{std::make_shared<const Image>(Image{1, 1, {{255, 200, 100, 255}}})};
+  const Original original = makeOriginal(patch).value();
+  const Remeshed remeshed = remesh(original, {.base_triangles = 8, .levels = 1, .attempts = 1}).value();
+  const auto painted = paint({patch, textures}, original, remeshed, 4, 1);
+  ASSERT_TRUE(painted.ok());
+  const auto texel = painted->texels[painted->atlas.width() + 1];
+  EXPECT_EQ(texel, 188u | 200u << 8 | 0u << 16 | 128u << 24);
 }
 
 TEST(Png, IsReadAsItWasWrittenAndDamageIsNamed) {
