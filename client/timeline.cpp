@@ -35,16 +35,22 @@ void Timeline::updatePlayoutDelay(const MeshPatch& mesh, Time arrival) {
 
 // What is shown jumps anyway, so nothing is owed to how late it was before.
 void Timeline::restart() {
-  entries_.clear();
+  schedule_.clear();
+  meshes_.clear();
   intervals_.clear();
   latencies_.clear();
   playout_delay_ = {};
 }
 
+void Timeline::push(std::shared_ptr<const MeshPatch> mesh, Time begin, Time end) {
+  schedule_.add({next_version_++, begin, end, mesh->from, mesh->to});
+  meshes_.push_back(std::move(mesh));
+}
+
 Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, proto::Strategy strategy) {
   const bool still = mesh->from.index == mesh->to.index, predicted = strategy == proto::Strategy::kPredict;
   if (still) restart();
-  const bool first = entries_.empty();
+  const bool first = meshes_.empty();
   const Duration interval = intervalOf(*mesh);
   // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
   const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + playout_delay_));
@@ -59,29 +65,28 @@ Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, prot
   if (first)
     begin = arrival;
   else
-    begin = std::max(begin, entries_.back().end);
+    begin = std::max(begin, schedule_.back().end);
   const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
-  entries_.push_back({std::move(mesh), begin, end, next_version_++});
+  push(std::move(mesh), begin, end);
   ++undrawn_;
-  while (entries_.size() > (undrawn_ > kMaxUndrawn ? kMaxUndrawn : kMaxMeshes)) entries_.pop_front();
+  while (meshes_.size() > (undrawn_ > kMaxUndrawn ? kMaxUndrawn : kMaxMeshes)) {
+    meshes_.pop_front();
+    schedule_.popFront();
+  }
   return still || first ? Duration{} : lateness;
 }
 
 void Timeline::extend(std::shared_ptr<const MeshPatch> mesh) {
-  const Time begin = entries_.back().end;
-  entries_.push_back({std::move(mesh), begin, begin + kExtension, next_version_++});
+  const Time begin = schedule_.back().end;
+  push(std::move(mesh), begin, begin + kExtension);
 }
 
 Timeline::Shown Timeline::at(Time now) {
   undrawn_ = 0;
-  if (entries_.empty()) return {};
-  while (entries_.size() > 1 && now >= entries_[1].begin) entries_.pop_front();
-  const Entry& e = entries_.front();
-  const double span = static_cast<double>((e.end - e.begin).us);
-  const double weight = span <= 0 ? 1.0 : std::clamp(static_cast<double>((now - e.begin).us) / span, 0.0, 1.0);
-  const Duration covered = e.mesh->to.time - e.mesh->from.time;
-  const Time scene = e.mesh->from.time + Duration{static_cast<int64_t>(weight * static_cast<double>(covered.us))};
-  return {e.mesh.get(), weight, scene, e.version, entries_.size() == 1 && now >= e.end};
+  Shown shown{schedule_.at(now)};
+  while (meshes_.size() > schedule_.size()) meshes_.pop_front();
+  if (shown.interval) shown.mesh = meshes_.front().get(), shown.version = shown.interval->version;
+  return shown;
 }
 
 }  // namespace foreland::client

@@ -19,12 +19,13 @@
 
 #include "base/time.h"
 #include "client/mesh/blend_patch.h"
+#include "client/schedule.h"
 
 namespace foreland::client {
 
 class Timeline {
  public:
-  static constexpr Duration kShortestBlend = Duration::milliseconds(50);
+  static constexpr Duration kShortestBlend = Schedule::kShortestBlend;
   static constexpr Duration kTimeout = Duration::milliseconds(500);
   static constexpr Duration kExtension = Duration::milliseconds(250);
   // For a host that has stopped drawing the newest kMaxUndrawn meshes are kept; it applies the patches of those that
@@ -42,36 +43,32 @@ class Timeline {
   void extend(std::shared_ptr<const MeshPatch> mesh);
 
   // Of the meshes that are kept; 0 if there are none.
-  uint32_t oldestVersion() const { return entries_.empty() ? 0 : entries_.front().version; }
-  uint32_t newestVersion() const { return entries_.empty() ? 0 : entries_.back().version; }
+  uint32_t oldestVersion() const { return schedule_.size() == 0 ? 0 : schedule_.front().version; }
+  uint32_t newestVersion() const { return schedule_.size() == 0 ? 0 : schedule_.back().version; }
+  // The newest one's interval; nullptr if there is none. Valid until the next call of a member.
+  const Interval* newest() const { return schedule_.size() == 0 ? nullptr : &schedule_.back(); }
 
   // Shows nothing until the next mesh is added. Versions are not reused.
   void clear() { restart(); }
 
-  struct Shown {
+  struct Shown : Schedule::Shown {
     const MeshPatch* mesh = nullptr;  // nullptr if there is none; valid until the next call of a member
-    double weight = 0;                // of the mesh's `to`, from 0 to 1
-    Time shown_time;                  // t_d: the time on the path that is shown
     uint32_t version = 0;             // of the mesh; ascends, never 0
-    bool is_over = false;             // the mesh's interval has ended and no other mesh follows
   };
   // What to show at `now`, which must not decrease. Drops meshes whose interval has ended.
   Shown at(Time now);
 
  private:
-  struct Entry {
-    std::shared_ptr<const MeshPatch> mesh;
-    Time begin, end;  // the client's clock
-    uint32_t version;
-  };
   // The interval T that the mesh is delayed by.
   Duration intervalOf(const MeshPatch& mesh);
   void restart();
+  void push(std::shared_ptr<const MeshPatch> mesh, Time begin, Time end);
   void updatePlayoutDelay(const MeshPatch& mesh, Time arrival);
 
-  std::deque<Entry> entries_;
-  std::deque<Duration> intervals_;  // of recent meshes
-  std::deque<Duration> latencies_;  // arrival - to.time, of recent keyframes
+  Schedule schedule_;
+  std::deque<std::shared_ptr<const MeshPatch>> meshes_;  // of the schedule's intervals
+  std::deque<Duration> intervals_;                       // of recent meshes
+  std::deque<Duration> latencies_;                       // arrival - to.time, of recent keyframes
   Duration playout_delay_;
   size_t undrawn_ = 0;  // meshes added since at() was called last
   uint32_t next_version_ = 1;

@@ -1,20 +1,9 @@
 #include "client/viewer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <limits>
-
-#include "proto/space/jump.h"
-#include "proto/space/timed_poses.h"
+#include <utility>
 
 namespace foreland::client {
-
-namespace {
-
-constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
-
-}  // namespace
 
 Viewer::Viewer(const proto::ViewRequest& request, Duration pose_interval)
     : request_(request), pose_interval_(pose_interval) {
@@ -88,7 +77,7 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   received_at_ = now;
   std::shared_ptr<const MeshPatch> patch = makePatch();
   const Duration lateness = timeline_.add(patch, now, request_.strategy);
-  drawn_->add(timeline_.newestVersion(), std::move(patch));
+  addToDrawn(std::move(patch));
   drawn_->skipTo(timeline_.oldestVersion());
   ViewerStatistics& s = statistics_;
   s.worst_lateness = s.keyframes == 0 ? lateness : std::max(s.worst_lateness, lateness);
@@ -106,6 +95,11 @@ std::shared_ptr<const MeshPatch> Viewer::makePatch() {
   return patch;
 }
 
+void Viewer::addToDrawn(std::shared_ptr<const MeshPatch> patch) {
+  drawn_->add(timeline_.newestVersion(), std::move(patch));
+  if (draws_ahead_) drawn_->show(timeline_.newestVersion());
+}
+
 void Viewer::sendPose(Time now, const proto::Pose& pose) {
   send(proto::encode(proto::PoseUpdate{{now, pose}, received_keyframe_, received_at_}, poses_sent_));
   last_pose_sent_ = now;
@@ -114,49 +108,13 @@ void Viewer::sendPose(Time now, const proto::Pose& pose) {
 // At a jump the server should not wait for the next pose that is due.
 void Viewer::sendPoseIfDue(Time now, const proto::Pose& pose) {
   if (!is_greeted_) return;
-  const bool jumped = poses_.size() > 1 && proto::isJump(poses_[poses_.size() - 2], poses_.back(), 0);
-  if (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_ || (jumped && now > *last_pose_sent_))
+  if (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_ ||
+      (camera_.hasJustJumped() && now > *last_pose_sent_))
     sendPose(now, pose);
 }
 
-// Where the camera was. A pose between the two sides of a jump was never seen.
-proto::Pose Viewer::poseShownAt(Time t) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
-                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
-  if (after != poses_.begin() && after != poses_.end() && proto::isJump(after[-1], *after, 0))
-    return after->time == t ? after->pose : after[-1].pose;
-  return proto::poseAt(poses_, t);
-}
-
-bool Viewer::hasJumpedSince(Time t) const {
-  for (size_t i = poses_.size(); i-- > 1 && poses_[i].time > t;)
-    if (proto::isJump(poses_[i - 1], poses_[i], 0)) return true;
-  return false;
-}
-
-namespace {
-
-bool covers(const proto::KeyframeHeader& k, const proto::Pose& camera) {
-  return glm::distance(k.pose.eye, camera.eye) <= k.region_radius_m &&
-         proto::angleBetween(k.pose.orientation, camera.orientation) <= k.region_angle_rad;
-}
-
-// At weight 0 or 1 one of the two sections is not shown, and its guarantee does not matter.
-float toleranceOf(const KeyframeMesh& mesh, float weight, const proto::Pose& camera) {
-  constexpr float kNone = std::numeric_limits<float>::infinity();
-  float tolerance_px = 0;
-  if (weight < 1) tolerance_px = covers(mesh.from, camera) ? mesh.from.tau_px : kNone;
-  if (weight > 0) tolerance_px = std::max(tolerance_px, covers(mesh.to, camera) ? mesh.to.tau_px : kNone);
-  return tolerance_px;
-}
-
-}  // namespace
-
 FrameView Viewer::frame(Time now, const proto::Pose& pose) {
-  if (poses_.empty() || now > poses_.back().time) poses_.push_back({now, pose});
-  if (poses_.front().time < now - kPoseMemory - kPoseMemory)
-    poses_.erase(poses_.begin(), std::lower_bound(poses_.begin(), poses_.end(), now - kPoseMemory,
-                                                  [](const proto::TimedPose& p, Time t) { return p.time < t; }));
+  camera_.add(now, pose);
   sendPoseIfDue(now, pose);
 
   Timeline::Shown shown = timeline_.at(now);
@@ -164,19 +122,18 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
     replica_->extend(Timeline::kExtension, blend_);
     std::shared_ptr<const MeshPatch> patch = makePatch();
     timeline_.extend(patch);
-    drawn_->add(timeline_.newestVersion(), std::move(patch));
+    addToDrawn(std::move(patch));
     shown = timeline_.at(now);
   }
   FrameView view{nullptr, static_cast<float>(shown.weight), pose, shown.shown_time, shown.version};
   if (!shown.mesh) return view;
   drawn_->show(shown.version);
   view.mesh = &drawn_->mesh();
-  if (request_.strategy == proto::Strategy::kDelay) view.pose = poseShownAt(shown.shown_time);
-  view.tolerance_px = toleranceOf(*view.mesh, view.weight, view.pose);
+  const ShownFrame frame = showFrame(shown, camera_, pose, request_.strategy);
+  view.pose = frame.pose;
+  view.tolerance_px = frame.tolerance_px;
   ++statistics_.frames;
-  if (std::isinf(view.tolerance_px)) ++statistics_.frames_outside;
-  if (request_.strategy == proto::Strategy::kCurrent && !hasJumpedSince(shown.shown_time))
-    view.tolerance_px = toleranceOf(*view.mesh, view.weight, poseShownAt(shown.shown_time));
+  if (frame.is_outside) ++statistics_.frames_outside;
   return view;
 }
 

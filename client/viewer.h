@@ -12,6 +12,7 @@
 #include "client/mesh/blend.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "client/replica.h"
+#include "client/shown_frame.h"
 #include "client/timeline.h"
 #include "proto/message/message.h"
 #include "proto/space/frame_grid.h"
@@ -94,16 +95,20 @@ class Viewer {
   const std::optional<Replica>& replica() const { return replica_; }
   // The mesh of the last frame() that had one, and what has changed in it.
   DrawnMesh& drawn() { return *drawn_; }
+  // From now on drawn(), and the mesh of a FrameView, is the newest mesh instead of the one that is to be shown: for a
+  // host that prepares meshes ahead and draws them by a Schedule of its own.
+  void drawAhead() { draws_ahead_ = true; }
+  // What is shown when.
+  const Timeline& timeline() const { return timeline_; }
 
  private:
   Status onWelcome(proto::Welcome welcome);
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
   std::shared_ptr<const MeshPatch> makePatch();
+  void addToDrawn(std::shared_ptr<const MeshPatch> patch);
   void sendPose(Time now, const proto::Pose& pose);
   void sendPoseIfDue(Time now, const proto::Pose& pose);
-  proto::Pose poseShownAt(Time t) const;
-  bool hasJumpedSince(Time t) const;
 
   proto::ViewRequest request_;
   Duration pose_interval_;
@@ -116,10 +121,11 @@ class Viewer {
   std::optional<Replica> replica_;
   Timeline timeline_;
   std::unique_ptr<DrawnMesh> drawn_ = std::make_unique<DrawnMesh>();
+  bool draws_ahead_ = false;
   proto::PoseMemory poses_sent_;
   proto::KeyframeMemory keyframes_taken_;
   std::deque<Bytes> outgoing_;
-  std::vector<proto::TimedPose> poses_;  // recent poses of the camera, for M(t_d)
+  CameraPath camera_;  // for M(t_d)
   std::optional<Time> last_pose_sent_;
   uint32_t received_keyframe_ = 0;
   Time received_at_;

@@ -1,24 +1,19 @@
 // The client core as a WebAssembly module: a Viewer, a planned tour, and records for the page to read. It only
 // converts; client/ and the page make the decisions. Times are milliseconds of the page's clock; texts are UTF-8. One
 // thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module.
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "client/viewer.h"
+#include "client/wasm/conversions.h"
 #include "client/wasm/record_layout.h"
 #include "client/wasm/records.h"
-
-#define FORELAND_EXPORT(name) extern "C" __attribute__((export_name(#name)))
+#include "client/wasm/scene_record.h"
 
 namespace foreland::client {
 namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 struct Host {
   explicit Host(const proto::ViewRequest& request) : viewer(request) {}
@@ -27,38 +22,18 @@ struct Host {
   Bytes outgoing;
   std::string error;
   proto::Path tour;
-  std::vector<double> landmarks, epochs_ms;
-  std::vector<uint32_t> model_sides;
+  SceneRecord welcome;
+  uint32_t taken_mesh = 0;  // the last version that takeNewest() gave
 
-  PoseRecord pose_record{};
   FrameRecord frame_record{};
   // Of the terrain and the objects.
   std::array<ChangesRecord, 2> changes_records{};
   std::array<uint32_t, 2> taken_versions{};
   std::array<ChangedRanges, 2> changes;
-  WelcomeRecord welcome_record{};
-  MapPositionRecord place_record{};
+  GroundRecord ground_record{};
   StatisticsRecord statistics_record{};
   TextRecord text_record{};
 };
-
-Bytes& incoming() {
-  static Bytes buffer;
-  return buffer;
-}
-
-Time timeOf(double ms) { return {static_cast<int64_t>(std::llround(ms * 1000))}; }
-double millisecondsOf(Time time) { return static_cast<double>(time.us) / 1000; }
-
-template <class T>
-Address addressOf(const T* data) {
-  return static_cast<Address>(reinterpret_cast<uintptr_t>(data));
-}
-
-PoseRecord recordOf(const proto::Pose& pose) {
-  const auto& q = pose.orientation;
-  return {.eye = {pose.eye.x, pose.eye.y, pose.eye.z}, .orientation = {q.x, q.y, q.z, q.w}};
-}
 
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
                              uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
@@ -103,43 +78,12 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.object_part_count = static_cast<uint32_t>(mesh.object_parts.size());
 }
 
-// Corners and centres of the root squares that lie inside the data: the only relief known before the first keyframe.
-void collectLandmarks(const proto::Welcome& welcome, const proto::FrameTransform& transform, std::vector<double>& out) {
-  const auto& shape = welcome.shape;
-  const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_quantum_m;
-  const auto add = [&](double x, double y, int32_t height) {
-    if (x > shape.samples_x - 1.0 || y > shape.samples_y - 1.0) return;
-    const glm::dvec3 p = transform.toScene(proto::LatticePosition{x, y, height * step});
-    out.insert(out.end(), {p.x, p.y, p.z});
-  };
-  for (uint32_t j = 0; j <= shape.roots_y; ++j)
-    for (uint32_t i = 0; i <= shape.roots_x; ++i)
-      add(i * size, j * size, welcome.corner_heights[j * (shape.roots_x + 1) + i]);
-  for (uint32_t j = 0; j < shape.roots_y; ++j)
-    for (uint32_t i = 0; i < shape.roots_x; ++i)
-      add((i + 0.5) * size, (j + 0.5) * size, welcome.centre_heights[j * shape.roots_x + i]);
-}
-
-// Box around the data, from a net of lattice positions at both extreme heights.
-void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transform, WelcomeRecord& out) {
-  constexpr int kCells = 8;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.low[axis] = std::numeric_limits<double>::infinity();
-    out.high[axis] = -out.low[axis];
-  }
-  for (int k = 0; k <= kCells; ++k)
-    for (int l = 0; l <= kCells; ++l)
-      for (double height : {out.lowest_m, out.highest_m}) {
-        const glm::dvec3 p = transform.toScene(proto::LatticePosition{
-            (welcome.shape.samples_x - 1.0) * k / kCells, (welcome.shape.samples_y - 1.0) * l / kCells, height});
-        for (int axis = 0; axis < 3; ++axis) {
-          out.low[axis] = std::min(out.low[axis], p[axis]);
-          out.high[axis] = std::max(out.high[axis], p[axis]);
-        }
-      }
-}
-
 }  // namespace
+
+Bytes& incoming() {
+  static Bytes buffer;
+  return buffer;
+}
 
 // The layout of the records, for the page's build (recordLayoutText) and for the page to check it.
 FORELAND_EXPORT(foreland_record_layout) const TextRecord* recordLayout() {
@@ -205,13 +149,36 @@ const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z
   return &out;
 }
 
-// What has changed in the terrain's arrays (`part` 0) or the objects' (1) of the last frame's mesh since the last call
-// for it. Null if that frame had no mesh.
-FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* host, uint32_t part) {
+// From now on meshes are taken by foreland_take_newest, as soon as they are made, instead of when they are shown.
+FORELAND_EXPORT(foreland_draw_ahead) void drawAhead(Host* host) { host->viewer.drawAhead(); }
+
+// The newest mesh, whose interval foreland_interval gives; null if it has been taken already. For viewers that draw
+// ahead.
+FORELAND_EXPORT(foreland_take_newest) const FrameRecord* takeNewest(Host* host) {
+  const Interval* newest = host->viewer.timeline().newest();
+  if (newest == nullptr || newest->version == host->taken_mesh) return nullptr;
+  host->taken_mesh = newest->version;
+  FrameRecord& out = host->frame_record;
+  out = {};
+  out.mesh_version = newest->version;
+  out.oldest_version = host->viewer.timeline().oldestVersion();
+  fillMesh(host->viewer.drawn().mesh(), out);
+  return &out;
+}
+
+// The newest mesh's Interval, for foreland_screen_add of another instance of this module.
+FORELAND_EXPORT(foreland_interval) const TextRecord* interval(Host* host) {
+  host->text_record = {addressOf(host->viewer.timeline().newest()), sizeof(Interval)};
+  return &host->text_record;
+}
+
+// What has changed in the terrain's arrays (`part` 0) or the objects' (1) of the last mesh since the last call for it.
+// Changes less than `gap` bytes apart are made one. Null if there was no mesh.
+FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* host, uint32_t part, uint32_t gap) {
   if (host->frame_record.mesh_version == 0 || part > 1) return nullptr;
   PatchedMesh& mesh = part == 0 ? host->viewer.drawn().terrain() : host->viewer.drawn().objects();
   ChangedRanges& changes = host->changes[part];
-  mesh.collectChanges(kUploadGap, changes);
+  mesh.collectChanges(gap, changes);
   ChangesRecord& out = host->changes_records[part];
   out = {};
   out.base_version = mesh.isAllChanged() ? 0 : host->taken_versions[part];
@@ -269,67 +236,24 @@ FORELAND_EXPORT(foreland_start_tour) void startTour(Host* host, double start_ms)
   if (host->tour.validate().ok()) host->viewer.announcePath(host->tour);
 }
 
-// The tour's pose at a time; null once the tour is over.
-FORELAND_EXPORT(foreland_tour_pose) const PoseRecord* tourPose(Host* host, double now_ms) {
-  if (host->tour.poses.empty() || timeOf(now_ms) > host->tour.end()) return nullptr;
-  host->pose_record = recordOf(host->tour.at(timeOf(now_ms)));
-  return &host->pose_record;
-}
-
 // The server's welcome; null before it has arrived on this connection.
 FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   if (!host->viewer.isGreeted()) return nullptr;
-  const proto::Welcome& from = *host->viewer.welcome();
-  const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
-  WelcomeRecord& out = host->welcome_record;
-  out.lowest_m = from.lowest * from.frame.height_quantum_m;
-  out.highest_m = from.highest * from.frame.height_quantum_m;
-  out.tau_px = from.tau_px;
-  out.keyframe_ms = from.keyframe_interval.toMilliseconds();
-  out.title = addressOf(from.title.data());
-  out.title_size = static_cast<uint32_t>(from.title.size());
-  out.crs = addressOf(from.crs.data());
-  out.crs_size = static_cast<uint32_t>(from.crs.size());
-  out.is_geographic = from.frame.kind == proto::FrameKind::kGeographic ? 1 : 0;
-  out.samples_x = from.shape.samples_x;
-  out.samples_y = from.shape.samples_y;
-  fillBox(from, transform, out);
-  host->landmarks.clear();
-  collectLandmarks(from, transform, host->landmarks);
-  out.landmark_count = static_cast<uint32_t>(host->landmarks.size() / 3);
-  out.landmarks = addressOf(host->landmarks.data());
-  host->epochs_ms.clear();
-  for (const proto::Epoch& epoch : from.epochs) host->epochs_ms.push_back(millisecondsOf(epoch.time));
-  out.epoch_count = static_cast<uint32_t>(host->epochs_ms.size());
-  out.epochs = addressOf(host->epochs_ms.data());
-  host->model_sides.clear();
-  for (const proto::ObjectModel& model : from.models) host->model_sides.push_back(model.atlas_side);
-  out.model_count = static_cast<uint32_t>(host->model_sides.size());
-  out.model_sides = addressOf(host->model_sides.data());
-  return &out;
+  return host->welcome.fill(*host->viewer.welcome(), host->viewer.frameGrid().transform());
 }
 
-// A point of the scene in the coordinates of the data's owner. Null before the welcome.
-FORELAND_EXPORT(foreland_map_position) const MapPositionRecord* place(Host* host, double x, double y, double z) {
+// The ground about the lattice position below a point, for foreland_screen_ground: `reach` samples to each side.
+FORELAND_EXPORT(foreland_ground)
+const GroundRecord* ground(Host* host, double x, double y, double z, double reach) {
   if (!host->viewer.isGreeted()) return nullptr;
-  const proto::FrameTransform& transform = host->viewer.frameGrid().transform();
-  const glm::dvec3 point(x, y, z), up = transform.upAt(point);
-  const proto::LatticePosition lattice = transform.toLattice(point);
-  const std::optional<double> ground = host->viewer.groundHeight(lattice.x, lattice.y);
-  MapPositionRecord& out = host->place_record;
-  out.height_m = lattice.height_m;
-  out.ground_m = ground.value_or(std::numeric_limits<double>::quiet_NaN());
-  out.up[0] = up.x;
-  out.up[1] = up.y;
-  out.up[2] = up.z;
-  if (transform.frame().kind == proto::FrameKind::kGeographic) {
-    const proto::Geodetic geodetic = transform.toGeodetic(point);
-    out.across[0] = geodetic.latitude_rad * kDegreesPerRadian;
-    out.across[1] = geodetic.longitude_rad * kDegreesPerRadian;
-  } else {
-    out.across[0] = transform.frame().map_origin_m.y + y;
-    out.across[1] = transform.frame().map_origin_m.x + x;
-  }
+  const proto::LatticePosition below = host->viewer.frameGrid().transform().toLattice({x, y, z});
+  GroundRecord& out = host->ground_record;
+  out.x = below.x;
+  out.y = below.y;
+  out.reach = reach;
+  for (int i = 0; i < 9; ++i)
+    out.heights_m[i] = host->viewer.groundHeight(below.x + (i % 3 - 1) * reach, below.y + (i / 3 - 1) * reach)
+                           .value_or(std::numeric_limits<double>::quiet_NaN());
   return &out;
 }
 

@@ -81,6 +81,21 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, object_indices),
     FORELAND_FIELD(FrameRecord, object_parts),
     FORELAND_FIELD(FrameRecord, object_part_count),
+    FORELAND_FIELD(FrameRecord, oldest_version),
+    FORELAND_FIELD(FrameRecord, unused),
+};
+inline constexpr RecordField kScreenFields[] = {
+    FORELAND_FIELD(ScreenRecord, pose),          FORELAND_FIELD(ScreenRecord, shown_time_ms),
+    FORELAND_FIELD(ScreenRecord, scene_time_ms), FORELAND_FIELD(ScreenRecord, to_time_ms),
+    FORELAND_FIELD(ScreenRecord, to_pose),       FORELAND_FIELD(ScreenRecord, end_ms),
+    FORELAND_FIELD(ScreenRecord, weight),        FORELAND_FIELD(ScreenRecord, mesh_version),
+    FORELAND_FIELD(ScreenRecord, tau_px),        FORELAND_FIELD(ScreenRecord, next_version),
+};
+inline constexpr RecordField kGroundFields[] = {
+    FORELAND_FIELD(GroundRecord, x),
+    FORELAND_FIELD(GroundRecord, y),
+    FORELAND_FIELD(GroundRecord, reach),
+    FORELAND_FIELD(GroundRecord, heights_m),
 };
 inline constexpr RecordField kChangesFields[] = {
     FORELAND_FIELD(ChangesRecord, base_version),
@@ -128,6 +143,8 @@ inline constexpr RecordField kTextFields[] = {FORELAND_FIELD(TextRecord, text), 
 inline constexpr RecordLayout kRecordLayouts[] = {
     {"PoseRecord", sizeof(PoseRecord), kPoseFields},
     {"FrameRecord", sizeof(FrameRecord), kFrameFields},
+    {"ScreenRecord", sizeof(ScreenRecord), kScreenFields},
+    {"GroundRecord", sizeof(GroundRecord), kGroundFields},
     {"ChangesRecord", sizeof(ChangesRecord), kChangesFields},
     {"WelcomeRecord", sizeof(WelcomeRecord), kWelcomeFields},
     {"MapPositionRecord", sizeof(MapPositionRecord), kPlaceFields},

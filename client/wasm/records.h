@@ -48,6 +48,30 @@ struct FrameRecord {
   Address object_indices;
   Address object_parts;  // uint32 first index, number of indices, model
   uint32_t object_part_count;
+  uint32_t oldest_version;  // of meshes that may still be shown
+  uint32_t unused;          // keeps the size a multiple of 8
+};
+
+// What the drawing thread draws in a frame (screen.cpp).
+struct ScreenRecord {
+  PoseRecord pose;
+  double shown_time_ms;  // the client's clock
+  double scene_time_ms;
+  double to_time_ms;   // of the newer keyframe that is shown
+  PoseRecord to_pose;  // that it was computed for
+  double end_ms;       // when the next mesh begins, unless it is late
+  float weight;
+  uint32_t mesh_version;  // 0: no mesh yet
+  float tau_px;
+  uint32_t next_version;  // of the mesh to make ready; 0: none
+};
+
+// Heights of the ground about a lattice position: nine, `reach` samples apart, row by row.
+struct GroundRecord {
+  double x;
+  double y;
+  double reach;
+  double heights_m[9];  // above the zero surface; NaN: unknown, or beyond the data
 };
 
 // What has changed in the arrays of the terrain's or the objects' mesh. Ranges are pairs of uint32: the first element,

@@ -27,6 +27,7 @@ export default defineConfig({
   base: './',
   plugins: [clientCore()],
   build: { target: 'es2022', chunkSizeWarningLimit: 900 },
+  worker: { format: 'es' },
   // `npm run dev` shows the page with a server that runs elsewhere: foreland serve SCENE --listen 127.0.0.1:8080
   server: { proxy: { '/fly': { target: process.env.FORELAND_SERVER ?? 'http://127.0.0.1:8080', ws: true } } },
 });

@@ -1,10 +1,11 @@
-// The page's parts and what flows between them, frame by frame: camera -> client core -> graphics card -> readout. It owns the one
-// mutable state of the page: the session, the settings and the camera.
+// The page's parts and what flows between them, frame by frame: camera -> what is shown -> graphics card -> readout. It owns the
+// drawing thread's state: the session's end here, the settings and the camera. Connection, decoding and meshes are in the worker.
 import * as THREE from 'three';
 import { lookOf } from './ui/camera';
-import { Connection } from './core/connection';
 import { Controls } from './ui/controls';
-import { Core, Viewer, type Frame, type Mesh, type MapPosition, type Pose, type Request, type Welcome } from './core/core';
+import type { Core, MapPosition, Pose, Request, ScreenFrame, Welcome } from './core/core';
+import type { PartLines } from './core/mesh_update';
+import { Session } from './core/session';
 import { FrozenView } from './draw/frozen_view';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
@@ -13,6 +14,7 @@ import { Readout } from './ui/readout';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
 import { Sky } from './draw/sky';
+import { Stage } from './draw/stage';
 import { startView } from './ui/start_view';
 import { ObjectMesh } from './draw/object_mesh';
 import { TerrainMesh } from './draw/terrain_mesh';
@@ -22,6 +24,11 @@ const kResizeQuiet_ms = 200; // a new lens is requested when resizing has paused
 const kHintShown_ms = 9000;
 // For terrain that was flown over. Phones have less to spare.
 const kMemoryBytes = (window.matchMedia('(pointer: coarse)').matches ? 6 : 16) << 20;
+
+// Of the next mesh, in a frame, in bytes; a call counts as some (draw/blend_buffers.ts).
+const kLeastSlice = 256 << 10;
+const kLargestSlice = 4 << 20;
+const kGroundFrames = 8; // so many frames ahead the ground is known
 
 function byId(id: string): HTMLElement {
   return document.getElementById(id)!;
@@ -43,20 +50,23 @@ export class App {
   private readonly prediction = new PredictionCheck();
   private readonly tours: Tours;
   private readonly scene_time = new SceneTime(byId('time'), (scene_ms, rate) =>
-    this.viewer.setSceneClock(performance.now(), scene_ms, rate));
-  private readonly connection: Connection;
+    this.session.tell({ kind: 'scene clock', now_ms: performance.now(), scene_ms, rate }));
+  private readonly session: Session;
+  private readonly stage: Stage;
   private readonly settings: Settings;
-  private viewer: Viewer;
   private welcome: Welcome | null = null;
-  private mesh: (Pick<Mesh, 'triangles' | 'vertices' | 'to_nodes' | 'to_time_ms' | 'version'> & { tau_px: number }) | null = null;
+  private mesh: { triangles: number; to_nodes: number; to_time_ms: number; tau_px: number } | null = null;
   private sent_request = ''; // the last one, as JSON
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
   private scene_time_ms = 0; // of the last frame
   private last_ms = 0;
+  private next_ms = 0; // when the next mesh is to be shown
+  private readonly last_eye = new THREE.Vector3();
   private frames = 0;
 
-  constructor(private readonly core: Core, private readonly address: Address) {
+  // The worker is to be core/worker.ts; nothing has been said to it.
+  constructor(core: Core, worker: Worker, private readonly address: Address) {
     this.settings = address.settings;
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
@@ -64,14 +74,24 @@ export class App {
     this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, modelsOf(address.server));
     this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
     this.resize();
-    this.viewer = new Viewer(core, this.request());
+    const [sets, object_sets] = [this.terrain.sets, this.objects.sets];
+    this.stage = new Stage({ terrain: sets[0], objects: object_sets[0] }, { terrain: sets[1], objects: object_sets[1] });
     this.tours = new Tours(byId('tours'), (tour) => this.chooseTour(tour));
-    const token = address.token === null ? '' : `?token=${encodeURIComponent(address.token)}`;
-    this.connection = new Connection(address.server + token, {
-      onOpen: () => this.beginSession(),
-      onMessage: (message) => this.receive(message),
+    this.session = new Session(core, worker, {
+      onOpen: () => (this.may_occlude = this.settings.occlusion),
       onWaiting: (seconds, reason) => this.showWaiting(seconds, reason),
+      onRefused: (reason) => this.stop('The session ended.', reason),
+      onWelcome: (message) => this.enterScene(this.session.screen.enter(message)),
+      onMesh: (update) => this.stage.add(update),
+      onLines: (version, terrain, objects) => this.addLines(version, terrain, objects),
+      onFailure: (reason) => this.fail(reason),
     });
+    const { server, token } = address;
+    this.session.tell({
+      kind: 'start', module: core.module, server: token === null ? server : `${server}?token=${encodeURIComponent(token)}`,
+      request: this.request(), blend: this.settings.blend, wants_lines: this.settings.wireframe, clock_origin_ms: performance.timeOrigin,
+    });
+    this.sent_request = JSON.stringify(this.request());
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
     new Panel(byId('panel'), this.settings, () => this.applySettings());
     window.addEventListener('resize', () => this.resize());
@@ -80,7 +100,7 @@ export class App {
 
   start(): void {
     showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
-    this.connection.open();
+    if (this.address.tour) this.chooseTour(this.address.tour);
     this.renderer.setAnimationLoop(() => this.drawOrStop(performance.now()));
     byId('hint').textContent = window.matchMedia('(pointer: coarse)').matches
       ? 'One finger looks, two fingers fly'
@@ -91,7 +111,7 @@ export class App {
   // For tests, and for anyone who opens the console.
   status(): Record<string, unknown> {
     return {
-      connected: this.connection.isOpen(),
+      connected: this.session.is_open,
       frames: this.frames,
       mesh_version: this.terrain.version,
       triangles: this.terrain.triangles,
@@ -107,45 +127,15 @@ export class App {
       above_ground_m: this.above_ground_m,
       title: this.welcome?.title ?? null,
       scene_time_ms: this.scene_time_ms,
-      ...this.viewer.statistics(),
+      ...this.session.statistics,
     };
   }
 
   // ---- session
 
-  // Begins a session on a new connection. After a lost connection the viewer resumes from the section that it holds.
-  private beginSession(): void {
-    this.may_occlude = this.settings.occlusion;
-    if (this.welcome) {
-      this.viewer.reconnect(performance.now());
-    } else {
-      this.viewer.destroy();
-      this.viewer = new Viewer(this.core, this.request());
-      this.terrain.forget();
-      this.objects.forget();
-      this.viewer.setBlend(this.settings.blend);
-      this.sent_request = JSON.stringify(this.request());
-      if (this.address.tour) this.tours.request(this.address.tour, this.viewer);
-    }
-    this.sendOutgoing();
-  }
-
-  private receive(message: Uint8Array): void {
-    const refusal = this.viewer.receive(message, performance.now());
-    if (refusal !== null) {
-      this.connection.close();
-      this.stop('The session ended.', refusal);
-      return;
-    }
-    if (this.welcome && byId('notice').hidden) return;
-    const welcome = this.viewer.welcome();
-    if (!welcome) return;
-    showNotice(byId('notice'), null);
-    this.enterScene(welcome);
-  }
-
   private enterScene(welcome: Welcome): void {
     const is_first = this.welcome === null;
+    showNotice(byId('notice'), null);
     this.welcome = welcome;
     this.terrain.setScene(welcome);
     this.objects.setScene(welcome);
@@ -162,8 +152,10 @@ export class App {
     this.controls.look = heading === undefined ? look : { heading, pitch: pitch! };
   }
 
-  private sendOutgoing(): void {
-    for (let message = this.viewer.takeOutgoing(); message; message = this.viewer.takeOutgoing()) this.connection.send(message);
+  private addLines(version: number, terrain: PartLines, objects: PartLines): void {
+    this.stage.addLines(version, terrain, objects);
+    this.terrain.show(this.settings);
+    this.objects.show(this.settings);
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -201,9 +193,10 @@ export class App {
     this.objects.show(this.settings);
     if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
     if (!this.settings.frozen) this.frozen_view.thaw();
-    this.viewer.setBlend(this.settings.blend);
+    this.session.tell({ kind: 'blend', blend: this.settings.blend });
+    this.session.tell({ kind: 'lines', wants_lines: this.settings.wireframe });
     this.sendRequest();
-    if (this.settings.occlusion && !this.may_occlude && this.connection.isOpen()) this.connection.open(); // and resumes
+    if (this.settings.occlusion && !this.may_occlude) this.session.tell({ kind: 'reopen' });
   }
 
   // Sends the request if it differs from the last one.
@@ -211,11 +204,11 @@ export class App {
     const request = this.request();
     if (JSON.stringify(request) === this.sent_request) return;
     this.sent_request = JSON.stringify(request);
-    this.viewer.setRequest(request);
+    this.session.tell({ kind: 'request', request });
   }
 
   private chooseTour(tour: Tour | null): void {
-    if (tour) this.tours.request(tour, this.viewer);
+    if (tour) this.tours.request(tour, this.session);
     else this.tours.stop();
     this.sendRequest();
   }
@@ -244,30 +237,43 @@ export class App {
     try {
       this.draw(now_ms);
     } catch (error) {
-      this.renderer.setAnimationLoop(null);
-      this.connection.close();
-      this.stop('The page failed.', (error as Error).message);
+      this.fail((error as Error).message);
       throw error;
     }
   }
 
+  private fail(reason: string): void {
+    this.renderer.setAnimationLoop(null);
+    this.session.tell({ kind: 'close' });
+    this.stop('The page failed.', reason);
+  }
+
   private draw(now_ms: number): void {
-    const seconds = Math.min((now_ms - this.last_ms) / 1000, 0.25);
+    const frame_ms = now_ms - this.last_ms;
     this.last_ms = now_ms;
-    const position = this.welcome ? this.moveCamera(now_ms, seconds) : null;
+    const position = this.welcome ? this.moveCamera(now_ms, Math.min(frame_ms / 1000, 0.25)) : null;
     const own = this.controls.pose(this.up);
     const sent = this.frozen_view.pose ?? own; // the server keeps the section of the frozen view
-    const frame = this.viewer.frame(now_ms, sent);
+    this.upload(now_ms, frame_ms);
+    const frame = this.session.screen.frame(now_ms, sent, this.settings.strategy, this.stage.readyVersion, this.stage.comingVersion);
     this.takeMesh(frame, now_ms, sent);
-    this.sendOutgoing();
+    this.session.frame(now_ms, sent, own.eye, this.groundReach(), this.stage.stagedVersion);
     const shown = this.frozen_view.pose ? own : frame.pose;
     if (this.welcome) this.render(shown, frame, position);
     this.measure(now_ms, frame, position);
   }
 
+  // Of the mesh that comes next, so much that it is there in time. Of the first one all.
+  private upload(now_ms: number, frame_ms: number): void {
+    const next = Math.max(this.session.screen.next(), this.stage.shownVersion);
+    if (this.stage.shownVersion === 0) return this.stage.upload(next, Infinity);
+    const frames = Math.max(1, Math.floor((this.next_ms - now_ms) / Math.max(frame_ms, 4)) - 1);
+    this.stage.upload(next, Math.min(Math.max(kLeastSlice, this.stage.costTo(next) / frames), Math.max(kLargestSlice, kLargestSlice * (frame_ms / 16))));
+  }
+
   private moveCamera(now_ms: number, seconds: number): MapPosition | null {
-    const mapPositionOf = (eye: readonly number[]) => this.viewer.mapPosition(eye);
-    const touring = this.tours.pose(this.viewer, now_ms);
+    const mapPositionOf = (eye: readonly number[]) => this.session.screen.mapPosition(eye);
+    const touring = this.tours.pose(this.session, now_ms);
     if (touring && !this.frozen_view.pose) {
       this.controls.eye.fromArray(touring.eye);
       this.controls.look = lookOf(touring.orientation, this.up);
@@ -280,22 +286,34 @@ export class App {
     return position;
   }
 
-  private takeMesh(frame: Frame, now_ms: number, sent: Pose): void {
-    this.prediction.frame(now_ms, sent.eye);
-    if (this.mesh) this.mesh.tau_px = frame.tau_px;
-    if (frame.mesh_version > 0) this.scene_time.show(frame.scene_time_ms);
-    this.scene_time_ms = frame.scene_time_ms;
-    if (!this.terrain.needsUpload(frame.mesh_version)) return;
-    const changes = this.viewer.takeChanges();
-    const mesh = this.viewer.mesh();
-    this.terrain.upload(mesh, changes.terrain);
-    this.objects.upload(mesh, changes.objects);
-    this.prediction.expect(mesh.to_time_ms, mesh.to_pose.eye);
-    const { triangles, vertices, to_nodes, to_time_ms, version } = mesh; // the arrays do not outlive this frame
-    this.mesh = { triangles, vertices, to_nodes, tau_px: frame.tau_px, to_time_ms, version };
+  // How far about the eye, in samples, the ground is needed before the worker tells it again.
+  private groundReach(): number {
+    if (!this.welcome) return 1;
+    const { low, high, samples } = this.welcome;
+    const spacing_m = Math.hypot(high[0] - low[0], high[1] - low[1]) / Math.hypot(...samples);
+    const step_m = this.controls.eye.distanceTo(this.last_eye);
+    this.last_eye.copy(this.controls.eye);
+    return Math.min(Math.max(1, (kGroundFrames * step_m) / spacing_m), 256);
   }
 
-  private render(pose: Pose, frame: Frame, position: MapPosition | null): void {
+  private takeMesh(frame: ScreenFrame, now_ms: number, sent: Pose): void {
+    this.prediction.frame(now_ms, sent.eye);
+    this.next_ms = frame.end_ms;
+    if (frame.mesh_version > 0) this.scene_time.show(frame.scene_time_ms);
+    this.scene_time_ms = frame.scene_time_ms;
+    if (frame.mesh_version !== 0 && frame.mesh_version !== this.stage.shownVersion) this.showNext();
+    if (this.mesh) this.mesh.tau_px = frame.tau_px;
+  }
+
+  private showNext(): void {
+    const { update, set } = this.stage.swap();
+    this.terrain.draw(update, set.terrain);
+    this.objects.draw(update, set.objects);
+    this.prediction.expect(update.to_time_ms, update.to_pose.eye);
+    this.mesh = { triangles: set.terrain.triangles, to_nodes: update.to_nodes, to_time_ms: update.to_time_ms, tau_px: Infinity };
+  }
+
+  private render(pose: Pose, frame: ScreenFrame, position: MapPosition | null): void {
     this.camera.quaternion.fromArray(pose.orientation);
     this.camera.position.set(0, 0, 0);
     this.setDepthRange();
@@ -321,10 +339,10 @@ export class App {
     this.camera.updateProjectionMatrix();
   }
 
-  private measure(now_ms: number, frame: Frame, position: MapPosition | null): void {
+  private measure(now_ms: number, frame: ScreenFrame, position: MapPosition | null): void {
     this.readout.update({
       now_ms,
-      statistics: this.viewer.statistics(),
+      statistics: this.session.statistics,
       mesh: this.mesh,
       strategy: this.settings.strategy,
       shown_late_ms: now_ms - frame.shown_time_ms,

@@ -20,6 +20,7 @@ async function main(): Promise<void> {
     fail('This browser cannot draw the terrain.', 'It needs WebGL 2. Try a newer browser, or switch hardware acceleration on.');
     return;
   }
+  const worker = new Worker(new URL('./core/worker.ts', import.meta.url), { type: 'module' }); // loads while the core does
   let core: Core;
   try {
     core = await Core.load('foreland.wasm');
@@ -27,7 +28,7 @@ async function main(): Promise<void> {
     fail('The client core did not load.', `${(error as Error).message} Was the page built with foreland.wasm?`);
     return;
   }
-  const app = new App(core, readAddress(window.location));
+  const app = new App(core, worker, readAddress(window.location));
   window.foreland = { status: () => app.status() };
   app.start();
 }

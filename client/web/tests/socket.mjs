@@ -1,7 +1,7 @@
-// A WebSocket client for tests under Node 18, which has none: binary messages whole, pings answered. Messages of the server are
+// A WebSocket client and a server for tests under Node 18, which has none: binary messages whole, pings answered. Messages of the server are
 // never fragmented beyond what is joined here.
-import { randomBytes } from 'node:crypto';
-import { request } from 'node:http';
+import { createHash, randomBytes } from 'node:crypto';
+import { createServer, request } from 'node:http';
 
 const kText = 1, kBinary = 2, kClose = 8, kPing = 9, kPong = 10;
 
@@ -26,6 +26,20 @@ export async function openSocket(url, onMessage) {
   });
   const close = () => (send(Buffer.from([0x03, 0xe8]), kClose), closed);
   return { send, close, closed };
+}
+
+// A server that says one short message to whoever connects.
+export async function serveMessage(message) {
+  const server = createServer();
+  server.on('upgrade', ({ headers }, stream) => {
+    const accept = createHash('sha1').update(`${headers['sec-websocket-key']}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`).digest('base64');
+    stream.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n\r\n`);
+    stream.write(Buffer.concat([Buffer.from([0x80 | kBinary, message.length]), message]));
+    stream.on('error', () => stream.destroy());
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  const close = () => (server.close(), server.closeAllConnections());
+  return { url: `ws://127.0.0.1:${server.address().port}/fly`, close };
 }
 
 // A final frame; its mask is zero, so the payload follows as it is.

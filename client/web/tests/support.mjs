@@ -98,9 +98,9 @@ function ringObj(around, across, colours) {
 }
 
 // Resolves when the server says where it listens. Port 0 takes a free one.
-export async function startServer(scene, port = 0, more = []) {
-  need(join(page_folder, 'index.html'), 'build the page: npm run build');
-  const args = ['serve', scene, '--listen', `127.0.0.1:${port}`, '--web', page_folder, '--log-level', 'warning', ...more];
+export async function startServer(scene, port = 0, more = [], web = page_folder) {
+  need(join(web, 'index.html'), 'build the page: npm run build');
+  const args = ['serve', scene, '--listen', `127.0.0.1:${port}`, '--web', web, '--log-level', 'warning', ...more];
   const child = spawn(join(bin, 'foreland'), args, { stdio: ['ignore', 'pipe', 'inherit'] });
   const ended = new Promise((done) => child.once('exit', (code, signal) => done({ code, signal })));
   const url = await new Promise((found, fail) => {

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { serveMessage } from './socket.mjs';
 import {
   changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
 } from './support.mjs';
@@ -51,6 +52,19 @@ test('terrain comes to the screen and keyframes go on', kTest, () =>
     assert.ok((await page.title()).endsWith('Foreland'));
   }));
 
+test('the connection and the meshes are in a worker', kTest, async () => {
+  const { page, complaints, close } = await openPage(browser);
+  try {
+    await page.addInitScript(() => (window.WebSocket = class { constructor() { throw new Error('a socket of the drawing thread'); } }));
+    await page.goto(new URL('?sharpness=0.6', server.url).href);
+    await untilTerrain(page);
+    assert.deepEqual(page.workers().map((worker) => new URL(worker.url()).pathname.replace(/-.*/, '')), ['/assets/worker']);
+    assert.deepEqual(complaints, []);
+  } finally {
+    await close();
+  }
+});
+
 test('keys fly and the ground is not entered', kTest, () =>
   visit('', async (page) => {
     const { eye } = await status(page);
@@ -93,8 +107,8 @@ test('geomorphs are switched to and from in flight', kTest, () =>
     for (const blend of ['geomorph', 'keyframe', 'geomorph']) {
       await page.locator('.choice label', { has: page.locator(`[value=${blend}]`) }).click();
       const { keyframes, mesh_version } = await until(page, (s, b) => s.blend === b, blend);
-      const now = await until(page, (s, n) => s.keyframes >= n, keyframes + 8);
-      assert.ok(now.connected && now.mesh_version > mesh_version);
+      const now = await until(page, (s, [n, shown]) => s.keyframes >= n && s.mesh_version > shown, [keyframes + 8, mesh_version]);
+      assert.ok(now.connected);
     }
     const picture = await pictureOf(page);
     assert.ok(picture.colours > 60, `only ${picture.colours} colours`);
@@ -207,12 +221,13 @@ test('a browser without WebGL 2 is told so', kTest, async () => {
 });
 
 test('a message that is no message ends the session with its reason', kTest, async () => {
+  const bad = await serveMessage(Buffer.from([0xff, 1, 2, 3]));
   const { page, close } = await openPage(browser);
-  await page.routeWebSocket('**/fly', (socket) => socket.send(Buffer.from([0xff, 1, 2, 3])));
-  await page.goto(server.url.href);
+  await page.goto(new URL(`?server=${bad.url}`, server.url).href);
   await page.getByText('The session ended.').waitFor();
   await page.getByRole('button', { name: 'Try again' }).waitFor();
   await close();
+  bad.close();
 });
 
 test('it fits a phone', kTest, () =>

@@ -17,12 +17,15 @@ const kMostUnsent_bytes = 1 << 20; // poses are dropped beyond it: newer ones fo
 export class Connection {
   private socket: WebSocket | null = null;
   private wait_ms = kFirstWait_ms;
-  private timer = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private is_hidden = false;
+  private waits_to_be_seen = false;
 
   constructor(readonly url: string, private readonly events: ConnectionEvents) {}
 
   open(): void {
-    window.clearTimeout(this.timer);
+    this.waits_to_be_seen = false;
+    clearTimeout(this.timer);
     this.close();
     const socket = new WebSocket(this.url);
     socket.binaryType = 'arraybuffer';
@@ -42,7 +45,8 @@ export class Connection {
 
   // Ends the connection for good; open() begins anew.
   close(): void {
-    window.clearTimeout(this.timer);
+    this.waits_to_be_seen = false;
+    clearTimeout(this.timer);
     const socket = this.socket;
     this.socket = null;
     socket?.close();
@@ -65,13 +69,19 @@ export class Connection {
   private waitAndReopen(reason: string): void {
     this.socket = null;
     this.events.onWaiting(this.wait_ms / 1000, reason);
-    this.timer = window.setTimeout(() => this.reopen(), this.wait_ms * (0.5 + 0.5 * Math.random()));
+    this.timer = setTimeout(() => this.reopen(), this.wait_ms * (0.5 + 0.5 * Math.random()));
     this.wait_ms = Math.min(2 * this.wait_ms, kLongestWait_ms);
   }
 
   // A page that nobody sees sends no poses, so the server would only close again: it waits to be seen.
   private reopen(): void {
-    if (!document.hidden) return this.open();
-    document.addEventListener('visibilitychange', () => this.reopen(), { once: true });
+    if (this.is_hidden) this.waits_to_be_seen = true;
+    else this.open();
+  }
+
+  // Whether nobody sees the page.
+  setHidden(is_hidden: boolean): void {
+    this.is_hidden = is_hidden;
+    if (!is_hidden && this.waits_to_be_seen) this.open();
   }
 }

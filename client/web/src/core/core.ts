@@ -1,8 +1,8 @@
-// The client core (client/wasm) as the page sees it: a module to load once, and a Viewer for each session. Arrays point into
-// the module's memory and are valid until the next call into it.
+// The client core (client/wasm) as the page sees it: a module to compile once, with an instance for each thread. The worker has a
+// Viewer for each session, the drawing thread a Screen. Arrays point into the instance's memory and are valid until the next call into it.
 import {
-  kRecordLayout, readChangesRecord, readFrameRecord, readMapPositionRecord, readPoseRecord, readStatisticsRecord, readTextRecord, readWelcomeRecord,
-  type MapPositionRecord, type PoseRecord, type StatisticsRecord,
+  kRecordLayout, readChangesRecord, readFrameRecord, readMapPositionRecord, readPoseRecord, readScreenRecord, readStatisticsRecord, readTextRecord,
+  readWelcomeRecord, type FrameRecord, type MapPositionRecord, type PoseRecord, type StatisticsRecord,
 } from './records';
 
 export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z, w
@@ -28,6 +28,7 @@ export interface Request {
 
 export interface Mesh {
   version: number;
+  oldest_version: number; // of meshes that may still be shown
   origin: [number, number, number];
   vertices: number;
   triangles: number;
@@ -77,6 +78,14 @@ export interface Frame {
   tau_px: number; // what the error of this frame is guaranteed not to exceed; Infinity: nothing is guaranteed
 }
 
+// A frame, and the mesh that comes next.
+export interface ScreenFrame extends Frame {
+  to_time_ms: number; // of the newer keyframe
+  to_pose: Pose; // that it was computed for
+  end_ms: number; // when the next mesh begins, unless it is late
+  next_version: number; // of the mesh to make ready; 0: none
+}
+
 export interface Welcome {
   low: [number, number, number];
   high: [number, number, number];
@@ -97,6 +106,8 @@ export interface Welcome {
 export type MapPosition = Omit<MapPositionRecord, 'ground_m'> & { ground_m: number | null };
 export type Statistics = StatisticsRecord;
 
+const kGroundBytes = 12 * 8; // of a GroundRecord
+
 interface Exports {
   memory: WebAssembly.Memory;
   _initialize(): void;
@@ -110,7 +121,11 @@ interface Exports {
   foreland_take_outgoing(viewer: number): number;
   foreland_error(viewer: number): number;
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
-  foreland_take_changes(viewer: number, part: number): number;
+  foreland_draw_ahead(viewer: number): void;
+  foreland_take_newest(viewer: number): number;
+  foreland_interval(viewer: number): number;
+  foreland_ground(viewer: number, x: number, y: number, z: number, reach: number): number;
+  foreland_take_changes(viewer: number, part: number, gap: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number, occlusion: number, memory_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
@@ -118,27 +133,38 @@ interface Exports {
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
-  foreland_tour_pose(viewer: number, now_ms: number): number;
   foreland_welcome(viewer: number): number;
-  foreland_map_position(viewer: number, x: number, y: number, z: number): number;
   foreland_statistics(viewer: number): number;
+  foreland_screen_create(): number;
+  foreland_screen_add(screen: number, oldest_version: number): void;
+  foreland_screen_next(screen: number): number;
+  foreland_screen_frame(screen: number, now_ms: number, ...more: number[]): number;
+  foreland_screen_welcome(screen: number): number;
+  foreland_screen_ground(screen: number): void;
+  foreland_screen_map_position(screen: number, x: number, y: number, z: number): number;
+  foreland_screen_tour(screen: number, start_ms: number): number;
+  foreland_screen_tour_pose(screen: number, now_ms: number): number;
 }
 
 export class Core {
-  private constructor(readonly exports: Exports) {}
+  private constructor(readonly module: WebAssembly.Module, readonly exports: Exports) {}
 
   static async load(url: string): Promise<Core> {
     const response = await fetch(url);
     if (!response.ok) throw new Error(`${url}: HTTP ${response.status}`);
-    const module = await WebAssembly.compile(await response.arrayBuffer());
+    const core = await Core.of(await WebAssembly.compile(await response.arrayBuffer()));
+    if (core.textAt(core.exports.foreland_record_layout()) !== kRecordLayout) throw new Error(`${url} and the page are of different versions.`);
+    return core;
+  }
+
+  // An instance of a module that another thread has loaded.
+  static async of(module: WebAssembly.Module): Promise<Core> {
     let memory: WebAssembly.Memory | undefined;
     const instance = await WebAssembly.instantiate(module, wasiImports(module, () => memory!));
     const exports = instance.exports as unknown as Exports;
     memory = exports.memory;
     exports._initialize();
-    const core = new Core(exports);
-    if (core.textAt(exports.foreland_record_layout()) !== kRecordLayout) throw new Error(`${url} and the page are of different versions.`);
-    return core;
+    return new Core(module, exports);
   }
 
   view(): DataView {
@@ -238,41 +264,38 @@ export class Viewer {
   // The mesh of the last frame().
   mesh(): Mesh {
     const view = this.core.view();
-    const memory = view.buffer as ArrayBuffer;
-    const r = readFrameRecord(view, this.frame_record);
-    const [vertices, object_vertices] = [r.vertex_count, r.object_vertex_count];
-    return {
-      version: r.mesh_version,
-      origin: r.origin,
-      vertices,
-      triangles: r.index_count / 3,
-      to_time_ms: r.to_time_ms,
-      to_pose: r.to_pose,
-      from_positions: new Float32Array(memory, r.from_positions, 4 * vertices),
-      to_positions: new Float32Array(memory, r.to_positions, 4 * vertices),
-      from_normals: new Int8Array(memory, r.from_normals, 4 * vertices),
-      to_normals: new Int8Array(memory, r.to_normals, 4 * vertices),
-      indices: new Uint32Array(memory, r.indices, r.index_count),
-      from_nodes: r.from_nodes,
-      to_nodes: r.to_nodes,
-      to_index: r.to_index,
-      objects: {
-        vertices: object_vertices,
-        from_positions: new Float32Array(memory, r.object_from_positions, 4 * object_vertices),
-        to_positions: new Float32Array(memory, r.object_to_positions, 4 * object_vertices),
-        from_normals: new Int8Array(memory, r.object_from_normals, 4 * object_vertices),
-        to_normals: new Int8Array(memory, r.object_to_normals, 4 * object_vertices),
-        texture_coordinates: new Float32Array(memory, r.object_texture_coordinates, 2 * object_vertices),
-        indices: new Uint32Array(memory, r.object_indices, r.object_index_count),
-        parts: new Uint32Array(memory, r.object_parts, 3 * r.object_part_count),
-      },
-    };
+    return meshOf(view.buffer as ArrayBuffer, readFrameRecord(view, this.frame_record));
   }
 
-  // What has changed in the mesh of the last frame(), which had one, since the last call. Valid as long as the mesh; to be
-  // called before mesh(), whose arrays it makes invalid.
-  takeChanges(): { terrain: Changes; objects: Changes } {
-    const [terrain, objects] = [0, 1].map((part) => this.core.exports.foreland_take_changes(this.handle, part)) as [number, number];
+  // From now on meshes are taken by takeNewest(), as soon as they are made, instead of when they are shown.
+  drawAhead(): void {
+    this.core.exports.foreland_draw_ahead(this.handle);
+  }
+
+  // The newest mesh, or false if it has been taken already; mesh() gives it.
+  takeNewest(): boolean {
+    const record = this.core.exports.foreland_take_newest(this.handle);
+    if (record !== 0) this.frame_record = record;
+    return record !== 0;
+  }
+
+  // The newest mesh's interval, for Screen.add; a copy.
+  interval(): Uint8Array<ArrayBuffer> {
+    const record = this.core.exports.foreland_interval(this.handle);
+    const { text, size } = readTextRecord(this.core.view(), record);
+    return this.core.copy(text, size);
+  }
+
+  // The ground `reach` samples about an eye, for Screen.setGround; a copy. Null before the welcome.
+  ground(eye: readonly number[], reach: number): Uint8Array<ArrayBuffer> | null {
+    const record = this.core.exports.foreland_ground(this.handle, eye[0]!, eye[1]!, eye[2]!, reach);
+    return record === 0 ? null : this.core.copy(record, kGroundBytes);
+  }
+
+  // What has changed in the last mesh since the last call; changes less than `gap_bytes` apart are made one. Valid as long as the
+  // mesh; to be called before mesh(), whose arrays it makes invalid.
+  takeChanges(gap_bytes: number): { terrain: Changes; objects: Changes } {
+    const [terrain, objects] = [0, 1].map((part) => this.core.exports.foreland_take_changes(this.handle, part, gap_bytes)) as [number, number];
     return { terrain: this.changesAt(terrain), objects: this.changesAt(objects) };
   }
   private changesAt(record: number): Changes {
@@ -301,43 +324,120 @@ export class Viewer {
   startTour(start_ms: number): void {
     this.core.exports.foreland_start_tour(this.handle, start_ms);
   }
-  // Null once the tour is over.
-  tourPose(now_ms: number): Pose | null {
-    const record = this.core.exports.foreland_tour_pose(this.handle, now_ms);
-    return record === 0 ? null : readPoseRecord(this.core.view(), record);
-  }
 
   welcome(): Welcome | null {
     const at = this.core.exports.foreland_welcome(this.handle);
-    if (at === 0) return null;
-    const view = this.core.view();
-    const r = readWelcomeRecord(view, at);
-    const vectorAt = (address: number) => [0, 8, 16].map((i) => view.getFloat64(address + i, true)) as [number, number, number];
-    return {
-      low: r.low,
-      high: r.high,
-      lowest_m: r.lowest_m,
-      highest_m: r.highest_m,
-      tau_px: r.tau_px,
-      keyframe_ms: r.keyframe_ms,
-      title: this.core.text(r.title, r.title_size),
-      crs: this.core.text(r.crs, r.crs_size),
-      is_geographic: r.is_geographic === 1,
-      samples: [r.samples_x, r.samples_y],
-      model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
-      epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
-      landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
-    };
+    return at === 0 ? null : welcomeAt(this.core, at);
+  }
+  isGreeted(): boolean {
+    return this.core.exports.foreland_welcome(this.handle) !== 0;
+  }
+  statistics(): Statistics {
+    const record = this.core.exports.foreland_statistics(this.handle);
+    return readStatisticsRecord(this.core.view(), record);
+  }
+}
+
+// What the drawing thread computes itself for each frame, by intervals, welcome, ground and tour that come from the worker.
+export class Screen {
+  private readonly handle: number;
+  constructor(private readonly core: Core) {
+    this.handle = core.exports.foreland_screen_create();
+  }
+
+  // The interval of a mesh, by Viewer.interval(); meshes before `oldest_version` will not be shown any more.
+  add(interval: Uint8Array, oldest_version: number): void {
+    this.core.put(interval);
+    this.core.exports.foreland_screen_add(this.handle, oldest_version);
+  }
+  // The version to make ready next; 0: none.
+  next(): number {
+    return this.core.exports.foreland_screen_next(this.handle);
+  }
+  // If the mesh of version `ready` can be shown, and the one that was shown last. A mesh whose time has come before it is ready
+  // begins when it is; `coming` is being made ready.
+  frame(now_ms: number, pose: Pose, strategy: Strategy, ready: number, coming: number): ScreenFrame {
+    const more = [...pose.eye, ...pose.orientation, kStrategies.indexOf(strategy), ready, coming];
+    const record = this.core.exports.foreland_screen_frame(this.handle, now_ms, ...more); // which may move the memory
+    return readScreenRecord(this.core.view(), record);
+  }
+  // Enters the scene of the server's welcome.
+  enter(message: Uint8Array): Welcome {
+    this.core.put(message);
+    return welcomeAt(this.core, this.core.exports.foreland_screen_welcome(this.handle));
+  }
+  setGround(ground: Uint8Array): void {
+    this.core.put(ground);
+    this.core.exports.foreland_screen_ground(this.handle);
   }
   mapPosition(point: readonly number[]): MapPosition | null {
-    const at = this.core.exports.foreland_map_position(this.handle, point[0]!, point[1]!, point[2]!);
+    const at = this.core.exports.foreland_screen_map_position(this.handle, point[0]!, point[1]!, point[2]!);
     if (at === 0) return null;
     const r = readMapPositionRecord(this.core.view(), at);
     return { ...r, ground_m: Number.isNaN(r.ground_m) ? null : r.ground_m };
   }
-  statistics(): Statistics {
-    return readStatisticsRecord(this.core.view(), this.core.exports.foreland_statistics(this.handle));
+  // Begins the tour of the server's reply.
+  startTour(reply: Uint8Array, start_ms: number): void {
+    this.core.put(reply);
+    this.core.exports.foreland_screen_tour(this.handle, start_ms);
   }
+  // Null once the tour is over.
+  tourPose(now_ms: number): Pose | null {
+    const record = this.core.exports.foreland_screen_tour_pose(this.handle, now_ms);
+    return record === 0 ? null : readPoseRecord(this.core.view(), record);
+  }
+}
+
+function welcomeAt(core: Core, at: number): Welcome {
+  const view = core.view();
+  const r = readWelcomeRecord(view, at);
+  const vectorAt = (address: number) => [0, 8, 16].map((i) => view.getFloat64(address + i, true)) as [number, number, number];
+  return {
+    low: r.low,
+    high: r.high,
+    lowest_m: r.lowest_m,
+    highest_m: r.highest_m,
+    tau_px: r.tau_px,
+    keyframe_ms: r.keyframe_ms,
+    title: core.text(r.title, r.title_size),
+    crs: core.text(r.crs, r.crs_size),
+    is_geographic: r.is_geographic === 1,
+    samples: [r.samples_x, r.samples_y],
+    model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
+    epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
+    landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
+  };
+}
+
+function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
+  const [vertices, object_vertices] = [r.vertex_count, r.object_vertex_count];
+  return {
+    version: r.mesh_version,
+    oldest_version: r.oldest_version,
+    origin: r.origin,
+    vertices,
+    triangles: r.index_count / 3,
+    to_time_ms: r.to_time_ms,
+    to_pose: r.to_pose,
+    from_positions: new Float32Array(memory, r.from_positions, 4 * vertices),
+    to_positions: new Float32Array(memory, r.to_positions, 4 * vertices),
+    from_normals: new Int8Array(memory, r.from_normals, 4 * vertices),
+    to_normals: new Int8Array(memory, r.to_normals, 4 * vertices),
+    indices: new Uint32Array(memory, r.indices, r.index_count),
+    from_nodes: r.from_nodes,
+    to_nodes: r.to_nodes,
+    to_index: r.to_index,
+    objects: {
+      vertices: object_vertices,
+      from_positions: new Float32Array(memory, r.object_from_positions, 4 * object_vertices),
+      to_positions: new Float32Array(memory, r.object_to_positions, 4 * object_vertices),
+      from_normals: new Int8Array(memory, r.object_from_normals, 4 * object_vertices),
+      to_normals: new Int8Array(memory, r.object_to_normals, 4 * object_vertices),
+      texture_coordinates: new Float32Array(memory, r.object_texture_coordinates, 2 * object_vertices),
+      indices: new Uint32Array(memory, r.object_indices, r.object_index_count),
+      parts: new Uint32Array(memory, r.object_parts, 3 * r.object_part_count),
+    },
+  };
 }
 
 function requestArguments(r: Request): [number, number, number, number, number, number, number, number, number] {

@@ -1,90 +1,112 @@
-// Buffers of a mesh between two keyframes, straight on the graphics card: brought up to date when the mesh changes.
+// The buffers of a part of the mesh on the graphics card: two sets. One is drawn while the other is brought to the mesh that comes
+// next, a little in each frame, and then they change places; so a frame never shows a mesh that is half made.
 import * as THREE from 'three';
-import type { Changes } from '../core/core';
-
-export interface Channel {
-  buffer: WebGLBuffer;
-  attribute: THREE.GLBufferAttribute;
-  capacity: number; // bytes on the card
-}
+import { kChannels, type ChannelName, type ChannelUpdate, type PartUpdate } from '../core/mesh_update';
 
 // A mesh changes little by little and may grow: its buffers have so much more than it needs.
 const kSlack = 1.25;
 
-export function channel(gl: WebGL2RenderingContext, type: number, items: number, bytes: 1 | 2 | 4): Channel {
+interface Channel {
+  readonly buffer: WebGLBuffer;
+  readonly attribute: THREE.GLBufferAttribute;
+  readonly bytes: number; // of a number
+  readonly items: number; // numbers of a vertex or an index
+  readonly is_index: boolean;
+  capacity: number; // bytes on the card
+}
+
+function makeChannel(gl: WebGL2RenderingContext, name: ChannelName): Channel {
+  const is_index = name === 'index' || name === 'line';
+  const is_normal = name === 'from_normal' || name === 'to_normal';
+  const [type, bytes] = is_index ? [gl.UNSIGNED_INT, 4 as const] : is_normal ? [gl.BYTE, 1 as const] : [gl.FLOAT, 4 as const];
+  const items = is_index ? 1 : name === 'texture_coordinate' ? 2 : 4;
   const buffer = gl.createBuffer()!;
-  return { buffer, attribute: new THREE.GLBufferAttribute(buffer, type, items, bytes, 0), capacity: 0 };
+  // A buffer is of the kind that it is bound to first.
+  gl.bindBuffer(is_index ? gl.ELEMENT_ARRAY_BUFFER : gl.ARRAY_BUFFER, buffer);
+  return { buffer, attribute: new THREE.GLBufferAttribute(buffer, type, items, bytes, 0), bytes, items, is_index, capacity: 0 };
 }
 
-export function fill(gl: WebGL2RenderingContext, target: number, channel: Channel, data: ArrayBufferView, count: number): void {
-  gl.bindBuffer(target, channel.buffer);
-  if (data.byteLength > channel.capacity || kSlack * kSlack * data.byteLength < channel.capacity) {
-    channel.capacity = Math.ceil((kSlack * data.byteLength) / 4) * 4;
-    gl.bufferData(target, channel.capacity, gl.DYNAMIC_DRAW);
+export class BufferSet {
+  readonly geometry = new THREE.BufferGeometry();
+  readonly lines = new THREE.BufferGeometry(); // the same vertices
+  triangles = 0;
+  has_lines = false; // that belong to the triangles
+  private readonly channels: Record<ChannelName, Channel>;
+
+  constructor(private readonly renderer: THREE.WebGLRenderer, has_texture: boolean) {
+    const gl = this.gl();
+    renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
+    this.channels = Object.fromEntries(kChannels.map((name) => [name, makeChannel(gl, name)])) as Record<ChannelName, Channel>;
+    for (const geometry of [this.geometry, this.lines]) {
+      for (const name of ['from_position', 'to_position', 'from_normal', 'to_normal'] as const) geometry.setAttribute(name, this.attribute(name));
+    }
+    if (has_texture) this.geometry.setAttribute('texture_coordinate', this.attribute('texture_coordinate'));
+    this.geometry.setIndex(this.attribute('index'));
+    this.lines.setIndex(this.attribute('line'));
   }
-  gl.bufferSubData(target, 0, data);
-  channel.attribute.setCount(count);
-}
 
-type Elements = Float32Array | Int8Array | Uint32Array;
-
-// Uploads the ranges of an array, `items` numbers for each element of theirs. All of it if it has outgrown its buffer.
-export function patch(gl: WebGL2RenderingContext, target: number, channel: Channel, data: Elements, items: number, ranges: Uint32Array,
-                      count: number): void {
-  if (data.byteLength > channel.capacity) {
-    fill(gl, target, channel, data, count);
-    return;
+  // Makes room for a channel of an update; `is_whole` if nothing that is there is needed.
+  reserve(name: ChannelName, update: ChannelUpdate, is_whole: boolean): void {
+    const channel = this.channels[name];
+    const wanted = update.size * channel.bytes;
+    if (wanted > channel.capacity) this.resize(channel, Math.ceil((kSlack * wanted) / 4) * 4, is_whole);
+    channel.attribute.setCount(update.size / channel.items);
   }
-  gl.bindBuffer(target, channel.buffer);
-  for (let i = 0; i < ranges.length; i += 2) {
-    const [begin, end] = [items * ranges[i]!, items * ranges[i + 1]!];
-    gl.bufferSubData(target, begin * data.BYTES_PER_ELEMENT, data, begin, end - begin);
+
+  // Uploads `count` numbers of `data` from `from` on, to `to`.
+  write(name: ChannelName, data: ChannelUpdate['data'], from: number, to: number, count: number): void {
+    const gl = this.gl();
+    const channel = this.channels[name];
+    gl.bindBuffer(gl.COPY_WRITE_BUFFER, channel.buffer); // which the renderer does not use
+    gl.bufferSubData(gl.COPY_WRITE_BUFFER, to * channel.bytes, data, from, count);
   }
-  channel.attribute.setCount(count);
-}
 
-export type BlendChannels = Record<'from_position' | 'to_position' | 'from_normal' | 'to_normal', Channel>;
-
-export function blendChannels(gl: WebGL2RenderingContext): BlendChannels {
-  return {
-    from_position: channel(gl, gl.FLOAT, 4, 4),
-    to_position: channel(gl, gl.FLOAT, 4, 4),
-    from_normal: channel(gl, gl.BYTE, 4, 1),
-    to_normal: channel(gl, gl.BYTE, 4, 1),
-  };
-}
-
-export interface BlendArrays {
-  vertices: number;
-  from_positions: Float32Array;
-  to_positions: Float32Array;
-  from_normals: Int8Array;
-  to_normals: Int8Array;
-  indices: Uint32Array;
-}
-
-export function fillBlend(gl: WebGL2RenderingContext, c: BlendChannels, index: Channel, mesh: BlendArrays): void {
-  fill(gl, gl.ARRAY_BUFFER, c.from_position, mesh.from_positions, mesh.vertices);
-  fill(gl, gl.ARRAY_BUFFER, c.to_position, mesh.to_positions, mesh.vertices);
-  fill(gl, gl.ARRAY_BUFFER, c.from_normal, mesh.from_normals, mesh.vertices);
-  fill(gl, gl.ARRAY_BUFFER, c.to_normal, mesh.to_normals, mesh.vertices);
-  fill(gl, gl.ELEMENT_ARRAY_BUFFER, index, mesh.indices, mesh.indices.length);
-}
-
-// `changes` are those since what the buffers hold.
-export function patchBlend(gl: WebGL2RenderingContext, c: BlendChannels, index: Channel, mesh: BlendArrays, changes: Changes): void {
-  patch(gl, gl.ARRAY_BUFFER, c.from_position, mesh.from_positions, 4, changes.from_positions, mesh.vertices);
-  patch(gl, gl.ARRAY_BUFFER, c.to_position, mesh.to_positions, 4, changes.to_positions, mesh.vertices);
-  patch(gl, gl.ARRAY_BUFFER, c.from_normal, mesh.from_normals, 4, changes.from_normals, mesh.vertices);
-  patch(gl, gl.ARRAY_BUFFER, c.to_normal, mesh.to_normals, 4, changes.to_normals, mesh.vertices);
-  patch(gl, gl.ELEMENT_ARRAY_BUFFER, index, mesh.indices, 3, changes.triangles, mesh.indices.length);
-}
-
-export function bindBlend(geometry: THREE.BufferGeometry, channels: BlendChannels, index: Channel): void {
-  for (const name of ['from_position', 'to_position', 'from_normal', 'to_normal'] as const) {
-    geometry.setAttribute(name, channels[name].attribute as unknown as THREE.BufferAttribute);
+  fillLines(lines: ChannelUpdate): void {
+    this.reserve('line', lines, true);
+    this.write('line', lines.data, 0, 0, lines.size);
+    this.has_lines = true;
   }
-  geometry.setIndex(index.attribute as unknown as THREE.BufferAttribute);
+
+  private gl(): WebGL2RenderingContext {
+    return this.renderer.getContext() as WebGL2RenderingContext;
+  }
+  private attribute(name: ChannelName): THREE.BufferAttribute {
+    return this.channels[name].attribute as unknown as THREE.BufferAttribute;
+  }
+
+  // The content goes by way of another buffer, so that the buffer stays the one that the renderer knows.
+  private resize(channel: Channel, bytes: number, is_whole: boolean): void {
+    const gl = this.gl();
+    const keep = is_whole ? 0 : channel.capacity;
+    const held = keep > 0 ? gl.createBuffer() : null;
+    if (held) {
+      if (channel.is_index) this.renderer.resetState();
+      gl.bindBuffer(channel.is_index ? gl.ELEMENT_ARRAY_BUFFER : gl.ARRAY_BUFFER, held);
+      gl.bindBuffer(gl.COPY_WRITE_BUFFER, held);
+      gl.bufferData(gl.COPY_WRITE_BUFFER, keep, gl.STREAM_COPY);
+      gl.bindBuffer(gl.COPY_READ_BUFFER, channel.buffer);
+      gl.copyBufferSubData(gl.COPY_READ_BUFFER, gl.COPY_WRITE_BUFFER, 0, 0, keep);
+    }
+    gl.bindBuffer(gl.COPY_WRITE_BUFFER, channel.buffer);
+    gl.bufferData(gl.COPY_WRITE_BUFFER, bytes, gl.DYNAMIC_DRAW);
+    channel.capacity = bytes;
+    if (!held) return;
+    gl.bindBuffer(gl.COPY_READ_BUFFER, held);
+    gl.copyBufferSubData(gl.COPY_READ_BUFFER, gl.COPY_WRITE_BUFFER, 0, 0, keep);
+    gl.bindBuffer(gl.COPY_READ_BUFFER, null);
+    if (channel.is_index) this.renderer.resetState();
+    gl.deleteBuffer(held);
+  }
+}
+
+// What an upload costs, in bytes: a call of the graphics interface costs about as much as 2 kB.
+export const kCallCost = 2048;
+
+export function costOfChannel({ data, ranges }: ChannelUpdate): number {
+  return data.byteLength + (kCallCost * ranges.length) / 2;
+}
+export function costOf(part: PartUpdate): number {
+  return Object.values(part.channels).reduce((sum, channel) => sum + costOfChannel(channel), 0);
 }
 
 export function shader(vertexShader: string, fragmentShader: string, uniforms: Record<string, THREE.IUniform>): THREE.RawShaderMaterial {

@@ -1,8 +1,8 @@
 // The scene's objects on the graphics card, blended between two keyframes by the terrain's weight and textured with the images
 // of their models.
 import * as THREE from 'three';
-import { bindBlend, blendChannels, channel, fill, fillBlend, patch, patchBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
-import type { Changes, Mesh } from '../core/core';
+import { BufferSet, shader } from './blend_buffers';
+import type { MeshUpdate } from '../core/mesh_update';
 import { kObjectFragment, kObjectVertex } from './shaders';
 import { WireLines } from './wire_lines';
 
@@ -10,34 +10,28 @@ const kPlain: [number, number, number, number] = [196, 178, 150, 255]; // of mod
 
 export class ObjectMesh {
   readonly object = new THREE.Group();
+  readonly sets: [BufferSet, BufferSet];
+  private readonly surfaces: THREE.Mesh;
   private readonly wire: WireLines;
-  private readonly geometry = new THREE.BufferGeometry();
-  private readonly channels: BlendChannels;
-  private readonly texture_coordinate: Channel;
-  private readonly index: Channel;
+  private set: BufferSet; // that is drawn
   private readonly materials: THREE.RawShaderMaterial[] = [];
   private readonly origin = new THREE.Vector3();
   private has_image: readonly boolean[] = []; // by model
-  private version = 0; // of the mesh on the card; 0: none
   triangles = 0;
   images = 0; // how many have been loaded
 
   // `uniforms` are the terrain's: weight, eye, light and haze.
   constructor(
-    private readonly renderer: THREE.WebGLRenderer,
+    renderer: THREE.WebGLRenderer,
     private readonly uniforms: Record<string, THREE.IUniform>,
     private readonly models: URL,
   ) {
-    const gl = renderer.getContext() as WebGL2RenderingContext;
-    this.channels = blendChannels(gl);
-    this.texture_coordinate = channel(gl, gl.FLOAT, 2, 4);
-    this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
-    bindBlend(this.geometry, this.channels, this.index);
-    this.geometry.setAttribute('texture_coordinate', this.texture_coordinate.attribute as unknown as THREE.BufferAttribute);
-    const surfaces = new THREE.Mesh(this.geometry, this.materials);
-    surfaces.frustumCulled = false; // the server culls
-    this.wire = new WireLines(renderer, this.channels, uniforms);
-    this.object.add(surfaces, this.wire.object);
+    this.sets = [new BufferSet(renderer, true), new BufferSet(renderer, true)];
+    this.set = this.sets[0];
+    this.surfaces = new THREE.Mesh(this.set.geometry, this.materials);
+    this.surfaces.frustumCulled = false; // the server culls
+    this.wire = new WireLines(uniforms);
+    this.object.add(this.surfaces, this.wire.object);
     this.object.visible = false;
   }
 
@@ -46,39 +40,24 @@ export class ObjectMesh {
   }
 
   show(options: { wireframe: boolean }): void {
-    this.wire.object.visible = options.wireframe;
+    this.wire.wanted = options.wireframe;
+    this.wire.show(this.set);
   }
 
-  // `changes` are those that the viewer tells of this mesh.
-  upload(mesh: Mesh, changes: Changes): void {
-    const { objects } = mesh;
-    this.triangles = objects.indices.length / 3;
+  // Draws the mesh of an update from now on, which `set` holds.
+  draw(update: MeshUpdate, set: BufferSet): void {
+    this.set = set;
+    this.triangles = set.triangles;
     this.object.visible = this.triangles > 0;
-    if (!this.object.visible) return;
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
-    if (this.version !== 0 && changes.base_version === this.version) {
-      patchBlend(gl, this.channels, this.index, objects, changes);
-      const { texture_coordinates: ranges } = changes;
-      patch(gl, gl.ARRAY_BUFFER, this.texture_coordinate, objects.texture_coordinates, 2, ranges, objects.vertices);
-    } else {
-      fillBlend(gl, this.channels, this.index, objects);
-      fill(gl, gl.ARRAY_BUFFER, this.texture_coordinate, objects.texture_coordinates, objects.vertices);
-    }
-    this.version = mesh.version;
-    this.geometry.clearGroups();
-    for (let i = 0; i < objects.parts.length; i += 3) {
-      const [first, count, model] = [objects.parts[i]!, objects.parts[i + 1]!, objects.parts[i + 2]!];
-      this.geometry.addGroup(first, count, model);
+    this.wire.show(set);
+    this.surfaces.geometry = set.geometry;
+    set.geometry.clearGroups();
+    for (let i = 0; i < update.object_parts.length; i += 3) {
+      const [first, count, model] = [update.object_parts[i]!, update.object_parts[i + 1]!, update.object_parts[i + 2]!];
+      set.geometry.addGroup(first, count, model);
       while (this.materials.length <= model) this.materials.push(this.materialOf(this.materials.length));
     }
-    this.origin.fromArray(mesh.origin);
-    if (this.wire.object.visible) this.wire.upload(objects.indices, true);
-  }
-
-  // A new session counts its meshes anew.
-  forget(): void {
-    this.version = 0;
+    this.origin.fromArray(update.origin);
   }
 
   placeFrom(eye: readonly number[]): void {

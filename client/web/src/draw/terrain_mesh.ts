@@ -1,8 +1,8 @@
-// The keyframe mesh on the graphics card. Buffers are filled when the mesh changes, straight from the client core's memory;
-// between keyframes only one number changes, the weight.
+// The keyframe mesh of the terrain, drawn from one of its two buffer sets. Between keyframes only one number changes, the weight.
 import * as THREE from 'three';
-import { bindBlend, blendChannels, channel, fillBlend, patchBlend, shader, type BlendChannels, type Channel } from './blend_buffers';
-import type { Changes, Mesh, Welcome } from '../core/core';
+import { BufferSet, shader } from './blend_buffers';
+import type { Welcome } from '../core/core';
+import type { MeshUpdate } from '../core/mesh_update';
 import { kTerrainFragment, kTerrainVertex } from './shaders';
 import { kSun } from './sky';
 import { WireLines } from './wire_lines';
@@ -13,29 +13,26 @@ const kSnow = '#d9e2ec';
 
 export class TerrainMesh {
   readonly object = new THREE.Group();
-  private readonly surface_geometry = new THREE.BufferGeometry();
+  readonly sets: [BufferSet, BufferSet];
+  private readonly surface: THREE.Mesh;
   private readonly wire: WireLines;
-  private readonly channels: BlendChannels;
-  private readonly index: Channel;
+  private set: BufferSet; // that is drawn
   readonly uniforms: Record<string, THREE.IUniform>;
   private origin = new THREE.Vector3();
   private noise_period_m = 1;
-  private wire_version = 0;
   private haze = 0;
   private contour_m = 100;
-  version = 0; // of the mesh on the card; 0: none
+  version = 0; // of the mesh that is drawn; 0: none
   triangles = 0;
 
-  constructor(private readonly renderer: THREE.WebGLRenderer, up: THREE.Vector3) {
-    const gl = renderer.getContext() as WebGL2RenderingContext;
-    this.channels = blendChannels(gl);
-    this.index = channel(gl, gl.UNSIGNED_INT, 1, 4);
+  constructor(renderer: THREE.WebGLRenderer, up: THREE.Vector3) {
+    this.sets = [new BufferSet(renderer, false), new BufferSet(renderer, false)];
+    this.set = this.sets[0];
     this.uniforms = terrainUniforms(up);
-    this.wire = new WireLines(renderer, this.channels, this.uniforms);
-    const surface = new THREE.Mesh(this.surface_geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
-    bindBlend(this.surface_geometry, this.channels, this.index);
-    surface.frustumCulled = false; // the server culls
-    this.object.add(surface, this.wire.object);
+    this.wire = new WireLines(this.uniforms);
+    this.surface = new THREE.Mesh(this.set.geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
+    this.surface.frustumCulled = false; // the server culls
+    this.object.add(this.surface, this.wire.object);
     this.object.visible = false;
   }
 
@@ -54,28 +51,21 @@ export class TerrainMesh {
   }
 
   show(options: { wireframe: boolean; contours: boolean; fog: boolean }): void {
-    this.wire.object.visible = options.wireframe;
+    this.wire.wanted = options.wireframe;
+    this.wire.show(this.set);
     this.uniforms.u_contour_m!.value = options.contours ? this.contour_m : 0;
     this.uniforms.u_haze!.value = options.fog ? this.haze : 0;
   }
 
-  // Call when the mesh's version differs from `version`; `changes` are those that the viewer tells of this mesh.
-  upload(mesh: Mesh, changes: Changes): void {
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    this.renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
-    if (this.version !== 0 && changes.base_version === this.version) patchBlend(gl, this.channels, this.index, mesh, changes);
-    else fillBlend(gl, this.channels, this.index, mesh);
-    this.origin.fromArray(mesh.origin);
-    this.version = mesh.version;
-    this.triangles = mesh.triangles;
-    this.object.visible = mesh.triangles > 0;
-    if (!this.wire.object.visible) return;
-    this.wire.upload(mesh.indices, false);
-    this.wire_version = mesh.version;
-  }
-
-  needsUpload(version: number): boolean {
-    return version !== 0 && (version !== this.version || (this.wire.object.visible && this.wire_version !== version));
+  // Draws the mesh of an update from now on, which `set` holds.
+  draw(update: MeshUpdate, set: BufferSet): void {
+    this.set = set;
+    this.surface.geometry = set.geometry;
+    this.wire.show(set);
+    this.origin.fromArray(update.origin);
+    this.version = update.version;
+    this.triangles = set.triangles;
+    this.object.visible = set.triangles > 0;
   }
 
   setLens(fov_rad: number, height_px: number): void {
@@ -92,12 +82,6 @@ export class TerrainMesh {
     this.object.position.copy(from_eye);
     const wrap = (v: number) => v - this.noise_period_m * Math.floor(v / this.noise_period_m);
     u.u_origin_tile!.value.set(wrap(this.origin.x), wrap(this.origin.y));
-  }
-
-  // A new session counts its meshes anew; the old mesh stays on the screen until the first new one.
-  forget(): void {
-    this.version = 0;
-    this.wire_version = 0;
   }
 }
 

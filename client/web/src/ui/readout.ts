@@ -1,5 +1,5 @@
 // The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
-import type { Mesh, MapPosition, Statistics, Welcome } from '../core/core';
+import type { MapPosition, Statistics, Welcome } from '../core/core';
 
 const kWindow_ms = 2000; // over which rates are averaged
 const kRefresh_ms = 250;
@@ -8,7 +8,7 @@ const kHistory = 60;
 export interface Measured {
   now_ms: number;
   statistics: Statistics;
-  mesh: (Pick<Mesh, 'triangles' | 'to_nodes'> & { tau_px: number }) | null;
+  mesh: { triangles: number; to_nodes: number; tau_px: number } | null;
   strategy: string;
   shown_late_ms: number; // the age of what is shown: t - t_d
   is_late: boolean; // the newer keyframe's time has passed and its successor is not here

@@ -1,5 +1,6 @@
 // The tours: the server plans a path, and the page flies it. A button for each starts and stops it.
-import type { Pose, Viewer } from '../core/core';
+import type { Pose } from '../core/core';
+import type { Session } from '../core/session';
 import { kTours, type Tour } from './settings';
 
 const kTour_s = 180;
@@ -31,10 +32,10 @@ export class Tours {
     return this.is_flying;
   }
 
-  request(tour: Tour, viewer: Viewer): void {
+  request(tour: Tour, session: Session): void {
     this.wanted = tour;
     this.is_flying = false;
-    viewer.requestTour(tour, kTour_s);
+    session.requestTour(tour, kTour_s);
     this.showChoice();
   }
 
@@ -45,13 +46,13 @@ export class Tours {
   }
 
   // The camera on the tour; null when none is flown. A tour that is over stops.
-  pose(viewer: Viewer, now_ms: number): Pose | null {
-    if (viewer.takeTour() && this.wanted !== null) {
-      viewer.startTour(now_ms + kLead_ms);
+  pose(session: Session, now_ms: number): Pose | null {
+    if (session.hasTour() && this.wanted !== null) {
+      session.startTour(now_ms + kLead_ms);
       this.is_flying = true;
     }
     if (!this.is_flying) return null;
-    const pose = viewer.tourPose(now_ms);
+    const pose = session.screen.tourPose(now_ms);
     if (!pose) this.onChoice(null);
     return pose;
   }

@@ -1,0 +1,70 @@
+#include "client/shown_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "proto/space/jump.h"
+
+namespace foreland::client {
+namespace {
+
+constexpr Duration kPoseMemory = Duration::milliseconds(10'000);
+
+bool covers(const proto::KeyframeHeader& k, const proto::Pose& camera) {
+  return glm::distance(k.pose.eye, camera.eye) <= k.region_radius_m &&
+         proto::angleBetween(k.pose.orientation, camera.orientation) <= k.region_angle_rad;
+}
+
+// At weight 0 or 1 one of the two sections is not shown, and its guarantee does not matter.
+float toleranceOf(const Interval& interval, float weight, const proto::Pose& camera) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  const proto::KeyframeHeader& from = interval.from;
+  const proto::KeyframeHeader& to = interval.to;
+  float tolerance_px = 0;
+  if (weight < 1) tolerance_px = covers(from, camera) ? from.tau_px : kNone;
+  if (weight > 0) tolerance_px = std::max(tolerance_px, covers(to, camera) ? to.tau_px : kNone);
+  return tolerance_px;
+}
+
+}  // namespace
+
+void CameraPath::add(Time now, const proto::Pose& pose) {
+  if (poses_.empty() || now > poses_.back().time) poses_.push_back({now, pose});
+  if (poses_.front().time < now - kPoseMemory - kPoseMemory)
+    poses_.erase(poses_.begin(), std::lower_bound(poses_.begin(), poses_.end(), now - kPoseMemory,
+                                                  [](const proto::TimedPose& p, Time t) { return p.time < t; }));
+}
+
+bool CameraPath::hasJustJumped() const {
+  return poses_.size() > 1 && proto::isJump(poses_[poses_.size() - 2], poses_.back(), 0);
+}
+
+bool CameraPath::hasJumpedSince(Time t) const {
+  for (size_t i = poses_.size(); i-- > 1 && poses_[i].time > t;)
+    if (proto::isJump(poses_[i - 1], poses_[i], 0)) return true;
+  return false;
+}
+
+proto::Pose CameraPath::at(Time t) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
+                                      [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
+  if (after != poses_.begin() && after != poses_.end() && proto::isJump(after[-1], *after, 0))
+    return after->time == t ? after->pose : after[-1].pose;
+  return proto::poseAt(poses_, t);
+}
+
+ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const proto::Pose& pose,
+                     proto::Strategy strategy) {
+  const Interval& interval = *shown.interval;
+  const auto weight = static_cast<float>(shown.weight);
+  ShownFrame frame{.pose = strategy == proto::Strategy::kDelay ? camera.at(shown.shown_time) : pose};
+  frame.tolerance_px = toleranceOf(interval, weight, frame.pose);
+  frame.is_outside = std::isinf(frame.tolerance_px);
+  if (strategy == proto::Strategy::kCurrent && !camera.hasJumpedSince(shown.shown_time))
+    frame.tolerance_px = toleranceOf(interval, weight, camera.at(shown.shown_time));
+  return frame;
+}
+
+}  // namespace foreland::client

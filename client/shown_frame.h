@@ -1,0 +1,39 @@
+// What a frame shows and what is guaranteed of it: the camera and the tolerance for what the schedule shows. Used where
+// frames are drawn, like schedule.h. One owner; times are the client's clock.
+#pragma once
+
+#include <vector>
+
+#include "client/schedule.h"
+#include "proto/message/message.h"
+#include "proto/space/timed_poses.h"
+
+namespace foreland::client {
+
+// Where the camera was in the last seconds.
+class CameraPath {
+ public:
+  // Times that do not ascend are ignored.
+  void add(Time now, const proto::Pose& pose);
+
+  // Whether it has jumped to where it is.
+  bool hasJustJumped() const;
+  bool hasJumpedSince(Time t) const;
+  // Where the camera was. A pose between the two sides of a jump was never seen. There must have been a pose.
+  proto::Pose at(Time t) const;
+
+ private:
+  std::vector<proto::TimedPose> poses_;
+};
+
+struct ShownFrame {
+  proto::Pose pose;         // the camera: M(t), or M(t_d) with strategy `delay`
+  float tolerance_px = 0;   // as FrameView::tolerance_px
+  bool is_outside = false;  // the camera is outside the region that a shown keyframe is computed for
+};
+
+// `shown` must have an interval; `pose` is the camera's now, and the last one of `camera`.
+ShownFrame showFrame(const Schedule::Shown& shown, const CameraPath& camera, const proto::Pose& pose,
+                     proto::Strategy strategy);
+
+}  // namespace foreland::client

@@ -1,0 +1,137 @@
+// What the page's drawing thread computes for a frame, without the viewer, which lives in a worker with another
+// instance of this module: what is shown when (client/schedule.h), where the camera is on a tour, and where it is on
+// the map. The worker hands over the intervals of new meshes, the server's welcome and tours as they came, and the
+// ground about the eye. Times are milliseconds of the page's clock. One thread; records stay valid until the next call
+// into the module.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "client/schedule.h"
+#include "client/shown_frame.h"
+#include "client/wasm/conversions.h"
+#include "client/wasm/scene_record.h"
+#include "proto/message/message.h"
+#include "proto/space/path.h"
+
+namespace foreland::client {
+namespace {
+
+struct Screen {
+  Schedule schedule;
+  CameraPath camera;
+  std::optional<proto::Welcome> welcome;
+  std::optional<proto::FrameTransform> transform;
+  GroundRecord ground{};  // of reach 0 if none is known
+  proto::Path tour;
+
+  SceneRecord scene_record;
+  ScreenRecord screen_record{};
+  PoseRecord pose_record{};
+  MapPositionRecord place_record{};
+};
+
+// The ground at a lattice position, bilinear between the nine heights that are known, the nearest of them outside; NaN
+// if it is not known.
+double groundAt(const GroundRecord& ground, double x, double y) {
+  if (!(ground.reach > 0)) return std::numeric_limits<double>::quiet_NaN();
+  const double across = std::clamp((x - ground.x) / ground.reach + 1, 0.0, 2.0);
+  const double along = std::clamp((y - ground.y) / ground.reach + 1, 0.0, 2.0);
+  const int column = std::min(static_cast<int>(across), 1), row = std::min(static_cast<int>(along), 1);
+  const double u = across - column, v = along - row;
+  const double* h = ground.heights_m + 3 * row + column;
+  const double mixed = (h[0] * (1 - u) + h[1] * u) * (1 - v) + (h[3] * (1 - u) + h[4] * u) * v;
+  if (std::isfinite(mixed)) return mixed;
+  return h[(v > 0.5 ? 3 : 0) + (u > 0.5 ? 1 : 0)];  // at the edge of the data
+}
+
+}  // namespace
+
+FORELAND_EXPORT(foreland_screen_create) Screen* createScreen() { return new Screen(); }
+
+// Adds the Interval in the buffer, which another instance of this module made; meshes before `oldest_version` will not
+// be shown any more.
+FORELAND_EXPORT(foreland_screen_add) void screenAdd(Screen* screen, uint32_t oldest_version) {
+  Interval interval;
+  if (incoming().size() != sizeof interval) return;
+  std::memcpy(&interval, incoming().data(), sizeof interval);
+  screen->schedule.dropBefore(oldest_version);
+  screen->schedule.add(interval);
+}
+
+// The version of the mesh to make ready next; 0 if there is none.
+FORELAND_EXPORT(foreland_screen_next) uint32_t screenNext(Screen* screen) { return screen->schedule.next(); }
+
+// What to draw at `now_ms`, if the mesh of version `ready` can be shown and the one that was shown last, with the
+// camera at a pose and a proto::Strategy.
+FORELAND_EXPORT(foreland_screen_frame)
+const ScreenRecord* screenFrame(Screen* screen, double now_ms, double x, double y, double z, double qx, double qy,
+                                double qz, double qw, uint32_t strategy, uint32_t ready, uint32_t coming) {
+  const proto::Pose pose{.eye = {x, y, z}, .orientation = glm::dquat(qw, qx, qy, qz)};
+  screen->camera.add(timeOf(now_ms), pose);
+  const Schedule::Shown shown = screen->schedule.at(timeOf(now_ms), ready, coming);
+  ScreenRecord& out = screen->screen_record;
+  out = {};
+  out.pose = recordOf(pose);
+  out.next_version = screen->schedule.next();
+  if (shown.interval == nullptr) return &out;
+  const Interval& interval = *shown.interval;
+  const ShownFrame frame = showFrame(shown, screen->camera, pose, static_cast<proto::Strategy>(strategy));
+  out.pose = recordOf(frame.pose);
+  out.weight = static_cast<float>(shown.weight);
+  out.shown_time_ms = millisecondsOf(shown.shown_time);
+  out.scene_time_ms = millisecondsOf(interval.from.scene_time) +
+                      out.weight * (interval.to.scene_time - interval.from.scene_time).toMilliseconds();
+  out.to_time_ms = millisecondsOf(interval.to.time);
+  out.to_pose = recordOf(interval.to.pose);
+  out.end_ms = millisecondsOf(interval.end);
+  out.mesh_version = interval.version;
+  out.tau_px = frame.tolerance_px;
+  return &out;
+}
+
+// Enters the scene of the server's welcome in the buffer. Null if that is no welcome.
+FORELAND_EXPORT(foreland_screen_welcome) const WelcomeRecord* screenWelcome(Screen* screen) {
+  auto message = proto::decodeServerMessage(incoming());
+  if (!message || !std::holds_alternative<proto::Welcome>(*message)) return nullptr;
+  screen->welcome = std::move(std::get<proto::Welcome>(*message));
+  screen->transform.emplace(screen->welcome->frame);
+  screen->ground = {};
+  return screen->scene_record.fill(*screen->welcome, *screen->transform);
+}
+
+// The ground about the eye: the GroundRecord in the buffer, as foreland_ground fills it.
+FORELAND_EXPORT(foreland_screen_ground) void screenGround(Screen* screen) {
+  if (incoming().size() == sizeof screen->ground)
+    std::memcpy(&screen->ground, incoming().data(), sizeof screen->ground);
+}
+
+// A point of the scene in the coordinates of the data's owner. Null before the welcome.
+FORELAND_EXPORT(foreland_screen_map_position)
+const MapPositionRecord* screenMapPosition(Screen* screen, double x, double y, double z) {
+  if (!screen->transform) return nullptr;
+  const proto::LatticePosition lattice = screen->transform->toLattice({x, y, z});
+  screen->place_record = mapPositionOf(*screen->transform, {x, y, z}, groundAt(screen->ground, lattice.x, lattice.y));
+  return &screen->place_record;
+}
+
+// Takes the server's reply with a tour from the buffer, to begin at a time. 1 on success.
+FORELAND_EXPORT(foreland_screen_tour) uint32_t screenTour(Screen* screen, double start_ms) {
+  auto message = proto::decodeServerMessage(incoming());
+  if (!message || !std::holds_alternative<proto::TourReply>(*message)) return 0;
+  auto& reply = std::get<proto::TourReply>(*message);
+  screen->tour = {.start = timeOf(start_ms), .step = reply.step, .poses = std::move(reply.poses)};
+  return screen->tour.validate().ok() ? 1 : 0;
+}
+
+// The tour's pose at a time; null once the tour is over.
+FORELAND_EXPORT(foreland_screen_tour_pose) const PoseRecord* screenTourPose(Screen* screen, double now_ms) {
+  if (screen->tour.poses.empty() || timeOf(now_ms) > screen->tour.end()) return nullptr;
+  screen->pose_record = recordOf(screen->tour.at(timeOf(now_ms)));
+  return &screen->pose_record;
+}
+
+}  // namespace foreland::client

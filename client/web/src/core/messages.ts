@@ -1,0 +1,29 @@
+// What the page's two threads say to each other. The worker has the connection, the client core's viewer and the meshes; the drawing
+// thread has the camera, the graphics card and what a person chooses. Times are milliseconds of the drawing thread's clock.
+import type { Blend, Pose, Request, Statistics } from './core';
+import type { MeshUpdate, PartLines } from './mesh_update';
+
+export type ToWorker =
+  // First, and once. `clock_origin_ms` is performance.timeOrigin of the drawing thread.
+  | { kind: 'start'; module: WebAssembly.Module; server: string; request: Request; blend: Blend; wants_lines: boolean; clock_origin_ms: number }
+  // A frame has been drawn from `pose`; meshes up to `staged_version` are on the graphics card. Ground is wanted about `eye`.
+  | { kind: 'frame'; now_ms: number; pose: Pose; eye: readonly number[]; ground_reach: number; staged_version: number }
+  | { kind: 'request'; request: Request }
+  | { kind: 'blend'; blend: Blend }
+  | { kind: 'lines'; wants_lines: boolean }
+  | { kind: 'scene clock'; now_ms: number; scene_ms: number; rate: number }
+  | { kind: 'request tour'; name: string; seconds: number }
+  | { kind: 'start tour'; start_ms: number }
+  | { kind: 'hidden'; is_hidden: boolean } // the page is not seen
+  | { kind: 'reopen' } // connects anew, and resumes
+  | { kind: 'close' };
+
+export type FromWorker =
+  | { kind: 'open' } // a connection is open, and a session begins
+  | { kind: 'waiting'; seconds: number; reason: string } // for the next attempt to connect
+  | { kind: 'refused'; reason: string } // the session has ended
+  | { kind: 'welcome'; message: Uint8Array }
+  | { kind: 'tour'; message: Uint8Array } // has come
+  | { kind: 'mesh'; update: MeshUpdate }
+  | { kind: 'lines'; version: number; terrain: PartLines; objects: PartLines } // of a mesh that was sent without
+  | { kind: 'state'; statistics: Statistics; is_open: boolean; ground: Uint8Array | null };

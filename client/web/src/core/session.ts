@@ -1,0 +1,78 @@
+// The drawing thread's end of a session: what comes from the worker, and what it is told.
+import type { Core, Pose, Statistics } from './core';
+import { Screen } from './core';
+import type { PartLines, MeshUpdate } from './mesh_update';
+import type { FromWorker, ToWorker } from './messages';
+
+export interface SessionEvents {
+  onOpen(): void;
+  onWaiting(seconds: number, reason: string): void;
+  onRefused(reason: string): void;
+  onWelcome(message: Uint8Array): void;
+  onMesh(update: MeshUpdate): void;
+  onLines(version: number, terrain: PartLines, objects: PartLines): void;
+  onFailure(reason: string): void; // of the worker
+}
+
+export class Session {
+  readonly screen: Screen;
+  is_open = false;
+  statistics: Statistics = {
+    bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
+  };
+  private tour: Uint8Array | null = null; // has come, and has not been started
+
+  constructor(core: Core, private readonly worker: Worker, private readonly events: SessionEvents) {
+    this.screen = new Screen(core);
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.receive(data);
+    worker.onerror = (event) => events.onFailure(event.message || 'Its worker did not load.');
+    const tellHidden = () => this.tell({ kind: 'hidden', is_hidden: document.hidden });
+    document.addEventListener('visibilitychange', tellHidden);
+  }
+
+  tell(message: ToWorker): void {
+    this.worker.postMessage(message);
+  }
+
+  frame(now_ms: number, pose: Pose, eye: readonly number[], ground_reach: number, staged_version: number): void {
+    this.tell({ kind: 'frame', now_ms, pose, eye, ground_reach, staged_version });
+  }
+
+  requestTour(name: string, seconds: number): void {
+    this.tour = null;
+    this.tell({ kind: 'request tour', name, seconds });
+  }
+  // Whether a tour waits to be started.
+  hasTour(): boolean {
+    return this.tour !== null;
+  }
+  startTour(start_ms: number): void {
+    this.screen.startTour(this.tour!, start_ms);
+    this.tour = null;
+    this.tell({ kind: 'start tour', start_ms });
+  }
+
+  private receive(message: FromWorker): void {
+    switch (message.kind) {
+      case 'open': return this.events.onOpen();
+      case 'waiting':
+        this.is_open = false;
+        return this.events.onWaiting(message.seconds, message.reason);
+      case 'refused': return this.events.onRefused(message.reason);
+      case 'welcome':
+        this.is_open = true;
+        return this.events.onWelcome(message.message);
+      case 'tour':
+        this.tour = message.message;
+        return;
+      case 'mesh':
+        this.screen.add(message.update.interval, message.update.oldest_version);
+        return this.events.onMesh(message.update);
+      case 'lines': return this.events.onLines(message.version, message.terrain, message.objects);
+      case 'state':
+        this.statistics = message.statistics;
+        this.is_open = message.is_open;
+        if (message.ground) this.screen.setGround(message.ground);
+    }
+  }
+}

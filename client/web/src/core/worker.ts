@@ -1,0 +1,165 @@
+// The page's worker: the connection, the client core's viewer, and the meshes, out of the way of what draws. It sends each mesh as
+// soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMostUnstaged).
+import { Connection } from './connection';
+import { Core, Viewer, type Blend, type Request } from './core';
+import { linesOf, memoryOf, updateOf } from './mesh_update';
+import type { FromWorker, ToWorker } from './messages';
+
+const thread = self as unknown as { postMessage(message: FromWorker, memory: Transferable[]): void; onmessage: ((event: MessageEvent) => void) | null };
+
+// Meshes that were sent and are not on the graphics card. While there are so many, as behind a page that is not seen, none is sent; the
+// next one has all changes since.
+const kMostUnstaged = 8;
+// A call of the graphics interface costs about as much as so many bytes.
+const kGap_bytes = 1024;
+
+type Start = ToWorker & { kind: 'start' };
+
+class Session {
+  private readonly connection: Connection;
+  private viewer: Viewer;
+  private request: Request;
+  private blend: Blend;
+  private wants_lines: boolean;
+  private is_greeted = false; // on this connection
+  private was_greeted = false; // on any
+  private sent: number[] = []; // versions that are not staged
+  private last_version = 0; // that was sent
+  private tour: string | null = null; // asked for before there was a session
+  private tour_seconds = 0;
+
+  constructor(private readonly core: Core, private readonly start: Start) {
+    ({ request: this.request, blend: this.blend, wants_lines: this.wants_lines } = start);
+    this.viewer = this.newViewer();
+    this.connection = new Connection(start.server, {
+      onOpen: () => this.begin(),
+      onMessage: (message) => this.receive(message),
+      onWaiting: (seconds, reason) => this.post({ kind: 'waiting', seconds, reason }),
+    });
+    this.connection.open();
+  }
+
+  handle(message: ToWorker): void {
+    switch (message.kind) {
+      case 'start': return;
+      case 'frame': return this.frame(message);
+      case 'request':
+        this.request = message.request;
+        this.viewer.setRequest(message.request);
+        break;
+      case 'blend':
+        this.blend = message.blend;
+        this.viewer.setBlend(message.blend);
+        break;
+      case 'lines': return this.setLines(message.wants_lines);
+      case 'scene clock':
+        this.viewer.setSceneClock(message.now_ms, message.scene_ms, message.rate);
+        break;
+      case 'request tour':
+        this.requestTour(message.name, message.seconds);
+        break;
+      case 'start tour':
+        this.viewer.startTour(message.start_ms);
+        break;
+      case 'hidden':
+        this.connection.setHidden(message.is_hidden);
+        break;
+      case 'reopen':
+        if (this.connection.isOpen()) this.connection.open();
+        break;
+      case 'close':
+        this.connection.close();
+        break;
+    }
+    this.sendOutgoing();
+  }
+
+  private post(message: FromWorker, memory: Transferable[] = []): void {
+    thread.postMessage(message, memory);
+  }
+
+  // The drawing thread's.
+  private now(): number {
+    return performance.now() + performance.timeOrigin - this.start.clock_origin_ms;
+  }
+
+  private newViewer(): Viewer {
+    const viewer = new Viewer(this.core, this.request);
+    viewer.setBlend(this.blend);
+    viewer.drawAhead();
+    return viewer;
+  }
+
+  // Begins a session on a new connection. After a lost connection the viewer resumes from the section that it holds.
+  private begin(): void {
+    this.is_greeted = false;
+    if (this.was_greeted) {
+      this.viewer.reconnect(this.now());
+    } else {
+      this.viewer.destroy();
+      this.viewer = this.newViewer();
+      if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
+    }
+    this.post({ kind: 'open' });
+    this.sendOutgoing();
+  }
+
+  private requestTour(name: string, seconds: number): void {
+    if (this.was_greeted) return this.viewer.requestTour(name, seconds);
+    [this.tour, this.tour_seconds] = [name, seconds];
+    if (this.connection.isOpen()) this.viewer.requestTour(name, seconds);
+  }
+
+  private receive(message: Uint8Array): void {
+    const refusal = this.viewer.receive(message, this.now());
+    if (refusal !== null) {
+      this.connection.close();
+      this.post({ kind: 'refused', reason: refusal });
+      return;
+    }
+    if (!this.is_greeted && this.viewer.isGreeted()) {
+      this.is_greeted = this.was_greeted = true;
+      this.post({ kind: 'welcome', message });
+      this.sendOutgoing();
+    } else if (this.viewer.takeTour()) {
+      this.post({ kind: 'tour', message });
+    }
+    this.sendMesh();
+  }
+
+  private frame({ now_ms, pose, eye, ground_reach, staged_version }: ToWorker & { kind: 'frame' }): void {
+    this.sent = this.sent.filter((version) => version > staged_version);
+    this.viewer.frame(now_ms, pose);
+    this.sendOutgoing();
+    this.sendMesh();
+    const ground = this.is_greeted ? this.viewer.ground(eye, ground_reach) : null;
+    this.post({ kind: 'state', statistics: this.viewer.statistics(), is_open: this.connection.isOpen(), ground });
+  }
+
+  private sendMesh(): void {
+    if (this.sent.length >= kMostUnstaged || !this.viewer.takeNewest()) return;
+    const interval = this.viewer.interval();
+    const changes = this.viewer.takeChanges(kGap_bytes);
+    const update = updateOf(this.viewer.mesh(), changes, interval, this.last_version, this.wants_lines);
+    this.last_version = update.version;
+    this.sent.push(update.version);
+    this.post({ kind: 'mesh', update }, memoryOf(update));
+  }
+
+  private setLines(wants_lines: boolean): void {
+    this.wants_lines = wants_lines;
+    if (!wants_lines || this.last_version === 0) return;
+    const { terrain, objects } = linesOf(this.viewer.mesh(), true);
+    this.post({ kind: 'lines', version: this.last_version, terrain, objects }, [terrain.data.buffer, objects.data.buffer]);
+  }
+
+  private sendOutgoing(): void {
+    for (let message = this.viewer.takeOutgoing(); message; message = this.viewer.takeOutgoing()) this.connection.send(message);
+  }
+}
+
+let session: Promise<Session> | null = null;
+thread.onmessage = ({ data: message }: MessageEvent<ToWorker>) => {
+  if (message.kind === 'start') session = Core.of(message.module).then((core) => new Session(core, message));
+  else void session!.then((s) => s.handle(message));
+};
