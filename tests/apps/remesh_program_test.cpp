@@ -157,11 +157,11 @@ TEST_F(RemeshProgram, WhatIsNoSurfaceIsRepairedWithNotesOrRefusedIfAsked) {
 }
 
 TEST_F(RemeshProgram, AnStlCubeIsTheSameInBothForms) {
-  const terrain::Model cube = inTriangles(makeCube(4));
+  const terrain::Model cube = inTriangles(makeCube(2));
   const std::string files[] = {write("binary/cube.stl", toBinaryStl(cube)), write("text/cube.stl", toTextStl(cube))};
   std::vector<char> first;
   for (const std::string& file : files) {
-    ASSERT_EQ(runProgram("remesh", {file, "-o", output(), "--levels", "2", "--base-triangles", "24", "--attempts", "1"})
+    ASSERT_EQ(runProgram("remesh", {file, "-o", output(), "--levels", "2", "--base-triangles", "12", "--attempts", "1"})
                   .exit_code,
               0);
     const auto about = nlohmann::json::parse(

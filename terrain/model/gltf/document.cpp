@@ -52,15 +52,22 @@ class DocumentParser {
     if (!version.starts_with("2."))
       return Error{ErrorCode::kUnsupported,
                    "is glTF of version '" + version.substr(0, 20) + "'; export it as glTF 2.0"};
-    const auto required = root_.find("extensionsRequired");
-    if (required == root_.end() || !required->is_array()) return {};
-    for (const json& name : *required)
+    for (const json& name : elementsOf("extensionsUsed"))
+      if (name.is_string() && !isKnownExtension(name.get<std::string>()))
+        made_.unknown_extensions.push_back(name.get<std::string>().substr(0, 60));
+    for (const json& name : elementsOf("extensionsRequired"))
       if (!name.is_string() || !isKnownExtension(name.get<std::string>()))
         return Error{ErrorCode::kUnsupported,
                      "requires the extension " +
                          name.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 60) +
                          ", which is not supported; export the model without it"};
     return {};
+  }
+
+  const json& elementsOf(const char* key) const {
+    static const json kNone = json::array();
+    const auto found = root_.find(key);
+    return found != root_.end() && found->is_array() ? *found : kNone;
   }
 
   void parseBuffers() {
@@ -153,12 +160,22 @@ class DocumentParser {
       fields_.numbers(colours, "baseColorFactor", 4, &material.factor[0]);
       if (JsonFields::has(colours, "baseColorTexture"))
         parseTexture(fields_.object(colours, "baseColorTexture"), material);
+      const JsonObject extensions = fields_.object(o, "extensions");
+      if (JsonFields::has(extensions, "KHR_materials_pbrSpecularGlossiness"))
+        parseDiffuse(fields_.object(extensions, "KHR_materials_pbrSpecularGlossiness"), material);
       made_.materials.push_back(std::move(material));
     });
+  }
+  // What older files have instead of base colours, or besides them.
+  void parseDiffuse(const JsonObject& o, GltfMaterial& material) {
+    material.factor = glm::dvec4(1), material.image = kNoIndex;
+    fields_.numbers(o, "diffuseFactor", 4, &material.factor[0]);
+    if (JsonFields::has(o, "diffuseTexture")) parseTexture(fields_.object(o, "diffuseTexture"), material);
   }
   void parseTexture(const JsonObject& o, GltfMaterial& material) {
     const uint32_t texture = indexThatMustBe(o, "index", textures_.size());
     material.image = texture == kNoIndex ? kNoIndex : textures_[texture];
+    material.lacks_image = material.image == kNoIndex;
     material.coordinates = static_cast<uint32_t>(fields_.whole(o, "texCoord", 0xffff, 0));
     const JsonObject transform = fields_.object(fields_.object(o, "extensions"), "KHR_texture_transform");
     material.coordinates = static_cast<uint32_t>(fields_.whole(transform, "texCoord", 0xffff, material.coordinates));

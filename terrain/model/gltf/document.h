@@ -64,6 +64,7 @@ struct GltfMaterial {
   std::string name;
   glm::dvec4 factor{1};  // linear
   uint32_t image = kNoIndex, coordinates = 0;
+  bool lacks_image = false;        // it has a texture, but in no format that is read
   glm::dvec2 offset{0}, scale{1};  // of texture coordinates
   double rotation_rad = 0;
 };
@@ -88,7 +89,8 @@ struct GltfDocument {
   std::vector<GltfMaterial> materials;
   std::vector<GltfImage> images;
   std::vector<GltfNode> nodes;
-  std::vector<uint32_t> roots;  // nodes of the scene; of all if the file names no scene
+  std::vector<std::string> unknown_extensions;  // that the file uses, but does not require
+  std::vector<uint32_t> roots;                  // nodes of the scene; of all if the file names no scene
 };
 
 // Error, without the file's name: what is missing, of another type or names nothing, with its path in the JSON; an

@@ -44,6 +44,8 @@ class GltfBuilder {
 
   Result<Model> build() {
     model_.edit().up = UpAxis::kY;
+    for (const std::string& name : document_.unknown_extensions)
+      model_.edit().notes.push_back("without the extension " + name + ", which is not supported");
     addMaterials();
     if (Status status = addNodes(); !status.ok()) return status.error();
     note("points or lines", left_out_.size(), "left out");
@@ -60,10 +62,13 @@ class GltfBuilder {
     std::vector<std::shared_ptr<const Bytes>> images(document_.images.size());
     for (const GltfMaterial& from : document_.materials) {
       Material material{.name = from.name, .colour = toColour(from.factor), .tint = from.factor};
-      if (from.image != kNoIndex)
-        if (const Status status = addImage(from.image, images[from.image], material); !status.ok())
-          model_.edit().notes.push_back("without the texture of material '" + from.name +
-                                        "': " + status.error().message);
+      Status status;
+      if (from.lacks_image)
+        status = Error{ErrorCode::kUnsupported, "it has no PNG, JPEG or WebP image; export it with one"};
+      else if (from.image != kNoIndex)
+        status = addImage(from.image, images[from.image], material);
+      if (!status.ok())
+        model_.edit().notes.push_back("without the texture of material '" + from.name + "': " + status.error().message);
       model_.edit().materials.push_back(std::move(material));
     }
   }

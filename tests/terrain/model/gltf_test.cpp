@@ -243,6 +243,26 @@ TEST(Gltf, AnImageThatCannotBeFoundIsANote) {
   EXPECT_NE(model.notes[0].find("outside its folder"), std::string::npos);
 }
 
+TEST(Gltf, WhatIsPassedOverIsANote) {
+  GltfFile file = test::toGltf(test::makeSphere(0));
+  file.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing", "KHR_texture_basisu", "KHR_materials_ior"};
+  file.append("textures", {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}});
+  const Json texture = {{"index", 0}};
+  file.append("materials", {{"name", "skin"}, {"pbrMetallicRoughness", {{"baseColorTexture", texture}}}});
+  file.append("materials",
+              {{"extensions", {{"KHR_materials_pbrSpecularGlossiness", {{"diffuseFactor", {1, 0, 0, 1}}}}}}});
+  file.json["nodes"][0]["skin"] = 0;
+  file.json["nodes"][0]["translation"] = {1, 2, 3};
+  const Model model = read(file.toGlb());
+  EXPECT_EQ(model.notes,
+            (std::vector<std::string>{
+                "without the extension EXT_mesh_gpu_instancing, which is not supported",
+                "without the texture of material 'skin': it has no PNG, JPEG or WebP image; export it with one",
+                "skinned meshes taken as they rest: 1"}));
+  EXPECT_EQ(model.materials.at(1).colour, (Colour{255, 0, 0, 255}));
+  EXPECT_EQ(model.positions[0], dvec3(1, 0, 0));  // the skin's joints would place it
+}
+
 struct Wrong {
   std::function<void(GltfFile&)> change;
   std::string words;
