@@ -11,7 +11,8 @@ namespace foreland::client {
 using proto::NodeId;
 using proto::Slot;
 
-ObjectReplica::ObjectReplica(const proto::ObjectSet& objects, size_t object) : objects_(&objects), object_(object) {}
+ObjectReplica::ObjectReplica(const proto::ObjectSet& objects, size_t object)
+    : objects_(&objects), object_(object), mesh_(objects, object) {}
 
 bool ObjectReplica::step(proto::ObjectStream& stream, proto::RangeDecoder& coder, uint32_t& fingerprint) {
   delta_.added.clear();
@@ -19,11 +20,13 @@ bool ObjectReplica::step(proto::ObjectStream& stream, proto::RangeDecoder& coder
   if (!stream.decode(object_, coder, delta_)) return false;
   for (Slot slot : delta_.removed) removed_[slot] = stream.position(object_, slot);
   fingerprint += proto::fingerprintOf(object_, delta_);
+  is_stale_ = is_stale_ || !delta_.added.empty() || !delta_.removed.empty();
   return true;
 }
 
 // Compares with the section that it saw last, so it does not matter how many steps lie between.
 void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& stream) {
+  if (!std::exchange(is_stale_, false) && is_still_) return;
   proto::Section section = stream.section(object_);
   proto::diff(section_, section, delta_);
   section_ = std::move(section);
@@ -35,11 +38,14 @@ void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& strea
   });
   from_ = proto::apply(to_, morphs_.jumped());
   to_ = proto::apply(from_, morphs_.drawn());
-  const bool was_still = std::exchange(is_still_, morphs_.all().empty());
-  if (was_still && is_still_ && !mesh_.indices.empty()) return;
-  mesh_ = buildObjectMesh(*objects_, positions(stream), {from_, to_, section_, morphs_.all()});
+  mesh_.step(positions(stream), morphs_);
+  is_still_ = morphs_.all().empty();
   has_changed_ = true;
-  forgetRemoved();
+  std::erase_if(removed_, [this](const auto& node) { return !mesh_.isDrawn(node.first); });
+}
+
+void ObjectReplica::buildMesh(const proto::ObjectStream& stream, KeyframeMesh& mesh) const {
+  buildObjectMesh(*objects_, positions(stream), {from_, to_, section_, morphs_.all()}).appendTo(mesh, model());
 }
 
 // The triangles that a node changes are taken to lie within two lengths of its edge.
@@ -63,19 +69,14 @@ bool ObjectReplica::facesAway(const proto::View& from, Slot slot) const {
   const proto::SurfaceDomain& domain = objects_->domain(object_);
   if (!domain.is_closed) return false;
   for (NodeId end : domain.topology().endpoints(domain.topology().node(slot))) {
-    const auto vertex = mesh_.vertex_of.find(end);
-    if (vertex == mesh_.vertex_of.end()) return false;
-    const glm::dvec3 to_eye = from.pose.eye - mesh_.position[1][vertex->second];
-    const double front = glm::dot(unpackNormal(mesh_.normal[1][vertex->second]), to_eye);
+    glm::dvec3 position;
+    uint32_t normal = 0;
+    if (!mesh_.findEnd(end, position, normal)) return false;
+    const glm::dvec3 to_eye = from.pose.eye - position;
+    const double front = glm::dot(unpackNormal(normal), to_eye);
     if (front + from.region_radius_m > -kSineToSpare * glm::length(to_eye)) return false;
   }
   return true;
-}
-
-void ObjectReplica::forgetRemoved() {
-  std::erase_if(removed_, [&](const auto& node) {
-    return !proto::contains(from_, node.first) && !proto::contains(to_, node.first);
-  });
 }
 
 }  // namespace foreland::client

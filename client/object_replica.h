@@ -1,5 +1,5 @@
-// The client's copy of one object's section, and the part of the mesh that is this object's. One owner; cost and memory
-// are linear in the sections.
+// The client's copy of one object's section, and the part of the mesh that is this object's. One owner; memory is
+// linear in the sections, and an object that does not change costs nothing.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -11,6 +11,7 @@
 #include "client/mesh/morph_timing.h"
 #include "client/mesh/morphs.h"
 #include "client/mesh/object_mesh.h"
+#include "client/mesh/object_patcher.h"
 #include "proto/codec/object_stream.h"
 
 namespace foreland::client {
@@ -29,15 +30,16 @@ class ObjectReplica {
 
   // Whether the object's mesh has changed since the last call.
   bool takeChanged() { return std::exchange(has_changed_, false); }
-  // Appends the last mesh made to the objects' mesh.
-  void appendTo(KeyframeMesh& mesh) const { mesh_.appendTo(mesh, objects_->placement(object_).model); }
+  // The last mesh, by change; and the same made anew, appended to the objects' mesh.
+  const ObjectPatcher& mesh() const { return mesh_; }
+  void buildMesh(const proto::ObjectStream& stream, KeyframeMesh& mesh) const;
+  uint32_t model() const { return objects_->placement(object_).model; }
 
   const proto::Section& section() const { return section_; }
   const Morphs& morphs() const { return morphs_; }
 
  private:
   ObjectPositions positions(const proto::ObjectStream& stream) const { return {stream, object_, removed_}; }
-  void forgetRemoved();
   double intervals(const MorphTiming& timing, const ObjectPositions& positions, proto::Slot slot) const;
   bool facesAway(const proto::View& from, proto::Slot slot) const;
 
@@ -49,9 +51,10 @@ class ObjectReplica {
   proto::Section from_, to_;  // drawn at the mesh's ends
   Morphs morphs_;
   proto::CutDelta delta_;
+  bool is_stale_ = true;   // the section has changed since the last mesh, or there is none
   bool is_still_ = false;  // nothing of the last mesh moves
-  bool has_changed_ = true;
-  ObjectMesh mesh_;
+  bool has_changed_ = false;
+  ObjectPatcher mesh_;
 };
 
 }  // namespace foreland::client

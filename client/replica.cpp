@@ -219,13 +219,19 @@ bool Replica::adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& de
   return ok;
 }
 
+size_t Replica::patcherBytes() const {
+  size_t bytes = patcher_ ? patcher_->bytes() : 0;
+  for (const ObjectReplica& object : objects_) bytes += object.mesh().bytes();
+  return bytes;
+}
+
 KeyframeMesh Replica::buildMesh() const {
   KeyframeMesh mesh;
   mesh.from = from_;
   mesh.to = to_;
   mesh.origin = origin_;
   MeshBuilder(*domain_, nodes_, morphs_.all(), heights(), mesh).run();
-  for (const ObjectReplica& object : objects_) object.appendTo(mesh);
+  for (const ObjectReplica& object : objects_) object.buildMesh(*stream_, mesh);
   return mesh;
 }
 
@@ -241,34 +247,8 @@ void Replica::makePatch(MeshPatch& out) {
   follows ? patcher_->step(step, out.terrain) : patcher_->rebuild(step, out.terrain);
   out.from_nodes = patcher_->fromNodes();
   out.to_nodes = patcher_->toNodes();
-  patchObjects(!follows || has_new_origin, out);
+  object_patches_.write(objects_, !follows || has_new_origin, origin_, out);
   patched_ = meshes_;
-}
-
-// The objects' part as a whole, unless nothing of any of them changes.
-void Replica::patchObjects(bool is_whole, MeshPatch& out) {
-  for (ObjectReplica& object : objects_) is_whole = object.takeChanged() || is_whole;
-  KeyframeMesh mesh;
-  mesh.origin = origin_;
-  if (is_whole) {
-    for (const ObjectReplica& object : objects_) object.appendTo(mesh);
-    patched_objects_ = {static_cast<uint32_t>(mesh.objects.from_positions.size()),
-                        static_cast<uint32_t>(mesh.objects.triangleCount()), std::move(mesh.object_parts)};
-  }
-  const uint32_t count = patched_objects_.vertices;
-  out.object_parts = patched_objects_.parts;
-  out.objects.is_whole = is_whole;
-  out.objects.vertex_count = count;
-  out.objects.triangle_count = patched_objects_.triangles;
-  if (!is_whole) return;
-  for (uint32_t v = 0; v < count; ++v) {
-    out.objects.positions.push_back({v, mesh.objects.from_positions[v], mesh.objects.to_positions[v]});
-    out.objects.normals.push_back({v, mesh.objects.from_normals[v], mesh.objects.to_normals[v]});
-    out.objects.parameters.push_back({v, mesh.objects.parameters[v]});
-  }
-  const std::vector<uint32_t>& i = mesh.objects.indices;
-  for (uint32_t t = 0; t < out.objects.triangle_count; ++t)
-    out.objects.triangles.push_back({t, {i[3 * t], i[3 * t + 1], i[3 * t + 2]}});
 }
 
 namespace {

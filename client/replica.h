@@ -13,6 +13,7 @@
 #include "client/mesh/keyframe_mesh.h"
 #include "client/mesh/morph_timing.h"
 #include "client/mesh/terrain_patcher.h"
+#include "client/object_patches.h"
 #include "client/object_replica.h"
 #include "proto/codec/delta_codec.h"
 #include "proto/codec/epoch_stream.h"
@@ -52,7 +53,7 @@ class Replica {
   // which a mesh was left out. Reuses the vectors of `out`.
   void makePatch(MeshPatch& out);
   // Memory that makePatch() keeps.
-  size_t patcherBytes() const { return patcher_ ? patcher_->bytes() : 0; }
+  size_t patcherBytes() const;
   // Positions are floats, so that far from their origin they are coarse: a millimetre at 8 to 16 km.
   static constexpr double kOriginReach_m = 8192;
 
@@ -90,7 +91,6 @@ class Replica {
   bool adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder);
   void blend(const MeshSpan& span, const proto::CutDelta& change);
   double intervals(const MorphTiming& timing, proto::Slot slot) const;
-  void patchObjects(bool is_whole, MeshPatch& out);
 
   // Behind pointers, because the adapter refers to them and replicas are moved.
   std::unique_ptr<const proto::TerrainDomain> domain_;
@@ -118,11 +118,7 @@ class Replica {
   glm::dvec3 patched_origin_{0};
   uint64_t meshes_ = 0, patched_ = 0;  // how many there were, and which was patched last
   std::unique_ptr<TerrainPatcher> patcher_;
-  struct PatchedObjects {
-    uint32_t vertices = 0, triangles = 0;
-    std::vector<ObjectPart> parts;
-  };
-  PatchedObjects patched_objects_;  // as the last patch has them
+  ObjectPatches object_patches_;
 };
 
 }  // namespace foreland::client

@@ -40,13 +40,10 @@ class MeshClient {
     }
   }
   // The same mesh from nothing; how many triangles it has.
-  size_t buildAnew() const {
-    const client::KeyframeMesh mesh = replica_.buildMesh();
-    return mesh.triangleCount() + mesh.objects.triangleCount();
-  }
+  size_t buildAnew() const { return replica_.buildMesh().drawnTriangles(); }
 
   const client::Replica& replica() const { return replica_; }
-  size_t triangles() const { return drawn_.mesh().triangleCount() + drawn_.mesh().objects.triangleCount(); }
+  size_t triangles() const { return drawn_.mesh().drawnTriangles(); }
   size_t wholeBytes() const { return client::bytesOf(drawn_.mesh()) + client::bytesOf(drawn_.mesh().objects); }
   size_t uploadBytes() const { return upload_bytes_; }
   size_t uploads() const { return uploads_; }

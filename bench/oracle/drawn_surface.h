@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "client/mesh/keyframe_mesh.h"
@@ -19,8 +20,19 @@ inline std::vector<bool> drawnVertices(size_t count, std::span<const uint32_t> i
   return is_drawn;
 }
 
-inline terrain::DrawnSurface::Triangles drawnTriangles(const client::BlendMesh& mesh, double weight) {
-  terrain::DrawnSurface::Triangles out{{}, {}, mesh.parameters, mesh.indices};
+// Of the objects' triangles, object by object.
+inline std::vector<uint32_t> objectIndices(const client::KeyframeMesh& mesh) {
+  std::vector<uint32_t> out;
+  for (const client::ObjectPart& part : mesh.object_parts) {
+    const auto begin = mesh.objects.indices.begin() + part.first_index;
+    out.insert(out.end(), begin, begin + part.index_count);
+  }
+  return out;
+}
+
+inline terrain::DrawnSurface::Triangles drawnTriangles(const client::BlendMesh& mesh, std::vector<uint32_t> indices,
+                                                       double weight) {
+  terrain::DrawnSurface::Triangles out{{}, {}, mesh.parameters, std::move(indices)};
   out.positions.reserve(mesh.from_positions.size());
   out.heights_m.reserve(mesh.from_positions.size());
   for (size_t v = 0; v < mesh.from_positions.size(); ++v) {
@@ -33,8 +45,15 @@ inline terrain::DrawnSurface::Triangles drawnTriangles(const client::BlendMesh& 
 
 // `weight` is 0 at the mesh's earlier end and 1 at its later one.
 inline terrain::DrawnSurface drawnSurface(const client::KeyframeMesh& mesh, double weight) {
-  terrain::DrawnSurface drawn{mesh.origin, drawnTriangles(mesh, weight), drawnTriangles(mesh.objects, weight), {}};
-  for (const client::ObjectPart& part : mesh.object_parts) drawn.object_begin.push_back(part.first_index / 3);
+  terrain::DrawnSurface drawn{mesh.origin,
+                              drawnTriangles(mesh, mesh.indices, weight),
+                              drawnTriangles(mesh.objects, objectIndices(mesh), weight),
+                              {}};
+  uint32_t triangles = 0;
+  for (const client::ObjectPart& part : mesh.object_parts) {
+    drawn.object_begin.push_back(triangles);
+    triangles += part.index_count / 3;
+  }
   return drawn;
 }
 

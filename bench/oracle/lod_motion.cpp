@@ -25,8 +25,9 @@ struct Step {
   }
 };
 
-size_t collect(const client::BlendMesh& mesh, const Step& step, std::vector<double>& out_px) {
-  const std::vector<bool> is_drawn = drawnVertices(mesh.parameters.size(), mesh.indices);
+size_t collect(const client::BlendMesh& mesh, std::span<const uint32_t> indices, const Step& step,
+               std::vector<double>& out_px) {
+  const std::vector<bool> is_drawn = drawnVertices(mesh.parameters.size(), indices);
   size_t seen = 0;
   for (size_t i = 0; i < mesh.parameters.size(); ++i) {
     const glm::dvec3 from(mesh.from_positions[i]), to(mesh.to_positions[i]);
@@ -46,7 +47,7 @@ size_t collectLodMotion(const client::KeyframeMesh& mesh, WeightStep step, const
                         const proto::Lens& lens, std::vector<double>& out_px) {
   const OracleEye eye(pose, lens);
   const Step seen{eye, mesh.origin, step};
-  return collect(mesh, seen, out_px) + collect(mesh.objects, seen, out_px);
+  return collect(mesh, mesh.indices, seen, out_px) + collect(mesh.objects, objectIndices(mesh), seen, out_px);
 }
 
 }  // namespace foreland::bench

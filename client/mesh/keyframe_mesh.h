@@ -38,7 +38,7 @@ inline proto::AtlasLayout parameterLayout(uint32_t faces, uint32_t atlas_side) {
   return proto::AtlasLayout::of(faces, atlas_side > 0 ? atlas_side : kWithoutImage);
 }
 
-// The triangles of one object.
+// The triangles of one object. Those of no part have three times the same corner.
 struct ObjectPart {
   uint32_t first_index, index_count;
   uint32_t model;
@@ -54,6 +54,13 @@ struct KeyframeMesh : BlendMesh {
   std::vector<ObjectPart> object_parts;
 
   uint32_t from_nodes = 0, to_nodes = 0;  // terrain nodes drawn at either end
+
+  // That are drawn: of the terrain, and of the objects' parts.
+  size_t drawnTriangles() const {
+    size_t count = indices.size();
+    for (const ObjectPart& part : object_parts) count += part.index_count;
+    return count / 3;
+  }
 };
 
 }  // namespace foreland::client

@@ -5,7 +5,6 @@
 
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
-#include "client/mesh/face_normal.h"
 #include "client/mesh/pack_normal.h"
 #include "proto/topology/mesh_triangles.h"
 
@@ -30,13 +29,6 @@ class SlotSet {
  private:
   std::vector<uint64_t> words_;
 };
-
-// Edges are no longer than the model's box, twice over for what nodes add to it.
-FaceNormal objectFaceNormal(const proto::ObjectModel& model) {
-  glm::dvec3 low(0), high(0);
-  for (const glm::ivec3& p : model.base) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
-  return FaceNormal(2 * glm::distance(low, high) * model.quantum_m);
-}
 
 // Makes vertices as the triangles of the union name them. A vertex is a base vertex, a node of either section, or the
 // midpoint of an edge where a neighbour is split (S 3.6). Where it is no node of an end's section it lies between its
@@ -167,6 +159,13 @@ class Builder {
 };
 
 }  // namespace
+
+// Edges are no longer than the model's box, twice over for what nodes add to it.
+FaceNormal objectFaceNormal(const proto::ObjectModel& model) {
+  glm::dvec3 low(0), high(0);
+  for (const glm::ivec3& p : model.base) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
+  return FaceNormal(2 * glm::distance(low, high) * model.quantum_m);
+}
 
 ObjectMesh buildObjectMesh(const proto::ObjectSet& objects, const ObjectPositions& positions,
                            const ObjectSections& sections) {

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "client/mesh/face_normal.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "client/mesh/morphs.h"
 #include "proto/codec/object_stream.h"
@@ -34,6 +35,9 @@ struct ObjectSections {
   const proto::Section &from, &to, &newest;
   std::span<const Morph> morphs;
 };
+
+// Of a model's triangles, in its own frame.
+FaceNormal objectFaceNormal(const proto::ObjectModel& model);
 
 struct ObjectMesh {
   // By vertex, for the mesh's two ends: position in the scene's frame, metres, and packed normal.

@@ -98,7 +98,8 @@ class MeshPatches : public testing::Test {
     const KeyframeMesh anew = replica_->buildMesh();
     ASSERT_EQ(patch.origin, anew.origin);
     ASSERT_TRUE(isSameMesh(shown_, anew));
-    ASSERT_TRUE(isSameMesh(shown_.objects, anew.objects));
+    shown_.object_parts = patch.object_parts;
+    ASSERT_TRUE(areSameObjects(shown_, anew));
     ASSERT_EQ(patch.from_nodes, anew.from_nodes);
     ASSERT_EQ(patch.to_nodes, anew.to_nodes);
     if (rng_.below(3) > 0) {  // otherwise the next upload is of the changes of several meshes

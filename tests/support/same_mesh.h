@@ -1,5 +1,5 @@
 // Whether two blended meshes are the same triangles, bit for bit in all that a vertex has, whatever the order of
-// triangles and the numbers of vertices.
+// triangles and the numbers of vertices. Triangles with three times the same corner are none.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,6 +18,7 @@ using MeshTriangle = std::array<uint32_t, 36>;  // twelve words for each corner
 inline std::vector<MeshTriangle> trianglesOf(const client::BlendMesh& mesh) {
   std::vector<MeshTriangle> out;
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    if (mesh.indices[i] == mesh.indices[i + 1] && mesh.indices[i] == mesh.indices[i + 2]) continue;
     MeshTriangle t;
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t v = mesh.indices[i + k];
@@ -58,6 +59,25 @@ inline ::testing::AssertionResult isSameMesh(const client::BlendMesh& mesh, cons
                     << std::bit_cast<float>((*b)[12 * (k / 12)]) << ", "
                     << std::bit_cast<float>((*b)[12 * (k / 12) + 1]) << ")";
   return result;
+}
+
+// The same for each object, and that nothing is drawn that is none of theirs.
+inline ::testing::AssertionResult areSameObjects(const client::KeyframeMesh& mesh,
+                                                 const client::KeyframeMesh& expected) {
+  const auto partOf = [](const client::KeyframeMesh& whole, size_t i) {
+    const client::ObjectPart& part = whole.object_parts[i];
+    client::BlendMesh object = whole.objects;
+    object.indices.assign(whole.objects.indices.begin() + part.first_index,
+                          whole.objects.indices.begin() + part.first_index + part.index_count);
+    return object;
+  };
+  if (mesh.object_parts.size() != expected.object_parts.size()) return ::testing::AssertionFailure() << "other objects";
+  for (size_t i = 0; i < mesh.object_parts.size(); ++i) {
+    if (mesh.object_parts[i].model != expected.object_parts[i].model)
+      return ::testing::AssertionFailure() << "object " << i << " has another model";
+    if (auto same = isSameMesh(partOf(mesh, i), partOf(expected, i)); !same) return same << ", object " << i;
+  }
+  return isSameMesh(mesh.objects, expected.objects);
 }
 
 }  // namespace foreland::test

@@ -1,0 +1,395 @@
+#include "client/mesh/object_patcher.h"
+
+#include <algorithm>
+
+#include "client/mesh/blend_position.h"
+#include "client/mesh/pack_normal.h"
+#include "proto/topology/mesh_triangles.h"
+
+namespace foreland::client {
+
+using proto::NodeId;
+using proto::Slot;
+
+namespace {
+
+// Calls visit(face) for each base face that holds the node, inside or on its border.
+template <class Visit>
+void forEachFaceOf(const proto::MeshTopology& mesh, NodeId n, const Visit& visit) {
+  const proto::PatchPoint p = proto::patchPointOf(n);
+  if (mesh.rule() == proto::MeshRule::kQuadrisection) {
+    for (const proto::PatchPoint& at : mesh.quad().appearances(p)) visit(at.patch);
+    return;
+  }
+  const proto::HalfEdge first = mesh.base().first(p.patch), second = mesh.base().twin(first);
+  if (p.x <= p.y) visit(proto::BaseMesh::face(first));
+  if (p.x >= p.y && second != proto::kNoHalfEdge) visit(proto::BaseMesh::face(second));
+}
+
+}  // namespace
+
+ObjectPatcher::ObjectPatcher(const proto::ObjectSet& objects, size_t object)
+    : objects_(&objects),
+      object_(object),
+      face_normal_(objectFaceNormal(objects.modelOf(object))),
+      layout_(
+          parameterLayout(objects.domain(object).topology().base().faceCount(), objects.modelOf(object).atlas_side)) {}
+
+void ObjectPatcher::step(const ObjectPositions& positions, const Morphs& morphs) {
+  ++steps_;
+  positions_ = &positions, morphs_ = morphs.all();
+  moved_.clear(), turned_.clear(), added_.clear(), changed_.clear();
+  collectFaces(morphs);
+  for (uint32_t face : changing_) addNormals(face, -1);
+  stepSections(morphs);
+  for (uint32_t face : changing_) cut(face);
+  dropCorners();
+  for (size_t i = 0; i < seen_.size(); ++i) move(seen_[i].vertex);
+  for (uint32_t face : changing_) addNormals(face, 1);
+  for (const Seen& seen : seen_) note(seen);
+  dropVertices();
+  for (uint32_t corner : added_) corners_[corner].is_new = false;
+  finishTriangles();
+  positions_ = nullptr, morphs_ = {};
+  seen_.clear(), changing_.clear();
+}
+
+uint8_t ObjectPatcher::in(NodeId n) const {
+  const uint32_t found = vertex_of_.find(objects_->domain(object_).topology().slot(n));
+  return found == 0 ? 0 : vertices_[found - 1].in;
+}
+
+// A face's triangles depend on the nodes that it holds and, by quadrisection, on those of the triangles beyond its
+// border (mesh_triangles.h).
+void ObjectPatcher::collectFaces(Slot slot) {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  const NodeId n = mesh.node(slot);
+  const auto add = [this](uint32_t face) { changing_.push_back(face); };
+  forEachFaceOf(mesh, n, add);
+  if (mesh.rule() == proto::MeshRule::kQuadrisection)
+    for (NodeId sibling : mesh.quad().siblings(proto::patchPointOf(n))) forEachFaceOf(mesh, sibling, add);
+}
+
+void ObjectPatcher::collectFaces(const Morphs& morphs) {
+  if (faces_.empty()) {
+    const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+    faces_.resize(mesh.base().faceCount());
+    for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) {
+      vertices_.push_back({.id = proto::baseVertexId(v)});
+      const glm::dvec3 p = truePosition(vertices_[v].id);
+      vertices_[v].position = {p, p};
+      vertices_[v].is_true = {true, true};
+    }
+    for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back(face);
+  } else {
+    const auto collect = [this](const std::vector<Slot>& slots) {
+      for (Slot slot : slots) collectFaces(slot);
+    };
+    collect(in_transition_), collect(morphs.jumped().added), collect(morphs.jumped().removed);
+    for (const Morph& m : morphs_) collectFaces(m.slot);
+    std::sort(changing_.begin(), changing_.end());
+    changing_.erase(std::unique(changing_.begin(), changing_.end()), changing_.end());
+  }
+  in_transition_.clear();
+  for (const Morph& m : morphs_) in_transition_.push_back(m.slot);
+}
+
+// What was `to` becomes `from`, and changes by what jumps; `to` is that with what the interval adds and removes.
+void ObjectPatcher::stepSections(const Morphs& morphs) {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  const auto set = [&](const std::vector<Slot>& slots, uint8_t bits, bool is_in) {
+    for (Slot slot : slots) {
+      Vertex& vertex = vertices_[vertexOf(mesh.node(slot))];
+      vertex.in = static_cast<uint8_t>(is_in ? vertex.in | bits : vertex.in & ~bits);
+      perhaps_unused_.push_back(static_cast<uint32_t>(&vertex - vertices_.data()));
+    }
+  };
+  for (Slot slot : differing_) {
+    Vertex& vertex = vertices_[placeOf(slot)];
+    vertex.in = vertex.in & kInTo ? kInFrom | kInTo : 0;
+    perhaps_unused_.push_back(placeOf(slot));
+  }
+  set(morphs.jumped().removed, kInFrom | kInTo, false);
+  set(morphs.jumped().added, kInFrom | kInTo, true);
+  set(morphs.drawn().removed, kInTo, false);
+  set(morphs.drawn().added, kInTo, true);
+  differing_ = morphs.drawn().added;
+  differing_.insert(differing_.end(), morphs.drawn().removed.begin(), morphs.drawn().removed.end());
+}
+
+uint32_t ObjectPatcher::vertexOf(NodeId v) {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  if (mesh.isBase(v)) return proto::baseVertexOf(v);
+  const uint32_t found = vertex_of_.find(mesh.slot(v));
+  return found != 0 ? found - 1 : addNode(v);
+}
+
+uint32_t ObjectPatcher::addNode(NodeId v) {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  Vertex vertex{.id = v, .slot = mesh.slot(v)};
+  for (size_t i = 0; i < 2; ++i) vertex.endpoints[i] = vertexOf(mesh.endpoints(v)[i]);
+  const uint32_t place = takePlace(vertices_, free_vertices_);
+  vertices_[place] = vertex;
+  vertex_of_.insert(vertex.slot, place + 1);
+  perhaps_unused_.push_back(place);
+  return place;
+}
+
+// Cuts a face into triangles again: those of both ends' union, and those of either end where these differ.
+void ObjectPatcher::cut(uint32_t face) {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  bool differs = false;
+  const auto collect = [&](uint8_t bits, std::vector<Corners>& out) {
+    out.clear();
+    const auto isIn = [&](NodeId n) {
+      const uint8_t is = in(n);
+      differs = differs || is == kInFrom || is == kInTo;
+      return (is & bits) != 0;
+    };
+    const auto draw = [&](NodeId a, NodeId b, NodeId c) { out.push_back({vertexOf(a), vertexOf(b), vertexOf(c)}); };
+    proto::forEachTriangleOf(mesh, face, isIn, draw);
+  };
+  collect(kInFrom | kInTo, now_);
+  replace(face);
+  ends_.erase(face);
+  if (!differs) return;
+  Ends& ends = ends_[face];
+  collect(kInFrom, ends[0]);
+  collect(kInTo, ends[1]);
+}
+
+// Triangles that the face had before keep their places.
+void ObjectPatcher::replace(uint32_t face) {
+  std::sort(now_.begin(), now_.end());
+  was_.swap(faces_[face].triangles);
+  std::vector<Triangle>& triangles = faces_[face].triangles;
+  triangles.clear();
+  triangles.reserve(now_.size());
+  auto old = was_.begin();
+  for (const Corners& vertices : now_) {
+    for (uint32_t v : vertices) see(v);
+    while (old != was_.end() && old->vertices < vertices) removeTriangle(face, *old++);
+    const bool is_old = old != was_.end() && old->vertices == vertices;
+    triangles.push_back(is_old ? *old++ : Triangle{vertices, kNoVertex});
+  }
+  while (old != was_.end()) removeTriangle(face, *old++);
+  for (Triangle& t : triangles)
+    if (t.place == kNoVertex) addTriangle(face, t);
+}
+
+void ObjectPatcher::addTriangle(uint32_t face, Triangle& triangle) {
+  Corners corners{};
+  for (size_t i = 0; i < 3; ++i) {
+    corners[i] = cornerOf(face, triangle.vertices[i]);
+    if (corners[i] == kNoVertex) corners[i] = addCorner(face, triangle.vertices[i]);
+    ++corners_[corners[i]].triangles;
+  }
+  triangle.place = triangles_.add(corners, face);
+}
+
+void ObjectPatcher::removeTriangle(uint32_t face, const Triangle& triangle) {
+  for (uint32_t v : triangle.vertices) {
+    const uint32_t corner = cornerOf(face, v);
+    if (--corners_[corner].triangles == 0) unused_corners_.push_back(corner);
+  }
+  triangles_.remove(triangle.place);
+}
+
+uint32_t ObjectPatcher::cornerOf(uint32_t face, uint32_t v) const {
+  uint32_t corner = vertices_[v].first_corner;
+  while (corner != kNoVertex && corners_[corner].face != face) corner = corners_[corner].next;
+  return corner;
+}
+
+uint32_t ObjectPatcher::addCorner(uint32_t face, uint32_t v) {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  const proto::FacePoint point = mesh.facePointIn(face, vertices_[v].id);
+  const glm::dvec3 weights(point.weights[0], point.weights[1], point.weights[2]);
+  const glm::vec2 coordinate(layout_.coordinates(face, weights / static_cast<double>(mesh.weightScale())));
+  const uint32_t corner = takePlace(corners_, free_corners_);
+  corners_[corner] = {v, face, vertices_[v].first_corner, 0, coordinate, true};
+  vertices_[v].first_corner = corner;
+  added_.push_back(corner);
+  return corner;
+}
+
+// A corner may have got other triangles since it lost its last one.
+void ObjectPatcher::dropCorners() {
+  for (uint32_t corner : unused_corners_) {
+    Corner& unused = corners_[corner];
+    if (unused.triangles > 0 || unused.face == kNoVertex) continue;
+    uint32_t* link = &vertices_[unused.vertex].first_corner;
+    while (*link != corner) link = &corners_[*link].next;
+    *link = unused.next;
+    perhaps_unused_.push_back(unused.vertex);
+    unused.face = kNoVertex;
+    free_corners_.push_back(corner);
+  }
+  unused_corners_.clear();
+}
+
+void ObjectPatcher::see(uint32_t v) {
+  Vertex& vertex = vertices_[v];
+  if (vertex.seen == steps_) return;
+  vertex.seen = steps_;
+  seen_.push_back({v, vertex.position[1], vertex.packed[1]});
+}
+
+glm::dvec3 ObjectPatcher::truePosition(NodeId v) const {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  const proto::ObjectModel& model = objects_->modelOf(object_);
+  const glm::ivec3& quanta = mesh.isBase(v) ? model.base[proto::baseVertexOf(v)] : positions_->at(mesh.slot(v));
+  return glm::dvec3(quanta) * model.quantum_m;
+}
+
+// To where it is drawn at the mesh's ends, its endpoints first.
+void ObjectPatcher::move(uint32_t v) {
+  const Vertex& vertex = vertices_[v];
+  if (vertex.moved == steps_ || vertex.endpoints[0] == kNoVertex) return;
+  for (uint32_t end : vertex.endpoints) move(end);
+  const Morph* m = findMorph(morphs_, vertex.slot);
+  const std::array<double, 2> weights = m ? std::array{m->from, m->to} : weightsOf(vertex.in);
+  for (size_t s = 0; s < 2; ++s) {
+    const auto drawn = [&](uint32_t u) {
+      return DrawnPosition<glm::dvec3>{vertices_[u].position[s], vertices_[u].is_true[s]};
+    };
+    const auto own = [&] { return truePosition(vertex.id); };
+    const auto displacement = [&] {
+      const auto [a, b] = vertex.endpoints;
+      return own() - 0.5 * (truePosition(vertices_[a].id) + truePosition(vertices_[b].id));
+    };
+    const DrawnPosition<glm::dvec3> p =
+        blendPosition(drawn(vertex.endpoints[0]), drawn(vertex.endpoints[1]), weights[s], own, displacement);
+    vertices_[v].position[s] = p.position;
+    vertices_[v].is_true[s] = p.is_true;
+  }
+  vertices_[v].moved = steps_;
+}
+
+// The face's triangles join the sums of their vertices, or leave them.
+void ObjectPatcher::addNormals(uint32_t face, double sign) {
+  const auto add = [&](size_t s, const Corners& t) {
+    const glm::dvec3 n =
+        sign * face_normal_(vertices_[t[0]].position[s], vertices_[t[1]].position[s], vertices_[t[2]].position[s]);
+    for (uint32_t v : t) {
+      vertices_[v].normal[s] += n;
+      vertices_[v].triangles[s] += sign > 0 ? 1u : ~0u;
+    }
+  };
+  const auto ends = ends_.find(face);
+  for (size_t s = 0; s < 2; ++s) {
+    if (ends != ends_.end())
+      for (const Corners& t : ends->second[s]) add(s, t);
+    else
+      for (const Triangle& t : faces_[face].triangles) add(s, t.vertices);
+  }
+}
+
+// As completeNormals.
+glm::dvec3 ObjectPatcher::unitNormalOf(uint32_t v, size_t end) const {
+  const Vertex& vertex = vertices_[v];
+  if (vertex.triangles[end] > 0) return unitNormal(vertex.normal[end]);
+  return unitNormal(unitNormalOf(vertex.endpoints[0], end) + unitNormalOf(vertex.endpoints[1], end));
+}
+
+void ObjectPatcher::note(const Seen& seen) {
+  Vertex& vertex = vertices_[seen.vertex];
+  const glm::dquat& orientation = objects_->placement(object_).orientation;
+  for (size_t s = 0; s < 2; ++s) vertex.packed[s] = packNormal(orientation * unitNormalOf(seen.vertex, s));
+  const bool moves = vertex.position[0] != seen.position || vertex.position[1] != seen.position,
+             turns = vertex.packed[0] != seen.packed || vertex.packed[1] != seen.packed;
+  for (uint32_t c = vertex.first_corner; c != kNoVertex; c = corners_[c].next) {
+    if (corners_[c].is_new) continue;
+    if (moves) moved_.push_back(c);
+    if (turns) turned_.push_back(c);
+  }
+}
+
+void ObjectPatcher::dropVertices() {
+  for (uint32_t v : perhaps_unused_) {
+    const Vertex& vertex = vertices_[v];
+    if (vertex.in != 0 || vertex.first_corner != kNoVertex || vertex.endpoints[0] == kNoVertex) continue;
+    if (vertex_of_.find(vertex.slot) != v + 1) continue;
+    vertex_of_.erase(vertex.slot);
+    free_vertices_.push_back(v);
+  }
+  perhaps_unused_.clear();
+}
+
+void ObjectPatcher::finishTriangles() {
+  const auto moved = [this](uint32_t face, uint32_t from, uint32_t to) {
+    for (Triangle& t : faces_[face].triangles)
+      if (t.place == from) t.place = to;
+  };
+  triangles_.finish(moved, changed_);
+  is_whole_ = corners_.size() > 2 * (corners_.size() - free_corners_.size()) + kFewCorners;
+  if (is_whole_) compact();
+}
+
+// Corners become as many as are in use.
+void ObjectPatcher::compact() {
+  for (Vertex& vertex : vertices_) vertex.first_corner = kNoVertex;
+  corners_.clear(), free_corners_.clear();
+  triangles_ = {};
+  for (uint32_t face = 0; face < faces_.size(); ++face)
+    for (Triangle& t : faces_[face].triangles) addTriangle(face, t);
+  for (Corner& c : corners_) c.is_new = false;
+  moved_.clear(), turned_.clear(), added_.clear(), changed_.clear();
+  triangles_.finish([](uint32_t, uint32_t, uint32_t) {}, changed_);
+}
+
+BlendPatch::Position ObjectPatcher::positionOf(uint32_t corner, const glm::dvec3& origin) const {
+  const Vertex& vertex = vertices_[corners_[corner].vertex];
+  const auto at = [&](size_t s) {
+    return glm::vec4(glm::vec3(objects_->placement(object_).toScene(vertex.position[s]) - origin), 0.0f);
+  };
+  return {corner, at(0), at(1)};
+}
+
+BlendPatch::Normal ObjectPatcher::normalOf(uint32_t corner) const {
+  const Vertex& vertex = vertices_[corners_[corner].vertex];
+  return {corner, vertex.packed[0], vertex.packed[1]};
+}
+
+void ObjectPatcher::write(const glm::dvec3& origin, BlendPatch& out) const {
+  const auto writeCorners = [&](const std::vector<uint32_t>& positions, const std::vector<uint32_t>& normals) {
+    for (uint32_t c : positions) out.positions.push_back(positionOf(c, origin));
+    for (uint32_t c : normals) out.normals.push_back(normalOf(c));
+  };
+  writeCorners(moved_, turned_);
+  writeCorners(added_, added_);
+  for (uint32_t c : added_) out.parameters.push_back({c, corners_[c].texture_coordinate});
+  out.triangles.insert(out.triangles.end(), changed_.triangles.begin(), changed_.triangles.end());
+}
+
+void ObjectPatcher::writeAll(const glm::dvec3& origin, BlendPatch& out) const {
+  for (uint32_t c = 0; c < vertexCount(); ++c) {
+    if (corners_[c].triangles == 0) continue;
+    out.positions.push_back(positionOf(c, origin));
+    out.normals.push_back(normalOf(c));
+    out.parameters.push_back({c, corners_[c].texture_coordinate});
+  }
+  for (uint32_t face = 0; face < faces_.size(); ++face)
+    for (const Triangle& t : faces_[face].triangles)
+      out.triangles.push_back(
+          {t.place, {cornerOf(face, t.vertices[0]), cornerOf(face, t.vertices[1]), cornerOf(face, t.vertices[2])}});
+}
+
+bool ObjectPatcher::findEnd(NodeId v, glm::dvec3& position, uint32_t& normal) const {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  const uint32_t found = mesh.isBase(v) ? proto::baseVertexOf(v) + 1 : vertex_of_.find(mesh.slot(v));
+  if (found == 0 || found > vertices_.size()) return false;
+  const Vertex& vertex = vertices_[found - 1];
+  position = objects_->placement(object_).toScene(vertex.position[1]);
+  normal = vertex.packed[1];
+  return true;
+}
+
+size_t ObjectPatcher::bytes() const {
+  size_t triangles = 0;
+  for (const Face& face : faces_) triangles += face.triangles.capacity();
+  return vertices_.capacity() * sizeof(Vertex) + corners_.capacity() * sizeof(Corner) + triangles_.bytes() +
+         faces_.capacity() * sizeof(Face) + triangles * sizeof(Triangle) + vertex_of_.bytes();
+}
+
+}  // namespace foreland::client
