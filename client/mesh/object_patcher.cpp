@@ -40,12 +40,12 @@ void ObjectPatcher::step(const ObjectPositions& positions, const Morphs& morphs)
   positions_ = &positions, morphs_ = morphs.all();
   moved_.clear(), turned_.clear(), added_.clear(), changed_.clear();
   collectFaces(morphs);
-  for (uint32_t face : changing_) addNormals(face, -1);
+  for (const ChangingFace& c : changing_) addNormals(c.face, -1);
   stepSections(morphs);
-  for (uint32_t face : changing_) cut(face);
+  for (const ChangingFace& c : changing_) update(c);
   dropCorners();
   for (size_t i = 0; i < seen_.size(); ++i) move(seen_[i].vertex);
-  for (uint32_t face : changing_) addNormals(face, 1);
+  for (const ChangingFace& c : changing_) addNormals(c.face, 1);
   for (const Seen& seen : seen_) note(seen);
   dropVertices();
   for (uint32_t corner : added_) corners_[corner].is_new = false;
@@ -61,13 +61,15 @@ uint8_t ObjectPatcher::in(NodeId n) const {
 
 // A face's triangles depend on the nodes that it holds and, by quadrisection, on those of the triangles beyond its
 // border (mesh_triangles.h).
-void ObjectPatcher::collectFaces(Slot slot) {
+void ObjectPatcher::collectFaces(std::span<const Slot> slots, Change change) {
   const proto::MeshTopology& mesh = objects_->domain(object_).topology();
-  const NodeId n = mesh.node(slot);
-  const auto add = [this](uint32_t face) { changing_.push_back(face); };
-  forEachFaceOf(mesh, n, add);
-  if (mesh.rule() == proto::MeshRule::kQuadrisection)
-    for (NodeId sibling : mesh.quad().siblings(proto::patchPointOf(n))) forEachFaceOf(mesh, sibling, add);
+  const auto add = [&](uint32_t face) { changing_.push_back({face, change}); };
+  for (Slot slot : slots) {
+    const NodeId n = mesh.node(slot);
+    forEachFaceOf(mesh, n, add);
+    if (mesh.rule() == proto::MeshRule::kQuadrisection)
+      for (NodeId sibling : mesh.quad().siblings(proto::patchPointOf(n))) forEachFaceOf(mesh, sibling, add);
+  }
 }
 
 void ObjectPatcher::collectFaces(const Morphs& morphs) {
@@ -80,18 +82,24 @@ void ObjectPatcher::collectFaces(const Morphs& morphs) {
       vertices_[v].position = {p, p};
       vertices_[v].is_true = {true, true};
     }
-    for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back(face);
-  } else {
-    const auto collect = [this](const std::vector<Slot>& slots) {
-      for (Slot slot : slots) collectFaces(slot);
-    };
-    collect(in_transition_), collect(morphs.jumped().added), collect(morphs.jumped().removed);
-    for (const Morph& m : morphs_) collectFaces(m.slot);
-    std::sort(changing_.begin(), changing_.end());
-    changing_.erase(std::unique(changing_.begin(), changing_.end()), changing_.end());
+    for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back({face, kJumps});
   }
+  collectFaces(in_transition_, kMoves);
   in_transition_.clear();
   for (const Morph& m : morphs_) in_transition_.push_back(m.slot);
+  collectFaces(in_transition_, kMoves);
+  collectFaces(morphs.drawn().added, kGrows);
+  collectFaces(morphs.drawn().removed, kShrinks);
+  for (const auto* slots : {&morphs.jumped().added, &morphs.jumped().removed}) collectFaces(*slots, kJumps);
+  std::sort(changing_.begin(), changing_.end(), [](const auto& a, const auto& b) { return a.face < b.face; });
+  size_t kept = 0;
+  for (const ChangingFace& c : changing_) {
+    if (kept > 0 && changing_[kept - 1].face == c.face)
+      changing_[kept - 1].changes |= c.changes;
+    else
+      changing_[kept++] = c;
+  }
+  changing_.resize(kept);
 }
 
 // What was `to` becomes `from`, and changes by what jumps; `to` is that with what the interval adds and removes.
@@ -99,22 +107,28 @@ void ObjectPatcher::stepSections(const Morphs& morphs) {
   const proto::MeshTopology& mesh = objects_->domain(object_).topology();
   const auto set = [&](const std::vector<Slot>& slots, uint8_t bits, bool is_in) {
     for (Slot slot : slots) {
-      Vertex& vertex = vertices_[vertexOf(mesh.node(slot))];
-      vertex.in = static_cast<uint8_t>(is_in ? vertex.in | bits : vertex.in & ~bits);
-      perhaps_unused_.push_back(static_cast<uint32_t>(&vertex - vertices_.data()));
+      const uint32_t v = vertexOf(mesh.node(slot));
+      setSections(v, static_cast<uint8_t>(is_in ? vertices_[v].in | bits : vertices_[v].in & ~bits));
     }
   };
-  for (Slot slot : differing_) {
-    Vertex& vertex = vertices_[placeOf(slot)];
-    vertex.in = vertex.in & kInTo ? kInFrom | kInTo : 0;
-    perhaps_unused_.push_back(placeOf(slot));
-  }
+  for (Slot slot : differing_) setSections(placeOf(slot), vertices_[placeOf(slot)].in & kInTo ? kInFrom | kInTo : 0);
   set(morphs.jumped().removed, kInFrom | kInTo, false);
   set(morphs.jumped().added, kInFrom | kInTo, true);
   set(morphs.drawn().removed, kInTo, false);
   set(morphs.drawn().added, kInTo, true);
   differing_ = morphs.drawn().added;
   differing_.insert(differing_.end(), morphs.drawn().removed.begin(), morphs.drawn().removed.end());
+  const auto finest = std::find_if(nodes_.begin(), nodes_.end(), [](uint32_t count) { return count > 0; });
+  finest_ = 1 << (finest - nodes_.begin());
+}
+
+void ObjectPatcher::setSections(uint32_t v, uint8_t in) {
+  Vertex& vertex = vertices_[v];
+  uint32_t& count = nodes_[proto::patchPointOf(vertex.id).scaleLog2()];
+  count += in != 0 ? 1 : 0;
+  count -= vertex.in != 0 ? 1 : 0;
+  vertex.in = in;
+  if (in == 0) perhaps_unused_.push_back(v);
 }
 
 uint32_t ObjectPatcher::vertexOf(NodeId v) {
@@ -135,27 +149,36 @@ uint32_t ObjectPatcher::addNode(NodeId v) {
   return place;
 }
 
-// Cuts a face into triangles again: those of both ends' union, and those of either end where these differ.
-void ObjectPatcher::cut(uint32_t face) {
-  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
-  bool differs = false;
-  const auto collect = [&](uint8_t bits, std::vector<Corners>& out) {
-    out.clear();
-    const auto isIn = [&](NodeId n) {
-      const uint8_t is = in(n);
-      differs = differs || is == kInFrom || is == kInTo;
-      return (is & bits) != 0;
-    };
-    const auto draw = [&](NodeId a, NodeId b, NodeId c) { out.push_back({vertexOf(a), vertexOf(b), vertexOf(c)}); };
-    proto::forEachTriangleOf(mesh, face, isIn, draw);
-  };
-  collect(kInFrom | kInTo, now_);
+// Brings the face's triangles up to date: those of both ends' union, and those of either end where these differ. Where
+// nothing jumps, a mesh begins with what the last one ended with.
+void ObjectPatcher::update(const ChangingFace& changing) {
+  const auto [face, changes] = changing;
+  const auto last = ends_.find(face);
+  from_.clear();
+  if ((changes & kJumps) != 0)
+    cut(face, kInFrom, from_);
+  else if (last != ends_.end())
+    from_ = last->second[1];
+  else
+    for (const Triangle& t : faces_[face].triangles) from_.push_back(t.vertices);
+  const bool grows = (changes & (kGrows | kJumps)) != 0, shrinks = (changes & (kShrinks | kJumps)) != 0;
+  if (grows)
+    cut(face, kInFrom | kInTo, now_);
+  else
+    now_ = from_;
+  if (shrinks) cut(face, kInTo, to_);
+  if (grows || shrinks)
+    ends_[face] = {from_, shrinks ? to_ : now_};
+  else if (last != ends_.end())
+    ends_.erase(last);
   replace(face);
-  ends_.erase(face);
-  if (!differs) return;
-  Ends& ends = ends_[face];
-  collect(kInFrom, ends[0]);
-  collect(kInTo, ends[1]);
+}
+
+// The face's triangles of these sections' union.
+void ObjectPatcher::cut(uint32_t face, uint8_t sections, std::vector<Corners>& out) {
+  out.clear();
+  const auto draw = [&](NodeId a, NodeId b, NodeId c) { out.push_back({vertexOf(a), vertexOf(b), vertexOf(c)}); };
+  proto::forEachTriangleOf(objects_->domain(object_).topology(), face, InSections{*this, sections}, draw);
 }
 
 // Triangles that the face had before keep their places.
@@ -249,6 +272,14 @@ void ObjectPatcher::move(uint32_t v) {
   for (uint32_t end : vertex.endpoints) move(end);
   const Morph* m = findMorph(morphs_, vertex.slot);
   const std::array<double, 2> weights = m ? std::array{m->from, m->to} : weightsOf(vertex.in);
+  const auto isTrue = [this](uint32_t u) { return vertices_[u].is_true[0] && vertices_[u].is_true[1]; };
+  if (vertex.is_true[1] && weights[0] == 1 && weights[1] == 1 && isTrue(vertex.endpoints[0]) &&
+      isTrue(vertex.endpoints[1])) {
+    vertices_[v].position[0] = vertex.position[1];
+    vertices_[v].is_true[0] = true;
+    vertices_[v].moved = steps_;
+    return;
+  }
   for (size_t s = 0; s < 2; ++s) {
     const auto drawn = [&](uint32_t u) {
       return DrawnPosition<glm::dvec3>{vertices_[u].position[s], vertices_[u].is_true[s]};

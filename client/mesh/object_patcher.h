@@ -11,6 +11,7 @@
 #include <array>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -89,10 +90,25 @@ class ObjectPatcher {
   uint8_t in(proto::NodeId n) const;
   uint32_t vertexOf(proto::NodeId v);
   uint32_t addNode(proto::NodeId v);
-  void collectFaces(proto::Slot slot);
+  // The nodes of some sections, as mesh_triangles.h asks for them.
+  struct InSections {
+    const ObjectPatcher& patcher;
+    uint8_t sections;
+    bool operator()(proto::NodeId n) const { return (patcher.in(n)&sections) != 0; }
+    bool mayHold(int32_t half) const { return half >= patcher.finest_; }
+  };
+  // What a step does to a face: bits.
+  enum Change : uint8_t { kMoves = 1, kGrows = 2, kShrinks = 4, kJumps = 8 };
+  struct ChangingFace {
+    uint32_t face;
+    uint8_t changes;
+  };
+  void collectFaces(std::span<const proto::Slot> slots, Change change);
   void collectFaces(const Morphs& morphs);
   void stepSections(const Morphs& morphs);
-  void cut(uint32_t face);
+  void setSections(uint32_t v, uint8_t in);
+  void update(const ChangingFace& changing);
+  void cut(uint32_t face, uint8_t sections, std::vector<Corners>& out);
   void replace(uint32_t face);
   void addTriangle(uint32_t face, Triangle& triangle);
   void removeTriangle(uint32_t face, const Triangle& triangle);
@@ -123,6 +139,8 @@ class ObjectPatcher {
   std::vector<Face> faces_;                  // empty before the first step
   std::unordered_map<uint32_t, Ends> ends_;  // of faces whose two ends have different triangles
   TrianglePlaces triangles_;
+  std::array<uint32_t, proto::MeshTopology::kMaxHalvings + 1> nodes_{};  // of either section, by scaleLog2
+  int32_t finest_ = 0;                                                   // the least power of two of those
   uint32_t steps_ = 0;
   std::vector<proto::Slot> in_transition_;        // in the last step
   std::vector<proto::Slot> differing_;            // nodes of one of the last step's two sections
@@ -134,11 +152,11 @@ class ObjectPatcher {
   // During a step only.
   const ObjectPositions* positions_ = nullptr;
   std::span<const Morph> morphs_;
-  std::vector<uint32_t> changing_;  // faces
+  std::vector<ChangingFace> changing_;
   std::vector<Seen> seen_;
   std::vector<uint32_t> unused_corners_, perhaps_unused_;  // of the last: vertices
   std::vector<Triangle> was_;
-  std::vector<Corners> now_;
+  std::vector<Corners> from_, to_, now_;  // a face's triangles of either end, and of both ends' union
 };
 
 }  // namespace foreland::client

@@ -9,7 +9,9 @@
 //
 // So vertices are base vertices, nodes of the section and, by quadrisection, other nodes, whose position is the middle
 // of their endpoints, as DESIGN section 2 defines it for every node. `is_in_section(NodeId)` must be closed under
-// parents. Triangles turn as their base face does. Pure; any thread; O(triangles), no allocation.
+// parents; by quadrisection it may have mayHold(half), which is asked first: whether it holds nodes that halve edges of
+// twice as many lattice intervals, or finer ones. Triangles turn as their base face does. Pure; any thread;
+// O(triangles), no allocation.
 #pragma once
 
 #include <array>
@@ -41,8 +43,16 @@ class Quadrisected {
   static Point middle(Point p, Point q) { return {(p.x + q.x) / 2, (p.y + q.y) / 2}; }
   PatchPoint onPatch(Point p) const { return {face_, p.x, p.y}; }
   bool isInSection(Point p) const { return is_in_section_(rule_.name(onPatch(p))); }
+  // Whether the section may hold nodes that halve edges of twice `half`.
+  bool isFineEnough(int32_t half) const {
+    if constexpr (requires { is_in_section_.mayHold(half); })
+      return is_in_section_.mayHold(half);
+    else
+      return true;
+  }
   // If the node or one of its siblings is in the section, a triangle beside its edge is split.
-  bool isVertex(Point p) const {
+  bool isVertex(Point p, int32_t half) const {
+    if (!isFineEnough(half)) return false;
     const NodeId n = rule_.name(onPatch(p));
     if (is_in_section_(n)) return true;
     for (NodeId sibling : rule_.siblings(patchPointOf(n)))
@@ -53,7 +63,7 @@ class Quadrisected {
   // `half` of the triangle's sides, in lattice intervals.
   void split(Point a, Point b, Point c, int32_t half) {
     const Point ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    if (half == 0 || !(isInSection(ab) || isInSection(bc) || isInSection(ca)))
+    if (half == 0 || !isFineEnough(half) || !(isInSection(ab) || isInSection(bc) || isInSection(ca)))
       return cut({Corner{a, half}, Corner{b, half}, Corner{c, half}});
     split(a, ab, ca, half / 2);
     split(ab, b, bc, half / 2);
@@ -66,7 +76,7 @@ class Quadrisected {
     int longest = -1;
     for (int i = 0; i < 3; ++i) {
       const int32_t half = t[i].half;
-      if (half > 0 && (longest < 0 || half > t[longest].half) && isVertex(middle(t[i].at, t[(i + 1) % 3].at)))
+      if (half > 0 && (longest < 0 || half > t[longest].half) && isVertex(middle(t[i].at, t[(i + 1) % 3].at), half))
         longest = i;
     }
     if (longest < 0) return visit_(name(t[0]), name(t[1]), name(t[2]));
