@@ -85,9 +85,19 @@ export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Chang
   return {
     version, oldest_version, interval, origin, to_nodes, to_pose, to_time_ms,
     terrain: partOf(sourceOf(mesh, changes.terrain), isWhole(changes.terrain), lines?.terrain ?? null),
-    objects: partOf(sourceOf(objects, changes.objects), isWhole(changes.objects), lines?.objects ?? null),
+    objects: {
+      ...partOf(sourceOf(objects, changes.objects), isWhole(changes.objects), lines?.objects ?? null),
+      triangles: trianglesOf(objects.parts),
+    },
     object_parts: objects.parts.slice(),
   };
+}
+
+// Those that are drawn: others have three times the same corner.
+function trianglesOf(parts: Uint32Array): number {
+  let indices = 0;
+  for (let i = 1; i < parts.length; i += 3) indices += parts[i]!;
+  return indices / 3;
 }
 
 // What is to be handed over, and not copied, with an update.
