@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <tuple>
+#include <unordered_set>
 #include <utility>
 
 #include "terrain/remesh/original/cut_to_manifold.h"
@@ -130,14 +131,14 @@ class OriginalMaker {
   Status splitFans() {
     std::vector<bool> is_seen(3 * made_.faces.size());
     std::vector<uint32_t> first(made_.positions.size(), kNoIndex);  // a corner of each vertex's first fan
-    std::map<uint32_t, std::vector<uint32_t>> joined;  // the model's vertices in the fans so far, if several
+    std::map<uint32_t, std::unordered_set<uint32_t>> joined;  // the model's vertices in the fans so far, if several
     std::vector<uint32_t> fan;
     for (uint32_t c = 0; c < is_seen.size(); ++c) {
       if (is_seen[c]) continue;
       const uint32_t v = cornerVertex(c);
       if (first[v] != kNoIndex && !joined.contains(v)) {
         gatherFan(first[v], fan);
-        for (uint32_t corner : fan) joined[v].push_back(sourceVertex(corner));
+        for (uint32_t corner : fan) joined[v].insert(sourceVertex(corner));
       }
       gatherFan(c, fan);
       for (uint32_t corner : fan) is_seen[corner] = true;
@@ -153,14 +154,10 @@ class OriginalMaker {
 
   // Gives `fan` a vertex of its own. If the model itself has it share a vertex with an earlier fan, that is an error or
   // a repair.
-  Status splitOff(uint32_t v, const std::vector<uint32_t>& fan, std::vector<uint32_t>& others) {
-    const auto before = static_cast<ptrdiff_t>(others.size());
-    bool is_shared = false;
-    for (uint32_t c : fan) {
-      const auto end = others.begin() + before;
-      is_shared |= std::find(others.begin(), end, sourceVertex(c)) != end;
-      others.push_back(sourceVertex(c));
-    }
+  Status splitOff(uint32_t v, const std::vector<uint32_t>& fan, std::unordered_set<uint32_t>& others) {
+    const bool is_shared =
+        std::any_of(fan.begin(), fan.end(), [&](uint32_t c) { return others.contains(sourceVertex(c)); });
+    for (uint32_t c : fan) others.insert(sourceVertex(c));
     if (is_shared && !repairs_)
       return refuse(vertexName(v) + " joins parts of the surface that touch in this point only; give each its own");
     const auto own = static_cast<uint32_t>(made_.positions.size());
