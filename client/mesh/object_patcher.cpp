@@ -161,7 +161,7 @@ void ObjectPatcher::update(const ChangingFace& changing) {
     from_ = last->second[1];
   else
     for (const Triangle& t : faces_[face].triangles) from_.push_back(t.vertices);
-  const bool grows = (changes & (kGrows | kJumps)) != 0, shrinks = (changes & (kShrinks | kJumps)) != 0;
+  const bool grows = (changes & kGrows) != 0, shrinks = (changes & kShrinks) != 0;
   if (grows)
     cut(face, kInFrom | kInTo, now_);
   else
