@@ -60,8 +60,12 @@ try {
   await page.goto(new URL(`?sharpness=1&tau=0.25&tour=${values.tour}&strategy=${values.strategy}`, server.url).href);
   await until(page, (s) => s.triangles > 0 && s.touring).catch((error) => { throw new Error(`${error.message}; ${complaints}`); });
   const begun = await page.evaluate(() => ({ status: window.foreland.status(), at_ms: performance.now() }));
+  await browser.startTracing(page, { categories: ['-*', 'devtools.timeline'] });
   await page.waitForTimeout(1000 * Number(values.seconds));
+  const trace = JSON.parse(await browser.stopTracing()).traceEvents.filter((event) => event.ph === 'X' && event.tdur !== undefined);
   const { log, status } = await page.evaluate(() => ({ log: window.recorded, status: window.foreland.status() }));
+  const drawn = trace.filter(({ name }) => name === 'FireAnimationFrame');
+  const cpu = drawn.map(({ tdur }) => tdur / 1000).sort((a, b) => a - b);
   const callbacks = log.callbacks_ms.sort((a, b) => a - b);
   const long = log.long_tasks.filter(({ at_ms }) => at_ms > log.first_picture_ms);
   console.log(JSON.stringify({
@@ -73,6 +77,9 @@ try {
     keyframes: status.keyframes - begun.status.keyframes,
     late_keyframes: status.late_keyframes - begun.status.late_keyframes,
     frames: callbacks.length,
+    callback_cpu_ms_p50: rounded(quantile(cpu, 0.5)),
+    callback_cpu_ms_p99: rounded(quantile(cpu, 0.99)),
+    callback_cpu_ms_max: rounded(quantile(cpu, 1)),
     callback_ms_p50: rounded(quantile(callbacks, 0.5)),
     callback_ms_p99: rounded(quantile(callbacks, 0.99)),
     callback_ms_max: rounded(quantile(callbacks, 1)),

@@ -26,8 +26,8 @@ const kHintShown_ms = 9000;
 const kMemoryBytes = (window.matchMedia('(pointer: coarse)').matches ? 6 : 16) << 20;
 
 // Of the next mesh, in a frame, in bytes; a call counts as some (draw/blend_buffers.ts).
-const kLeastSlice = 256 << 10;
-const kLargestSlice = 4 << 20;
+const kLeastSlice = 128 << 10;
+const kLargestSlice = 2 << 20; // at 60 frames a second
 const kGroundFrames = 8; // so many frames ahead the ground is known
 
 function byId(id: string): HTMLElement {
@@ -61,6 +61,7 @@ export class App {
   private above_ground_m: number | null = null; // where it is known
   private scene_time_ms = 0; // of the last frame
   private last_ms = 0;
+  private last_view: { pose: Pose; frame: ScreenFrame; position: MapPosition | null } | null = null;
   private next_ms = 0; // when the next mesh is to be shown
   private readonly last_eye = new THREE.Vector3();
   private frames = 0;
@@ -129,6 +130,29 @@ export class App {
       scene_time_ms: this.scene_time_ms,
       ...this.session.statistics,
     };
+  }
+
+  // For tests: how many pixels of the last frame's view differ between the end of the mesh that is drawn and the beginning of the
+  // next one, and how many by more than kVisible; and how many between the beginning and the end of the one that is drawn. Null if
+  // it is not known yet.
+  compareEnds(): { differing: number; visible: number; moved: number; pixels: number } | null {
+    this.stage.upload(this.session.screen.next(), Infinity);
+    if (!this.stage.isNextReady || !this.last_view) return null;
+    const [begin, end] = [this.pixelsAt(0), this.pixelsAt(1)];
+    this.showNext();
+    const next = this.pixelsAt(0);
+    this.showNext();
+    const [moved, seam] = [differencesOf(begin, end), differencesOf(end, next)];
+    return { differing: seam.differing, visible: seam.visible, moved: moved.differing, pixels: end.length / 4 };
+  }
+
+  private pixelsAt(weight: number): Uint8Array {
+    const { pose, frame, position } = this.last_view!;
+    this.render(pose, { ...frame, weight }, position);
+    const gl = this.renderer.getContext();
+    const pixels = new Uint8Array(4 * this.canvas.width * this.canvas.height);
+    gl.readPixels(0, 0, this.canvas.width, this.canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    return pixels;
   }
 
   // ---- session
@@ -260,6 +284,7 @@ export class App {
     this.session.frame(now_ms, sent, own.eye, this.groundReach(), this.stage.stagedVersion);
     const shown = this.frozen_view.pose ? own : frame.pose;
     if (this.welcome) this.render(shown, frame, position);
+    this.last_view = { pose: shown, frame, position };
     this.measure(now_ms, frame, position);
   }
 
@@ -360,4 +385,17 @@ export class App {
 // The address of a server's model images: beside the address that viewers connect to.
 function modelsOf(server: string): URL {
   return new URL('models/', server.replace(/^ws/, 'http'));
+}
+
+const kVisible = 8; // of 255
+
+function differencesOf(one: Uint8Array, other: Uint8Array): { differing: number; visible: number } {
+  let [differing, visible] = [0, 0];
+  for (let i = 0; i < one.length; i += 4) {
+    let most = 0;
+    for (let k = 0; k < 3; ++k) most = Math.max(most, Math.abs(one[i + k]! - other[i + k]!));
+    if (most > 0) ++differing;
+    if (most > kVisible) ++visible;
+  }
+  return { differing, visible };
 }

@@ -7,7 +7,7 @@ import { readAddress } from './ui/settings';
 
 declare global {
   interface Window {
-    foreland?: { status: () => Record<string, unknown> };
+    foreland?: { status: () => Record<string, unknown>; compareEnds: () => unknown };
   }
 }
 
@@ -29,7 +29,7 @@ async function main(): Promise<void> {
     return;
   }
   const app = new App(core, worker, readAddress(window.location));
-  window.foreland = { status: () => app.status() };
+  window.foreland = { status: () => app.status(), compareEnds: () => app.compareEnds() };
   app.start();
 }
 

@@ -299,6 +299,37 @@ test('fifty objects fly by, each in the colours of its model', kTest, async () =
   }
 });
 
+// Comparisons of a page in flight, as App.compareEnds gives them.
+async function compareEnds(page, count) {
+  const all = [];
+  while (all.length < count) {
+    const one = await page.evaluate(() => window.foreland.compareEnds());
+    if (one) all.push(one);
+    const { mesh_version } = await status(page);
+    if (one) await until(page, (s, version) => s.mesh_version > version, mesh_version);
+  }
+  return all;
+}
+
+test('the next mesh begins as the last one ends, terrain and objects', kTest, async () => {
+  const crowded = await startServer(await makeSceneWithObjects(folder.folder, 50));
+  try {
+    for (const blend of ['keyframe', 'geomorph']) {
+      await visit(`tour=orbit&tau=1&fog=0&blend=${blend}`, async (page) => {
+        await until(page, (s) => s.touring && s.object_triangles > 50 * 96);
+        const all = await compareEnds(page, 12);
+        const shareOf = (key) => Math.max(...all.map((one) => one[key] / one.pixels));
+        assert.ok(shareOf('moved') > 0.02, `only ${shareOf('moved')} of the pixels change from beginning to end`);
+        // Triangles are divided otherwise, so what lies between their corners is rounded otherwise.
+        assert.ok(shareOf('differing') < 0.015, `${blend}: ${shareOf('differing')} of the pixels differ`);
+        assert.ok(shareOf('visible') < 0.002, `${blend}: ${shareOf('visible')} of the pixels differ visibly`);
+      }, { server: crowded, width: 640, height: 360 });
+    }
+  } finally {
+    await crowded.stop();
+  }
+});
+
 test('scene time is dragged, runs to its end, and stops', kTest, async () => {
   const day_ms = 86_400_000;
   const [first, last] = [Date.UTC(2000, 0, 1), Date.UTC(2002, 0, 1)];

@@ -10,8 +10,8 @@ const thread = self as unknown as { postMessage(message: FromWorker, memory: Tra
 // Meshes that were sent and are not on the graphics card. While there are so many, as behind a page that is not seen, none is sent; the
 // next one has all changes since.
 const kMostUnstaged = 8;
-// A call of the graphics interface costs about as much as so many bytes.
-const kGap_bytes = 1024;
+// Changes that are closer are uploaded in one call, which costs about as much as so many bytes.
+const kGap_bytes = 256;
 
 type Start = ToWorker & { kind: 'start' };
 

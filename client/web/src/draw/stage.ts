@@ -101,6 +101,10 @@ export class Stage {
   get readyVersion(): number {
     return this.hidden.open ? this.shown.version : Math.max(this.hidden.version, this.shown.version);
   }
+  // Whether the mesh that follows the one that is shown is.
+  get isNextReady(): boolean {
+    return this.shown.version > 0 && !this.hidden.open && this.hidden.version === this.shown.version + 1;
+  }
   // Of the mesh that is being brought to the card; 0: none.
   get comingVersion(): number {
     return this.hidden.open?.update.version ?? 0;
