@@ -173,12 +173,12 @@ FORELAND_EXPORT(foreland_interval) const TextRecord* interval(Host* host) {
 }
 
 // What has changed in the terrain's arrays (`part` 0) or the objects' (1) of the last mesh since the last call for it.
-// Changes less than `gap` bytes apart are made one. Null if there was no mesh.
-FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* host, uint32_t part, uint32_t gap) {
+// Null if there was no mesh.
+FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* host, uint32_t part) {
   if (host->frame_record.mesh_version == 0 || part > 1) return nullptr;
   PatchedMesh& mesh = part == 0 ? host->viewer.drawn().terrain() : host->viewer.drawn().objects();
   ChangedRanges& changes = host->changes[part];
-  mesh.collectChanges(gap, changes);
+  mesh.collectChanges(kUploadGap, changes);
   ChangesRecord& out = host->changes_records[part];
   out = {};
   out.base_version = mesh.isAllChanged() ? 0 : host->taken_versions[part];

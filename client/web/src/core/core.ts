@@ -125,7 +125,7 @@ interface Exports {
   foreland_take_newest(viewer: number): number;
   foreland_interval(viewer: number): number;
   foreland_ground(viewer: number, x: number, y: number, z: number, reach: number): number;
-  foreland_take_changes(viewer: number, part: number, gap: number): number;
+  foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number, occlusion: number, memory_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
@@ -292,10 +292,10 @@ export class Viewer {
     return record === 0 ? null : this.core.copy(record, kGroundBytes);
   }
 
-  // What has changed in the last mesh since the last call; changes less than `gap_bytes` apart are made one. Valid as long as the
-  // mesh; to be called before mesh(), whose arrays it makes invalid.
-  takeChanges(gap_bytes: number): { terrain: Changes; objects: Changes } {
-    const [terrain, objects] = [0, 1].map((part) => this.core.exports.foreland_take_changes(this.handle, part, gap_bytes)) as [number, number];
+  // What has changed in the last mesh since the last call. Valid as long as the mesh; to be called before mesh(), whose arrays it
+  // makes invalid.
+  takeChanges(): { terrain: Changes; objects: Changes } {
+    const [terrain, objects] = [0, 1].map((part) => this.core.exports.foreland_take_changes(this.handle, part)) as [number, number];
     return { terrain: this.changesAt(terrain), objects: this.changesAt(objects) };
   }
   private changesAt(record: number): Changes {

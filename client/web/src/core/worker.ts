@@ -10,8 +10,6 @@ const thread = self as unknown as { postMessage(message: FromWorker, memory: Tra
 // Meshes that were sent and are not on the graphics card. While there are so many, as behind a page that is not seen, none is sent; the
 // next one has all changes since.
 const kMostUnstaged = 8;
-// Changes that are closer are uploaded in one call, which costs about as much as so many bytes.
-const kGap_bytes = 256;
 
 type Start = ToWorker & { kind: 'start' };
 
@@ -139,7 +137,7 @@ class Session {
   private sendMesh(): void {
     if (this.sent.length >= kMostUnstaged || !this.viewer.takeNewest()) return;
     const interval = this.viewer.interval();
-    const changes = this.viewer.takeChanges(kGap_bytes);
+    const changes = this.viewer.takeChanges();
     const update = updateOf(this.viewer.mesh(), changes, interval, this.last_version, this.wants_lines);
     this.last_version = update.version;
     this.sent.push(update.version);
