@@ -1,5 +1,6 @@
 #include "client/object_patches.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "base/check.h"
@@ -16,6 +17,12 @@ void blank(uint32_t begin, uint32_t end, BlendPatch& out) {
 }
 
 uint32_t sizeOf(Range range) { return range.end - range.begin; }
+
+// Nor does it keep more than four times what it needs.
+bool fits(uint32_t count, Range range) {
+  constexpr uint32_t kTooLarge = 4;
+  return count <= sizeOf(range) && sizeOf(range) <= kTooLarge * std::max(count, kSmallest);
+}
 
 }  // namespace
 
@@ -54,11 +61,10 @@ bool ObjectPatches::isSparse() const {
 }
 
 void ObjectPatches::write(std::span<ObjectReplica> objects, bool is_whole, const glm::dvec3& origin, MeshPatch& out) {
-  is_whole = is_whole || isSparse();
   places_.resize(objects.size());
-  if (is_whole) writeAll(objects, origin, out.objects);
   for (size_t i = 0; i < objects.size(); ++i)
     if (objects[i].takeChanged() && !is_whole) write(objects[i], origin, places_[i], out.objects);
+  if (is_whole || isSparse()) writeAll(objects, origin, out.objects);
   out.objects.vertex_count = vertices_.count();
   out.objects.triangle_count = triangles_.count();
   for (size_t i = 0; i < objects.size(); ++i)
@@ -66,6 +72,7 @@ void ObjectPatches::write(std::span<ObjectReplica> objects, bool is_whole, const
 }
 
 void ObjectPatches::writeAll(std::span<const ObjectReplica> objects, const glm::dvec3& origin, BlendPatch& out) {
+  out.clear();
   out.is_whole = true;
   vertices_ = {}, triangles_ = {};
   for (size_t i = 0; i < objects.size(); ++i) {
@@ -76,16 +83,16 @@ void ObjectPatches::writeAll(std::span<const ObjectReplica> objects, const glm::
 
 void ObjectPatches::write(const ObjectReplica& object, const glm::dvec3& origin, Place& place, BlendPatch& out) {
   const ObjectPatcher& mesh = object.mesh();
-  const bool fits = mesh.vertexCount() <= sizeOf(place.vertices) && mesh.triangleCount() <= sizeOf(place.triangles);
+  const bool stays = fits(mesh.vertexCount(), place.vertices) && fits(mesh.triangleCount(), place.triangles);
   scratch_.clear();
-  if (!fits) {
+  if (!stays) {
     blank(place.triangles.begin, place.triangles.begin + place.drawn, out);
     vertices_.free(place.vertices), triangles_.free(place.triangles);
     place.vertices = vertices_.take(mesh.vertexCount() + mesh.vertexCount() / kSpare);
     place.triangles = triangles_.take(mesh.triangleCount() + mesh.triangleCount() / kSpare);
     place.drawn = 0;
   }
-  fits && !mesh.isWhole() ? mesh.write(origin, scratch_) : mesh.writeAll(origin, scratch_);
+  stays && !mesh.isWhole() ? mesh.write(origin, scratch_) : mesh.writeAll(origin, scratch_);
   const uint32_t first_vertex = place.vertices.begin, first_triangle = place.triangles.begin;
   for (BlendPatch::Position p : scratch_.positions) p.vertex += first_vertex, out.positions.push_back(p);
   for (BlendPatch::Normal n : scratch_.normals) n.vertex += first_vertex, out.normals.push_back(n);

@@ -1,6 +1,7 @@
 // The objects' part of a keyframe mesh by change. Each object has a range of vertices and one of triangles, with room
-// to grow; one that outgrows its ranges moves to others, and what it leaves is taken again by objects of about its
-// size. Triangles that nobody draws have three times the same corner.
+// to grow; one that outgrows its ranges, or needs less than a quarter of one, moves to others, and what it leaves is
+// taken again by objects of about its size. Triangles that nobody draws have three times the same corner. There are at
+// most twice as many places as in ranges that are taken, plus kFewPlaces.
 //
 // One owner. write(): O(what changes, and objects).
 #pragma once

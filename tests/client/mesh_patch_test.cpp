@@ -110,6 +110,13 @@ class MeshPatches : public testing::Test {
       ASSERT_TRUE(uploaded_[1].holds(shown_.objects));
     }
     ASSERT_LE(shown_.parameters.size(), 2 * anew.parameters.size() + client::kFewPlaces);
+    const auto expectFew = [&](size_t places,
+                               size_t drawn) {  // a range has at least 32, and at most four times, what it needs
+      ASSERT_LE(places, 2 * (4 * drawn + 4 * 32 * anew.object_parts.size()) + client::kFewPlaces);
+    };
+    ASSERT_NO_FATAL_FAILURE(expectFew(shown_.objects.triangleCount(), anew.objects.triangleCount()));
+    ASSERT_NO_FATAL_FAILURE(expectFew(shown_.objects.parameters.size(),
+                                      2 * anew.objects.parameters.size() + 256 * anew.object_parts.size()));
     whole_ += patch.terrain.is_whole;
     ++all_;
   }
