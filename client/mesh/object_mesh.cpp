@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <unordered_map>
 
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
@@ -82,7 +83,7 @@ class Builder {
   }
 
   uint32_t vertex(NodeId v) {
-    if (const auto it = out_.vertex_of.find(v); it != out_.vertex_of.end()) return it->second;
+    if (const auto it = vertex_of_.find(v); it != vertex_of_.end()) return it->second;
     if (mesh_.isBase(v)) return add(v, {kNoVertex, kNoVertex}, {{{truePosition(v), true}, {truePosition(v), true}}});
     const std::array<NodeId, 2> names = mesh_.endpoints(v);
     const std::array<uint32_t, 2> endpoints{vertex(names[0]), vertex(names[1])};
@@ -106,7 +107,7 @@ class Builder {
       is_true_[s].push_back(drawn[s].is_true);
     }
     endpoints_.push_back(endpoints);
-    return out_.vertex_of[v] = static_cast<uint32_t>(endpoints_.size() - 1);
+    return vertex_of_[v] = static_cast<uint32_t>(endpoints_.size() - 1);
   }
 
   // The vertex as the face has it.
@@ -121,7 +122,7 @@ class Builder {
   }
 
   void addNormal(size_t s, NodeId a, NodeId b, NodeId c) {
-    const std::array<uint32_t, 3> corner{out_.vertex_of.at(a), out_.vertex_of.at(b), out_.vertex_of.at(c)};
+    const std::array<uint32_t, 3> corner{vertex_of_.at(a), vertex_of_.at(b), vertex_of_.at(c)};
     const auto& p = out_.position[s];
     const glm::dvec3 n = face_normal_(p[corner[0]], p[corner[1]], p[corner[2]]);
     for (uint32_t v : corner) {
@@ -151,6 +152,7 @@ class Builder {
   const FaceNormal face_normal_;
   ObjectMesh& out_;
   SlotSet in_from_, in_to_, in_either_;
+  std::unordered_map<NodeId, uint32_t> vertex_of_;
   std::unordered_map<NodeId, uint32_t> corners_;    // of the face at hand
   std::vector<std::array<uint32_t, 2>> endpoints_;  // by vertex
   std::array<std::vector<uint8_t>, 2> is_true_;     // by vertex: it is drawn at its true position

@@ -50,7 +50,6 @@ struct ObjectMesh {
   };
   std::vector<Corner> corners;
   std::vector<uint32_t> indices;  // of corners, three a triangle
-  std::unordered_map<proto::NodeId, uint32_t> vertex_of;
 
   void appendTo(KeyframeMesh& mesh, uint32_t model) const;
 };

@@ -72,18 +72,19 @@ void ObjectPatcher::collectFaces(std::span<const Slot> slots, Change change) {
   }
 }
 
-void ObjectPatcher::collectFaces(const Morphs& morphs) {
-  if (faces_.empty()) {
-    const proto::MeshTopology& mesh = objects_->domain(object_).topology();
-    faces_.resize(mesh.base().faceCount());
-    for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) {
-      vertices_.push_back({.id = proto::baseVertexId(v)});
-      const glm::dvec3 p = truePosition(vertices_[v].id);
-      vertices_[v].position = {p, p};
-      vertices_[v].is_true = {true, true};
-    }
-    for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back({face, kJumps});
+// The base vertices, and all faces as ones that change.
+void ObjectPatcher::addBase() {
+  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
+  faces_.resize(mesh.base().faceCount());
+  for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) {
+    const glm::dvec3 p = truePosition(proto::baseVertexId(v));
+    vertices_.push_back({.id = proto::baseVertexId(v), .position = {p, p}, .is_true = {true, true}});
   }
+  for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back({face, kJumps});
+}
+
+void ObjectPatcher::collectFaces(const Morphs& morphs) {
+  if (faces_.empty()) addBase();
   collectFaces(in_transition_, kMoves);
   in_transition_.clear();
   for (const Morph& m : morphs_) in_transition_.push_back(m.slot);
@@ -160,7 +161,7 @@ void ObjectPatcher::update(const ChangingFace& changing) {
   else if (last != ends_.end())
     from_ = last->second[1];
   else
-    for (const Triangle& t : faces_[face].triangles) from_.push_back(t.vertices);
+    for (const Triangle& t : faces_[face]) from_.push_back(t.vertices);
   const bool grows = (changes & kGrows) != 0, shrinks = (changes & kShrinks) != 0;
   if (grows)
     cut(face, kInFrom | kInTo, now_);
@@ -184,8 +185,8 @@ void ObjectPatcher::cut(uint32_t face, uint8_t sections, std::vector<Corners>& o
 // Triangles that the face had before keep their places.
 void ObjectPatcher::replace(uint32_t face) {
   std::sort(now_.begin(), now_.end());
-  was_.swap(faces_[face].triangles);
-  std::vector<Triangle>& triangles = faces_[face].triangles;
+  was_.swap(faces_[face]);
+  std::vector<Triangle>& triangles = faces_[face];
   triangles.clear();
   triangles.reserve(now_.size());
   auto old = was_.begin();
@@ -272,19 +273,11 @@ void ObjectPatcher::move(uint32_t v) {
   for (uint32_t end : vertex.endpoints) move(end);
   const Morph* m = findMorph(morphs_, vertex.slot);
   const std::array<double, 2> weights = m ? std::array{m->from, m->to} : weightsOf(vertex.in);
-  const auto isTrue = [this](uint32_t u) { return vertices_[u].is_true[0] && vertices_[u].is_true[1]; };
-  if (vertex.is_true[1] && weights[0] == 1 && weights[1] == 1 && isTrue(vertex.endpoints[0]) &&
-      isTrue(vertex.endpoints[1])) {
-    vertices_[v].position[0] = vertex.position[1];
-    vertices_[v].is_true[0] = true;
-    vertices_[v].moved = steps_;
-    return;
-  }
   for (size_t s = 0; s < 2; ++s) {
     const auto drawn = [&](uint32_t u) {
       return DrawnPosition<glm::dvec3>{vertices_[u].position[s], vertices_[u].is_true[s]};
     };
-    const auto own = [&] { return truePosition(vertex.id); };
+    const auto own = [&] { return vertex.is_true[1] ? vertex.position[1] : truePosition(vertex.id); };
     const auto displacement = [&] {
       const auto [a, b] = vertex.endpoints;
       return own() - 0.5 * (truePosition(vertices_[a].id) + truePosition(vertices_[b].id));
@@ -312,7 +305,7 @@ void ObjectPatcher::addNormals(uint32_t face, double sign) {
     if (ends != ends_.end())
       for (const Corners& t : ends->second[s]) add(s, t);
     else
-      for (const Triangle& t : faces_[face].triangles) add(s, t.vertices);
+      for (const Triangle& t : faces_[face]) add(s, t.vertices);
   }
 }
 
@@ -349,7 +342,7 @@ void ObjectPatcher::dropVertices() {
 
 void ObjectPatcher::finishTriangles() {
   const auto moved = [this](uint32_t face, uint32_t from, uint32_t to) {
-    for (Triangle& t : faces_[face].triangles)
+    for (Triangle& t : faces_[face])
       if (t.place == from) t.place = to;
   };
   triangles_.finish(moved, changed_);
@@ -363,7 +356,7 @@ void ObjectPatcher::compact() {
   corners_.clear(), free_corners_.clear();
   triangles_ = {};
   for (uint32_t face = 0; face < faces_.size(); ++face)
-    for (Triangle& t : faces_[face].triangles) addTriangle(face, t);
+    for (Triangle& t : faces_[face]) addTriangle(face, t);
   for (Corner& c : corners_) c.is_new = false;
   moved_.clear(), turned_.clear(), added_.clear(), changed_.clear();
   triangles_.finish([](uint32_t, uint32_t, uint32_t) {}, changed_);
@@ -401,7 +394,7 @@ void ObjectPatcher::writeAll(const glm::dvec3& origin, BlendPatch& out) const {
     out.parameters.push_back({c, corners_[c].texture_coordinate});
   }
   for (uint32_t face = 0; face < faces_.size(); ++face)
-    for (const Triangle& t : faces_[face].triangles)
+    for (const Triangle& t : faces_[face])
       out.triangles.push_back(
           {t.place, {cornerOf(face, t.vertices[0]), cornerOf(face, t.vertices[1]), cornerOf(face, t.vertices[2])}});
 }
@@ -418,7 +411,7 @@ bool ObjectPatcher::findEnd(NodeId v, glm::dvec3& position, uint32_t& normal) co
 
 size_t ObjectPatcher::bytes() const {
   size_t triangles = 0;
-  for (const Face& face : faces_) triangles += face.triangles.capacity();
+  for (const Face& face : faces_) triangles += face.capacity();
   return vertices_.capacity() * sizeof(Vertex) + corners_.capacity() * sizeof(Corner) + triangles_.bytes() +
          faces_.capacity() * sizeof(Face) + triangles * sizeof(Triangle) + vertex_of_.bytes();
 }

@@ -75,9 +75,7 @@ class ObjectPatcher {
     Corners vertices;
     uint32_t place;
   };
-  struct Face {
-    std::vector<Triangle> triangles;  // of both ends' union, ascending by vertices
-  };
+  using Face = std::vector<Triangle>;  // of both ends' union, ascending by vertices
   using Ends = std::array<std::vector<Corners>, 2>;
   // A vertex of a face that changes, and what its end was.
   struct Seen {
@@ -94,7 +92,10 @@ class ObjectPatcher {
   struct InSections {
     const ObjectPatcher& patcher;
     uint8_t sections;
-    bool operator()(proto::NodeId n) const { return (patcher.in(n)&sections) != 0; }
+    bool operator()(proto::NodeId n) const {
+      const uint8_t in = patcher.in(n);
+      return (in & sections) != 0;
+    }
     bool mayHold(int32_t half) const { return half >= patcher.finest_; }
   };
   // What a step does to a face: bits.
@@ -103,6 +104,7 @@ class ObjectPatcher {
     uint32_t face;
     uint8_t changes;
   };
+  void addBase();
   void collectFaces(std::span<const proto::Slot> slots, Change change);
   void collectFaces(const Morphs& morphs);
   void stepSections(const Morphs& morphs);

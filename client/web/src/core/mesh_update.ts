@@ -52,14 +52,14 @@ function sourceOf(arrays: Omit<ObjectArrays, 'texture_coordinates' | 'parts'> & 
   };
 }
 
-function partOf(source: Source, is_whole: boolean, lines: PartLines | null): PartUpdate {
+function partOf(source: Source, triangles: number, is_whole: boolean, lines: PartLines | null): PartUpdate {
   const channels: PartUpdate['channels'] = {};
   for (const name of Object.keys(source) as (keyof Source)[]) {
     const from = source[name];
     if (from) channels[name] = channelOf(from.data, is_whole ? null : from.ranges, kItems[name]);
   }
   if (lines) channels.line = lines;
-  return { is_whole, triangles: source.index!.data.length / 3, channels };
+  return { is_whole, triangles, channels };
 }
 
 // Copies the ranges, which are of elements of `items` numbers; all if there are none.
@@ -84,11 +84,8 @@ export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Chang
   const lines = linesOf(mesh, wants_lines);
   return {
     version, oldest_version, interval, origin, to_nodes, to_pose, to_time_ms,
-    terrain: partOf(sourceOf(mesh, changes.terrain), isWhole(changes.terrain), lines?.terrain ?? null),
-    objects: {
-      ...partOf(sourceOf(objects, changes.objects), isWhole(changes.objects), lines?.objects ?? null),
-      triangles: trianglesOf(objects.parts),
-    },
+    terrain: partOf(sourceOf(mesh, changes.terrain), mesh.triangles, isWhole(changes.terrain), lines?.terrain ?? null),
+    objects: partOf(sourceOf(objects, changes.objects), trianglesOf(objects.parts), isWhole(changes.objects), lines?.objects ?? null),
     object_parts: objects.parts.slice(),
   };
 }
