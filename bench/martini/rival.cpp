@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "bench/martini/plain_martini.h"
 #include "bench/programs/run_program.h"
 #include "bench/programs/temporary_folder.h"
+#include "bench/programs/write_file.h"
 #include "bench/timing.h"
 
 namespace foreland::bench {
@@ -33,14 +33,7 @@ std::vector<float> heightsOf(const terrain::Scene& scene, uint32_t size) {
 
 // As floats of this machine's order.
 Status writeHeights(const std::vector<float>& heights, const fs::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(heights.data()),
-             static_cast<std::streamsize>(heights.size() * sizeof(float)));
-  file.close();
-  if (!file)
-    return Error{ErrorCode::kIo,
-                 path.string() + ": cannot be written; free some space, or set TMPDIR to where there is"};
-  return {};
+  return writeFile({reinterpret_cast<const uint8_t*>(heights.data()), heights.size() * sizeof(float)}, path);
 }
 
 nlohmann::json toJson(const std::vector<MartiniRequest>& requests) {

@@ -1,10 +1,10 @@
 #include "bench/wire/wasm_stream.h"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/programs/run_program.h"
 #include "bench/programs/temporary_folder.h"
+#include "bench/programs/write_file.h"
 
 namespace foreland::bench {
 
@@ -22,11 +22,7 @@ Status writeStream(const proto::Welcome& welcome, const std::vector<RecordedKeyf
   ByteWriter w(stream);
   putMessage(proto::encode(welcome), w);
   for (const RecordedKeyframe& k : flight) putMessage(k.message, w);
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(stream.data()), static_cast<std::streamsize>(stream.size()));
-  file.close();
-  if (file) return {};
-  return Error{ErrorCode::kIo, path.string() + ": cannot be written; free some space, or set TMPDIR to where there is"};
+  return writeFile(stream, path);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "base/check.h"
 #include "bench/programs/run_program.h"
 #include "bench/programs/temporary_folder.h"
+#include "bench/programs/write_file.h"
 #include "bench/wire/peers/meshoptimizer_order.h"
 
 namespace foreland::bench {
@@ -110,14 +111,6 @@ Result<PeerMesh> readDecoded(const fs::path& path, const Box& box) {
   return mesh;
 }
 
-Status write(const Bytes& bytes, const fs::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (file) return {};
-  return Error{ErrorCode::kIo, path.string() + ": cannot be written; free some space, or set TMPDIR to where there is"};
-}
-
 }  // namespace
 
 fs::path quantizedMeshSources() { return fs::path(FORELAND_SOURCE_DIR) / "bench/wire/peers"; }
@@ -163,7 +156,7 @@ Result<PeerCode> codeQuantizedMesh(const PeerMesh& mesh, const fs::path& folder)
   const fs::path coded = scratch.path() / "mesh.terrain", decoded = scratch.path() / "mesh.raw";
   const Box box = boxAround(mesh);
   PeerCode code{.bytes = gzip(encodeQuantizedMesh(mesh)), .decoded = {}, .tolerance = {}};
-  if (Status s = write(code.bytes, coded); !s.ok()) return s.error();
+  if (Status s = writeFile(code.bytes, coded); !s.ok()) return s.error();
   const auto printed = runProgram({"node", (folder / "decode.mjs").string(), coded.string(), decoded.string()});
   if (!printed && printed.error().code == ErrorCode::kNotFound)
     return Error{ErrorCode::kNotFound, "node is not installed; install nodejs, then " + install};
