@@ -1,27 +1,13 @@
 // `foreland bench client` on a tiny scene: the report has the keys of bench/README.md.
-#include <nlohmann/json.hpp>
-
-#include "bench/programs/run_program.h"
-#include "tests/support/scene.h"
+#include "tests/bench/scene_program.h"
 
 namespace foreland::bench {
 namespace {
 
-class ClientProgram : public testing::Test {
+class ClientProgram : public test::SceneProgram {
  protected:
-  void SetUp() override {
-    test::FormulaSource source(257, 257, test::hills(3));
-    ASSERT_TRUE(terrain::buildScene(source, {folder_ / "scene.fls", 0.1, 1}).ok());
-  }
-  nlohmann::json report(std::vector<std::string> more) const {
-    std::vector<std::string> words{
-        FORELAND_BIN_DIR "/foreland-bench", "client", folder_ / "scene.fls", "--seconds", "4", "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    const auto text = runProgram(words);
-    EXPECT_TRUE(text.ok());
-    return text.ok() ? nlohmann::json::parse(*text) : nlohmann::json();
-  }
-  test::TemporaryFolder folder_;
+  ClientProgram() : SceneProgram("client", 257) {}
+  nlohmann::json report(std::vector<std::string> more) const { return SceneProgram::report(4, std::move(more)); }
 };
 
 TEST_F(ClientProgram, SaysWhyThereAreNoFiguresOfWebAssembly) {

@@ -1,24 +1,12 @@
 // `foreland bench refine` on a tiny scene, without the JavaScript MARTINI: the report has what bench/README.md says.
-#include <nlohmann/json.hpp>
-
-#include "bench/programs/run_program.h"
-#include "tests/support/scene.h"
+#include "tests/bench/scene_program.h"
 
 namespace foreland::bench {
 namespace {
 
-class RefineProgram : public testing::Test {
+class RefineProgram : public test::SceneProgram {
  protected:
-  void SetUp() override {
-    test::FormulaSource source(65, 65, test::hills(3));
-    ASSERT_TRUE(terrain::buildScene(source, {folder_ / "scene.fls", 0.1, 1}).ok());
-  }
-  Result<std::string> run(std::vector<std::string> more) const {
-    std::vector<std::string> words{FORELAND_BIN_DIR "/foreland-bench", "refine", folder_ / "scene.fls"};
-    words.insert(words.end(), more.begin(), more.end());
-    return runProgram(words);
-  }
-  test::TemporaryFolder folder_;
+  RefineProgram() : SceneProgram("refine", 65) {}
 };
 
 TEST_F(RefineProgram, ReportsWithoutJavascript) {

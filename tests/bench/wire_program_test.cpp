@@ -1,27 +1,13 @@
 // `foreland bench wire` on a tiny scene: the report has the keys of bench/README.md.
-#include <nlohmann/json.hpp>
-
-#include "bench/programs/run_program.h"
-#include "tests/support/scene.h"
+#include "tests/bench/scene_program.h"
 
 namespace foreland::bench {
 namespace {
 
-class WireProgram : public testing::Test {
+class WireProgram : public test::SceneProgram {
  protected:
-  void SetUp() override {
-    test::FormulaSource source(129, 129, test::hills(3));
-    ASSERT_TRUE(terrain::buildScene(source, {folder_ / "scene.fls", 0.1, 1}).ok());
-  }
-  nlohmann::json report(std::vector<std::string> more) const {
-    std::vector<std::string> words{
-        FORELAND_BIN_DIR "/foreland-bench", "wire", folder_ / "scene.fls", "--seconds", "2", "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    const auto text = runProgram(words);
-    EXPECT_TRUE(text.ok());
-    return text.ok() ? nlohmann::json::parse(*text) : nlohmann::json();
-  }
-  test::TemporaryFolder folder_;
+  WireProgram() : SceneProgram("wire", 129) {}
+  nlohmann::json report(std::vector<std::string> more) const { return SceneProgram::report(2, std::move(more)); }
 };
 
 TEST_F(WireProgram, ComparesWithOthersOnTheSameMeshes) {

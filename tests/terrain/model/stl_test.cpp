@@ -3,6 +3,7 @@
 
 #include "base/rng.h"
 #include "terrain/model/read_model.h"
+#include "tests/support/damage.h"
 #include "tests/support/models.h"
 #include "tests/support/seed.h"
 
@@ -81,18 +82,8 @@ TEST(Stl, DamagedFilesEndInAModelOrAnError) {
   const uint64_t seed = test::randomSeed();
   SCOPED_TRACE(seed);
   Rng rng(seed);
-  const std::string files[] = {test::toBinaryStl(test::makeSphere(1)), test::toTextStl(test::makeSphere(1))};
-  int refused = 0;
-  for (int i = 0; i < 2000; ++i) {
-    std::string bytes = files[i % 2];
-    for (uint64_t changes = 1 + rng.below(4); changes > 0; --changes)
-      bytes[rng.below(bytes.size())] = static_cast<char>(rng.next());
-    if (rng.below(2) == 0) bytes.resize(rng.below(bytes.size()));
-    const auto read = stl(bytes);
-    refused += !read.ok();
-    if (!read.ok()) continue;
-    for (const Corner& corner : read->corners) ASSERT_LT(corner.vertex, read->positions.size());
-  }
+  const std::vector<std::string> files{test::toBinaryStl(test::makeSphere(1)), test::toTextStl(test::makeSphere(1))};
+  const int refused = test::countRefused(files, 2000, 2, rng, [](const std::string& bytes) { return stl(bytes); });
   EXPECT_GT(refused, 300);
   EXPECT_LT(refused, 2000);
 }
