@@ -15,7 +15,8 @@ import tempfile
 import source_files
 
 # A room is a folder; a file belongs to the deepest room that holds it. Each room sees itself and what is listed.
-PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine", "proto/codec", "proto/message"]
+PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine", "proto/codec", "proto/imagery",
+               "proto/message"]
 PROTO = ["base", *PROTO_ROOMS]
 SEES = {"base": [], "transport": ["base"]}
 for at, room in enumerate(PROTO_ROOMS):
@@ -49,13 +50,14 @@ for at, room in enumerate(REMESH_ROOMS):
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
 SERVER_SEES = [*PROTO, "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
                "terrain/surface_store", "terrain/objects"]
-SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/sched", "server/session", "server/net", "server"]
+SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/imagery", "server/sched", "server/session", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
 
 SEES["client/mesh"] = PROTO
-SEES["client"] = [*PROTO, "client/mesh"]
-CLIENT = [*PROTO, "client/mesh", "client"]
+SEES["client/imagery"] = PROTO
+SEES["client"] = [*PROTO, "client/mesh", "client/imagery"]
+CLIENT = [*PROTO, "client/mesh", "client/imagery", "client"]
 SEES["client/wasm"] = CLIENT
 SEES["client/fly/net"] = [*CLIENT, "transport"]
 SEES["server/net"] = [*SEES["server/net"], "transport"]

@@ -131,6 +131,10 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
   out.max_bytes_per_second = m.max_bytes_per_second();
   out.occlusion = m.occlusion();
   out.memory_bytes = m.memory_bytes();
+  if (m.tile_contents() > 3) return malformed("a view request wants an unknown layer of tiles");
+  out.relief = (m.tile_contents() & 1) != 0;
+  out.imagery = (m.tile_contents() & 2) != 0;
+  out.tile_bytes = m.tile_bytes();
   if (out.keyframe_interval != Duration{} &&
       (out.keyframe_interval < Duration::milliseconds(20) || out.keyframe_interval > Duration::milliseconds(10'000)))
     return malformed("the keyframe interval must be 20 to 10000 ms, or 0 for the server's own");
@@ -167,6 +171,46 @@ Result<ClientControl> read(const fb::SceneClock& m) {
   if (isAbsurd(clock.at) || isAbsurd(clock.scene_time) || !(std::abs(clock.rate) <= SceneClock::kMostRate))
     return malformed("a scene clock's time or rate is absurd");
   return ClientControl(clock);
+}
+
+Result<ClientControl> read(const fb::HeldTiles& m) {
+  HeldTiles out;
+  if (!m.tiles()) return ClientControl(std::move(out));
+  if (m.tiles()->size() > kMostTilesHeld) return malformed("more tiles are held than may be");
+  for (const uint64_t key : *m.tiles()) {
+    out.tiles.push_back(TileId::of(key));
+    if (out.tiles.back().layer >= kMaxTileLayers || out.tiles.back().level >= kMaxTileLevels)
+      return malformed("a tile that is held is of no layer or level");
+  }
+  return ClientControl(std::move(out));
+}
+
+Result<TileLayer> layerOf(const fb::TileLayer& m) {
+  TileLayer layer;
+  layer.content = static_cast<TileContent>(m.content());
+  layer.coding = static_cast<TileCoding>(m.coding());
+  layer.width = m.width();
+  layer.height = m.height();
+  if (m.origin()) layer.origin = fromFb(*m.origin());
+  layer.texel = m.texel();
+  layer.step_m = m.step_m();
+  layer.attribution = text(m.attribution(), kMaxTextBytes);
+  if (Status s = layer.validate(); !s.ok()) return malformed(s.error().message);
+  return layer;
+}
+
+Status readTiles(const fb::Welcome& m, Welcome& out) {
+  out.tile_bytes = m.tile_bytes();
+  if (!m.tile_layers()) return {};
+  if (m.tile_layers()->size() > kMaxTileLayers) return malformed("too many layers of tiles");
+  for (const fb::TileLayer* each : *m.tile_layers()) {
+    auto layer = layerOf(*each);
+    if (!layer) return layer.error();
+    if (!out.tile_layers.empty() && out.tile_layers.front().content == layer->content)
+      return malformed("two layers of tiles have the same content");
+    out.tile_layers.push_back(std::move(*layer));
+  }
+  return {};
 }
 
 Result<Frame> frameOf(const fb::Frame* m, const GridShape& shape) {
@@ -288,6 +332,7 @@ Result<ServerControl> read(const fb::Welcome& m) {
     return malformed("the welcome's tolerance or interval is not positive");
   if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
   if (Status epochs = readEpochs(m, out); !epochs.ok()) return epochs.error();
+  if (Status tiles = readTiles(m, out); !tiles.ok()) return tiles.error();
   return ServerControl(std::move(out));
 }
 
@@ -318,10 +363,10 @@ std::optional<Predictor> predictorNamed(std::string_view wanted) { return named<
 Bytes encode(const ViewRequest& m) {
   Builder b;
   const fb::Lens lens = toFb(m.lens);
-  const auto body =
-      fb::CreateViewRequest(b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy),
-                            static_cast<uint8_t>(m.predictor), static_cast<uint32_t>(m.keyframe_interval.us),
-                            m.max_triangles, m.max_bytes_per_second, m.occlusion, m.memory_bytes);
+  const auto body = fb::CreateViewRequest(
+      b, kProtocolVersion, &lens, m.tau_px, static_cast<uint8_t>(m.strategy), static_cast<uint8_t>(m.predictor),
+      static_cast<uint32_t>(m.keyframe_interval.us), m.max_triangles, m.max_bytes_per_second, m.occlusion,
+      m.memory_bytes, static_cast<uint8_t>((m.relief ? 1 : 0) | (m.imagery ? 2 : 0)), m.tile_bytes);
   return finish(b, fb::Body_ViewRequest, body.Union());
 }
 
@@ -350,7 +395,28 @@ Bytes encode(const SceneClock& m) {
   return finish(b, fb::Body_SceneClock, fb::CreateSceneClock(b, m.at.us, m.scene_time.us, m.rate).Union());
 }
 
+Bytes encode(const HeldTiles& m) {
+  Builder b;
+  std::vector<uint64_t> keys;
+  for (const TileId& tile : m.tiles) keys.push_back(tile.key());
+  const auto tiles = b.CreateVector(keys);
+  return finish(b, fb::Body_HeldTiles, fb::CreateHeldTiles(b, tiles).Union());
+}
+
 namespace {
+
+flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<fb::TileLayer>>> putLayers(
+    Builder& b, const std::vector<TileLayer>& layers) {
+  if (layers.empty()) return {};
+  std::vector<flatbuffers::Offset<fb::TileLayer>> each;
+  for (const TileLayer& m : layers) {
+    const auto attribution = b.CreateString(m.attribution);
+    const fb::Vec2 origin = toFb(m.origin);
+    each.push_back(fb::CreateTileLayer(b, static_cast<uint8_t>(m.content), static_cast<uint8_t>(m.coding), m.width,
+                                       m.height, &origin, m.texel, m.step_m, attribution));
+  }
+  return b.CreateVector(each);
+}
 
 flatbuffers::Offset<fb::Model> putModel(Builder& b, const ObjectModel& m) {
   std::vector<uint32_t> faces;
@@ -392,6 +458,7 @@ Bytes encode(const Welcome& m) {
       *out = {m.base_offsets[i].epoch, m.base_offsets[i].vertex, m.base_offsets[i].quanta};
     });
   }
+  const auto layers = putLayers(b, m.tile_layers);
   const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
   const auto frame = putFrame(b, m.frame);
   const auto shape =
@@ -399,7 +466,7 @@ Bytes encode(const Welcome& m) {
   const auto corners = b.CreateVector(m.corner_heights), centres = b.CreateVector(m.centre_heights);
   const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
                                       corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,
-                                      objects, m.occlusion, m.memory_bytes, epochs, base_offsets);
+                                      objects, m.occlusion, m.memory_bytes, epochs, base_offsets, layers, m.tile_bytes);
   return finish(b, fb::Body_Welcome, body.Union());
 }
 
@@ -436,6 +503,8 @@ Result<ClientControl> decodeClientControl(ByteSpan bytes) {
       return read(*control->body_as_GroundRequest());
     case fb::Body_SceneClock:
       return read(*control->body_as_SceneClock());
+    case fb::Body_HeldTiles:
+      return read(*control->body_as_HeldTiles());
     default:
       return malformed("not one that a client sends");
   }

@@ -11,6 +11,8 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "proto/imagery/tile.h"
+#include "proto/imagery/tile_memory.h"
 #include "proto/refine/objects.h"
 #include "proto/section/epochs.h"
 #include "proto/space/frame.h"
@@ -20,7 +22,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 7;
+inline constexpr uint32_t kProtocolVersion = 8;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
@@ -58,6 +60,17 @@ struct ViewRequest {
   // How much the client remembers of nodes that it does not need now (refine/node_memory.h). Only the first request of
   // a connection counts.
   uint32_t memory_bytes = kDefaultMemoryBytes;
+  // Which layers of tiles the client wants; and how much it holds of them (imagery/tile_memory.h), of which only the
+  // first request of a connection counts.
+  bool relief = false, imagery = false;
+  uint32_t tile_bytes = kDefaultTileBytes;
+
+  bool wants(TileContent content) const { return content == TileContent::kRelief ? relief : imagery; }
+};
+
+// The tiles that a client holds from an earlier connection, the oldest first. Follows the first request.
+struct HeldTiles {
+  std::vector<TileId> tiles;  // at most kMostTilesHeld
 };
 
 struct TourRequest {
@@ -88,6 +101,8 @@ struct Welcome {
   uint32_t memory_bytes = 0;             // that the client remembers, at most what it asked for
   std::vector<Epoch> epochs;             // what Epochs::create accepts; empty: the scene does not change in time
   std::vector<BaseOffset> base_offsets;  // those that are not zero
+  std::vector<TileLayer> tile_layers;    // at most one of each content
+  uint32_t tile_bytes = 0;               // that the client holds, at most what it asked for
 };
 
 struct TourReply {
@@ -106,7 +121,7 @@ struct Refusal {
   std::string message;
 };
 
-using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock>;
+using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, HeldTiles>;
 using ServerControl = std::variant<Welcome, TourReply, GroundReply, Refusal>;
 
 Bytes encode(const ViewRequest& message);
@@ -114,6 +129,7 @@ Bytes encode(const Path& message);
 Bytes encode(const TourRequest& message);
 Bytes encode(const GroundRequest& message);
 Bytes encode(const SceneClock& message);
+Bytes encode(const HeldTiles& message);
 Bytes encode(const Welcome& message);
 Bytes encode(const TourReply& message);
 Bytes encode(const GroundReply& message);

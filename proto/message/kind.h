@@ -19,7 +19,8 @@ enum class MessageKind : uint8_t {
   kKeyframe = 3,
   kResume = 4,
   kPoseStep = 5,
-  kKeyframeStep = 6
+  kKeyframeStep = 6,
+  kTile = 7
 };
 
 inline constexpr int kKindBits = 3;
@@ -28,7 +29,7 @@ inline constexpr int kKindBits = 3;
 inline MessageKind kindOf(ByteSpan bytes) {
   const auto kind = static_cast<MessageKind>(bytes[0] & ((1 << kKindBits) - 1));
   if (kind == MessageKind::kPoseStep || kind == MessageKind::kKeyframeStep) return kind;
-  return bytes[0] <= static_cast<uint8_t>(MessageKind::kResume) ? kind : MessageKind::kNone;
+  return bytes[0] < (1 << kKindBits) ? kind : MessageKind::kNone;
 }
 
 inline Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "message: " + what}; }

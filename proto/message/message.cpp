@@ -47,6 +47,9 @@ Result<ServerMessage> decodeServerMessage(ByteSpan bytes, KeyframeMemory& memory
       return widen<ServerMessage>(decodeKeyframe(bytes, memory));
     case MessageKind::kControl:
       return widen<ServerMessage>(decodeServerControl(bytes));
+    case MessageKind::kTile:
+      return isTileStatement(bytes) ? widen<ServerMessage>(decodeTileStatement(bytes))
+                                    : widen<ServerMessage>(decodeTile(bytes));
     default:
       return malformed("not a message of this protocol");
   }

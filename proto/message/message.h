@@ -6,14 +6,17 @@
 
 #include "proto/message/compact.h"
 #include "proto/message/control.h"
+#include "proto/message/tile_message.h"
 
 namespace foreland::proto {
 
 inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
 inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
 
-using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, PoseUpdate, Resume>;
-using ServerMessage = std::variant<Welcome, TourReply, GroundReply, Refusal, KeyframeMessage>;
+using ClientMessage =
+    std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, HeldTiles, PoseUpdate, Resume>;
+using ServerMessage =
+    std::variant<Welcome, TourReply, GroundReply, Refusal, KeyframeMessage, TileMessage, TileStatement>;
 
 // Any bytes end in a valid value or in an Error; after an Error neither memory nor connection is of use any more.
 Result<ClientMessage> decodeClientMessage(ByteSpan bytes, PoseMemory& memory);

@@ -82,6 +82,8 @@ Status Session::take(const proto::Path& path, Time) {
 }
 
 // A scene without epochs does not mind.
+Status Session::take(const proto::HeldTiles&, Time) { return {}; }
+
 Status Session::take(const proto::SceneClock& clock, Time) {
   scene_time_.take(clock);
   return {};

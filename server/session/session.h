@@ -124,6 +124,7 @@ class Session {
   Status take(const proto::TourRequest& request, Time now);
   Status take(const proto::GroundRequest& request, Time now);
   Status take(const proto::SceneClock& clock, Time now);
+  Status take(const proto::HeldTiles& held, Time now);
   Status take(const proto::PoseUpdate& update, Time now);
   Status take(const proto::Resume& resume, Time now);
 

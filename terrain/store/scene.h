@@ -16,6 +16,7 @@
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
 #include "terrain/store/epoch_table.h"
+#include "terrain/store/tile_table.h"
 
 namespace foreland::terrain {
 
@@ -57,6 +58,9 @@ class Scene {
   // How the ground moves in time. Errors and radii of nodes hold for all scene times, heights for the first.
   const EpochTable& epochs() const { return epochs_; }
 
+  // Relief and imagery.
+  const TileTable& tiles() const { return tiles_; }
+
   // The bytes of the objects, which terrain/objects reads; empty if there are none.
   ByteSpan objectSection() const { return objects_; }
 
@@ -77,6 +81,7 @@ class Scene {
   std::span<const int32_t> corners_, centres_;
   ByteSpan objects_;
   EpochTable epochs_;
+  TileTable tiles_;
 };
 
 }  // namespace foreland::terrain
