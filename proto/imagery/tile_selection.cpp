@@ -13,6 +13,7 @@ namespace {
 // A texel that is seen at a grazing angle counts as if it were seen at one of three degrees.
 constexpr double kLeastCosine = 0.05;
 constexpr double kNearest_m = 0.01;
+constexpr double kQuarterTurn = 1.57079632679489662, kHalfTurn = 2 * kQuarterTurn;
 
 class Selection {
  public:
@@ -31,10 +32,13 @@ class Selection {
     const glm::dvec3 from_eye = centre - view_.pose.eye;
     const ViewPosition p = frustum_.toView(from_eye.x, from_eye.y, from_eye.z);
     const double distance = glm::length(from_eye);
-    const bool is_beside = frustum_.sideDistance(p) < -radius || frustum_.axisDepth(p, radius) < 0;
-    if (distance > radius && is_beside) return std::nullopt;
-    return spacing(middle, middle_m) * layer_.texelAt(tile.level) * focal_px_ / nearestDistance(box, bounds) *
-           std::sqrt(largestCosine(bounds, from_eye, distance, radius));
+    if (distance > radius && frustum_.sideDistance(p) < -radius) return std::nullopt;
+    const double spread = distance <= radius ? kHalfTurn : std::asin(radius / distance);
+    const double size_px =
+        spacing(middle, middle_m) * layer_.texelAt(tile.level) * focal_px_ / nearestDistance(box, bounds);
+    const glm::dvec3 up = frame_.toScene(LatticePosition{middle.x, middle.y, middle_m + 1}) - centre;
+    return size_px * stretch(p, distance, spread) *
+           std::sqrt(largestCosine(bounds, from_eye, distance, spread) / leastUprightness(bounds, up));
   }
 
  private:
@@ -62,15 +66,31 @@ class Selection {
   }
 
   // Between a normal of the tile and the direction to the eye, where that is smallest.
-  static double largestCosine(const TileBounds& bounds, const glm::dvec3& from_eye, double distance, double radius) {
-    if (distance <= radius) return 1;
-    constexpr double kQuarterTurn = 1.57079632679489662;
+  static double largestCosine(const TileBounds& bounds, const glm::dvec3& from_eye, double distance, double spread) {
     const glm::dvec3 axis(bounds.axis[0], bounds.axis[1], bounds.axis[2]);
     const double length = glm::length(axis);
-    if (length < 1) return 1;
+    if (length < 1 || spread >= kQuarterTurn) return 1;
     const double angle = std::acos(std::clamp(-glm::dot(axis, from_eye) / (length * distance), -1.0, 1.0));
-    const double least = angle - bounds.half_angle * (kQuarterTurn / 255) - std::asin(radius / distance);
+    const double least = angle - bounds.half_angle * (kQuarterTurn / 255) - spread;
     return std::max(kLeastCosine, std::cos(std::clamp(least, 0.0, kQuarterTurn)));
+  }
+
+  // Of the tile's steepest ground: a texel on it is so much longer. Slopes over 60 degrees count as such.
+  static double leastUprightness(const TileBounds& bounds, const glm::dvec3& up) {
+    constexpr double kLeast = 0.5;
+    const glm::dvec3 axis(bounds.axis[0], bounds.axis[1], bounds.axis[2]);
+    const double length = glm::length(axis);
+    if (length < 1) return kLeast;
+    const double tilt = std::acos(std::clamp(glm::dot(axis, up) / length, -1.0, 1.0));
+    return std::max(kLeast, std::cos(std::min(tilt + bounds.half_angle * (kQuarterTurn / 255), kQuarterTurn)));
+  }
+
+  // How much larger things are on a plane screen at an angle from its middle, at the tile's visible point where that is
+  // largest: by 1 / cos across the angle and 1 / cos^2 along it, the distance being the same.
+  double stretch(const ViewPosition& p, double distance, double spread) const {
+    const double middle = distance > 0 ? std::acos(std::clamp(p.z / distance, -1.0, 1.0)) : 0;
+    const double farthest = std::min(middle + spread + view_.region_angle_rad, kQuarterTurn);
+    return std::pow(std::max(frustum_.cosCorner(), std::cos(farthest)), -1.5);
   }
 
   const TileLayer& layer_;

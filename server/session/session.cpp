@@ -1,6 +1,7 @@
 #include "server/session/session.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
@@ -69,6 +70,8 @@ Status Session::take(const proto::ViewRequest& request, Time) {
     welcome.keyframe_interval = request_->keyframe_interval;
     welcome.occlusion = occlusion_ != nullptr;
     welcome.memory_bytes = std::min(request_->memory_bytes, options_.max_memory_bytes);
+    welcome.tile_bytes = std::min(request_->tile_bytes, options_.max_tile_bytes);
+    if (!welcome.tile_layers.empty()) tiles_ = std::make_unique<TileSender>(world_->hierarchy, welcome.tile_bytes);
     sender_.setMemory(welcome.memory_bytes);
     replies_.push_back(proto::encode(welcome));
   }
@@ -82,7 +85,11 @@ Status Session::take(const proto::Path& path, Time) {
 }
 
 // A scene without epochs does not mind.
-Status Session::take(const proto::HeldTiles&, Time) { return {}; }
+Status Session::take(const proto::HeldTiles& held, Time) {
+  if (!isFirst() || !tiles_ || tiles_->statistics().tiles > 0)
+    return Error{ErrorCode::kMalformed, "a client tells the tiles that it holds before its first pose, or not at all"};
+  return tiles_->hold(held);
+}
 
 Status Session::take(const proto::SceneClock& clock, Time) {
   scene_time_.take(clock);
@@ -145,7 +152,10 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   if (update.received_keyframe > acknowledged_) {
     acknowledged_ = update.received_keyframe;
     while (!in_flight_.empty() && in_flight_.front().index <= acknowledged_) {
-      if (in_flight_.front().index == acknowledged_) clocks_.keyframeArrived(update.received_at, in_flight_.front().at);
+      if (in_flight_.front().index == acknowledged_) {
+        clocks_.keyframeArrived(update.received_at, in_flight_.front().at);
+        if (tiles_) tiles_->pace().keyframeArrived(update.received_at, in_flight_.front().at);
+      }
       in_flight_.pop_front();
     }
   }
@@ -454,6 +464,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
     CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
+  sendTiles(plan.time_client, view, interval_s, out);
   observeRegion(scratch);
 
   unsent_ = true;
@@ -476,6 +487,20 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
+}
+
+// Tiles follow the keyframe that shows them, and those for where the camera will be in the next seconds, one of them
+// each time.
+void Session::sendTiles(Time t_client, const proto::View& view, double interval_s, std::vector<Bytes>& out) {
+  constexpr int64_t kSecondsAhead = 3;
+  if (!tiles_ || !(request_->relief || request_->imagery)) return;
+  const Time later = t_client + Duration::seconds(1 + keyframe().index % kSecondsAhead);
+  const std::array<proto::View, 2> views{view, proto::View{expectedMotion().at(later), view.lens, view.tau_px}};
+  tiles_->choose(keyframe().index, views, *request_);
+  tiles_->pace().keyframeSent(interval_s, request_->max_bytes_per_second);
+  tiles_->take(out);
+  statistics_.tiles = tiles_->statistics().tiles;
+  statistics_.tile_bytes = tiles_->statistics().bytes;
 }
 
 // How much the region makes of the section. Along an announced path the region is not reduced: there it is no guess.

@@ -18,6 +18,7 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "proto/message/message.h"
+#include "server/imagery/tile_sender.h"
 #include "server/section/budget.h"
 #include "server/section/sender.h"
 #include "server/session/clock_map.h"
@@ -45,6 +46,7 @@ struct SessionOptions {
   uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs up to a tenth of that for it
   Duration most_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
                           // half an interval
+  uint32_t max_tile_bytes = proto::kDefaultTileBytes;  // of tiles that a viewer may hold
   size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link
 };
 
@@ -63,11 +65,12 @@ struct SessionStatistics {
   size_t remembered_nodes = 0;  // of the terrain, that the viewer knows beside those around its section
   size_t memory_bytes = 0;      // that the server needs to know which
   uint64_t prefetches = 0;
-  uint64_t replies = 0;    // to requests
-  uint64_t jumps = 0;      // of the camera (proto/space/jump.h)
-  double tau_px = 0;       // in force
-  bool is_coarse = false;  // that is above what the viewer asked for
-  bool resumed = false;    // started from a section that the viewer held from an earlier connection
+  uint64_t replies = 0;                // to requests
+  uint64_t jumps = 0;                  // of the camera (proto/space/jump.h)
+  double tau_px = 0;                   // in force
+  bool is_coarse = false;              // that is above what the viewer asked for
+  uint64_t tiles = 0, tile_bytes = 0;  // sent
+  bool resumed = false;                // started from a section that the viewer held from an earlier connection
 };
 
 class Session {
@@ -165,6 +168,7 @@ class Session {
   double loadOf(const proto::View& view, SessionScratch& scratch);
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   void observeRegion(SessionScratch& scratch);
+  void sendTiles(Time t_client, const proto::View& view, double interval_s, std::vector<Bytes>& out);
   void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
@@ -193,6 +197,7 @@ class Session {
 
   SectionSender sender_;
   std::unique_ptr<ViewerOcclusion> occlusion_;  // null if deltas on this connection carry no hidden blocks
+  std::unique_ptr<TileSender> tiles_;           // null until the viewer wants some that the scene has
   ToleranceControl tolerance_;
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;

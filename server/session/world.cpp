@@ -20,6 +20,7 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   const terrain::EpochTable& epochs = hierarchy.epochs();
   w.epochs.assign(epochs.epochs().all().begin(), epochs.epochs().all().end());
   w.base_offsets.assign(epochs.baseOffsets().begin(), epochs.baseOffsets().end());
+  w.tile_layers.assign(scene.tiles().layers().begin(), scene.tiles().layers().end());
   return w;
 }
 

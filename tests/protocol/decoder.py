@@ -84,6 +84,8 @@ class Session:
         require(not self.is_refused, "a message after the refusal")
         if message[0] == wire.KEYFRAME or message[0] & 7 == wire.KEYFRAME_AFTER:
             return self.take(self.keyframes.read(message))
+        if message[0] == wire.TILE:
+            return None  # nothing of a section depends on it
         require(message[0] == wire.CONTROL, "not a message of this protocol")
         name, fields = wire.control(message[1:])
         require(name in wire.BODIES and name not in wire.FROM_CLIENT, "not one that a server sends")

@@ -4,9 +4,10 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 7
+VERSION = 8
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
+TILE = 7
 
 
 class ProtocolError(Exception):
@@ -71,25 +72,28 @@ TABLES = {
     "Shape": [(name, "uint") for name in ("roots_x", "roots_y", "root_log2", "samples_x", "samples_y")],
     "ViewRequest": [("protocol", "uint"), ("lens", "Lens"), ("tau_px", "double"), ("strategy", "ubyte"), ("predictor", "ubyte"),
                     ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint"),
-                    ("occlusion", "bool"), ("memory_bytes", "uint")],
+                    ("occlusion", "bool"), ("memory_bytes", "uint"), ("tile_contents", "ubyte"), ("tile_bytes", "uint")],
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
     "SceneClock": [("at_us", "long"), ("scene_time_us", "long"), ("rate", "double")],
+    "HeldTiles": [("tiles", "[ulong]")],
+    "TileLayer": [("content", "ubyte"), ("coding", "ubyte"), ("width", "uint"), ("height", "uint"), ("origin", "Vec2"),
+                  ("texel", "double"), ("step_m", "double"), ("attribution", "string")],
     "Model": [("rule", "ubyte"), ("halvings", "uint"), ("vertices", "uint"), ("faces", "[uint]"), ("base", "[int]"),
               ("quantum_m", "double"), ("atlas_side", "uint")],
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
                 ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint"), ("epochs", "[Epoch]"),
-                ("base_offsets", "[BaseOffset]")],
+                ("base_offsets", "[BaseOffset]"), ("tile_layers", "[TileLayer]"), ("tile_bytes", "uint")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],
 }
 BODIES = ["ViewRequest", "PathUpload", "TourRequest", "GroundRequest", "Welcome", "TourReply", "GroundReply", "Refusal",
-          "SceneClock"]
-FROM_CLIENT = BODIES[:4] + ["SceneClock"]
+          "SceneClock", "HeldTiles"]
+FROM_CLIENT = BODIES[:4] + ["SceneClock", "HeldTiles"]
 
 
 class FlatBuffer:

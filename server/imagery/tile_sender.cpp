@@ -1,0 +1,91 @@
+#include "server/imagery/tile_sender.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace foreland::server {
+
+TileSender::TileSender(const Hierarchy& hierarchy, uint32_t held_bytes)
+    : table_(hierarchy.scene().tiles()),
+      frame_(hierarchy.scene().frame()),
+      held_(held_bytes),
+      most_needed_bytes_(held_bytes / 2) {}
+
+Status TileSender::hold(const proto::HeldTiles& held) {
+  for (const proto::TileId& tile : held.tiles) {
+    if (tile.layer >= table_.layers().size() || !table_.layers()[tile.layer].has(tile) || !table_.bounds(tile))
+      return Error{ErrorCode::kMalformed, "a tile that is held is none of this scene's"};
+    held_.add(tile, static_cast<uint32_t>(table_.bytes(tile).size()), [](const proto::TileId&) {});
+  }
+  return {};
+}
+
+void TileSender::choose(uint32_t keyframe, std::span<const proto::View> views, const proto::ViewRequest& request) {
+  waiting_.clear();
+  needed_.clear();
+  needed_bytes_ = 0;
+  statistics_.needed = statistics_.missing = 0;
+  statement_.keyframe = keyframe;
+  const auto layers = table_.layers();
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (uint8_t layer = 0; layer < layers.size(); ++layer) {
+      if (!request.wants(layers[layer].content)) continue;
+      proto::selectTiles(
+          layers[layer], layer, frame_, views[i], kTexel_px, kMostSelected,
+          [&](const proto::TileId& tile) { return table_.bounds(tile); }, selected_);
+      if (i == 0) state(layer);
+      queueSelected();
+    }
+  }
+}
+
+// The largest texels on the screen are those of the parents of what is missing.
+void TileSender::state(uint8_t layer) {
+  float largest_px = kTexel_px;
+  for (const proto::SelectedTile& each : selected_) {
+    ++statistics_.needed;
+    if (held_.has(each.tile)) continue;
+    ++statistics_.missing;
+    largest_px = std::max(largest_px, texelOfParent(each.tile));
+  }
+  statement_.texel_px[layer] = statistics_.texel_px[layer] = largest_px;
+}
+
+// On the screen; the parent has been selected with the tile.
+float TileSender::texelOfParent(const proto::TileId& tile) const {
+  const auto parent = std::find_if(selected_.begin(), selected_.end(),
+                                   [&](const proto::SelectedTile& s) { return s.tile == tile.parent(); });
+  return parent == selected_.end() ? std::numeric_limits<float>::infinity() : parent->texel_px;
+}
+
+void TileSender::queueSelected() {
+  for (const proto::SelectedTile& each : selected_) {
+    if (needed_bytes_ > most_needed_bytes_) return;
+    if (!needed_.insert(each.tile.key()).second) continue;
+    needed_bytes_ += table_.bytes(each.tile).size();
+    if (!held_.has(each.tile)) waiting_.push_back(each.tile);
+  }
+}
+
+Bytes TileSender::messageOf(const proto::TileId& tile) const {
+  const ByteSpan coded = table_.bytes(tile);
+  return proto::encode(proto::TileMessage{tile, *table_.bounds(tile), {coded.begin(), coded.end()}});
+}
+
+void TileSender::take(std::vector<Bytes>& out) {
+  if (statement_.texel_px != told_.texel_px) {
+    out.push_back(proto::encode(statement_));
+    told_ = statement_;
+  }
+  for (const proto::TileId& tile : waiting_) {
+    if (!pace_.mayBeSent()) break;
+    out.push_back(messageOf(tile));
+    pace_.sent(out.back().size());
+    held_.add(tile, static_cast<uint32_t>(table_.bytes(tile).size()), [](const proto::TileId&) {});
+    ++statistics_.tiles;
+    statistics_.bytes += out.back().size();
+  }
+  waiting_.clear();
+}
+
+}  // namespace foreland::server
