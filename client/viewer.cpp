@@ -28,6 +28,8 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
   if (!message) return message.error();
   if (auto* keyframe = std::get_if<proto::KeyframeMessage>(&*message)) return onKeyframe(*keyframe, now);
   if (auto* welcome = std::get_if<proto::Welcome>(&*message)) return onWelcome(std::move(*welcome));
+  if (auto* tile = std::get_if<proto::TileMessage>(&*message)) return tiles_.add(std::move(*tile));
+  if (auto* statement = std::get_if<proto::TileStatement>(&*message)) tiles_.add(*statement);
   if (auto* tour = std::get_if<proto::TourReply>(&*message)) tour_ = std::move(*tour);
   if (auto* ground = std::get_if<proto::GroundReply>(&*message)) ground_ = std::move(*ground);
   if (auto* refusal = std::get_if<proto::Refusal>(&*message))
@@ -49,15 +51,21 @@ void Viewer::reconnect(Time now) {
 Status Viewer::onWelcome(proto::Welcome welcome) {
   if (is_greeted_) return Error{ErrorCode::kMalformed, "a second welcome on one connection"};
   is_greeted_ = true;
+  const bool is_same_scene = welcome_ && welcome_->scene_id == welcome.scene_id && welcome_->shape == welcome.shape &&
+                             welcome_->frame == welcome.frame;
   std::optional<proto::Resume> section;
-  if (welcome_ && welcome_->scene_id == welcome.scene_id && welcome_->shape == welcome.shape &&
-      welcome_->frame == welcome.frame)
-    section = replica_->makeResume(welcome);
+  if (is_same_scene) section = replica_->makeResume(welcome);
   if (section) {
     send(proto::encode(*section));
   } else {
     replica_.emplace(welcome);
     timeline_.clear();
+  }
+  if (is_same_scene && tiles_.layers() == welcome.tile_layers) {
+    tiles_.reenter(welcome.tile_bytes);
+    if (tiles_.count() > 0) send(proto::encode(tiles_.held()));
+  } else {
+    tiles_.enter(welcome.tile_layers, welcome.tile_bytes);
   }
   welcome_ = std::move(welcome);
   if (path_) send(proto::encode(*path_));

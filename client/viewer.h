@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/drawn_mesh.h"
+#include "client/imagery/tile_store.h"
 #include "client/mesh/blend.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "client/replica.h"
@@ -93,6 +94,8 @@ class Viewer {
   const ViewerStatistics& statistics() const { return statistics_; }
   // The sections held; nullopt before the first welcome. For tools and tests.
   const std::optional<Replica>& replica() const { return replica_; }
+  // The tiles of relief and imagery that are held.
+  const TileStore& tiles() const { return tiles_; }
   // The mesh of the last frame() that had one, and what has changed in it.
   DrawnMesh& drawn() { return *drawn_; }
   // From now on drawn(), and the mesh of a FrameView, is the newest mesh instead of the one that is to be shown: for a
@@ -119,6 +122,7 @@ class Viewer {
   std::optional<proto::Path> path_;     // as announced
   std::optional<proto::SceneClock> scene_clock_;
   std::optional<Replica> replica_;
+  TileStore tiles_;
   Timeline timeline_;
   std::unique_ptr<DrawnMesh> drawn_ = std::make_unique<DrawnMesh>();
   bool draws_ahead_ = false;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "client/imagery/drape.h"
 #include "client/viewer.h"
 #include "client/wasm/conversions.h"
 #include "client/wasm/record_layout.h"
@@ -24,6 +25,10 @@ struct Host {
   proto::Path tour;
   SceneRecord welcome;
   uint32_t taken_mesh = 0;  // the last version that takeNewest() gave
+  Drape::Sizes texture_layers{64, 192};
+  std::optional<Drape> drape;
+  uint32_t draped_scene = 0;  // TileStore::scene() that it is for
+  std::vector<uint32_t> arrivals, dropped;
 
   FrameRecord frame_record{};
   // Of the terrain and the objects.
@@ -33,17 +38,55 @@ struct Host {
   GroundRecord ground_record{};
   StatisticsRecord statistics_record{};
   TextRecord text_record{};
+  TilesRecord tiles_record{};
+  ImageRecord image_record{};
 };
 
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
+                             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes,
+                             uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
   return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
           .tau_px = tau_px,
           .strategy = static_cast<proto::Strategy>(strategy),
           .predictor = static_cast<proto::Predictor>(predictor),
           .keyframe_interval = {timeOf(keyframe_ms).us},
           .occlusion = occlusion != 0,
-          .memory_bytes = memory_bytes};
+          .memory_bytes = memory_bytes,
+          .relief = relief != 0,
+          .imagery = imagery != 0,
+          .tile_bytes = tile_bytes};
+}
+
+std::array<uint32_t, 2> halvesOf(uint64_t key) {
+  return {static_cast<uint32_t>(key), static_cast<uint32_t>(key >> 32)};
+}
+proto::TileId tileOf(uint32_t low, uint32_t high) { return proto::TileId::of(uint64_t{high} << 32 | low); }
+
+double statedTexel(const TileStore& tiles, proto::TileContent content) {
+  const auto layer = tiles.layerOf(content);
+  if (!layer || !tiles.statement()) return std::numeric_limits<double>::infinity();
+  return double{tiles.statement()->texel_px[*layer]};
+}
+
+void fillTiles(const Residency& residency, Host& host) {
+  TilesRecord& out = host.tiles_record;
+  host.arrivals.clear(), host.dropped.clear();
+  for (const Residency::Arrival& a : residency.arrivals()) {
+    const auto [low, high] = halvesOf(a.tile.key());
+    host.arrivals.insert(host.arrivals.end(), {low, high, a.texture_layer, a.parent_layer.value_or(kNoLayer), 0});
+  }
+  for (const proto::TileId& tile : residency.dropped()) {
+    const auto [low, high] = halvesOf(tile.key());
+    host.dropped.insert(host.dropped.end(), {low, high});
+  }
+  out.scene = host.draped_scene;
+  out.shown = static_cast<uint32_t>(residency.shown().size());
+  out.page_table = addressOf(residency.pageTable().data());
+  out.page_count = static_cast<uint32_t>(residency.pageTable().size() / 4);
+  out.arrivals = addressOf(host.arrivals.data());
+  out.arrival_count = static_cast<uint32_t>(residency.arrivals().size());
+  out.dropped = addressOf(host.dropped.data());
+  out.dropped_count = static_cast<uint32_t>(residency.dropped().size());
 }
 
 void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
@@ -101,9 +144,10 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
 
 FORELAND_EXPORT(foreland_create)
 Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
-  return new Host(
-      requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion, memory_bytes));
+             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes, uint32_t relief,
+             uint32_t imagery, uint32_t tile_bytes) {
+  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion,
+                            memory_bytes, relief, imagery, tile_bytes));
 }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
@@ -163,7 +207,53 @@ FORELAND_EXPORT(foreland_take_newest) const FrameRecord* takeNewest(Host* host) 
   out.mesh_version = newest->version;
   out.oldest_version = host->viewer.timeline().oldestVersion();
   fillMesh(host->viewer.drawn().mesh(), out);
+  if (host->draped_scene != host->viewer.tiles().scene()) {
+    host->draped_scene = host->viewer.tiles().scene();
+    host->drape.emplace(host->viewer.tiles(), host->texture_layers);
+  }
+  host->drape->advance(host->viewer.frameGrid().transform(), newest->to);
   return &out;
+}
+
+// How many layers the texture arrays of relief and imagery have. To be called before the first mesh is taken.
+FORELAND_EXPORT(foreland_set_texture_layers)
+void setTextureLayers(Host* host, uint32_t relief, uint32_t imagery) { host->texture_layers = {relief, imagery}; }
+
+// What of the tiles of a proto::TileContent is drawn with the mesh that was taken last. Null if the scene has none.
+FORELAND_EXPORT(foreland_tiles) const TilesRecord* tiles(Host* host, uint32_t content) {
+  const Residency* residency = nullptr;
+  if (host->drape && content < proto::kMaxTileLayers)
+    residency = host->drape->residency(static_cast<proto::TileContent>(content));
+  if (residency == nullptr) return nullptr;
+  fillTiles(*residency, *host);
+  return &host->tiles_record;
+}
+
+// Slopes of a tile of relief that arrives (`half` 0), and of its half-size image (`half` 1).
+FORELAND_EXPORT(foreland_slopes) const uint32_t* slopes(Host* host, uint32_t low, uint32_t high, uint32_t half) {
+  const proto::TileId tile = tileOf(low, high);
+  return half == 0 ? host->drape->slopes(tile).data() : host->drape->halfSlopes(tile).data();
+}
+
+// Decodes a tile of relief, if one is wanted: 1 if so.
+FORELAND_EXPORT(foreland_decode_relief) uint32_t decodeRelief(Host* host) {
+  return host->drape && host->drape->decodeRelief() ? 1 : 0;
+}
+
+// The next image to be decoded, each once; null if there is none.
+FORELAND_EXPORT(foreland_next_image) const ImageRecord* nextImage(Host* host) {
+  if (!host->drape) return nullptr;
+  const auto tile = host->drape->takeWantedImage();
+  const HeldTile* held = tile ? host->viewer.tiles().find(*tile) : nullptr;
+  if (held == nullptr) return nullptr;
+  const auto [low, high] = halvesOf(tile->key());
+  host->image_record = {{low, high}, addressOf(held->coded.data()), static_cast<uint32_t>(held->coded.size())};
+  return &host->image_record;
+}
+
+// The image of a tile has been decoded.
+FORELAND_EXPORT(foreland_image_ready) void imageReady(Host* host, uint32_t low, uint32_t high) {
+  if (host->drape) host->drape->setImageReady(tileOf(low, high));
 }
 
 // The newest mesh's Interval, for foreland_screen_add of another instance of this module.
@@ -199,9 +289,10 @@ FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* ho
 
 FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes) {
-  host->viewer.setRequest(
-      requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion, memory_bytes));
+                uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes, uint32_t relief,
+                uint32_t imagery, uint32_t tile_bytes) {
+  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion,
+                                    memory_bytes, relief, imagery, tile_bytes));
 }
 
 // From `at_ms` on scene time goes from `scene_ms`, since 1970, at `rate` scene seconds a second.
@@ -259,14 +350,21 @@ const GroundRecord* ground(Host* host, double x, double y, double z, double reac
 
 FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* host) {
   const ViewerStatistics& from = host->viewer.statistics();
+  const TileStore& tiles = host->viewer.tiles();
   host->statistics_record = {.bytes_down = static_cast<double>(from.bytes_down),
                              .bytes_up = static_cast<double>(from.bytes_up),
                              .last_lateness_ms = from.last_lateness.toMilliseconds(),
                              .worst_lateness_ms = from.worst_lateness.toMilliseconds(),
                              .nodes_added = static_cast<double>(from.nodes_added),
                              .nodes_removed = static_cast<double>(from.nodes_removed),
+                             .tile_bytes = static_cast<double>(tiles.bytes()),
+                             .tiles_received = static_cast<double>(tiles.received()),
+                             .relief_texel_px = statedTexel(tiles, proto::TileContent::kRelief),
+                             .imagery_texel_px = statedTexel(tiles, proto::TileContent::kImagery),
                              .keyframes = from.keyframes,
-                             .late_keyframes = from.late_keyframes};
+                             .late_keyframes = from.late_keyframes,
+                             .tiles = static_cast<uint32_t>(tiles.count()),
+                             .unused = 0};
   return &host->statistics_record;
 }
 

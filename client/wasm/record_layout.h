@@ -125,16 +125,54 @@ inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, model_sides),   FORELAND_FIELD(WelcomeRecord, unused),
 };
 inline constexpr RecordField kPlaceFields[] = {
-    FORELAND_FIELD(MapPositionRecord, height_m),
-    FORELAND_FIELD(MapPositionRecord, ground_m),
-    FORELAND_FIELD(MapPositionRecord, up),
-    FORELAND_FIELD(MapPositionRecord, across),
+    FORELAND_FIELD(MapPositionRecord, height_m), FORELAND_FIELD(MapPositionRecord, ground_m),
+    FORELAND_FIELD(MapPositionRecord, up),       FORELAND_FIELD(MapPositionRecord, across),
+    FORELAND_FIELD(MapPositionRecord, lattice),
+};
+inline constexpr RecordField kTilesFields[] = {
+    FORELAND_FIELD(TilesRecord, scene),      FORELAND_FIELD(TilesRecord, shown),
+    FORELAND_FIELD(TilesRecord, page_table), FORELAND_FIELD(TilesRecord, page_count),
+    FORELAND_FIELD(TilesRecord, arrivals),   FORELAND_FIELD(TilesRecord, arrival_count),
+    FORELAND_FIELD(TilesRecord, dropped),    FORELAND_FIELD(TilesRecord, dropped_count),
+};
+inline constexpr RecordField kImageFields[] = {
+    FORELAND_FIELD(ImageRecord, key),
+    FORELAND_FIELD(ImageRecord, coded),
+    FORELAND_FIELD(ImageRecord, size),
+};
+inline constexpr RecordField kLayerFields[] = {
+    FORELAND_FIELD(LayerRecord, origin),           FORELAND_FIELD(LayerRecord, texel),
+    FORELAND_FIELD(LayerRecord, levels),           FORELAND_FIELD(LayerRecord, attribution),
+    FORELAND_FIELD(LayerRecord, attribution_size), FORELAND_FIELD(LayerRecord, unused),
+};
+inline constexpr RecordField kSlopeFrameFields[] = {
+    FORELAND_FIELD(SlopeFrameRecord, gradient_x),
+    FORELAND_FIELD(SlopeFrameRecord, gradient_y),
+    FORELAND_FIELD(SlopeFrameRecord, latitude),
+    FORELAND_FIELD(SlopeFrameRecord, longitude),
+    FORELAND_FIELD(SlopeFrameRecord, latitude_step),
+    FORELAND_FIELD(SlopeFrameRecord, longitude_step),
+    FORELAND_FIELD(SlopeFrameRecord, origin_latitude),
+    FORELAND_FIELD(SlopeFrameRecord, semi_major_m),
+    FORELAND_FIELD(SlopeFrameRecord, eccentricity_squared),
+    FORELAND_FIELD(SlopeFrameRecord, is_geographic),
+    FORELAND_FIELD(SlopeFrameRecord, unused),
 };
 inline constexpr RecordField kStatisticsFields[] = {
-    FORELAND_FIELD(StatisticsRecord, bytes_down),       FORELAND_FIELD(StatisticsRecord, bytes_up),
-    FORELAND_FIELD(StatisticsRecord, last_lateness_ms), FORELAND_FIELD(StatisticsRecord, worst_lateness_ms),
-    FORELAND_FIELD(StatisticsRecord, nodes_added),      FORELAND_FIELD(StatisticsRecord, nodes_removed),
-    FORELAND_FIELD(StatisticsRecord, keyframes),        FORELAND_FIELD(StatisticsRecord, late_keyframes),
+    FORELAND_FIELD(StatisticsRecord, bytes_down),
+    FORELAND_FIELD(StatisticsRecord, bytes_up),
+    FORELAND_FIELD(StatisticsRecord, last_lateness_ms),
+    FORELAND_FIELD(StatisticsRecord, worst_lateness_ms),
+    FORELAND_FIELD(StatisticsRecord, nodes_added),
+    FORELAND_FIELD(StatisticsRecord, nodes_removed),
+    FORELAND_FIELD(StatisticsRecord, tile_bytes),
+    FORELAND_FIELD(StatisticsRecord, tiles_received),
+    FORELAND_FIELD(StatisticsRecord, relief_texel_px),
+    FORELAND_FIELD(StatisticsRecord, imagery_texel_px),
+    FORELAND_FIELD(StatisticsRecord, keyframes),
+    FORELAND_FIELD(StatisticsRecord, late_keyframes),
+    FORELAND_FIELD(StatisticsRecord, tiles),
+    FORELAND_FIELD(StatisticsRecord, unused),
 };
 inline constexpr RecordField kTextFields[] = {FORELAND_FIELD(TextRecord, text), FORELAND_FIELD(TextRecord, size)};
 
@@ -148,6 +186,10 @@ inline constexpr RecordLayout kRecordLayouts[] = {
     {"ChangesRecord", sizeof(ChangesRecord), kChangesFields},
     {"WelcomeRecord", sizeof(WelcomeRecord), kWelcomeFields},
     {"MapPositionRecord", sizeof(MapPositionRecord), kPlaceFields},
+    {"TilesRecord", sizeof(TilesRecord), kTilesFields},
+    {"ImageRecord", sizeof(ImageRecord), kImageFields},
+    {"LayerRecord", sizeof(LayerRecord), kLayerFields},
+    {"SlopeFrameRecord", sizeof(SlopeFrameRecord), kSlopeFrameFields},
     {"StatisticsRecord", sizeof(StatisticsRecord), kStatisticsFields},
     {"TextRecord", sizeof(TextRecord), kTextFields},
 };

@@ -121,6 +121,56 @@ struct MapPositionRecord {
   double ground_m;   // height of the ground below, above the zero surface; NaN: unknown, or beyond the data
   double up[3];      // away from the zero surface
   double across[2];  // geographic: latitude and longitude, degrees; planar: northing and easting of the map, metres
+  double lattice[2];
+};
+
+// What of the tiles of a content is drawn with the newest mesh.
+struct TilesRecord {
+  uint32_t scene;       // counts the scenes that were entered: another one has other tiles
+  uint32_t shown;       // tiles
+  Address page_table;   // uint16, as Residency::pageTable
+  uint32_t page_count;  // four numbers each
+  // uint32, five for each tile to be uploaded before the mesh is shown: its key in two halves, the lower one first; its
+  // texture layer; its parent's, or kNoLayer; 0.
+  Address arrivals;
+  uint32_t arrival_count;
+  Address dropped;  // uint32, two for each tile whose content is of no use any more: its key
+  uint32_t dropped_count;
+};
+inline constexpr uint32_t kNoLayer = 0xffffffff;
+
+// An image to decode.
+struct ImageRecord {
+  uint32_t key[2];
+  Address coded;
+  uint32_t size;
+};
+
+// How a layer of tiles lies on the lattice.
+struct LayerRecord {
+  double origin[2];  // lattice position of the corner of the first texel
+  double texel;      // sample intervals
+  uint32_t levels;
+  Address attribution;  // UTF-8
+  uint32_t attribution_size;
+  uint32_t unused;  // keeps the size a multiple of 8
+};
+
+// What makes a normal, in the scene's axes, of slopes along the lattice's axes.
+struct SlopeFrameRecord {
+  // Planar: what a rise of a metre a sample interval along x, and along y, adds to the gradient.
+  double gradient_x[2];
+  double gradient_y[2];
+  // Geographic, radians and metres: of lattice (0, 0), longitudes from the scene origin's meridian.
+  double latitude;
+  double longitude;
+  double latitude_step;  // per sample interval
+  double longitude_step;
+  double origin_latitude;
+  double semi_major_m;
+  double eccentricity_squared;
+  uint32_t is_geographic;
+  uint32_t unused;  // keeps the size a multiple of 8
 };
 
 struct StatisticsRecord {
@@ -130,8 +180,14 @@ struct StatisticsRecord {
   double worst_lateness_ms;
   double nodes_added;
   double nodes_removed;
+  double tile_bytes;  // of the tiles held
+  double tiles_received;
+  double relief_texel_px;  // the server's statement: no texel is larger on the screen; infinity: nothing is stated
+  double imagery_texel_px;
   uint32_t keyframes;
   uint32_t late_keyframes;
+  uint32_t tiles;  // held
+  uint32_t unused;
 };
 
 struct TextRecord {

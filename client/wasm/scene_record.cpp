@@ -80,7 +80,10 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
 MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const glm::dvec3& point, double ground_m) {
   const glm::dvec3 up = transform.upAt(point);
   MapPositionRecord out{};
-  out.height_m = transform.toLattice(point).height_m;
+  const proto::LatticePosition lattice = transform.toLattice(point);
+  out.height_m = lattice.height_m;
+  out.lattice[0] = lattice.x;
+  out.lattice[1] = lattice.y;
   out.ground_m = ground_m;
   out.up[0] = up.x;
   out.up[1] = up.y;
@@ -93,6 +96,33 @@ MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const gl
     out.across[0] = transform.frame().map_origin_m.y + point.y;
     out.across[1] = transform.frame().map_origin_m.x + point.x;
   }
+  return out;
+}
+
+SlopeFrameRecord slopeFrameOf(const proto::Frame& frame) {
+  SlopeFrameRecord out{};
+  out.is_geographic = frame.kind == proto::FrameKind::kGeographic ? 1 : 0;
+  const glm::dvec2 &x = frame.axis_x_m, &y = frame.axis_y_m;
+  const double area = x.x * y.y - x.y * y.x;
+  out.gradient_x[0] = y.y / area, out.gradient_x[1] = -y.x / area;
+  out.gradient_y[0] = -x.y / area, out.gradient_y[1] = x.x / area;
+  out.latitude = frame.latitude0_rad;
+  out.longitude = frame.longitude0_rad - frame.origin.longitude_rad;
+  out.latitude_step = frame.latitude_step_rad;
+  out.longitude_step = frame.longitude_step_rad;
+  out.origin_latitude = frame.origin.latitude_rad;
+  out.semi_major_m = frame.semi_major_m;
+  out.eccentricity_squared = frame.flattening * (2 - frame.flattening);
+  return out;
+}
+
+LayerRecord recordOf(const proto::TileLayer& layer) {
+  LayerRecord out{};
+  out.origin[0] = layer.origin.x, out.origin[1] = layer.origin.y;
+  out.texel = layer.texel;
+  out.levels = layer.levels();
+  out.attribution = addressOf(layer.attribution.data());
+  out.attribution_size = static_cast<uint32_t>(layer.attribution.size());
   return out;
 }
 

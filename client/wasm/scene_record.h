@@ -23,4 +23,10 @@ class SceneRecord {
 // A point of the scene in the coordinates of the data's owner; the ground's height there is given.
 MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const glm::dvec3& point, double ground_m);
 
+// How slopes along the lattice's axes become a normal.
+SlopeFrameRecord slopeFrameOf(const proto::Frame& frame);
+
+// Its attribution is that of the layer.
+LayerRecord recordOf(const proto::TileLayer& layer);
+
 }  // namespace foreland::client

@@ -32,6 +32,8 @@ struct Screen {
   ScreenRecord screen_record{};
   PoseRecord pose_record{};
   MapPositionRecord place_record{};
+  LayerRecord layer_record{};
+  SlopeFrameRecord slope_frame_record{};
 };
 
 // The ground at a lattice position, bilinear between the nine heights that are known, the nearest of them outside; NaN
@@ -101,6 +103,24 @@ FORELAND_EXPORT(foreland_screen_welcome) const WelcomeRecord* screenWelcome(Scre
   screen->transform.emplace(screen->welcome->frame);
   screen->ground = {};
   return screen->scene_record.fill(*screen->welcome, *screen->transform);
+}
+
+// The scene's layer of tiles of a proto::TileContent. Null if it has none.
+FORELAND_EXPORT(foreland_screen_layer) const LayerRecord* screenLayer(Screen* screen, uint32_t content) {
+  if (!screen->welcome) return nullptr;
+  for (const proto::TileLayer& layer : screen->welcome->tile_layers) {
+    if (layer.content != static_cast<proto::TileContent>(content)) continue;
+    screen->layer_record = recordOf(layer);
+    return &screen->layer_record;
+  }
+  return nullptr;
+}
+
+// Null before the welcome.
+FORELAND_EXPORT(foreland_screen_slope_frame) const SlopeFrameRecord* screenSlopeFrame(Screen* screen) {
+  if (!screen->welcome) return nullptr;
+  screen->slope_frame_record = slopeFrameOf(screen->welcome->frame);
+  return &screen->slope_frame_record;
 }
 
 // The ground about the eye: the GroundRecord in the buffer, as foreland_ground fills it.

@@ -1,0 +1,188 @@
+#include "client/imagery/residency.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace foreland::client {
+
+namespace {
+
+// Selected as finely as a screen can show; the server sends what it guarantees, and more where that is of use.
+constexpr double kTexelPx = 1;
+
+}  // namespace
+
+Residency::Residency(const proto::TileLayer& layer, uint8_t index, uint32_t texture_layers)
+    : layer_(layer), index_(index), residents_(texture_layers) {
+  CHECK_GE(texture_layers, 8u);
+  page_table_.resize(size_t{layer.levels()} * kPageSide * kPageSide * 4);
+}
+
+Residency::Resident* Residency::find(const proto::TileId& tile) {
+  const auto it = places_.find(tile.key());
+  return it == places_.end() ? nullptr : &residents_[it->second];
+}
+
+bool Residency::hasDrawnChild(const proto::TileId& tile) {
+  if (tile.level == 0) return false;
+  for (uint32_t k = 0; k < 4; ++k) {
+    const Resident* child =
+        find({tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2});
+    if (child != nullptr && isDrawn(*child)) return true;
+  }
+  return false;
+}
+
+// Its parent's image was drawn at the end of the mesh before.
+bool Residency::canCome(const proto::TileId& tile) {
+  if (tile.level + 1u == layer_.levels()) return true;
+  const Resident* parent = find(tile.parent());
+  return parent != nullptr && parent->went == 0 && parent->came < mesh_;
+}
+
+size_t Residency::pageOf(const proto::TileId& tile) const {
+  return (size_t{tile.level} * kPageSide + tile.y % kPageSide) * kPageSide + tile.x % kPageSide;
+}
+
+void Residency::advance(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held) {
+  ++mesh_;
+  arrivals_.clear(), dropped_.clear(), pages_.clear(), in_the_way_.clear();
+  for (uint32_t i = 0; i < residents_.size(); ++i)
+    if (isDrawn(residents_[i])) pages_[pageOf(residents_[i].tile)] = i;
+  select(frame, view, held);
+  forgetUnselected();
+  admit();
+  makeRoom();
+  write();
+}
+
+void Residency::select(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held) {
+  const auto lookup = [&](const proto::TileId& tile) -> std::optional<proto::TileBounds> {
+    if (const Resident* r = find(tile)) return r->bounds;
+    return held(tile);
+  };
+  // The rest is for those that go.
+  const size_t most = residents_.size() - residents_.size() / 8;
+  selectTiles(layer_, index_, frame, view, kTexelPx, most, lookup, selected_);
+  bounds_.clear();
+  for (const proto::SelectedTile& s : selected_) {
+    bounds_.emplace(s.tile.key(), *lookup(s.tile));
+    if (Resident* r = find(s.tile)) r->selected = mesh_;
+  }
+}
+
+void Residency::forgetUnselected() {
+  std::erase_if(taken_, [&](uint64_t key) {
+    if (bounds_.contains(key) || places_.contains(key)) return false;
+    dropped_.push_back(proto::TileId::of(key));
+    ready_.erase(key);
+    return true;
+  });
+}
+
+void Residency::admit() {
+  for (const proto::SelectedTile& s : selected_) {
+    const Resident* r = find(s.tile);
+    if (r != nullptr && r->went == 0) continue;
+    if (arrivals_.size() == kMostArrivals) break;
+    if (canCome(s.tile)) addIfReady(s.tile);
+  }
+}
+
+// If there is a layer and a page for it, too.
+void Residency::addIfReady(const proto::TileId& tile) {
+  const size_t page = pageOf(tile);
+  if (const auto other = pages_.find(page); other != pages_.end()) {
+    in_the_way_.push_back(other->second);
+    return;
+  }
+  std::optional<uint32_t> place;
+  if (const auto it = places_.find(tile.key()); it != places_.end()) {
+    place = it->second;  // its texels are still there
+  } else if (ready_.contains(tile.key())) {
+    if (!(place = takeLayer())) return;
+    std::optional<uint32_t> parent;
+    if (const auto at = places_.find(tile.parent().key()); at != places_.end()) parent = at->second;
+    arrivals_.push_back({tile, *place, parent});
+  } else {
+    return;
+  }
+  residents_[*place] = {tile, bounds_.at(tile.key()), mesh_, 0, mesh_};
+  places_[tile.key()] = *place;
+  pages_[page] = *place;
+}
+
+// A layer that nothing draws now, nor while what is decided here is uploaded.
+std::optional<uint32_t> Residency::takeLayer() {
+  std::optional<uint32_t> best;
+  for (uint32_t i = 0; i < residents_.size(); ++i) {
+    const Resident& r = residents_[i];
+    if (r.came == 0) return i;
+    if (r.went > 0 && r.went + 2 <= mesh_ && (!best || r.went < residents_[*best].went)) best = i;
+  }
+  if (!best) return std::nullopt;
+  const proto::TileId tile = residents_[*best].tile;
+  places_.erase(tile.key());
+  taken_.erase(tile.key());
+  ready_.erase(tile.key());
+  dropped_.push_back(tile);
+  residents_[*best] = {};
+  return best;
+}
+
+// Lets tiles go that are not selected, as many as others wait for, the longest unselected first.
+void Residency::makeRoom() {
+  size_t wanted = 0, available = 0;
+  for (const proto::SelectedTile& s : selected_) {
+    const Resident* r = find(s.tile);
+    if (r == nullptr) ++wanted;
+  }
+  for (const Resident& r : residents_)
+    if (r.came == 0 || r.went > 0) ++available;
+  wanted = std::min(wanted, residents_.size() / 4);
+  const auto canGo = [&](const Resident& r) {
+    return r.came > 0 && r.went == 0 && r.selected < mesh_ && !hasDrawnChild(r.tile);
+  };
+  for (const uint32_t i : in_the_way_)
+    if (canGo(residents_[i])) residents_[i].went = mesh_, ++available;
+  while (available < wanted) {
+    Resident* oldest = nullptr;
+    for (Resident& r : residents_)
+      if (canGo(r) && (oldest == nullptr || r.selected < oldest->selected)) oldest = &r;
+    if (oldest == nullptr) return;
+    oldest->went = mesh_, ++available;
+  }
+}
+
+void Residency::write() {
+  shown_.clear();
+  std::fill(page_table_.begin(), page_table_.end(), uint16_t{0});
+  for (uint32_t i = 0; i < residents_.size(); ++i) {
+    const Resident& r = residents_[i];
+    if (!isDrawn(r)) continue;
+    const Fade fade = r.went == mesh_ ? Fade::kGoing : r.came == mesh_ ? Fade::kComing : Fade::kNone;
+    shown_.push_back({r.tile, i, fade});
+    uint16_t* entry = &page_table_[pageOf(r.tile) * 4];
+    entry[0] = static_cast<uint16_t>(r.tile.x / kPageSide);
+    entry[1] = static_cast<uint16_t>(r.tile.y / kPageSide);
+    entry[2] = static_cast<uint16_t>(i + 1);
+    entry[3] = static_cast<uint16_t>(fade);
+  }
+}
+
+std::optional<proto::TileId> Residency::takeWanted() {
+  for (const proto::SelectedTile& s : selected_) {
+    const uint64_t key = s.tile.key();
+    if (places_.contains(key) || taken_.contains(key)) continue;
+    taken_.insert(key);
+    return s.tile;
+  }
+  return std::nullopt;
+}
+
+void Residency::setReady(const proto::TileId& tile) {
+  if (taken_.contains(tile.key())) ready_.insert(tile.key());
+}
+
+}  // namespace foreland::client
