@@ -52,7 +52,7 @@ struct TileId {
 struct TileBounds {
   float lowest_m = 0, highest_m = 0;  // above the zero surface
   // A cone of normals: its axis in the scene's axes (unit length is 127), and the largest angle from it in units of
-  // pi / 510, rounded up, so that 255 is pi / 2.
+  // pi / 510, rounded up, so that 255 is pi / 2. An axis of zeros: any direction.
   int8_t axis[3]{0, 0, 127};
   uint8_t half_angle = 0;
   bool operator==(const TileBounds&) const = default;

@@ -17,12 +17,14 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 3;
+inline constexpr uint32_t kFormatVersion = 4;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
 
 // The start of the file's first page; the rest of the page is zero.
 struct FileHeader {
+  static constexpr uint32_t kOldestVersion = 3;  // had no tiles; the reader still takes it
+
   std::array<char, 8> magic = kSceneMagic;
   uint32_t version = kFormatVersion;
   uint32_t byte_order = kByteOrderMark;
@@ -40,19 +42,20 @@ struct FileHeader {
   uint64_t voids_filled = 0;
   uint64_t slot_count = 0;
   SectionRange sections[kSectionCount];
-  SectionRange epochs;  // between the objects and the checksums (epoch_section.h); zeros in scenes without epochs
+  SectionRange epochs;  // after the objects (epoch_section.h); zeros in scenes without epochs
+  SectionRange tiles;   // after the epochs (tile_section.h); zeros in scenes without tiles
 };
-static_assert(sizeof(FileHeader) == 344 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 360 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
 // Where the sections of a file lie, given the grid and the sizes of those that do not follow from it.
 struct FileLayout {
   struct Sizes {
-    uint64_t text = 0, objects = 0, epochs = 0;
+    uint64_t text = 0, objects = 0, epochs = 0, tiles = 0;
   };
   std::array<SectionRange, kSectionCount> sections;
-  SectionRange epochs;  // zeros without epochs
+  SectionRange epochs, tiles;  // zeros if there are none
   uint64_t file_bytes = 0;
   static FileLayout of(const proto::GridTopology& grid, const Sizes& bytes);
 };

@@ -117,15 +117,15 @@ MappedFile::~MappedFile() {
   ::munmap(const_cast<uint8_t*>(data_.data()), data_.size());
 }
 
-Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, size_t header_bytes,
-                  uint64_t checksum) {
+Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, uint32_t oldest_version,
+                  size_t header_bytes, uint64_t checksum) {
   HeaderStart start;
   std::memcpy(&start, file.data(), sizeof(start));
   if (start.magic != wanted.magic)
     return Error{ErrorCode::kMalformed, path.string() + ": not a scene; name a file made by `foreland build`"};
   if (start.byte_order != wanted.byte_order)
     return Error{ErrorCode::kUnsupported, path.string() + ": written with another byte order; build the scene again"};
-  if (start.version != wanted.version)
+  if (start.version < oldest_version || start.version > wanted.version)
     return Error{ErrorCode::kUnsupported, path.string() + ": scene format " + std::to_string(start.version) +
                                               ", this program reads " + std::to_string(wanted.version) +
                                               "; build the scene again"};

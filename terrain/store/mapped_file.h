@@ -56,10 +56,11 @@ struct HeaderStart {
 };
 static_assert(sizeof(HeaderStart) == 40);
 
-// Checks that the file has the magic and version of `wanted`, an undamaged header (`checksum` is what its checksum must
-// be) and the size that the header states. Errors name the path and the remedy.
-Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, size_t header_bytes,
-                  uint64_t checksum);
+// Checks that the file has the magic of `wanted` and a version from `oldest_version` to that of `wanted`, an undamaged
+// header (`checksum` is what its checksum must be) and the size that the header states. Errors name the path and the
+// remedy.
+Status checkStart(ByteSpan file, const std::filesystem::path& path, const HeaderStart& wanted, uint32_t oldest_version,
+                  size_t header_bytes, uint64_t checksum);
 
 template <class Header>
 Result<Header> readHeader(ByteSpan file, const std::filesystem::path& path) {
@@ -68,7 +69,10 @@ Result<Header> readHeader(ByteSpan file, const std::filesystem::path& path) {
   HeaderStart wanted;
   std::memcpy(&header, file.data(), sizeof(header));
   std::memcpy(&wanted, reinterpret_cast<const uint8_t*>(&fresh), sizeof(wanted));
-  if (Status status = checkStart(file, path, wanted, sizeof(header), headerChecksum(header)); !status.ok())
+  uint32_t oldest_version = wanted.version;
+  if constexpr (requires { Header::kOldestVersion; }) oldest_version = Header::kOldestVersion;
+  if (Status status = checkStart(file, path, wanted, oldest_version, sizeof(header), headerChecksum(header));
+      !status.ok())
     return status.error();
   return header;
 }

@@ -37,10 +37,14 @@ Status MappedScene::adopt() {
   if (object_bytes > bytes_.size()) return malformed("its objects are too large");
   const uint64_t epoch_bytes = header_.epochs.bytes;
   if (epoch_bytes > bytes_.size()) return malformed("its epochs are too large");
-  const FileLayout layout = FileLayout::of(grid_, {text_bytes, object_bytes, epoch_bytes});
+  const uint64_t tile_bytes = header_.tiles.bytes;
+  if (tile_bytes > bytes_.size()) return malformed("its tiles are too large");
+  if (header_.version == FileHeader::kOldestVersion && tile_bytes > 0) return malformed("it is too old to have tiles");
+  const FileLayout layout = FileLayout::of(grid_, {text_bytes, object_bytes, epoch_bytes, tile_bytes});
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
   if (header_.epochs != layout.epochs) return malformed("its epochs are not where they belong");
+  if (header_.tiles != layout.tiles) return malformed("its tiles are not where they belong");
   if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() ||
       header_.lowest > header_.highest)
     return malformed("its sizes contradict each other");
@@ -58,6 +62,9 @@ Status MappedScene::adopt() {
   auto epochs = EpochTable::read(grid_, sectionOf<uint8_t>(bytes_, header_.epochs));
   if (!epochs) return epochs.error();
   epochs_ = std::move(*epochs);
+  auto tiles = TileTable::read(sectionOf<uint8_t>(bytes_, header_.tiles));
+  if (!tiles) return tiles.error();
+  tiles_ = std::move(*tiles);
   const auto isAbsurd = [](int32_t h) { return h < -proto::kMaxHeight || h > proto::kMaxHeight; };
   if (std::any_of(corners_.begin(), corners_.end(), isAbsurd) ||
       std::any_of(centres_.begin(), centres_.end(), isAbsurd))

@@ -14,7 +14,10 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
 
-  const FileLayout layout = FileLayout::of(*grid, {text.size(), about.objects.size(), about.epochs.size()});
+  const FileLayout layout = FileLayout::of(*grid, {.text = text.size(),
+                                                   .objects = about.objects.size(),
+                                                   .epochs = about.epochs.size(),
+                                                   .tiles = about.tiles ? about.tiles->bytes() : 0});
   FileHeader h;
   h.file_bytes = layout.file_bytes;
   const proto::GridShape& s = about.shape;
@@ -26,6 +29,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   h.slot_count = grid->slotCount();
   for (uint32_t kind = 0; kind < kSectionCount; ++kind) h.sections[kind] = layout.sections[kind];
   h.epochs = layout.epochs;
+  h.tiles = layout.tiles;
 
   auto file = NewFile::create(target, layout.file_bytes);
   if (!file.ok()) return file.error();
@@ -33,6 +37,9 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   std::memcpy(writer.at(kText), text.data(), text.size());
   if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
   if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
+  if (about.tiles)
+    if (Status status = about.tiles->write({writer.at(layout.tiles), layout.tiles.bytes}); !status.ok())
+      return status.error();
   return writer;
 }
 

@@ -11,6 +11,7 @@
 #include "terrain/store/format.h"
 #include "terrain/store/new_file.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/tile_section.h"
 
 namespace foreland::terrain {
 
@@ -24,6 +25,7 @@ class SceneWriter {
     SceneOrigin origin;
     Bytes objects{};  // the section of objects (terrain/objects)
     Bytes epochs{};   // the section of epochs (epoch_section.h)
+    const TileSection* tiles = nullptr;
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 

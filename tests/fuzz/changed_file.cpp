@@ -68,6 +68,9 @@ SoundFile::SoundFile(Bytes bytes) : bytes_(std::move(bytes)) {
     if constexpr (requires { header.epochs; })
       if (header.epochs.bytes > 0)
         places_.push_back({at + header.epochs.offset, std::min<size_t>(header.epochs.bytes, kLongestPlace)});
+    if constexpr (requires { header.tiles; })
+      if (header.tiles.bytes > 0)
+        places_.push_back({at + header.tiles.offset, std::min<size_t>(header.tiles.bytes, kLongestPlace)});
   });
   CHECK_GT(places_.size(), 1u);
 }

@@ -4,47 +4,34 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
 #include <functional>
-#include <iterator>
 
-#include "terrain/store/checksum.h"
 #include "terrain/store/format.h"
+#include "tests/support/forged_scene.h"
 #include "tests/support/scene.h"
 
 namespace foreland::terrain {
 namespace {
 
-// A scene whose content was changed and whose checksums were made to agree again: only the invariants can tell.
 class Forged : public testing::Test {
  protected:
   test::TemporaryFolder folder;
   std::filesystem::path path = folder / "a.fls";
-  std::vector<uint8_t> bytes;
+  std::vector<char> bytes;
   FileHeader header;
 
   void SetUp() override {
     test::FormulaSource source(40, 25, test::hills(3));
     ASSERT_TRUE(buildScene(source, {path}).ok());
-    std::ifstream in(path, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(in), {});
-    std::memcpy(&header, bytes.data(), sizeof(header));
+    bytes = test::slurp(path);
+    header = test::headerOf(bytes);
   }
   NodeRecord* nodes() { return reinterpret_cast<NodeRecord*>(bytes.data() + header.sections[kNodes].offset); }
   const proto::GridTopology grid = *proto::GridTopology::create(proto::GridTopology::shapeFor(40, 25));
 
   VerifyReport seal() {
-    const SectionRange& table = header.sections[kChecksums];
-    for (uint64_t i = 0; i < blockCount(table); ++i) {
-      const uint64_t sum = xxh64(blockAt(bytes, table, i));
-      std::memcpy(bytes.data() + table.offset + i * sizeof(sum), &sum, sizeof(sum));
-    }
-    header.scene_id = contentId(header, ByteSpan(bytes).subspan(table.offset, table.bytes));
-    header.header_checksum = headerChecksum(header);
-    std::memcpy(bytes.data(), &header, sizeof(header));
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    test::sealScene(bytes, header);
+    test::spit(path, bytes);
     const auto report = verifyScene(path, 2);
     EXPECT_TRUE(report.ok());
     return *report;

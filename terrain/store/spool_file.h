@@ -1,0 +1,39 @@
+// A file without a name that grows while something is made whose size is not known before; it is gone when its owner
+// is. Threads: append() and read() may be called by several at once.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "base/bytes.h"
+#include "base/result.h"
+
+namespace foreland::terrain {
+
+class SpoolFile {
+ public:
+  // On the disk that `target` will be on.
+  static Result<SpoolFile> create(const std::filesystem::path& target);
+
+  SpoolFile(SpoolFile&& other) noexcept;
+  SpoolFile& operator=(SpoolFile&&) = delete;
+  ~SpoolFile();
+
+  // Returns the offset that read() takes.
+  Result<uint64_t> append(ByteSpan what);
+  // Fills `out`, all of which must have been appended.
+  Status read(uint64_t offset, std::span<uint8_t> out) const;
+  uint64_t bytes() const { return end_; }
+
+ private:
+  explicit SpoolFile(const std::filesystem::path& target) : target_(target) {}
+  Error systemError(const char* doing) const;
+
+  std::filesystem::path target_;
+  int file_ = -1;
+  std::atomic<uint64_t> end_{0};
+};
+
+}  // namespace foreland::terrain
