@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "terrain/imagery/verify_tiles.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/verify.h"
 #include "terrain/surface_store/mapped_surface.h"
@@ -64,12 +65,30 @@ int verifySurface(const std::string& path, unsigned threads) {
   return conclude(path, printFaults(path, *found));
 }
 
+// Prints what was checked of the tiles, and their faults; returns how many there are.
+Result<uint64_t> verifyTiles(const std::string& path, unsigned threads) {
+  constexpr double kDegrees = 57.29577951308232;
+  const auto found = terrain::verifyTiles(path, threads);
+  if (!found.ok()) return found.error();
+  for (const terrain::LayerReport& layer : found->layers)
+    std::printf("%" PRIu64
+                " tiles of relief: heights those of the samples, coarser ones their means, bounds hold them; normals "
+                "%.3f degrees off (RMS), %.3f at most\n",
+                layer.tiles, layer.rms_rad * kDegrees, layer.largest_rad * kDegrees);
+  for (const std::string& fault : found->first_faults)
+    std::fprintf(stderr, "foreland verify: %s: %s\n", path.c_str(), fault.c_str());
+  return found->faults;
+}
+
 int verifyScene(const std::string& path, unsigned threads) {
   const auto found = terrain::verifyScene(path, threads);
   if (!found.ok()) return fail(found.error());
   std::printf("header, sizes and table of checksums agree\n");
   printChecks(kTerrainChecks, *found);
   uint64_t faults = printFaults(path, *found);
+  const auto tiles = verifyTiles(path, threads);
+  if (!tiles.ok()) return fail(tiles.error());
+  faults += *tiles;
   const auto objects = terrain::verifyObjects(path, threads);
   if (!objects.ok()) return fail(objects.error());
   if (objects->objects > 0)

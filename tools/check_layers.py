@@ -27,9 +27,10 @@ SEES |= {
     "terrain/store": [*PROTO, "terrain"],
     "terrain/bounds": [*PROTO, "terrain", "terrain/store"],
     "terrain/epochs": [*PROTO, "terrain", "terrain/store", "terrain/bounds"],
+    "terrain/imagery": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds"],
     "terrain/surface": [*PROTO, "terrain"],
     "terrain/build": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem/voids",
-                      "terrain/epochs", "terrain/surface", "terrain/surface_store", "terrain/objects"],
+                      "terrain/epochs", "terrain/imagery", "terrain/surface", "terrain/surface_store", "terrain/objects"],
     "terrain/model": [*PROTO, "terrain"],
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
     "terrain/surface_store": [*PROTO, "terrain", "terrain/store", "terrain/surface"],

@@ -9,6 +9,7 @@
 #include "apps/date.h"
 #include "apps/info/info_objects.h"
 #include "apps/info/info_surface.h"
+#include "apps/info/info_tiles.h"
 #include "terrain/store/scene.h"
 
 namespace {
@@ -106,6 +107,7 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
   if (!scene.epochs().epochs().empty()) about["epochs"] = describeEpochs(scene.epochs());
+  about["tiles"] = apps::describeTiles(scene.tiles());
   return about;
 }
 
@@ -145,6 +147,7 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());
   printEpochs(scene.epochs());
+  apps::printTiles(scene);
 }
 
 void printJson(const ordered_json& about) {

@@ -9,6 +9,7 @@
 
 #include "terrain/bounds/bounds.h"
 #include "terrain/dem/voids/voids.h"
+#include "terrain/imagery/relief.h"
 #include "terrain/store/scene_writer.h"
 
 namespace foreland::terrain {
@@ -145,6 +146,23 @@ Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, c
   return {};
 }
 
+// The tiles of a scene; none if it changes in time, for they hold one ground only.
+Result<TileSection> makeTiles(const Terrain& terrain, const BuildOptions& options, const Progress& progress) {
+  auto section = TileSection::create(options.output);
+  if (!section || terrain.epochs) return section;
+  progress.report("relief", 0);
+  const auto made = addRelief(
+      terrain.heights, terrain.frame, options.threads,
+      [&](double fraction) {
+        progress.report("relief", fraction);
+        return progress.keepGoing();
+      },
+      *section);
+  if (!made) return made.error();
+  if (!*made) return stopped();
+  return section;
+}
+
 Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer, const Progress& progress) {
   Status failure;  // the first of any thread
   std::mutex mutex;
@@ -246,14 +264,20 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
     if (Status s = addEpochs(*epochs, *layers, progress); !s.ok()) return s.error();
     range = layers->range();
   }
-  auto writer = SceneWriter::create(
-      options.output, {grid->shape(), frame, range, origin, std::move(*objects), layers ? layers->section() : Bytes{}});
+  const Terrain terrain{*grid, frame, heights, layers ? &*layers : nullptr};
+  const auto tiles = makeTiles(terrain, options, progress);
+  if (!tiles) return tiles.error();
+  auto writer = SceneWriter::create(options.output, {.shape = grid->shape(),
+                                                     .frame = frame,
+                                                     .heights = range,
+                                                     .origin = origin,
+                                                     .objects = std::move(*objects),
+                                                     .epochs = layers ? layers->section() : Bytes{},
+                                                     .tiles = &*tiles});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);
 
-  if (Status status = bound({*grid, frame, heights, layers ? &*layers : nullptr}, options.threads, *writer, progress);
-      !status.ok())
-    return status.error();
+  if (Status status = bound(terrain, options.threads, *writer, progress); !status.ok()) return status.error();
   if (!progress.keepGoing()) return stopped();
   progress.report("writing", 0);
   const auto id = writer->finish();

@@ -1,6 +1,7 @@
 // Elevation data in, one scene file out: read in windows, fill voids, quantise, bound, write. The file appears whole or
-// not at all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source and the filling of voids
-// need; with epochs, another 12 bytes a sample and 9 a node. One caller; uses threads of its own while it runs.
+// not at all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source, the filling of voids
+// or the relief (5/4 bytes a sample) need; with epochs, another 12 bytes a sample and 9 a node. One caller; uses
+// threads of its own while it runs.
 #pragma once
 
 #include <cstdint>

@@ -62,6 +62,10 @@ TEST_F(ScenePrograms, InfoGivesFrameAndSizesAsJson) {
   EXPECT_EQ(json["frame"]["axes"], (std::vector<std::string>{"east", "north", "up"}));
   EXPECT_NEAR(json["frame"]["origin"]["latitude_deg"], 46.027, 0.001);
   EXPECT_TRUE(json["frame"].contains("crs"));
+  ASSERT_EQ(json["tiles"].size(), 1u);
+  EXPECT_EQ(json["tiles"][0]["content"], "relief");
+  EXPECT_EQ(json["tiles"][0]["texels"], (std::vector<int>{65, 65}));
+  EXPECT_GT(json["tiles"][0]["megabytes"], 0);
 }
 
 TEST_F(ScenePrograms, InfoPrintsTheSceneForPeople) {

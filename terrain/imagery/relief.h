@@ -1,0 +1,29 @@
+// Relief: the heights of a scene's samples as tiles (proto/imagery/tile.h), which ground is shaded by. Uses threads of
+// its own while it runs; the result does not depend on their number. Memory: 5/4 bytes a sample.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "base/result.h"
+#include "proto/imagery/tile.h"
+#include "proto/space/frame.h"
+#include "terrain/bounds/heights.h"
+#include "terrain/store/tile_section.h"
+
+namespace foreland::terrain {
+
+// Texels are samples. Heights are in steps of a twentieth of the distance between samples, which gives normals to
+// within about two degrees, but of 10 m at most, so that they are worth looking up; rounded down to whole quanta, and
+// one at least.
+proto::TileLayer reliefLayer(uint32_t width, uint32_t height, const proto::Frame& frame);
+
+// Called with the fraction that is done; returns whether to go on.
+using KeepGoing = std::function<bool(double fraction)>;
+
+// Adds all tiles of relief to `section` as a layer; returns false if it was stopped. `frame` has the height quantum.
+// A scene whose quantum is too small or too large for tiles is an Error.
+Result<bool> addRelief(const Heights& heights, const proto::Frame& frame, unsigned threads, const KeepGoing& keepGoing,
+                       TileSection& section);
+
+}  // namespace foreland::terrain

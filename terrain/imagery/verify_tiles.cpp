@@ -1,0 +1,41 @@
+#include "terrain/imagery/verify_tiles.h"
+
+#include "terrain/imagery/normal_cone.h"
+#include "terrain/imagery/verify_relief.h"
+
+namespace foreland::terrain {
+
+void checkChildrensBounds(const TileTable& tiles, const proto::TileId& tile, uint64_t order, Faults& faults) {
+  const auto own = tiles.bounds(tile);
+  if (!own || tile.level == 0) return;
+  for (uint32_t k = 0; k < 4; ++k) {
+    const proto::TileId child{tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2};
+    if (!tiles.layers()[tile.layer].has(child)) continue;
+    const auto bounds = tiles.bounds(child);
+    if (!bounds) continue;
+    if (bounds->lowest_m < own->lowest_m || bounds->highest_m > own->highest_m ||
+        !NormalCone::of(*own).holds(NormalCone::of(*bounds)))
+      faults.add(order, nameOf(tile) + " has bounds that do not hold those of a finer one");
+  }
+}
+
+TilesReport verifyTiles(const Scene& scene, unsigned threads) {
+  TilesReport report;
+  Faults faults;
+  const TileTable& tiles = scene.tiles();
+  tiles.check([&](const std::string& what) { faults.add(0, what); });
+  for (uint8_t i = 0; i < tiles.layers().size(); ++i)
+    if (tiles.layers()[i].content == proto::TileContent::kRelief)
+      report.layers.push_back(verifyRelief(scene, i, threads, faults));
+  report.faults = faults.count();
+  report.first_faults = faults.first();
+  return report;
+}
+
+Result<TilesReport> verifyTiles(const std::filesystem::path& path, unsigned threads) {
+  const auto scene = Scene::open(path);
+  if (!scene.ok()) return scene.error();
+  return verifyTiles(**scene, threads);
+}
+
+}  // namespace foreland::terrain
