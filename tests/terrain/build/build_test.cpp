@@ -34,7 +34,7 @@ TEST(Build, ReportsWhatItDidAndTheSceneIsSound) {
   EXPECT_EQ(report->samples, 70u * 41u);
   EXPECT_EQ(report->voids_filled, 0u);
   EXPECT_EQ(report->file_bytes, std::filesystem::file_size(folder / "a.fls"));
-  EXPECT_EQ(stages, (std::vector<std::string>{"reading", "filling voids", "bounding", "writing"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"reading", "filling voids", "relief", "bounding", "writing"}));
   const auto verified = verifyScene(folder / "a.fls");
   ASSERT_TRUE(verified.ok());
   EXPECT_TRUE(verified->sound()) << verified->first_faults.front();
