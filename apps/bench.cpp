@@ -8,6 +8,7 @@
 
 #include "apps/bench_animated.h"
 #include "apps/bench_calibrate.h"
+#include "apps/bench_drape.h"
 #include "apps/bench_flight.h"
 #include "apps/bench_latency.h"
 #include "apps/bench_load.h"
@@ -256,20 +257,23 @@ int main(int argc, char** argv) {
   apps::LoadArguments load_args;
   apps::RunArguments run_args;
   apps::TilesArguments tiles_args;
+  apps::DrapeArguments drape_args;
   const CLI::App *on_sections = addSections(app, section_args), *on_refine = addRefine(app, refine_args),
                  *on_wire = addWire(app, wire_args), *on_occlusion = apps::addOcclusion(app, occlusion_args),
                  *on_animated = apps::addAnimated(app, animated_args),
                  *on_latency = apps::addLatency(app, latency_args),
                  *on_calibrate = apps::addCalibrate(app, calibrate_args), *on_report = addReport(app, report_args),
                  *on_load = apps::addLoad(app, load_args), *on_run = apps::addRun(app, run_args),
-                 *on_tiles = apps::addTiles(app, tiles_args), *on_client = addClient(app, client_args);
+                 *on_tiles = apps::addTiles(app, tiles_args), *on_client = addClient(app, client_args),
+                 *on_drape = apps::addDrape(app, drape_args);
   apps::addSurfaces(app, surface_args);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
   latency_args.experiment.command = load_args.experiment.command = tiles_args.experiment.command =
-      apps::commandText(argc, argv);
+      drape_args.experiment.command = apps::commandText(argc, argv);
   if (*on_tiles) return print(apps::tiles(tiles_args), tiles_args.flight.format);
+  if (*on_drape) return print(apps::drape(drape_args), drape_args.flight.format);
   if (*on_run) return print(apps::runExperiment(run_args), bench::ReportFormat::kText);
   if (*on_client) return print(clientCosts(client_args), client_args.flight.format);
   if (*on_load) return print(apps::load(load_args), load_args.format);

@@ -71,10 +71,10 @@ BENCH_ROOMS = ["bench/programs", "bench/wire/peers", "bench"]
 SEES["bench"] = [*LIBRARIES, *BENCH_ROOMS[:-1]]  # the oracle too: it judges frames in measurements, in the player and in tests
 # Experiments: the world in virtual time, what is flown and scheduled in it, and the pages that show the results.
 SEES["bench/world"] = [*LIBRARIES, *BENCH_ROOMS]
-for room in ("bench/animated", "bench/latency", "bench/load", "bench/tiles"):
+for room in ("bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles"):
     SEES[room] = [*SEES["bench/world"], "bench/world"]
 SEES["bench/report"] = ["base", "bench/programs", "bench"]  # knows the tables alone
-BENCH_ROOMS += ["bench/world", "bench/animated", "bench/latency", "bench/load", "bench/tiles", "bench/report"]
+BENCH_ROOMS += ["bench/world", "bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles", "bench/report"]
 SEES["apps"] = [*LIBRARIES, *BENCH_ROOMS]
 SEES["tests/support"] = [*LIBRARIES, *BENCH_ROOMS]
 SEES["tests"] = [*LIBRARIES, *BENCH_ROOMS, "apps", "tests/support"]

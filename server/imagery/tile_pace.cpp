@@ -4,26 +4,51 @@
 
 namespace foreland::server {
 
-void TilePace::keyframeArrived(Time arrived_client, Time sent) {
-  delays_us_.push_back(arrived_client.us - sent.us);
-  if (delays_us_.size() > kMemory) delays_us_.pop_front();
-  const Duration queued{delays_us_.back() - *std::min_element(delays_us_.begin(), delays_us_.end())};
-  if (queued > kQueueing)
-    bytes_per_second_ *= 0.7;
-  else if (queued < kFree && was_used_up_)
-    bytes_per_second_ *= 1.25;  // it doubles in three keyframes while tiles wait
-  bytes_per_second_ = std::clamp(bytes_per_second_, kLeast, kMost);
+namespace {
+
+constexpr double kLeast = 10e3, kMost = 50e6;  // bytes a second
+constexpr size_t kMostUnderWay = 64;
+constexpr double kDrift_us = 100;     // that a delay may grow from keyframe to keyframe because clocks differ
+constexpr double kAllowed_us = 20e3;  // that a keyframe may queue, and as long as half a tile takes
+constexpr double kHalfTile = 8e3;     // bytes
+constexpr double kMostShares = 3;     // of an interval, that may be under way
+constexpr double kStep = 0.03, kMostDown = 0.25, kFirstStep = 0.3;  // of the rate, from keyframe to keyframe
+
+}  // namespace
+
+void TilePace::keyframeArrived(uint32_t index, Time arrived_client) {
+  while (!under_way_.empty() && under_way_.front().index < index) under_way_.pop_front();
+  if (under_way_.empty() || under_way_.front().index != index) return;
+  const Sent keyframe = under_way_.front();
+  under_way_.pop_front();
+  delivered_ = keyframe.bytes;
+  const auto delay_us = static_cast<double>(arrived_client.us - keyframe.at.us);
+  least_us_ = least_us_ ? std::min(*least_us_ + kDrift_us, delay_us) : delay_us;
+  const double queued_us = delay_us - *least_us_;
+  const double allowed_us = kAllowed_us + 1e6 * kHalfTile / bytes_per_second_;
+  was_full_ = was_full_ || queued_us > 2 * allowed_us;
+  const double missing = (allowed_us - queued_us) / allowed_us;  // of what may be queued; below 0: too much is
+  // Where tiles were few the link was not tried.
+  if (missing > 0 && !keyframe.is_tried) return;
+  const double step = was_full_ ? std::max(kStep * missing, -kMostDown) : kFirstStep;
+  bytes_per_second_ = std::clamp(bytes_per_second_ * (1 + step), kLeast, kMost);
 }
 
-void TilePace::keyframeSent(double interval_s, uint32_t max_bytes_per_second) {
-  was_used_up_ = credit_ <= 0;
+void TilePace::keyframeSent(uint32_t index, Time now, double interval_s, uint32_t max_bytes_per_second) {
+  under_way_.push_back({index, now, sent_, credit_ <= 0});
+  if (under_way_.size() > kMostUnderWay) under_way_.pop_front();
   double rate = bytes_per_second_;
   if (max_bytes_per_second > 0) rate = std::min(rate, 0.5 * max_bytes_per_second);
-  // What was not used does not add up: it would be a burst.
   const double share = rate * std::clamp(interval_s, 0.0, 1.0);
+  // What was not used does not add up: it would be a burst.
   credit_ = std::min(credit_ + share, share);
+  // The link has not even transmitted what it was given before.
+  if (sent_ - delivered_ > kMostShares * share) credit_ = std::min(credit_, 0.0);
 }
 
-void TilePace::sent(size_t bytes) { credit_ -= static_cast<double>(bytes); }
+void TilePace::sent(size_t bytes) {
+  credit_ -= static_cast<double>(bytes);
+  sent_ += static_cast<double>(bytes);
+}
 
 }  // namespace foreland::server

@@ -1,12 +1,13 @@
-// How many bytes of tiles may follow a keyframe so that the next keyframe does not queue behind them: as many as the
-// link takes, found out from how much later than the fastest a keyframe arrives. Tiles are sent in the wake of
-// keyframes, so a link that is full shows in the very messages that must not be late. One owner.
-// Source: IMAGERY, "When"; delays as the signal of congestion as in LEDBAT (RFC 6817).
+// How many bytes of tiles may follow a keyframe so that the next keyframe hardly queues behind them. Tiles are sent in
+// the wake of keyframes and arrive in order, so the acknowledgement of a keyframe tells how long it queued behind the
+// tiles before it, and that they have arrived. The rate rises while keyframes arrive as fast as ever, and falls when
+// they queue. One owner. Source: IMAGERY, "When"; delays as the signal of a queue as in LEDBAT (RFC 6817).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "base/time.h"
 
@@ -14,10 +15,10 @@ namespace foreland::server {
 
 class TilePace {
  public:
-  // A keyframe that was sent at `sent` (the server's clock) arrived at `arrived` (the client's).
-  void keyframeArrived(Time arrived_client, Time sent);
-  // A keyframe has been sent, so long after the last one. At most so many bytes a second may follow it; 0: no limit.
-  void keyframeSent(double interval_s, uint32_t max_bytes_per_second);
+  // A keyframe leaves, so long after the last one. At most so many bytes of tiles a second may follow; 0: no limit.
+  void keyframeSent(uint32_t index, Time now, double interval_s, uint32_t max_bytes_per_second);
+  // It arrived at this time of the client's clock.
+  void keyframeArrived(uint32_t index, Time arrived_client);
   // Whether another tile may be sent now. A tile is sent whole, and what it takes too much is missing afterwards.
   bool mayBeSent() const { return credit_ > 0; }
   void sent(size_t bytes);
@@ -26,14 +27,18 @@ class TilePace {
   double bytesPerSecond() const { return bytes_per_second_; }
 
  private:
-  static constexpr size_t kMemory = 64;  // keyframes
-  static constexpr double kFirst = 250e3, kLeast = 10e3, kMost = 20e6;
-  static constexpr Duration kQueueing = Duration::milliseconds(50), kFree = Duration::milliseconds(15);
-
-  double bytes_per_second_ = kFirst;
-  double credit_ = 0;  // bytes
-  bool was_used_up_ = false;
-  std::deque<int64_t> delays_us_;  // with the offset between the clocks
+  struct Sent {
+    uint32_t index;
+    Time at;
+    double bytes;   // of tiles, before it
+    bool is_tried;  // more tiles waited than could be sent
+  };
+  double bytes_per_second_ = 250e3;
+  double credit_ = 0;                // bytes
+  double sent_ = 0, delivered_ = 0;  // bytes of tiles
+  std::deque<Sent> under_way_;       // keyframes
+  std::optional<double> least_us_;   // delay, with the offset between the clocks
+  bool was_full_ = false;            // keyframes have queued
 };
 
 }  // namespace foreland::server

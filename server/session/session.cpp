@@ -154,7 +154,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     while (!in_flight_.empty() && in_flight_.front().index <= acknowledged_) {
       if (in_flight_.front().index == acknowledged_) {
         clocks_.keyframeArrived(update.received_at, in_flight_.front().at);
-        if (tiles_) tiles_->pace().keyframeArrived(update.received_at, in_flight_.front().at);
+        if (tiles_) tiles_->pace().keyframeArrived(acknowledged_, update.received_at);
       }
       in_flight_.pop_front();
     }
@@ -497,7 +497,7 @@ void Session::sendTiles(Time t_client, const proto::View& view, double interval_
   const Time later = t_client + Duration::seconds(1 + keyframe().index % kSecondsAhead);
   const std::array<proto::View, 2> views{view, proto::View{expectedMotion().at(later), view.lens, view.tau_px}};
   tiles_->choose(keyframe().index, views, *request_);
-  tiles_->pace().keyframeSent(interval_s, request_->max_bytes_per_second);
+  tiles_->pace().keyframeSent(keyframe().index, now_, interval_s, request_->max_bytes_per_second);
   tiles_->take(out);
   statistics_.tiles = tiles_->statistics().tiles;
   statistics_.tile_bytes = tiles_->statistics().bytes;

@@ -1,0 +1,137 @@
+#include "bench/drape/drape_flight.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "bench/world/world.h"
+#include "client/imagery/drape.h"
+
+namespace foreland::bench {
+
+namespace {
+
+// Layers of the page's texture arrays.
+constexpr client::Drape::Sizes kTextureLayers{64, 192};
+
+// What our client draws of a layer: which tiles with which mesh, as the page's worker decides it, each decoded when it
+// is wanted.
+class OurDrape {
+ public:
+  explicit OurDrape(const DrapeFlight& flight) : flight_(flight), frame_(flight.scene->frame()) {}
+
+  void onKeyframe(const client::Viewer& viewer) {
+    if (!drape_) drape_.emplace(viewer.tiles(), kTextureLayers);
+    while (drape_->decodeRelief()) {}
+    while (const auto image = drape_->takeWantedImage()) drape_->setImageReady(*image);
+    drape_->advance(frame_, viewer.replica()->newest());
+    const client::Residency* residency = drape_->residency(content());
+    shown_[viewer.timeline().newestVersion()] = residency->shown();
+  }
+
+  DrawnTiles drawn(uint32_t mesh_version, float weight) {
+    DrawnTiles tiles;
+    const auto shown = shown_.find(mesh_version);
+    if (shown == shown_.end()) return tiles;
+    shown_.erase(shown_.begin(), shown);
+    for (const client::Residency::Shown& each : shown_.begin()->second)
+      tiles[each.tile.key()] = each.fade == client::Residency::Fade::kComing  ? 1 - weight
+                               : each.fade == client::Residency::Fade::kGoing ? weight
+                                                                              : 0;
+    return tiles;
+  }
+
+ private:
+  proto::TileContent content() const { return flight_.scene->tiles().layers()[flight_.layer].content; }
+
+  const DrapeFlight& flight_;
+  proto::FrameTransform frame_;
+  std::optional<client::Drape> drape_;
+  std::map<uint32_t, std::vector<client::Residency::Shown>> shown_;  // by mesh version
+};
+
+ClientOptions clientOf(const DrapeFlight& flight) {
+  ClientOptions client;
+  client.request.lens = flight.lens;
+  client.request.tau_px = flight.tau_px;
+  client.request.predictor = flight.predictor;
+  const bool is_relief = flight.scene->tiles().layers()[flight.layer].content == proto::TileContent::kRelief;
+  client.request.relief = is_relief;
+  client.request.imagery = !is_relief;
+  client.path = flight.path;
+  client.announce_path = flight.predictor == proto::Predictor::kKnownPath;
+  client.up = flight.links.up;
+  client.down = flight.links.down;
+  return client;
+}
+
+}  // namespace
+
+Result<DrapeExperiment> DrapeExperiment::create(const DrapeFlight& flight, double every_s) {
+  std::vector<proto::Pose> poses;
+  for (double at = 0; at < flight.seconds; at += every_s)
+    poses.push_back(flight.poseAt(Time{} + kDrapeStanding + Duration::seconds(at)));
+  auto judge = DrapeJudge::create(flight.scene, flight.lens, std::move(poses), every_s);
+  if (!judge) return judge.error();
+  return DrapeExperiment(flight, std::move(*judge), every_s);
+}
+
+Time DrapeExperiment::judgedAt(size_t frame) const {
+  return Time{} + kDrapeStanding + Duration::seconds(every_s_ * static_cast<double>(frame));
+}
+
+DrapeFigures DrapeExperiment::flyOurs() {
+  World world(
+      flight_.world, {}, [&](const StepWork& work) { return flight_.prices.of(work); }, flight_.seed, Laws::kTrusted);
+  world.addClient(clientOf(flight_));
+  OurDrape drape(flight_);
+  world.on_keyframe = [&](size_t, const ArrivedKeyframe&) { drape.onKeyframe(world.viewer(0)); };
+  size_t next = 0;
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    const DrawnTiles drawn = drape.drawn(view.mesh_version, view.weight);
+    if (next >= judge_.frames() || now < judgedAt(next)) return;
+    const auto& statement = world.viewer(0).tiles().statement();
+    const double stated_px = statement ? statement->texel_px[flight_.layer] : std::numeric_limits<double>::infinity();
+    judge_.judge(next++, image_, drawn, stated_px);
+  };
+  world.run(Time{} + kDrapeStanding);
+  const uint64_t before = world.session(0).statistics().tile_bytes;
+  world.run(end());
+  const client::ViewerStatistics& statistics = world.viewer(0).statistics();
+  return {.way = "foreland",
+          .asked_px = server::TileSender::kTexel_px,
+          .bytes = world.session(0).statistics().tile_bytes,
+          .first_view_bytes = before,
+          .quality = judge_.take(),
+          .keyframes_late = statistics.keyframes > 0 ? double(statistics.late_keyframes) / statistics.keyframes : 0};
+}
+
+DrapeFigures DrapeExperiment::pull(TileRule rule, double texel_px) {
+  TilePuller puller(flight_.scene, flight_.layer, flight_.lens,
+                    {.rule = rule, .texel_px = texel_px, .links = flight_.links, .seed = flight_.seed});
+  DrapeFigures figures{.way = rule == TileRule::kDistance ? "by distance" : "by area", .asked_px = texel_px};
+  size_t next = 0;
+  for (Time now; now < end(); now = now + World::kFrame) {
+    if (now < Time{} + kDrapeStanding) figures.first_view_bytes = puller.bytes();
+    puller.frame(now, flight_.poseAt(now));
+    if (next < judge_.frames() && now >= judgedAt(next))
+      judge_.judge(next++, image_, puller.drawn(), std::numeric_limits<double>::infinity());
+  }
+  figures.bytes = puller.bytes();
+  figures.quality = judge_.take();
+  return figures;
+}
+
+DrapeFigures DrapeExperiment::pullForPsnr(TileRule rule, double psnr_db) {
+  double fine = 0.25, coarse = 16;
+  DrapeFigures figures;
+  for (int i = 0; i < 7; ++i) {
+    const double middle = std::sqrt(fine * coarse);
+    figures = pull(rule, middle);
+    if (std::abs(figures.quality.psnr_db - psnr_db) < 0.1) break;
+    (figures.quality.psnr_db > psnr_db ? fine : coarse) = middle;
+  }
+  return figures;
+}
+
+}  // namespace foreland::bench

@@ -1,0 +1,69 @@
+// What a flight looks like where tiles are drawn, against the finest tiles there are: the ground that pixels show is
+// found by rays on all heights of the scene, so neither the mesh nor any choice of tiles plays a part in it. Shares no
+// code with the selection. One owner.
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "base/result.h"
+#include "bench/drape/layer_image.h"
+#include "proto/space/pose.h"
+#include "terrain/render/ray_caster.h"
+
+namespace foreland::bench {
+
+// Tiles as they are drawn in a frame, by key, and how far each has faded to its parent's image: 0 not at all, 1 whole.
+using DrawnTiles = std::unordered_map<uint64_t, float>;
+
+struct DrapeQuality {
+  double psnr_db = 0, ssim = 0;  // of brightness
+  // Of the texels that are drawn, on the screen, where the data have finer ones.
+  double texel_px_p50 = 0, texel_px_p99 = 0, texel_px_max = 0;
+  double blur_px_s = 0;      // pixels whose texels are larger than kBlur_px, times seconds
+  uint64_t over_stated = 0;  // samples whose texels are larger than was stated
+  uint64_t not_drawn = 0;    // samples of no tile
+};
+
+class DrapeJudge {
+ public:
+  static constexpr double kBlur_px = 2.02;
+
+  // A frame from each of these poses stands for `seconds` of flight. An Error if the scene does not fit into memory.
+  static Result<DrapeJudge> create(const std::shared_ptr<const terrain::Scene>& scene, const proto::Lens& lens,
+                                   std::vector<proto::Pose> poses, double seconds);
+
+  size_t frames() const { return poses_.size(); }
+  // Judges what is drawn in frame i.
+  void judge(size_t frame, LayerImage& image, const DrawnTiles& drawn, double stated_px);
+  // Of all frames judged since the last call.
+  DrapeQuality take();
+
+ private:
+  struct Sample {
+    glm::dvec2 lattice{0, 0};
+    float pixel = 0;  // of the ground that a pixel covers there: sample intervals, the root of its area
+  };
+  using Block = std::vector<Sample>;  // pixel by pixel; a sample that hits nothing has pixel 0
+
+  DrapeJudge(terrain::RayCaster caster, std::shared_ptr<const terrain::Scene> scene, const proto::Lens& lens,
+             std::vector<proto::Pose> poses, double seconds);
+  const std::vector<Block>& samples(size_t frame);
+  Block cast(const proto::Pose& pose, uint32_t left, uint32_t top) const;
+
+  terrain::RayCaster caster_;
+  std::shared_ptr<const terrain::Scene> scene_;
+  proto::Lens lens_;
+  std::vector<proto::Pose> poses_;
+  double seconds_;
+  std::vector<std::vector<Block>> samples_;                 // by frame, once cast
+  std::vector<std::vector<std::vector<float>>> reference_;  // brightness, by frame, block and pixel
+
+  double squares_ = 0, ssim_ = 0;
+  uint64_t pixels_ = 0, windows_ = 0;
+  std::vector<float> texels_px_;
+  DrapeQuality sum_;
+};
+
+}  // namespace foreland::bench

@@ -1,0 +1,93 @@
+// The pace of tiles, on a link that transmits so many bytes a second and keeps what waits in order.
+#include "server/imagery/tile_pace.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/rng.h"
+#include "tests/support/seed.h"
+
+namespace foreland::server {
+namespace {
+
+struct Outcome {
+  double bytes_per_second;  // of tiles, in the second half
+  Duration p95_queued;      // keyframes, in the second half: later than on an empty link
+};
+
+// A minute of keyframes every 200 ms and, always, tiles that wait.
+Outcome run(double link_bytes_per_second, uint32_t limit, Rng& rng) {
+  constexpr Duration kInterval = Duration::milliseconds(200), kLatency = Duration::milliseconds(25),
+                     kOffset = Duration::seconds(-1234);
+  TilePace pace;
+  Time free;  // when the link has transmitted all
+  const auto transmit = [&](Time now, double bytes) {
+    free = std::max(free, now) + Duration::seconds(bytes / link_bytes_per_second);
+    return free;
+  };
+  double tiles = 0;
+  std::vector<Duration> queued;
+  const Time end = Time::seconds(60), half = Time::seconds(30);
+  struct Arrival {
+    Time at, arrived_client;
+    uint32_t index;
+  };
+  uint32_t index = 0;
+  std::vector<Arrival> acknowledged;
+  for (Time now = Time::seconds(1); now < end; now = now + kInterval) {
+    const double bytes = rng.uniform(300, 3000);
+    const Duration jitter{static_cast<int64_t>(rng.below(4000))};
+    const Time arrived = transmit(now, bytes) + kLatency + jitter;
+    if (now > half) queued.push_back(arrived - now - kLatency - Duration::seconds(bytes / link_bytes_per_second));
+    acknowledged.push_back({arrived + kLatency, arrived + kOffset, ++index});
+    while (!acknowledged.empty() && acknowledged.front().at <= now) {
+      pace.keyframeArrived(acknowledged.front().index, acknowledged.front().arrived_client);
+      acknowledged.erase(acknowledged.begin());
+    }
+    pace.keyframeSent(index, now, kInterval.toSeconds(), limit);
+    while (pace.mayBeSent()) {
+      const auto tile = static_cast<size_t>(rng.uniform(2000, 30000));
+      pace.sent(tile);
+      transmit(now, static_cast<double>(tile));
+      if (now > half) tiles += static_cast<double>(tile);
+    }
+  }
+  std::sort(queued.begin(), queued.end());
+  return {tiles / 30, queued[queued.size() * 95 / 100]};
+}
+
+TEST(TilePace, UsesTheLinkAndDoesNotDelayKeyframes) {
+  Rng rng(test::randomSeed());
+  for (const double mbit : {0.5, 2.0, 10.0, 100.0}) {
+    const double rate = mbit * 125e3;
+    const Outcome outcome = run(rate, 0, rng);
+    EXPECT_LE(outcome.bytes_per_second, rate) << mbit;
+    EXPECT_GE(outcome.bytes_per_second, 0.4 * rate) << mbit;
+    // One tile of 30 kB may be on the link when a keyframe comes.
+    EXPECT_LE(outcome.p95_queued.toMilliseconds(), 80 + 30000 / rate * 1e3) << mbit;
+  }
+}
+
+TEST(TilePace, TakesAtMostHalfOfWhatTheViewerAllows) {
+  Rng rng(test::randomSeed());
+  const Outcome outcome = run(125e6, 100'000, rng);
+  EXPECT_LE(outcome.bytes_per_second, 55'000);
+  EXPECT_GE(outcome.bytes_per_second, 40'000);
+}
+
+TEST(TilePace, WhatIsNotUsedDoesNotAddUp) {
+  TilePace pace;
+  for (uint32_t i = 1; i < 100; ++i) {
+    const Time now = Time::seconds(0.2 * i);
+    pace.keyframeSent(i, now, 0.2, 0);
+    pace.keyframeArrived(i, now);
+  }
+  size_t sent = 0;
+  for (; pace.mayBeSent(); sent += 1000) pace.sent(1000);
+  EXPECT_LE(static_cast<double>(sent), 0.2 * pace.bytesPerSecond() + 1000);
+}
+
+}  // namespace
+}  // namespace foreland::server
