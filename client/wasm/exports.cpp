@@ -105,6 +105,7 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.from_normals = addressOf(mesh.from_normals.data());
   out.to_normals = addressOf(mesh.to_normals.data());
   out.indices = addressOf(mesh.indices.data());
+  out.lattice_positions = addressOf(mesh.parameters.data());
   out.from_nodes = mesh.from_nodes;
   out.to_nodes = mesh.to_nodes;
   out.from_index = mesh.from.index;

@@ -82,7 +82,7 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, object_parts),
     FORELAND_FIELD(FrameRecord, object_part_count),
     FORELAND_FIELD(FrameRecord, oldest_version),
-    FORELAND_FIELD(FrameRecord, unused),
+    FORELAND_FIELD(FrameRecord, lattice_positions),
 };
 inline constexpr RecordField kScreenFields[] = {
     FORELAND_FIELD(ScreenRecord, pose),          FORELAND_FIELD(ScreenRecord, shown_time_ms),
@@ -141,9 +141,10 @@ inline constexpr RecordField kImageFields[] = {
     FORELAND_FIELD(ImageRecord, size),
 };
 inline constexpr RecordField kLayerFields[] = {
-    FORELAND_FIELD(LayerRecord, origin),           FORELAND_FIELD(LayerRecord, texel),
-    FORELAND_FIELD(LayerRecord, levels),           FORELAND_FIELD(LayerRecord, attribution),
-    FORELAND_FIELD(LayerRecord, attribution_size), FORELAND_FIELD(LayerRecord, unused),
+    FORELAND_FIELD(LayerRecord, origin),      FORELAND_FIELD(LayerRecord, texel),
+    FORELAND_FIELD(LayerRecord, size),        FORELAND_FIELD(LayerRecord, levels),
+    FORELAND_FIELD(LayerRecord, attribution), FORELAND_FIELD(LayerRecord, attribution_size),
+    FORELAND_FIELD(LayerRecord, unused),
 };
 inline constexpr RecordField kSlopeFrameFields[] = {
     FORELAND_FIELD(SlopeFrameRecord, gradient_x),

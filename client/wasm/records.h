@@ -48,8 +48,8 @@ struct FrameRecord {
   Address object_indices;
   Address object_parts;  // uint32 first index, number of indices, model
   uint32_t object_part_count;
-  uint32_t oldest_version;  // of meshes that may still be shown
-  uint32_t unused;          // keeps the size a multiple of 8
+  uint32_t oldest_version;    // of meshes that may still be shown
+  Address lattice_positions;  // float x, y of the terrain's vertices
 };
 
 // What the drawing thread draws in a frame (screen.cpp).
@@ -150,6 +150,7 @@ struct ImageRecord {
 struct LayerRecord {
   double origin[2];  // lattice position of the corner of the first texel
   double texel;      // sample intervals
+  uint32_t size[2];  // texels of the finest level
   uint32_t levels;
   Address attribution;  // UTF-8
   uint32_t attribution_size;

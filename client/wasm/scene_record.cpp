@@ -120,6 +120,7 @@ LayerRecord recordOf(const proto::TileLayer& layer) {
   LayerRecord out{};
   out.origin[0] = layer.origin.x, out.origin[1] = layer.origin.y;
   out.texel = layer.texel;
+  out.size[0] = layer.width, out.size[1] = layer.height;
   out.levels = layer.levels();
   out.attribution = addressOf(layer.attribution.data());
   out.attribution_size = static_cast<uint32_t>(layer.attribution.size());

@@ -6,6 +6,7 @@ import { Controls } from './ui/controls';
 import type { Core, MapPosition, Pose, Request, ScreenFrame, Welcome } from './core/core';
 import type { PartLines } from './core/mesh_update';
 import { Session } from './core/session';
+import { Drape } from './draw/drape';
 import { FrozenView } from './draw/frozen_view';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
@@ -22,8 +23,12 @@ import { Tours } from './ui/tours';
 
 const kResizeQuiet_ms = 200; // a new lens is requested when resizing has paused
 const kHintShown_ms = 9000;
-// For terrain that was flown over. Phones have less to spare.
-const kMemoryBytes = (window.matchMedia('(pointer: coarse)').matches ? 6 : 16) << 20;
+// Phones have less to spare.
+
+const kIsPhone = window.matchMedia('(pointer: coarse)').matches;
+const kMemoryBytes = (kIsPhone ? 6 : 16) << 20; // for terrain that was flown over
+const kTileBytes = (kIsPhone ? 32 : 64) << 20; // of coded tiles
+const kTextureLayers = kIsPhone ? { relief: 32, imagery: 96 } : { relief: 64, imagery: 192 };
 
 // Of the next mesh, in a frame, in bytes; a call counts as some (draw/blend_buffers.ts).
 const kLeastSlice = 128 << 10;
@@ -43,6 +48,7 @@ export class App {
   private readonly sky = new Sky(this.up);
   private readonly frozen_view = new FrozenView();
   private may_occlude = false; // this connection's deltas can tell hidden blocks
+  private readonly drape: Drape;
   private readonly terrain: TerrainMesh;
   private readonly objects: ObjectMesh;
   private readonly controls = new Controls(this.canvas);
@@ -71,7 +77,8 @@ export class App {
     this.settings = address.settings;
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.terrain = new TerrainMesh(this.renderer, this.up);
+    this.drape = new Drape(this.renderer, kTextureLayers);
+    this.terrain = new TerrainMesh(this.renderer, this.up, this.drape.uniforms);
     this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, modelsOf(address.server));
     this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
     this.resize();
@@ -83,14 +90,18 @@ export class App {
       onWaiting: (seconds, reason) => this.showWaiting(seconds, reason),
       onRefused: (reason) => this.stop('The session ended.', reason),
       onWelcome: (message) => this.enterScene(this.session.screen.enter(message)),
-      onMesh: (update) => this.stage.add(update),
+      onMesh: (update) => {
+        this.stage.add(update);
+        this.drape.add(update);
+      },
       onLines: (version, terrain, objects) => this.addLines(version, terrain, objects),
       onFailure: (reason) => this.fail(reason),
     });
     const { server, token } = address;
     this.session.tell({
       kind: 'start', module: core.module, server: token === null ? server : `${server}?token=${encodeURIComponent(token)}`,
-      request: this.request(), blend: this.settings.blend, wants_lines: this.settings.wireframe, clock_origin_ms: performance.timeOrigin,
+      request: this.request(), blend: this.settings.blend, wants_lines: this.settings.wireframe,
+      texture_layers: kTextureLayers, clock_origin_ms: performance.timeOrigin,
     });
     this.sent_request = JSON.stringify(this.request());
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
@@ -128,6 +139,8 @@ export class App {
       above_ground_m: this.above_ground_m,
       title: this.welcome?.title ?? null,
       scene_time_ms: this.scene_time_ms,
+      relief_shown: this.drape.tilesShown('relief'),
+      imagery_shown: this.drape.tilesShown('imagery'),
       ...this.session.statistics,
     };
   }
@@ -137,6 +150,7 @@ export class App {
   // it is not known yet.
   compareEnds(): { differing: number; visible: number; moved: number; pixels: number } | null {
     this.stage.upload(this.session.screen.next(), Infinity);
+    this.drape.upload(this.session.screen.next(), Infinity);
     if (!this.stage.isNextReady || !this.last_view) return null;
     const [begin, end] = [this.pixelsAt(0), this.pixelsAt(1)];
     this.showNext();
@@ -163,6 +177,8 @@ export class App {
     this.welcome = welcome;
     this.terrain.setScene(welcome);
     this.objects.setScene(welcome);
+    const { screen } = this.session;
+    this.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, screen.slopeFrame());
     this.terrain.show(this.settings);
     this.objects.show(this.settings);
     this.scene_time.setEpochs(welcome.epochs_ms);
@@ -209,11 +225,15 @@ export class App {
       keyframe_ms,
       occlusion,
       memory_bytes: kMemoryBytes,
+      relief: this.settings.relief,
+      imagery: this.settings.imagery,
+      tile_bytes: kTileBytes,
     };
   }
 
   private applySettings(): void {
     this.terrain.show(this.settings);
+    this.drape.show(this.settings);
     this.objects.show(this.settings);
     if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
     if (!this.settings.frozen) this.frozen_view.thaw();
@@ -279,7 +299,10 @@ export class App {
     const own = this.controls.pose(this.up);
     const sent = this.frozen_view.pose ?? own; // the server keeps the section of the frozen view
     this.upload(now_ms, frame_ms);
-    const frame = this.session.screen.frame(now_ms, sent, this.settings.strategy, this.stage.readyVersion, this.stage.comingVersion);
+    const { stage } = this;
+    const is_ready = this.drape.isReady(stage.readyVersion);
+    const [ready, coming] = is_ready ? [stage.readyVersion, stage.comingVersion] : [stage.shownVersion, stage.readyVersion];
+    const frame = this.session.screen.frame(now_ms, sent, this.settings.strategy, ready, coming);
     this.takeMesh(frame, now_ms, sent);
     this.session.frame(now_ms, sent, own.eye, this.groundReach(), this.stage.stagedVersion);
     const shown = this.frozen_view.pose ? own : frame.pose;
@@ -291,9 +314,14 @@ export class App {
   // Of the mesh that comes next, so much that it is there in time. Of the first one all.
   private upload(now_ms: number, frame_ms: number): void {
     const next = Math.max(this.session.screen.next(), this.stage.shownVersion);
-    if (this.stage.shownVersion === 0) return this.stage.upload(next, Infinity);
+    if (this.stage.shownVersion === 0) {
+      this.drape.upload(next, Infinity);
+      return this.stage.upload(next, Infinity);
+    }
     const frames = Math.max(1, Math.floor((this.next_ms - now_ms) / Math.max(frame_ms, 4)) - 1);
-    this.stage.upload(next, Math.min(Math.max(kLeastSlice, this.stage.costTo(next) / frames), Math.max(kLargestSlice, kLargestSlice * (frame_ms / 16))));
+    const cost = this.stage.costTo(next) + this.drape.costTo(next);
+    const budget = Math.min(Math.max(kLeastSlice, cost / frames), Math.max(kLargestSlice, kLargestSlice * (frame_ms / 16)));
+    this.stage.upload(next, budget - this.drape.upload(next, budget));
   }
 
   private moveCamera(now_ms: number, seconds: number): MapPosition | null {
@@ -333,6 +361,7 @@ export class App {
   private showNext(): void {
     const { update, set } = this.stage.swap();
     this.terrain.draw(update, set.terrain);
+    this.drape.draw(update.version);
     this.objects.draw(update, set.objects);
     this.prediction.expect(update.to_time_ms, update.to_pose.eye);
     this.mesh = { triangles: set.terrain.triangles, to_nodes: update.to_nodes, to_time_ms: update.to_time_ms, tau_px: Infinity };
@@ -346,6 +375,7 @@ export class App {
     this.sky.update(this.camera);
     this.terrain.place(frame.weight, pose.eye, position?.height_m ?? pose.eye[2]);
     this.objects.placeFrom(pose.eye);
+    if (this.welcome && position) this.drape.place(position.lattice, this.welcome.samples);
     this.frozen_view.place(pose.eye);
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);

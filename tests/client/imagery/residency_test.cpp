@@ -133,8 +133,7 @@ class Flight {
   std::vector<Level> levels(double weight) {
     std::vector<Level> out;
     for (const double wanted : {0.0, 0.4, 1.0, 1.7, 2.2, 3.9})
-      for (const glm::dvec2& p : points_)
-        out.push_back(levelByTable(residency_, layer_.levels(), p, wanted, weight));
+      for (const glm::dvec2& p : points_) out.push_back(levelByTable(residency_, layer_.levels(), p, wanted, weight));
     return out;
   }
 
@@ -153,15 +152,13 @@ class Flight {
     }
   }
 
-  // What arrives is written while the mesh before is drawn, so into layers that neither draws; and what is drawn is what
-  // was written last, with the parent's image in its layer.
+  // What arrives is written while the mesh before is drawn, so into layers that neither draws; and what is drawn is
+  // what was written last, with the parent's image in its layer.
   void expectLayersAreKept() {
     for (const auto& a : residency_.arrivals()) {
       for (const auto& s : last_shown_) ASSERT_NE(a.texture_layer, s.texture_layer);
       ASSERT_EQ(a.parent_layer.has_value(), a.tile.level + 1u < layer_.levels());
-      if (a.parent_layer) {
-        ASSERT_EQ(written_[*a.parent_layer], a.tile.parent().key());
-      }
+      if (a.parent_layer) { ASSERT_EQ(written_[*a.parent_layer], a.tile.parent().key()); }
       written_[a.texture_layer] = a.tile.key();
       ++arrivals_;
     }

@@ -37,7 +37,8 @@ std::vector<int32_t> heightsOf(const proto::TileLayer& layer, const proto::TileI
   return out;
 }
 
-std::vector<uint32_t> slopesOf(const proto::TileLayer& layer, const proto::TileId& tile, std::span<const int32_t> steps) {
+std::vector<uint32_t> slopesOf(const proto::TileLayer& layer, const proto::TileId& tile,
+                               std::span<const int32_t> steps) {
   std::vector<uint32_t> out(proto::kTileTexels);
   client::slopesOf(layer, tile, steps, out);
   return out;
@@ -94,8 +95,8 @@ TEST(Slopes, NormalsFromCodedHeightsAreTheGrounds) {
   double sum = 0, count = 0;
   for (int y = 1; y < 247; ++y)
     for (int x = 1; x < 247; ++x) {
-      const glm::vec2 slope =
-          glm::unpackHalf2x16(slopes[static_cast<size_t>((y + 4) * int{kTileSide} + x + 4)]) / static_cast<float>(spacing_m);
+      const glm::vec2 slope = glm::unpackHalf2x16(slopes[static_cast<size_t>((y + 4) * int{kTileSide} + x + 4)]) /
+                              static_cast<float>(spacing_m);
       const glm::dvec2 central{(height(x + 1, y) - height(x - 1, y)) / (2 * spacing_m),
                                (height(x, y + 1) - height(x, y - 1)) / (2 * spacing_m)};
       const glm::dvec3 one = glm::normalize(glm::dvec3(-slope.x, -slope.y, 1)),

@@ -1,8 +1,9 @@
 // The client core (client/wasm) as the page sees it: a module to compile once, with an instance for each thread. The worker has a
 // Viewer for each session, the drawing thread a Screen. Arrays point into the instance's memory and are valid until the next call into it.
 import {
-  kRecordLayout, readChangesRecord, readFrameRecord, readMapPositionRecord, readPoseRecord, readScreenRecord, readStatisticsRecord, readTextRecord,
-  readWelcomeRecord, type FrameRecord, type MapPositionRecord, type PoseRecord, type StatisticsRecord,
+  kRecordLayout, readChangesRecord, readFrameRecord, readImageRecord, readLayerRecord, readMapPositionRecord, readPoseRecord, readScreenRecord,
+  readSlopeFrameRecord, readStatisticsRecord, readTextRecord, readTilesRecord, readWelcomeRecord, type FrameRecord, type LayerRecord,
+  type MapPositionRecord, type PoseRecord, type SlopeFrameRecord, type StatisticsRecord,
 } from './records';
 
 export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z, w
@@ -24,7 +25,34 @@ export interface Request {
   keyframe_ms: number;
   occlusion: boolean; // leave out what ridges hide, if the server can; a connection's first request decides whether later ones may
   memory_bytes: number; // for terrain that was sent and is not needed now; a connection's first request decides
+  relief: boolean; // tiles that ground is shaded by
+  imagery: boolean;
+  tile_bytes: number; // for coded tiles; a connection's first request decides
 }
+
+// What tiles are of, in the order of proto::TileContent; and how many of them the graphics card holds.
+export const kContents = ['relief', 'imagery'] as const;
+export type Content = (typeof kContents)[number];
+export type TextureLayers = Record<Content, number>;
+
+// A tile to be uploaded before a mesh is shown: into which layer of the texture array, and in which its parent is.
+export interface TileArrival {
+  key: readonly [number, number];
+  layer: number;
+  parent_layer: number | null;
+}
+
+// What of the tiles of a content is drawn with a mesh (client/imagery/residency.h).
+export interface TileSelection {
+  scene: number; // another one has other tiles
+  shown: number;
+  page_table: Uint16Array<ArrayBuffer>;
+  arrivals: TileArrival[];
+  dropped: (readonly [number, number])[];
+}
+
+export type Layer = Pick<LayerRecord, 'origin' | 'texel' | 'size' | 'levels'> & { attribution: string };
+export type SlopeFrame = SlopeFrameRecord;
 
 export interface Mesh {
   version: number;
@@ -37,6 +65,7 @@ export interface Mesh {
   to_index: number;
   to_time_ms: number;
   to_pose: Pose;
+  texture_coordinates: Float32Array; // positions on the lattice
   from_positions: Float32Array;
   to_positions: Float32Array;
   from_normals: Int8Array;
@@ -107,6 +136,8 @@ export type MapPosition = Omit<MapPositionRecord, 'ground_m'> & { ground_m: numb
 export type Statistics = StatisticsRecord;
 
 const kGroundBytes = 12 * 8; // of a GroundRecord
+const kNoLayer = 0xffffffff;
+export const kTileSide = 256; // texels; proto/imagery/tile.h
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -114,7 +145,7 @@ interface Exports {
   foreland_record_layout(): number;
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
-                  occlusion: number, memory_bytes: number): number;
+                  occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -123,11 +154,17 @@ interface Exports {
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
   foreland_draw_ahead(viewer: number): void;
   foreland_take_newest(viewer: number): number;
+  foreland_set_texture_layers(viewer: number, relief: number, imagery: number): void;
+  foreland_tiles(viewer: number, content: number): number;
+  foreland_slopes(viewer: number, low: number, high: number, half: number): number;
+  foreland_decode_relief(viewer: number): number;
+  foreland_next_image(viewer: number): number;
+  foreland_image_ready(viewer: number, low: number, high: number): void;
   foreland_interval(viewer: number): number;
   foreland_ground(viewer: number, x: number, y: number, z: number, reach: number): number;
   foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
-                       interval_ms: number, occlusion: number, memory_bytes: number): void;
+                       interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;
@@ -140,6 +177,8 @@ interface Exports {
   foreland_screen_next(screen: number): number;
   foreland_screen_frame(screen: number, now_ms: number, ...more: number[]): number;
   foreland_screen_welcome(screen: number): number;
+  foreland_screen_layer(screen: number, content: number): number;
+  foreland_screen_slope_frame(screen: number): number;
   foreland_screen_ground(screen: number): void;
   foreland_screen_map_position(screen: number, x: number, y: number, z: number): number;
   foreland_screen_tour(screen: number, start_ms: number): number;
@@ -313,6 +352,51 @@ export class Viewer {
     };
   }
 
+  // How many tiles the graphics card holds. To be told before the first mesh is taken.
+  setTextureLayers(layers: TextureLayers): void {
+    this.core.exports.foreland_set_texture_layers(this.handle, layers.relief, layers.imagery);
+  }
+
+  // What of the tiles is drawn with the mesh that takeNewest() gave; null if the scene has none. A copy.
+  tiles(content: Content): TileSelection | null {
+    const record = this.core.exports.foreland_tiles(this.handle, kContents.indexOf(content));
+    if (record === 0) return null;
+    const view = this.core.view();
+    const r = readTilesRecord(view, record);
+    const arrivals = new Uint32Array(view.buffer as ArrayBuffer, r.arrivals, 5 * r.arrival_count);
+    const dropped = new Uint32Array(view.buffer as ArrayBuffer, r.dropped, 2 * r.dropped_count);
+    return {
+      scene: r.scene,
+      shown: r.shown,
+      page_table: new Uint16Array(view.buffer as ArrayBuffer, r.page_table, 4 * r.page_count).slice(),
+      arrivals: Array.from({ length: r.arrival_count }, (_, i) => {
+        const [low, high, layer, parent] = arrivals.subarray(5 * i) as unknown as [number, number, number, number];
+        return { key: [low, high], layer, parent_layer: parent === kNoLayer ? null : parent };
+      }),
+      dropped: Array.from({ length: r.dropped_count }, (_, i) => [dropped[2 * i]!, dropped[2 * i + 1]!]),
+    };
+  }
+  // Slopes of a tile of relief that arrives, as pairs of half floats, or of its half-size image. A copy.
+  slopes([low, high]: readonly [number, number], is_half: boolean): Uint16Array<ArrayBuffer> {
+    const side = is_half ? kTileSide / 2 : kTileSide;
+    const address = this.core.exports.foreland_slopes(this.handle, low, high, is_half ? 1 : 0);
+    return new Uint16Array(this.core.view().buffer as ArrayBuffer, address, 2 * side * side).slice();
+  }
+  // Decodes a tile of relief; false if none is wanted.
+  decodeRelief(): boolean {
+    return this.core.exports.foreland_decode_relief(this.handle) === 1;
+  }
+  // An image to be decoded, and then told of; each once. Null if there is none.
+  nextImage(): { key: readonly [number, number]; coded: Uint8Array<ArrayBuffer> } | null {
+    const record = this.core.exports.foreland_next_image(this.handle);
+    if (record === 0) return null;
+    const r = readImageRecord(this.core.view(), record);
+    return { key: r.key, coded: this.core.copy(r.coded, r.size) };
+  }
+  imageReady([low, high]: readonly [number, number]): void {
+    this.core.exports.foreland_image_ready(this.handle, low, high);
+  }
+
   requestTour(name: string, seconds: number): void {
     this.core.put(new TextEncoder().encode(name));
     this.core.exports.foreland_request_tour(this.handle, seconds);
@@ -365,6 +449,18 @@ export class Screen {
   enter(message: Uint8Array): Welcome {
     this.core.put(message);
     return welcomeAt(this.core, this.core.exports.foreland_screen_welcome(this.handle));
+  }
+  // The scene's layer of tiles; null if it has none.
+  layer(content: Content): Layer | null {
+    const at = this.core.exports.foreland_screen_layer(this.handle, kContents.indexOf(content));
+    if (at === 0) return null;
+    const { origin, texel, size, levels, attribution, attribution_size } = readLayerRecord(this.core.view(), at);
+    return { origin, texel, size, levels, attribution: this.core.text(attribution, attribution_size) };
+  }
+  // How slopes become normals; null before the welcome.
+  slopeFrame(): SlopeFrame | null {
+    const at = this.core.exports.foreland_screen_slope_frame(this.handle);
+    return at === 0 ? null : readSlopeFrameRecord(this.core.view(), at);
   }
   setGround(ground: Uint8Array): void {
     this.core.put(ground);
@@ -419,6 +515,7 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
     triangles: r.index_count / 3,
     to_time_ms: r.to_time_ms,
     to_pose: r.to_pose,
+    texture_coordinates: new Float32Array(memory, r.lattice_positions, 2 * vertices),
     from_positions: new Float32Array(memory, r.from_positions, 4 * vertices),
     to_positions: new Float32Array(memory, r.to_positions, 4 * vertices),
     from_normals: new Int8Array(memory, r.from_normals, 4 * vertices),
@@ -440,8 +537,10 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
   };
 }
 
-function requestArguments(r: Request): [number, number, number, number, number, number, number, number, number] {
+type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number];
+
+function requestArguments(r: Request): RequestArguments {
   const strategy = kStrategies.indexOf(r.strategy);
   return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.occlusion ? 1 : 0,
-    r.memory_bytes];
+    r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes];
 }

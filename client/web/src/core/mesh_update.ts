@@ -1,5 +1,6 @@
 // What changes in the mesh from one version to the next, in one block of memory that can be handed to another thread.
-import type { Changes, Mesh, ObjectArrays, Pose } from './core';
+import type { Changes, Content, Mesh, ObjectArrays, Pose } from './core';
+import { tileMemoryOf, type TileUpdate } from './tiles';
 
 // The order of a part's channels. `line` is there only where edges are to be drawn.
 export const kChannels = ['from_position', 'to_position', 'from_normal', 'to_normal', 'texture_coordinate', 'index', 'line'] as const;
@@ -35,19 +36,20 @@ export interface MeshUpdate {
   terrain: PartUpdate;
   objects: PartUpdate;
   object_parts: Uint32Array; // as ObjectArrays.parts
+  tiles: Record<Content, TileUpdate | null>;
 }
 
 const kItems = { from_position: 4, to_position: 4, from_normal: 4, to_normal: 4, texture_coordinate: 2, index: 3 } as const;
 
-type Source = Record<Exclude<ChannelName, 'line'>, { data: Float32Array | Int8Array | Uint32Array; ranges: Uint32Array } | null>;
+type Source = Record<Exclude<ChannelName, 'line'>, { data: Float32Array | Int8Array | Uint32Array; ranges: Uint32Array }>;
 
-function sourceOf(arrays: Omit<ObjectArrays, 'texture_coordinates' | 'parts'> & Partial<ObjectArrays>, changes: Changes): Source {
+function sourceOf(arrays: Omit<ObjectArrays, 'parts'>, changes: Changes): Source {
   return {
     from_position: { data: arrays.from_positions, ranges: changes.from_positions },
     to_position: { data: arrays.to_positions, ranges: changes.to_positions },
     from_normal: { data: arrays.from_normals, ranges: changes.from_normals },
     to_normal: { data: arrays.to_normals, ranges: changes.to_normals },
-    texture_coordinate: arrays.texture_coordinates ? { data: arrays.texture_coordinates, ranges: changes.texture_coordinates } : null,
+    texture_coordinate: { data: arrays.texture_coordinates, ranges: changes.texture_coordinates },
     index: { data: arrays.indices, ranges: changes.triangles },
   };
 }
@@ -56,7 +58,7 @@ function partOf(source: Source, triangles: number, is_whole: boolean, lines: Par
   const channels: PartUpdate['channels'] = {};
   for (const name of Object.keys(source) as (keyof Source)[]) {
     const from = source[name];
-    if (from) channels[name] = channelOf(from.data, is_whole ? null : from.ranges, kItems[name]);
+    channels[name] = channelOf(from.data, is_whole ? null : from.ranges, kItems[name]);
   }
   if (lines) channels.line = lines;
   return { is_whole, triangles, channels };
@@ -78,7 +80,7 @@ function channelOf(data: Float32Array | Int8Array | Uint32Array, elements: Uint3
 
 // `last_version` is that of the update before.
 export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Changes }, interval: Uint8Array, last_version: number,
-                         wants_lines: boolean): MeshUpdate {
+                         wants_lines: boolean, tiles: MeshUpdate['tiles']): MeshUpdate {
   const isWhole = (part: Changes) => part.base_version === 0 || part.base_version !== last_version;
   const { version, oldest_version, origin, to_nodes, to_pose, to_time_ms, objects } = mesh;
   const lines = linesOf(mesh, wants_lines);
@@ -87,6 +89,7 @@ export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Chang
     terrain: partOf(sourceOf(mesh, changes.terrain), mesh.triangles, isWhole(changes.terrain), lines?.terrain ?? null),
     objects: partOf(sourceOf(objects, changes.objects), trianglesOf(objects.parts), isWhole(changes.objects), lines?.objects ?? null),
     object_parts: objects.parts.slice(),
+    tiles,
   };
 }
 
@@ -98,8 +101,9 @@ function trianglesOf(parts: Uint32Array): number {
 }
 
 // What is to be handed over, and not copied, with an update.
-export function memoryOf(update: MeshUpdate): ArrayBuffer[] {
-  return [update.terrain, update.objects].flatMap((part) => Object.values(part.channels).map((channel) => channel.data.buffer));
+export function memoryOf(update: MeshUpdate): Transferable[] {
+  const arrays = [update.terrain, update.objects].flatMap((part) => Object.values(part.channels).map((channel) => channel.data.buffer));
+  return [...arrays, ...Object.values(update.tiles).flatMap((tiles) => (tiles ? tileMemoryOf(tiles) : []))];
 }
 
 export function linesOf(mesh: Mesh, wants_lines: true): { terrain: PartLines; objects: PartLines };

@@ -1,11 +1,12 @@
 // What the page's two threads say to each other. The worker has the connection, the client core's viewer and the meshes; the drawing
 // thread has the camera, the graphics card and what a person chooses. Times are milliseconds of the drawing thread's clock.
-import type { Blend, Pose, Request, Statistics } from './core';
+import type { Blend, Pose, Request, Statistics, TextureLayers } from './core';
 import type { MeshUpdate, PartLines } from './mesh_update';
 
 export type ToWorker =
   // First, and once. `clock_origin_ms` is performance.timeOrigin of the drawing thread.
-  | { kind: 'start'; module: WebAssembly.Module; server: string; request: Request; blend: Blend; wants_lines: boolean; clock_origin_ms: number }
+  | { kind: 'start'; module: WebAssembly.Module; server: string; request: Request; blend: Blend; wants_lines: boolean;
+      texture_layers: TextureLayers; clock_origin_ms: number }
   // A frame has been drawn from `pose`; meshes up to `staged_version` are on the graphics card. Ground is wanted about `eye`.
   | { kind: 'frame'; now_ms: number; pose: Pose; eye: readonly number[]; ground_reach: number; staged_version: number }
   | { kind: 'request'; request: Request }

@@ -19,6 +19,7 @@ export class Session {
   is_open = false;
   statistics: Statistics = {
     bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
+    tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, unused: 0,
   };
   private tour: Uint8Array | null = null; // has come, and has not been started
 

@@ -2,6 +2,7 @@
 // soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMostUnstaged).
 import { Connection } from './connection';
 import { Core, Viewer, type Blend, type Request } from './core';
+import { Tiles } from './tiles';
 import { linesOf, memoryOf, updateOf } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
 
@@ -16,6 +17,7 @@ type Start = ToWorker & { kind: 'start' };
 class Session {
   private readonly connection: Connection;
   private viewer: Viewer;
+  private tiles: Tiles;
   private request: Request;
   private blend: Blend;
   private wants_lines: boolean;
@@ -29,6 +31,7 @@ class Session {
   constructor(private readonly core: Core, private readonly start: Start) {
     ({ request: this.request, blend: this.blend, wants_lines: this.wants_lines } = start);
     this.viewer = this.newViewer();
+    this.tiles = new Tiles(this.viewer);
     this.connection = new Connection(start.server, {
       onOpen: () => this.begin(),
       onMessage: (message) => this.receive(message),
@@ -85,6 +88,7 @@ class Session {
     const viewer = new Viewer(this.core, this.request);
     viewer.setBlend(this.blend);
     viewer.drawAhead();
+    viewer.setTextureLayers(this.start.texture_layers);
     return viewer;
   }
 
@@ -94,8 +98,10 @@ class Session {
     if (this.was_greeted) {
       this.viewer.reconnect(this.now());
     } else {
+      this.tiles.stop();
       this.viewer.destroy();
       this.viewer = this.newViewer();
+      this.tiles = new Tiles(this.viewer);
       if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
     }
     this.post({ kind: 'open' });
@@ -137,8 +143,9 @@ class Session {
   private sendMesh(): void {
     if (this.sent.length >= kMostUnstaged || !this.viewer.takeNewest()) return;
     const interval = this.viewer.interval();
+    const tiles = this.tiles.take();
     const changes = this.viewer.takeChanges();
-    const update = updateOf(this.viewer.mesh(), changes, interval, this.last_version, this.wants_lines);
+    const update = updateOf(this.viewer.mesh(), changes, interval, this.last_version, this.wants_lines, tiles);
     this.last_version = update.version;
     this.sent.push(update.version);
     this.post({ kind: 'mesh', update }, memoryOf(update));

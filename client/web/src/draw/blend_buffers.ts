@@ -33,14 +33,14 @@ export class BufferSet {
   has_lines = false; // that belong to the triangles
   private readonly channels: Record<ChannelName, Channel>;
 
-  constructor(private readonly renderer: THREE.WebGLRenderer, has_texture: boolean) {
+  constructor(private readonly renderer: THREE.WebGLRenderer) {
     const gl = this.gl();
     renderer.resetState(); // index buffers must not be bound into one of the renderer's vertex arrays
     this.channels = Object.fromEntries(kChannels.map((name) => [name, makeChannel(gl, name)])) as Record<ChannelName, Channel>;
     for (const geometry of [this.geometry, this.lines]) {
       for (const name of ['from_position', 'to_position', 'from_normal', 'to_normal'] as const) geometry.setAttribute(name, this.attribute(name));
     }
-    if (has_texture) this.geometry.setAttribute('texture_coordinate', this.attribute('texture_coordinate'));
+    this.geometry.setAttribute('texture_coordinate', this.attribute('texture_coordinate'));
     this.geometry.setIndex(this.attribute('index'));
     this.lines.setIndex(this.attribute('line'));
   }

@@ -26,7 +26,7 @@ export class ObjectMesh {
     private readonly uniforms: Record<string, THREE.IUniform>,
     private readonly models: URL,
   ) {
-    this.sets = [new BufferSet(renderer, true), new BufferSet(renderer, true)];
+    this.sets = [new BufferSet(renderer), new BufferSet(renderer)];
     this.set = this.sets[0];
     this.surfaces = new THREE.Mesh(this.set.geometry, this.materials);
     this.surfaces.frustumCulled = false; // the server culls

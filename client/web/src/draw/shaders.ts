@@ -47,6 +47,9 @@ uniform vec3 u_origin;  // of the mesh, from the eye
 `;
 
 export const kTerrainVertex = kHead + kInterpolation + /* glsl */ `
+in vec2 texture_coordinate;  // position on the lattice
+uniform vec2 u_pivot;        // a whole position near the eye
+out vec2 v_lattice;          // from the pivot
 out vec3 v_from_eye;
 out vec3 v_normal;
 out vec3 v_texture_coordinate;  // x, y from the mesh's origin; height
@@ -55,6 +58,7 @@ void main() {
   v_from_eye = p.xyz + u_origin;
   v_normal = mix(from_normal, to_normal, u_weight);
   v_texture_coordinate = vec3(p.xy, p.w);
+  v_lattice = texture_coordinate - u_pivot;
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(p.xyz, 1.0));
 }
 `;
@@ -83,7 +87,116 @@ float hazeAlong(float distance_m) {
 }
 `;
 
-export const kTerrainFragment = kHead + kAtmosphere + kLight + /* glsl */ `
+// Tiles of relief and imagery (client/imagery/residency.h). A page table names the tile at each position in each level; the finest that
+// is drawn, but none finer than wanted, gives the texel. While a tile comes or goes its image is mixed with the half-size one, which is
+// its parent's.
+const kTiles = /* glsl */ `
+const int kPageSide = 32;
+const float kPayload = 248.0;
+uniform float u_weight;
+
+struct Texel {
+  vec3 at;        // in the texture array
+  float lod;      // 0: the tile's image; 1: the half-size one
+  float opacity;  // 0: there is none
+};
+
+// The tile for a position, in texels of the finest level from the pivot. \`wanted\` is the level whose texels are a pixel large.
+Texel findTexel(highp usampler2D pages, int levels, ivec2 pivot, vec2 from_pivot, float wanted) {
+  for (int level = clamp(int(floor(wanted)), 0, levels - 1); level < levels; ++level) {
+    ivec2 corner = pivot >> level;
+    vec2 from_corner = (vec2(pivot - (corner << level)) + from_pivot) / float(1 << level);
+    ivec2 pivot_page = corner / int(kPayload);
+    vec2 in_page = vec2(corner - pivot_page * int(kPayload)) + from_corner;
+    vec2 pages_off = floor(in_page / kPayload);
+    in_page -= pages_off * kPayload;
+    ivec2 page = pivot_page + ivec2(pages_off);
+    ivec2 slot = page & (kPageSide - 1);
+    uvec4 entry = texelFetch(pages, ivec2(slot.x, slot.y + level * kPageSide), 0);
+    if (entry.z == 0u || ivec2(entry.xy) != page / kPageSide) continue;
+    float fade = entry.w == 1u ? 1.0 - u_weight : entry.w == 2u ? u_weight : 0.0;
+    float lod = clamp(max(wanted - float(level), fade), 0.0, 1.0);
+    float opacity = level == levels - 1 && entry.w > 0u ? 1.0 - fade : 1.0;
+    return Texel(vec3((in_page + 4.0) / 256.0, float(entry.z) - 1.0), lod, opacity);
+  }
+  return Texel(vec3(0.0), 0.0, 0.0);
+}
+
+// The level whose texels are a pixel large, given how a position in texels of the finest level changes from pixel to pixel: by area,
+// but no finer than a quarter of what the longer axis asks for.
+float levelOf(vec2 dx, vec2 dy) {
+  float longer = max(dot(dx, dx), dot(dy, dy));
+  float area = abs(dx.x * dy.y - dx.y * dy.x);
+  return 0.5 * log2(max(max(area, longer / 16.0), 1e-12));
+}
+
+uniform highp sampler2DArray u_relief;  // slopes: metres a sample interval
+uniform highp usampler2D u_relief_pages;
+uniform int u_relief_levels;     // 0: none
+uniform vec2 u_relief_pivot;     // the pivot in texels of the finest level: whole, and the rest
+uniform vec2 u_relief_rest;
+uniform float u_relief_density;  // texels a sample interval
+uniform vec2 u_relief_size;      // texels
+
+uniform highp sampler2DArray u_imagery;
+uniform highp usampler2D u_imagery_pages;
+uniform int u_imagery_levels;
+uniform vec2 u_imagery_pivot;
+uniform vec2 u_imagery_rest;
+uniform float u_imagery_density;
+uniform vec2 u_imagery_size;
+
+uniform vec4 u_gradient;  // planar: what slopes along the lattice's x (xy) and y (zw) add to the gradient
+uniform int u_is_geographic;
+uniform vec2 u_geodetic;  // longitude from the origin's meridian, and latitude, of the pivot
+uniform vec2 u_geodetic_step;
+uniform float u_origin_latitude;
+uniform vec2 u_ellipsoid;  // semi-major axis, metres; eccentricity squared
+
+vec3 planarNormal(vec2 slopes) {
+  return normalize(vec3(-u_gradient.xy * slopes.x - u_gradient.zw * slopes.y, 1.0));
+}
+
+vec3 geographicNormal(vec2 slopes, vec2 lattice) {
+  vec2 at = u_geodetic + lattice * u_geodetic_step;
+  vec2 s = sin(at), c = cos(at);
+  float w2 = 1.0 - u_ellipsoid.y * s.y * s.y;
+  float across_m = u_ellipsoid.x / sqrt(w2);
+  float along_m = across_m * (1.0 - u_ellipsoid.y) / w2;
+  vec2 slope = slopes / (u_geodetic_step * vec2(across_m * max(c.y, 1e-4), along_m));
+  vec3 east = vec3(-s.x, c.x, 0.0), north = vec3(-s.y * c.x, -s.y * s.x, c.y), up = vec3(c.y * c.x, c.y * s.x, s.y);
+  vec3 n = normalize(up - slope.x * east - slope.y * north);
+  float s0 = sin(u_origin_latitude), c0 = cos(u_origin_latitude);
+  return vec3(n.y, c0 * n.z - s0 * n.x, s0 * n.z + c0 * n.x);
+}
+
+// The ground's normal by relief, where there is some, and \`by_mesh\` elsewhere.
+vec3 groundNormal(vec3 by_mesh, vec2 lattice, vec2 dx, vec2 dy) {
+  if (u_relief_levels == 0) return by_mesh;
+  float wanted = levelOf(dx * u_relief_density, dy * u_relief_density);
+  Texel texel = findTexel(u_relief_pages, u_relief_levels, ivec2(u_relief_pivot), u_relief_rest + lattice * u_relief_density, wanted);
+  if (texel.opacity == 0.0) return by_mesh;
+  vec2 slopes = textureLod(u_relief, texel.at, texel.lod).xy;
+  vec3 normal = u_is_geographic == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
+  return normalize(mix(by_mesh, normal, texel.opacity));
+}
+
+// Of the picture, linear; its alpha is 0 where there is none.
+vec4 pictureAt(vec2 lattice, vec2 dx, vec2 dy) {
+  if (u_imagery_levels == 0) return vec4(0.0);
+  vec2 from_pivot = u_imagery_rest + lattice * u_imagery_density;
+  vec2 at = u_imagery_pivot + from_pivot;
+  if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, u_imagery_size))) return vec4(0.0);
+  float wanted = levelOf(dx * u_imagery_density, dy * u_imagery_density);
+  Texel texel = findTexel(u_imagery_pages, u_imagery_levels, ivec2(u_imagery_pivot), from_pivot, wanted);
+  if (texel.opacity == 0.0) return vec4(0.0);
+  vec4 colour = textureLod(u_imagery, texel.at, texel.lod);
+  return vec4(colour.rgb, colour.a * texel.opacity);
+}
+`;
+
+export const kTerrainFragment = kHead + kAtmosphere + kLight + kTiles + /* glsl */ `
+in vec2 v_lattice;
 in vec3 v_normal;
 in vec3 v_texture_coordinate;
 out vec4 o_colour;
@@ -157,10 +270,13 @@ vec3 groundColour(vec3 normal, float pixel_m) {
 void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
-  vec3 normal = normalize(v_normal);
+  vec2 dx = dFdx(v_lattice), dy = dFdy(v_lattice);
+  vec3 normal = groundNormal(normalize(v_normal), v_lattice, dx, dy);
   float facing = max(-dot(normal, direction), 0.12);
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
-  vec3 colour = lit(groundColour(normal, pixel_m), normal);
+  vec4 picture = pictureAt(v_lattice, dx, dy);
+  vec3 ground = picture.a < 1.0 ? mix(groundColour(normal, pixel_m), picture.rgb, picture.a) : picture.rgb;
+  vec3 colour = lit(ground, normal);
   if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_texture_coordinate.z));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);

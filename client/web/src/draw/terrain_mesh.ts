@@ -25,10 +25,11 @@ export class TerrainMesh {
   version = 0; // of the mesh that is drawn; 0: none
   triangles = 0;
 
-  constructor(renderer: THREE.WebGLRenderer, up: THREE.Vector3) {
-    this.sets = [new BufferSet(renderer, false), new BufferSet(renderer, false)];
+  // `drape` are the uniforms of what is laid over it.
+  constructor(renderer: THREE.WebGLRenderer, up: THREE.Vector3, drape: Record<string, THREE.IUniform>) {
+    this.sets = [new BufferSet(renderer), new BufferSet(renderer)];
     this.set = this.sets[0];
-    this.uniforms = terrainUniforms(up);
+    this.uniforms = { ...terrainUniforms(up), ...drape };
     this.wire = new WireLines(this.uniforms);
     this.surface = new THREE.Mesh(this.set.geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
     this.surface.frustumCulled = false; // the server culls

@@ -40,6 +40,8 @@ export class Panel {
     this.addSlider('Tolerance', 'tau_px', -2, 4, (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
     this.addSlider('Keyframes every', 'keyframe_ms', 2, 20, (v) => 50 * v, (v) => v / 50, (v) => `${v} ms`);
     this.addSwitch('Wireframe', 'wireframe');
+    this.addSwitch('Relief shading', 'relief');
+    this.addSwitch('Imagery', 'imagery');
     this.addSwitch('Contours', 'contours');
     this.addSwitch('Haze', 'fog');
     this.addSwitch('Occlusion culling', 'occlusion');
@@ -98,7 +100,7 @@ export class Panel {
     row.append(slider);
   }
 
-  private addSwitch(title: string, key: 'wireframe' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {
+  private addSwitch(title: string, key: 'wireframe' | 'relief' | 'imagery' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {
     const input = Object.assign(document.createElement('input'), { type: 'checkbox', name: key });
     input.checked = this.settings[key];
     input.onchange = () => {

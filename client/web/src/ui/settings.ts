@@ -11,6 +11,8 @@ export interface Settings {
   tau_px: number;
   keyframe_ms: number;
   wireframe: boolean;
+  relief: boolean; // ground is shaded by tiles of relief
+  imagery: boolean;
   contours: boolean;
   fog: boolean;
   occlusion: boolean; // leave out what ridges hide, if the server can
@@ -53,6 +55,8 @@ export function readAddress(location: Location): Address {
       tau_px: number('tau', 0.25, 16, 1),
       keyframe_ms: number('keyframe', 50, 2000, 200),
       wireframe: flag('wireframe', false),
+      relief: flag('relief', true),
+      imagery: flag('imagery', true),
       contours: flag('contours', false),
       fog: flag('fog', true),
       occlusion: flag('occlusion', true),

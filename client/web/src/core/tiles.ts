@@ -1,0 +1,103 @@
+// The worker's end of relief and imagery: tiles are decoded a few at a time, between messages, and those that come with a mesh are
+// handed over with it. The client core decides which (client/imagery/residency.h).
+import { kContents, type Content, type TileArrival, type TileSelection, type Viewer } from './core';
+
+// Of one tile: slopes with those of the half-size image, or an image, whose half-size image is copied from the parent's layer.
+export interface TileUpload {
+  layer: number;
+  parent_layer: number | null;
+  is_odd: readonly [boolean, boolean]; // its column and row: where it lies in its parent
+  slopes: readonly [Uint16Array<ArrayBuffer>, Uint16Array<ArrayBuffer>] | null;
+  image: ImageBitmap | null;
+}
+
+// Of a content, with a mesh.
+export interface TileUpdate {
+  scene: number;
+  shown: number;
+  page_table: Uint16Array<ArrayBuffer>;
+  uploads: TileUpload[];
+}
+
+export function tileMemoryOf(update: TileUpdate): Transferable[] {
+  const uploads = update.uploads.flatMap(({ slopes, image }) => [...(slopes ?? []).map((s) => s.buffer), ...(image ? [image] : [])]);
+  return [update.page_table.buffer, ...uploads];
+}
+
+const kMostDecoding = 4; // images at a time
+
+type Key = readonly [number, number];
+const nameOf = ([low, high]: Key) => `${high} ${low}`;
+
+export class Tiles {
+  private readonly images = new Map<string, ImageBitmap>(); // decoded, and not handed over
+  private decoding = 0;
+  private is_scheduled = false;
+  private is_stopped = false;
+
+  constructor(private readonly viewer: Viewer) {}
+
+  // What is drawn with the mesh that was taken.
+  take(): Record<Content, TileUpdate | null> {
+    const [relief, imagery] = kContents.map((content) => this.updateOf(content, this.viewer.tiles(content)));
+    this.schedule();
+    return { relief: relief!, imagery: imagery! };
+  }
+
+  // The viewer is not to be used any more.
+  stop(): void {
+    this.is_stopped = true;
+    for (const image of this.images.values()) image.close();
+  }
+
+  private updateOf(content: Content, selection: TileSelection | null): TileUpdate | null {
+    if (!selection) return null;
+    const { scene, shown, page_table } = selection;
+    const uploads = selection.arrivals.map((arrival) => this.uploadOf(content, arrival));
+    for (const key of selection.dropped) {
+      this.images.get(nameOf(key))?.close();
+      this.images.delete(nameOf(key));
+    }
+    return { scene, shown, page_table, uploads };
+  }
+
+  private uploadOf(content: Content, { key, layer, parent_layer }: TileArrival): TileUpload {
+    const image = this.images.get(nameOf(key)) ?? null;
+    this.images.delete(nameOf(key));
+    const is_odd = [(key[0] & 1) === 1, ((key[0] >>> 24) & 1) === 1] as const;
+    return { layer, parent_layer, is_odd, image, slopes: content === 'imagery' ? null : [this.viewer.slopes(key, false), this.viewer.slopes(key, true)] };
+  }
+
+  private schedule(): void {
+    if (this.is_scheduled || this.is_stopped) return;
+    this.is_scheduled = true;
+    setTimeout(() => {
+      this.is_scheduled = false;
+      if (!this.is_stopped && this.decodeSome()) this.schedule();
+    }, 0);
+  }
+
+  // Whether there may be more.
+  private decodeSome(): boolean {
+    while (this.decoding < kMostDecoding) {
+      const next = this.viewer.nextImage();
+      if (!next) break;
+      ++this.decoding;
+      void this.decodeImage(next.key, next.coded);
+    }
+    return this.viewer.decodeRelief();
+  }
+
+  // An image that is damaged never becomes ready: its parent stays in its place.
+  private async decodeImage(key: Key, coded: Uint8Array<ArrayBuffer>): Promise<void> {
+    const blob = new Blob([coded], { type: 'image/webp' });
+    const image = await createImageBitmap(blob, { colorSpaceConversion: 'none', premultiplyAlpha: 'none' }).catch(() => null);
+    --this.decoding;
+    if (this.is_stopped) return image?.close();
+    if (image) {
+      this.images.set(nameOf(key), image);
+      this.viewer.imageReady(key);
+    }
+    this.schedule();
+  }
+}
