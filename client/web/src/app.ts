@@ -16,6 +16,7 @@ import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
 import { Sky } from './draw/sky';
 import { Stage } from './draw/stage';
+import { sunDirection } from './ui/sun';
 import { startView } from './ui/start_view';
 import { ObjectMesh } from './draw/object_mesh';
 import { TerrainMesh } from './draw/terrain_mesh';
@@ -45,7 +46,8 @@ export class App {
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.PerspectiveCamera();
   private readonly up = new THREE.Vector3(0, 0, 1); // at the eye
-  private readonly sky = new Sky(this.up);
+  private readonly sun = new THREE.Vector3(); // towards it
+  private readonly sky = new Sky(this.sun, this.up);
   private readonly frozen_view = new FrozenView();
   private may_occlude = false; // this connection's deltas can tell hidden blocks
   private readonly drape: Drape;
@@ -59,6 +61,7 @@ export class App {
     this.session.tell({ kind: 'scene clock', now_ms: performance.now(), scene_ms, rate }));
   private readonly session: Session;
   private readonly stage: Stage;
+  private readonly panel: Panel;
   private readonly settings: Settings;
   private welcome: Welcome | null = null;
   private mesh: { triangles: number; to_nodes: number; to_time_ms: number; tau_px: number } | null = null;
@@ -78,7 +81,7 @@ export class App {
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
     this.drape = new Drape(this.renderer, kTextureLayers);
-    this.terrain = new TerrainMesh(this.renderer, this.up, this.drape.uniforms);
+    this.terrain = new TerrainMesh(this.renderer, this.sun, this.up, this.drape.uniforms);
     this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, modelsOf(address.server));
     this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
     this.resize();
@@ -105,7 +108,7 @@ export class App {
     });
     this.sent_request = JSON.stringify(this.request());
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
-    new Panel(byId('panel'), this.settings, () => this.applySettings());
+    this.panel = new Panel(byId('panel'), this.settings, () => this.applySettings());
     window.addEventListener('resize', () => this.resize());
     this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to continue.'));
   }
@@ -179,8 +182,10 @@ export class App {
     this.objects.setScene(welcome);
     const { screen } = this.session;
     this.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, screen.slopeFrame());
-    this.terrain.show(this.settings);
-    this.objects.show(this.settings);
+    const frame = screen.slopeFrame();
+    this.terrain.setNorth(frame?.is_geographic ? [0, Math.cos(frame.origin_latitude), Math.sin(frame.origin_latitude)] : [0, 1, 0]);
+    this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.is_geographic);
+    this.applyLook();
     this.scene_time.setEpochs(welcome.epochs_ms);
     byId('scene-title').textContent = welcome.title;
     document.title = `${welcome.title} \u00b7 Foreland`;
@@ -231,10 +236,15 @@ export class App {
     };
   }
 
-  private applySettings(): void {
+  private applyLook(): void {
     this.terrain.show(this.settings);
     this.drape.show(this.settings);
     this.objects.show(this.settings);
+    this.sun.set(...sunDirection(this.settings, this.session.screen.slopeFrame()));
+  }
+
+  private applySettings(): void {
+    this.applyLook();
     if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
     if (!this.settings.frozen) this.frozen_view.thaw();
     this.session.tell({ kind: 'blend', blend: this.settings.blend });
@@ -309,6 +319,7 @@ export class App {
     if (this.welcome) this.render(shown, frame, position);
     this.last_view = { pose: shown, frame, position };
     this.measure(now_ms, frame, position);
+    this.showCredits();
   }
 
   // Of the mesh that comes next, so much that it is there in time. Of the first one all.
@@ -392,6 +403,11 @@ export class App {
     this.camera.near = Math.max(0.06 * clearance_m, 1e-5 * across_m);
     this.camera.far = across_m + outside_m;
     this.camera.updateProjectionMatrix();
+  }
+
+  private showCredits(): void {
+    const credits = this.drape.attributions().join(' \u00b7 ');
+    if (byId('credits').textContent !== credits) byId('credits').textContent = credits;
   }
 
   private measure(now_ms: number, frame: ScreenFrame, position: MapPosition | null): void {

@@ -11,19 +11,32 @@ const kAtmosphere = /* glsl */ `
 uniform vec3 u_sun;  // towards the sun
 uniform vec3 u_up;   // away from the zero surface, at the eye
 
+// Of the sky's light: 1 by day.
+float daylight() {
+  return mix(0.03, 1.0, smoothstep(-0.25, 0.12, dot(u_sun, u_up)));
+}
+
+// White by day, red when the sun is low, black when it has set.
+vec3 sunColour() {
+  float height = dot(u_sun, u_up);
+  return mix(vec3(2.30, 1.05, 0.42), vec3(2.15, 1.92, 1.56), smoothstep(0.0, 0.30, height)) * smoothstep(-0.05, 0.03, height);
+}
+
 vec3 hazeColour(vec3 direction) {
   float towards_sun = max(dot(direction, u_sun), 0.0);
-  return mix(vec3(0.36, 0.50, 0.68), vec3(0.95, 0.80, 0.60), 0.50 * pow(towards_sun, 6.0));
+  float is_low = 1.0 - smoothstep(0.0, 0.30, dot(u_sun, u_up));
+  vec3 glow = mix(vec3(0.95, 0.80, 0.60), vec3(1.15, 0.52, 0.24), is_low);
+  return daylight() * mix(vec3(0.36, 0.50, 0.68), glow, (0.50 + 0.3 * is_low) * pow(towards_sun, 6.0 - 3.0 * is_low));
 }
 
 vec3 skyColour(vec3 direction) {
   float height = dot(direction, u_up);
   vec3 haze = hazeColour(direction);
-  vec3 colour = mix(haze, vec3(0.030, 0.105, 0.310), 1.0 - exp(-5.5 * max(height, 0.0)));
+  vec3 colour = mix(haze, daylight() * vec3(0.030, 0.105, 0.310), 1.0 - exp(-5.5 * max(height, 0.0)));
   colour = mix(colour, haze * 0.72, smoothstep(0.0, -0.4, height));
   float towards_sun = max(dot(direction, u_sun), 0.0);
-  colour += vec3(1.0, 0.80, 0.55) * (0.10 * pow(towards_sun, 24.0) + 0.35 * pow(towards_sun, 350.0));
-  return colour + vec3(9.0, 8.0, 6.0) * smoothstep(0.99985, 0.99993, towards_sun);
+  colour += daylight() * vec3(1.0, 0.80, 0.55) * (0.10 * pow(towards_sun, 24.0) + 0.35 * pow(towards_sun, 350.0));
+  return colour + (vec3(9.0, 8.0, 6.0) / vec3(2.15, 1.92, 1.56)) * sunColour() * smoothstep(0.99985, 0.99993, towards_sun);
 }
 
 // Filmic curve (Narkowicz's fit of ACES), then sRGB.
@@ -75,7 +88,7 @@ vec3 lit(vec3 albedo, vec3 normal) {
   float sunlight = max(dot(normal, u_sun), 0.0);
   float openness = 0.5 + 0.5 * dot(normal, u_up);
   vec3 skylight = mix(vec3(0.09, 0.08, 0.07), vec3(0.17, 0.24, 0.36), openness);
-  return albedo * (vec3(2.15, 1.92, 1.56) * sunlight + skylight);
+  return albedo * (sunColour() * sunlight + daylight() * skylight);
 }
 
 // Optical depth through haze that thins exponentially with height (exact along the ray).
@@ -207,6 +220,9 @@ uniform vec3 u_snow;
 uniform vec2 u_origin_tile;   // the mesh's origin, modulo a whole number of noise periods
 uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
 uniform float u_contour_m;    // 0: none
+uniform float u_snow_line;    // from 0, the lowest ground, to 1, the highest
+uniform int u_ground;         // settings.ts: kGrounds
+uniform vec3 u_north;         // the earth's axis, or north on the map
 uniform float u_pixel_rad;    // how much a pixel sees
 
 float hash(ivec2 p) {
@@ -254,6 +270,30 @@ float contour(float height) {
   return strength * major * (1.0 - smoothstep(0.12, 0.4, width));
 }
 
+// Away from the zero surface, where the ground is.
+vec3 upAt(vec2 lattice) {
+  return u_is_geographic == 1 ? geographicNormal(vec2(0.0), lattice) : vec3(0.0, 0.0, 1.0);
+}
+
+vec3 slopeColour(float degrees) {
+  const vec3 kColours[6] = vec3[](vec3(0.55, 0.66, 0.50), vec3(0.78, 0.76, 0.42), vec3(0.87, 0.56, 0.22), vec3(0.78, 0.22, 0.13),
+                                  vec3(0.45, 0.09, 0.25), vec3(0.20, 0.07, 0.32));
+  float at = clamp(degrees / 10.0, 0.0, 5.0);
+  int i = min(int(at), 4);
+  return mix(kColours[i], kColours[i + 1], at - float(i));
+}
+
+// By where the ground falls to, around the compass: north blue, east green, south yellow, west red; grey where it is level.
+vec3 aspectColour(vec3 normal, vec3 up) {
+  vec3 east = normalize(cross(u_north, up)), north = cross(up, east);
+  vec2 fall = vec2(dot(normal, east), dot(normal, north));
+  float steep = length(fall);
+  vec3 north_south = mix(vec3(0.80, 0.70, 0.18), vec3(0.16, 0.30, 0.66), 0.5 + 0.5 * fall.y / max(steep, 1e-6));
+  vec3 east_west = mix(vec3(0.70, 0.20, 0.18), vec3(0.16, 0.54, 0.30), 0.5 + 0.5 * fall.x / max(steep, 1e-6));
+  float share = fall.x * fall.x / max(steep * steep, 1e-12);
+  return mix(vec3(0.45), mix(north_south, east_west, share), smoothstep(0.02, 0.12, steep));
+}
+
 vec3 groundColour(vec3 normal, float pixel_m) {
   float span = max(u_heights.y - u_heights.x, 1e-3);
   float mottle = mottling(v_texture_coordinate.xy + u_origin_tile, pixel_m);
@@ -263,8 +303,16 @@ vec3 groundColour(vec3 normal, float pixel_m) {
   float strata = 0.10 * sin(v_texture_coordinate.z / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
   vec3 rock = u_rock * (1.0 + 0.5 * mottle + strata);
   colour = mix(colour, rock, smoothstep(0.20, 0.42, steepness + 0.12 * mottle));
-  float snow = smoothstep(0.70, 0.80, t + 0.14 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.12 * mottle));
+  float snow = smoothstep(u_snow_line - 0.05, u_snow_line + 0.05, t + 0.14 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.12 * mottle));
   return mix(colour, u_snow, snow);
+}
+
+vec3 albedoOf(vec3 normal, float pixel_m, vec2 dx, vec2 dy) {
+  if (u_ground == 1) return vec3(0.36);
+  if (u_ground == 2) return slopeColour(degrees(acos(clamp(dot(normal, upAt(v_lattice)), 0.0, 1.0))));
+  if (u_ground == 3) return aspectColour(normal, upAt(v_lattice));
+  vec4 picture = pictureAt(v_lattice, dx, dy);
+  return picture.a < 1.0 ? mix(groundColour(normal, pixel_m), picture.rgb, picture.a) : picture.rgb;
 }
 
 void main() {
@@ -274,9 +322,7 @@ void main() {
   vec3 normal = groundNormal(normalize(v_normal), v_lattice, dx, dy);
   float facing = max(-dot(normal, direction), 0.12);
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
-  vec4 picture = pictureAt(v_lattice, dx, dy);
-  vec3 ground = picture.a < 1.0 ? mix(groundColour(normal, pixel_m), picture.rgb, picture.a) : picture.rgb;
-  vec3 colour = lit(ground, normal);
+  vec3 colour = lit(albedoOf(normal, pixel_m, dx, dy), normal);
   if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_texture_coordinate.z));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);

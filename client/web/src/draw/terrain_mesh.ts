@@ -3,8 +3,8 @@ import * as THREE from 'three';
 import { BufferSet, shader } from './blend_buffers';
 import type { Welcome } from '../core/core';
 import type { MeshUpdate } from '../core/mesh_update';
+import { kGrounds, type Ground } from '../ui/settings';
 import { kTerrainFragment, kTerrainVertex } from './shaders';
-import { kSun } from './sky';
 import { WireLines } from './wire_lines';
 
 const kPalette = ['#3b5238', '#546945', '#7d7c55', '#826b52', '#6f635a', '#98938e'];
@@ -26,10 +26,10 @@ export class TerrainMesh {
   triangles = 0;
 
   // `drape` are the uniforms of what is laid over it.
-  constructor(renderer: THREE.WebGLRenderer, up: THREE.Vector3, drape: Record<string, THREE.IUniform>) {
+  constructor(renderer: THREE.WebGLRenderer, sun: THREE.Vector3, up: THREE.Vector3, drape: Record<string, THREE.IUniform>) {
     this.sets = [new BufferSet(renderer), new BufferSet(renderer)];
     this.set = this.sets[0];
-    this.uniforms = { ...terrainUniforms(up), ...drape };
+    this.uniforms = { ...terrainUniforms(sun, up), ...drape };
     this.wire = new WireLines(this.uniforms);
     this.surface = new THREE.Mesh(this.set.geometry, shader(kTerrainVertex, kTerrainFragment, this.uniforms));
     this.surface.frustumCulled = false; // the server culls
@@ -51,7 +51,14 @@ export class TerrainMesh {
     this.contour_m = niceStep(relief_m / 60);
   }
 
-  show(options: { wireframe: boolean; contours: boolean; fog: boolean }): void {
+  // `north`: the earth's axis, or north on the map.
+  setNorth(north: readonly [number, number, number]): void {
+    this.uniforms.u_north!.value.set(...north);
+  }
+
+  show(options: { wireframe: boolean; contours: boolean; fog: boolean; ground: Ground; snow_line: number }): void {
+    this.uniforms.u_ground!.value = kGrounds.indexOf(options.ground);
+    this.uniforms.u_snow_line!.value = options.snow_line;
     this.wire.wanted = options.wireframe;
     this.wire.show(this.set);
     this.uniforms.u_contour_m!.value = options.contours ? this.contour_m : 0;
@@ -86,12 +93,12 @@ export class TerrainMesh {
   }
 }
 
-function terrainUniforms(up: THREE.Vector3): Record<string, THREE.IUniform> {
+function terrainUniforms(sun: THREE.Vector3, up: THREE.Vector3): Record<string, THREE.IUniform> {
   return {
     u_weight: { value: 0 },
     u_origin: { value: new THREE.Vector3() },
     u_origin_tile: { value: new THREE.Vector2() },
-    u_sun: { value: kSun },
+    u_sun: { value: sun },
     u_up: { value: up },
     u_palette: { value: kPalette.map((c) => new THREE.Color(c)) },
     u_rock: { value: new THREE.Color(kRock) },
@@ -99,6 +106,9 @@ function terrainUniforms(up: THREE.Vector3): Record<string, THREE.IUniform> {
     u_heights: { value: new THREE.Vector2(0, 1) },
     u_noise_m: { value: 1 },
     u_contour_m: { value: 0 },
+    u_snow_line: { value: 0.75 },
+    u_ground: { value: 0 },
+    u_north: { value: new THREE.Vector3(0, 1, 0) },
     u_haze: { value: 0 },
     u_haze_height: { value: 1 },
     u_eye_height: { value: 0 },

@@ -1,10 +1,12 @@
 // The settings panel. It changes the Settings that it is given and calls onChange.
 import { kBlends, kPredictors, kStrategies } from '../core/core';
-import type { Settings } from './settings';
+import { kGrounds, type Settings } from './settings';
+import { kSunModes } from './sun';
 
 const kNames: Record<string, string> = {
   delay: 'Delay', current: 'Current', predict: 'Predict', keyframe: 'Keyframes', geomorph: 'Geomorphs',
   auto: 'Automatic', hold: 'Hold', velocity: 'Constant velocity', acceleration: 'Constant acceleration', path: 'Known path',
+  natural: 'Natural', plain: 'Plain', slope: 'Slope', aspect: 'Aspect', map: 'As on maps', clock: 'Date and time', free: 'Free',
 };
 const kHelp: Record<string, string> = {
   delay: 'Geometry and camera are shown one keyframe late.',
@@ -14,9 +16,28 @@ const kHelp: Record<string, string> = {
   geomorph: 'Each vertex blends by its own timing, within a second.',
 };
 
+const kLegends: Record<string, string[]> = {
+  slope: ['0\u00b0', '10', '20', '30', '40', '50\u00b0'],
+  aspect: ['N', 'E', 'S', 'W', 'N'],
+};
+
+type NumberKey = 'tau_px' | 'keyframe_ms' | 'snow_line' | 'sun_day' | 'sun_hour' | 'sun_azimuth_deg' | 'sun_height_deg';
+
+function dayText(day: number): string {
+  return new Date(Date.UTC(2001, 0, day)).toLocaleDateString('en', { day: 'numeric', month: 'short', timeZone: 'UTC' });
+}
+function hourText(hour: number): string {
+  return `${Math.floor(hour).toString().padStart(2, '0')}:${Math.round(60 * (hour % 1)).toString().padStart(2, '0')}`;
+}
+
 export class Panel {
   private readonly help = { strategy: element('p', 'help'), blend: element('p', 'help') };
   private readonly body = element('div', 'body');
+  private readonly legend = element('div', 'legend');
+  private readonly sun_rows: Record<'clock' | 'free', HTMLElement[]> = { clock: [], free: [] };
+  private readonly texts: (() => void)[] = []; // that write what sliders stand at
+  private heights: [number, number] | null = null;
+  private is_geographic = true;
 
   constructor(root: HTMLElement, private readonly settings: Settings, private readonly onChange: () => void) {
     const toggle = element('button', 'toggle') as HTMLButtonElement;
@@ -37,8 +58,17 @@ export class Panel {
     this.addChoice('Strategy', 'strategy', kStrategies);
     this.addChoice('Blend', 'blend', kBlends);
     this.addSelect('Predictor', 'predictor', ['auto', ...kPredictors]);
-    this.addSlider('Tolerance', 'tau_px', -2, 4, (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
-    this.addSlider('Keyframes every', 'keyframe_ms', 2, 20, (v) => 50 * v, (v) => v / 50, (v) => `${v} ms`);
+    const same = (v: number) => v;
+    this.addSlider('Tolerance', 'tau_px', [-2, 4, 0.25], (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
+    this.addSlider('Keyframes every', 'keyframe_ms', [2, 20, 1], (v) => 50 * v, (v) => v / 50, (v) => `${v} ms`);
+    this.addSelect('Ground', 'ground', kGrounds);
+    this.body.append(this.legend);
+    this.addSlider('Snow line', 'snow_line', [0, 1.1, 0.01], same, same, (v) => this.heightText(v));
+    this.addSelect('Sun', 'sun', kSunModes);
+    this.sun_rows.clock.push(this.addSlider('Day', 'sun_day', [1, 365, 1], same, same, dayText));
+    this.sun_rows.clock.push(this.addSlider('Hour', 'sun_hour', [0, 24, 0.25], same, same, hourText));
+    this.sun_rows.free.push(this.addSlider('Azimuth', 'sun_azimuth_deg', [0, 360, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
+    this.sun_rows.free.push(this.addSlider('Height', 'sun_height_deg', [0, 90, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
     this.addSwitch('Wireframe', 'wireframe');
     this.addSwitch('Relief shading', 'relief');
     this.addSwitch('Imagery', 'imagery');
@@ -48,7 +78,32 @@ export class Panel {
     this.addSwitch('Freeze section', 'frozen');
   }
 
+  // The scene's lowest and highest ground, and whether it is on the earth.
+  setScene(lowest_m: number, highest_m: number, is_geographic: boolean): void {
+    [this.heights, this.is_geographic] = [[lowest_m, highest_m], is_geographic];
+    for (const show of this.texts) show();
+    this.showRows();
+  }
+
+  private heightText(share: number): string {
+    if (!this.heights) return `${(100 * share).toFixed(0)} %`;
+    const [low, high] = this.heights;
+    return share > 1.05 ? 'none' : `${(low + share * (high - low)).toFixed(0)} m`;
+  }
+
+  private showRows(): void {
+    const { sun, ground } = this.settings;
+    const is_clock = sun === 'clock' && this.is_geographic;
+    for (const row of this.sun_rows.clock) row.hidden = !is_clock;
+    for (const row of this.sun_rows.free) row.hidden = sun === 'map' || is_clock;
+    this.legend.className = `legend ${ground}`;
+    const words = kLegends[ground] ?? [];
+    this.legend.replaceChildren(...words.map((text) => Object.assign(element('span'), { textContent: text })));
+    this.legend.hidden = words.length === 0;
+  }
+
   private changed(): void {
+    this.showRows();
     for (const key of ['strategy', 'blend'] as const) this.help[key].textContent = kHelp[this.settings[key]] ?? '';
     this.onChange();
   }
@@ -71,21 +126,21 @@ export class Panel {
     this.body.append(group, this.help[key]);
   }
 
-  private addSelect(title: string, key: 'predictor', values: readonly string[]): void {
+  private addSelect(title: string, key: 'predictor' | 'ground' | 'sun', values: readonly string[]): void {
     const select = Object.assign(document.createElement('select'), { name: key });
     for (const value of values) select.add(new Option(kNames[value], value));
     select.value = this.settings[key];
     select.onchange = () => {
-      this.settings[key] = select.value as Settings[typeof key];
+      (this.settings[key] as string) = select.value;
       this.changed();
     };
     this.addRow(title, select);
   }
 
-  private addSlider(title: string, key: 'tau_px' | 'keyframe_ms', min: number, max: number, toValue: (v: number) => number,
-                    toSlider: (v: number) => number, text: (v: number) => string): void {
+  private addSlider(title: string, key: NumberKey, [min, max, step]: readonly [number, number, number], toValue: (v: number) => number,
+                    toSlider: (v: number) => number, text: (v: number) => string): HTMLElement {
     const slider = Object.assign(document.createElement('input'), { type: 'range', name: key });
-    Object.assign(slider, { min: String(min), max: String(max), step: key === 'tau_px' ? '0.25' : '1' });
+    Object.assign(slider, { min: String(min), max: String(max), step: String(step) });
     slider.value = String(toSlider(this.settings[key]));
     const output = element('output');
     const show = () => (output.textContent = text(this.settings[key]));
@@ -98,6 +153,8 @@ export class Panel {
     const row = this.addRow(title, output);
     row.classList.add('slider');
     row.append(slider);
+    this.texts.push(show);
+    return row;
   }
 
   private addSwitch(title: string, key: 'wireframe' | 'relief' | 'imagery' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {

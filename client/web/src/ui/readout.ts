@@ -33,7 +33,7 @@ export class Readout {
 
   constructor(root: HTMLElement) {
     const list = document.createElement('dl');
-    for (const name of ['Frame', 'Triangles', 'Stream', 'Keyframes', 'Lateness', 'Error']) {
+    for (const name of ['Frame', 'Triangles', 'Stream', 'Keyframes', 'Lateness', 'Error', 'Tiles']) {
       const value = document.createElement('dd');
       list.append(Object.assign(document.createElement('dt'), { textContent: name }), value);
       this.fields.set(name, value);
@@ -76,6 +76,10 @@ export class Readout {
     this.set('Lateness', lateness, m.is_late ? 'waiting for a keyframe' : shown);
     const bound = m.mesh && Number.isFinite(m.mesh.tau_px) ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : 'not known yet';
     this.set('Error', bound, m.prediction_error_m === null ? '' : `eye ${metresText(m.prediction_error_m)} off`);
+    this.setHidden('Tiles', s.tiles === 0);
+    const texels = [['relief', s.relief_texel_px], ['pictures', s.imagery_texel_px]] as const;
+    const stated = texels.filter(([, px]) => Number.isFinite(px) && px > 0).map(([name, px]) => `${name} \u2264 ${px.toFixed(1)} px`);
+    this.set('Tiles', `${s.tiles} held`, stated.join(', '));
     this.history.push(rate.bytes);
     if (this.history.length > kHistory) this.history.shift();
   }
@@ -110,6 +114,12 @@ export class Readout {
       const tall = Math.max(2, (bytes / top) * height);
       context.fillRect((i * width) / kHistory, height - tall, width / kHistory - 2, tall);
     });
+  }
+
+  private setHidden(name: string, is_hidden: boolean): void {
+    const field = this.fields.get(name)!;
+    field.hidden = is_hidden;
+    (field.previousElementSibling as HTMLElement).hidden = is_hidden;
   }
 
   private set(name: string, value: string, note: string): void {

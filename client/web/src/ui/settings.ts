@@ -1,10 +1,15 @@
 // What the user can set, and its initial values from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
 import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/core';
+import { kSunModes, type SunSettings } from './sun';
+
+// How ground is coloured: as it may look, or by the picture that is laid over it; in one colour; by how steep it is, and where it falls to.
+export const kGrounds = ['natural', 'plain', 'slope', 'aspect'] as const;
+export type Ground = (typeof kGrounds)[number];
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
 export type Tour = (typeof kTours)[number];
 
-export interface Settings {
+export interface Settings extends SunSettings {
   strategy: Strategy;
   blend: Blend;
   predictor: Predictor | 'auto'; // auto: the known path on a tour, constant velocity otherwise
@@ -13,6 +18,8 @@ export interface Settings {
   wireframe: boolean;
   relief: boolean; // ground is shaded by tiles of relief
   imagery: boolean;
+  ground: Ground;
+  snow_line: number; // from 0, the lowest ground, to 1, the highest
   contours: boolean;
   fog: boolean;
   occlusion: boolean; // leave out what ridges hide, if the server can
@@ -57,6 +64,13 @@ export function readAddress(location: Location): Address {
       wireframe: flag('wireframe', false),
       relief: flag('relief', true),
       imagery: flag('imagery', true),
+      ground: oneOf('ground', kGrounds, 'natural'),
+      snow_line: number('snow', 0, 1.1, 0.75),
+      sun: oneOf('sun', kSunModes, 'map'),
+      sun_hour: number('hour', 0, 24, 10),
+      sun_day: number('day', 1, 365, 172),
+      sun_azimuth_deg: number('azimuth', 0, 360, 315),
+      sun_height_deg: number('height', 0, 90, 36),
       contours: flag('contours', false),
       fog: flag('fog', true),
       occlusion: flag('occlusion', true),
