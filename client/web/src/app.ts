@@ -14,6 +14,7 @@ import { PredictionCheck } from './core/prediction_check';
 import { Readout } from './ui/readout';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
+import { ShadeProbe } from './draw/shade_probe';
 import { Sky } from './draw/sky';
 import { Stage } from './draw/stage';
 import { sunDirection } from './ui/sun';
@@ -161,6 +162,13 @@ export class App {
     this.showNext();
     const [moved, seam] = [differencesOf(begin, end), differencesOf(end, next)];
     return { differing: seam.differing, visible: seam.visible, moved: moved.differing, pixels: end.length / 4 };
+  }
+
+  // For tests: ShadeProbe.read with what the last frame drew, at a weight.
+  shadeAt(positions: readonly number[], footprint: number, weight: number): number[] | null {
+    if (!this.last_view) return null;
+    this.pixelsAt(weight);
+    return new ShadeProbe(this.renderer, this.terrain.uniforms).read(positions, footprint);
   }
 
   private pixelsAt(weight: number): Uint8Array {

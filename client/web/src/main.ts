@@ -7,7 +7,7 @@ import { readAddress } from './ui/settings';
 
 declare global {
   interface Window {
-    foreland?: { status: () => Record<string, unknown>; compareEnds: () => unknown };
+    foreland?: { status: () => Record<string, unknown>; compareEnds: () => unknown; shadeAt: App['shadeAt'] };
   }
 }
 
@@ -29,7 +29,8 @@ async function main(): Promise<void> {
     return;
   }
   const app = new App(core, worker, readAddress(window.location));
-  window.foreland = { status: () => app.status(), compareEnds: () => app.compareEnds() };
+  window.foreland = { status: () => app.status(), compareEnds: () => app.compareEnds(),
+    shadeAt: (positions, footprint, weight) => app.shadeAt(positions, footprint, weight) };
   app.start();
 }
 

@@ -319,7 +319,8 @@ test('the next mesh begins as the last one ends, terrain and objects', kTest, as
         await until(page, (s) => s.touring && s.object_triangles > 50 * 96);
         const all = await compareEnds(page, 12);
         const shareOf = (key) => Math.max(...all.map((one) => one[key] / one.pixels));
-        assert.ok(shareOf('moved') > 0.02, `only ${shareOf('moved')} of the pixels change from beginning to end`);
+        // Light does not move: what is seen to is the ground's outline and height.
+        assert.ok(shareOf('moved') > 0.005, `only ${shareOf('moved')} of the pixels change from beginning to end`);
         // Triangles are divided otherwise, so what lies between their corners is rounded otherwise.
         assert.ok(shareOf('differing') < 0.015, `${blend}: ${shareOf('differing')} of the pixels differ`);
         assert.ok(shareOf('visible') < 0.002, `${blend}: ${shareOf('visible')} of the pixels differ visibly`);
@@ -329,6 +330,68 @@ test('the next mesh begins as the last one ends, terrain and objects', kTest, as
     await crowded.stop();
   }
 });
+
+// Waits until no tile comes any more.
+async function untilTiles(page) {
+  let last = await until(page, (s) => s.relief_shown > 0);
+  for (;;) {
+    const now = await until(page, (s, n) => s.keyframes >= n, last.keyframes + 4);
+    if (now.tiles === last.tiles && now.relief_shown === last.relief_shown) return now;
+    last = now;
+  }
+}
+
+// Of the levels of which all tiles are drawn from everywhere: the region that the server computes keyframes for depends on the tolerance.
+test('light on the ground is the same at any tolerance', kTest, async () => {
+  const positions = [];
+  for (let y = 20.25; y < 500; y += 24) for (let x = 20.75; x < 500; x += 24) positions.push(x, y);
+  const read = [];
+  for (const tau of [0.5, 8]) {
+    await visit(`tau=${tau}&fog=0`, async (page) => {
+      const { relief_shown } = await untilTiles(page);
+      read.push({ relief_shown, shades: await page.evaluate((p) => [2, 3].map((footprint) => window.foreland.shadeAt(p, footprint, 1)), positions) });
+    });
+  }
+  const [fine, coarse] = read;
+  for (const { relief_shown } of read) assert.ok(relief_shown >= 5, `${relief_shown} tiles: not the coarser levels`);
+  for (const i of [0, 1]) {
+    assert.ok(new Set(fine.shades[i]).size > 30, 'the ground has many shades');
+    const worst = Math.max(...fine.shades[i].map((shade, k) => Math.abs(shade - coarse.shades[i][k])));
+    assert.ok(worst <= 1, `a shade differs by ${worst}`);
+  }
+});
+
+test('tiles that are held are not sent again', kTest, () =>
+  visit('', async (page) => {
+    const before_ = await untilTiles(page);
+    await server.stop();
+    await page.getByText('Connection lost').waitFor();
+    server = await startServer(scene, server.port);
+    const now = await until(page, (s, n) => s.connected && s.keyframes >= n, before_.keyframes + 8);
+    assert.equal(now.tiles_received, before_.tiles_received);
+    assert.equal(now.relief_shown, before_.relief_shown);
+  }, { expected: /WebSocket|ERR_CONNECTION/ }));
+
+test('relief, the sun and the colours of the ground are chosen', kTest, () =>
+  visit('fog=0', async (page) => {
+    await untilTiles(page);
+    const changes = async (choose) => {
+      const before_ = await middleOf(page);
+      await choose();
+      const { frames } = await status(page);
+      await until(page, (s, n) => s.frames > n + 2, frames);
+      return changedShare(page, before_, await middleOf(page));
+    };
+    await page.getByText('Light and colours').click();
+    for (const ground of ['plain', 'slope', 'aspect', 'natural'])
+      assert.ok((await changes(() => page.locator('[name=ground]').selectOption(ground))) > 0.3, ground);
+    assert.ok((await changes(async () => {
+      await page.locator('[name=sun]').selectOption('free');
+      await page.locator('[name=sun_azimuth_deg]').fill('135');
+    })) > 0.1, 'the sun in the south-east');
+    const without = await changes(() => page.locator('[name=relief]').uncheck());
+    assert.ok(without < 0.3, `the mesh's own normals are much the same, but ${without} of the pixels changed`);
+  }));
 
 test('scene time is dragged, runs to its end, and stops', kTest, async () => {
   const day_ms = 86_400_000;

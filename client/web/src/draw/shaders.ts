@@ -280,7 +280,7 @@ vec3 slopeColour(float degrees) {
                                   vec3(0.45, 0.09, 0.25), vec3(0.20, 0.07, 0.32));
   float at = clamp(degrees / 10.0, 0.0, 5.0);
   int i = min(int(at), 4);
-  return mix(kColours[i], kColours[i + 1], at - float(i));
+  return 0.5 * mix(kColours[i], kColours[i + 1], at - float(i));
 }
 
 // By where the ground falls to, around the compass: north blue, east green, south yellow, west red; grey where it is level.
@@ -288,10 +288,10 @@ vec3 aspectColour(vec3 normal, vec3 up) {
   vec3 east = normalize(cross(u_north, up)), north = cross(up, east);
   vec2 fall = vec2(dot(normal, east), dot(normal, north));
   float steep = length(fall);
-  vec3 north_south = mix(vec3(0.80, 0.70, 0.18), vec3(0.16, 0.30, 0.66), 0.5 + 0.5 * fall.y / max(steep, 1e-6));
-  vec3 east_west = mix(vec3(0.70, 0.20, 0.18), vec3(0.16, 0.54, 0.30), 0.5 + 0.5 * fall.x / max(steep, 1e-6));
+  vec3 north_south = mix(vec3(0.48, 0.42, 0.10), vec3(0.09, 0.18, 0.42), 0.5 + 0.5 * fall.y / max(steep, 1e-6));
+  vec3 east_west = mix(vec3(0.42, 0.11, 0.10), vec3(0.09, 0.33, 0.18), 0.5 + 0.5 * fall.x / max(steep, 1e-6));
   float share = fall.x * fall.x / max(steep * steep, 1e-12);
-  return mix(vec3(0.45), mix(north_south, east_west, share), smoothstep(0.02, 0.12, steep));
+  return mix(vec3(0.30), mix(north_south, east_west, share), smoothstep(0.02, 0.12, steep));
 }
 
 vec3 groundColour(vec3 normal, float pixel_m) {
@@ -326,6 +326,28 @@ void main() {
   if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_texture_coordinate.z));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
+}
+`;
+
+// The light on the ground at given positions (draw/shade_probe.ts).
+export const kProbeVertex = kHead + /* glsl */ `
+in vec3 position;  // where it is drawn, and the position on the lattice
+uniform vec2 u_pivot;
+out vec2 v_lattice;
+void main() {
+  v_lattice = position.yz - u_pivot;
+  gl_Position = vec4(position.x, 0.0, 0.0, 1.0);
+  gl_PointSize = 1.0;
+}
+`;
+
+export const kProbeFragment = kHead + kAtmosphere + kLight.replace('in vec3 v_from_eye;', 'const vec3 v_from_eye = vec3(0.0);') + kTiles + /* glsl */ `
+in vec2 v_lattice;
+uniform float u_footprint;  // sample intervals of a pixel
+out vec4 o_colour;
+void main() {
+  vec3 normal = groundNormal(vec3(0.0), v_lattice, vec2(u_footprint, 0.0), vec2(0.0, u_footprint));
+  o_colour = vec4(toScreen(lit(vec3(0.36), normal)), 1.0);
 }
 `;
 

@@ -33,6 +33,7 @@ function hourText(hour: number): string {
 export class Panel {
   private readonly help = { strategy: element('p', 'help'), blend: element('p', 'help') };
   private readonly body = element('div', 'body');
+  private rows: HTMLElement = this.body; // to which the next row is added
   private readonly legend = element('div', 'legend');
   private readonly sun_rows: Record<'clock' | 'free', HTMLElement[]> = { clock: [], free: [] };
   private readonly texts: (() => void)[] = []; // that write what sliders stand at
@@ -58,17 +59,8 @@ export class Panel {
     this.addChoice('Strategy', 'strategy', kStrategies);
     this.addChoice('Blend', 'blend', kBlends);
     this.addSelect('Predictor', 'predictor', ['auto', ...kPredictors]);
-    const same = (v: number) => v;
     this.addSlider('Tolerance', 'tau_px', [-2, 4, 0.25], (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
     this.addSlider('Keyframes every', 'keyframe_ms', [2, 20, 1], (v) => 50 * v, (v) => v / 50, (v) => `${v} ms`);
-    this.addSelect('Ground', 'ground', kGrounds);
-    this.body.append(this.legend);
-    this.addSlider('Snow line', 'snow_line', [0, 1.1, 0.01], same, same, (v) => this.heightText(v));
-    this.addSelect('Sun', 'sun', kSunModes);
-    this.sun_rows.clock.push(this.addSlider('Day', 'sun_day', [1, 365, 1], same, same, dayText));
-    this.sun_rows.clock.push(this.addSlider('Hour', 'sun_hour', [0, 24, 0.25], same, same, hourText));
-    this.sun_rows.free.push(this.addSlider('Azimuth', 'sun_azimuth_deg', [0, 360, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
-    this.sun_rows.free.push(this.addSlider('Height', 'sun_height_deg', [0, 90, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
     this.addSwitch('Wireframe', 'wireframe');
     this.addSwitch('Relief shading', 'relief');
     this.addSwitch('Imagery', 'imagery');
@@ -76,6 +68,25 @@ export class Panel {
     this.addSwitch('Haze', 'fog');
     this.addSwitch('Occlusion culling', 'occlusion');
     this.addSwitch('Freeze section', 'frozen');
+    this.addLook();
+  }
+
+  // In a part of its own, which is folded until it is wanted.
+  private addLook(): void {
+    const look = document.createElement('details');
+    look.append(Object.assign(element('summary'), { textContent: 'Light and colours' }));
+    look.open = this.settings.sun !== 'map' || this.settings.ground !== 'natural';
+    this.body.append(look);
+    this.rows = look;
+    const same = (v: number) => v;
+    this.addSelect('Ground', 'ground', kGrounds);
+    look.append(this.legend);
+    this.addSlider('Snow line', 'snow_line', [0, 1.1, 0.01], same, same, (v) => this.heightText(v));
+    this.addSelect('Sun', 'sun', kSunModes);
+    this.sun_rows.clock.push(this.addSlider('Day', 'sun_day', [1, 365, 1], same, same, dayText));
+    this.sun_rows.clock.push(this.addSlider('Hour', 'sun_hour', [0, 24, 0.25], same, same, hourText));
+    this.sun_rows.free.push(this.addSlider('Azimuth', 'sun_azimuth_deg', [0, 360, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
+    this.sun_rows.free.push(this.addSlider('Height', 'sun_height_deg', [0, 90, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
   }
 
   // The scene's lowest and highest ground, and whether it is on the earth.
@@ -170,7 +181,7 @@ export class Panel {
   private addRow(title: string, control: HTMLElement): HTMLElement {
     const row = element('label', 'row');
     row.append(Object.assign(element('span'), { textContent: title }), control);
-    this.body.append(row);
+    this.rows.append(row);
     return row;
   }
 }
