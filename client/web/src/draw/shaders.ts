@@ -308,7 +308,7 @@ vec3 groundColour(vec3 normal, float pixel_m) {
 }
 
 vec3 albedoOf(vec3 normal, float pixel_m, vec2 dx, vec2 dy) {
-  if (u_ground == 1) return vec3(0.36);
+  if (u_ground == 1) return vec3(0.24);
   if (u_ground == 2) return slopeColour(degrees(acos(clamp(dot(normal, upAt(v_lattice)), 0.0, 1.0))));
   if (u_ground == 3) return aspectColour(normal, upAt(v_lattice));
   vec4 picture = pictureAt(v_lattice, dx, dy);
@@ -347,7 +347,7 @@ uniform float u_footprint;  // sample intervals of a pixel
 out vec4 o_colour;
 void main() {
   vec3 normal = groundNormal(vec3(0.0), v_lattice, vec2(u_footprint, 0.0), vec2(0.0, u_footprint));
-  o_colour = vec4(toScreen(lit(vec3(0.36), normal)), 1.0);
+  o_colour = vec4(toScreen(lit(vec3(0.24), normal)), 1.0);
 }
 `;
 
