@@ -39,23 +39,29 @@ void TileSender::choose(uint32_t keyframe, std::span<const proto::View> views, c
   }
 }
 
-// The largest texels on the screen are those of the parents of what is missing.
+// The largest texels on the screen are those shown in place of what is missing.
 void TileSender::state(uint8_t layer) {
   float largest_px = kTexel_px;
   for (const proto::SelectedTile& each : selected_) {
     ++statistics_.needed;
     if (held_.has(each.tile)) continue;
     ++statistics_.missing;
-    largest_px = std::max(largest_px, texelOfParent(each.tile));
+    largest_px = std::max(largest_px, shownInPlaceOf(each));
   }
   statement_.texel_px[layer] = statistics_.texel_px[layer] = largest_px;
 }
 
-// On the screen; the parent has been selected with the tile.
-float TileSender::texelOfParent(const proto::TileId& tile) const {
-  const auto parent = std::find_if(selected_.begin(), selected_.end(),
-                                   [&](const proto::SelectedTile& s) { return s.tile == tile.parent(); });
-  return parent == selected_.end() ? std::numeric_limits<float>::infinity() : parent->texel_px;
+// The size on the screen, where the tile is, of the texels of the next coarser tile that the viewer has.
+float TileSender::shownInPlaceOf(const proto::SelectedTile& missing) const {
+  const uint32_t levels = table_.layers()[missing.tile.layer].levels();
+  float texel_px = missing.texel_px;
+  proto::TileId tile = missing.tile;
+  while (tile.level + 1u < levels) {
+    tile = tile.parent();
+    texel_px *= 2;
+    if (held_.has(tile)) return texel_px;
+  }
+  return std::numeric_limits<float>::infinity();
 }
 
 void TileSender::queueSelected() {

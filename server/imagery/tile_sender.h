@@ -44,12 +44,14 @@ class TileSender {
   void take(std::vector<Bytes>& out);
 
   TilePace& pace() { return pace_; }
+  // What the viewer holds once it has read everything sent.
+  const proto::TileMemory& held() const { return held_; }
   const Statistics& statistics() const { return statistics_; }
 
  private:
   void state(uint8_t layer);
   void queueSelected();
-  float texelOfParent(const proto::TileId& tile) const;
+  float shownInPlaceOf(const proto::SelectedTile& missing) const;
   Bytes messageOf(const proto::TileId& tile) const;
 
   const terrain::TileTable& table_;

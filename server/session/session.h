@@ -120,6 +120,8 @@ class Session {
   // What the client knows of the terrain once it has read everything sent, ascending.
   std::vector<proto::KnownPage> knownPages() const { return sender_.adapter().knownPages(); }
   const proto::KeyframeHeader& keyframe() const { return sender_.keyframe(); }
+  // Null if the scene has no tiles.
+  const TileSender* tiles() const { return tiles_.get(); }
 
  private:
   Status take(const proto::ViewRequest& request, Time now);
