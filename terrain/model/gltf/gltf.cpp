@@ -17,7 +17,7 @@
 #include "terrain/model/gltf/primitive.h"
 #include "terrain/model/gltf/uri.h"
 #include "terrain/model/read_model.h"
-#include "terrain/model/srgb.h"
+#include "terrain/srgb.h"
 
 namespace foreland::terrain {
 

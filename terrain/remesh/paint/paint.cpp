@@ -7,9 +7,9 @@
 #include <span>
 #include <utility>
 
-#include "terrain/model/srgb.h"
 #include "terrain/parallel.h"
 #include "terrain/remesh/paint/point_location.h"
+#include "terrain/srgb.h"
 #include "terrain/surface_store/fill_gutters.h"
 
 namespace foreland::terrain {
