@@ -38,7 +38,7 @@ SEES |= {
     "terrain/render": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store", "terrain/objects",
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
-DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/formats", "terrain/dem/mosaic", "terrain/dem"]
+DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
 for at, room in enumerate(DEM_ROOMS):
     SEES[room] = [*PROTO, "terrain", "terrain/geo", *DEM_ROOMS[:at]]
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
@@ -83,10 +83,10 @@ SEES["tests"] = [*LIBRARIES, *BENCH_ROOMS, "apps", "tests/support"]
 TESTS = ["tests", "tests/support"]
 EDGES = ["apps", "bench", *TESTS]
 THIRD_PARTY = [
-    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", *TESTS]),
+    (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", "terrain/dem/pictures", *TESTS]),
     (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem/formats", "terrain/render", *TESTS]),
     (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
-    (r"(jpeglib\.h$|jerror\.h$|webp/)", "libjpeg or libwebp", ["terrain/model", *TESTS]),
+    (r"(jpeglib\.h$|jerror\.h$|webp/)", "libjpeg or libwebp", ["terrain/model", "terrain/imagery", *TESTS]),
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),

@@ -1,0 +1,40 @@
+// One picture file as bands of red, green, blue and, if it has one, alpha, with a position on the lattice. One owner,
+// one thread.
+#pragma once
+
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "terrain/dem/pictures/lattice_map.h"
+
+namespace foreland::terrain {
+
+struct CloseDataset {
+  void operator()(void* dataset) const;
+};
+using PictureDataset = std::unique_ptr<void, CloseDataset>;
+
+struct PictureFile {
+  std::string name;
+  PictureDataset file;               // as it was opened
+  PictureDataset colours;            // of `file`: three bands of 8 bits, or four with alpha
+  double resolution = 1;             // sample intervals that a pixel spans, where it lies on the scene
+  glm::dvec2 low{0, 0}, high{0, 0};  // holds the picture on the lattice
+  std::vector<std::string> notes;
+};
+
+// One file, or more if it is in latitude and longitude and the scene lies on both sides of where its longitudes end:
+// the same pixels again, a turn of the globe further.
+Result<std::vector<PictureFile>> openPicture(const std::filesystem::path& path, const PictureLattice& lattice,
+                                             const LatticeMap& map);
+
+// A dataset in memory without bands, or with red, green, blue and alpha, whose upper left corner is at a lattice
+// position.
+PictureDataset latticeDataset(const LatticeMap& map, const glm::dvec2& upper_left, double texel, const glm::uvec2& size,
+                              int bands);
+
+}  // namespace foreland::terrain
