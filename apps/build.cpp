@@ -22,6 +22,7 @@
 #include "apps/stop_signal.h"
 #include "terrain/build/build.h"
 #include "terrain/dem/open.h"
+#include "terrain/dem/pictures/open_pictures.h"
 #include "terrain/geo/geodesy.h"
 
 namespace {
@@ -36,6 +37,9 @@ struct Arguments {
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
   std::vector<std::string> objects, epochs;
+  std::vector<std::filesystem::path> imagery;
+  int imagery_quality = terrain::kDefaultImageryQuality;
+  std::string attribution;
 };
 
 // Shows progress: on a terminal by one line that is redrawn, otherwise by one line for each stage.
@@ -114,6 +118,16 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "file has the samples of INPUT or a window of them; outside, and where it has no data, the ground is as "
          "at the date before. The first is laid over INPUT; repeatable")
       ->allow_extra_args(false);
+  CLI::Option* imagery = app.add_option(
+      "--imagery", arguments.imagery,
+      "Pictures to lay over the terrain: whatever GDAL reads, grey, palette, RGB or RGBA of 8 bits, in any reference "
+      "system; where they overlap, the finest shows. One without georeference is laid over the whole scene");
+  app.add_option("--imagery-quality", arguments.imagery_quality, "Of the pictures' WebP: 1 to 100")
+      ->check(CLI::Range(1, 100))
+      ->needs(imagery)
+      ->capture_default_str();
+  app.add_option("--attribution", arguments.attribution, "Whom viewers name where they show the pictures")
+      ->needs(imagery);
   static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
                                                                   {"planar", terrain::FrameChoice::kPlanar},
                                                                   {"geographic", terrain::FrameChoice::kGeographic}};
@@ -139,6 +153,8 @@ Status checkOutput(const Arguments& arguments) {
   if (Status s = apps::checkOutput(arguments.output, "scene file"); !s.ok()) return s;
   for (const std::filesystem::path& input : arguments.inputs)
     if (Status s = apps::checkApart(arguments.output, input, "one of the inputs"); !s.ok()) return s;
+  for (const std::filesystem::path& picture : arguments.imagery)
+    if (Status s = apps::checkApart(arguments.output, picture, "one of the pictures"); !s.ok()) return s;
   return {};
 }
 
@@ -171,6 +187,10 @@ void describeScene(const terrain::BuildReport& report, const std::filesystem::pa
     std::printf("  epoch %s: %llu samples changed, by %.1f m at most, %.3f MB\n", epoch.date.c_str(),
                 static_cast<unsigned long long>(epoch.changed_samples), epoch.most_m,
                 static_cast<double>(epoch.bytes) * 1e-6);
+  if (report.imagery.tiles > 0)
+    std::printf("  imagery: %llu tiles, and %llu whose parents show the same\n",
+                static_cast<unsigned long long>(report.imagery.stored),
+                static_cast<unsigned long long>(report.imagery.tiles - report.imagery.stored));
   std::printf("%s: %u x %u samples, %llu nodes, heights %.1f to %.1f m, %llu voids filled, %.1f MB, %.1f s\n",
               output.c_str(), report.width, report.height, static_cast<unsigned long long>(report.nodes),
               report.lowest_m, report.highest_m, static_cast<unsigned long long>(report.voids_filled),
@@ -219,6 +239,16 @@ int build(const Arguments& arguments) {
   auto epochs = openEpochs(arguments);
   if (!epochs.ok()) return fail(epochs.error());
   options.epochs = epochs->requests;
+  std::unique_ptr<terrain::PictureSource> picture;
+  if (!arguments.imagery.empty()) {
+    const terrain::ElevationInfo& info = (*source)->info();
+    auto opened = terrain::openPictures(arguments.imagery, {info.frame, info.crs_wkt, info.width, info.height});
+    if (!opened.ok()) return fail(opened.error());
+    picture = std::move(opened).value();
+    options.picture = picture.get();
+    options.imagery_quality = arguments.imagery_quality;
+    options.attribution = arguments.attribution;
+  }
   ProgressLine line;
   const auto report =
       terrain::buildScene(**source, options,

@@ -146,21 +146,48 @@ Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, c
   return {};
 }
 
-// The tiles of a scene; none if it changes in time, for they hold one ground only.
-Result<TileSection> makeTiles(const Terrain& terrain, const BuildOptions& options, const Progress& progress) {
-  auto section = TileSection::create(options.output);
-  if (!section || terrain.epochs) return section;
-  progress.report("relief", 0);
-  const auto made = addRelief(
-      terrain.heights, terrain.frame, options.threads,
-      [&](double fraction) {
-        progress.report("relief", fraction);
-        return progress.keepGoing();
-      },
-      *section);
+// Reports a stage's progress.
+KeepGoing stage(const Progress& progress, std::string_view name) {
+  progress.report(name, 0);
+  return [&progress, name](double fraction) {
+    progress.report(name, fraction);
+    return progress.keepGoing();
+  };
+}
+
+// Of the ground at all times.
+BoundsOf boundsOver(const Terrain& terrain) {
+  if (!terrain.epochs)
+    return [ground = std::make_shared<const GroundBounds>(terrain.heights, terrain.frame)](
+               const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) { return ground->over(box, scratch); };
+  const auto lowest = std::make_shared<const GroundBounds>(terrain.epochs->lowest(), terrain.frame),
+             highest = std::make_shared<const GroundBounds>(terrain.epochs->highest(), terrain.frame);
+  return [lowest, highest](const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) {
+    const proto::TileBounds low = lowest->over(box, scratch), high = highest->over(box, scratch);
+    // Normals of the ground at other times are not known, so the cone holds all.
+    return proto::TileBounds{low.lowest_m, high.highest_m, {0, 0, 0}, 255};
+  };
+}
+
+Result<ImageryReport> makeImagery(const Terrain& terrain, const BuildOptions& options, const Progress& progress,
+                                  SceneOrigin& origin, TileSection& section) {
+  const ImageryOptions how{options.imagery_quality, options.attribution, options.output, options.threads};
+  auto report = addImagery(*options.picture, boundsOver(terrain), how, stage(progress, "imagery"), section);
+  if (!report) return report;
+  if (!report->is_complete) return stopped();
+  for (const std::string& note : options.picture->info().notes) origin.notes.push_back(note);
+  if (report->covered < 1)
+    origin.notes.push_back("pictures cover " + std::to_string(static_cast<int>(report->covered * 100)) +
+                           " % of the scene; the rest fades from what is nearest to it");
+  return report;
+}
+
+// Relief, unless the scene changes in time: it holds one ground only.
+Status makeRelief(const Terrain& terrain, const BuildOptions& options, const Progress& progress, TileSection& section) {
+  if (terrain.epochs) return {};
+  const auto made = addRelief(terrain.heights, terrain.frame, options.threads, stage(progress, "relief"), section);
   if (!made) return made.error();
-  if (!*made) return stopped();
-  return section;
+  return *made ? Status() : Status(stopped());
 }
 
 Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer, const Progress& progress) {
@@ -265,8 +292,15 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
     range = layers->range();
   }
   const Terrain terrain{*grid, frame, heights, layers ? &*layers : nullptr};
-  const auto tiles = makeTiles(terrain, options, progress);
+  auto tiles = TileSection::create(options.output);
   if (!tiles) return tiles.error();
+  if (Status s = makeRelief(terrain, options, progress, *tiles); !s.ok()) return s.error();
+  ImageryReport imagery;
+  if (options.picture) {
+    auto made = makeImagery(terrain, options, progress, origin, *tiles);
+    if (!made) return made.error();
+    imagery = *made;
+  }
   auto writer = SceneWriter::create(options.output, {.shape = grid->shape(),
                                                      .frame = frame,
                                                      .heights = range,
@@ -295,7 +329,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                      .scene_id = *id,
                      .lowest_m = range.lowest * height_quantum_m,
                      .highest_m = range.highest * height_quantum_m,
-                     .epochs = layers ? layers->reports() : std::vector<EpochReport>{}};
+                     .epochs = layers ? layers->reports() : std::vector<EpochReport>{},
+                     .imagery = imagery};
 }
 
 }  // namespace foreland::terrain

@@ -14,7 +14,9 @@
 #include "base/result.h"
 #include "terrain/elevation_source.h"
 #include "terrain/epochs/epoch_layers.h"
+#include "terrain/imagery/imagery.h"
 #include "terrain/objects/placed_objects.h"
+#include "terrain/picture_source.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {
@@ -30,6 +32,10 @@ struct BuildOptions {
   std::vector<ObjectRequest> objects{};  // to place on the terrain
   // The ground at other times, for scenes that change; the first is laid over the source. In the order of their dates.
   std::vector<EpochRequest> epochs{};
+  // Imagery, on the source's lattice; null for none.
+  PictureSource* picture = nullptr;
+  int imagery_quality = kDefaultImageryQuality;  // of WebP, 1 to 100
+  std::string attribution{};                     // to be shown where the imagery is
 };
 
 // Called on the caller's thread. `report` gets the name of a stage and the fraction of it that is done, at least 0 and
@@ -51,6 +57,7 @@ struct BuildReport {
   uint64_t scene_id = 0;
   double lowest_m = 0, highest_m = 0;
   std::vector<EpochReport> epochs;
+  ImageryReport imagery;  // without tiles if there is none
 };
 
 [[nodiscard]] Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options,

@@ -2,6 +2,8 @@
 
 #include "terrain/imagery/normal_cone.h"
 #include "terrain/imagery/verify_relief.h"
+#include "terrain/imagery/webp.h"
+#include "terrain/parallel.h"
 
 namespace foreland::terrain {
 
@@ -19,14 +21,37 @@ void checkChildrensBounds(const TileTable& tiles, const proto::TileId& tile, uin
   }
 }
 
+namespace {
+
+LayerReport verifyImagery(const Scene& scene, uint8_t layer, unsigned threads, Faults& faults) {
+  const TileTable& tiles = scene.tiles();
+  std::vector<proto::TileId> ids;
+  tiles.forEach(layer, [&](const proto::TileId& id) {
+    if (tiles.bounds(id)) ids.push_back(id);
+  });
+  std::vector<std::vector<Rgb>> pixels(threadCount(threads),
+                                       std::vector<Rgb>(size_t{proto::kTileSide} * proto::kTileSide));
+  parallelFor(
+      ids.size(), threads,
+      [&](uint64_t i, unsigned worker) {
+        if (!decodeTile(tiles.bytes(ids[i]), pixels[worker]).ok()) faults.add(i, nameOf(ids[i]) + " cannot be decoded");
+        checkChildrensBounds(tiles, ids[i], i, faults);
+      },
+      [](uint64_t) { return true; });
+  return {.content = proto::TileContent::kImagery, .tiles = ids.size()};
+}
+
+}  // namespace
+
 TilesReport verifyTiles(const Scene& scene, unsigned threads) {
   TilesReport report;
   Faults faults;
   const TileTable& tiles = scene.tiles();
   tiles.check([&](const std::string& what) { faults.add(0, what); });
   for (uint8_t i = 0; i < tiles.layers().size(); ++i)
-    if (tiles.layers()[i].content == proto::TileContent::kRelief)
-      report.layers.push_back(verifyRelief(scene, i, threads, faults));
+    report.layers.push_back(tiles.layers()[i].content == proto::TileContent::kRelief
+                                ? verifyRelief(scene, i, threads, faults)
+                                : verifyImagery(scene, i, threads, faults));
   report.faults = faults.count();
   report.first_faults = faults.first();
   return report;

@@ -27,6 +27,7 @@ struct TilesReport {
   std::vector<std::string> first_faults;  // a sentence each, the same ones for any number of threads
 };
 
+// Imagery: every tile is a picture of a tile's size, and bounds hold those of finer tiles.
 // Relief: heights of the finest level are within half a step of the samples', gutters included; each level is the mean
 // of the one below; bounds hold the samples' heights and normals, and those of finer tiles.
 [[nodiscard]] TilesReport verifyTiles(const Scene& scene, unsigned threads = 0);

@@ -1,6 +1,7 @@
 #include "terrain/store/spool_file.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -37,6 +38,13 @@ SpoolFile::~SpoolFile() {
 
 Result<uint64_t> SpoolFile::append(ByteSpan what) {
   const uint64_t offset = end_.fetch_add(what.size());
+  // Writing beyond a file size limit would raise a signal instead of returning an error.
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      offset + what.size() > limit.rlim_cur) {
+    errno = EFBIG;
+    return systemError("cannot write");
+  }
   for (size_t done = 0; done < what.size();) {
     const ssize_t n = ::pwrite(file_, what.data() + done, what.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;

@@ -77,6 +77,33 @@ TEST_F(BuildProgram, RefusesPlacesThatCannotBeWritten) {
 
 TEST_F(BuildProgram, AFullDiskIsSaidAndLeavesNothing) {
   expectNothing({input(), "-o", scene()}, {scene()}, {.largest_file_bytes = 8192});
+  expectNothing({input(), "-o", scene()}, {scene()}, {.largest_file_bytes = 64});
+}
+
+TEST_F(BuildProgram, LaysPicturesOverTheTerrain) {
+  const std::string picture = folder_ / "picture.pgm";
+  std::ofstream(picture, std::ios::binary) << "P5 35 30 255\n" << std::string(35 * 30, 'x');
+  const ProgramResult built =
+      runProgram("build", {input(), "-o", scene(), "--frame", "planar", "--imagery", picture, "--attribution", "me"});
+  EXPECT_EQ(built.exit_code, 0) << built.output;
+  EXPECT_NE(built.output.find("picture.pgm: it has no georeference and was laid over"), std::string::npos)
+      << built.output;
+  const ProgramResult info = runProgram("info", {scene()});
+  for (const char* words : {"imagery    35 x 30 texels", "by       me"})
+    EXPECT_NE(info.output.find(words), std::string::npos) << info.output;
+  EXPECT_EQ(runProgram("verify", {scene()}).exit_code, 0);
+}
+
+TEST_F(BuildProgram, RefusesPicturesThatAreNone) {
+  const std::string noise = folder_ / "noise.tif", missing = folder_ / "missing.tif";
+  std::ofstream(noise) << "II*" << std::string(1000, '\x07');
+  expectNothing({input(), "-o", scene(), "--imagery", noise}, {noise, "not a picture"});
+  expectNothing({input(), "-o", scene(), "--imagery", missing}, {missing});
+  expectNothing({input(), "-o", scene(), "--imagery"}, {"--imagery"});
+  expectNothing({input(), "-o", scene(), "--imagery-quality", "50"}, {"--imagery-quality"});
+  expectNothing({input(), "-o", scene(), "--attribution", "me"}, {"--attribution"});
+  expectNothing({input(), "-o", scene(), "--imagery", noise, "--imagery-quality", "0"}, {"--imagery-quality"});
+  expectNothing({input(), "-o", noise, "--imagery", noise}, {noise, "one of the pictures"});
 }
 
 TEST_F(BuildProgram, AnotherSceneStaysWhenTheNewOneFails) {

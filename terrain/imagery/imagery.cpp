@@ -1,0 +1,277 @@
+#include "terrain/imagery/imagery.h"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "terrain/imagery/tile_image.h"
+#include "terrain/parallel.h"
+#include "terrain/store/new_file.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+using proto::kTileGutter;
+using proto::kTilePayload;
+using proto::kTileSide;
+using proto::TileId;
+
+constexpr uint32_t kBatchColumns = 8, kBatchRows = 4;  // tiles of the finest level that are read at a time
+
+// One level of the picture, in a file without a name.
+struct LinearLevel {
+  uint32_t width = 0, height = 0;
+  NewFile file;
+  LinearTexel* at(uint32_t x, uint32_t y) const {
+    return reinterpret_cast<LinearTexel*>(file.data()) + size_t{y} * width + x;
+  }
+};
+
+// Texels around one tile or several, read from the picture; those beyond its border are the border's.
+struct Window {
+  PictureWindow on;
+  std::vector<Rgba> texels;
+  const Rgba& at(int64_t x, int64_t y) const {
+    const auto column = std::clamp<int64_t>(x - on.x, 0, on.width - 1),
+               row = std::clamp<int64_t>(y - on.y, 0, on.height - 1);
+    return texels[static_cast<size_t>(row * on.width + column)];
+  }
+};
+
+class ImageryMaker {
+ public:
+  ImageryMaker(PictureSource& picture, const BoundsOf& boundsOf, const ImageryOptions& options,
+               const KeepGoing& keepGoing, TileSection& section, uint8_t layer)
+      : picture_(picture),
+        boundsOf_(boundsOf),
+        options_(options),
+        keepGoing_(keepGoing),
+        section_(section),
+        layer_index_(layer),
+        layer_(section.layer(layer)),
+        bounds_(tileCount(layer_)),
+        scratch_(threadCount(options.threads)) {
+    report_.tiles = tileCount(layer_);
+  }
+
+  Result<ImageryReport> make() {
+    if (Status s = makeAll(); !s.ok()) return s.error();
+    report_.stored = stored_;
+    report_.covered = static_cast<double>(covered_) / (static_cast<double>(layer_.width) * layer_.height);
+    return report_;
+  }
+
+ private:
+  struct Scratch {
+    std::vector<Rgba> texels = std::vector<Rgba>(size_t{kTileSide} * kTileSide);
+    std::vector<glm::dvec3> positions;
+  };
+
+  // Leaves is_complete false if it was stopped.
+  Status makeAll() {
+    std::unique_ptr<LinearLevel> level;
+    if (layer_.levels() > 1)
+      if (Status s = newLevel(1, level); !s.ok()) return s;
+    if (Status s = makeFinest(level.get()); !s.ok()) return s;
+    for (uint8_t l = 1; l < layer_.levels() && is_going_; ++l) {
+      if (l > 1) {
+        std::unique_ptr<LinearLevel> coarse;
+        if (Status s = newLevel(l, coarse); !s.ok()) return s;
+        halve(*level, *coarse);
+        level = std::move(coarse);
+      }
+      makeLevel(l, *level);
+      if (!failure_.ok()) return failure_;
+    }
+    report_.is_complete = is_going_;
+    return {};
+  }
+
+  Status newLevel(uint32_t l, std::unique_ptr<LinearLevel>& out) const {
+    const uint32_t width = layer_.widthAt(l), height = layer_.heightAt(l);
+    auto file = NewFile::create(options_.target, sizeof(LinearTexel) * uint64_t{width} * height);
+    if (!file) return file.error();
+    out.reset(new LinearLevel{width, height, std::move(file).value()});
+    return {};
+  }
+
+  void halve(const LinearLevel& fine, const LinearLevel& coarse) const {
+    const auto halveRow = [&](uint64_t row, unsigned) {
+      const auto y = static_cast<uint32_t>(row);
+      const uint32_t north = std::min(2 * y + 1, fine.height - 1);
+      for (uint32_t x = 0; x < coarse.width; ++x) {
+        const uint32_t east = std::min(2 * x + 1, fine.width - 1);
+        *coarse.at(x, y) =
+            meanOf(*fine.at(2 * x, 2 * y), *fine.at(east, 2 * y), *fine.at(2 * x, north), *fine.at(east, north));
+      }
+    };
+    parallelFor(coarse.height, options_.threads, halveRow, [](uint64_t) { return true; });
+  }
+
+  // Reads the picture once, and writes the level above it into `coarse`, if there is one.
+  Status makeFinest(const LinearLevel* coarse) {
+    for (uint32_t y = 0; y < layer_.tilesY(0) && is_going_; y += kBatchRows)
+      for (uint32_t x = 0; x < layer_.tilesX(0) && is_going_; x += kBatchColumns) {
+        if (Status s = makeBatch(x, y, coarse); !s.ok()) return s;
+        if (!failure_.ok()) return failure_;
+      }
+    return {};
+  }
+
+  Status makeBatch(uint32_t first_x, uint32_t first_y, const LinearLevel* coarse) {
+    const uint32_t columns = std::min(kBatchColumns, layer_.tilesX(0) - first_x),
+                   rows = std::min(kBatchRows, layer_.tilesY(0) - first_y);
+    const auto range = [](uint32_t first, uint32_t count, uint32_t texels) {
+      const uint32_t begin = first * kTilePayload;
+      const uint32_t low = begin - std::min(begin, kTileGutter);
+      return std::pair(low, std::min(begin + count * kTilePayload + kTileGutter, texels) - low);
+    };
+    const auto [x, width] = range(first_x, columns, layer_.width);
+    const auto [y, height] = range(first_y, rows, layer_.height);
+    window_.on = {x, y, width, height};
+    window_.texels.resize(size_t{width} * height);
+    if (Status s = picture_.read(window_.on, window_.texels); !s.ok()) return s;
+    forTiles(uint64_t{columns} * rows, [&](uint64_t i, Scratch& scratch) {
+      const TileId tile{layer_index_, 0, first_x + static_cast<uint32_t>(i % columns),
+                        first_y + static_cast<uint32_t>(i / columns)};
+      takeTexels(tile, scratch.texels, [&](int64_t tx, int64_t ty) { return window_.at(tx, ty); });
+      covered_ += coveredOwn(tile, scratch.texels);
+      if (coarse != nullptr) putHalf(tile, scratch.texels, *coarse);
+      makeTile(tile, scratch);
+    });
+    return {};
+  }
+
+  void makeLevel(uint8_t l, const LinearLevel& level) {
+    const uint32_t columns = layer_.tilesX(l);
+    forTiles(uint64_t{columns} * layer_.tilesY(l), [&](uint64_t i, Scratch& scratch) {
+      const TileId tile{layer_index_, l, static_cast<uint32_t>(i % columns), static_cast<uint32_t>(i / columns)};
+      takeTexels(tile, scratch.texels, [&](int64_t x, int64_t y) {
+        return toSrgb(*level.at(static_cast<uint32_t>(std::clamp<int64_t>(x, 0, level.width - 1)),
+                                static_cast<uint32_t>(std::clamp<int64_t>(y, 0, level.height - 1))));
+      });
+      makeTile(tile, scratch);
+    });
+  }
+
+  template <class Work>
+  void forTiles(uint64_t count, const Work& work) {
+    const bool complete = parallelFor(
+        count, options_.threads, [&](uint64_t i, unsigned worker) { work(i, scratch_[worker]); },
+        [&](uint64_t done) {
+          return keepGoing_(static_cast<double>(done_ + done) / static_cast<double>(report_.tiles));
+        });
+    done_ += count;
+    is_going_ = is_going_ && complete;
+  }
+
+  template <class At>
+  static void takeTexels(const TileId& tile, std::vector<Rgba>& texels, const At& at) {
+    const int64_t left = int64_t{tile.x} * kTilePayload - kTileGutter,
+                  below = int64_t{tile.y} * kTilePayload - kTileGutter;
+    auto out = texels.begin();
+    for (uint32_t y = 0; y < kTileSide; ++y)
+      for (uint32_t x = 0; x < kTileSide; ++x) *out++ = at(left + x, below + y);
+  }
+
+  // Texels of a tile that are neither of its gutter nor beyond the picture, along each side.
+  std::pair<uint32_t, uint32_t> ownSize(const TileId& tile) const {
+    return {std::min(kTilePayload, layer_.widthAt(tile.level) - tile.x * kTilePayload),
+            std::min(kTilePayload, layer_.heightAt(tile.level) - tile.y * kTilePayload)};
+  }
+  uint64_t coveredOwn(const TileId& tile, const std::vector<Rgba>& texels) const {
+    const auto [width, height] = ownSize(tile);
+    uint64_t covered = 0;
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x)
+        covered += texels[size_t{y + kTileGutter} * kTileSide + x + kTileGutter].alpha >= 128 ? 1 : 0;
+    return covered;
+  }
+  // Each tile's own texels are those of whole coarser ones, so tiles write apart.
+  void putHalf(const TileId& tile, const std::vector<Rgba>& texels, const LinearLevel& coarse) const {
+    const auto [width, height] = ownSize(tile);
+    for (uint32_t y = 0; y < (height + 1) / 2; ++y)
+      for (uint32_t x = 0; x < (width + 1) / 2; ++x) {
+        const Rgba* south = &texels[size_t{2 * y + kTileGutter} * kTileSide + 2 * x + kTileGutter];
+        const Rgba* north = south + kTileSide;
+        *coarse.at(tile.x * kTilePayload / 2 + x, tile.y * kTilePayload / 2 + y) =
+            meanOf(toLinear(south[0]), toLinear(south[1]), toLinear(north[0]), toLinear(north[1]));
+      }
+  }
+
+  void makeTile(const TileId& tile, Scratch& scratch) {
+    proto::TileBounds& bounds = bounds_[tileNumber(layer_, tile)];
+    bool has_finer = false;
+    if (tile.level == 0) {
+      bounds = boundsOf_(layer_.boxOf(tile), scratch.positions);
+    } else {
+      std::vector<proto::TileBounds> children;
+      for (uint32_t k = 0; k < 4; ++k) {
+        const TileId child{tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2};
+        if (!layer_.has(child)) continue;
+        children.push_back(bounds_[tileNumber(layer_, child)]);
+        has_finer = has_finer || section_.has(child);
+      }
+      bounds = unionOf(std::span<const proto::TileBounds>(children));
+    }
+    const bool is_coarsest = tile.level + 1u == layer_.levels();
+    const std::vector<Rgb> colours = filled(scratch.texels);
+    const float detail = detailOf(scratch.texels, colours);
+    if (!is_coarsest && !has_finer && detail < kLeastDetail) return;
+    const auto bytes = encodeTile(colours, options_.quality);
+    keep(bytes ? section_.add(tile, *bytes, bounds, detail) : Status(bytes.error()));
+    ++stored_;
+  }
+
+  void keep(Status status) {
+    const std::lock_guard lock(mutex_);
+    if (!status.ok() && failure_.ok()) failure_ = std::move(status);
+  }
+
+  PictureSource& picture_;
+  const BoundsOf& boundsOf_;
+  const ImageryOptions& options_;
+  const KeepGoing& keepGoing_;
+  TileSection& section_;
+  uint8_t layer_index_;
+  const proto::TileLayer layer_;
+  std::vector<proto::TileBounds> bounds_;  // of all tiles, stored or not
+  std::vector<Scratch> scratch_;           // by worker
+  Window window_;
+  ImageryReport report_;
+  uint64_t done_ = 0;
+  bool is_going_ = true;
+  std::atomic<uint64_t> stored_{0}, covered_{0};
+  std::mutex mutex_;
+  Status failure_;  // the first of any thread
+};
+
+}  // namespace
+
+Result<ImageryReport> addImagery(PictureSource& picture, const BoundsOf& boundsOf, const ImageryOptions& options,
+                                 const KeepGoing& keepGoing, TileSection& section) {
+  const PictureInfo& info = picture.info();
+  const proto::TileLayer layer{.content = proto::TileContent::kImagery,
+                               .coding = proto::TileCoding::kWebP,
+                               .width = info.width,
+                               .height = info.height,
+                               .origin = info.origin,
+                               .texel = info.texel,
+                               .step_m = 0,
+                               .attribution = options.attribution};
+  if (Status s = layer.validate(); !s.ok()) return s.error();
+  if (options.quality < 1 || options.quality > 100)
+    return Error{ErrorCode::kInvalidArgument, "the quality of imagery is from 1 to 100"};
+  if (options.attribution.size() > kMaxAttributionBytes)
+    return Error{ErrorCode::kInvalidArgument, "the attribution has " + std::to_string(options.attribution.size()) +
+                                                  " bytes; at most " + std::to_string(kMaxAttributionBytes) + " fit"};
+  const uint8_t index = section.addLayer(layer);
+  return ImageryMaker(picture, boundsOf, options, keepGoing, section, index).make();
+}
+
+}  // namespace foreland::terrain
