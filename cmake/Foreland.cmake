@@ -61,9 +61,12 @@ function(foreland_fast_in_wasm)
   endif()
 endfunction()
 
-# The same for the inner loops of decoding: by itself clang leaves most of the adapter's small functions as calls.
-function(foreland_fastest_in_wasm)
+# The inner loops of adaptation and decoding, for speed everywhere. By themselves compilers leave most of the adapter's small functions as calls.
+function(foreland_inline_deeply)
   if(CMAKE_SYSTEM_NAME STREQUAL "WASI")
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-mllvm;-inline-threshold=1000")
+  elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS
+      "--param=inline-unit-growth=400;--param=max-inline-insns-auto=200;--param=max-inline-insns-single=1000;--param=large-function-growth=1000;--param=large-stack-frame-growth=10000")
   endif()
 endfunction()
