@@ -37,9 +37,9 @@ struct PredictionContext {
   template <class Nodes>
   static Neighbours find(const GridTopology& grid, const Nodes& nodes, NodeId n, int level) {
     Neighbours neighbours;
-    const auto [a, b] = grid.endpoints(n);
+    const auto [a, b] = grid.endpoints(n, level);
     neighbours.ends = {nodes.find(a), nodes.find(b)};
-    const auto apexes = grid.apexes(n);
+    const auto apexes = grid.apexes(n, level);
     for (int i = 0; i < apexes.count; ++i)  // those of level 1 are the centres of roots
       neighbours.apexes[static_cast<size_t>(i)] =
           level == 1 ? nodes.find(apexes.ids[i]) : VertexHeight{&nodes.at(grid.slot(apexes.ids[i], level - 1)), 0};

@@ -74,50 +74,48 @@ class GridTopology {
   }
   bool isBase(NodeId n) const { return level(n) == 0; }
 
-  // The two vertices whose midpoint the node refines. `n` is a node.
-  std::array<NodeId, 2> endpoints(NodeId n) const {
-    const uint32_t t = scaleLog2(n), s = 1u << t, x = n.x(), y = n.y();
-    if (!isCentre(n, t)) {
-      if ((x >> t) & 1) return {NodeId::at(x - s, y), NodeId::at(x + s, y)};
-      return {NodeId::at(x, y - s), NodeId::at(x, y + s)};
-    }
-    if (diagonalRises(x, y, t)) return {NodeId::at(x - s, y - s), NodeId::at(x + s, y + s)};
-    return {NodeId::at(x - s, y + s), NodeId::at(x + s, y - s)};
-  }
+  // Here and below `n` is a node, of this level if one is given. Branches depend on the level and the border alone, for
+  // these functions are called for many nodes of a level in turn.
 
-  // The third vertices of the one or two triangles that share the node's edge: parents, or base vertices. `n` is a
-  // node.
-  NodeList<2> apexes(NodeId n) const {
-    const uint32_t t = scaleLog2(n), s = 1u << t, x = n.x(), y = n.y();
-    NodeList<2> result;
-    if (isCentre(n, t)) {
-      const bool rises = diagonalRises(x, y, t);
-      result.push(rises ? NodeId::at(x - s, y + s) : NodeId::at(x - s, y - s));
-      result.push(rises ? NodeId::at(x + s, y - s) : NodeId::at(x + s, y + s));
-    } else if ((x >> t) & 1) {
-      if (y >= s) result.push(NodeId::at(x, y - s));
-      if (y + s <= maxY()) result.push(NodeId::at(x, y + s));
-    } else {
-      if (x >= s) result.push(NodeId::at(x - s, y));
-      if (x + s <= maxX()) result.push(NodeId::at(x + s, y));
+  // The two vertices whose midpoint the node refines.
+  std::array<NodeId, 2> endpoints(NodeId n, int level) const {
+    const uint32_t t = scaleLog2At(level), s = 1u << t, x = n.x(), y = n.y();
+    if (isCentreLevel(level)) {
+      const uint32_t up = rise(x, y, t);
+      return {NodeId::at(x - s, y - up), NodeId::at(x + s, y + up)};
     }
+    const uint32_t along_x = 0 - (x >> t & 1), dx = s & along_x, dy = s & ~along_x;
+    return {NodeId::at(x - dx, y - dy), NodeId::at(x + dx, y + dy)};
+  }
+  std::array<NodeId, 2> endpoints(NodeId n) const { return endpoints(n, level(n)); }
+
+  // The third vertices of the one or two triangles that share the node's edge: parents, or base vertices.
+  NodeList<2> apexes(NodeId n, int level) const {
+    const uint32_t t = scaleLog2At(level), s = 1u << t, x = n.x(), y = n.y();
+    NodeList<2> result;
+    if (isCentreLevel(level)) {
+      const uint32_t up = rise(x, y, t);
+      result.push(NodeId::at(x - s, y + up));
+      result.push(NodeId::at(x + s, y - up));
+      return result;
+    }
+    const uint32_t along_x = 0 - (x >> t & 1), dx = s & ~along_x, dy = s & along_x;
+    if (x >= dx && y >= dy) result.push(NodeId::at(x - dx, y - dy));
+    if (x + dx <= maxX() && y + dy <= maxY()) result.push(NodeId::at(x + dx, y + dy));
     return result;
   }
+  NodeList<2> apexes(NodeId n) const { return apexes(n, level(n)); }
 
   // The nodes that must be in a section before `n` can be.
-  NodeList<2> parents(NodeId n) const {
-    NodeList<2> result;
-    for (NodeId apex : apexes(n))
-      if (!isBase(apex)) result.push(apex);
-    return result;
-  }
+  NodeList<2> parents(NodeId n, int level) const { return level == 1 ? NodeList<2>{} : apexes(n, level); }
+  NodeList<2> parents(NodeId n) const { return parents(n, level(n)); }
 
-  // The nodes of which `n` is a parent. `n` is a node, or the centre of a root (whose children are parentless or half
-  // so).
-  NodeList<4> children(NodeId n) const {
-    const uint32_t t = scaleLog2(n), x = n.x(), y = n.y();
+  // The nodes of which `n` is a parent. `n` may also be the centre of a root, of level 0, whose children are parentless
+  // or half so.
+  NodeList<4> children(NodeId n, int level) const {
+    const uint32_t t = scaleLog2At(level), x = n.x(), y = n.y();
     NodeList<4> result;
-    if (isCentre(n, t)) {
+    if (isCentreLevel(level)) {
       const uint32_t s = 1u << t;
       result.push(NodeId::at(x - s, y));
       result.push(NodeId::at(x + s, y));
@@ -127,12 +125,14 @@ class GridTopology {
     }
     if (t == 0) return result;
     const uint32_t h = 1u << (t - 1);
-    if (x >= h && y >= h) result.push(NodeId::at(x - h, y - h));
-    if (x + h <= maxX() && y >= h) result.push(NodeId::at(x + h, y - h));
-    if (x >= h && y + h <= maxY()) result.push(NodeId::at(x - h, y + h));
-    if (x + h <= maxX() && y + h <= maxY()) result.push(NodeId::at(x + h, y + h));
+    const bool has_west = x >= h, has_east = x + h <= maxX(), has_south = y >= h, has_north = y + h <= maxY();
+    if (has_west && has_south) result.push(NodeId::at(x - h, y - h));
+    if (has_east && has_south) result.push(NodeId::at(x + h, y - h));
+    if (has_west && has_north) result.push(NodeId::at(x - h, y + h));
+    if (has_east && has_north) result.push(NodeId::at(x + h, y + h));
     return result;
   }
+  NodeList<4> children(NodeId n) const { return children(n, level(n)); }
 
   // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
   template <class IsThere>
@@ -204,7 +204,7 @@ class GridTopology {
   static constexpr uint32_t kTileLog2 = 4, kTile = 1u << kTileLog2;
 
   // Of the nodes of a level.
-  uint32_t scaleLog2At(int level) const { return shape_.root_log2 - 1 - static_cast<uint32_t>(level / 2); }
+  uint32_t scaleLog2At(int level) const { return shape_.root_log2 - 1 - (static_cast<uint32_t>(level) >> 1); }
   // The square of 2s that a slot belongs to.
   struct Cell {
     uint32_t x, y;
@@ -220,9 +220,12 @@ class GridTopology {
     return {(tile - row * tiles_x) << kTileLog2 | (cell & (kTile - 1)),
             row << kTileLog2 | (cell >> kTileLog2 & (kTile - 1))};
   }
-  static bool isCentre(NodeId n, uint32_t t) { return (n.x() >> t & 1) && (n.y() >> t & 1); }
+  static bool isCentre(NodeId n, uint32_t t) { return (n.x() & n.y()) >> t & 1; }
+  // Whether the nodes of a level are centres; else they are sides.
+  static bool isCentreLevel(int level) { return (level & 1) == 0; }
   // A centre's edge leads to the centre of the square of 4s around it: the corner whose coordinates are both odd in 2s.
-  static bool diagonalRises(uint32_t x, uint32_t y, uint32_t t) { return ((x >> (t + 1)) & 1) == ((y >> (t + 1)) & 1); }
+  // Modulo 2^32: s, or minus s if the diagonal falls.
+  static uint32_t rise(uint32_t x, uint32_t y, uint32_t t) { return (1u << t) - (((x ^ y) >> (t + 1) & 1) << (t + 1)); }
   static Slot tileSlot(uint32_t cx, uint32_t cy, uint32_t tiles_x) {
     const uint32_t tile = (cy >> kTileLog2) * tiles_x + (cx >> kTileLog2);
     return tile << (2 * kTileLog2) | (cy & (kTile - 1)) << kTileLog2 | (cx & (kTile - 1));

@@ -78,10 +78,12 @@ class MeshTopology {
   NodeList<2> parents(NodeId n) const {
     return isQuad() ? quad().parents(patchPointOf(n)) : bisect().parents(patchPointOf(n));
   }
+  NodeList<2> parents(NodeId n, int) const { return parents(n); }  // of a node whose level is known
   // The nodes of which `n` is a parent.
   NodeList<6> children(NodeId n) const {
     return isQuad() ? quad().children(patchPointOf(n)) : bisect().children(patchPointOf(n));
   }
+  NodeList<6> children(NodeId n, int) const { return children(n); }
 
   // Whether all parents of a child of `n` but `n` itself, of which there is at most one, are there: isThere(NodeId).
   template <class IsThere>
