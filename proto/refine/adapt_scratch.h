@@ -11,8 +11,10 @@ namespace foreland::proto {
 
 // A node whose membership in the section is undecided in a step.
 struct AdaptCandidate {
+  NodeId node;
   Slot slot = 0;
-  uint32_t page = 0;  // its number
+  uint32_t page = 0;   // its number
+  uint32_t entry = 0;  // its index in the pool of entries
   bool is_in_section = false;
   bool is_new = false;      // to the frontier, in this step
   bool is_known = false;    // both ends know the node's height
@@ -32,6 +34,10 @@ struct AdaptScratch {
   // By page: nodes whose test is undecided, or that may have come to the frontier; and whether there are any.
   std::vector<SlotBits> undecided;
   std::vector<uint8_t> has_undecided;
+  // By page: nodes that leave the frontier, and whether there are any; the pages that have some.
+  std::vector<SlotBits> leaving;
+  std::vector<uint8_t> has_leaving;
+  std::vector<uint32_t> left_pages;
   // Undecided nodes whose pages do not exist yet: of any level, descending; and of the level that is next.
   std::vector<Slot> initial, pending;
   std::vector<Slot> new_pages;  // of each such page the first undecided node

@@ -36,8 +36,10 @@ class Adapter<Tester>::Step {
         scratch_(scratch),
         delta_(delta),
         tester_(*adapter.domain_, view, motion, source, adapter.memory_, scratch.decisions) {
-    scratch_.undecided.assign(nodes_.pageCount(), {});
-    scratch_.has_undecided.assign(nodes_.pageCount(), 0);
+    const size_t pages = nodes_.pageCount();
+    for (std::vector<SlotBits>* sets : {&scratch_.undecided, &scratch_.leaving}) sets->assign(pages, {});
+    for (std::vector<uint8_t>* flags : {&scratch_.has_undecided, &scratch_.has_leaving}) flags->assign(pages, 0);
+    scratch_.left_pages.resize(pages + 1);
     scratch_.initial.clear();
     scratch_.pending.clear();
     scratch_.learnt.clear();
@@ -49,10 +51,12 @@ class Adapter<Tester>::Step {
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
+    endLeaving();
     std::reverse(delta_.removed.begin() + static_cast<std::ptrdiff_t>(removed), delta_.removed.end());
     if (!a_.is_complete_) findFrontier();
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
+    endLeaving();
     for (const AdaptScratch::PagedSlot& slot : scratch_.learnt) frontier_.learn(slot.page, slot.low);
     tester_.endStep(frontier_, a_.steps_);
     return true;
@@ -62,16 +66,23 @@ class Adapter<Tester>::Step {
   Slot begin(int level) const { return topology_.levelOffset(level); }
   bool isInSection(Slot slot) const { return nodes_.isInSection(slot); }
   bool hasChildInSection(NodeId n, int level) const {
-    for (NodeId child : topology_.children(n))
-      if (isInSection(topology_.slot(child, level + 1))) return true;
-    return false;
+    bool any = false;  // without branches, for nothing foretells which children are there
+    for (NodeId child : topology_.children(n, level)) any = any | isInSection(topology_.slot(child, level + 1));
+    return any;
   }
   bool hasParentsInSection(NodeId n, int level) const {
-    for (NodeId parent : topology_.parents(n))
+    for (NodeId parent : topology_.parents(n, level))
       if (!isInSection(topology_.slot(parent, level - 1))) return false;
     return true;
   }
 
+  // After pages were made.
+  void growScratch() {
+    const size_t pages = nodes_.pageCount();
+    for (std::vector<SlotBits>* sets : {&scratch_.undecided, &scratch_.leaving}) sets->resize(pages);
+    for (std::vector<uint8_t>* flags : {&scratch_.has_undecided, &scratch_.has_leaving}) flags->resize(pages);
+    scratch_.left_pages.resize(pages + 1);
+  }
   void markUndecided(uint32_t page, uint8_t low) {
     scratch_.undecided[page].set(low);
     scratch_.has_undecided[page] = 1;
@@ -96,49 +107,61 @@ class Adapter<Tester>::Step {
   void finishStale() {
     tester_.test();
     a_.tests_ += tester_.count();
-    for (size_t i = 0; i < tester_.count(); ++i)
-      if (tester_.passes(i) == stale_[i].is_in_section)
-        frontier_.renew(stale_[i].index, tester_.entry(i), tester_.slack(i));
-      else
-        markUndecided(stale_[i].page, lowOf(tester_.slot(i)));
+    // Without branches, for every other one is undecided. An undecided entry is replaced or removed in this step.
+    for (size_t i = 0; i < tester_.count(); ++i) {
+      const bool is_undecided = tester_.passes(i) != stale_[i].is_in_section;
+      frontier_.renew(stale_[i].index, tester_.entry(i), tester_.slack(i));
+      scratch_.undecided[stale_[i].page].add(lowOf(tester_.slot(i)), is_undecided);
+      scratch_.has_undecided[stale_[i].page] |= static_cast<uint8_t>(is_undecided);
+    }
     tester_.clear();
   }
 
-  // Takes the undecided nodes of a level that are in the section, or those that are not, as candidates; ascending.
+  // Takes the undecided nodes of a level that are in the section, or those that are not, as candidates, ascending, and
+  // puts those on the frontier that have come to it.
   enum class Which { kLeaves, kAddable };
   void collect(int level, Which which) {
     scratch_.candidates.clear();
     for (const Frontier::Nodes::PageName& name : nodes_.pagesOf(begin(level), begin(level + 1))) {
-      const uint32_t number = name.number;
-      if (!scratch_.has_undecided[number]) continue;
-      const FrontierPage& page = nodes_.page(number);
-      SlotBits& undecided = scratch_.undecided[number];
-      const SlotBits taken = which == Which::kLeaves ? undecided & page.in_section : undecided - page.in_section;
+      if (!scratch_.has_undecided[name.number]) continue;
+      SlotBits& undecided = scratch_.undecided[name.number];
+      const SlotBits& in_section = nodes_.page(name.number).in_section;
+      const SlotBits taken = which == Which::kLeaves ? undecided & in_section : undecided - in_section;
       undecided = undecided - taken;
-      if (which == Which::kAddable) frontier_.reserve(number, (taken - page.on_frontier).count());
-      taken.forEach([&](uint8_t low) {
-        scratch_.candidates.push_back({.slot = page.first() | low,
-                                       .page = number,
-                                       .is_in_section = which == Which::kLeaves,
-                                       .is_new = !page.on_frontier.has(low),
-                                       .is_known = page.knowledge.known.has(low),
-                                       .is_settled = page.knowledge.settled.has(low)});
-      });
+      if (taken.any()) collect(level, which, name.number, taken);
     }
   }
-
-  // Calls visit(candidate, node) for candidates of one level.
-  template <class Visit>
-  void forEach(int level, std::span<AdaptCandidate> candidates, const Visit& visit) {
-    uint32_t page = Frontier::Nodes::kNone;
-    auto nodes = topology_.pageNodes(level, begin(level));
-    for (AdaptCandidate& c : candidates) {
-      if (c.page != page) nodes = topology_.pageNodes(level, nodes_.page(page = c.page).first());
-      visit(c, nodes.at(lowOf(c.slot)));
+  void collect(int level, Which which, uint32_t number, SlotBits taken) {
+    const FrontierPage& page = nodes_.page(number);
+    const auto nodes = topology_.pageNodes(level, page.first());
+    SlotBits entering = taken - page.on_frontier;
+    if (which == Which::kLeaves) {  // parents of removed nodes, some of which have other children
+      const SlotBits inner = innerOf(level, nodes, entering);
+      entering = entering - inner;
+      taken = taken - inner;
     }
+    frontier_.enter(number, entering,
+                    which == Which::kLeaves ? FrontierEntry::newLeaf(0) : FrontierEntry::newAddable(0));
+    taken.forEachRanked(page.on_frontier, [&](uint8_t low, uint32_t rank) {
+      scratch_.candidates.push_back({.node = nodes.at(low),
+                                     .slot = page.first() | low,
+                                     .page = number,
+                                     .entry = frontier_.firstEntry(number) + rank,
+                                     .is_in_section = which == Which::kLeaves,
+                                     .is_new = entering.has(low),
+                                     .is_known = page.knowledge.known.has(low),
+                                     .is_settled = page.knowledge.settled.has(low)});
+    });
+  }
+  // Those of a page's nodes that have a child in the section.
+  template <class PageNodes>
+  SlotBits innerOf(int level, const PageNodes& nodes, const SlotBits& some) const {
+    SlotBits inner;
+    some.forEach([&](uint8_t low) { inner.add(low, hasChildInSection(nodes.at(low), level)); });
+    return inner;
   }
 
-  // Decides for each candidate whether it is in the section from now on, and gives each an entry.
+  // Decides for each candidate whether it is in the section from now on, and renews its entry.
   bool resolve(int level) {
     std::vector<AdaptCandidate>& candidates = scratch_.candidates;
     for (size_t begin = 0; begin < candidates.size(); begin += Tester::kSize)
@@ -148,52 +171,64 @@ class Adapter<Tester>::Step {
   }
   bool resolve(int level, std::span<AdaptCandidate> part) {
     tester_.clear();
-    forEach(level, part,
-            [&](const AdaptCandidate& c, NodeId n) { tester_.push(n, level, nodes_.page(c.page), entryOf(c)); });
+    for (const AdaptCandidate& c : part) tester_.push(c.node, level, nodes_.page(c.page), frontier_.entryAt(c.entry));
     if (!tester_.decide(level, part, frontier_)) return false;
     a_.tests_ += part.size();
-    for (size_t i = 0; i < part.size(); ++i) frontier_.put(part[i].page, tester_.entry(i), tester_.slack(i));
+    for (size_t i = 0; i < part.size(); ++i) frontier_.renew(part[i].entry, tester_.entry(i), tester_.slack(i));
     tester_.clear();
     return true;
   }
-  FrontierEntry entryOf(const AdaptCandidate& c) const {
-    if (!c.is_new) return frontier_.entry(nodes_.page(c.page), lowOf(c.slot));
-    return c.is_in_section ? FrontierEntry::newLeaf(lowOf(c.slot)) : FrontierEntry::newAddable(lowOf(c.slot));
+  // Keeps the candidates that are in the section now, or those that are not. Without branches, for nothing foretells
+  // it.
+  void keep(Which which) {
+    std::vector<AdaptCandidate>& candidates = scratch_.candidates;
+    size_t kept = 0;
+    for (const AdaptCandidate& c : candidates) {
+      candidates[kept] = c;
+      kept += c.is_in_section == (which == Which::kLeaves) ? 1 : 0;
+    }
+    candidates.resize(kept);
   }
 
   // Removes leaves of a level. Their children leave the frontier; parents without other children come to it, and may be
   // removed in turn.
   bool remove(int level) {
     collect(level, Which::kLeaves);
-    dropInner(level);
     if (!resolve(level)) return false;
+    keep(Which::kAddable);
     std::vector<AdaptCandidate>& candidates = scratch_.candidates;
-    std::erase_if(candidates, [](const AdaptCandidate& c) { return c.is_in_section; });
     a_.nodes_in_section_ -= candidates.size();
-    forEach(level, candidates, [&](const AdaptCandidate& c, NodeId n) {
+    for (const AdaptCandidate& c : candidates) {
       frontier_.removeFromSection(c.page, lowOf(c.slot));
-      for (NodeId child : topology_.children(n)) removeFromFrontier(topology_.slot(child, level + 1));
-      for (NodeId parent : topology_.parents(n)) {
+      for (NodeId child : topology_.children(c.node, level)) leaveFrontier(topology_.slot(child, level + 1));
+      for (NodeId parent : topology_.parents(c.node, level)) {
         const Slot above = topology_.slot(parent, level - 1);
         markUndecided(nodes_.find(above), lowOf(above));
       }
-    });
+    }
     for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].slot);
     return true;
   }
-  // Drops candidates that are no leaves: parents of removed nodes that have other children.
-  void dropInner(int level) {
-    size_t kept = 0;
-    forEach(level, scratch_.candidates, [&](const AdaptCandidate& c, NodeId n) {
-      if (!c.is_new || !hasChildInSection(n, level)) scratch_.candidates[kept++] = c;
-    });
-    scratch_.candidates.resize(kept);
-  }
-  void removeFromFrontier(Slot slot) {
+  // Takes a node off the frontier, if it is there, by the next call of endLeaving().
+  void leaveFrontier(Slot slot) {
     const uint32_t page = nodes_.find(slot);
-    if (!nodes_.page(page).on_frontier.has(lowOf(slot))) return;
-    frontier_.remove(page, lowOf(slot));
-    scratch_.undecided[page].clear(lowOf(slot));
+    const bool leaves = nodes_.page(page).on_frontier.has(lowOf(slot));
+    scratch_.leaving[page].add(lowOf(slot), leaves);
+    scratch_.left_pages[left_pages_] = page;
+    left_pages_ += (leaves & (scratch_.has_leaving[page] == 0)) ? 1 : 0;
+    scratch_.has_leaving[page] |= static_cast<uint8_t>(leaves);
+  }
+  // Page by page: until then nothing reads the entries of these pages, which lie on levels that are done with.
+  void endLeaving() {
+    for (size_t i = 0; i < left_pages_; ++i) {
+      const uint32_t page = scratch_.left_pages[i];
+      SlotBits& leaving = scratch_.leaving[page];
+      frontier_.leave(page, leaving);
+      scratch_.undecided[page] = scratch_.undecided[page] - leaving;
+      leaving = {};
+      scratch_.has_leaving[page] = 0;
+    }
+    left_pages_ = 0;
   }
 
   // Finds all nodes that can be added to a section of which only the leaves have entries.
@@ -226,23 +261,21 @@ class Adapter<Tester>::Step {
     std::vector<AdaptCandidate>& candidates = scratch_.candidates;
     tester_.tellAddable(level, candidates);
     if (!resolve(level)) return false;
-    const auto count = static_cast<size_t>(
-        std::count_if(candidates.begin(), candidates.end(), [](const AdaptCandidate& c) { return c.is_in_section; }));
-    if (count == 0) return true;
-    if (a_.nodes_in_section_ + count > max_nodes_) return false;
-    std::erase_if(candidates, [](const AdaptCandidate& c) { return !c.is_in_section; });
-    a_.nodes_in_section_ += count;
+    keep(Which::kLeaves);
+    if (a_.nodes_in_section_ + candidates.size() > max_nodes_) return candidates.empty();
+    a_.nodes_in_section_ += candidates.size();
     for (const AdaptCandidate& c : candidates) {
       delta_.added.push_back(c.slot);
       if (!c.is_known) scratch_.learnt.push_back({c.page, lowOf(c.slot)});
       frontier_.addToSection(c.page, lowOf(c.slot));
     }
-    forEach(level, candidates, [&](const AdaptCandidate&, NodeId n) {
-      for (NodeId parent : topology_.parents(n)) removeFromFrontier(topology_.slot(parent, level - 1));
-      for (NodeId child : topology_.children(n))
-        if (topology_.hasOtherParent(child, n, [&](NodeId other) { return isInSection(topology_.slot(other, level)); }))
+    for (const AdaptCandidate& c : candidates) {
+      for (NodeId parent : topology_.parents(c.node, level)) leaveFrontier(topology_.slot(parent, level - 1));
+      for (NodeId child : topology_.children(c.node, level))
+        if (topology_.hasOtherParent(child, c.node,
+                                     [&](NodeId other) { return isInSection(topology_.slot(other, level)); }))
           considerAddable(topology_.slot(child, level + 1), scratch_.pending);
-    });
+    }
     return true;
   }
 
@@ -263,8 +296,7 @@ class Adapter<Tester>::Step {
     for (Slot slot : pages)
       if (nodes_.find(slot) == Frontier::Nodes::kNone)
         frontier_.makePage(slot, Tester::knowledgeOf(source_, a_.memory_, slot));
-    scratch_.undecided.resize(nodes_.pageCount());
-    scratch_.has_undecided.resize(nodes_.pageCount());
+    growScratch();
     for (Slot slot : pending) markUndecided(nodes_.find(slot), lowOf(slot));
     frontier_.orderPages();
     pending.clear();
@@ -285,6 +317,7 @@ class Adapter<Tester>::Step {
   AdaptScratch& scratch_;
   CutDelta& delta_;
   Tester tester_;
+  size_t left_pages_ = 0;                   // in scratch_.left_pages
   std::array<Stale, Tester::kSize> stale_;  // of the nodes in the tester
 };
 

@@ -22,25 +22,8 @@ void EntryPool::reserve(Block& block, uint32_t count, uint32_t wanted) {
   if (wanted > kSizes[block.size]) move(block, count, sizeFor(wanted));
 }
 
-void EntryPool::insert(Block& block, uint32_t count, uint32_t at, float slack, FrontierEntry entry) {
-  reserve(block, count, count + 1);
-  float* s = this->slack(block);
-  FrontierEntry* e = entries(block);
-  std::copy_backward(s + at, s + count, s + count + 1);
-  std::copy_backward(e + at, e + count, e + count + 1);
-  s[at] = slack;
-  e[at] = entry;
-}
-
-// A block that is half empty is exchanged for a smaller one.
-void EntryPool::erase(Block& block, uint32_t count, uint32_t at) {
-  float* s = slack(block);
-  FrontierEntry* e = entries(block);
-  std::copy(s + at + 1, s + count, s + at);
-  std::copy(e + at + 1, e + count, e + at);
-  const uint32_t left = count - 1;
-  s[left] = kEndless;
-  if (left == 0 || (block.size > 1 && 2 * left <= kSizes[block.size])) move(block, left, sizeFor(left + left / 4));
+void EntryPool::shrink(Block& block, uint32_t count) {
+  if (count == 0 || (block.size > 1 && 2 * count <= kSizes[block.size])) move(block, count, sizeFor(count + count / 4));
 }
 
 void EntryPool::move(Block& block, uint32_t count, uint8_t size) {
@@ -48,7 +31,7 @@ void EntryPool::move(Block& block, uint32_t count, uint8_t size) {
   Block next;
   if (size != 0) {
     next = take(size);
-    if (count < kSizes[block.size] && next.size >= block.size) return give(next);  // no smaller one is free
+    if (size < block.size && next.size >= block.size) return give(next);  // no smaller one is free
     std::fill(std::copy_n(slack(block), count, slack(next)), slack(next) + kSizes[next.size], kEndless);
     std::copy_n(entries(block), count, entries(next));
   }

@@ -37,6 +37,9 @@ struct FrontierEntry {
   static FrontierEntry newLeaf(uint8_t low) { return of(low, {1}, {}); }
   static FrontierEntry newAddable(uint8_t low) { return of(low, {255}, {}); }
 
+  // The same of another slot.
+  FrontierEntry at(uint8_t other_low) const { return {(bits & ~0xffu) | other_low}; }
+
   uint8_t low() const { return static_cast<uint8_t>(bits); }
   QuantisedError bound() const { return {static_cast<uint8_t>(bits >> 8)}; }
   uint32_t sensitivity() const { return bits >> 16 & 3; }
@@ -77,9 +80,8 @@ class EntryPool {
   }
   // Makes a block that holds `count` entries large enough for `wanted`.
   void reserve(Block& block, uint32_t count, uint32_t wanted);
-  // Inserts an entry before the one at `at`, of `count`; erases the one at `at`.
-  void insert(Block& block, uint32_t count, uint32_t at, float slack, FrontierEntry entry);
-  void erase(Block& block, uint32_t count, uint32_t at);
+  // Exchanges a block of which at most half is used by its first `count` entries for a smaller one.
+  void shrink(Block& block, uint32_t count);
 
   // Entries for which blocks are taken, and for which there is memory.
   size_t held() const { return held_; }

@@ -37,15 +37,13 @@ class Frontier {
   void addToSection(uint32_t number, uint8_t low) { nodes_.addToSection(number, low); }
   void removeFromSection(uint32_t number, uint8_t low) { nodes_.removeFromSection(number, low); }
 
-  // Makes space for `more` entries in a page at once.
-  void reserve(uint32_t number, uint32_t more) {
-    Page& page = nodes_.page(number);
-    pool_.reserve(page.block, page.entries, page.entries + more);
-  }
   // Puts a node on the frontier, or replaces its entry if it is there.
   void put(uint32_t number, FrontierEntry entry, float slack);
-  // Takes a node off the frontier; it must be there.
-  void remove(uint32_t number, uint8_t low);
+  // Puts nodes of a page on the frontier, none of which is there, with entries as `blank` but for their slots, without
+  // slack.
+  void enter(uint32_t number, const SlotBits& nodes, FrontierEntry blank);
+  // Takes nodes of a page off the frontier, all of which must be there.
+  void leave(uint32_t number, const SlotBits& nodes);
   // The entry of a frontier node.
   FrontierEntry entry(const Page& page, uint8_t low) const {
     return pool_.entries(page.block)[page.on_frontier.countBefore(low)];
@@ -66,6 +64,8 @@ class Frontier {
         visit(number, std::span<const uint32_t>(stale.data(), count));
     }
   }
+  // By their index in the pool; first that of a page's first entry.
+  uint32_t firstEntry(uint32_t number) const { return nodes_.page(number).block.first; }
   FrontierEntry entryAt(uint32_t index) const { return pool_.entryAt(index); }
   // Replaces the entry of the same node.
   void renew(uint32_t index, FrontierEntry entry, float slack) {

@@ -112,8 +112,13 @@ class PagedNodes {
     noteIfEmpty(number);
   }
   void addToFrontier(uint32_t number, uint8_t low) { pages_[number].on_frontier.set(low); }
-  void removeFromFrontier(uint32_t number, uint8_t low) {
-    pages_[number].on_frontier.clear(low);
+  void removeFromFrontier(uint32_t number, uint8_t low) { removeFromFrontier(number, SlotBits::of(low)); }
+  // Some of a page at once.
+  void addToFrontier(uint32_t number, const SlotBits& nodes) {
+    pages_[number].on_frontier = pages_[number].on_frontier | nodes;
+  }
+  void removeFromFrontier(uint32_t number, const SlotBits& nodes) {
+    pages_[number].on_frontier = pages_[number].on_frontier - nodes;
     noteIfEmpty(number);
   }
 

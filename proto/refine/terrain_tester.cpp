@@ -72,7 +72,7 @@ bool TerrainTester::resolve(size_t i, AdaptCandidate& c, QuantisedError finest) 
 Familiarity TerrainTester::familiarityOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
                                          const Frontier::Nodes& nodes) const {
   if (c.is_known) return Familiarity::kKnown;
-  for (NodeId parent : domain_.grid.parents(node(i))) {
+  for (NodeId parent : domain_.grid.parents(node(i), level)) {
     const Slot above = domain_.grid.slot(parent, level - 1);
     if (!nodes.pageAt(above).knowledge.known.has(lowOf(above))) return Familiarity::kNew;
   }

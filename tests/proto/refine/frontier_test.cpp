@@ -29,6 +29,7 @@ class Pair {
     consume();
     for (int i = 0; i < 400; ++i) {
       const Slot slot = static_cast<Slot>(rng_.below(40)) << 8 | static_cast<Slot>(rng_.next() & 0xff);
+      if (i % 20 == 0) grows ? addSome(slot) : removeSome(slot);
       if (grows ? rng_.below(4) > 0 : rng_.below(4) == 0)
         add(slot);
       else
@@ -66,7 +67,28 @@ class Pair {
     const uint32_t page = frontier_.nodes().find(slot);
     if (page == kNone) return;
     if (nodes_in_section_.erase(slot)) frontier_.removeFromSection(page, lowOf(slot));
-    if (entries_.erase(slot)) frontier_.remove(page, lowOf(slot));
+    if (entries_.erase(slot)) frontier_.leave(page, SlotBits::of(lowOf(slot)));
+  }
+  // Several nodes of the slot's page at once, none or all of which are on the frontier: what they leave in one by one.
+  void addSome(Slot near) {
+    const uint32_t page = frontier_.nodes().find(near);
+    if (page == kNone) return;
+    const SlotBits some = someBits() - frontier_.page(page).on_frontier;
+    const QuantisedError bound{static_cast<uint8_t>(rng_.next())};
+    frontier_.enter(page, some, FrontierEntry::of(7, bound, {}));
+    some.forEach([&](uint8_t low) { entries_[frontier_.page(page).first() | low] = {bound, 0, {}}; });
+  }
+  void removeSome(Slot near) {
+    const uint32_t page = frontier_.nodes().find(near);
+    const SlotBits some = someBits() & frontier_.page(page).on_frontier;
+    if (page == kNone || !some.any()) return;
+    frontier_.leave(page, some);
+    some.forEach([&](uint8_t low) { entries_.erase(frontier_.page(page).first() | low); });
+  }
+  SlotBits someBits() {
+    SlotBits some;
+    for (uint64_t& word : some.words) word = rng_.next() & rng_.next() & rng_.next();
+    return some;
   }
   void consume() {
     MotionBound motion;
@@ -155,7 +177,8 @@ TEST(Frontier, GivesMemoryBack) {
   EXPECT_GE(frontier.bytes(), size_t{8} * 256 * 1000);
   EXPECT_LE(frontier.bytes(), size_t{10} * 256 * 1000);
   for (Slot key = 0; key < 900; ++key)
-    for (int low = 0; low < 256; ++low) frontier.remove(frontier.nodes().find(key << 8), static_cast<uint8_t>(low));
+    for (int low = 0; low < 256; ++low)
+      frontier.leave(frontier.nodes().find(key << 8), SlotBits::of(static_cast<uint8_t>(low)));
   frontier.endStep([](const FrontierPage&) {});
   frontier.validate();
   EXPECT_EQ(frontier.entryCount(), 256u * 100);

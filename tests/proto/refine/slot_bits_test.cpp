@@ -30,9 +30,18 @@ TEST(SlotBits, AreASetOfSlots) {
     std::vector<int> seen;
     bits.forEach([&](uint8_t slot) { seen.push_back(slot); });
     ASSERT_EQ(seen, std::vector<int>(expected.begin(), expected.end()));
-    const SlotBits both = bits & others, rest = bits - others;
+    std::vector<int> descending, ranks;
+    bits.forEachDescending([&](uint8_t slot) { descending.push_back(slot); });
+    ASSERT_EQ(descending, std::vector<int>(expected.rbegin(), expected.rend()));
+    bits.forEachRanked(others, [&](uint8_t slot, uint32_t rank) {
+      ranks.push_back(slot);
+      ASSERT_EQ(rank, others.countBefore(slot)) << "seed " << seed;
+    });
+    ASSERT_EQ(ranks, seen);
+    const SlotBits both = bits & others, rest = bits - others, all = bits | others;
     ASSERT_EQ(both.has(low), expected.contains(low) && other.contains(low));
     ASSERT_EQ(rest.has(low), expected.contains(low) && !other.contains(low));
+    ASSERT_EQ(all.has(low), expected.contains(low) || other.contains(low));
     if (i % 300 == 0) others = {}, other.clear();
   }
 }

@@ -1,0 +1,54 @@
+// The vector instructions against one entry at a time.
+#include "proto/refine/take_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/rng.h"
+#include "tests/support/seed.h"
+
+namespace foreland::proto {
+namespace {
+
+// A page's entries and slacks, as EntryPool keeps them: in whole vectors, endless behind the last entry.
+struct Entries {
+  std::vector<float> slack;
+  std::vector<FrontierEntry> entries;
+  uint32_t count;
+
+  Entries(Rng& rng, uint32_t n) : count(n) {
+    const size_t held = (n + EntryPool::kVector - 1) / EntryPool::kVector * EntryPool::kVector;
+    for (uint32_t i = 0; i < held; ++i) {
+      const auto distance = static_cast<float>(std::exp2(rng.uniform(-4, 28)));
+      const auto constraint = MotionConstraint::of(static_cast<uint32_t>(rng.below(4)), distance);
+      entries.push_back(FrontierEntry::of(static_cast<uint8_t>(rng.next()), QuantisedError{99}, constraint));
+      slack.push_back(i < n ? static_cast<float>(std::exp2(rng.uniform(-10, 6))) : EntryPool::kEndless);
+    }
+    if (n > 0) slack[rng.below(n)] = 0;
+  }
+};
+
+TEST(TakeMotion, GivesTheSameBitsByVectors) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  bool any_stale = false, any_kept = false;
+  for (int round = 0; round < 500; ++round) {
+    MotionBound motion;
+    for (size_t g = 0; g < MotionBound::kSensitivities; ++g) motion.set(g, rng.uniform(0, 2), rng.uniform(0, 1e-3));
+    Entries some(rng, static_cast<uint32_t>(rng.below(257)));
+    std::vector<float> slack = some.slack;
+    const SlotBits expected = takeMotionByScalars(motion, slack.data(), some.entries.data(), some.count);
+    const SlotBits stale = takeMotion(motion, some.slack.data(), some.entries.data(), some.count);
+    ASSERT_EQ(stale, expected) << "seed " << seed;
+    for (uint32_t i = 0; i < slack.size(); ++i)
+      ASSERT_EQ(std::bit_cast<uint32_t>(some.slack[i]), std::bit_cast<uint32_t>(slack[i])) << "seed " << seed;
+    any_stale = any_stale || stale.any();
+    any_kept = any_kept || stale.count() < some.count;
+  }
+  EXPECT_TRUE(any_stale && any_kept);
+}
+
+}  // namespace
+}  // namespace foreland::proto
