@@ -71,19 +71,19 @@ class MotionMargin {
                                                     std::min(n.side_margin, straightAhead(p)))
                                          : std::max(-n.any_margin, approachMargin(p, n));
 
+    // Margins over paces are compared by their products with the other pace: divisions take longest here.
     const double distance = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    const auto lasts = [&](double margin_m, Sensitivity sensitivity) {
-      return margin_m / pace.of(static_cast<size_t>(sensitivity), distance);
-    };
-    const double motion = lasts(motion_margin, Sensitivity::kMotion),
-                 beside = passed ? 0 : lasts(-n.side_margin, Sensitivity::kTowardsSidePlane);
-    const double special =
-        passed ? lasts(special_margin, Sensitivity::kAdvance) : lasts(special_margin, Sensitivity::kApproach);
-    const bool is_special = special > motion, is_beside = beside > std::max(special, motion);
+    const auto paceOf = [&](Sensitivity sensitivity) { return pace.of(static_cast<size_t>(sensitivity), distance); };
+    const double motion_pace = paceOf(Sensitivity::kMotion), beside_pace = paceOf(Sensitivity::kTowardsSidePlane),
+                 special_pace = passed ? paceOf(Sensitivity::kAdvance) : paceOf(Sensitivity::kApproach),
+                 beside_margin = -n.side_margin;  // not positive if passed
+    const bool is_special = special_margin * motion_pace > motion_margin * special_pace,
+               is_beside = (beside_margin * motion_pace > motion_margin * beside_pace) &
+                           (beside_margin * special_pace > special_margin * beside_pace);
     return {is_beside    ? Sensitivity::kTowardsSidePlane
             : is_special ? (passed ? Sensitivity::kAdvance : Sensitivity::kApproach)
                          : Sensitivity::kMotion,
-            std::max(0.0, is_beside    ? -n.side_margin
+            std::max(0.0, is_beside    ? beside_margin
                           : is_special ? special_margin
                                        : motion_margin)};
   }
@@ -101,14 +101,14 @@ class MotionMargin {
     const double q = std::sqrt(n.vertical_reach), slope = 0.5 * n.K / (q + 1e-300), straight = straightAhead(p),
                  gap = n.z - q;
     const double t = std::min(1.0, std::max(0.0, (straight - 2 * gap) / (p.horizontal + 1e-300)));
-    return std::min(straight - t * p.horizontal, gap / std::max(1 - t * slope, (1 + slope) / kStray));
+    return std::min(straight - t * p.horizontal, gap / std::max(1 - t * slope, (1 + slope) * (1 / kStray)));
   }
   // The margin of kAdvance by going ahead and up or down alone, while the node lies ahead.
   [[gnu::always_inline]] double advanceMargin(const NodePosition& p, const Metric::Terms& n) const {
     const Frustum& frustum = metric_.frustum();
-    const double z1 = frustum.axisDepth(p, n.R), z2 = frustum.cornerDepth(p, n.R), least_K = n.K + 1e-300;
-    const double by_axis = std::max((n.vertical_reach - z1 * z1) / least_K, (2 * z1 * sinking_ - n.K) * per_sinking2_);
-    const double by_corner = std::min((n.vertical_reach - z2 * z2) / least_K, std::sqrt(n.vertical_reach) - z2);
+    const double z1 = frustum.axisDepth(p, n.R), z2 = frustum.cornerDepth(p, n.R), per_K = 1 / (n.K + 1e-300);
+    const double by_axis = std::max((n.vertical_reach - z1 * z1) * per_K, (2 * z1 * sinking_ - n.K) * per_sinking2_);
+    const double by_corner = std::min((n.vertical_reach - z2 * z2) * per_K, std::sqrt(n.vertical_reach) - z2);
     return std::min(std::max(least_vertical_margin_, std::min(by_axis, by_corner)),
                     n.K * frustum.inverseCosCorner() - z2);
   }
