@@ -91,16 +91,17 @@ class Adapter<Tester>::Step {
   // Stale entries that still hold get a new slack; the others are undecided.
   void testStale() {
     int level = 1;
-    frontier_.consume(motion_, [&](uint32_t number, std::span<const uint32_t> indices) {
+    frontier_.consume(motion_, [&](uint32_t number, const SlotBits& ranks) {
       const FrontierPage& page = nodes_.page(number);
       while (page.first() >= begin(level + 1)) ++level;
       const auto nodes = topology_.pageNodes(level, page.first());
-      for (uint32_t index : indices) {
-        const FrontierEntry entry = frontier_.entryAt(index);
-        stale_[tester_.count()] = {number, index, page.in_section.has(entry.low())};
+      const uint32_t first = frontier_.firstEntry(number);
+      ranks.forEach([&](uint8_t rank) {
+        const FrontierEntry entry = frontier_.entryAt(first + rank);
+        stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
         tester_.push(nodes.at(entry.low()), level, page, entry);
         if (tester_.full()) finishStale();
-      }
+      });
     });
     finishStale();
   }

@@ -1,6 +1,6 @@
 #include "proto/refine/frontier.h"
 
-#include <numeric>
+#include <algorithm>
 
 #include "base/check.h"
 #include "proto/refine/take_motion.h"
@@ -73,15 +73,9 @@ void Frontier::leave(uint32_t number, const SlotBits& nodes) {
 }
 
 // A slack of zero is always used up, for MotionBound::set() makes every motion positive.
-uint32_t Frontier::consume(const MotionBound& motion, const Page& page, std::array<uint32_t, kPageSlots>& stale) {
-  if (motion.isUnbounded()) {
-    std::iota(stale.begin(), stale.begin() + page.entries, page.block.first);
-    return page.entries;
-  }
-  const SlotBits used_up = takeMotion(motion, pool_.slack(page.block), pool_.entries(page.block), page.entries);
-  uint32_t count = 0;
-  used_up.forEach([&](uint8_t at) { stale[count++] = page.block.first + at; });
-  return count;
+SlotBits Frontier::consume(const MotionBound& motion, const Page& page) {
+  if (motion.isUnbounded()) return SlotBits::below(page.entries);
+  return takeMotion(motion, pool_.slack(page.block), pool_.entries(page.block), page.entries);
 }
 
 void Frontier::compact() {

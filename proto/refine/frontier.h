@@ -49,19 +49,17 @@ class Frontier {
     return pool_.entries(page.block)[page.on_frontier.countBefore(low)];
   }
 
-  // Takes the motion of a step off every slack and calls visit(number, indices) for each page with entries whose slack
-  // is used up: the indices of these in the pool, ascending, which hold until an entry is put or removed.
+  // Takes the motion of a step off every slack and calls visit(number, ranks) for each page with entries whose slack is
+  // used up: the ranks of these among the page's entries.
   template <class Visit>
   void consume(const MotionBound& motion, const Visit& visit) {
     constexpr size_t kAhead = 8;  // pages
-    std::array<uint32_t, kPageSlots> stale;
     const auto order = nodes_.pages();
     for (size_t i = 0; i < order.size(); ++i) {
       if (i + 2 * kAhead < order.size()) __builtin_prefetch(&nodes_.page(order[i + 2 * kAhead].number));
       if (i + kAhead < order.size()) pool_.prefetch(nodes_.page(order[i + kAhead].number).block);
       const uint32_t number = order[i].number;
-      if (const uint32_t count = consume(motion, nodes_.page(number), stale); count > 0)
-        visit(number, std::span<const uint32_t>(stale.data(), count));
+      if (const SlotBits ranks = consume(motion, nodes_.page(number)); ranks.any()) visit(number, ranks);
     }
   }
   // By their index in the pool; first that of a page's first entry.
@@ -97,7 +95,7 @@ class Frontier {
 
  private:
   void compact();
-  uint32_t consume(const MotionBound& motion, const Page& page, std::array<uint32_t, kPageSlots>& stale);
+  SlotBits consume(const MotionBound& motion, const Page& page);
 
   Nodes nodes_;
   EntryPool pool_;

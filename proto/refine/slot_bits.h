@@ -16,6 +16,14 @@ struct SlotBits {
     return one;
   }
 
+  // Those below `end`, which is at most 256.
+  static SlotBits below(uint32_t end) {
+    SlotBits first;
+    for (uint32_t w = 0; w < 4 && 64 * w < end; ++w)
+      first.words[w] = end - 64 * w < 64 ? (uint64_t{1} << (end - 64 * w)) - 1 : ~uint64_t{0};
+    return first;
+  }
+
   bool has(uint8_t low) const { return words[low >> 6] >> (low & 63) & 1; }
   void set(uint8_t low) { words[low >> 6] |= uint64_t{1} << (low & 63); }
   // Sets it if `value`, without a branch.

@@ -54,52 +54,60 @@ void TerrainTester::leaveOutHidden(std::span<AdaptCandidate> candidates) {
 }
 
 // Whether what is known of the error decides. The view may say that no error passes; of a node that is known but whose
-// error is not, all that is known is that it was asked about.
+// error is not, all that is known is that it was asked about. With few branches, for nothing foretells the decisions.
 bool TerrainTester::resolve(size_t i, AdaptCandidate& c, QuantisedError finest) {
-  if (c.is_new && c.is_known && !c.is_in_section && !c.is_settled && finest.value >= batch_.least[i]) {
+  const bool is_unsettled = !c.is_settled, was_in_section = c.is_in_section;
+  const uint16_t least = batch_.least[i];
+  if (c.is_new & c.is_known & !was_in_section & is_unsettled & (finest.value >= least)) {
     batch_.bound[i] = finest;
     c.is_in_section = true;
     return true;
   }
-  const bool passes = batch_.bound[i].value >= batch_.least[i];
-  const bool is_decided =
-      c.is_settled || batch_.least[i] == TerrainBatch::kNonePasses || (c.is_in_section ? passes : !passes);
-  if (is_decided && c.is_in_section && !passes && !c.is_settled) batch_.bound[i] = kAnyError;
-  if (is_decided) c.is_in_section = passes;
+  const bool passes = batch_.bound[i].value >= least;
+  const bool is_decided = !is_unsettled | (least == TerrainBatch::kNonePasses) | (passes == was_in_section);
+  const bool is_forgotten = is_decided & was_in_section & !passes & is_unsettled;
+  batch_.bound[i] = is_forgotten ? kAnyError : batch_.bound[i];
+  c.is_in_section = is_decided ? passes : was_in_section;
   return is_decided;
 }
 
 Familiarity TerrainTester::familiarityOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
                                          const Frontier::Nodes& nodes) const {
   if (c.is_known) return Familiarity::kKnown;
+  bool are_known = true;
   for (NodeId parent : domain_.grid.parents(node(i), level)) {
     const Slot above = domain_.grid.slot(parent, level - 1);
-    if (!nodes.pageAt(above).knowledge.known.has(lowOf(above))) return Familiarity::kNew;
+    are_known = are_known & nodes.pageAt(above).knowledge.known.has(lowOf(above));
   }
+  if (!are_known) return Familiarity::kNew;
   return nodes.page(c.page).knowledge.finest > least ? Familiarity::kSeen : Familiarity::kRejected;
 }
 
 void TerrainTester::collectPredicates(int level, std::span<AdaptCandidate> candidates, const Frontier::Nodes& nodes) {
   DecisionScratch& s = scratch_;
-  s.predicates.clear();
-  s.asked.clear();
+  s.asked.resize(candidates.size());
+  size_t asked = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
     AdaptCandidate& c = candidates[i];
     is_hidden_[i] = memory_.hides && memory_.blocks.isKnownHidden(node(i)) ? 1 : 0;
-    if (is_hidden_[i] != 0 || resolve(i, c, nodes.page(c.page).knowledge.finest)) continue;
-    const QuantisedError least{static_cast<uint8_t>(batch_.least[i])};
-    const Familiarity familiarity =
-        c.is_new && !c.is_in_section ? familiarityOf(i, level, c, least, nodes) : Familiarity::kNew;
-    s.predicates.push_back({.slot = c.slot,
-                            .bound = batch_.bound[i],
-                            .least = least,
-                            .is_in_section = c.is_in_section,
-                            .is_new = c.is_new,
-                            .is_known = c.is_known,
-                            .familiarity = familiarity,
-                            .finest = nodes.page(c.page).knowledge.finest});
-    s.asked.push_back(static_cast<uint32_t>(i));
+    s.asked[asked] = static_cast<uint32_t>(i);
+    asked += is_hidden_[i] != 0 || resolve(i, c, nodes.page(c.page).knowledge.finest) ? 0 : 1;
   }
+  s.asked.resize(asked);
+  s.predicates.resize(asked);
+  for (size_t k = 0; k < asked; ++k) s.predicates[k] = predicateOf(s.asked[k], level, candidates[s.asked[k]], nodes);
+}
+
+Predicate TerrainTester::predicateOf(size_t i, int level, const AdaptCandidate& c, const Frontier::Nodes& nodes) const {
+  const QuantisedError least{static_cast<uint8_t>(batch_.least[i])};
+  return {.slot = c.slot,
+          .bound = batch_.bound[i],
+          .least = least,
+          .is_in_section = c.is_in_section,
+          .is_new = c.is_new,
+          .is_known = c.is_known,
+          .familiarity = c.is_new && !c.is_in_section ? familiarityOf(i, level, c, least, nodes) : Familiarity::kNew,
+          .finest = nodes.page(c.page).knowledge.finest};
 }
 
 bool TerrainTester::askSource(int level, std::span<AdaptCandidate> candidates, Frontier& frontier) {
@@ -111,7 +119,7 @@ bool TerrainTester::askSource(int level, std::span<AdaptCandidate> candidates, F
     AdaptCandidate& c = candidates[s.asked[k]];
     const QuantisedError least = s.predicates[k].least;
     c.is_in_section = s.decisions[k] != 0;
-    batch_.bound[s.asked[k]] = c.is_in_section ? least : QuantisedError{static_cast<uint8_t>(least.value - 1)};
+    batch_.bound[s.asked[k]] = {static_cast<uint8_t>(least.value - (c.is_in_section ? 0 : 1))};
     frontier.noteDecision(c.page, least);
   }
   return true;
@@ -119,9 +127,14 @@ bool TerrainTester::askSource(int level, std::span<AdaptCandidate> candidates, F
 
 bool TerrainTester::tellAdded(int level, std::span<const AdaptCandidate> candidates) {
   DecisionScratch& s = scratch_;
-  s.added.clear();
-  for (size_t k = 0; k < s.asked.size(); ++k)
-    if (!s.predicates[k].is_known && candidates[s.asked[k]].is_in_section) s.added.push_back(s.predicates[k]);
+  s.added.resize(s.asked.size());
+  size_t added = 0;
+  for (size_t k = 0; k < s.asked.size(); ++k) {
+    s.added[added] = s.predicates[k];
+    const bool is_known = s.predicates[k].is_known, is_in_section = candidates[s.asked[k]].is_in_section;
+    added += (!is_known & is_in_section) ? 1 : 0;
+  }
+  s.added.resize(added);
   return s.added.empty() || source_.onAdded(level, s.added);
 }
 
@@ -132,24 +145,24 @@ void TerrainTester::settle(std::span<const AdaptCandidate> candidates, Frontier&
     const Predicate& q = s.predicates[k];
     const uint32_t i = s.asked[k];
     const AdaptCandidate& c = candidates[i];
-    if (is_hidden_[i] != 0 || (!q.is_known && !c.is_in_section)) continue;
     const bool is_true = s.decisions[k] != 0;
-    const QuantisedError low = is_true           ? q.least
-                               : q.is_in_section ? q.bound
-                                                 : q.finest,
-                         high = !is_true          ? batch_.bound[i]
-                                : q.is_in_section ? kAnyError
-                                                  : q.bound;
-    if (low != high) continue;
+    const QuantisedError below = q.is_in_section ? q.bound : q.finest, above = q.is_in_section ? kAnyError : q.bound;
+    const QuantisedError low = is_true ? q.least : below, high = is_true ? above : batch_.bound[i];
+    const bool is_open = low != high, is_hidden = is_hidden_[i] != 0;
+    if (is_open | is_hidden | (!q.is_known & !c.is_in_section)) continue;
     source_.onSettled(c.slot, low);
     frontier.settle(c.page, lowOf(c.slot));
   }
 }
 
 void TerrainTester::tellAddable(int level, std::span<const AdaptCandidate> candidates) {
-  scratch_.slots.clear();
-  for (const AdaptCandidate& c : candidates)
-    if (c.is_new && !c.is_known) scratch_.slots.push_back(c.slot);
+  scratch_.slots.resize(candidates.size());
+  size_t told = 0;
+  for (const AdaptCandidate& c : candidates) {
+    scratch_.slots[told] = c.slot;
+    told += (c.is_new & !c.is_known) ? 1 : 0;
+  }
+  scratch_.slots.resize(told);
   if (!scratch_.slots.empty()) source_.onAddable(level, scratch_.slots);
 }
 

@@ -96,6 +96,7 @@ class TerrainTester {
   void setBounds(std::span<const AdaptCandidate> candidates, const Frontier::Nodes& nodes);
   bool resolve(size_t i, AdaptCandidate& candidate, QuantisedError finest);
   void collectPredicates(int level, std::span<AdaptCandidate> candidates, const Frontier::Nodes& nodes);
+  Predicate predicateOf(size_t i, int level, const AdaptCandidate& c, const Frontier::Nodes& nodes) const;
   Familiarity familiarityOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
                             const Frontier::Nodes& nodes) const;
   bool askSource(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);

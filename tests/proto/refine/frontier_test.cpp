@@ -103,12 +103,13 @@ class Pair {
       if (e.slack < 0) expected.insert(slot);
     }
     const MotionConstraint renewed = MotionConstraint::of(1, 1);
-    frontier_.consume(motion, [&](uint32_t number, std::span<const uint32_t> indices) {
-      for (uint32_t index : indices) {
+    frontier_.consume(motion, [&](uint32_t number, const SlotBits& ranks) {
+      ranks.forEach([&](uint8_t rank) {
+        const uint32_t index = frontier_.firstEntry(number) + rank;
         const FrontierEntry entry = frontier_.entryAt(index);
         stale.insert(frontier_.page(number).first() | entry.low());
         frontier_.renew(index, FrontierEntry::of(entry.low(), entry.bound(), renewed), 1000);
-      }
+      });
     });
     ASSERT_EQ(stale, expected);
     for (Slot slot : stale) entries_[slot].slack = 1000, entries_[slot].constraint = renewed;

@@ -46,5 +46,12 @@ TEST(SlotBits, AreASetOfSlots) {
   }
 }
 
+TEST(SlotBits, HoldThoseBelowAnEnd) {
+  for (uint32_t end = 0; end <= 256; ++end) {
+    const SlotBits below = SlotBits::below(end);
+    for (uint32_t low = 0; low < 256; ++low) ASSERT_EQ(below.has(static_cast<uint8_t>(low)), low < end);
+  }
+}
+
 }  // namespace
 }  // namespace foreland::proto
