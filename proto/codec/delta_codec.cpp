@@ -50,8 +50,8 @@ class LevelCoder {
       for (size_t i = 0; i < count; ++i) contexts[i] = contextOf(predicates[begin + i], records[i]);
       for (size_t i = 0; i < count; ++i) got[i] = codeDecision(contexts[i], decisions[begin + i] != 0) ? 1 : 0;
       for (size_t i = 0; i < count; ++i)
-        if (got[i] && !predicates[begin + i].is_in_section)
-          cached_contexts_.keep(predicates[begin + i].slot, contexts[i].context);
+        cached_contexts_.keepIf(got[i] & !predicates[begin + i].is_in_section, predicates[begin + i].slot,
+                                contexts[i].context);
       std::copy_n(got.begin(), count, decisions.begin() + static_cast<std::ptrdiff_t>(begin));
     }
   }
@@ -196,10 +196,19 @@ QuantisedRadius DeltaDecoder::radius(Slot) {
 
 // Until a node is added, only the middle of its edge is known.
 void DeltaDecoder::onAddable(int level, std::span<const Slot> slots) {
+  constexpr size_t kAhead = 64;  // nodes whose look-ups wait for memory together
   LevelNodes names(domain_.grid, level);
-  for (Slot slot : slots) {
-    const auto [a, b] = domain_.grid.endpoints(names.at(slot));
-    nodes_.make(slot) = NodeRecord::of(middleOf(nodes_.height(a), nodes_.height(b)), 0, {}, {});
+  std::array<std::array<VertexHeight, 2>, kAhead> ends;
+  for (; !slots.empty(); slots = slots.subspan(std::min(kAhead, slots.size()))) {
+    const size_t count = std::min(kAhead, slots.size());
+    for (size_t i = 0; i < count; ++i) {
+      const auto [a, b] = domain_.grid.endpoints(names.at(slots[i]), level);
+      ends[i] = {nodes_.find(a), nodes_.find(b)};
+      for (const VertexHeight& end : ends[i]) __builtin_prefetch(end.record);
+    }
+    std::array<int32_t, kAhead> middles;  // before a new record moves the others
+    for (size_t i = 0; i < count; ++i) middles[i] = middleOf(ends[i][0].height(), ends[i][1].height());
+    for (size_t i = 0; i < count; ++i) nodes_.make(slots[i]) = NodeRecord::of(middles[i], 0, {}, {});
   }
 }
 

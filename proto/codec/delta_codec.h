@@ -56,9 +56,11 @@ struct DeltaModel {
 class CachedContexts {
  public:
   void clear() { count_ = taken_ = 0; }
-  void keep(Slot slot, const PredictionContext& context) {
+  // Without a branch, for nothing foretells which are kept.
+  void keepIf(bool is_kept, Slot slot, const PredictionContext& context) {
     slots_[count_] = slot;
-    contexts_[count_++] = context;
+    contexts_[count_] = context;
+    count_ += is_kept ? 1 : 0;
   }
   // Nodes are taken in the order in which they were kept; some may be left out.
   const PredictionContext& take(Slot slot) {
@@ -67,8 +69,9 @@ class CachedContexts {
   }
 
  private:
-  std::array<Slot, TerrainBatch::kSize> slots_;
-  std::array<PredictionContext, TerrainBatch::kSize> contexts_;
+  // One more than are kept.
+  std::array<Slot, TerrainBatch::kSize + 1> slots_;
+  std::array<PredictionContext, TerrainBatch::kSize + 1> contexts_;
   size_t count_ = 0, taken_ = 0;
 };
 

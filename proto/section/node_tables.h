@@ -40,7 +40,8 @@ class DenseNodes {
 
   const NodeRecord& at(Slot slot) const { return nodes_[slot]; }
   VertexHeight find(NodeId v) const {
-    return grid_->isBase(v) ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&nodes_[grid_->slot(v)], 0};
+    const int level = grid_->level(v);
+    return level == 0 ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&at(grid_->slot(v, level)), 0};
   }
   int32_t height(NodeId v) const { return find(v).height(); }
 
@@ -61,7 +62,8 @@ class SparseNodes {
   // The node's record; if the node is not there, a record of zeros or of what was there before.
   const NodeRecord& at(Slot slot) const { return records_[indexOf(block(slot), slot)]; }
   VertexHeight find(NodeId v) const {
-    return grid_->isBase(v) ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&at(grid_->slot(v)), 0};
+    const int level = grid_->level(v);
+    return level == 0 ? VertexHeight{nullptr, base_.at(*grid_, v)} : VertexHeight{&at(grid_->slot(v, level)), 0};
   }
   int32_t height(NodeId v) const { return find(v).height(); }
   // The node's record, made if it is not there; valid until the next call.

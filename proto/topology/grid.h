@@ -69,8 +69,7 @@ class GridTopology {
   int level(NodeId n) const {
     const uint32_t t = scaleLog2(n);
     if (t >= shape_.root_log2) return 0;
-    const int coarse = 2 * static_cast<int>(shape_.root_log2 - 1 - t);
-    return coarse + (isCentre(n, t) ? 0 : 1);
+    return levelOfScale(t) + 1 - static_cast<int>((n.x() & n.y()) >> t & 1);
   }
   bool isBase(NodeId n) const { return level(n) == 0; }
 
@@ -142,12 +141,12 @@ class GridTopology {
   }
 
   // Bijection between nodes and (some of the) slots. `n` is a node inside the grid.
-  Slot slot(NodeId n) const {
-    const uint32_t t = scaleLog2(n), cx = n.x() >> (t + 1), cy = n.y() >> (t + 1);
-    const int coarse = 2 * static_cast<int>(shape_.root_log2 - 1 - t);
-    if (isCentre(n, t)) return level_offset_[coarse] + tileSlot(cx, cy, tiles_x_[coarse]);
-    const Slot cell = tileSlot(cx, cy, tiles_x_[coarse + 1]);
-    return level_offset_[coarse + 1] + 2 * cell + ((n.x() >> t & 1) ? 0 : 1);
+  Slot slot(NodeId n) const { return slot(n, level(n)); }
+  // The same for a node whose level is known.
+  Slot slot(NodeId n, int level) const {
+    const uint32_t t = scaleLog2At(level), sides = level & 1;
+    const Slot cell = tileSlot(n.x() >> (t + 1), n.y() >> (t + 1), tiles_x_[level]);
+    return level_offset_[level] + (cell << sides) + (sides & ~(n.x() >> t));
   }
   // The node of a slot, or base vertex (0, 0) if the slot is padding or out of range.
   NodeId node(Slot slot) const {
@@ -160,13 +159,6 @@ class GridTopology {
     const NodeId n =
         NodeId::at((cell.x << (t + 1)) + (s & (along_y - 1)), (cell.y << (t + 1)) + (s & ((sides & ~along_y) - 1)));
     return contains(n) ? n : NodeId{};
-  }
-
-  // The slot of a node whose level is known.
-  Slot slot(NodeId n, int level) const {
-    const uint32_t t = scaleLog2At(level), sides = level & 1;
-    const Slot cell = tileSlot(n.x() >> (t + 1), n.y() >> (t + 1), tiles_x_[level]);
-    return level_offset_[level] + (cell << sides) + (sides & ~(n.x() >> t));
   }
 
   // node() for the slots of one page (kPageSlots, which are all of one level), by their index in it; not for padding.
