@@ -45,39 +45,78 @@ void TerrainBatch::locate(const TerrainDomain& domain, const Metric& metric) {
     locateAll(CurvedPositions(domain, metric));
 }
 
-// The inverse of the test gives a guess that is right but for rounding; passes() corrects it.
-void TerrainBatch::findLeast(const Metric& metric) {
-  const Metric m = metric;  // its own memory, so that the loop vectorises
-  std::array<uint8_t, kSize> is_sure;
-  for (size_t i = 0; i < count; ++i) {
-    const NodePosition p = position(i);
-    const double r = radius[i], error_m = m.leastError(p, r);
-    const bool any = error_m < std::numeric_limits<double>::infinity();
-    const int32_t guess = QuantisedError::roundUpFast(static_cast<float>(std::clamp(error_m, 0x1p-23, 0x1p80)));
-    const uint8_t passes_it = m.passes(p, r, QuantisedError::metresFast(guess)),
-                  passes_less = m.passes(p, r, QuantisedError::metresFast(guess - 1));
-    least[i] = static_cast<uint16_t>(any ? guess : kNonePasses);
-    is_sure[i] = any ? passes_it & ~passes_less : 1;
+// The loops, to be inlined into functions for different instructions.
+struct TerrainBatch::Loops {
+  // The inverse of the test gives a guess that is right but for rounding; `is_sure` says whether passes() agrees.
+  [[gnu::always_inline]] static inline void guessLeast(TerrainBatch& b, const Metric& metric, uint8_t* is_sure) {
+    const Metric m = metric;  // its own memory, so that the loop vectorises
+    const size_t n = b.count;
+    for (size_t i = 0; i < n; ++i) {
+      const NodePosition p = b.position(i);
+      const double r = b.radius[i], error_m = m.leastError(p, r);
+      const bool any = error_m < std::numeric_limits<double>::infinity();
+      const int32_t guess = QuantisedError::roundUpFast(static_cast<float>(std::clamp(error_m, 0x1p-23, 0x1p80)));
+      const uint8_t passes_it = m.passes(p, r, QuantisedError::metresFast(guess)),
+                    passes_less = m.passes(p, r, QuantisedError::metresFast(guess - 1));
+      b.least[i] = static_cast<uint16_t>(any ? guess : kNonePasses);
+      is_sure[i] = any ? passes_it & ~passes_less : 1;
+    }
   }
-  for (size_t i = 0; i < count; ++i)
-    if (!is_sure[i]) least[i] = static_cast<uint16_t>(m.leastPassing(position(i), radius[i]));
+  [[gnu::always_inline]] static inline void testWithSlack(TerrainBatch& b, const Metric& metric,
+                                                          const MotionBound& at_pace) {
+    const MotionMargin margin(metric);  // all in memory of their own, so that the loop vectorises
+    const MotionBound pace = at_pace;
+    const size_t n = b.count;
+    for (size_t i = 0; i < n; ++i) {
+      const NodePosition p = b.position(i);
+      const TestResult result = margin.testResult(p, b.radius[i], b.error[i], pace);
+      const double safe = result.slack * kSlackShare;
+      const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
+      b.passes[i] = margin.metric().passes(p, b.radius[i], b.error[i]);
+      b.slack[i] = static_cast<float>(safe);
+      b.constraint[i] =
+          MotionConstraint::of(static_cast<uint32_t>(result.sensitivity), static_cast<float>(distance + safe));
+    }
+  }
+
+  static void guessLeastBuilt(TerrainBatch& b, const Metric& m, uint8_t* is_sure) { guessLeast(b, m, is_sure); }
+  static void testWithSlackBuilt(TerrainBatch& b, const Metric& m, const MotionBound& p) { testWithSlack(b, m, p); }
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  [[gnu::target("avx512f,avx512dq,avx512bw,avx512vl,prefer-vector-width=512")]] static void guessLeastWide(
+      TerrainBatch& b, const Metric& m, uint8_t* is_sure) {
+    guessLeast(b, m, is_sure);
+  }
+  [[gnu::target("avx512f,avx512dq,avx512bw,avx512vl,prefer-vector-width=512")]] static void testWithSlackWide(
+      TerrainBatch& b, const Metric& m, const MotionBound& p) {
+    testWithSlack(b, m, p);
+  }
+  static bool hasWide() {
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+  }
+#else
+  static constexpr auto guessLeastWide = guessLeastBuilt;
+  static constexpr auto testWithSlackWide = testWithSlackBuilt;
+  static bool hasWide() { return false; }
+#endif
+};
+
+Vectors TerrainBatch::widestVectors() {
+  static const Vectors widest = Loops::hasWide() ? Vectors::kWide : Vectors::kBuilt;
+  return widest;
 }
 
-void TerrainBatch::testWithSlack(const Metric& metric, const MotionBound& motion) {
+void TerrainBatch::findLeast(const Metric& metric, Vectors vectors) {
+  std::array<uint8_t, kSize> is_sure;
+  (vectors == Vectors::kWide ? Loops::guessLeastWide : Loops::guessLeastBuilt)(*this, metric, is_sure.data());
+  for (size_t i = 0; i < count; ++i)
+    if (!is_sure[i]) least[i] = static_cast<uint16_t>(metric.leastPassing(position(i), radius[i]));
+}
+
+void TerrainBatch::testWithSlack(const Metric& metric, const MotionBound& motion, Vectors vectors) {
   lookUpErrors();
-  const MotionMargin margin(metric);  // with a metric in its own memory, so that the loop vectorises
   const MotionBound pace = motion.isUnbounded() ? MotionBound::even() : motion;
-  const size_t n = count;  // a copy, for the bytes written might be its own
-  for (size_t i = 0; i < n; ++i) {
-    const NodePosition p = position(i);
-    const TestResult result = margin.testResult(p, radius[i], error[i], pace);
-    const double safe = result.slack * kSlackShare;
-    const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
-    passes[i] = margin.metric().passes(p, radius[i], error[i]);
-    slack[i] = static_cast<float>(safe);
-    constraint[i] =
-        MotionConstraint::of(static_cast<uint32_t>(result.sensitivity), static_cast<float>(distance + safe));
-  }
+  (vectors == Vectors::kWide ? Loops::testWithSlackWide : Loops::testWithSlackBuilt)(*this, metric, pace);
 }
 
 }  // namespace foreland::proto
