@@ -28,8 +28,11 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
   if (!message) return message.error();
   if (auto* keyframe = std::get_if<proto::KeyframeMessage>(&*message)) return onKeyframe(*keyframe, now);
   if (auto* welcome = std::get_if<proto::Welcome>(&*message)) return onWelcome(std::move(*welcome));
-  if (auto* tile = std::get_if<proto::TileMessage>(&*message)) return tiles_.add(std::move(*tile));
-  if (auto* statement = std::get_if<proto::TileStatement>(&*message)) tiles_.add(*statement);
+  if (auto* tile = std::get_if<proto::TileMessage>(&*message)) return onTile(std::move(*tile));
+  if (auto* statement = std::get_if<proto::TileStatement>(&*message)) {
+    tiles_.add(*statement);
+    statistics_.texel_px = statement->texel_px;
+  }
   if (auto* tour = std::get_if<proto::TourReply>(&*message)) tour_ = std::move(*tour);
   if (auto* ground = std::get_if<proto::GroundReply>(&*message)) ground_ = std::move(*ground);
   if (auto* refusal = std::get_if<proto::Refusal>(&*message))
@@ -71,6 +74,12 @@ Status Viewer::onWelcome(proto::Welcome welcome) {
   if (path_) send(proto::encode(*path_));
   if (scene_clock_) send(proto::encode(*scene_clock_));
   return {};
+}
+
+Status Viewer::onTile(proto::TileMessage message) {
+  ++statistics_.tiles;
+  statistics_.tile_bytes += message.coded.size();
+  return tiles_.add(std::move(message));
 }
 
 Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {

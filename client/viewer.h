@@ -3,6 +3,7 @@
 // its hosts. One owner. Times are the client's clock: microseconds since an epoch that the host chooses once.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -27,7 +28,9 @@ struct ViewerStatistics {
   Duration last_lateness;       // of the newest keyframe; negative is early
   Duration worst_lateness;
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t frames = 0;          // frames with something to draw
+  uint64_t tiles = 0, tile_bytes = 0;                   // received, on all connections; bytes as they are coded
+  std::array<float, proto::kMaxTileLayers> texel_px{};  // the last statement, by layer; 0: none
+  uint64_t frames = 0;                                  // frames with something to draw
   uint64_t frames_outside = 0;  // of these, frames whose camera is outside the region that a shown keyframe is computed
                                 // for, so their error is not guaranteed
   uint32_t resumed = 0;         // reconnections whose first keyframe starts from the sections held
@@ -106,6 +109,7 @@ class Viewer {
 
  private:
   Status onWelcome(proto::Welcome welcome);
+  Status onTile(proto::TileMessage message);
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
   std::shared_ptr<const MeshPatch> makePatch();

@@ -39,7 +39,9 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .max_triangles = o.max_triangles,
                             .max_bytes_per_second = o.max_kbit_per_s * 125,
                             .occlusion = o.occlusion == "on",
-                            .memory_bytes = static_cast<uint32_t>(o.memory_mib * 1048576)};
+                            .memory_bytes = static_cast<uint32_t>(o.memory_mib * 1048576),
+                            .relief = o.relief,
+                            .imagery = o.imagery};
 }
 
 // What is asked of the scene's time; nothing if nothing is.
@@ -96,6 +98,8 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--occlusion", o.occlusion,
                  "on: ask for sections without what ridges hide, of a server with --occlusion on (default off)")
       ->check(CLI::IsMember({"on", "off"}));
+  app.add_flag("--relief", o.relief, "be sent tiles of relief, and count them; none is decoded");
+  app.add_flag("--imagery", o.imagery, "be sent tiles of imagery, likewise");
   app.add_option("--predictor", o.predictor,
                  "hold, velocity, acceleration, double-exponential, kalman or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());

@@ -25,6 +25,7 @@ struct FlyOptions {
   std::string blend = "keyframe";
   std::optional<std::string> predictor;
   std::string occlusion = "off";
+  bool relief = false, imagery = false;
   double tau_px = 1;
   int64_t keyframe_ms = 200;
   double memory_mib = proto::kDefaultMemoryBytes / 1048576.0;

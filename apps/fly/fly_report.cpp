@@ -62,6 +62,9 @@ Json reportOf(const FlySummary& s) {
   json["longest_resume_ms"] = f.session.longest_resume.toMilliseconds();
   json["nodes_added"] = f.session.nodes_added;
   json["nodes_removed"] = f.session.nodes_removed;
+  json["tiles"] = f.session.tiles;
+  json["tile_bytes"] = f.session.tile_bytes;
+  json["texel_px"] = f.session.texel_px;
   json["strategy"] = proto::name(s.request.strategy);
   json["predictor"] = proto::name(s.request.predictor);
   json["blend"] = client::name(s.blend);
@@ -92,6 +95,8 @@ Report (--json prints one object with these keys):
   resumed, started_afresh       new connections, by what their first keyframe started from; longest_resume_ms
   longest_gap_ms                between the arrivals of two keyframes, while flying
   nodes_added, nodes_removed    in all keyframes
+  tiles, tile_bytes, texel_px   with --relief or --imagery: tiles received, their bytes, and by layer the largest texel on the
+                                screen by the server's last statement
   jumps                         with --tour jumps, by kind: jumps and how many the tolerance was held again after; recovery_ms
                                 (worst, from the jump to the first frame that holds it) and mean_recovery_ms; unguaranteed_ms
                                 (worst, to the first frame that guarantees anything); largest_tolerance_px of those that do;

@@ -23,7 +23,10 @@ Json toJson(const proto::ViewRequest& r) {
           {"max_triangles", r.max_triangles},
           {"max_bytes_per_second", r.max_bytes_per_second},
           {"occlusion", r.occlusion},
-          {"memory_bytes", r.memory_bytes}};
+          {"memory_bytes", r.memory_bytes},
+          {"relief", r.relief},
+          {"imagery", r.imagery},
+          {"tile_bytes", r.tile_bytes}};
 }
 
 Json toJson(const Track& track) {
@@ -111,6 +114,9 @@ proto::ViewRequest requestFrom(Members json) {
   r.max_bytes_per_second = json.integer<uint32_t>("max_bytes_per_second", 0, kMostWord);
   r.occlusion = json.flag("occlusion");
   r.memory_bytes = json.integer<uint32_t>("memory_bytes", 0, kMostWord);
+  r.relief = json.flag("relief");
+  r.imagery = json.flag("imagery");
+  r.tile_bytes = json.integer<uint32_t>("tile_bytes", 0, kMostWord);
   return r;
 }
 

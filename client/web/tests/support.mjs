@@ -42,6 +42,21 @@ export async function makeScene(folder, { size = 513, spacing_m = 30, seed = 7 }
   return scene;
 }
 
+// A small landscape under a picture of two colours: red in the west, green in the east.
+export async function makeSceneWithPicture(folder) {
+  const foreland = join(bin, 'foreland');
+  const [raster, picture, scene] = ['Ground below.tif', 'picture.ppm', 'picture.fls'].map((name) => join(folder, name));
+  const [width, height] = [1024, 1024];
+  const texels = Buffer.alloc(3 * width * height);
+  for (let y = 0; y < height; ++y) {
+    for (let x = 0; x < width; ++x) texels.set(x < width / 2 ? [200, 30, 20] : [20, 160, 30], 3 * (y * width + x));
+  }
+  await writeFile(picture, Buffer.concat([Buffer.from(`P6 ${width} ${height} 255\n`), texels]));
+  await run(foreland, ['synth', '-o', raster, '--size', '257', '--spacing', '30', '--seed', '5']);
+  await run(foreland, ['build', raster, '-o', scene, '--imagery', picture, '--attribution', 'Painted by a test']);
+  return scene;
+}
+
 // A landscape that becomes another one from 2000 to 2002, by way of a third.
 export async function makeMovingScene(folder) {
   const foreland = join(bin, 'foreland');

@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serveMessage } from './socket.mjs';
 import {
-  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
+  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
 } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
@@ -371,6 +371,44 @@ test('tiles that are held are not sent again', kTest, () =>
     assert.equal(now.tiles_received, before_.tiles_received);
     assert.equal(now.relief_shown, before_.relief_shown);
   }, { expected: /WebSocket|ERR_CONNECTION/ }));
+
+test('a picture lies over the ground, where it belongs, and says whose it is', kTest, async () => {
+  const painted = await startServer(await makeSceneWithPicture(folder.folder));
+  try {
+    await visit('view=0,-1500,6000,0,-80&fog=0', async (page) => {
+      await until(page, (s) => s.imagery_shown > 1 && s.relief_shown > 0);
+      await untilTiles(page);
+      assert.equal(await page.locator('#credits').textContent(), 'Painted by a test');
+      const sides = await sidesOf(page);
+      assert.ok(sides.left[0] > 2 * sides.left[1], `the west is red: ${sides.left}`);
+      assert.ok(sides.right[1] > 1.5 * sides.right[0], `the east is green: ${sides.right}`);
+      await page.locator('[name=imagery]').uncheck();
+      const { frames } = await status(page);
+      await until(page, (s, n) => s.frames > n + 2, frames);
+      assert.equal(await page.locator('#credits').textContent(), '');
+      const bare = await sidesOf(page);
+      assert.ok(bare.left[0] < 2 * bare.left[1], `no picture: ${bare.left}`);
+    }, { server: painted });
+  } finally {
+    await painted.stop();
+  }
+});
+
+// The mean colour to the left and to the right of the middle.
+async function sidesOf(page) {
+  const data = `data:image/png;base64,${(await middleOf(page)).toString('base64')}`;
+  return page.evaluate(async (url) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(url.split(',')[1]), (c) => c.charCodeAt(0))]));
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    const meanOf = (x, width) => {
+      const { data: pixels } = context.getImageData(x, 0, width, image.height);
+      return [0, 1, 2].map((k) => pixels.reduce((sum, v, i) => (i % 4 === k ? sum + v : sum), 0) / (pixels.length / 4));
+    };
+    const third = Math.floor(image.width / 3);
+    return { left: meanOf(0, third), right: meanOf(2 * third, third) };
+  }, data);
+}
 
 test('relief, the sun and the colours of the ground are chosen', kTest, () =>
   visit('fog=0', async (page) => {
