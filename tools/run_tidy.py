@@ -73,7 +73,9 @@ def stamp_for(unit, headers, folder):
 
 def tidy(database, source, *options):
     command = ["clang-tidy", "--quiet", "-p", database, f"--config-file={os.path.join(source_files.ROOT, '.clang-tidy')}",
-               "--extra-arg=-Wno-unknown-warning-option", *options, source]
+               "--extra-arg=-Wno-unknown-warning-option",
+               "--extra-arg=-Wno-unused-command-line-argument",  # g++'s own
+               *options, source]
     result = subprocess.run(command, capture_output=True, text=True, check=False, cwd=source_files.ROOT)
     return result.returncode, result.stdout + (result.stderr if result.returncode and not result.stdout else "")
 
