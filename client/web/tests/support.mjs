@@ -42,14 +42,17 @@ export async function makeScene(folder, { size = 513, spacing_m = 30, seed = 7 }
   return scene;
 }
 
-// A small landscape under a picture of two colours: red in the west, green in the east.
+// A small landscape under a picture of two mottled colours: red in the west, green in the east.
 export async function makeSceneWithPicture(folder) {
   const foreland = join(bin, 'foreland');
   const [raster, picture, scene] = ['Ground below.tif', 'picture.ppm', 'picture.fls'].map((name) => join(folder, name));
-  const [width, height] = [1024, 1024];
+  const [width, height] = [2048, 2048];
   const texels = Buffer.alloc(3 * width * height);
   for (let y = 0; y < height; ++y) {
-    for (let x = 0; x < width; ++x) texels.set(x < width / 2 ? [200, 30, 20] : [20, 160, 30], 3 * (y * width + x));
+    for (let x = 0; x < width; ++x) {
+      const shade = 0.4 + 0.6 * ((((x >> 2) * 73856093) ^ ((y >> 2) * 19349663)) % 1009 / 1009) ** 2;
+      texels.set((x < width / 2 ? [200, 30, 20] : [20, 160, 30]).map((v) => v * shade), 3 * (y * width + x));
+    }
   }
   await writeFile(picture, Buffer.concat([Buffer.from(`P6 ${width} ${height} 255\n`), texels]));
   await run(foreland, ['synth', '-o', raster, '--size', '257', '--spacing', '30', '--seed', '5']);

@@ -389,6 +389,15 @@ test('a picture lies over the ground, where it belongs, and says whose it is', k
       const bare = await sidesOf(page);
       assert.ok(bare.left[0] < 2 * bare.left[1], `no picture: ${bare.left}`);
     }, { server: painted });
+    await visit('tour=orbit&fog=0', async (page) => {
+      // While the first tiles come, a level with each mesh.
+      const { imagery_shown } = await until(page, (s) => s.touring && s.imagery_shown > 0);
+      const all = await compareEnds(page, 6);
+      assert.ok((await status(page)).imagery_shown > imagery_shown, 'tiles have come');
+      const shareOf = (key) => Math.max(...all.map((one) => one[key] / one.pixels));
+      assert.ok(shareOf('moved') > 0.01, `only ${shareOf('moved')} of the pixels change from beginning to end`);
+      assert.ok(shareOf('visible') < 0.004, `${shareOf('visible')} of the pixels differ visibly from mesh to mesh`);
+    }, { server: painted, width: 640, height: 360 });
   } finally {
     await painted.stop();
   }
