@@ -1,5 +1,6 @@
-// foreland-synth: a synthetic mountain landscape as an elevation file, for the default demo and for tests.
-// Exit codes: 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
+// foreland-synth: a synthetic mountain landscape as an elevation file, and a picture of it or of other elevation, for
+// the default demo and for tests. Exit codes: 0 done, 2 anything else, with a line on stderr; nothing half-written
+// stays.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "apps/options.h"
+#include "apps/synth_picture.h"
 #include "terrain/dem/write.h"
 #include "terrain/parallel.h"
 #include "terrain/synth/landscape.h"
@@ -20,6 +22,7 @@ constexpr uint32_t kWindowRows = 128;
 struct Arguments {
   std::filesystem::path output;
   terrain::LandscapeOptions landscape;
+  apps::PictureArguments picture;
 };
 
 int fail(const Error& error) {
@@ -67,7 +70,16 @@ int synth(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app{"Makes a synthetic mountain landscape.", "foreland synth"};
   Arguments arguments;
-  app.add_option("-o,--output", arguments.output, "The file to write; .exr or .tif")->required();
+  CLI::Option* output = app.add_option("-o,--output", arguments.output, "The elevation file to write; .exr or .tif");
+  CLI::Option* picture = app.add_option("--imagery", arguments.picture.output,
+                                        "A picture that fits the landscape, for `foreland build --imagery`; .tif");
+  app.add_option("--imagery-detail", arguments.picture.detail, "Texels of the picture between two samples")
+      ->needs(picture)
+      ->check(CLI::Range(1u, 64u))
+      ->capture_default_str();
+  app.add_option("--over", arguments.picture.over, "Make the picture of these elevation files, and no landscape")
+      ->needs(picture)
+      ->excludes(output);
   app.add_option("--size", arguments.landscape.size, "Samples along each side, at least 2")->capture_default_str();
   app.add_option("--spacing", arguments.landscape.spacing_m, "Metres between samples")
       ->check(apps::isFinite())
@@ -79,5 +91,16 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "foreland synth: %s (see foreland synth --help)\n", error.what());
     return 2;
   }
-  return synth(arguments);
+  if (arguments.output.empty() && arguments.picture.over.empty()) {
+    std::fprintf(stderr,
+                 "foreland synth: --output is required: the elevation file to write (see foreland synth --help)\n");
+    return 2;
+  }
+  if (arguments.picture.over.empty())
+    if (const int code = synth(arguments); code != 0) return code;
+  if (arguments.picture.output.empty()) return 0;
+  if (arguments.picture.over.empty()) arguments.picture.over = {arguments.output};
+  arguments.picture.seed = static_cast<uint32_t>(arguments.landscape.seed);
+  const Status made = apps::synthPicture(arguments.picture);
+  return made.ok() ? 0 : fail(made.error());
 }

@@ -14,6 +14,7 @@
 
 #include "terrain/dem/formats/gdal_raster.h"
 #include "terrain/dem/open.h"
+#include "terrain/dem/pictures/write_picture.h"
 #include "tests/support/data.h"
 #include "tests/support/files.h"
 
@@ -304,6 +305,42 @@ TEST_F(Pictures, ACutFileIsAnErrorThatNamesIt) {
   const Status status = (*source)->read({0, 0, info.width, info.height}, texels);
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.error().message.find("cut.tif"), std::string::npos);
+}
+
+TEST_F(Pictures, ThatWereWrittenAreReadAtTheSamePositions) {
+  for (const PictureLattice& lattice : {utm(), degrees()}) {
+    const fs::path path = folder / "written.tif";
+    fs::remove(path);
+    auto writer = createPicture(path, lattice, 2);
+    ASSERT_TRUE(writer.ok()) << writer.error().message;
+    std::vector<std::array<uint8_t, 3>> rows;
+    for (int y = 0; y < 62; ++y)
+      for (int x = 0; x < 82; ++x)
+        rows.push_back({static_cast<uint8_t>(2 * x), static_cast<uint8_t>(3 * y), static_cast<uint8_t>(90)});
+    ASSERT_TRUE((*writer)->writeRows(20, std::span(rows).first(20 * 82)).ok());
+    EXPECT_FALSE(fs::exists(path));
+    ASSERT_TRUE((*writer)->writeRows(42, std::span(rows).subspan(20 * 82)).ok());
+    ASSERT_TRUE((*writer)->finish().ok());
+    auto source = openPictures({path}, lattice);
+    ASSERT_TRUE(source.ok()) << source.error().message;
+    EXPECT_TRUE((*source)->info().notes.empty());
+    EXPECT_EQ((*source)->info().texel, 0.5);
+    const auto texels = readAll(**source);
+    for (size_t i = 0; i < texels.size(); ++i) {
+      const auto& wanted = rows[(61 - i / 82) * 82 + i % 82];
+      ASSERT_NEAR(texels[i].red, wanted[0], 10) << i;
+      ASSERT_NEAR(texels[i].green, wanted[1], 10) << i;
+    }
+  }
+}
+
+TEST_F(Pictures, PlacesThatCannotBeWrittenAreRefused) {
+  EXPECT_FALSE(createPicture(folder / "a.png", utm(), 2).ok());
+  EXPECT_FALSE(createPicture(folder / "nowhere/a.tif", utm(), 2).ok());
+  PictureLattice large = utm();
+  large.samples_x = 1u << 20;
+  EXPECT_FALSE(createPicture(folder / "a.tif", large, 1024).ok());
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST_F(Pictures, RealOnesFitTheirElevation) {
