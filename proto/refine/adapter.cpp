@@ -51,12 +51,10 @@ class Adapter<Tester>::Step {
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
-    endLeaving();
     std::reverse(delta_.removed.begin() + static_cast<std::ptrdiff_t>(removed), delta_.removed.end());
     if (!a_.is_complete_) findFrontier();
     for (int level = 1; level <= topology_.maxLevel(); ++level)
       if (!add(level)) return false;
-    endLeaving();
     for (const AdaptScratch::PagedSlot& slot : scratch_.learnt) frontier_.learn(slot.page, slot.low);
     tester_.endStep(frontier_, a_.steps_);
     return true;
@@ -207,10 +205,11 @@ class Adapter<Tester>::Step {
         markUndecided(nodes_.find(above), lowOf(above));
       }
     }
+    endLeaving();
     for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].slot);
     return true;
   }
-  // Takes a node off the frontier, if it is there, by the next call of endLeaving().
+  // Takes a node off the frontier, if it is there, by the next call of endLeaving(), at the end of the level.
   void leaveFrontier(Slot slot) {
     const uint32_t page = nodes_.find(slot);
     const bool leaves = nodes_.page(page).on_frontier.has(lowOf(slot));
@@ -219,7 +218,7 @@ class Adapter<Tester>::Step {
     left_pages_ += (leaves & (scratch_.has_leaving[page] == 0)) ? 1 : 0;
     scratch_.has_leaving[page] |= static_cast<uint8_t>(leaves);
   }
-  // Page by page: until then nothing reads the entries of these pages, which lie on levels that are done with.
+  // Page by page: until then nothing reads the entries of these pages, which lie on a level that is done with.
   void endLeaving() {
     for (size_t i = 0; i < left_pages_; ++i) {
       const uint32_t page = scratch_.left_pages[i];
@@ -277,6 +276,7 @@ class Adapter<Tester>::Step {
                                      [&](NodeId other) { return isInSection(topology_.slot(other, level)); }))
           considerAddable(topology_.slot(child, level + 1), scratch_.pending);
     }
+    endLeaving();
     return true;
   }
 
