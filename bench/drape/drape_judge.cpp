@@ -143,7 +143,7 @@ void DrapeJudge::judge(size_t frame, LayerImage& image, const DrawnTiles& drawn,
           continue;
         }
         value += image.at(s.lattice, std::max(lod, static_cast<double>(tile.level) + tile.fade));
-        if (tile.level == 0 && tile.fade == 0) continue;
+        if (tile.fade == 0 && !image.hasFiner(s.lattice, tile.level)) continue;
         const auto texel_px = static_cast<float>(std::exp2(tile.level + tile.fade) / texels);
         texels_px_.push_back(texel_px);
         blurred += texel_px > kBlur_px;

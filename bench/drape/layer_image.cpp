@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "proto/imagery/relief_codec.h"
 #include "proto/space/frame.h"
+#include "terrain/imagery/webp.h"
 
 namespace foreland::bench {
 
@@ -25,6 +26,11 @@ float spacingOf(const terrain::Scene& scene) {
 
 float toGamma(float linear) {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float toLinear(uint8_t value) {
+  const float c = static_cast<float>(value) / 255;
+  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
 }  // namespace
@@ -54,7 +60,14 @@ LayerImage::Texels LayerImage::decodeHeights(const proto::TileId& tile) const {
 
 LayerImage::Texels LayerImage::decode(const proto::TileId& tile) const {
   if (layer().content == proto::TileContent::kRelief) return decodeHeights(tile);
-  return {};
+  // Luminance (BT.709) in linear light, in which the card filters, too.
+  std::vector<terrain::Rgb> pixels(proto::kTileTexels);
+  CHECK_TRUE(terrain::decodeTile(scene_->tiles().bytes(tile), pixels).ok());
+  Texels out(proto::kTileTexels);
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = {0.2126f * toLinear(pixels[i][0]) + 0.7152f * toLinear(pixels[i][1]) + 0.0722f * toLinear(pixels[i][2]),
+              0};
+  return out;
 }
 
 const LayerImage::Texels& LayerImage::texels(const proto::TileId& tile) {
@@ -70,15 +83,22 @@ const LayerImage::Texels& LayerImage::texels(const proto::TileId& tile) {
   return kept_.emplace(tile.key(), Kept{decode(tile), order_.begin()}).first->second.texels;
 }
 
+proto::TileId LayerImage::tileAt(const glm::dvec2& lattice, uint32_t level) const {
+  const glm::dvec2 at = (lattice - layer().origin) / (layer().texelAt(level) * proto::kTilePayload);
+  const auto within = [](double v, uint32_t count) { return static_cast<uint32_t>(std::clamp(v, 0.0, count - 1.0)); };
+  return {layer_, static_cast<uint8_t>(level), within(at.x, layer().tilesX(level)),
+          within(at.y, layer().tilesY(level))};
+}
+
+bool LayerImage::hasFiner(const glm::dvec2& lattice, uint32_t level) const {
+  return level > 0 && scene_->tiles().bounds(tileAt(lattice, level - 1)).has_value();
+}
+
 glm::vec2 LayerImage::at(const glm::dvec2& lattice, uint32_t level) {
   const uint32_t last = layer().levels() - 1;
   level = std::min(level, last);
   const glm::dvec2 texel = (lattice - layer().origin) / layer().texelAt(level);
-  const auto column = [](double at, uint32_t count) {
-    return static_cast<uint32_t>(std::clamp(at / proto::kTilePayload, 0.0, count - 1.0));
-  };
-  const proto::TileId tile{layer_, static_cast<uint8_t>(level), column(texel.x, layer().tilesX(level)),
-                           column(texel.y, layer().tilesY(level))};
+  const proto::TileId tile = tileAt(lattice, level);
   if (level < last && !scene_->tiles().bounds(tile)) return at(lattice, level + 1);
   const double most = proto::kTileSide - 1.001;
   const double x = std::clamp(texel.x - proto::kTilePayload * tile.x + proto::kTileGutter - 0.5, 0.0, most),

@@ -27,11 +27,15 @@ class LayerImage {
   // Between two levels.
   glm::vec2 at(const glm::dvec2& lattice, double lod);
 
+  // Whether a tile of the next finer level is stored at a position; others show the same as their parents.
+  bool hasFiner(const glm::dvec2& lattice, uint32_t level) const;
+
   // What a pixel of this mean value looks like, 0 to 1: gamma-coded luminance; relief is lit from the north-west.
   float brightness(const glm::vec2& value) const;
 
  private:
   using Texels = std::vector<glm::vec2>;
+  proto::TileId tileAt(const glm::dvec2& lattice, uint32_t level) const;
   const Texels& texels(const proto::TileId& tile);
   Texels decode(const proto::TileId& tile) const;
   Texels decodeHeights(const proto::TileId& tile) const;
