@@ -11,9 +11,9 @@ namespace foreland::bench {
 
 namespace {
 
-constexpr uint32_t kColumns = 8, kRows = 6;  // of blocks on the screen
-constexpr uint32_t kBlockSide = 24;          // pixels
-constexpr uint32_t kAcross = 4;              // samples of a pixel, and as many down
+constexpr uint32_t kBlockEach_px = 240, kRowEach_px = 180;  // a block of so many pixels: 8 x 6 of 1920 x 1080
+constexpr uint32_t kBlockSide = 24;                         // pixels
+constexpr uint32_t kAcross = 4;                             // samples of a pixel, and as many down
 constexpr uint32_t kSamples = kAcross * kAcross;
 constexpr uint32_t kWindow = 8;  // pixels a side, for SSIM
 
@@ -111,11 +111,13 @@ DrapeJudge::Block DrapeJudge::cast(const proto::Pose& pose, uint32_t left, uint3
 
 const std::vector<DrapeJudge::Block>& DrapeJudge::samples(size_t frame) {
   std::vector<Block>& blocks = samples_[frame];
-  if (blocks.empty())
-    for (uint32_t row = 0; row < kRows; ++row)
-      for (uint32_t column = 0; column < kColumns; ++column)
-        blocks.push_back(cast(poses_[frame], (2 * column + 1) * lens_.width_px / (2 * kColumns) - kBlockSide / 2,
-                              (2 * row + 1) * lens_.height_px / (2 * kRows) - kBlockSide / 2));
+  if (!blocks.empty()) return blocks;
+  const uint32_t columns = std::max(2u, lens_.width_px / kBlockEach_px),
+                 rows = std::max(2u, lens_.height_px / kRowEach_px);
+  for (uint32_t row = 0; row < rows; ++row)
+    for (uint32_t column = 0; column < columns; ++column)
+      blocks.push_back(cast(poses_[frame], (2 * column + 1) * lens_.width_px / (2 * columns) - kBlockSide / 2,
+                            (2 * row + 1) * lens_.height_px / (2 * rows) - kBlockSide / 2));
   return blocks;
 }
 
