@@ -21,8 +21,9 @@ void TilePuller::frame(Time now, const proto::Pose& pose) {
   const proto::TileLayer& layer = scene_->tiles().layers()[layer_];
   needed_.clear();
   need({layer_, static_cast<uint8_t>(layer.levels() - 1), 0, 0}, pose);
-  std::stable_sort(needed_.begin(), needed_.end(),
-                   [](const proto::TileId& a, const proto::TileId& b) { return a.level > b.level; });
+  std::sort(needed_.begin(), needed_.end(), [](const proto::TileId& a, const proto::TileId& b) {
+    return a.level != b.level ? a.level > b.level : a.key() < b.key();
+  });
   drawn_.clear();
   for (const proto::TileId& tile : needed_) {
     if (loaded_.contains(tile.key())) {

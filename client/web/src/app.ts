@@ -258,7 +258,7 @@ export class App {
     this.session.tell({ kind: 'blend', blend: this.settings.blend });
     this.session.tell({ kind: 'lines', wants_lines: this.settings.wireframe });
     this.sendRequest();
-    if (this.settings.occlusion && !this.may_occlude) this.session.tell({ kind: 'reopen' });
+    if (this.session.is_open && this.settings.occlusion && !this.may_occlude) this.session.tell({ kind: 'reopen' });
   }
 
   // Sends the request if it differs from the last one.

@@ -25,7 +25,7 @@ class Session {
   private was_greeted = false; // on any
   private sent: number[] = []; // versions that are not staged
   private last_version = 0; // that was sent
-  private tour: string | null = null; // asked for before there was a session
+  private tour: string | null = null; // asked for, and has not come; asked for again on a new connection
   private tour_seconds = 0;
 
   constructor(private readonly core: Core, private readonly start: Start) {
@@ -102,14 +102,13 @@ class Session {
       this.viewer.destroy();
       this.viewer = this.newViewer();
       this.tiles = new Tiles(this.viewer);
-      if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
     }
+    if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
     this.post({ kind: 'open' });
     this.sendOutgoing();
   }
 
   private requestTour(name: string, seconds: number): void {
-    if (this.was_greeted) return this.viewer.requestTour(name, seconds);
     [this.tour, this.tour_seconds] = [name, seconds];
     if (this.connection.isOpen()) this.viewer.requestTour(name, seconds);
   }
@@ -126,6 +125,7 @@ class Session {
       this.post({ kind: 'welcome', message });
       this.sendOutgoing();
     } else if (this.viewer.takeTour()) {
+      this.tour = null;
       this.post({ kind: 'tour', message });
     }
     this.sendMesh();
