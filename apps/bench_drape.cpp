@@ -13,8 +13,8 @@ namespace {
 Result<uint8_t> layerOf(const terrain::Scene& scene, const std::string& name) {
   const auto content = name == "relief" ? proto::TileContent::kRelief : proto::TileContent::kImagery;
   const auto layers = scene.tiles().layers();
-  for (uint8_t i = 0; i < layers.size(); ++i)
-    if (layers[i].content == content) return i;
+  for (size_t i = 0; i < layers.size(); ++i)
+    if (layers[i].content == content) return static_cast<uint8_t>(i);
   return Error{ErrorCode::kUnsupported, "the scene has no " + name + "; build it again, with --imagery for pictures"};
 }
 

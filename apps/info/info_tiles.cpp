@@ -37,9 +37,9 @@ double megabytes(uint64_t bytes) { return static_cast<double>(bytes) * 1e-6; }
 
 ordered_json describeTiles(const terrain::TileTable& tiles) {
   ordered_json layers = ordered_json::array();
-  for (uint8_t i = 0; i < tiles.layers().size(); ++i) {
+  for (size_t i = 0; i < tiles.layers().size(); ++i) {
     const proto::TileLayer& l = tiles.layers()[i];
-    const auto levels = costOf(tiles, i);
+    const auto levels = costOf(tiles, static_cast<uint8_t>(i));
     const LevelCost sum = sumOf(levels);
     ordered_json layer{
         {"content", nameOf(l.content)},  {"coding", l.coding == proto::TileCoding::kHeights ? "heights" : "webp"},
@@ -58,9 +58,9 @@ ordered_json describeTiles(const terrain::TileTable& tiles) {
 
 void printTiles(const terrain::Scene& scene) {
   const terrain::TileTable& tiles = scene.tiles();
-  for (uint8_t i = 0; i < tiles.layers().size(); ++i) {
+  for (size_t i = 0; i < tiles.layers().size(); ++i) {
     const proto::TileLayer& l = tiles.layers()[i];
-    const LevelCost sum = sumOf(costOf(tiles, i));
+    const LevelCost sum = sumOf(costOf(tiles, static_cast<uint8_t>(i)));
     const double texels = static_cast<double>(l.width) * l.height;
     std::printf("%-10s %u x %u texels, %u levels, %" PRIu64 " tiles, %.3f MB, %.2f bits a texel", nameOf(l.content),
                 l.width, l.height, l.levels(), sum.stored, megabytes(sum.bytes),

@@ -28,7 +28,8 @@ void TileSender::choose(uint32_t keyframe, std::span<const proto::View> views, c
   statement_.keyframe = keyframe;
   const auto layers = table_.layers();
   for (size_t i = 0; i < views.size(); ++i) {
-    for (uint8_t layer = 0; layer < layers.size(); ++layer) {
+    for (size_t at = 0; at < layers.size(); ++at) {
+      const auto layer = static_cast<uint8_t>(at);
       if (!request.wants(layers[layer].content)) continue;
       proto::selectTiles(
           layers[layer], layer, frame_, views[i], kTexel_px, kMostSelected,

@@ -78,7 +78,8 @@ class ImageryMaker {
     if (layer_.levels() > 1)
       if (Status s = newLevel(1, level); !s.ok()) return s;
     if (Status s = makeFinest(level.get()); !s.ok()) return s;
-    for (uint8_t l = 1; l < layer_.levels() && is_going_; ++l) {
+    for (uint32_t at = 1; at < layer_.levels() && is_going_; ++at) {
+      const auto l = static_cast<uint8_t>(at);
       if (l > 1) {
         std::unique_ptr<LinearLevel> coarse;
         if (Status s = newLevel(l, coarse); !s.ok()) return s;

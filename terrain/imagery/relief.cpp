@@ -60,7 +60,8 @@ class ReliefMaker {
   Result<bool> make(const Heights& heights) {
     if (!addLevel(0, LevelView<int32_t>{heights.quanta.data(), heights.width, heights.height})) return finish();
     std::vector<float> level;
-    for (uint8_t l = 1; l < layer_.levels(); ++l) {
+    for (uint32_t at = 1; at < layer_.levels(); ++at) {
+      const auto l = static_cast<uint8_t>(at);
       level = l == 1 ? halve(LevelView<int32_t>{heights.quanta.data(), heights.width, heights.height}, threads_)
                      : halve(view(level, static_cast<uint8_t>(l - 1)), threads_);
       if (!addLevel(l, view(level, l))) return finish();

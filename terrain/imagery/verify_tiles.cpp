@@ -48,10 +48,12 @@ TilesReport verifyTiles(const Scene& scene, unsigned threads) {
   Faults faults;
   const TileTable& tiles = scene.tiles();
   tiles.check([&](const std::string& what) { faults.add(0, what); });
-  for (uint8_t i = 0; i < tiles.layers().size(); ++i)
+  for (size_t at = 0; at < tiles.layers().size(); ++at) {
+    const auto i = static_cast<uint8_t>(at);
     report.layers.push_back(tiles.layers()[i].content == proto::TileContent::kRelief
                                 ? verifyRelief(scene, i, threads, faults)
                                 : verifyImagery(scene, i, threads, faults));
+  }
   report.faults = faults.count();
   report.first_faults = faults.first();
   return report;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "base/check.h"
 
@@ -94,8 +95,9 @@ float TileTable::detail(const proto::TileId& tile) const {
 std::string TileTable::faultOf(const proto::TileId& id, uint64_t& end) const {
   const StoredTile& t = at(id);
   if (t.bytes == 0) {
-    const StoredTile none{};
-    if (std::memcmp(&t, &none, sizeof(t)) != 0) return "is not stored, but its entry is not zero";
+    const std::span entry(reinterpret_cast<const uint8_t*>(&t), sizeof(t));
+    if (std::any_of(entry.begin(), entry.end(), [](uint8_t byte) { return byte != 0; }))
+      return "is not stored, but its entry is not zero";
     return id.level + 1u == layers_[id.layer].levels() ? "is the coarsest, but it is not stored" : "";
   }
   if (!isSound(t) || t.zero != 0) return "has a damaged entry";
@@ -107,8 +109,8 @@ std::string TileTable::faultOf(const proto::TileId& id, uint64_t& end) const {
 
 void TileTable::check(const std::function<void(const std::string&)>& visit) const {
   uint64_t end = first_byte_;
-  for (uint8_t layer = 0; layer < layers_.size(); ++layer)
-    forEach(layer, [&](const proto::TileId& id) {
+  for (size_t layer = 0; layer < layers_.size(); ++layer)
+    forEach(static_cast<uint8_t>(layer), [&](const proto::TileId& id) {
       if (const std::string what = faultOf(id, end); !what.empty()) visit(nameOf(id) + " " + what);
     });
   if (end != bytes_.size()) visit("the tiles do not fill their section");

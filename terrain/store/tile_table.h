@@ -55,9 +55,9 @@ class TileTable {
 template <class Visit>
 void TileTable::forEach(uint8_t layer, const Visit& visit) const {
   const proto::TileLayer& l = layers_[layer];
-  for (uint8_t level = 0; level < l.levels(); ++level)
+  for (uint32_t level = 0; level < l.levels(); ++level)
     for (uint32_t y = 0; y < l.tilesY(level); ++y)
-      for (uint32_t x = 0; x < l.tilesX(level); ++x) visit(proto::TileId{layer, level, x, y});
+      for (uint32_t x = 0; x < l.tilesX(level); ++x) visit(proto::TileId{layer, static_cast<uint8_t>(level), x, y});
 }
 
 }  // namespace foreland::terrain
