@@ -6,8 +6,9 @@
 
 #include "base/check.h"
 #include "proto/imagery/relief_codec.h"
-#include "proto/space/frame.h"
+#include "terrain/geo/geodesy.h"
 #include "terrain/imagery/webp.h"
+#include "terrain/srgb.h"
 
 namespace foreland::bench {
 
@@ -16,21 +17,15 @@ namespace {
 constexpr size_t kMostKept = 1200;  // tiles, of half a megabyte each
 
 float spacingOf(const terrain::Scene& scene) {
-  const proto::FrameTransform frame(scene.frame());
   const proto::GridShape& shape = scene.grid().shape();
-  const double x = 0.5 * shape.samples_x, y = 0.5 * shape.samples_y;
-  const glm::dvec3 here = frame.toScene(proto::LatticePosition{x, y, 0});
-  return static_cast<float>(0.5 * (glm::distance(here, frame.toScene(proto::LatticePosition{x + 1, y, 0})) +
-                                   glm::distance(here, frame.toScene(proto::LatticePosition{x, y + 1, 0}))));
+  const glm::dvec2 spacing_m = terrain::sampleSpacing(scene.frame(), shape.samples_x, shape.samples_y);
+  return static_cast<float>(0.5 * (spacing_m.x + spacing_m.y));
 }
 
-float toGamma(float linear) {
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-}
-
-float toLinear(uint8_t value) {
-  const float c = static_cast<float>(value) / 255;
-  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+// Luminance (BT.709) in linear light, in which the card filters, too.
+float luminanceOf(const terrain::Rgb& colour) {
+  const auto linear = [&](size_t i) { return terrain::linearOfSrgb(colour[i] / 255.0); };
+  return static_cast<float>(0.2126 * linear(0) + 0.7152 * linear(1) + 0.0722 * linear(2));
 }
 
 }  // namespace
@@ -60,13 +55,10 @@ LayerImage::Texels LayerImage::decodeHeights(const proto::TileId& tile) const {
 
 LayerImage::Texels LayerImage::decode(const proto::TileId& tile) const {
   if (layer().content == proto::TileContent::kRelief) return decodeHeights(tile);
-  // Luminance (BT.709) in linear light, in which the card filters, too.
   std::vector<terrain::Rgb> pixels(proto::kTileTexels);
   CHECK_TRUE(terrain::decodeTile(scene_->tiles().bytes(tile), pixels).ok());
   Texels out(proto::kTileTexels);
-  for (size_t i = 0; i < out.size(); ++i)
-    out[i] = {0.2126f * toLinear(pixels[i][0]) + 0.7152f * toLinear(pixels[i][1]) + 0.0722f * toLinear(pixels[i][2]),
-              0};
+  for (size_t i = 0; i < out.size(); ++i) out[i] = {luminanceOf(pixels[i]), 0};
   return out;
 }
 
@@ -117,10 +109,10 @@ glm::vec2 LayerImage::at(const glm::dvec2& lattice, double lod) {
 }
 
 float LayerImage::brightness(const glm::vec2& value) const {
-  if (layer().content == proto::TileContent::kImagery) return toGamma(std::clamp(value.x, 0.0f, 1.0f));
+  if (layer().content == proto::TileContent::kImagery) return static_cast<float>(terrain::srgbOfLinear(value.x));
   const glm::vec3 normal = glm::normalize(glm::vec3(-value.x, -value.y, 1)),
                   sun = glm::normalize(glm::vec3(-1, 1, 1.4f));
-  return toGamma(std::clamp(0.12f + 0.88f * std::max(glm::dot(normal, sun), 0.0f), 0.0f, 1.0f));
+  return static_cast<float>(terrain::srgbOfLinear(0.12f + 0.88f * std::max(glm::dot(normal, sun), 0.0f)));
 }
 
 }  // namespace foreland::bench

@@ -57,8 +57,7 @@ void TilePuller::need(const proto::TileId& tile, const proto::Pose& pose) {
   if (!layer.has(tile) || !scene_->tiles().bounds(tile) || !isInView(tile, pose)) return;
   needed_.push_back(tile);
   if (tile.level == 0 || texelOnScreen(tile, pose) <= options_.texel_px) return;
-  for (uint32_t k = 0; k < 4; ++k)
-    need({layer_, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2}, pose);
+  for (uint32_t k = 0; k < 4; ++k) need(tile.child(k), pose);
 }
 
 double TilePuller::texelOnScreen(const proto::TileId& tile, const proto::Pose& pose) const {

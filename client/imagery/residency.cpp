@@ -27,8 +27,7 @@ Residency::Resident* Residency::find(const proto::TileId& tile) {
 bool Residency::hasDrawnChild(const proto::TileId& tile) {
   if (tile.level == 0) return false;
   for (uint32_t k = 0; k < 4; ++k) {
-    const Resident* child =
-        find({tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2});
+    const Resident* child = find(tile.child(k));
     if (child != nullptr && isDrawn(*child)) return true;
   }
   return false;
@@ -36,7 +35,7 @@ bool Residency::hasDrawnChild(const proto::TileId& tile) {
 
 // Its parent's image was drawn at the end of the mesh before.
 bool Residency::canCome(const proto::TileId& tile) {
-  if (tile.level + 1u == layer_.levels()) return true;
+  if (layer_.isCoarsest(tile)) return true;
   const Resident* parent = find(tile.parent());
   return parent != nullptr && parent->went == 0 && parent->came < mesh_;
 }

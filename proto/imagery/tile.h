@@ -39,6 +39,9 @@ struct TileId {
   uint32_t x = 0, y = 0;
 
   TileId parent() const { return {layer, static_cast<uint8_t>(level + 1), x / 2, y / 2}; }
+  // One of four, of which the layer need not have all; not of a tile of level 0. South-west, south-east, north-west,
+  // north-east.
+  TileId child(uint32_t k) const { return {layer, static_cast<uint8_t>(level - 1), 2 * x + k % 2, 2 * y + k / 2}; }
   // One number for each tile.
   uint64_t key() const { return uint64_t{layer} << 56 | uint64_t{level} << 48 | uint64_t{y} << 24 | x; }
   static TileId of(uint64_t key) {
@@ -77,6 +80,7 @@ struct TileLayer {
   uint32_t tilesX(uint32_t level) const { return tilesOf(widthAt(level)); }
   uint32_t tilesY(uint32_t level) const { return tilesOf(heightAt(level)); }
   uint32_t levels() const { return std::bit_width(tilesOf(std::max(width, height)) - 1) + 1u; }
+  bool isCoarsest(const TileId& t) const { return t.level + 1u == levels(); }
   bool has(const TileId& t) const { return t.level < levels() && t.x < tilesX(t.level) && t.y < tilesY(t.level); }
   double texelAt(uint32_t level) const { return texel * static_cast<double>(uint64_t{1} << level); }
   // The lattice position of the south-western corner of a level's texel, and of a tile's first own texel.

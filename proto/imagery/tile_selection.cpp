@@ -108,22 +108,21 @@ void selectTiles(const TileLayer& layer, uint8_t layer_index, const FrameTransfo
   out.clear();
   const Selection selection(layer, frame, view);
   // Within a tile the texels of its parent are twice as large as its own.
-  const auto consider = [&](const TileId& tile, bool is_coarsest) {
+  const auto consider = [&](const TileId& tile) {
     if (!layer.has(tile)) return;
     const auto bounds = lookup(tile);
     if (!bounds) return;
     const auto size = selection.texelSize(tile, *bounds);
-    if (size && (is_coarsest || 2 * *size > tau_texel_px)) out.push_back({tile, static_cast<float>(*size)});
+    if (size && (layer.isCoarsest(tile) || 2 * *size > tau_texel_px)) out.push_back({tile, static_cast<float>(*size)});
   };
-  consider({layer_index, static_cast<uint8_t>(layer.levels() - 1), 0, 0}, true);
+  consider({layer_index, static_cast<uint8_t>(layer.levels() - 1), 0, 0});
   // Level by level; `from` is the first tile of the level before.
   size_t from = 0;
   while (from < out.size() && out.size() < most && out[from].tile.level > 0) {
     const size_t end = out.size();
     for (size_t i = from; i < end; ++i) {
       const TileId t = out[i].tile;
-      for (uint32_t k = 0; k < 4; ++k)
-        consider({layer_index, static_cast<uint8_t>(t.level - 1), 2 * t.x + k % 2, 2 * t.y + k / 2}, false);
+      for (uint32_t k = 0; k < 4; ++k) consider(t.child(k));
     }
     from = end;
     std::sort(out.begin() + static_cast<ptrdiff_t>(from), out.end(), [](const SelectedTile& a, const SelectedTile& b) {

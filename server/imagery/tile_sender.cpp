@@ -24,7 +24,6 @@ void TileSender::choose(uint32_t keyframe, std::span<const proto::View> views, c
   waiting_.clear();
   needed_.clear();
   needed_bytes_ = 0;
-  statistics_.needed = statistics_.missing = 0;
   statement_.keyframe = keyframe;
   const auto layers = table_.layers();
   for (size_t i = 0; i < views.size(); ++i) {
@@ -43,21 +42,17 @@ void TileSender::choose(uint32_t keyframe, std::span<const proto::View> views, c
 // The largest texels on the screen are those shown in place of what is missing.
 void TileSender::state(uint8_t layer) {
   float largest_px = kTexel_px;
-  for (const proto::SelectedTile& each : selected_) {
-    ++statistics_.needed;
-    if (held_.has(each.tile)) continue;
-    ++statistics_.missing;
-    largest_px = std::max(largest_px, shownInPlaceOf(each));
-  }
-  statement_.texel_px[layer] = statistics_.texel_px[layer] = largest_px;
+  for (const proto::SelectedTile& each : selected_)
+    if (!held_.has(each.tile)) largest_px = std::max(largest_px, shownInPlaceOf(each));
+  statement_.texel_px[layer] = largest_px;
 }
 
 // The size on the screen, where the tile is, of the texels of the next coarser tile that the viewer has.
 float TileSender::shownInPlaceOf(const proto::SelectedTile& missing) const {
-  const uint32_t levels = table_.layers()[missing.tile.layer].levels();
+  const proto::TileLayer& layer = table_.layers()[missing.tile.layer];
   float texel_px = missing.texel_px;
   proto::TileId tile = missing.tile;
-  while (tile.level + 1u < levels) {
+  while (!layer.isCoarsest(tile)) {
     tile = tile.parent();
     texel_px *= 2;
     if (held_.has(tile)) return texel_px;

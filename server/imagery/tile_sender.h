@@ -3,7 +3,6 @@
 // viewer holds. One owner (a session). Source: IMAGERY, "Metric" and "When".
 #pragma once
 
-#include <array>
 #include <span>
 #include <unordered_set>
 #include <vector>
@@ -26,10 +25,6 @@ class TileSender {
 
   struct Statistics {
     uint64_t tiles = 0, bytes = 0;  // sent
-    // Of the view of the last keyframe: tiles that it needs, and of these, those that the viewer did not have when the
-    // keyframe was sent.
-    size_t needed = 0, missing = 0;
-    std::array<float, proto::kMaxTileLayers> texel_px{};  // stated
   };
 
   TileSender(const Hierarchy& hierarchy, uint32_t held_bytes);

@@ -213,17 +213,16 @@ class ImageryMaker {
     } else {
       std::vector<proto::TileBounds> children;
       for (uint32_t k = 0; k < 4; ++k) {
-        const TileId child{tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2};
+        const TileId child = tile.child(k);
         if (!layer_.has(child)) continue;
         children.push_back(bounds_[tileNumber(layer_, child)]);
         has_finer = has_finer || section_.has(child);
       }
       bounds = unionOf(std::span<const proto::TileBounds>(children));
     }
-    const bool is_coarsest = tile.level + 1u == layer_.levels();
     const std::vector<Rgb> colours = filled(scratch.texels);
     const float detail = detailOf(scratch.texels, colours);
-    if (!is_coarsest && !has_finer && detail < kLeastDetail) return;
+    if (!layer_.isCoarsest(tile) && !has_finer && detail < kLeastDetail) return;
     const auto bytes = encodeTile(colours, options_.quality);
     keep(bytes ? section_.add(tile, *bytes, bounds, detail) : Status(bytes.error()));
     ++stored_;

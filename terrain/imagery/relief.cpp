@@ -121,8 +121,7 @@ class ReliefMaker {
     if (tile.level == 0) return ground_.over(layer_.boxOf(tile), scratch.positions);
     std::vector<proto::TileBounds> children;
     for (uint32_t k = 0; k < 4; ++k) {
-      const proto::TileId child{tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2,
-                                2 * tile.y + k / 2};
+      const proto::TileId child = tile.child(k);
       if (layer_.has(child)) children.push_back(section_.bounds(child));
     }
     return unionOf(std::span<const proto::TileBounds>(children));

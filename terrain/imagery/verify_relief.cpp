@@ -92,7 +92,7 @@ class ReliefCheck {
 
   bool isMeanOfFiner(const TileId& tile, Scratch& scratch) const {
     for (uint32_t k = 0; k < 4; ++k) {
-      const TileId child{tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2};
+      const TileId child = tile.child(k);
       if (!layer_.has(child) || !tiles_.bounds(child)) continue;
       if (!proto::decodeRelief(tiles_.bytes(child), scratch.finer).ok()) continue;  // its own check says so
       if (!isMeanOf(child, scratch)) return false;

@@ -11,7 +11,7 @@ void checkChildrensBounds(const TileTable& tiles, const proto::TileId& tile, uin
   const auto own = tiles.bounds(tile);
   if (!own || tile.level == 0) return;
   for (uint32_t k = 0; k < 4; ++k) {
-    const proto::TileId child{tile.layer, static_cast<uint8_t>(tile.level - 1), 2 * tile.x + k % 2, 2 * tile.y + k / 2};
+    const proto::TileId child = tile.child(k);
     if (!tiles.layers()[tile.layer].has(child)) continue;
     const auto bounds = tiles.bounds(child);
     if (!bounds) continue;

@@ -98,12 +98,12 @@ std::string TileTable::faultOf(const proto::TileId& id, uint64_t& end) const {
     const std::span entry(reinterpret_cast<const uint8_t*>(&t), sizeof(t));
     if (std::any_of(entry.begin(), entry.end(), [](uint8_t byte) { return byte != 0; }))
       return "is not stored, but its entry is not zero";
-    return id.level + 1u == layers_[id.layer].levels() ? "is the coarsest, but it is not stored" : "";
+    return layers_[id.layer].isCoarsest(id) ? "is the coarsest, but it is not stored" : "";
   }
   if (!isSound(t) || t.zero != 0) return "has a damaged entry";
   if (t.offset != end) return "is not where it belongs";
   end += t.bytes;
-  if (id.level + 1u < layers_[id.layer].levels() && at(id.parent()).bytes == 0) return "has no parent";
+  if (!layers_[id.layer].isCoarsest(id) && at(id.parent()).bytes == 0) return "has no parent";
   return "";
 }
 

@@ -189,8 +189,8 @@ export class App {
     this.terrain.setScene(welcome);
     this.objects.setScene(welcome);
     const { screen } = this.session;
-    this.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, screen.slopeFrame());
     const frame = screen.slopeFrame();
+    this.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, frame);
     this.terrain.setNorth(frame?.is_geographic ? [0, Math.cos(frame.origin_latitude), Math.sin(frame.origin_latitude)] : [0, 1, 0]);
     this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.is_geographic);
     this.applyLook();

@@ -1,6 +1,10 @@
 // The page's shaders. Distances are metres relative to the eye, along the scene's axes, so floats keep their precision far
 // from the scene's origin. Colours are linear until the last line.
 
+// How ground is coloured: as it may look, or by the picture that is laid over it; in one colour; by how steep it is, and where it falls to.
+export const kGrounds = ['natural', 'plain', 'slope', 'aspect'] as const;
+export type Ground = (typeof kGrounds)[number];
+
 const kHead = /* glsl */ `
 precision highp float;
 precision highp int;
@@ -221,7 +225,7 @@ uniform vec2 u_origin_tile;   // the mesh's origin, modulo a whole number of noi
 uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
 uniform float u_contour_m;    // 0: none
 uniform float u_snow_line;    // from 0, the lowest ground, to 1, the highest
-uniform int u_ground;         // settings.ts: kGrounds
+uniform int u_ground;         // of kGrounds
 uniform vec3 u_north;         // the earth's axis, or north on the map
 uniform float u_pixel_rad;    // how much a pixel sees
 

@@ -3,8 +3,7 @@ import * as THREE from 'three';
 import { BufferSet, shader } from './blend_buffers';
 import type { Welcome } from '../core/core';
 import type { MeshUpdate } from '../core/mesh_update';
-import { kGrounds, type Ground } from '../ui/settings';
-import { kTerrainFragment, kTerrainVertex } from './shaders';
+import { kGrounds, kTerrainFragment, kTerrainVertex, type Ground } from './shaders';
 import { WireLines } from './wire_lines';
 
 const kPalette = ['#3b5238', '#546945', '#7d7c55', '#826b52', '#6f635a', '#98938e'];

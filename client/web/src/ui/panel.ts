@@ -1,6 +1,7 @@
 // The settings panel. It changes the Settings that it is given and calls onChange.
 import { kBlends, kPredictors, kStrategies } from '../core/core';
-import { kGrounds, type Settings } from './settings';
+import { kGrounds } from '../draw/shaders';
+import type { Settings } from './settings';
 import { kSunModes } from './sun';
 
 const kNames: Record<string, string> = {

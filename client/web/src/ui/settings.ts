@@ -1,10 +1,7 @@
 // What the user can set, and its initial values from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
 import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/core';
+import { kGrounds, type Ground } from '../draw/shaders';
 import { kSunModes, type SunSettings } from './sun';
-
-// How ground is coloured: as it may look, or by the picture that is laid over it; in one colour; by how steep it is, and where it falls to.
-export const kGrounds = ['natural', 'plain', 'slope', 'aspect'] as const;
-export type Ground = (typeof kGrounds)[number];
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;
 export type Tour = (typeof kTours)[number];
