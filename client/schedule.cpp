@@ -4,24 +4,31 @@
 
 namespace foreland::client {
 
+void Schedule::add(const Interval& interval) {
+  intervals_.push_back(interval);
+  if (postponed_until_ && interval.begin < *postponed_until_) postpone(intervals_.size() - 1, *postponed_until_);
+}
+
 void Schedule::dropBefore(uint32_t version) {
+  if (!intervals_.empty() && intervals_.back().version < version) postponed_until_.reset();
   std::erase_if(intervals_, [&](const Interval& i) { return i.version < version && i.version != shown_; });
 }
 
 void Schedule::clear() {
   intervals_.clear();
+  postponed_until_.reset();
   shown_ = 0;
 }
 
-// The interval `first` begins now, and those after it when the one before them ends.
-void Schedule::postpone(size_t first, Time now) {
-  Time begin = now;
+// The interval `first` begins no sooner than at `begin`, and those after it no sooner than the one before them ends.
+void Schedule::postpone(size_t first, Time begin) {
   for (size_t i = first; i < intervals_.size(); ++i) {
     Interval& interval = intervals_[i];
     interval.begin = std::max(interval.begin, begin);
     interval.end = std::max(interval.end, interval.begin + kShortestBlend);
     begin = interval.end;
   }
+  postponed_until_ = begin;
 }
 
 void Schedule::dropUntil(Time now, uint32_t ready, uint32_t coming) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "base/time.h"
@@ -27,8 +28,9 @@ class Schedule {
   static constexpr Duration kShortestBlend = Duration::milliseconds(50);
   static constexpr uint32_t kAllReady = std::numeric_limits<uint32_t>::max();
 
-  // `interval` follows those that were added before, or none if they are to be replaced (dropBefore).
-  void add(const Interval& interval) { intervals_.push_back(interval); }
+  // `interval` follows those that were added before, which may end late by now, or none if they are to be replaced
+  // (dropBefore).
+  void add(const Interval& interval);
   // Meshes before this version will not be shown any more. The one that is shown stays until another one is ready.
   void dropBefore(uint32_t version);
   void popFront() { intervals_.pop_front(); }
@@ -58,10 +60,11 @@ class Schedule {
   bool isReady(size_t i, uint32_t ready) const {
     return ready == kAllReady || intervals_[i].version == ready || intervals_[i].version == shown_;
   }
-  void postpone(size_t first, Time now);
+  void postpone(size_t first, Time begin);
 
   std::deque<Interval> intervals_;
-  uint32_t shown_ = 0;  // version of what at() returned last
+  std::optional<Time> postponed_until_;  // no interval that is added begins before; if some were late
+  uint32_t shown_ = 0;                   // version of what at() returned last
 };
 
 }  // namespace foreland::client

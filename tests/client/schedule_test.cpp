@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 
 #include "base/rng.h"
@@ -69,12 +70,13 @@ TEST(Schedule, NeverJumpsHoweverLateMeshesAreReady) {
   Rng rng(seed);
   Schedule schedule;
   uint32_t made = 0, ready = 0, coming = 0, last = 0;
+  const double start = 200.0 * std::round(rng.uniform(-200, 200));  // of a clock that begins anywhere
   double ready_at = 0, last_weight = 1;
   constexpr double kFrame = 5;
-  for (double now = 0; now < 20'000; now += kFrame) {
-    if (now >= 200.0 * made) {
+  for (double now = start; now < start + 20'000; now += kFrame) {
+    if (now >= start + 200.0 * made) {
       ++made;
-      schedule.add(interval(made, 200.0 * made, 200.0 * made + 200));
+      schedule.add(interval(made, start + 200.0 * made, start + 200.0 * made + 200));
     }
     if (coming != 0 && now >= ready_at) ready = std::exchange(coming, 0);
     if (coming == 0 && ready <= last && schedule.next() > last) {
