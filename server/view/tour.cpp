@@ -15,22 +15,32 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr Duration kStep = Duration::milliseconds(100);
+constexpr double kFarthest_rad = 0.5;     // from the middle of a geographic scene: beyond, its plane is no map of it
+constexpr double kWidestSpacing_m = 100;  // of samples that tours are meant for
 
 double radians(double degrees) { return degrees * kPi / 180; }
 
-// The scene as the planners of tours need it: a rectangle of ground around the origin of the scene frame, in metres.
+// The scene as the planners of tours need it: a rectangle of ground around the middle of the data, in metres of the
+// plane that touches the earth there.
 class Ground {
  public:
   explicit Ground(const terrain::Scene& scene) : scene_(scene), transform_(scene.frame()) {
     const proto::GridShape& shape = scene.grid().shape();
     last_x_ = shape.samples_x - 1;
     last_y_ = shape.samples_y - 1;
-    const glm::dvec3 middle = transform_.toScene(proto::LatticePosition{last_x_ / 2, last_y_ / 2, 0});
-    const glm::dvec3 east = transform_.toScene(proto::LatticePosition{last_x_, last_y_ / 2, 0});
-    const glm::dvec3 north = transform_.toScene(proto::LatticePosition{last_x_ / 2, last_y_, 0});
+    const proto::Frame& frame = transform_.frame();
+    double reach_x = last_x_ / 2, reach_y = last_y_ / 2;
+    if (frame.kind == proto::FrameKind::kGeographic) {
+      reach_x = std::min(reach_x, kFarthest_rad / frame.longitude_step_rad);
+      reach_y = std::min(reach_y, kFarthest_rad / frame.latitude_step_rad);
+    }
+    const auto at = [&](double x, double y) { return transform_.toScene(proto::LatticePosition{x, y, 0}); };
+    const glm::dvec3 middle = at(last_x_ / 2, last_y_ / 2);
     middle_ = middle;
-    axis_x_ = glm::dvec2(east - middle);
-    axis_y_ = glm::dvec2(north - middle);
+    axis_x_ = glm::dvec2(at(last_x_ / 2 + reach_x, last_y_ / 2) - middle);
+    axis_y_ = glm::dvec2(at(last_x_ / 2, last_y_ / 2 + reach_y) - middle);
+    const double spacing_m = std::max(halfWidth() / reach_x, halfDepth() / reach_y);
+    scale_ = std::min(std::max(1.0, spacing_m / kWidestSpacing_m), 2 * std::min(halfWidth(), halfDepth()) / 6000);
   }
 
   glm::dvec2 middle() const { return middle_; }
@@ -39,8 +49,8 @@ class Ground {
   // Unit vectors along the raster.
   glm::dvec2 alongX() const { return glm::normalize(axis_x_); }
   glm::dvec2 alongY() const { return glm::normalize(axis_y_); }
-  // The factor by which a tour's distances shrink on small scenes.
-  double scale() const { return std::min(1.0, 2 * std::min(halfWidth(), halfDepth()) / 6000); }
+  // The factor by which a tour's distances shrink on small scenes, and grow on coarse ones.
+  double scale() const { return scale_; }
 
   // The lattice position, with the ground's height, below a point of the tangent plane; clamped to the data.
   proto::LatticePosition below(glm::dvec2 p) const {
@@ -56,6 +66,17 @@ class Ground {
     return position;
   }
   double height(glm::dvec2 p) const { return below(p).height_m; }
+  // At least that of all ground from one point to another.
+  double highestBetween(glm::dvec2 from, glm::dvec2 to) const {
+    const proto::LatticePosition a = below(from), b = below(to);
+    const auto [west, east] = std::minmax(a.x, b.x);
+    const auto [south, north] = std::minmax(a.y, b.y);
+    double highest = std::max(a.height_m, b.height_m);
+    for (auto y = std::floor(south); y <= std::min(std::ceil(north), last_y_); ++y)
+      for (auto x = std::floor(west); x <= std::min(std::ceil(east), last_x_); ++x)
+        highest = std::max(highest, groundHeight(scene_, x, y).value_or(0));
+    return highest;
+  }
   bool contains(glm::dvec2 p, double margin) const {
     const glm::dvec2 d = p - middle_;
     return std::fabs(glm::dot(d, alongX())) < halfWidth() - margin &&
@@ -66,21 +87,34 @@ class Ground {
     position.height_m = height_m;
     return transform_.toScene(position);
   }
+  glm::dvec3 upAt(const glm::dvec3& p) const { return transform_.upAt(p); }
 
  private:
   const terrain::Scene& scene_;
   proto::FrameTransform transform_;
   double last_x_, last_y_;
   glm::dvec2 middle_, axis_x_, axis_y_;
+  double scale_ = 1;
 };
 
-proto::Pose look(const glm::dvec3& eye, glm::dvec2 heading, double pitch_rad) {
-  const glm::dvec3 forward(glm::normalize(heading) * std::cos(pitch_rad), std::sin(pitch_rad));
-  return {eye, proto::lookAlong(forward, {0, 0, 1})};
+// Along the ground below the eye, but for the pitch.
+proto::Pose look(const Ground& ground, const glm::dvec3& eye, glm::dvec2 heading, double pitch_rad) {
+  const glm::dvec3 up = ground.upAt(eye), ahead(heading, 0);
+  const glm::dvec3 level = glm::normalize(ahead - glm::dot(ahead, up) * up);
+  return {eye, proto::lookAlong(level * std::cos(pitch_rad) + up * std::sin(pitch_rad), up)};
+}
+
+// The highest ground within two steps of each point of a track: what a path through these points may pass over.
+std::vector<double> highestNear(const Ground& ground, const std::vector<glm::dvec2>& track) {
+  std::vector<double> step(track.size() - 1), near(track.size());
+  for (size_t i = 0; i < step.size(); ++i) step[i] = ground.highestBetween(track[i], track[i + 1]);
+  for (size_t i = 0; i < track.size(); ++i)
+    near[i] = *std::max_element(&step[i > 2 ? i - 2 : 0], &step[std::min(i + 1, step.size() - 1)] + 1);
+  return near;
 }
 
 // The heights at which to fly along a track: the highest ground within `reach` samples, smoothed twice by a mean over
-// as many, never below the ground itself, plus the clearance.
+// as many, never below the ground itself, plus the clearance; and a quarter of it above all that is near.
 std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dvec2>& track, size_t reach,
                                  double clearance_m) {
   const size_t n = track.size();
@@ -100,6 +134,8 @@ std::vector<double> flightLevels(const Ground& ground, const std::vector<glm::dv
   windowed(mean);
   windowed(mean);
   for (size_t i = 0; i < n; ++i) level[i] = std::max(level[i], lowest_allowed[i]) + clearance_m;
+  const std::vector<double> near = highestNear(ground, track);
+  for (size_t i = 0; i < n; ++i) level[i] = std::max(level[i], near[i] + clearance_m / 4);
   return level;
 }
 
@@ -109,7 +145,7 @@ proto::Path alongTrack(const Ground& ground, const std::vector<glm::dvec2>& trac
   for (size_t i = 0; i < track.size(); ++i) {
     // The heading is that over a second of flight, so that the camera does not twitch.
     const size_t a = i > 5 ? i - 5 : 0, b = std::min(i + 5, track.size() - 1);
-    path.poses.push_back(look(ground.above(track[i], levels[i]), track[b] - track[a], pitch_rad));
+    path.poses.push_back(look(ground, ground.above(track[i], levels[i]), track[b] - track[a], pitch_rad));
   }
   return path;
 }
@@ -172,7 +208,7 @@ proto::Path spin(const Ground& ground, size_t steps) {
   const glm::dvec3 eye = ground.above(ground.middle(), ground.height(ground.middle()) + 150 * ground.scale());
   for (size_t i = 0; i < steps; ++i) {
     const double heading = radians(90) * static_cast<double>(i) * kStep.toSeconds();
-    path.poses.push_back(look(eye, {std::cos(heading), std::sin(heading)}, radians(-5)));
+    path.poses.push_back(look(ground, eye, {std::cos(heading), std::sin(heading)}, radians(-5)));
   }
   return path;
 }
@@ -188,16 +224,19 @@ proto::Path orbit(const Ground& ground, size_t steps) {
     }
   const double radius = 2500 * ground.scale();
   double highest = top;
-  for (int i = 0; i < 72; ++i)
-    highest = std::max(highest,
-                       ground.height(summit + radius * glm::dvec2(std::cos(radians(5 * i)), std::sin(radians(5 * i)))));
+  const auto onCircle = [&](double angle) { return summit + radius * glm::dvec2(std::cos(angle), std::sin(angle)); };
+  for (int i = 0; i < 72; ++i) highest = std::max(highest, ground.height(onCircle(radians(5 * i))));
+  std::vector<glm::dvec2> track;
+  for (size_t i = 0; i < steps; ++i)
+    track.push_back(onCircle(radians(6) * static_cast<double>(i) * kStep.toSeconds()));  // once a minute
+  const std::vector<double> near = highestNear(ground, track);
+  const double level =
+      std::max(highest + 500 * ground.scale(), *std::max_element(near.begin(), near.end()) + 125 * ground.scale());
   const glm::dvec3 target = ground.above(summit, top);
   proto::Path path{Time{}, kStep, {}};
-  for (size_t i = 0; i < steps; ++i) {
-    const double angle = radians(6) * static_cast<double>(i) * kStep.toSeconds();  // once a minute
-    const glm::dvec3 eye =
-        ground.above(summit + radius * glm::dvec2(std::cos(angle), std::sin(angle)), highest + 500 * ground.scale());
-    path.poses.push_back({eye, proto::lookAlong(target - eye, {0, 0, 1})});
+  for (const glm::dvec2& p : track) {
+    const glm::dvec3 eye = ground.above(p, level);
+    path.poses.push_back({eye, proto::lookAlong(target - eye, ground.upAt(eye))});
   }
   return path;
 }

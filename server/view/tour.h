@@ -4,8 +4,8 @@
 //   canyon  80 m/s, 60 m above the ground, following the valleys
 //   spin    in place, 90 degrees a second
 //   orbit   around the highest summit near the middle, looking at it
-// On scenes that are too small for these distances, all of them shrink alike. Pure functions; any thread. Cost:
-// milliseconds.
+// On scenes that are too small for these distances, all of them shrink alike; where samples are more than 100 m apart
+// they grow alike. The eye stays above the ground. Pure functions; any thread. Cost: milliseconds.
 #pragma once
 
 #include <string>

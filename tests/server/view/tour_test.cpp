@@ -1,0 +1,100 @@
+// Tours of any scene stay above its ground: of a few hundred metres or of the whole earth, level or steep.
+#include "server/view/tour.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/rng.h"
+#include "server/view/ground.h"
+#include "tests/support/scene.h"
+#include "tests/support/seed.h"
+
+namespace foreland::server {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+constexpr std::array<const char*, 4> kTours{"survey", "canyon", "spin", "orbit"};
+
+// The middle of a scene of so many degrees along both axes at a latitude.
+void placeOnEarth(proto::Frame& frame, const terrain::ElevationInfo& info, double latitude, double degrees_x,
+                  double degrees_y) {
+  frame.kind = proto::FrameKind::kGeographic;
+  frame.longitude_step_rad = degrees_x * kDegree / (info.width - 1);
+  frame.latitude_step_rad = degrees_y * kDegree / (info.height - 1);
+  frame.longitude0_rad = 20 * kDegree;
+  frame.latitude0_rad = (latitude - 0.5 * degrees_y) * kDegree;
+  frame.origin = {latitude * kDegree, (20 + 0.5 * degrees_x) * kDegree, 0};
+}
+
+// Hills as steep as a tenth of the distance between samples allows, or level ground, on any frame.
+std::shared_ptr<const terrain::Scene> someScene(Rng& rng) {
+  const auto width = static_cast<uint32_t>(20 + rng.below(200)), height = static_cast<uint32_t>(20 + rng.below(200));
+  const double spacing_m = std::exp(rng.uniform(0, std::log(1000.0)));
+  const bool is_planar = rng.below(2) == 0;
+  const double metres = std::min(9000.0, rng.uniform(0, is_planar ? spacing_m / 10 : 200));
+  const auto ground = test::hills(rng.below(1u << 30));
+  test::FormulaSource source(width, height, [=](uint32_t x, uint32_t y) { return ground(x, y) / 600 * metres; });
+  proto::Frame& frame = source.info().frame;
+  frame.axis_x_m = {spacing_m, 0}, frame.axis_y_m = {0, spacing_m};
+  if (!is_planar) {
+    const double degrees_y = std::exp(rng.uniform(std::log(0.1), std::log(170.0)));
+    const double latitude = rng.uniform(-0.5, 0.5) * (179 - degrees_y);
+    const double degrees_x = rng.below(2) == 0 ? 360 : std::exp(rng.uniform(std::log(0.1), std::log(360.0)));
+    placeOnEarth(frame, source.info(), latitude, degrees_x, degrees_y);
+  }
+  return test::makeScene(source);
+}
+
+std::shared_ptr<const terrain::Scene> wholeEarth() {
+  test::FormulaSource source(361, 181,
+                             [](uint32_t x, uint32_t y) { return 4000 * std::sin(x / 9.0) * std::cos(y / 7.0); });
+  placeOnEarth(source.info().frame, source.info(), 0, 360, 179.9);
+  return test::makeScene(source);
+}
+
+TEST(Tour, StaysAboveTheGround) {
+  Rng rng(test::randomSeed());
+  for (int i = 0; i < 12; ++i) {
+    const auto scene = someScene(rng);
+    for (const char* name : kTours) {
+      const auto path = planTour(*scene, name, 90);
+      ASSERT_TRUE(path.ok());
+      ASSERT_TRUE(path->validate().ok()) << name << " of scene " << i;
+      for (Time t; t < path->end(); t = t + Duration::milliseconds(20))
+        ASSERT_GT(heightAboveGround(*scene, path->at(t).eye), 0)
+            << name << " of scene " << i << " at " << t.toSeconds();
+    }
+  }
+}
+
+TEST(Tour, OverTheWholeEarthStaysAboveTheGround) {
+  const auto scene = wholeEarth();
+  for (const char* name : kTours) {
+    const auto path = planTour(*scene, name, 600).value();
+    for (Time t; t < path.end(); t = t + Duration::milliseconds(20))
+      ASSERT_GT(heightAboveGround(*scene, path.at(t).eye), 0) << name << " at " << t.toSeconds();
+  }
+}
+
+// Wherever it is on the earth.
+TEST(Tour, FliesAlongTheGroundOfTheWholeEarth) {
+  const auto scene = wholeEarth();
+  const proto::FrameTransform frame(scene->frame());
+  const auto path = planTour(*scene, "survey", 300).value();
+  const auto footOf = [&](const proto::Pose& pose) {
+    proto::LatticePosition at = frame.toLattice(pose.eye);
+    at.height_m = 0;
+    return frame.toScene(at);
+  };
+  const double first_m = glm::distance(footOf(path.poses[1]), footOf(path.poses[0]));
+  EXPECT_GT(first_m, 10 * 15) << "samples are far apart";
+  for (size_t i = 0; i + 1 < path.poses.size(); ++i) {
+    const proto::Pose& pose = path.poses[i];
+    EXPECT_NEAR(glm::distance(footOf(path.poses[i + 1]), footOf(pose)) / first_m, 1, 0.25) << i;
+    EXPECT_NEAR(glm::dot(pose.forward(), frame.upAt(pose.eye)), std::sin(-12 * kDegree), 1e-6) << i;
+  }
+}
+
+}  // namespace
+}  // namespace foreland::server
