@@ -37,9 +37,10 @@ MotionBound MotionMargin::motionBoundTo(const View& from, const View& next) cons
     motion.set(static_cast<size_t>(sensitivity), fixed, per_distance);
   };
   set(Sensitivity::kMotion, moved + region, turned + scaled);
-  set(Sensitivity::kTowardsSidePlane, frustum.sideApproach(seen, moved) + region, turned);
+  const double least = kLeastCharge * moved;
+  set(Sensitivity::kTowardsSidePlane, std::max(least, frustum.sideApproach(seen, moved)) + region, turned);
   set(Sensitivity::kApproach,
-      std::max(nearer, ahead * level) + kStray * (std::max(0.0, nearer - ahead) + aside + region),
+      std::max({least, nearer, ahead * level}) + kStray * (std::max(0.0, nearer - ahead) + aside + region),
       kStray * (turned + scaled));
   set(Sensitivity::kAdvance, ahead + std::fabs(move.z) + kAdvanceStray * (aside + rising + region),
       kAdvanceStray * (turned + scaled));

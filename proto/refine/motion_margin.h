@@ -9,6 +9,8 @@
 //   kTowardsSidePlane  fails because the node lies beside the frustum: stands until a side plane nears it by the margin
 //   kApproach          fails because the error would not be seen: stands until the approach towards the node plus kStray
 //                      times any other motion reaches the margin
+//                      Both take kLeastCharge of any motion, else the camera might fly away from the node for nothing,
+//                      and turns, charged by the distance (MotionConstraint), would be charged too little afterwards.
 //   kAdvance           passes: stands until the motion ahead, up and down plus kAdvanceStray times any other motion and
 //                      the growth of depth reaches the margin
 //
@@ -52,7 +54,7 @@ class MotionMargin {
 
   const Metric& metric() const { return metric_; }
 
-  static constexpr double kStray = 3, kAdvanceStray = 12;
+  static constexpr double kStray = 3, kAdvanceStray = 12, kLeastCharge = 0.25;
 
   // Which motion the result of metric.passes() with the same arguments is sensitive to, and how much of it is safe.
   [[gnu::always_inline]] TestResult testResult(const NodePosition& p, double radius_m, double error_m,
@@ -86,6 +88,12 @@ class MotionMargin {
             std::max(0.0, is_beside    ? beside_margin
                           : is_special ? special_margin
                                        : motion_margin)};
+  }
+
+  // How much farther away the node can be while the slack of such a result lasts, at most.
+  [[gnu::always_inline]] static double mostGrowthOfDistance(Sensitivity sensitivity, double slack) {
+    const bool goes_free = sensitivity == Sensitivity::kTowardsSidePlane || sensitivity == Sensitivity::kApproach;
+    return goes_free ? slack / kLeastCharge : slack;
   }
 
   // The motion from the view of this metric to `next`, which has the same lens and kind of error.

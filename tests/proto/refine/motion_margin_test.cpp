@@ -83,7 +83,8 @@ Node randomNode(const View& view, bool vertical, Rng& rng) {
 int flyOut(Flight flight, bool vertical, const Node& node, Sensitivity sensitivity, double slack,
            const std::string& what) {
   const bool passed = passes(flight.view(), vertical, node);
-  const double max_distance = glm::distance(node.at, flight.view().pose.eye) + slack;
+  const double max_distance =
+      glm::distance(node.at, flight.view().pose.eye) + MotionMargin::mostGrowthOfDistance(sensitivity, slack);
   for (int steps = 0; steps < 50; ++steps) {
     const View last = flight.view();
     flight.step();
@@ -91,6 +92,7 @@ int flyOut(Flight flight, bool vertical, const Node& node, Sensitivity sensitivi
                  .motionBoundTo(last, flight.view())
                  .of(static_cast<size_t>(sensitivity), max_distance);
     if (slack < 0) return steps;
+    EXPECT_LE(glm::distance(node.at, flight.view().pose.eye), max_distance) << what << ", step " << steps;
     EXPECT_EQ(passes(flight.view(), vertical, node), passed) << what << ", step " << steps << ", slack left " << slack;
     if (testing::Test::HasFailure()) return steps;
   }
