@@ -68,7 +68,8 @@ Status check(RenderOptions& o) {
 void addPlaces(CLI::App& app, RenderOptions& o) {
   CLI::Option* pose = app.add_option("--pose", o.pose, "one picture from here: LAT,LON,HEIGHT[,HEADING[,PITCH]]");
   CLI::Option* track =
-      app.add_option("--track", o.track, "pictures along this recorded track: an IGC or GPX file")->excludes(pose);
+      app.add_option("--track", o.track, "pictures along this recorded track: an IGC or GPX file, or camera frames")
+          ->excludes(pose);
   CLI::Option* tour = app.add_option("--tour", o.tour, "pictures along a built-in tour: survey, canyon, spin, orbit")
                           ->excludes(pose)
                           ->excludes(track);

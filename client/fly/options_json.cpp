@@ -1,6 +1,7 @@
 #include "client/fly/options_json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,7 @@ Json toJson(const proto::ViewRequest& r) {
           {"strategy", proto::name(r.strategy)},
           {"predictor", proto::name(r.predictor)},
           {"keyframe_us", r.keyframe_interval.us},
+          {"longest_keyframe_us", r.longest_interval.us},
           {"max_triangles", r.max_triangles},
           {"max_bytes_per_second", r.max_bytes_per_second},
           {"occlusion", r.occlusion},
@@ -32,7 +34,13 @@ Json toJson(const proto::ViewRequest& r) {
 Json toJson(const Track& track) {
   Json fixes = Json::array();
   for (const Fix& fix : track.fixes) fixes.push_back({fix.time_s, fix.latitude_rad, fix.longitude_rad, fix.height_m});
-  return {{"has_heights", track.heights == TrackHeights::kRecorded}, {"fixes", std::move(fixes)}};
+  Json cameras = Json::array();
+  for (const CameraFrame& c : track.cameras)
+    cameras.push_back(
+        {c.time_s, c.eye.x, c.eye.y, c.eye.z, c.orientation.w, c.orientation.x, c.orientation.y, c.orientation.z});
+  return {{"has_heights", track.heights == TrackHeights::kRecorded},
+          {"fixes", std::move(fixes)},
+          {"cameras", std::move(cameras)}};
 }
 
 Json toJson(const TrackOptions& o) {
@@ -110,6 +118,7 @@ proto::ViewRequest requestFrom(Members json) {
   r.strategy = json.named("strategy", proto::strategyNamed, r.strategy);
   r.predictor = json.named("predictor", proto::predictorNamed, r.predictor);
   r.keyframe_interval.us = json.integer<int64_t>("keyframe_us", 0, 10'000'000);
+  r.longest_interval.us = json.integer<int64_t>("longest_keyframe_us", 0, 10'000'000);
   r.max_triangles = json.integer<uint32_t>("max_triangles", 0, kMostWord);
   r.max_bytes_per_second = json.integer<uint32_t>("max_bytes_per_second", 0, kMostWord);
   r.occlusion = json.flag("occlusion");
@@ -120,23 +129,43 @@ proto::ViewRequest requestFrom(Members json) {
   return r;
 }
 
+// The rows of numbers that an array holds, each of `count`; the first that is none ends them.
+template <size_t count>
+std::vector<std::array<double, count>> rowsFrom(Members& json, const char* key) {
+  std::vector<std::array<double, count>> rows;
+  const Json* array = json.array(key);
+  for (size_t i = 0; array && i < array->size(); ++i) {
+    const Json& row = (*array)[i];
+    const auto isSound = [](const Json& n) { return n.is_number() && std::abs(n.get<double>()) <= kMost; };
+    if (!row.is_array() || row.size() != count || !std::all_of(row.begin(), row.end(), isSound)) {
+      json.note(key);
+      break;
+    }
+    rows.emplace_back();
+    for (size_t k = 0; k < count; ++k) rows.back()[k] = row[k].get<double>();
+  }
+  return rows;
+}
+
+template <class Point>
+bool areInOrder(const std::vector<Point>& points) {
+  const auto isLater = [](const Point& a, const Point& b) { return !(a.time_s < b.time_s); };
+  return points.size() >= 2 && points.size() <= Track::kMaxFixes &&
+         std::adjacent_find(points.begin(), points.end(), isLater) == points.end();
+}
+
 std::shared_ptr<const Track> trackFrom(Members json) {
   Track track;
   track.heights = json.flag("has_heights") ? TrackHeights::kRecorded : TrackHeights::kMissing;
-  const Json* fixes = json.array("fixes");
-  for (size_t i = 0; fixes && i < fixes->size(); ++i) {
-    const Json& fix = (*fixes)[i];
-    const auto isSound = [](const Json& n) { return n.is_number() && std::abs(n.get<double>()) <= kMost; };
-    if (!fix.is_array() || fix.size() != 4 || !std::all_of(fix.begin(), fix.end(), isSound)) {
-      json.note("fixes");
-      break;
-    }
-    track.fixes.push_back({fix[0].get<double>(), fix[1].get<double>(), fix[2].get<double>(), fix[3].get<double>()});
-  }
-  const auto isLater = [](const Fix& a, const Fix& b) { return !(a.time_s < b.time_s); };
-  if (track.fixes.size() < 2 || track.fixes.size() > Track::kMaxFixes ||
-      std::adjacent_find(track.fixes.begin(), track.fixes.end(), isLater) != track.fixes.end())
-    json.note("fixes");
+  for (const auto& n : rowsFrom<4>(json, "fixes")) track.fixes.push_back({n[0], n[1], n[2], n[3]});
+  if (json.has("cameras"))
+    for (const auto& n : rowsFrom<8>(json, "cameras"))
+      track.cameras.push_back({n[0], {n[1], n[2], n[3]}, {n[4], n[5], n[6], n[7]}});
+  const auto isUnit = [](const CameraFrame& c) { return std::fabs(glm::length(c.orientation) - 1) < 1e-3; };
+  const bool is_sound = track.cameras.empty() ? areInOrder(track.fixes)
+                                              : track.fixes.empty() && areInOrder(track.cameras) &&
+                                                    std::all_of(track.cameras.begin(), track.cameras.end(), isUnit);
+  if (!is_sound) json.note("fixes");
   return std::make_shared<const Track>(std::move(track));
 }
 

@@ -72,6 +72,22 @@ TrackHeights TrackBuilder::fillHeights() {
   return TrackHeights::kRecorded;
 }
 
+Error TrackBuilder::tooFew(std::string_view expected) const {
+  std::string message =
+      name_ + ": fewer than two usable fixes, so there is nothing to fly; expected " + std::string(expected);
+  if (skipped_ > 0)
+    message += " (" + std::to_string(skipped_) + " lines or points were unusable; first: " + notes_.front() + ")";
+  return {ErrorCode::kMalformed, message};
+}
+
+Result<Track> TrackBuilder::finish(Track cameras) && {
+  if (cameras.cameras.size() < 2) return tooFew("camera frames");
+  if (skipped_ > kNotedSkips) note(std::to_string(skipped_ - kNotedSkips) + " more lines skipped");
+  cameras.skipped = skipped_;
+  cameras.notes = std::move(notes_);
+  return cameras;
+}
+
 Result<Track> TrackBuilder::finish(std::string_view kind) && {
   fillTimes();
   Track track{.heights = fillHeights()};
@@ -88,13 +104,7 @@ Result<Track> TrackBuilder::finish(std::string_view kind) && {
     longest_gap_s = std::max(longest_gap_s, gap_s);
     track.fixes.push_back({time_s, f.latitude_deg * kRadPerDeg, f.longitude_deg * kRadPerDeg, f.height_m.value_or(0)});
   }
-  if (track.fixes.size() < 2) {
-    std::string message =
-        name_ + ": fewer than two usable fixes, so there is nothing to fly; expected " + std::string(kind) + " track";
-    if (skipped_ > 0)
-      message += " (" + std::to_string(skipped_) + " lines or points were unusable; first: " + notes_.front() + ")";
-    return Error{ErrorCode::kMalformed, message};
-  }
+  if (track.fixes.size() < 2) return tooFew(std::string(kind) + " track");
   if (skipped_ > kNotedSkips) note(std::to_string(skipped_ - kNotedSkips) + " more lines or points skipped");
   if (repeated > 0) note(std::to_string(repeated) + " fixes repeat an earlier time or go back in time; skipped");
   if (gaps > 0)
@@ -108,7 +118,8 @@ Result<Track> TrackBuilder::finish(std::string_view kind) && {
 Result<Track> readTrack(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
-    return Error{ErrorCode::kInvalidArgument, path.string() + ": is a directory; name an IGC or GPX file"};
+    return Error{ErrorCode::kInvalidArgument,
+                 path.string() + ": is a directory; name an IGC or GPX file, or one of camera frames"};
   const uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return Error{ErrorCode::kNotFound, path.string() + ": " + error.message()};
   if (size > Track::kMaxFileBytes)
@@ -118,8 +129,9 @@ Result<Track> readTrack(const std::filesystem::path& path) {
   in.read(text.data(), static_cast<std::streamsize>(size));
   if (!in) return Error{ErrorCode::kIo, path.string() + ": cannot be read"};
   const size_t start = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  const bool is_markup = start != std::string::npos && text[start] == '<';
-  return is_markup ? parseGpx(text, path.string()) : parseIgc(text, path.string());
+  if (start != std::string::npos && text[start] == '<') return parseGpx(text, path.string());
+  if (start != std::string::npos && text.compare(start, 2, "F ") == 0) return parseCameraFrames(text, path.string());
+  return parseIgc(text, path.string());
 }
 
 }  // namespace foreland::client

@@ -1,10 +1,13 @@
-// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) are read into fixes in time order. Readers
-// accept any bytes: a line or point that is malformed is counted and skipped, with a note that names it. Markup that is
-// not well-formed, and a track of fewer than two usable fixes, are Errors. Times start at zero and strictly increase,
-// also over midnight. Pure functions on text, except readTrack, which opens the file. Any thread.
+// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) are read into fixes in time order, camera
+// frames (fly-throughs) into cameras. Readers accept any bytes: a line or point that is malformed is counted and
+// skipped, with a note that names it. Markup that is not well-formed, and a track of fewer than two usable fixes, are
+// Errors. Times start at zero and strictly increase, also over midnight. Pure functions on text, except readTrack,
+// which opens the file. Any thread.
 #pragma once
 
 #include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,17 +23,29 @@ struct Fix {
   double height_m = 0;  // as recorded: usually above sea level
 };
 
+// A frame of a camera that flew over a model of its own: lengths are in the model's units, z is up.
+struct CameraFrame {
+  double time_s = 0;  // since the first frame
+  glm::dvec3 eye{0};
+  glm::dquat orientation{1, 0, 0, 0};  // camera axes (proto/space/pose.h) to the model's
+};
+
 enum class TrackHeights : uint8_t { kRecorded, kMissing };
 
 struct Track {
   static constexpr size_t kMaxFileBytes = 256u << 20;
   static constexpr size_t kMaxFixes = 4'000'000;
 
-  std::vector<Fix> fixes = {};  // at least two, time_s strictly increasing
+  // One of these is empty; the other has at least two, time_s strictly increasing.
+  std::vector<Fix> fixes = {};
+  std::vector<CameraFrame> cameras = {};
   TrackHeights heights = TrackHeights::kRecorded;
   size_t skipped = 0;                   // lines or points that could not be used
   std::vector<std::string> notes = {};  // for people: what was skipped or assumed, and where
-  double seconds() const { return fixes.empty() ? 0 : fixes.back().time_s; }
+  double seconds() const {
+    if (!cameras.empty()) return cameras.back().time_s;
+    return fixes.empty() ? 0 : fixes.back().time_s;
+  }
 };
 
 // Error messages and notes call the file `name`.
@@ -39,7 +54,12 @@ Result<Track> parseIgc(std::string_view text, const std::string& name);
 // track.
 Result<Track> parseGpx(std::string_view text, const std::string& name);
 
-// By content: a file that starts with markup is GPX. At most kMaxFileBytes.
+// Camera frames as the programs of H. Hoppe's mesh library write them: lines `F 0`, then the axes forward, left and up,
+// the position and the zoom, which is not used; other lines are events. No times are recorded: 30 frames a second.
+Result<Track> parseCameraFrames(std::string_view text, const std::string& name);
+
+// By content: a file that starts with markup is GPX, one that starts with `F ` has camera frames. At most
+// kMaxFileBytes.
 Result<Track> readTrack(const std::filesystem::path& path);
 
 }  // namespace foreland::client

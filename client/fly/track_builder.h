@@ -1,5 +1,5 @@
 // What the track readers share: they add fixes in the file's order and notes on what was skipped, and finish() makes a
-// Track of them. One owner; used by igc.cpp and gpx.cpp only.
+// Track of them. One owner; used by igc.cpp, gpx.cpp and camera_frames.cpp only.
 #pragma once
 
 #include <optional>
@@ -33,8 +33,11 @@ class TrackBuilder {
   // Fills in missing times and heights and drops fixes whose time repeats or goes back. An Error if fewer than two
   // fixes are left.
   Result<Track> finish(std::string_view kind) &&;
+  // A track whose cameras have been read, with what was noted.
+  Result<Track> finish(Track cameras) &&;
 
  private:
+  Error tooFew(std::string_view expected) const;
   void fillTimes();
   TrackHeights fillHeights();
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 namespace foreland::client {
 
@@ -48,6 +51,10 @@ Status check(const Track& track, const proto::FrameTransform& frame, const Track
   if (o.seconds && !(*o.seconds > 0)) return invalid("--seconds must be positive");
   if (!(o.clearance_m >= 0) || o.clearance_m > 1e5) return invalid("--clearance must be 0 to 100000 m");
   if (o.agl_m && (!(*o.agl_m >= 0) || *o.agl_m > 1e6)) return invalid("--agl must be 0 to 1000000 m");
+  if (o.from_s >= track.seconds())
+    return invalid("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
+                   std::to_string(track.seconds()) + " s");
+  if (!track.cameras.empty()) return {};
   if (frame.frame().kind != proto::FrameKind::kGeographic)
     return Error{
         ErrorCode::kUnsupported,
@@ -55,9 +62,6 @@ Status check(const Track& track, const proto::FrameTransform& frame, const Track
         "elevation data (gdalwarp -t_srs EPSG:4326 makes it so), or fly a tour (--tour)"};
   if (track.heights == TrackHeights::kMissing && !o.agl_m)
     return invalid("the track has no heights: give a height above ground with --agl");
-  if (o.from_s >= track.seconds())
-    return invalid("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
-                   std::to_string(track.seconds()) + " s");
   return {};
 }
 
@@ -69,19 +73,71 @@ glm::dvec3 latticeOf(const Fix& fix, const proto::Frame& frame) {
           fix.height_m};
 }
 
-std::vector<glm::dvec3> resample(const Track& track, const proto::Frame& frame, double from_s, double step_s,
-                                 size_t count) {
-  std::vector<glm::dvec3> out;
-  out.reserve(count);
+// Even steps through what was recorded.
+struct Steps {
+  double from_s, step_s;
+  size_t count;
+};
+
+// For each step the two `points` around its time, and how far it is from the first to the second.
+template <class Point, class Visit>
+void forEachStep(const std::vector<Point>& points, const Steps& steps, const Visit& visit) {
   size_t next = 1;
-  for (size_t i = 0; i < count; ++i) {
-    const double time_s = std::min(from_s + static_cast<double>(i) * step_s, track.seconds());
-    while (next + 1 < track.fixes.size() && track.fixes[next].time_s < time_s) ++next;
-    const Fix &a = track.fixes[next - 1], &b = track.fixes[next];
-    const glm::dvec3 pa = latticeOf(a, frame), pb = latticeOf(b, frame);
-    out.push_back(pa + (pb - pa) * ((time_s - a.time_s) / (b.time_s - a.time_s)));
+  for (size_t i = 0; i < steps.count; ++i) {
+    const double time_s = std::min(steps.from_s + static_cast<double>(i) * steps.step_s, points.back().time_s);
+    while (next + 1 < points.size() && points[next].time_s < time_s) ++next;
+    const Point &a = points[next - 1], &b = points[next];
+    visit(a, b, (time_s - a.time_s) / (b.time_s - a.time_s));
   }
+}
+
+std::vector<glm::dvec3> resample(const Track& track, const proto::Frame& frame, const Steps& steps) {
+  std::vector<glm::dvec3> out;
+  out.reserve(steps.count);
+  forEachStep(track.fixes, steps, [&](const Fix& a, const Fix& b, double share) {
+    const glm::dvec3 pa = latticeOf(a, frame), pb = latticeOf(b, frame);
+    out.push_back(pa + (pb - pa) * share);
+  });
   return out;
+}
+
+// Where on the ground a lattice position is, metres east and north, near the middle of the scene.
+struct Level {
+  glm::dvec2 middle;        // lattice
+  glm::dvec2 east_north_m;  // that a lattice step has, along x and along y
+};
+
+Level levelOf(const proto::FrameTransform& frame, const proto::GridShape& shape) {
+  const glm::dvec2 middle{0.5 * (shape.samples_x - 1), 0.5 * (shape.samples_y - 1)};
+  const auto at = [&](double x, double y) {
+    return frame.toScene(proto::LatticePosition{middle.x + x, middle.y + y, 0});
+  };
+  return {middle, {glm::distance(at(0.5, 0), at(-0.5, 0)), glm::distance(at(0, 0.5), at(0, -0.5))}};
+}
+
+// Lays a camera's path on the scene.
+PlannedTrack planCamera(const Track& track, const proto::FrameTransform& frame, const proto::GridShape& shape,
+                        const Steps& steps) {
+  constexpr double kFilled = 0.9;
+  glm::dvec3 low = track.cameras.front().eye, high = low;
+  for (const CameraFrame& c : track.cameras) low = glm::min(low, c.eye), high = glm::max(high, c.eye);
+  const Level level = levelOf(frame, shape);
+  const glm::dvec2 room_m = kFilled * level.east_north_m * glm::dvec2(shape.samples_x - 1, shape.samples_y - 1);
+  const glm::dvec2 extent = glm::max(glm::dvec2(high - low), 1e-9);
+  const double scale = std::min(room_m.x / extent.x, room_m.y / extent.y);
+  const glm::dvec2 centre = 0.5 * glm::dvec2(low + high);
+  PlannedTrack plan;
+  forEachStep(track.cameras, steps, [&](const CameraFrame& a, const CameraFrame& b, double share) {
+    const glm::dvec3 eye = a.eye + (b.eye - a.eye) * share;
+    plan.positions.push_back(level.middle + scale * (glm::dvec2(eye) - centre) / level.east_north_m);
+    plan.heights_m.push_back(scale * eye.z);
+    plan.orientations.push_back(glm::slerp(a.orientation, b.orientation, share));
+  });
+  char note[160];
+  std::snprintf(note, sizeof note, "a camera over another model, laid on the scene: one of its units is %.1f km",
+                scale / 1000);
+  plan.notes.emplace_back(note);
+  return plan;
 }
 
 struct Stretch {
@@ -127,6 +183,16 @@ proto::Pose poseAt(const glm::dvec3& eye, const glm::dvec3& direction, const glm
   return {eye, proto::lookAlong(std::cos(kDownward_rad) * ahead - std::sin(kDownward_rad) * up, up)};
 }
 
+// The pose of a camera that was recorded in axes of east, north and up. East is where the lattice's x axis goes.
+proto::Pose poseOf(const glm::dvec3& eye, const glm::dquat& recorded, const glm::dvec2& position, double height_m,
+                   const proto::FrameTransform& frame) {
+  const glm::dvec3 up = frame.upAt(eye);
+  const glm::dvec3 along = frame.toScene(proto::LatticePosition{position.x + 1, position.y, height_m}) - eye;
+  const glm::dvec3 east = glm::normalize(along - up * glm::dot(along, up)), north = glm::cross(up, east);
+  const auto toScene = [&](const glm::dvec3& v) { return east * v.x + north * v.y + up * v.z; };
+  return {eye, proto::lookAlong(toScene(recorded * glm::dvec3(0, 0, -1)), toScene(recorded * glm::dvec3(0, 1, 0)))};
+}
+
 // The heights to fly at, and how many of the recorded ones were too low.
 std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const float> ground_m, const TrackOptions& o,
                                   size_t& lifted) {
@@ -137,13 +203,15 @@ std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const floa
     for (double& height : out) height += *o.agl_m;
     return out;
   }
+  const bool is_camera = !plan.orientations.empty();
+  const double zero_m = is_camera ? std::reduce(ground.begin(), ground.end()) / static_cast<double>(ground.size()) : 0;
   std::vector<double> lift(ground.size());
   for (size_t i = 0; i < ground.size(); ++i) {
-    lift[i] = std::max(0.0, ground[i] + o.clearance_m - plan.heights_m[i]);
+    lift[i] = std::max(0.0, ground[i] + o.clearance_m - plan.heights_m[i] - zero_m);
     lifted += lift[i] > 0;
   }
   std::vector<double> out = upperEnvelope(lift, half);
-  for (size_t i = 0; i < out.size(); ++i) out[i] = std::max(out[i], lift[i]) + plan.heights_m[i];
+  for (size_t i = 0; i < out.size(); ++i) out[i] = std::max(out[i], lift[i]) + plan.heights_m[i] + zero_m;
   return out;
 }
 
@@ -156,13 +224,21 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
   const double flight_s = track_s / o.speed;
   // A step of whole milliseconds such that the path holds all poses.
   const double least_step_ms = flight_s * 1000 / static_cast<double>(proto::Path::kMaxPoses - 2);
-  PlannedTrack plan{.step =
-                        Duration::milliseconds(std::max<int64_t>(100, static_cast<int64_t>(std::ceil(least_step_ms))))};
-  if (plan.step > Duration::milliseconds(60'000))
+  const int64_t wanted_ms = track.cameras.empty() ? 100 : 50;  // hands turn a camera more abruptly than wings
+  const Duration step =
+      Duration::milliseconds(std::max<int64_t>(wanted_ms, static_cast<int64_t>(std::ceil(least_step_ms))));
+  if (step > Duration::milliseconds(60'000))
     return Error{ErrorCode::kLimit, "the flight would last more than a month: raise --speed or state --seconds"};
-  const double step_s = plan.step.toSeconds() * o.speed;
+  const double step_s = step.toSeconds() * o.speed;
   const size_t count = static_cast<size_t>(std::ceil(track_s / step_s - 1e-9)) + 1;
-  std::vector<glm::dvec3> points = resample(track, frame.frame(), o.from_s, step_s, std::max<size_t>(count, 2));
+  const Steps steps{o.from_s, step_s, std::max<size_t>(count, 2)};
+  if (!track.cameras.empty()) {
+    PlannedTrack plan = planCamera(track, frame, shape, steps);
+    plan.step = step;
+    return plan;
+  }
+  PlannedTrack plan{.step = step};
+  std::vector<glm::dvec3> points = resample(track, frame.frame(), steps);
   points = boxSmooth(points, static_cast<size_t>(std::lround(kSmooth_s / step_s)));
 
   const double max_x = shape.samples_x - 1, max_y = shape.samples_y - 1;
@@ -195,10 +271,15 @@ Result<TrackPath> pathOverGround(const PlannedTrack& plan, const proto::FrameTra
   std::vector<glm::dvec3> eyes(plan.positions.size());
   for (size_t i = 0; i < eyes.size(); ++i)
     eyes[i] = frame.toScene(proto::LatticePosition{plan.positions[i].x, plan.positions[i].y, heights[i]});
-  const std::vector<glm::dvec3> ahead = directions(eyes, frame, plan.step);
   result.path.step = plan.step;
   result.path.poses.reserve(eyes.size());
-  for (size_t i = 0; i < eyes.size(); ++i) result.path.poses.push_back(poseAt(eyes[i], ahead[i], frame.upAt(eyes[i])));
+  if (plan.orientations.empty()) {
+    const std::vector<glm::dvec3> ahead = directions(eyes, frame, plan.step);
+    for (size_t i = 0; i < eyes.size(); ++i)
+      result.path.poses.push_back(poseAt(eyes[i], ahead[i], frame.upAt(eyes[i])));
+  }
+  for (size_t i = 0; i < plan.orientations.size(); ++i)
+    result.path.poses.push_back(poseOf(eyes[i], plan.orientations[i], plan.positions[i], heights[i], frame));
   if (result.lifted > 0)
     result.notes.push_back(std::to_string(result.lifted) + " of " + std::to_string(eyes.size()) +
                            " poses were lower than " + std::to_string(std::lround(o.clearance_m)) +

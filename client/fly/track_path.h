@@ -1,6 +1,8 @@
 // Makes a path of the camera from a recorded track: resampled, smoothed, looking along the track and a little down, at
-// a chosen speed, kept above the ground. There are two steps, because the ground's heights come from the server in
-// between. Pure functions; any thread.
+// a chosen speed, kept above the ground. Of a recorded camera the path takes over where it looked; that flew over
+// another model, so its path is laid on the scene: turned by nothing, its middle on the scene's, as large as nine
+// tenths of the data allow, and its zero height at the mean of the ground below. There are two steps, because the
+// ground's heights come from the server in between. Pure functions; any thread.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -28,7 +30,8 @@ struct TrackOptions {
 struct PlannedTrack {
   Duration step;  // of the flight's time: 100 ms, or more where a Path could not hold so many poses
   std::vector<glm::dvec2> positions = {};  // lattice positions
-  std::vector<double> heights_m = {};      // recorded, above the zero surface
+  std::vector<double> heights_m = {};      // recorded, above the zero surface; of a camera above the mean of the ground
+  std::vector<glm::dquat> orientations = {};  // of a camera: its axes to east, north and up; else empty
   std::vector<std::string> notes = {};
 };
 

@@ -33,6 +33,7 @@ PlayerOptions anyOptions(Rng& rng) {
   o.request.strategy = static_cast<proto::Strategy>(rng.below(3));
   o.request.predictor = static_cast<proto::Predictor>(rng.below(4));
   o.request.keyframe_interval = Duration{static_cast<int64_t>(rng.below(1'000'000))};
+  o.request.longest_interval = Duration{static_cast<int64_t>(rng.below(1'000'000))};
   o.request.memory_bytes = static_cast<uint32_t>(rng.next());
   o.request.occlusion = rng.below(2) == 0;
   o.blend = rng.below(2) == 0 ? Blend::kKeyframe : Blend::kGeomorph;

@@ -5,21 +5,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "tests/client/fly/alpine_tile.h"
+
 namespace foreland::client {
 namespace {
-
-constexpr double kDeg = 0.017453292519943295;
-
-// One degree square at 3", as SRTM tiles are.
-proto::Frame alpineFrame() {
-  return {.kind = proto::FrameKind::kGeographic,
-          .latitude0_rad = 46 * kDeg,
-          .longitude0_rad = 8 * kDeg,
-          .latitude_step_rad = kDeg / 1200,
-          .longitude_step_rad = kDeg / 1200,
-          .origin = {46.5 * kDeg, 8.5 * kDeg, 0}};
-}
-const proto::GridShape kShape{.roots_x = 5, .roots_y = 5, .root_log2 = 8, .samples_x = 1201, .samples_y = 1201};
 
 // Due north along 8.5 degrees east, 10 m/s (nearly), 2000 m high, a fix a second.
 Track northward(double from_latitude_deg, size_t seconds) {
