@@ -94,6 +94,11 @@ Result<nlohmann::ordered_json> drape(const DrapeArguments& args) {
   report["round_trip_ms"] = args.round_trip_ms;
   report["bytes_over_best_rival"] = double(ours.bytes) / double(std::max<uint64_t>(best, 1));
   report["first_view_over_best_rival"] = double(ours.first_view_bytes) / double(std::max<uint64_t>(best_first, 1));
+  const bench::DrapeArrivals with = experiment->arrivals(true), without = experiment->arrivals(false);
+  report["first_picture_over_without"] = with.first_picture_ms / without.first_picture_ms;
+  report["lateness_p99_more_ms"] = with.lateness_p99_ms - without.lateness_p99_ms;
+  report["with_tiles"] = bench::toJson(with);
+  report["without_tiles"] = bench::toJson(without);
   nlohmann::ordered_json ways = nlohmann::ordered_json::array();
   for (const bench::DrapeFigures& way : all) ways.push_back(bench::toJson(way));
   report["ways"] = std::move(ways);

@@ -15,7 +15,8 @@ namespace {
 void addTrackOptions(CLI::App& app, FlightArguments& args) {
   CLI::Option* tour = app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
   CLI::Option* track =
-      app.add_option("--track", args.track, "fly this recorded track: an IGC or GPX file")->excludes(tour);
+      app.add_option("--track", args.track, "fly this recorded track: an IGC or GPX file, or camera frames")
+          ->excludes(tour);
   app.add_option("--from", args.track_options.from_s, "begin so many seconds into the track")
       ->check(isFinite())
       ->needs(track);

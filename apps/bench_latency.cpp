@@ -19,7 +19,9 @@ void addGridOptions(CLI::App& sub, bench::GridRequest& grid) {
   sub.add_option("--round-trips", grid.round_trips_ms, "of the link `fixed`, in ms (default: 0,50,100,200,400)")
       ->delimiter(',');
   sub.add_option("--links", grid.links, "fixed, wifi, lte, starlink, geo, trace (default: fixed)")->delimiter(',');
-  sub.add_option("--keyframes-ms", grid.keyframes_ms, "intervals (default: 200, and 100 and 500 for some)")
+  sub.add_option(
+         "--keyframes-ms", grid.keyframes_ms,
+         "intervals, which may be adaptive or such as 100-500 (default: 200, and 100, 500 and adaptive for some)")
       ->delimiter(',');
   sub.add_option("--taus", grid.taus_px, "tolerances in pixels (default: 1, and 2 for some)")->delimiter(',');
   sub.add_flag_callback(
@@ -49,9 +51,12 @@ Result<bench::LatencyFlight> flightOf(const LatencyArguments& args, const Planne
   if (!prices) return prices.error();
   auto trace = traceOf(args);
   if (!trace) return trace.error();
+  auto judged = bench::JudgedFrames::atRate(args.judge_hz);
+  if (!judged) return judged.error();
   bench::LatencyFlight flight{.world = std::make_shared<server::World>(planned.scene, std::move(*objects)),
                               .path = planned.path,
                               .seconds = args.flight.flight.seconds,
+                              .judged = *judged,
                               .lens = {1.0471975511965976, args.width_px, args.height_px},
                               .prices = *prices,
                               .trace = *trace,
@@ -77,9 +82,9 @@ nlohmann::ordered_json summaryOf(const std::vector<bench::LatencyCell>& cells,
     violations += row["bound_violations"].get<uint64_t>();
     char text[240];
     std::snprintf(
-        text, sizeof text, "%-26s %-8s %3.0f ms, %3.0f ms, %.1f px: total p99 %6.2f px, rms %.3f px, %5.0f kbit/s",
-        c.how().c_str(), c.link.c_str(), c.round_trip_ms, c.keyframe_ms, c.tau_px, row["total_p99_px"].get<double>(),
-        row["total_rms_px"].get<double>(), row["down_kbit_s"].get<double>());
+        text, sizeof text, "%-26s %-8s %3.0f ms, %s ms, %.1f px: total p99 %6.2f px, rms %.3f px, %5.0f kbit/s",
+        c.how().c_str(), c.link.c_str(), c.round_trip_ms, proto::textOf(c.keyframes).c_str(), c.tau_px,
+        row["total_p99_px"].get<double>(), row["total_rms_px"].get<double>(), row["down_kbit_s"].get<double>());
     lines.push_back(text);
   }
   return {{"cells", std::move(lines)}, {"bound_violations", violations}};
@@ -112,6 +117,9 @@ CLI::App* addLatency(CLI::App& app, LatencyArguments& args) {
   addGridOptions(*sub, args.grid);
   sub->add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server");
   sub->add_option("--trace-down", args.trace_down, "mahimahi trace of the link `trace`, to the viewer");
+  sub->add_option("--judge-hz", args.judge_hz,
+                  "frames judged a second, which takes most of the time: 10 or a whole part of it, such as 5, 2 or 0.5")
+      ->capture_default_str();
   addScreenOptions(*sub, args.width_px, args.height_px);
   addExperimentOptions(*sub, args.experiment);
   return sub;
@@ -121,6 +129,7 @@ Status checkArguments(const LatencyArguments& args) {
   if (const auto cells = bench::cellsOf(args.grid); !cells) return cells.error();
   if (const auto prices = pricesOf(args.experiment); !prices) return prices.error();
   if (const auto trace = traceOf(args); !trace) return trace.error();
+  if (const auto judged = bench::JudgedFrames::atRate(args.judge_hz); !judged) return judged.error();
   return {};
 }
 
@@ -138,6 +147,7 @@ Result<nlohmann::ordered_json> latency(const LatencyArguments& args) {
   about["scene"] = std::filesystem::path(args.flight.scene).filename().string();
   about.update(flightReport(args.flight, *planned));
   about["seconds"] = flight->seconds;
+  about["judge_hz"] = flight->judged.hz();
   about["viewport"] = std::to_string(args.width_px) + "x" + std::to_string(args.height_px);
   nlohmann::ordered_json asked = askedOf(about, *planned->scene);
   asked["flight"] = digestOf(*flight);

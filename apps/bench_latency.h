@@ -8,6 +8,7 @@
 #include "apps/bench_experiment.h"
 #include "apps/bench_flight.h"
 #include "bench/latency/grid.h"
+#include "bench/latency/judged_frames.h"
 
 namespace foreland::apps {
 
@@ -16,6 +17,7 @@ struct LatencyArguments {
   ExperimentArguments experiment;
   bench::GridRequest grid;
   std::filesystem::path trace_up, trace_down;
+  double judge_hz = bench::JudgedFrames::kMost_hz;
   uint32_t width_px = 1920, height_px = 1080;
 };
 

@@ -26,26 +26,31 @@ bool ObjectReplica::step(proto::ObjectStream& stream, proto::RangeDecoder& coder
 
 // Compares with the section that it saw last, so it does not matter how many steps lie between.
 void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& stream) {
-  if (!std::exchange(is_stale_, false) && is_still_) return;
+  const proto::ObjectPlacement& placement = objects_->placement(object_);
+  const ObjectPatcher::Carried carried{placement.rise.at(span.ground[0]), placement.rise.at(span.ground[1])};
+  if (!std::exchange(is_stale_, false) && is_still_) {
+    has_changed_ = has_changed_ || carried != mesh_.carried();
+    return mesh_.rest(carried);
+  }
   proto::Section section = stream.section(object_);
   proto::diff(section_, section, delta_);
   section_ = std::move(section);
-  const proto::ObjectPlacement& placement = objects_->placement(object_);
-  const proto::View from = placement.toObject(span.from);
+  const proto::View from = placement.toCarriedObject(span.from);
   const MorphTiming timing(span, from, span.motion.metres_per_s / placement.scale);
   morphs_.step(objects_->domain(object_).topology(), delta_, [&](Slot slot) {
     return !timing.isUniform() && facesAway(span.from, slot) ? 0 : intervals(timing, positions(stream), slot);
   });
   from_ = proto::apply(to_, morphs_.jumped());
   to_ = proto::apply(from_, morphs_.drawn());
-  mesh_.step(positions(stream), morphs_);
+  mesh_.step(positions(stream), morphs_, carried);
   is_still_ = morphs_.all().empty();
   has_changed_ = true;
   std::erase_if(removed_, [this](const auto& node) { return !mesh_.isDrawn(node.first); });
 }
 
 void ObjectReplica::buildMesh(const proto::ObjectStream& stream, KeyframeMesh& mesh) const {
-  buildObjectMesh(*objects_, positions(stream), {from_, to_, section_, morphs_.all()}).appendTo(mesh, model());
+  buildObjectMesh(*objects_, positions(stream), {from_, to_, section_, morphs_.all(), mesh_.carried()})
+      .appendTo(mesh, model());
 }
 
 // The triangles that a node changes are taken to lie within two lengths of its edge.

@@ -87,7 +87,11 @@ void Replica::extend(Duration interval, Blend blend) {
   this->blend({blend, proto::viewOf(to_), motion_, interval.toSeconds()}, {});
 }
 
-void Replica::blend(const MeshSpan& span, const proto::CutDelta& change) {
+void Replica::blend(MeshSpan span, const proto::CutDelta& change) {
+  if (epochs_) {
+    const proto::Epochs& epochs = epochs_->offsets().epochs();
+    span.ground = {epochs.weightsAt(from_.scene_time), epochs.weightsAt(to_.scene_time)};
+  }
   const MorphTiming timing(span, span.from, span.motion.metres_per_s);
   morphs_.step(domain_->grid, change, [&](Slot slot) { return intervals(timing, slot); });
   nodes_.step(morphs_.jumped());

@@ -89,7 +89,7 @@ class Replica {
   void setMemory(uint32_t bytes);
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
   bool adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder);
-  void blend(const MeshSpan& span, const proto::CutDelta& change);
+  void blend(MeshSpan span, const proto::CutDelta& change);
   double intervals(const MorphTiming& timing, proto::Slot slot) const;
 
   // Behind pointers, because the adapter refers to them and replicas are moved.

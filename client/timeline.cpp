@@ -14,14 +14,19 @@ constexpr Duration kLatencyMargin = Duration::milliseconds(10);
 constexpr Duration kLongestPlayoutDelay = Duration::seconds(10);
 constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, per keyframe
 
+// A section that is shown as soon as it is there. What was computed for a later time, by a time stamp that was wrong,
+// cannot be waited for.
+bool startsAnew(const MeshPatch& mesh) { return mesh.from.index == mesh.to.index || mesh.to.time < mesh.from.time; }
+
 }  // namespace
 
 Duration Timeline::intervalOf(const MeshPatch& mesh) {
   const Duration interval = mesh.to.time - mesh.from.time;
-  if (mesh.from.index == mesh.to.index) return interval;
+  if (startsAnew(mesh)) return std::max(interval, longest_interval_);
   intervals_.push_back(interval);
   if (intervals_.size() > kRecent) intervals_.pop_front();
-  return std::min(interval, *std::min_element(intervals_.begin(), intervals_.end()) + kLongestDelay);
+  const Duration usual = std::min(interval, *std::min_element(intervals_.begin(), intervals_.end()) + kLongestDelay);
+  return std::max(usual, longest_interval_);
 }
 
 // The playout delay is the worst recent latency, outages apart, and a margin. It falls slowly, so that t_d does not
@@ -48,7 +53,7 @@ void Timeline::push(std::shared_ptr<const MeshPatch> mesh, Time begin, Time end)
 }
 
 Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, proto::Strategy strategy) {
-  const bool still = mesh->from.index == mesh->to.index, predicted = strategy == proto::Strategy::kPredict;
+  const bool still = startsAnew(*mesh), predicted = strategy == proto::Strategy::kPredict;
   if (still) restart();
   const bool first = meshes_.empty();
   const Duration interval = intervalOf(*mesh);

@@ -5,7 +5,8 @@
 //   delay, current  the same, later by T + playout delay. T is the keyframe interval of the paper's formula for t_d; the
 //                   playout delay is the recent latency of link and server (0 in the paper, where server and client are
 //                   one). T counts for at most kLongestDelay (base/latency.h) more than the shortest recent interval, so
-//                   after an outage the display catches up at once instead of replaying it
+//                   after an outage the display catches up at once instead of replaying it. Where intervals adapt, T is
+//                   the longest that there may be, lest the display stand still before each long one
 // A mesh that does not move shows a section that was sent whole: it is the first one, or the camera has jumped, or a
 // new server could not resume. It is shown on arrival, and the meshes before it are dropped, for what they guarantee is
 // about elsewhere. A mesh that arrives late begins on arrival and still ends in time, but lasts at least
@@ -34,6 +35,9 @@ class Timeline {
   // shown would make the display jump.
   static constexpr size_t kMaxUndrawn = 8;
   static constexpr size_t kMaxMeshes = 32;
+
+  // Of adaptive keyframes, from the next mesh on; 0 if the interval is fixed, as it is at first.
+  void setLongestInterval(Duration longest) { longest_interval_ = longest; }
 
   // Schedules the mesh that a keyframe completed. Returns how late it arrived for the time from which it was to be
   // shown; negative is early, and 0 is returned for the first mesh and for one that does not move.
@@ -70,6 +74,7 @@ class Timeline {
   std::deque<Duration> intervals_;                       // of recent meshes
   std::deque<Duration> latencies_;                       // arrival - to.time, of recent keyframes
   Duration playout_delay_;
+  Duration longest_interval_;
   size_t undrawn_ = 0;  // meshes added since at() was called last
   uint32_t next_version_ = 1;
 };

@@ -93,6 +93,8 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   received_keyframe_ = message.header.index;
   received_at_ = now;
   std::shared_ptr<const MeshPatch> patch = makePatch();
+  const bool has_own = request_.keyframe_interval != Duration{};  // else the server's own is in force
+  timeline_.setLongestInterval(has_own ? request_.longest_interval : welcome_->longest_interval);
   const Duration lateness = timeline_.add(patch, now, request_.strategy);
   addToDrawn(std::move(patch));
   drawn_->skipTo(timeline_.oldestVersion());
@@ -173,8 +175,9 @@ void Viewer::requestTour(const std::string& name, double seconds) {
   send(proto::encode(proto::TourRequest{next_request_id_++, name, seconds}));
 }
 
-void Viewer::requestGround(std::vector<glm::dvec2> lattice_points) {
-  send(proto::encode(proto::GroundRequest{next_request_id_++, std::move(lattice_points)}));
+uint32_t Viewer::requestGround(std::vector<glm::dvec2> lattice_points) {
+  send(proto::encode(proto::GroundRequest{next_request_id_, std::move(lattice_points)}));
+  return next_request_id_++;
 }
 
 std::optional<proto::TourReply> Viewer::takeTour() { return std::exchange(tour_, std::nullopt); }

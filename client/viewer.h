@@ -81,7 +81,8 @@ class Viewer {
   void setSceneClock(const proto::SceneClock& clock);
   const std::optional<proto::SceneClock>& sceneClock() const { return scene_clock_; }
   void requestTour(const std::string& name, double seconds);
-  void requestGround(std::vector<glm::dvec2> lattice_points);
+  // Gives the number that the reply will have.
+  uint32_t requestGround(std::vector<glm::dvec2> lattice_points);
   // The reply to such a request, once; nullopt until it arrives.
   std::optional<proto::TourReply> takeTour();
   std::optional<proto::GroundReply> takeGround();

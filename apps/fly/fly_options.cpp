@@ -8,6 +8,7 @@
 #include "apps/fly/fly_report.h"
 #include "apps/lens_option.h"
 #include "apps/options.h"
+#include "proto/message/keyframe_interval.h"
 
 namespace foreland::apps {
 
@@ -30,12 +31,14 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
   const auto predictor = proto::predictorNamed(o.predictor.value_or(o.tour == "jumps" ? "velocity" : "path"));
   if (!predictor) return invalid("--predictor '" + *o.predictor + "': choose one of " + proto::predictorNames());
   if (!(o.tau_px > 0) || o.tau_px > 1000) return invalid("--tau must be above 0 and at most 1000 pixels");
-  if (o.keyframe_ms < 20 || o.keyframe_ms > 10'000) return invalid("--keyframe-ms must be 20 to 10000");
+  const auto interval = proto::keyframeIntervalFrom(o.keyframe_ms);
+  if (!interval) return invalid("--keyframe-ms: " + interval.error().message);
   return proto::ViewRequest{.lens = *lens,
                             .tau_px = o.tau_px,
                             .strategy = *strategy,
                             .predictor = *predictor,
-                            .keyframe_interval = Duration::milliseconds(o.keyframe_ms),
+                            .keyframe_interval = interval->shortest,
+                            .longest_interval = interval->longest,
                             .max_triangles = o.max_triangles,
                             .max_bytes_per_second = o.max_kbit_per_s * 125,
                             .occlusion = o.occlusion == "on",
@@ -70,7 +73,8 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("URL", o.url, "the server, as ws://HOST:PORT or wss://HOST:PORT")->required();
   app.add_option("--token", o.connection.token, "a token from `foreland token`, for a server that asks for one");
   app.add_option("--ca", o.connection.ca_file, "certificates to trust, in PEM format, instead of the system's");
-  CLI::Option* track = app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file");
+  CLI::Option* track =
+      app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file, or camera frames");
   app.add_option("--tour", o.tour,
                  "fly a built-in tour: survey (default), canyon, spin, orbit; or jumps, from view to view")
       ->excludes(track);
@@ -103,7 +107,8 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--predictor", o.predictor,
                  "hold, velocity, acceleration, double-exponential, kalman or path (default)");
   app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
-  app.add_option("--keyframe-ms", o.keyframe_ms, "time between keyframes (default 200)");
+  app.add_option("--keyframe-ms", o.keyframe_ms,
+                 "time between keyframes: 20 to 10000, or adaptive, or 100-500 (default 200)");
   app.add_option("--memory-mib", o.memory_mib,
                  "MiB to remember terrain with that was flown over, so that it is not sent again (default 16)")
       ->check(CLI::Range(0.0, 1024.0) & isFinite());

@@ -27,7 +27,7 @@ struct FlyOptions {
   std::string occlusion = "off";
   bool relief = false, imagery = false;
   double tau_px = 1;
-  int64_t keyframe_ms = 200;
+  std::string keyframe_ms = "200";
   double memory_mib = proto::kDefaultMemoryBytes / 1048576.0;
   uint32_t max_triangles = 0, max_kbit_per_s = 0;  // budgets; 0 for none
   std::string viewport = "1920x1080";

@@ -70,6 +70,7 @@ Json reportOf(const FlySummary& s) {
   json["blend"] = client::name(s.blend);
   json["tau_px"] = s.request.tau_px;
   json["keyframe_ms"] = s.request.keyframe_interval.toMilliseconds();
+  json["longest_keyframe_ms"] = s.request.longest_interval.toMilliseconds();
   json["worst_lateness_ms"] = f.session.worst_lateness.toMilliseconds();
   if (f.scene_first) json["scene_first"] = dateText(*f.scene_first), json["scene_last"] = dateText(*f.scene_last);
   if (!f.jumps.empty()) json["jumps"] = jumpsOf(f.jumps);
@@ -101,7 +102,7 @@ Report (--json prints one object with these keys):
                                 (worst, from the jump to the first frame that holds it) and mean_recovery_ms; unguaranteed_ms
                                 (worst, to the first frame that guarantees anything); largest_tolerance_px of those that do;
                                 late_coarse_frames (later than 400 ms, above 8 px or without a guarantee)
-  strategy, predictor, blend, tau_px, keyframe_ms, worst_lateness_ms, notes
+  strategy, predictor, blend, tau_px, keyframe_ms, longest_keyframe_ms, worst_lateness_ms, notes
   scene_first, scene_last       dates that were shown, in scenes that change in time
 With --viewers N: viewers, landed (flew to the end), error (the first), the sums of the figures above, and of the viewers' longest
 gaps the median, the 99th percentile and the longest (longest_gap_p50_ms, longest_gap_p99_ms, longest_gap_ms)

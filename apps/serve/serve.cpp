@@ -98,7 +98,7 @@ Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& f
         "--occlusion on: this scene changes in time, and what hides what is known of still ground only; serve it "
         "with --occlusion off"};
   if (flags.occlusion == "on") {
-    auto occlusion = server::SceneOcclusion::create(world->hierarchy);
+    auto occlusion = server::SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
     if (!occlusion) return occlusion.error();
     world->occlusion = std::move(*occlusion);
     log(server::Severity::kInfo,

@@ -10,6 +10,7 @@
 #include "apps/options.h"
 #include "apps/serve/toml_config.h"
 #include "base/time.h"
+#include "proto/message/keyframe_interval.h"
 #include "server/net/listen_address.h"
 #include "server/net/token.h"
 
@@ -31,8 +32,8 @@ void addScene(CLI::App& app, ServeFlags& flags) {
   app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
       ->check(CLI::Range(0.01, 1000.0) & isFinite())
       ->capture_default_str();
-  app.add_option("--keyframe-ms", flags.keyframe_ms, "time between keyframes, for viewers that name none")
-      ->check(CLI::Range(20, 10'000))
+  app.add_option("--keyframe-ms", flags.keyframe_ms,
+                 "time between keyframes, for viewers that name none: 20 to 10000, or adaptive, or 100-500")
       ->capture_default_str();
   app.add_option("--web", flags.web,
                  "directory of the page; by default the one that was built or installed with this program");
@@ -118,7 +119,10 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   options.max_connections = flags.max_connections;
   if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
   options.session.tau_px = flags.tau_px;
-  options.session.keyframe_interval = Duration::milliseconds(flags.keyframe_ms);
+  const auto interval = proto::keyframeIntervalFrom(flags.keyframe_ms);
+  if (!interval) return Error{interval.error().code, "--keyframe-ms: " + interval.error().message};
+  options.session.keyframe_interval = interval->shortest;
+  options.session.longest_interval = interval->longest;
   options.session.most_early = Duration::milliseconds(100);  // at most half an interval (decision 0024)
   options.session.max_memory_bytes = static_cast<uint32_t>(flags.viewer_memory_mib * 1048576);
   options.version = FORELAND_VERSION;

@@ -16,7 +16,7 @@ struct ServeFlags {
   std::string listen = "127.0.0.1:8080", metrics_listen;
   size_t threads = 1;
   double tau_px = 1;
-  int64_t keyframe_ms = 200;
+  std::string keyframe_ms = "200";
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info", log_format = "text";
   std::string occlusion = "off";

@@ -3,9 +3,9 @@
 // card, which a processor plays here, draws one triangle of each mesh. The picture is small and the tolerance, too, so
 // the sections are those of 1920 x 1080 at 1 pixel.
 //
-//   node bench/client/page.mjs SCENE [--tour NAME] [--seconds N] [--page FOLDER] [--strategy NAME]
+//   node bench/client/page.mjs SCENE [--tour NAME] [--seconds N] [--page FOLDER] [--strategy NAME] [--query MORE]
 //
-// Prints JSON. Programs are those of FORELAND_BIN (default build/release/bin), the page client/web/dist. Nothing else should run.
+// MORE goes to the page's address: imagery=0, shadows=1. Prints JSON. Programs are those of FORELAND_BIN (default build/release/bin), the page client/web/dist. Nothing else should run.
 import { existsSync } from 'node:fs';
 import { dirname, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -22,9 +22,10 @@ const { values, positionals: [scene] } = parseArgs({
     seconds: { type: 'string', default: '60' },
     strategy: { type: 'string', default: 'predict' },
     page: { type: 'string' },
+    query: { type: 'string', default: '' },
   },
 });
-if (!scene) throw new Error('usage: node bench/client/page.mjs SCENE [--tour NAME] [--seconds N] [--page FOLDER] [--strategy NAME]');
+if (!scene) throw new Error('usage: node bench/client/page.mjs SCENE [--tour NAME] [--seconds N] [--page FOLDER] [--strategy NAME] [--query MORE]');
 
 // Runs in the page, before its own scripts.
 function record() {
@@ -57,7 +58,7 @@ const browser = await openBrowser();
 try {
   const { page, complaints } = await openPage(browser, { width: 480, height: 270 });
   await page.addInitScript(record);
-  await page.goto(new URL(`?sharpness=1&tau=0.25&tour=${values.tour}&strategy=${values.strategy}`, server.url).href);
+  await page.goto(new URL(`?sharpness=1&tau=0.25&tour=${values.tour}&strategy=${values.strategy}&${values.query}`, server.url).href);
   await until(page, (s) => s.triangles > 0 && s.touring).catch((error) => { throw new Error(`${error.message}; ${complaints}`); });
   const begun = await page.evaluate(() => ({ status: window.foreland.status(), at_ms: performance.now() }));
   await browser.startTracing(page, { categories: ['-*', 'devtools.timeline'] });
@@ -83,6 +84,9 @@ try {
     callback_ms_p50: rounded(quantile(callbacks, 0.5)),
     callback_ms_p99: rounded(quantile(callbacks, 0.99)),
     callback_ms_max: rounded(quantile(callbacks, 1)),
+    largest_upload: rounded(status.largest_upload), // share of 2 MiB for each 16 ms of the frame before
+    relief_shown: status.relief_shown,
+    imagery_shown: status.imagery_shown,
     long_tasks: long.length,
     longest_task_ms: rounded(Math.max(0, ...long.map(({ ms }) => ms))),
     complaints,

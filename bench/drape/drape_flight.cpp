@@ -1,9 +1,13 @@
 #include "bench/drape/drape_flight.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
+#include <utility>
 
+#include "bench/timing.h"
 #include "bench/world/world.h"
 #include "client/imagery/drape.h"
 
@@ -87,23 +91,47 @@ DrapeFigures DrapeExperiment::flyOurs() {
   OurDrape drape(flight_);
   world.on_keyframe = [&](size_t, const ArrivedKeyframe&) { drape.onKeyframe(world.viewer(0)); };
   size_t next = 0;
+  std::optional<uint64_t> first_view_bytes;
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
     const DrawnTiles drawn = drape.drawn(view.mesh_version, view.weight);
-    if (next >= judge_.frames() || now < judgedAt(next)) return;
     const auto& statement = world.viewer(0).tiles().statement();
     const double stated_px = statement ? statement->texel_px[flight_.layer] : std::numeric_limits<double>::infinity();
+    if (!first_view_bytes && stated_px <= server::TileSender::kTexel_px)
+      first_view_bytes = world.viewer(0).statistics().tile_bytes;
+    if (next >= judge_.frames() || now < judgedAt(next)) return;
     judge_.judge(next++, image_, drawn, stated_px);
   };
-  world.run(Time{} + kDrapeStanding);
-  const uint64_t before = world.session(0).statistics().tile_bytes;
   world.run(end());
   const client::ViewerStatistics& statistics = world.viewer(0).statistics();
   return {.way = "foreland",
           .asked_px = server::TileSender::kTexel_px,
           .bytes = world.session(0).statistics().tile_bytes,
-          .first_view_bytes = before,
+          .first_view_bytes = first_view_bytes.value_or(world.session(0).statistics().tile_bytes),
           .quality = judge_.take(),
           .keyframes_late = statistics.keyframes > 0 ? double(statistics.late_keyframes) / statistics.keyframes : 0};
+}
+
+DrapeArrivals DrapeExperiment::arrivals(bool with_tiles) const {
+  World world(
+      flight_.world, {}, [&](const StepWork& work) { return flight_.prices.of(work); }, flight_.seed, Laws::kTrusted);
+  ClientOptions client = clientOf(flight_);
+  if (!with_tiles) client.request.relief = client.request.imagery = false;
+  world.addClient(client);
+  std::vector<double> lateness_ms;
+  world.on_keyframe = [&](size_t, const ArrivedKeyframe& keyframe) {
+    lateness_ms.push_back(1e3 * keyframe.lateness.toSeconds());
+  };
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  DrapeArrivals arrivals{kNever, kNever, kNever};
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    const double now_ms = 1e-3 * static_cast<double>(now.us);
+    if (view.mesh) arrivals.first_picture_ms = std::min(arrivals.first_picture_ms, now_ms);
+    if (view.mesh && view.tolerance_px <= 1.0001 * flight_.tau_px)
+      arrivals.tolerance_ms = std::min(arrivals.tolerance_ms, now_ms);
+  };
+  world.run(end());
+  if (!lateness_ms.empty()) arrivals.lateness_p99_ms = quantile(lateness_ms, 0.99);
+  return arrivals;
 }
 
 DrapeFigures DrapeExperiment::pull(TileRule rule, double texel_px) {
@@ -123,14 +151,20 @@ DrapeFigures DrapeExperiment::pull(TileRule rule, double texel_px) {
 }
 
 DrapeFigures DrapeExperiment::pullForPsnr(TileRule rule, double psnr_db) {
-  double fine = 0.25, coarse = 16;
-  DrapeFigures figures;
+  constexpr double kFinest_px = 0.25, kCoarsest_px = 16;
+  DrapeFigures fine = pull(rule, kFinest_px), coarse = pull(rule, kCoarsest_px);
   for (int i = 0; i < 7; ++i) {
-    const double middle = std::sqrt(fine * coarse);
-    figures = pull(rule, middle);
-    if (std::abs(figures.quality.psnr_db - psnr_db) < 0.1) break;
-    (figures.quality.psnr_db > psnr_db ? fine : coarse) = middle;
+    DrapeFigures middle = pull(rule, std::sqrt(fine.asked_px * coarse.asked_px));
+    (middle.quality.psnr_db >= psnr_db ? fine : coarse) = std::move(middle);
   }
+  const double range_db = fine.quality.psnr_db - coarse.quality.psnr_db;
+  const double share = range_db > 0 ? std::clamp((psnr_db - coarse.quality.psnr_db) / range_db, 0.0, 1.0) : 1;
+  const auto between = [&](uint64_t from, uint64_t to) {
+    return static_cast<uint64_t>(std::llround(std::lerp(double(from), double(to), share)));
+  };
+  DrapeFigures figures = share < 0.5 ? coarse : fine;
+  figures.bytes = between(coarse.bytes, fine.bytes);
+  figures.first_view_bytes = between(coarse.first_view_bytes, fine.first_view_bytes);
   return figures;
 }
 

@@ -38,6 +38,7 @@ struct DrapeFigures {
   std::string way;      // foreland, or a rival's rule
   double asked_px = 0;  // the largest texel on the screen that was asked for
   uint64_t bytes = 0;   // of tiles, the first view included
+  // Until the first view has what it asks for: ours what it states (tiles for later may be among them), a rival's all.
   uint64_t first_view_bytes = 0;
   DrapeQuality quality{};
   double keyframes_late = 0;  // share; ours only
@@ -60,14 +61,31 @@ struct DrapeFigures {
   }
 };
 
+// What tiles do to the geometry, which shares the link with them.
+struct DrapeArrivals {
+  double first_picture_ms = 0;  // from the connection to the first frame that shows a mesh
+  double tolerance_ms = 0;      // and to the first one within the tolerance asked for
+  double lateness_p99_ms = 0;   // of keyframes; negative is early
+
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("first_picture_ms", first_picture_ms);
+    visit("tolerance_ms", tolerance_ms);
+    visit("lateness_p99_ms", lateness_p99_ms);
+  }
+};
+
 class DrapeExperiment {
  public:
   // An Error if the scene does not fit into memory. `every_s` apart frames are judged.
   static Result<DrapeExperiment> create(const DrapeFlight& flight, double every_s);
 
   DrapeFigures flyOurs();
+  // Of our flight with the layer, and without any tiles.
+  DrapeArrivals arrivals(bool with_tiles) const;
   DrapeFigures pull(TileRule rule, double texel_px);
-  // With the texel size at which it has this PSNR, to a tenth of a decibel if there is one between 0.25 and 16 px.
+  // With the texel size at which it is nearest to this PSNR, if there is one between 0.25 and 16 px; bytes are
+  // interpolated between the two sizes next to it.
   DrapeFigures pullForPsnr(TileRule rule, double psnr_db);
 
  private:

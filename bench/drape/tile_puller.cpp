@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 namespace foreland::bench {
 
@@ -14,7 +16,14 @@ TilePuller::TilePuller(std::shared_ptr<const terrain::Scene> scene, uint8_t laye
       frame_(scene_->frame()),
       options_(options),
       up_(options.links.up, options.seed),
-      down_(options.links.down, options.seed + 1) {}
+      down_(options.links.down, options.seed + 1) {
+  const proto::Frame& frame = frame_.frame();
+  if (frame.kind != proto::FrameKind::kGeographic) return;
+  const auto pole = [&](double sign) { return frame_.toScene(proto::Geodetic{sign * std::numbers::pi / 2, 0, 0}); };
+  const double lowest_m = scene_->heightRange().lowest * frame.height_quantum_m;
+  earth_ = Earth{0.5 * (pole(1) + pole(-1)), glm::normalize(pole(1) - pole(-1)), 1 / (1 - frame.flattening),
+                 frame.semi_major_m + std::min(0.0, lowest_m)};
+}
 
 void TilePuller::frame(Time now, const proto::Pose& pose) {
   receive(now);
@@ -76,23 +85,68 @@ double TilePuller::texelOnScreen(const proto::TileId& tile, const proto::Pose& p
   return size_px * std::sqrt(std::clamp((eye.height_m - h) / distance, 0.05, 1.0));
 }
 
-// Whether any part of the box may be: all its corners on the outer side of one plane is out of view.
-bool TilePuller::isInView(const proto::TileId& tile, const proto::Pose& pose) const {
+// Whether any part of it may be: a cell all of whose corners are on the outer side of one plane, or behind the earth,
+// is not.
+bool TilePuller::isInView(const proto::TileId& tile, const proto::Pose& pose) {
+  const double tan_y = std::tan(0.5 * lens_.vertical_fov_rad), tan_x = tan_y * lens_.width_px / lens_.height_px;
+  const glm::dvec3 eye = scaled(pose.eye);
+  const auto isCellInView = [&](const Cell& cell) {
+    const auto isBehind = [&](const glm::dvec3& corner) { return isBehindEarth(scaled(corner), eye); };
+    if (earth_ && std::all_of(cell.begin(), cell.end(), isBehind)) return false;
+    std::array<bool, 5> is_out{true, true, true, true, true};
+    for (const glm::dvec3& corner : cell) {
+      const glm::dvec3 p = corner - pose.eye;
+      const double depth = glm::dot(p, pose.forward()), right = glm::dot(p, pose.right()), up = glm::dot(p, pose.up());
+      const std::array<bool, 5> out{depth<0, right> depth * tan_x, -right > depth * tan_x, up > depth * tan_y,
+                                    -up > depth * tan_y};
+      for (size_t i = 0; i < out.size(); ++i) is_out[i] = is_out[i] && out[i];
+    }
+    return std::none_of(is_out.begin(), is_out.end(), [](bool out) { return out; });
+  };
+  const std::vector<Cell>& cells = cellsOf(tile);
+  return std::any_of(cells.begin(), cells.end(), isCellInView);
+}
+
+// Of a tile in a plane frame the only one is its box. On the earth there are as many as leave little of a bend in each,
+// raised by what the ground between the corners rises above the plane through them.
+const std::vector<TilePuller::Cell>& TilePuller::cellsOf(const proto::TileId& tile) {
+  constexpr double kMost_rad = 0.06;
+  std::vector<Cell>& cells = cells_[tile.key()];
+  if (!cells.empty()) return cells;
   const proto::LatticeBox box = scene_->tiles().layers()[layer_].boxOf(tile);
   const proto::TileBounds bounds = *scene_->tiles().bounds(tile);
-  const double tan_y = std::tan(0.5 * lens_.vertical_fov_rad), tan_x = tan_y * lens_.width_px / lens_.height_px;
-  std::array<bool, 5> is_out{true, true, true, true, true};
-  for (const double x : {box.low.x, box.high.x})
-    for (const double y : {box.low.y, box.high.y})
-      for (const float h : {bounds.lowest_m, bounds.highest_m}) {
-        const glm::dvec3 p = frame_.toScene(proto::LatticePosition{x, y, h}) - pose.eye;
-        const double depth = glm::dot(p, pose.forward()), right = glm::dot(p, pose.right()),
-                     up = glm::dot(p, pose.up());
-        const std::array<bool, 5> out{depth<0, right> depth * tan_x, -right > depth * tan_x, up > depth * tan_y,
-                                      -up > depth * tan_y};
-        for (size_t i = 0; i < out.size(); ++i) is_out[i] = is_out[i] && out[i];
+  const proto::Frame& frame = frame_.frame();
+  const glm::dvec2 size = box.high - box.low;
+  glm::dvec2 count(1), size_rad(0);
+  if (earth_) {
+    size_rad = size * glm::dvec2(frame.longitude_step_rad, frame.latitude_step_rad);
+    count = glm::max(glm::ceil(size_rad / kMost_rad), glm::dvec2(1));
+  }
+  const double raised_m = frame.semi_major_m * (1 / std::cos(0.5 * glm::length(size_rad / count)) - 1);
+  for (double j = 0; j < count.y; ++j)
+    for (double i = 0; i < count.x; ++i) {
+      Cell& cell = cells.emplace_back();
+      for (size_t k = 0; k < cell.size(); ++k) {
+        const glm::dvec2 at = box.low + size / count * glm::dvec2(i + double(k % 2), j + double(k / 2 % 2));
+        cell[k] =
+            frame_.toScene(proto::LatticePosition{at.x, at.y, k < 4 ? bounds.lowest_m : bounds.highest_m + raised_m});
       }
-  return std::none_of(is_out.begin(), is_out.end(), [](bool out) { return out; });
+    }
+  return cells;
+}
+
+// From the middle of the earth, in units in which the lowest ground is a sphere of radius 1.
+glm::dvec3 TilePuller::scaled(const glm::dvec3& p) const {
+  if (!earth_) return p;
+  const glm::dvec3 d = p - earth_->middle;
+  return (d + (earth_->stretch - 1) * glm::dot(d, earth_->axis) * earth_->axis) / earth_->radius_m;
+}
+
+// Source: K. Ring, "Horizon Culling", which CesiumJS uses: beyond the plane of the horizon, within the cone through it.
+bool TilePuller::isBehindEarth(const glm::dvec3& p, const glm::dvec3& eye) {
+  const glm::dvec3 to = p - eye;
+  const double horizon = glm::dot(eye, eye) - 1, along = -glm::dot(to, eye);
+  return horizon > 0 && along > horizon && along * along > horizon * glm::dot(to, to);
 }
 
 }  // namespace foreland::bench

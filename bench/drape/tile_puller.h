@@ -4,7 +4,10 @@
 // answers at once, decoding takes no time, nothing that came is ever dropped. One owner; deterministic.
 #pragma once
 
+#include <array>
 #include <deque>
+#include <optional>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -45,12 +48,22 @@ class TilePuller {
   void receive(Time now);
   void need(const proto::TileId& tile, const proto::Pose& pose);
   double texelOnScreen(const proto::TileId& tile, const proto::Pose& pose) const;
-  bool isInView(const proto::TileId& tile, const proto::Pose& pose) const;
+  bool isInView(const proto::TileId& tile, const proto::Pose& pose);
+  using Cell = std::array<glm::dvec3, 8>;  // corners of a box around some of a tile's ground
+  const std::vector<Cell>& cellsOf(const proto::TileId& tile);
+  glm::dvec3 scaled(const glm::dvec3& p) const;
+  static bool isBehindEarth(const glm::dvec3& scaled, const glm::dvec3& scaled_eye);
 
   std::shared_ptr<const terrain::Scene> scene_;
   uint8_t layer_;
   proto::Lens lens_;
   proto::FrameTransform frame_;
+  struct Earth {
+    glm::dvec3 middle, axis;
+    double stretch, radius_m;  // along the axis, to a sphere; of that, no more than of the lowest ground
+  };
+  std::optional<Earth> earth_;  // of geographic scenes
+  std::unordered_map<uint64_t, std::vector<Cell>> cells_;
   PullOptions options_;
   Link up_, down_;
   std::deque<proto::TileId> asked_, answered_;  // on their way up, and down

@@ -31,21 +31,24 @@ TermFigures termOf(const std::vector<FrameTerms>& frames, Term term) {
   return result;
 }
 
-void countFrames(const CellFlight& flight, CellFigures& out) {
+void countJudged(const CellFlight& flight, CellFigures& out) {
   std::vector<double> motion_px;
   for (const FrameTerms& frame : flight.frames) {
     out.bound_violations += frame.breaks_bound;
     out.over_tau += frame.of(Term::kTotal).max_px > flight.cell.tau_px + kSlack_px;
-    out.delay_mean_ms += frame.delay_ms;
-    out.delay_max_ms = std::max(out.delay_max_ms, frame.delay_ms);
-    out.triangles += static_cast<double>(frame.triangles);
     motion_px.push_back(frame.lod_motion_px);
   }
-  const double n = static_cast<double>(std::max<size_t>(flight.frames.size(), 1));
-  out.delay_mean_ms /= n;
-  out.triangles /= n;
   out.lod_motion_p99_px = quantile(motion_px, 0.99);
   out.lod_motion_max_px = quantile(motion_px, 1);
+}
+
+void countShown(const ShownFrames& shown, CellFigures& out) {
+  const double n = static_cast<double>(std::max<uint64_t>(shown.count, 1));
+  out.frames = shown.count;
+  out.outside = shown.outside;
+  out.triangles = static_cast<double>(shown.triangles) / n;
+  out.delay_mean_ms = shown.delay_ms / n;
+  out.delay_max_ms = shown.delay_max_ms;
 }
 
 void countKeyframes(const CellFlight& flight, CellFigures& out) {
@@ -69,13 +72,12 @@ CellFigures figuresOf(const CellFlight& flight, double seconds) {
   CellFigures out;
   out.cell = flight.cell;
   for (size_t i = 0; i < kTerms; ++i) out.terms[i] = termOf(flight.frames, static_cast<Term>(i));
-  out.frames = flight.frames_shown;
   out.judged = flight.frames.size();
-  out.outside = flight.frames_outside;
   out.bytes_down = flight.bytes_down;
   out.bytes_up = flight.bytes_up;
   out.down_kbit_s = 8e-3 * static_cast<double>(flight.bytes_down) / seconds;
-  countFrames(flight, out);
+  countShown(flight.shown, out);
+  countJudged(flight, out);
   countKeyframes(flight, out);
   return out;
 }

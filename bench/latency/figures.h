@@ -1,4 +1,5 @@
-// What a flight of `foreland bench latency` comes to. Pure; any thread.
+// What a flight of `foreland bench latency` comes to: errors and motion of the judged frames, delay, triangles and
+// regions of all that were shown. Pure; any thread.
 #pragma once
 
 #include <string>

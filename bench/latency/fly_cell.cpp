@@ -16,7 +16,8 @@ ClientOptions clientOf(const LatencyFlight& flight, const LatencyCell& cell) {
   client.request.tau_px = cell.tau_px;
   client.request.strategy = cell.strategy;
   client.request.predictor = cell.predictor;
-  client.request.keyframe_interval = Duration::seconds(1e-3 * cell.keyframe_ms);
+  client.request.keyframe_interval = cell.keyframes.shortest;
+  client.request.longest_interval = cell.keyframes.longest;
   client.path = flight.path;
   client.announce_path = cell.strategy == proto::Strategy::kPredict && cell.predictor == proto::Predictor::kKnownPath;
   LinkPair links = fixedLink(Duration::seconds(1e-3 * cell.round_trip_ms));
@@ -44,12 +45,11 @@ class Recorder {
   void onFrame(const client::FrameView& view, Time now) {
     const bool is_next = last_version_ == view.mesh_version;
     if (now >= begin_ && now < end_) {
-      ++result_.frames_shown;
-      result_.frames_outside += std::isinf(view.tolerance_px) ? 1 : 0;
-      if (isJudged(result_.frames_shown - 1)) {
+      if (flight_.judged.has(result_.shown.count)) {
         result_.frames.push_back(judge_.judge(view, now));
         if (is_next) result_.frames.back().lod_motion_px = lodMotion(view, now);
       }
+      result_.shown.add(view, now);
     }
     last_version_ = view.mesh_version;
     last_weight_ = view.weight;
@@ -81,6 +81,15 @@ class Recorder {
 };
 
 }  // namespace
+
+void ShownFrames::add(const client::FrameView& view, Time now) {
+  const double frame_delay_ms = (now - view.shown_time).toMilliseconds();
+  ++count;
+  outside += std::isinf(view.tolerance_px) ? 1 : 0;
+  triangles += view.mesh->triangleCount();
+  delay_ms += frame_delay_ms;
+  delay_max_ms = std::max(delay_max_ms, frame_delay_ms);
+}
 
 CellFlight flyCell(const LatencyFlight& flight, const LatencyCell& cell, Oracle& oracle) {
   const ComputeTime compute = [&prices = flight.prices](const StepWork& work) { return prices.of(work); };

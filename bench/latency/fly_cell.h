@@ -1,5 +1,5 @@
-// One flight of `foreland bench latency`: the real session and viewer in virtual time, and every sixth of its frames
-// before the oracle. Deterministic: the same arguments give the same result on every run and thread.
+// One flight of `foreland bench latency`: the real session and viewer in virtual time, and some of its frames before
+// the oracle. Deterministic: the same arguments give the same result on every run and thread.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 
 #include "bench/latency/frame_terms.h"
 #include "bench/latency/grid.h"
+#include "bench/latency/judged_frames.h"
 #include "bench/world/compute_cost.h"
 #include "bench/world/link_models.h"
 
@@ -18,6 +19,7 @@ struct LatencyFlight {
   std::shared_ptr<const server::World> world;
   proto::Path path;     // from its start on; the first kRunIn of it is not measured
   double seconds = 20;  // measured
+  JudgedFrames judged = {};
   proto::Lens lens = {};
   ComputePrices prices = {};
   std::optional<LinkPair> trace = {};  // of cells whose link is `trace`
@@ -37,17 +39,21 @@ struct FlownKeyframe {
   StepWork work;
 };
 
+// All frames that were shown while measured, whether judged or not.
+struct ShownFrames {
+  uint64_t count = 0, outside = 0, triangles = 0;
+  double delay_ms = 0, delay_max_ms = 0;
+
+  void add(const client::FrameView& view, Time now);
+};
+
 struct CellFlight {
   LatencyCell cell;
   std::vector<FrameTerms> frames;         // judged, by time
   std::vector<FlownKeyframe> keyframes;   // that arrived while measured
   uint64_t bytes_up = 0, bytes_down = 0;  // while measured, WebSocket's framing not counted
-  uint64_t frames_shown = 0, frames_outside = 0;
+  ShownFrames shown;
 };
-
-// Whether the frame with this number, counted from the flight's beginning, is judged: one in each six, that is ten a
-// second, at changing phases so that all weights between two keyframes occur.
-constexpr bool isJudged(uint64_t frame) { return frame % 6 == 5 * (frame / 6) % 6; }
 
 CellFlight flyCell(const LatencyFlight& flight, const LatencyCell& cell, Oracle& oracle);
 

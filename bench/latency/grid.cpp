@@ -21,17 +21,20 @@ struct How {
 struct Axes {
   std::vector<How> hows;
   std::vector<std::string> links;
-  std::vector<double> round_trips_ms, keyframes_ms, taus_px;
+  std::vector<double> round_trips_ms, taus_px;
+  std::vector<proto::KeyframeInterval> keyframes;
 };
 
 Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
+
+proto::KeyframeInterval fixed(int64_t ms) { return {Duration::milliseconds(ms), {}}; }
 
 Axes fullAxes() {
   Axes axes{.hows = {{Strategy::kDelay, Predictor::kHold}, {Strategy::kCurrent, Predictor::kHold}},
             .links = {"fixed"},
             .round_trips_ms = {0, 50, 100, 200, 400},
-            .keyframes_ms = {100, 200, 500},
-            .taus_px = {0.5, 1, 2}};
+            .taus_px = {0.5, 1, 2},
+            .keyframes = {fixed(100), fixed(200), fixed(500), proto::kAdaptiveInterval}};
   for (const Predictor p : {Predictor::kHold, Predictor::kConstantVelocity, Predictor::kConstantAcceleration,
                             Predictor::kDoubleExponential, Predictor::kKalman, Predictor::kKnownPath})
     axes.hows.push_back({Strategy::kPredict, p});
@@ -74,7 +77,8 @@ Status checkRange(const std::vector<double>& values, double least, double most, 
 
 Status check(const GridRequest& request) {
   if (Status s = checkRange(request.round_trips_ms, 0, 2000, "a round trip in ms"); !s.ok()) return s;
-  if (Status s = checkRange(request.keyframes_ms, 20, 10'000, "a keyframe interval in ms"); !s.ok()) return s;
+  for (const std::string& text : request.keyframes_ms)
+    if (const auto interval = proto::keyframeIntervalFrom(text); !interval) return interval.error();
   if (Status s = checkRange(request.taus_px, 0.01, 1000, "a tolerance in pixels"); !s.ok()) return s;
   for (const std::string& link : request.links)
     if (link != "trace")
@@ -84,11 +88,11 @@ Status check(const GridRequest& request) {
 
 void addAll(const Axes& axes, std::vector<LatencyCell>& out) {
   for (const double tau_px : axes.taus_px)
-    for (const double keyframe_ms : axes.keyframes_ms)
+    for (const proto::KeyframeInterval& keyframes : axes.keyframes)
       for (const std::string& link : axes.links)
         for (const double round_trip_ms : link == "fixed" ? axes.round_trips_ms : std::vector<double>{0})
           for (const How& how : axes.hows) {
-            const LatencyCell cell{how.strategy, how.predictor, link, round_trip_ms, keyframe_ms, tau_px};
+            const LatencyCell cell{how.strategy, how.predictor, link, round_trip_ms, keyframes, tau_px};
             if (std::find(out.begin(), out.end(), cell) == out.end()) out.push_back(cell);
           }
 }
@@ -109,8 +113,9 @@ Result<std::vector<LatencyCell>> cellsOf(const GridRequest& request) {
   axes.hows = *hows;
   if (!request.links.empty()) axes.links = request.links;
   if (!request.round_trips_ms.empty()) axes.round_trips_ms = request.round_trips_ms;
-  if (is_default) axes.keyframes_ms = {200}, axes.taus_px = {1};
-  if (!request.keyframes_ms.empty()) axes.keyframes_ms = request.keyframes_ms;
+  if (is_default) axes.keyframes = {fixed(200)}, axes.taus_px = {1};
+  if (!request.keyframes_ms.empty()) axes.keyframes.clear();
+  for (const std::string& text : request.keyframes_ms) axes.keyframes.push_back(*proto::keyframeIntervalFrom(text));
   if (!request.taus_px.empty()) axes.taus_px = request.taus_px;
   std::vector<LatencyCell> cells;
   addAll(axes, cells);
@@ -124,9 +129,9 @@ Result<std::vector<LatencyCell>> cellsOf(const GridRequest& request) {
            (how.strategy == Strategy::kPredict && how.predictor != Predictor::kConstantVelocity &&
             how.predictor != Predictor::kKnownPath);
   });
-  beside.keyframes_ms = {100, 500};
+  beside.keyframes = {fixed(100), fixed(500), proto::kAdaptiveInterval};
   addAll(beside, cells);
-  beside.keyframes_ms = {200}, beside.taus_px = {2};
+  beside.keyframes = {fixed(200)}, beside.taus_px = {2};
   addAll(beside, cells);
   return cells;
 }

@@ -9,6 +9,7 @@
 #include "base/result.h"
 #include "base/time.h"
 #include "proto/message/control.h"
+#include "proto/message/keyframe_interval.h"
 
 namespace foreland::bench {
 
@@ -18,7 +19,7 @@ struct LatencyCell {
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of `predict`; others have none
   std::string link = "fixed";                                        // link_models.h, or `trace`
   double round_trip_ms = 0;                                          // of `fixed` alone
-  double keyframe_ms = 200;
+  proto::KeyframeInterval keyframes = {};
   double tau_px = 1;
 
   bool operator==(const LatencyCell&) const = default;
@@ -31,7 +32,8 @@ struct LatencyCell {
     visit("predictor", std::string(strategy == proto::Strategy::kPredict ? proto::name(predictor) : "none"));
     visit("link", link);
     visit("round_trip_ms", round_trip_ms);
-    visit("keyframe_ms", keyframe_ms);
+    visit("keyframe_ms", keyframes.shortest.toMilliseconds());
+    visit("longest_keyframe_ms", keyframes.longest.toMilliseconds());  // 0: fixed
     visit("tau_px", tau_px);
   }
 };
@@ -41,7 +43,8 @@ enum class GridSize : uint8_t { kDefault, kFull };
 // What the user asks for; whatever is empty takes the grid's own values.
 struct GridRequest {
   std::vector<std::string> strategies = {}, predictors = {}, links = {};
-  std::vector<double> round_trips_ms = {}, keyframes_ms = {}, taus_px = {};
+  std::vector<double> round_trips_ms = {}, taus_px = {};
+  std::vector<std::string> keyframes_ms = {};  // as keyframe_interval.h reads them
   GridSize size = GridSize::kDefault;
 };
 

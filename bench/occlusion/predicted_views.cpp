@@ -16,14 +16,14 @@ class Guesser {
   void hear(Time reported) {
     history_.add({reported, path_.at(reported)});
     for (; judged_ < views_.size() && times_[judged_] <= reported; ++judged_)
-      errors_.add(views_[judged_].pose, path_.at(times_[judged_]));
+      errors_.add(views_[judged_].pose, path_.at(times_[judged_]), options_.keyframe_interval);
   }
 
   void guess(Time t) {
     const Duration T = options_.keyframe_interval;
     const server::ExpectedMotion motion(history_, predictor_);
     proto::View view{motion.at(t), options_.lens, options_.tau_px};
-    const server::Region region = server::regionOf(view.pose, motion, t - T, t + T), error = errors_.estimate();
+    const server::Region region = server::regionOf(view.pose, motion, t - T, t + T), error = errors_.estimate(T);
     view.region_radius_m = region.radius_m + error.radius_m;
     view.region_angle_rad = region.angle_rad + error.angle_rad;
     views_.push_back(view);

@@ -276,6 +276,26 @@ Oracle::Oracle(Oracle&&) noexcept = default;
 
 void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
 
+double Oracle::carriedAt(double x, double y) const {
+  const Truth& truth = impl_->truth;
+  x = std::clamp(x, 0.0, truth.shape.samples_x - 1.0), y = std::clamp(y, 0.0, truth.shape.samples_y - 1.0);
+  double carried = 0;
+  for (size_t epoch = 0; epoch < impl_->epoch_shares.size(); ++epoch) {
+    double risen = 0;
+    for (const double row : {std::floor(y), std::ceil(y)})
+      for (const double column : {std::floor(x), std::ceil(x)}) {
+        double offset = 0;
+        const auto at_x = static_cast<uint32_t>(column), at_y = static_cast<uint32_t>(row);
+        if (truth.moved.contains(at_x, at_y)) truth.offsets(epoch, at_x, at_y, {&offset, 1});
+        const double along_x = std::floor(x) == std::ceil(x) ? 0.5 : 1 - std::fabs(x - column),
+                     along_y = std::floor(y) == std::ceil(y) ? 0.5 : 1 - std::fabs(y - row);
+        risen += along_x * along_y * offset;
+      }
+    carried += impl_->epoch_shares[epoch] * std::round(risen);
+  }
+  return carried;
+}
+
 Deviation Oracle::error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens) {
   constexpr SurfacePair kAgainstTruth;
   return compare({&drawn, 1}, {&kAgainstTruth, 1}, pose, lens).front();

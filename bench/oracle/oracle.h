@@ -85,6 +85,9 @@ class Oracle {
 
   // Moves the ground of a truth that has epochs; at first it is as at the first one.
   void showAt(const TruthTime& time);
+  // How far the ground at a lattice position, at the nearest one inside the data, has carried what stands there since
+  // the first epoch: between samples bilinearly, at each epoch by whole quanta. Quanta.
+  double carriedAt(double x, double y) const;
 
   // The drawn surface against the truth.
   Deviation error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens);

@@ -5,12 +5,23 @@
 
 namespace foreland::bench {
 
+std::vector<glm::dvec3> SceneOracle::carried() const {
+  std::vector<glm::dvec3> carried;
+  for (const ObjectTruth& object : objects_.truth().objects) {
+    const proto::LatticePosition stands = frame_.toLattice(object.placement.position);
+    proto::LatticePosition goes = stands;
+    goes.height_m += terrain_.carriedAt(stands.x, stands.y) * frame_.frame().height_quantum_m;
+    carried.push_back(frame_.toScene(goes) - frame_.toScene(stands));
+  }
+  return carried;
+}
+
 SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
                                   const proto::Lens& lens) {
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
   terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight});
   SceneDeviation all{terrain_.error({&drawn, 1}, pose, lens)};
-  const SurfaceJudgement objects = objects_.judge(mesh, weight, pose, lens);
+  const SurfaceJudgement objects = objects_.judge(mesh, weight, pose, lens, carried());
   all.silhouette_px = objects.silhouette.max_px;
   all.interior_px = objects.interior.max_px;
   all.object_vertices = objects.silhouette.vertices + objects.interior.vertices;

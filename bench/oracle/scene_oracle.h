@@ -23,7 +23,7 @@ struct SceneDeviation : Deviation {  // of everything: a sample is one of the te
 class SceneOracle {
  public:
   explicit SceneOracle(Truth terrain, ObjectsTruth objects = {})
-      : terrain_(std::move(terrain)), objects_(std::move(objects)) {}
+      : frame_(terrain.frame), terrain_(std::move(terrain)), objects_(std::move(objects)) {}
 
   // What is drawn is mix(from, to, weight).
   SceneDeviation error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
@@ -34,6 +34,10 @@ class SceneOracle {
   const ObjectsOracle& objects() const { return objects_; }
 
  private:
+  // By object: how far the ground has carried it at the time shown, scene frame.
+  std::vector<glm::dvec3> carried() const;
+
+  proto::FrameTransform frame_;
   Oracle terrain_;
   ObjectsOracle objects_;
 };

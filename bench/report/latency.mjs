@@ -8,10 +8,14 @@ const howOf = (cell) => (cell.predictor === 'none' ? cell.strategy : `${cell.str
 const kLog_px = { type: 'log', tickFormat: (px) => `${+px.toPrecision(2)}` };
 const clamp = (px) => Math.max(px, kLeast_px);
 
+// Of keyframes, in milliseconds.
+const isAdaptive = (c) => c.longest_keyframe_ms > 0;
+const intervalOf = (c) => (isAdaptive(c) ? `${c.keyframe_ms} to ${c.longest_keyframe_ms}` : `${c.keyframe_ms}`);
+
 // The interval and tolerance that most flights have: those that vary the round trip.
 function mainCells(cells) {
   const count = new Map();
-  const key = (c) => `${c.keyframe_ms} ${c.tau_px}`;
+  const key = (c) => `${intervalOf(c)} ${c.tau_px}`;
   for (const c of cells) count.set(key(c), (count.get(key(c)) ?? 0) + 1);
   const most = [...count].reduce((a, b) => (b[1] > a[1] ? b : a))[0];
   return cells.filter((c) => key(c) === most);
@@ -23,7 +27,7 @@ function shownCells(cells) {
   return cells.filter((c) => Math.abs(c.round_trip_ms - 200) === nearest);
 }
 
-const about = (c) => `keyframes each ${c.keyframe_ms} ms, tolerance ${c.tau_px} px`;
+const about = (c) => `keyframes each ${intervalOf(c)} ms, tolerance ${c.tau_px} px`;
 
 function againstLatency(cells, colours, norm, words) {
   const fixed = cells.filter((c) => c.link === 'fixed');
@@ -96,16 +100,16 @@ function histogram(frames, colours, first) {
 function intervals(cells, colours) {
   const main = mainCells(cells)[0];
   const rows = cells.filter((c) => c.round_trip_ms === 200 && c.tau_px === main.tau_px && c.link === 'fixed');
-  const several = rows.filter((c) => rows.some((d) => d.how === c.how && d.keyframe_ms !== c.keyframe_ms));
+  const several = rows.filter((c) => rows.some((d) => d.how === c.how && intervalOf(d) !== intervalOf(c)));
   if (several.length === 0) return [];
   const channels = { x: 'down_kbit_s', y: (c) => clamp(c.total_p99_px), z: 'how', stroke: (c) => colours.get(c.how) };
   return [{
     name: 'error_against_bytes',
-    caption: `Total error (99th percentile over frames of the largest) against what the link carries down, for keyframe intervals of ${[...new Set(several.map((c) => c.keyframe_ms))].join(', ')} ms; round trip 200 ms.`,
+    caption: `Total error (99th percentile over frames of the largest) against what the link carries down, for keyframe intervals of ${[...new Set(several.map(intervalOf))].join(', ')} ms; round trip 200 ms.`,
     svg: svgOf({
       x: { label: 'down, kbit/s' }, y: { label: 'total error, p99, px', ...kLog_px },
-      marks: [Plot.line(several, { ...channels, sort: 'keyframe_ms' }), Plot.dot(several, channels),
-        Plot.text(several, { ...channels, stroke: null, fill: 'black', text: (c) => `${c.keyframe_ms} ms`, dy: -9 }), ...legend(colours)],
+      marks: [Plot.line(several.filter((c) => !isAdaptive(c)), { ...channels, sort: 'keyframe_ms' }), Plot.dot(several, channels),
+        Plot.text(several, { ...channels, stroke: null, fill: 'black', text: (c) => `${intervalOf(c)} ms`, dy: -9 }), ...legend(colours)],
     }),
   }];
 }

@@ -1,5 +1,7 @@
 #include "client/imagery/drape.h"
 
+#include <algorithm>
+
 #include "client/imagery/slopes.h"
 #include "proto/imagery/relief_codec.h"
 
@@ -12,6 +14,17 @@ Drape::Drape(const TileStore& store, const Sizes& sizes) : store_(store) {
     const proto::TileLayer& layer = store.layers()[i];
     at(layer.content).emplace(layer, static_cast<uint8_t>(i), sizes.of(layer.content));
   }
+}
+
+void Drape::setHeights(const proto::FrameTransform& frame, double lowest_m, double highest_m) {
+  frame_ = frame;
+  if (const auto relief = store_.layerOf(TileContent::kRelief))
+    code_ = HeightCode::of(store_.layers()[*relief], lowest_m, highest_m);
+}
+
+void Drape::setSun(const std::optional<glm::dvec3>& sun) {
+  sun_ = sun;
+  ++suns_;
 }
 
 const Residency* Drape::residency(TileContent content) const {
@@ -28,8 +41,49 @@ void Drape::advance(const proto::FrameTransform& frame, const proto::KeyframeHea
   for (auto& residency : residencies_) {
     if (!residency) continue;
     residency->advance(frame, view, held);
-    for (const proto::TileId& dropped : residency->dropped()) slopes_.erase(dropped.key());
+    for (const proto::TileId& dropped : residency->dropped()) relief_.erase(dropped.key());
   }
+  relight();
+}
+
+void Drape::relight() {
+  relit_.clear();
+  const Residency* relief = residency(TileContent::kRelief);
+  if (relief == nullptr) return;
+  for (const Residency::Arrival& arrival : relief->arrivals()) relief_.at(arrival.tile.key()).handed = suns_;
+  for (const Residency::Shown& shown : relief->shown())
+    if (relief_.at(shown.tile.key()).handed != suns_) relit_.push_back(shown);
+  std::sort(relit_.begin(), relit_.end(), [](const Residency::Shown& a, const Residency::Shown& b) {
+    return a.tile.level != b.tile.level ? a.tile.level > b.tile.level : a.tile.key() < b.tile.key();
+  });
+  if (relit_.size() > kMostRelit) relit_.resize(kMostRelit);
+  for (const Residency::Shown& shown : relit_) relief_.at(shown.tile.key()).handed = suns_;
+}
+
+// Of what casts on a tile its parent knows the most; a tile that is drawn has one, but for the coarsest.
+Drape::Relief& Drape::litRelief(const proto::TileId& tile) {
+  Relief& relief = relief_.at(tile.key());
+  if (relief.cast == suns_) return relief;
+  relief.cast = suns_;
+  if (!sun_) {
+    clearShadows(relief.ground);
+    return relief;
+  }
+  std::span<const uint32_t> beyond;
+  if (relief_.contains(tile.parent().key())) beyond = litRelief(tile.parent()).ground;
+  castShadows(store_.layers()[tile.layer], tile, *frame_, code_, *sun_, beyond, relief.ground);
+  return relief;
+}
+
+const std::vector<uint32_t>& Drape::ground(const proto::TileId& tile) { return litRelief(tile).ground; }
+
+const std::vector<uint32_t>& Drape::halfGround(const proto::TileId& tile) {
+  half_.resize(size_t{kHalfSide} * kHalfSide);
+  if (relief_.contains(tile.parent().key()))
+    halfImageOf(tile, litRelief(tile.parent()).ground, half_);
+  else
+    halfGroundOf(ground(tile), half_);
+  return half_;
 }
 
 bool Drape::decodeRelief() {
@@ -41,21 +95,24 @@ bool Drape::decodeRelief() {
   steps_.resize(proto::kTileTexels);
   // A tile that is damaged never becomes ready: its parent stays in its place.
   if (held == nullptr || !proto::decodeRelief(held->coded, steps_).ok()) return true;
-  std::vector<uint32_t>& slopes = slopes_[tile->key()];
-  slopes.resize(proto::kTileTexels);
-  slopesOf(store_.layers()[tile->layer], *tile, steps_, slopes);
+  const proto::TileLayer& layer = store_.layers()[tile->layer];
+  Relief& made = relief_[tile->key()];
+  made = {};
+  made.slopes.resize(proto::kTileTexels), made.ground.resize(proto::kTileTexels);
+  slopesOf(layer, *tile, steps_, made.slopes);
+  groundOf(layer, *tile, code_, steps_, made.ground);
   relief->setReady(*tile);
   return true;
 }
 
 const std::vector<uint32_t>& Drape::halfSlopes(const proto::TileId& tile) {
-  half_slopes_.resize(size_t{kHalfSide} * kHalfSide);
-  const auto parent = slopes_.find(tile.parent().key());
-  if (parent == slopes_.end())
-    halfSlopesOf(slopes(tile), half_slopes_);
+  half_.resize(size_t{kHalfSide} * kHalfSide);
+  const auto parent = relief_.find(tile.parent().key());
+  if (parent == relief_.end())
+    halfSlopesOf(slopes(tile), half_);
   else
-    halfImageOf(tile, parent->second, half_slopes_);
-  return half_slopes_;
+    halfImageOf(tile, parent->second.slopes, half_);
+  return half_;
 }
 
 std::optional<proto::TileId> Drape::takeWantedImage() {

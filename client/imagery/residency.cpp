@@ -8,8 +8,9 @@ namespace foreland::client {
 
 namespace {
 
-// Selected as finely as a screen can show; the server sends what it guarantees, and more where that is of use.
-constexpr double kTexelPx = 1;
+// Selected as finely as a screen can show, for where ground is seen at an angle texels are wider than high; the server
+// sends what it guarantees, and more where that is of use.
+constexpr double kTexelPx = 0.5;
 
 }  // namespace
 
@@ -63,12 +64,30 @@ void Residency::select(const proto::FrameTransform& frame, const proto::View& vi
   };
   // The rest is for those that go.
   const size_t most = residents_.size() - residents_.size() / 8;
-  selectTiles(layer_, index_, frame, view, kTexelPx, most, lookup, selected_);
+  selectTiles(layer_, index_, frame, view, kTexelPx, 4 * residents_.size(), lookup, selected_);
+  keepLargest(most);
   bounds_.clear();
   for (const proto::SelectedTile& s : selected_) {
     bounds_.emplace(s.tile.key(), *lookup(s.tile));
     if (Resident* r = find(s.tile)) r->selected = mesh_;
   }
+}
+
+// Of what is selected the tiles that are largest on the screen, with every tile its parent, and no two of the same
+// page.
+void Residency::keepLargest(size_t most) {
+  if (selected_.empty()) return;
+  std::sort(selected_.begin() + 1, selected_.end(), [](const proto::SelectedTile& a, const proto::SelectedTile& b) {
+    return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() > b.tile.key();
+  });
+  std::unordered_set<uint64_t> kept;
+  std::unordered_set<size_t> pages;
+  std::erase_if(selected_, [&](const proto::SelectedTile& s) {
+    if (kept.size() == most || (!kept.empty() && !kept.contains(s.tile.parent().key()))) return true;
+    if (!pages.insert(pageOf(s.tile)).second) return true;
+    kept.insert(s.tile.key());
+    return false;
+  });
 }
 
 void Residency::forgetUnselected() {

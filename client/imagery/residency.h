@@ -3,7 +3,8 @@
 //   - tiles that come fade in with the mesh's weight from their parent's image, those that go fade out to it; a tile
 //     comes only if its parent was there before, and goes only if none of its children is drawn. So the beginning of a
 //     mesh shows exactly what the end of the one before showed
-//   - there are never more tiles than texture layers; where more are wanted the finest are left out
+//   - there are never more tiles than texture layers; where more are wanted those with the smallest texels on the screen
+//     are left out
 //   - the layer of a tile that goes is not written before the mesh after the next one, so uploads can run ahead
 // Tiles that are not selected stay as long as there is room. One owner. Source: IMAGERY, "In the client".
 #pragma once
@@ -71,6 +72,7 @@ class Residency {
   bool canCome(const proto::TileId& tile);
   size_t pageOf(const proto::TileId& tile) const;
   void select(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held);
+  void keepLargest(size_t most);
   void forgetUnselected();
   void admit();
   void addIfReady(const proto::TileId& tile);

@@ -46,10 +46,11 @@ size_t countOf(const std::vector<Range>& ranges) {
 void ChangedRanges::clear() {
   for (auto* ranges : {&from_positions, &to_positions, &from_normals, &to_normals, &parameters, &triangles})
     ranges->clear();
+  tells_moved = false;
 }
 
 size_t ChangedRanges::bytes() const {
-  return (countOf(from_positions) + countOf(to_positions)) * sizeof(glm::vec4) +
+  return (countOf(from_positions) + countOf(to_positions)) * (sizeof(glm::vec4) + (tells_moved ? sizeof(float) : 0)) +
          (countOf(from_normals) + countOf(to_normals)) * sizeof(uint32_t) + countOf(parameters) * sizeof(glm::vec2) +
          countOf(triangles) * kTriangleBytes;
 }
@@ -61,8 +62,8 @@ size_t ChangedRanges::count() const {
 
 size_t bytesOf(const BlendMesh& mesh) {
   const auto of = [](const auto& array) { return array.size() * sizeof(array[0]); };
-  return of(mesh.from_positions) + of(mesh.to_positions) + of(mesh.from_normals) + of(mesh.to_normals) +
-         of(mesh.parameters) + of(mesh.indices);
+  return of(mesh.from_positions) + of(mesh.to_positions) + of(mesh.from_moved) + of(mesh.to_moved) +
+         of(mesh.from_normals) + of(mesh.to_normals) + of(mesh.parameters) + of(mesh.indices);
 }
 
 void PatchedMesh::resize(const BlendPatch& patch) {
@@ -74,6 +75,8 @@ void PatchedMesh::resize(const BlendPatch& patch) {
   }
   mesh_->from_positions.resize(patch.vertex_count);
   mesh_->to_positions.resize(patch.vertex_count);
+  mesh_->from_moved.resize(patch.tells_moved ? patch.vertex_count : 0);
+  mesh_->to_moved.resize(patch.tells_moved ? patch.vertex_count : 0);
   mesh_->from_normals.resize(patch.vertex_count);
   mesh_->to_normals.resize(patch.vertex_count);
   mesh_->parameters.resize(patch.vertex_count);
@@ -83,6 +86,8 @@ void PatchedMesh::resize(const BlendPatch& patch) {
 // What a vertex ended with is what it begins with.
 void PatchedMesh::settle() {
   for (uint32_t v : moving_) mesh_->from_positions[v] = mesh_->to_positions[v];
+  if (!mesh_->from_moved.empty())
+    for (uint32_t v : moving_) mesh_->from_moved[v] = mesh_->to_moved[v];
   for (uint32_t v : turning_) mesh_->from_normals[v] = mesh_->to_normals[v];
   if (!is_all_changed_) {
     from_positions_.insert(from_positions_.end(), moving_.begin(), moving_.end());
@@ -110,6 +115,7 @@ void PatchedMesh::apply(const BlendPatch& patch) {
         from_positions[p.vertex] = p.from;
         to_positions[p.vertex] = p.to;
       });
+  applyMoved(patch);
   uint32_t *from_normals = mesh_->from_normals.data(), *to_normals = mesh_->to_normals.data();
   forEach(
       patch.normals,
@@ -136,6 +142,20 @@ void PatchedMesh::apply(const BlendPatch& patch) {
       });
 }
 
+// A vertex that moves in another way than its position does is noted as one whose position changes.
+void PatchedMesh::applyMoved(const BlendPatch& patch) {
+  const bool notes = !is_all_changed_;
+  for (size_t i = 0; i < patch.moved.size(); ++i) {
+    const uint32_t v = patch.positions[i].vertex;
+    const BlendPatch::Moved& m = patch.moved[i];
+    if (m.from != m.to && patch.positions[i].from == patch.positions[i].to) moving_.push_back(v);
+    if (notes && mesh_->from_moved[v] != m.from) from_positions_.push_back(v);
+    if (notes && mesh_->to_moved[v] != m.to) to_positions_.push_back(v);
+    mesh_->from_moved[v] = m.from;
+    mesh_->to_moved[v] = m.to;
+  }
+}
+
 size_t PatchedMesh::noted() const {
   return from_positions_.size() + to_positions_.size() + from_normals_.size() + to_normals_.size() +
          parameters_.size() + triangles_.size();
@@ -145,6 +165,7 @@ void PatchedMesh::collectChanges(size_t gap, ChangedRanges& out) {
   out.clear();
   if (is_all_changed_) return;
   const size_t vertices = mesh_->from_positions.size();
+  out.tells_moved = !mesh_->from_moved.empty();
   rangesOf(from_positions_, gap / sizeof(glm::vec4), vertices, out.from_positions);
   rangesOf(to_positions_, gap / sizeof(glm::vec4), vertices, out.to_positions);
   rangesOf(from_normals_, gap / sizeof(uint32_t), vertices, out.from_normals);

@@ -22,6 +22,9 @@ struct BlendPatch {
     uint32_t vertex;
     glm::vec4 from, to;
   };
+  struct Moved {
+    float from, to;
+  };
   struct Normal {
     uint32_t vertex;
     uint32_t from, to;
@@ -38,15 +41,17 @@ struct BlendPatch {
   bool is_whole = false;  // the mesh is made anew: nothing of the last one stays
   uint32_t vertex_count = 0, triangle_count = 0;
   std::vector<Position> positions;
+  bool tells_moved = false;  // the ground moves (BlendMesh::from_moved)
+  std::vector<Moved> moved;  // of `positions`, if it does
   std::vector<Normal> normals;
   std::vector<Parameter> parameters;  // of vertices that are new
   std::vector<Triangle> triangles;
 
   // Nothing changes; memory is kept.
   void clear() {
-    is_whole = false;
+    is_whole = tells_moved = false;
     vertex_count = triangle_count = 0;
-    positions.clear(), normals.clear(), parameters.clear(), triangles.clear();
+    positions.clear(), moved.clear(), normals.clear(), parameters.clear(), triangles.clear();
   }
 };
 
@@ -73,6 +78,7 @@ struct Range {
 // Which elements of a mesh's arrays have changed: vertices, and triangles. Ascending, disjoint.
 struct ChangedRanges {
   std::vector<Range> from_positions, to_positions, from_normals, to_normals, parameters, triangles;
+  bool tells_moved = false;  // the ranges of positions are also those of BlendMesh::from_moved and to_moved
 
   void clear();
   // What an upload of the ranges takes, and in how many parts it is.
@@ -102,6 +108,7 @@ class PatchedMesh {
  private:
   void resize(const BlendPatch& patch);
   void settle();
+  void applyMoved(const BlendPatch& patch);
   size_t noted() const;
 
   BlendMesh* mesh_;

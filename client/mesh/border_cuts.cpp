@@ -89,8 +89,7 @@ void BorderCuts::refresh(const Mesh& mesh) {
       mesh.writer.touchNormal(cut.vertex);
       const TerrainVertex &inside = mesh.vertices[key[0]], &outside = mesh.vertices[key[1]];
       TerrainVertex& vertex = mesh.vertices[cut.vertex];
-      vertex.position = inside.position + cut.at * (outside.position - inside.position);
-      vertex.height_m = inside.height_m + cut.at * (outside.height_m - inside.height_m);
+      vertex.moveTo(inside.point() + cut.at * (outside.point() - inside.point()));
       vertex.normal = unitNormal(inside.unitNormal() + outside.unitNormal());
     }
 }

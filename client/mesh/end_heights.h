@@ -17,10 +17,10 @@ class EndHeights {
       : offsets_(&offsets), weights_{offsets.epochs().weightsAt(from), offsets.epochs().weightsAt(to)} {}
 
   bool isMoving() const { return offsets_ != nullptr; }
-  // Quanta, at the mesh's beginning (0) or its end (1); `height` is that of the vertex's record or of the base.
-  double at(proto::NodeId v, int32_t height, size_t end) const {
-    return offsets_ ? height + offsets_->at(weights_[end], v) : height;
-  }
+  // How far a vertex has moved since the first epoch, at the mesh's beginning (0) or its end (1); quanta.
+  double moved(proto::NodeId v, size_t end) const { return offsets_ ? offsets_->at(weights_[end], v) : 0; }
+  // Its height there; `height` is that of its record or of the base.
+  double at(proto::NodeId v, int32_t height, size_t end) const { return height + moved(v, end); }
 
  private:
   const proto::EpochOffsets* offsets_ = nullptr;

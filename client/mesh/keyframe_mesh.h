@@ -20,6 +20,8 @@ struct BlendMesh {
   // One entry per vertex. xyz: metres from the origin, along the scene's axes; w: height above the zero surface,
   // metres (0 for objects).
   std::vector<glm::vec4> from_positions, to_positions;
+  // How far the ground has moved upwards since the first epoch, metres. Empty if it does not move, and for objects.
+  std::vector<float> from_moved, to_moved;
   // Unit normals of the surface at either end, packed by pack_normal.h.
   std::vector<uint32_t> from_normals, to_normals;
   // What identifies a vertex on the surface, whatever its position. Terrain: the lattice position. Objects: the texture

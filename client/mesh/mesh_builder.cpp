@@ -94,13 +94,12 @@ uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found&
   return index;
 }
 
-glm::dvec4 MeshBuilder::positionAt(LatticePoint at, int32_t height, size_t end) const {
+GroundPoint MeshBuilder::positionAt(LatticePoint at, int32_t height, size_t end) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
-  const double quanta = heights_.at(v, height, end);
-  return {domain_.frame.position(v, quanta), quanta * domain_.frame.transform().frame().height_quantum_m};
+  return groundPointAt(domain_, heights_, v, height, end);
 }
 
-glm::dvec4 MeshBuilder::truePosition(LatticePoint at, size_t end) const {
+GroundPoint MeshBuilder::truePosition(LatticePoint at, size_t end) const {
   const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y));
   return positionAt(at, held_.records().height(v), end);
 }
@@ -109,8 +108,8 @@ void MeshBuilder::addNormals(uint8_t sections, const Triangle& t) {
   Vertex &a = vertices_[t.a], &b = vertices_[t.b], &apex = vertices_[t.apex];
   for (size_t s = 0; s < 2; ++s) {
     if (!(sections >> s & 1)) continue;
-    const glm::dvec3 n = face_normal_(glm::dvec3(a.drawn[s].position), glm::dvec3(b.drawn[s].position),
-                                      glm::dvec3(apex.drawn[s].position));
+    const glm::dvec3 n =
+        face_normal_(a.drawn[s].position.position, b.drawn[s].position.position, apex.drawn[s].position.position);
     for (Vertex* v : {&a, &b, &apex}) v->normal[s] += n;
   }
 }
@@ -158,7 +157,7 @@ uint32_t MeshBuilder::cutEdge(uint32_t inside, uint32_t outside, int axis) {
   mesh_.parameters.push_back(on_border);
   Vertex vertex{.drawn = {}, .endpoints = {inside, outside}, .in = 0};
   for (size_t s = 0; s < 2; ++s) {
-    const glm::dvec4 from = vertices_[inside].drawn[s].position, to = vertices_[outside].drawn[s].position;
+    const GroundPoint from = vertices_[inside].drawn[s].position, to = vertices_[outside].drawn[s].position;
     vertex.drawn[s] = {from + u * (to - from), false};
   }
   vertices_.push_back(vertex);
@@ -180,10 +179,12 @@ void MeshBuilder::finishNormals() {
 void MeshBuilder::writePositions() {
   for (size_t s = 0; s < 2; ++s) {
     auto& out = s == 0 ? mesh_.from_positions : mesh_.to_positions;
+    auto& moved = s == 0 ? mesh_.from_moved : mesh_.to_moved;
     out.reserve(vertices_.size());
     for (const Vertex& v : vertices_) {
-      const glm::dvec4& p = v.drawn[s].position;
-      out.emplace_back(glm::vec3(glm::dvec3(p) - mesh_.origin), static_cast<float>(p.w));
+      const GroundPoint& p = v.drawn[s].position;
+      out.emplace_back(glm::vec3(p.position - mesh_.origin), static_cast<float>(p.height_m));
+      if (heights_.isMoving()) moved.push_back(static_cast<float>(p.moved_m));
     }
   }
   mesh_.from_nodes = nodes_.fromCount();

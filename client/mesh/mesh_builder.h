@@ -14,8 +14,8 @@
 
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
-#include "client/mesh/end_heights.h"
 #include "client/mesh/face_normal.h"
+#include "client/mesh/ground_point.h"
 #include "client/mesh/held_nodes.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "proto/refine/terrain_domain.h"
@@ -44,7 +44,7 @@ class MeshBuilder {
 
   // What is known of a vertex at the two ends of the mesh. In one record, because triangles reach vertices in no order.
   struct Vertex {
-    std::array<DrawnPosition<glm::dvec4>, 2> drawn;  // scene frame, and the height; metres
+    std::array<DrawnPosition<GroundPoint>, 2> drawn;
     std::array<uint32_t, 2> endpoints{kNoVertex, kNoVertex};
     std::array<glm::dvec3, 2> normal{};
     uint8_t in = kInFrom | kInTo;  // the sections (HeldNodes::in) of which it is a vertex
@@ -54,8 +54,8 @@ class MeshBuilder {
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
   uint32_t vertexOf(const Triangle& t, const HeldNodes::Index::Found& node);
-  glm::dvec4 positionAt(LatticePoint at, int32_t height, size_t end) const;
-  glm::dvec4 truePosition(LatticePoint at, size_t end) const;
+  GroundPoint positionAt(LatticePoint at, int32_t height, size_t end) const;
+  GroundPoint truePosition(LatticePoint at, size_t end) const;
   void addNormals(uint8_t sections, const Triangle& t);
   void emit(uint32_t a, uint32_t b, uint32_t c);
   void clip(std::array<uint32_t, 3> corners);

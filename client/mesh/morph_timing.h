@@ -17,6 +17,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -24,6 +25,7 @@
 #include "client/mesh/blend.h"
 #include "proto/refine/frustum.h"
 #include "proto/refine/motion_bound.h"
+#include "proto/section/epochs.h"
 #include "proto/space/view.h"
 
 namespace foreland::client {
@@ -45,8 +47,9 @@ struct MeshSpan {
   Blend blend = Blend::kKeyframe;
   proto::View from;  // of the keyframe that it begins with
   Motion motion;
-  double seconds = 0;     // how long it is shown
-  bool is_first = false;  // no mesh comes before it
+  double seconds = 0;                           // how long it is shown
+  bool is_first = false;                        // no mesh comes before it
+  std::array<proto::EpochWeights, 2> ground{};  // that it shows at its ends, in scenes that change in time
 };
 
 class MorphTiming {

@@ -138,7 +138,7 @@ class Builder {
           endpoints_.size(), [&](size_t v) { return is_vertex_[s][v] != 0; }, [&](size_t v) { return endpoints_[v]; },
           [&](size_t v) -> glm::dvec3& { return normal_[s][v]; });
       for (const glm::dvec3& n : normal_[s]) out_.normal[s].push_back(packNormal(placement_.orientation * n));
-      for (glm::dvec3& p : out_.position[s]) p = placement_.toScene(p);
+      for (glm::dvec3& p : out_.position[s]) p = placement_.toScene(p) + sections_.carried[s];
     }
   }
 

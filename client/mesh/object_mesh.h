@@ -30,10 +30,12 @@ struct ObjectPositions {
   }
 };
 
-// What of an object is drawn: the sections at the mesh's two ends, and its nodes in transition. A view.
+// What of an object is drawn: the sections at the mesh's two ends, its nodes in transition, and where the ground has
+// carried it to at either end (proto::GroundRise). A view.
 struct ObjectSections {
   const proto::Section &from, &to, &newest;
   std::span<const Morph> morphs;
+  std::array<glm::dvec3, 2> carried;
 };
 
 // Of a model's triangles, in its own frame.

@@ -35,10 +35,11 @@ ObjectPatcher::ObjectPatcher(const proto::ObjectSet& objects, size_t object)
       layout_(
           parameterLayout(objects.domain(object).topology().base().faceCount(), objects.modelOf(object).atlas_side)) {}
 
-void ObjectPatcher::step(const ObjectPositions& positions, const Morphs& morphs) {
+void ObjectPatcher::step(const ObjectPositions& positions, const Morphs& morphs, const Carried& carried) {
+  clearChanges();
+  carry(carried);
   ++steps_;
   positions_ = &positions, morphs_ = morphs.all();
-  moved_.clear(), turned_.clear(), added_.clear(), changed_.clear();
   collectFaces(morphs);
   for (const ChangingFace& c : changing_) addNormals(c.face, -1);
   stepSections(morphs);
@@ -52,6 +53,19 @@ void ObjectPatcher::step(const ObjectPositions& positions, const Morphs& morphs)
   finishTriangles();
   positions_ = nullptr, morphs_ = {};
   seen_.clear(), changing_.clear();
+}
+
+void ObjectPatcher::rest(const Carried& carried) {
+  clearChanges();
+  carry(carried);
+  is_whole_ = false;
+}
+
+void ObjectPatcher::clearChanges() { moved_.clear(), turned_.clear(), added_.clear(), changed_.clear(); }
+
+void ObjectPatcher::carry(const Carried& carried) {
+  is_carried_ = carried != carried_;
+  carried_ = carried;
 }
 
 uint8_t ObjectPatcher::in(NodeId n) const {
@@ -358,15 +372,13 @@ void ObjectPatcher::compact() {
   for (uint32_t face = 0; face < faces_.size(); ++face)
     for (Triangle& t : faces_[face]) addTriangle(face, t);
   for (Corner& c : corners_) c.is_new = false;
-  moved_.clear(), turned_.clear(), added_.clear(), changed_.clear();
+  clearChanges();
   triangles_.finish([](uint32_t, uint32_t, uint32_t) {}, changed_);
 }
 
 BlendPatch::Position ObjectPatcher::positionOf(uint32_t corner, const glm::dvec3& origin) const {
   const Vertex& vertex = vertices_[corners_[corner].vertex];
-  const auto at = [&](size_t s) {
-    return glm::vec4(glm::vec3(objects_->placement(object_).toScene(vertex.position[s]) - origin), 0.0f);
-  };
+  const auto at = [&](size_t s) { return glm::vec4(glm::vec3(sceneAt(vertex, s) - origin), 0.0f); };
   return {corner, at(0), at(1)};
 }
 
@@ -376,12 +388,21 @@ BlendPatch::Normal ObjectPatcher::normalOf(uint32_t corner) const {
 }
 
 void ObjectPatcher::write(const glm::dvec3& origin, BlendPatch& out) const {
-  const auto writeCorners = [&](const std::vector<uint32_t>& positions, const std::vector<uint32_t>& normals) {
-    for (uint32_t c : positions) out.positions.push_back(positionOf(c, origin));
-    for (uint32_t c : normals) out.normals.push_back(normalOf(c));
+  const auto writePositions = [&](const std::vector<uint32_t>& corners) {
+    for (uint32_t c : corners) out.positions.push_back(positionOf(c, origin));
   };
-  writeCorners(moved_, turned_);
-  writeCorners(added_, added_);
+  const auto writeNormals = [&](const std::vector<uint32_t>& corners) {
+    for (uint32_t c : corners) out.normals.push_back(normalOf(c));
+  };
+  if (is_carried_) {
+    for (uint32_t c = 0; c < vertexCount(); ++c)
+      if (corners_[c].triangles > 0) out.positions.push_back(positionOf(c, origin));
+  } else {
+    writePositions(moved_);
+    writePositions(added_);
+  }
+  writeNormals(turned_);
+  writeNormals(added_);
   for (uint32_t c : added_) out.parameters.push_back({c, corners_[c].texture_coordinate});
   out.triangles.insert(out.triangles.end(), changed_.triangles.begin(), changed_.triangles.end());
 }
@@ -404,7 +425,7 @@ bool ObjectPatcher::findEnd(NodeId v, glm::dvec3& position, uint32_t& normal) co
   const uint32_t found = mesh.isBase(v) ? proto::baseVertexOf(v) + 1 : vertex_of_.find(mesh.slot(v));
   if (found == 0 || found > vertices_.size()) return false;
   const Vertex& vertex = vertices_[found - 1];
-  position = objects_->placement(object_).toScene(vertex.position[1]);
+  position = sceneAt(vertex, 1);
   normal = vertex.packed[1];
   return true;
 }

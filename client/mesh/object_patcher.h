@@ -31,8 +31,14 @@ class ObjectPatcher {
   // `objects` must outlive it.
   ObjectPatcher(const proto::ObjectSet& objects, size_t object);
 
+  // Where the ground has carried the object to at a mesh's two ends, scene frame.
+  using Carried = std::array<glm::dvec3, 2>;
+
   // Brings it to the mesh that `morphs` have been stepped to, `positions` known.
-  void step(const ObjectPositions& positions, const Morphs& morphs);
+  void step(const ObjectPositions& positions, const Morphs& morphs, const Carried& carried);
+  // The same where nothing changes but perhaps where the object is.
+  void rest(const Carried& carried);
+  const Carried& carried() const { return carried_; }
 
   // Whether the last step gave vertices and triangles other places.
   bool isWhole() const { return is_whole_; }
@@ -125,7 +131,13 @@ class ObjectPatcher {
   void dropVertices();
   void finishTriangles();
   void compact();
+  void clearChanges();
+  void carry(const Carried& carried);
   glm::dvec3 truePosition(proto::NodeId v) const;
+  // Of its place in the scene, at an end.
+  glm::dvec3 sceneAt(const Vertex& vertex, size_t end) const {
+    return objects_->placement(object_).toScene(vertex.position[end]) + carried_[end];
+  }
   BlendPatch::Position positionOf(uint32_t corner, const glm::dvec3& origin) const;
   BlendPatch::Normal normalOf(uint32_t corner) const;
 
@@ -149,6 +161,8 @@ class ObjectPatcher {
   std::vector<uint32_t> moved_, turned_, added_;  // corners that the last step changed
   BlendPatch changed_;                            // the triangles
   bool is_whole_ = true;
+  Carried carried_{};
+  bool is_carried_ = false;  // elsewhere than in the mesh before
   static constexpr size_t kFewCorners = 256;
 
   // During a step only.

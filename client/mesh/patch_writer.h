@@ -11,8 +11,10 @@ namespace foreland::client {
 
 class PatchWriter {
  public:
-  PatchWriter(TerrainVertices& vertices, const glm::dvec3& origin, BlendPatch& out)
-      : vertices_(vertices), origin_(origin), out_(out) {}
+  PatchWriter(TerrainVertices& vertices, const glm::dvec3& origin, bool tells_moved, BlendPatch& out)
+      : vertices_(vertices), origin_(origin), out_(out) {
+    out_.tells_moved = tells_moved;
+  }
 
   // To be called before the vertex moves, and before its normal turns.
   void touchPosition(uint32_t v) {
@@ -20,6 +22,7 @@ class PatchWriter {
     if (vertex.position_entry != kNoVertex) return;
     vertex.position_entry = static_cast<uint32_t>(out_.positions.size());
     out_.positions.push_back({v, positionOf(vertex), {}});
+    if (out_.tells_moved) out_.moved.push_back({static_cast<float>(vertex.moved_m), 0});
   }
   void touchNormal(uint32_t v) {
     TerrainVertex& vertex = vertices_[v];
@@ -40,6 +43,7 @@ class PatchWriter {
   void beginDone() {
     has_begun_ = true;
     for (BlendPatch::Position& p : out_.positions) p.from = positionOf(vertices_[p.vertex]);
+    for (size_t i = 0; i < out_.moved.size(); ++i) out_.moved[i].from = movedOf(out_.positions[i].vertex);
     for (BlendPatch::Normal& n : out_.normals) n.from = pack(n.vertex);
   }
   // All vertices are where the mesh ends. Leaves out normals that did not change, and vertices that are gone.
@@ -48,6 +52,7 @@ class PatchWriter {
       p.to = positionOf(vertices_[p.vertex]);
       vertices_[p.vertex].position_entry = kNoVertex;
     }
+    for (size_t i = 0; i < out_.moved.size(); ++i) out_.moved[i].to = movedOf(out_.positions[i].vertex);
     size_t kept = 0;
     for (size_t i = 0; i < out_.normals.size(); ++i) {
       BlendPatch::Normal n = out_.normals[i];
@@ -66,6 +71,7 @@ class PatchWriter {
   glm::vec4 positionOf(const TerrainVertex& vertex) const {
     return {glm::vec3(vertex.position - origin_), static_cast<float>(vertex.height_m)};
   }
+  float movedOf(uint32_t v) const { return static_cast<float>(vertices_[v].moved_m); }
   uint32_t pack(uint32_t v) {
     TerrainVertex& vertex = vertices_[v];
     return vertex.packed_normal = packNormal(vertex.unitNormal());

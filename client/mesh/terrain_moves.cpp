@@ -67,8 +67,7 @@ void TerrainPatcher::moveWithin(End end) {
 // False if the vertex is there already.
 bool TerrainPatcher::addMove(const Move& move) {
   TerrainVertex& vertex = vertices_[move.vertex];
-  if (move.position == vertex.position && move.height_m == vertex.height_m && move.is_true == vertex.is_true)
-    return false;
+  if (move.point == vertex.point() && move.is_true == vertex.is_true) return false;
   vertex.is_moving = true;
   move_of_[move.vertex] = static_cast<uint32_t>(moves_.size());
   moves_.push_back(move);
@@ -80,8 +79,8 @@ bool TerrainPatcher::collectBaseMoves(End end) {
   bool has_corner = false;
   for (uint32_t v = 0; v < baseCount(); ++v) {
     const NodeId id = vertices_[v].id;
-    const glm::dvec4 p = truePosition(id, now().nodes.records().height(id), end);
-    if (addMove({v, glm::dvec3(p), p.w, true}) && v < cornerCount()) has_corner = true;
+    if (addMove({v, truePosition(id, now().nodes.records().height(id), end), true}) && v < cornerCount())
+      has_corner = true;
   }
   return has_corner;
 }
@@ -131,11 +130,11 @@ void TerrainPatcher::addDependents(uint32_t v, Slots& out) const {
     }
 }
 
-DrawnPosition<glm::dvec4> TerrainPatcher::willBeAt(uint32_t v) const {
+DrawnPosition<GroundPoint> TerrainPatcher::willBeAt(uint32_t v) const {
   const TerrainVertex& vertex = vertices_[v];
-  if (!vertex.is_moving) return {glm::dvec4(vertex.position, vertex.height_m), vertex.is_true};
+  if (!vertex.is_moving) return {vertex.point(), vertex.is_true};
   const Move& m = moves_[move_of_[v]];
-  return {glm::dvec4(m.position, m.height_m), m.is_true};
+  return {m.point, m.is_true};
 }
 
 // As MeshBuilder::vertexOf.
@@ -147,8 +146,8 @@ TerrainPatcher::Move TerrainPatcher::drawnAt(uint32_t v, Slot slot, double weigh
     const auto trueAt = [&](uint32_t u) { return truePosition(vertices_[u].id, records.height(vertices_[u].id), end); };
     return own() - 0.5 * (trueAt(ends[0]) + trueAt(ends[1]));
   };
-  const DrawnPosition<glm::dvec4> p = blendPosition(willBeAt(ends[0]), willBeAt(ends[1]), weight, own, displacement);
-  return {v, glm::dvec3(p.position), p.position.w, p.is_true};
+  const DrawnPosition<GroundPoint> p = blendPosition(willBeAt(ends[0]), willBeAt(ends[1]), weight, own, displacement);
+  return {v, p.position, p.is_true};
 }
 
 void TerrainPatcher::makeMoves() {
@@ -157,7 +156,8 @@ void TerrainPatcher::makeMoves() {
     TerrainVertex& vertex = vertices_[m.vertex];
     moving_in_section_ += (m.is_true ? 0 : 1);
     moving_in_section_ -= (vertex.is_true ? 0 : 1);
-    vertex.position = m.position, vertex.height_m = m.height_m, vertex.is_true = m.is_true;
+    vertex.moveTo(m.point);
+    vertex.is_true = m.is_true;
   }
 }
 

@@ -59,7 +59,7 @@ void TerrainPatcher::rebuild(const TerrainStep& step, BlendPatch& out) {
   origin_ = step.origin;
   scene_time_ = step.scene_from;
   out.is_whole = true;
-  PatchWriter writer(vertices_, origin_, out);
+  PatchWriter writer(vertices_, origin_, step.heights.isMoving(), out);
   step_ = &step, writer_ = &writer;
   addBaseVertices();
   const Slots& removed = step.morphs.drawn().removed;
@@ -75,7 +75,7 @@ void TerrainPatcher::rebuild(const TerrainStep& step, BlendPatch& out) {
 
 void TerrainPatcher::step(const TerrainStep& step, BlendPatch& out) {
   const bool has_new_origin = std::exchange(origin_, step.origin) != step.origin;
-  PatchWriter writer(vertices_, origin_, out);
+  PatchWriter writer(vertices_, origin_, step.heights.isMoving(), out);
   step_ = &step, writer_ = &writer;
   if (has_new_origin)
     for (uint32_t v = 0; v < vertices_.count(); ++v)
@@ -123,8 +123,7 @@ void TerrainPatcher::addBaseVertex(uint32_t x, uint32_t y) {
   const uint32_t v = vertices_.add();
   TerrainVertex& vertex = vertices_[v];
   vertex.id = NodeId::at(x, y);
-  const glm::dvec4 p = truePosition(vertex.id, now().nodes.records().height(vertex.id), End::kFrom);
-  vertex.position = glm::dvec3(p), vertex.height_m = p.w;
+  vertex.moveTo(truePosition(vertex.id, now().nodes.records().height(vertex.id), End::kFrom));
   vertex.is_in_section = vertex.is_true = true;
   const glm::vec2 parameter(static_cast<float>(x), static_cast<float>(y));
   vertex.is_beyond = parameter.x > limit_.x || parameter.y > limit_.y;
@@ -160,9 +159,8 @@ void TerrainPatcher::addRootTriangles(uint32_t root_x, uint32_t root_y) {
   }
 }
 
-glm::dvec4 TerrainPatcher::truePosition(NodeId v, int32_t height, End end) const {
-  const double quanta = now().heights.at(v, height, end == End::kFrom ? 0 : 1);
-  return {domain_.frame.position(v, quanta), quanta * domain_.frame.transform().frame().height_quantum_m};
+GroundPoint TerrainPatcher::truePosition(NodeId v, int32_t height, End end) const {
+  return groundPointAt(domain_, now().heights, v, height, end == End::kFrom ? 0 : 1);
 }
 
 void TerrainPatcher::setLeaf(uint32_t apex, uint32_t q) {
@@ -324,7 +322,8 @@ void TerrainPatcher::enter(uint32_t v, const Move& move) {
   writer_->touchPosition(v);
   writer_->touchNormal(v);
   TerrainVertex& vertex = vertices_[v];
-  vertex.position = move.position, vertex.height_m = move.height_m, vertex.is_true = move.is_true;
+  vertex.moveTo(move.point);
+  vertex.is_true = move.is_true;
   vertex.normal = glm::dvec3(0);
   vertex.is_in_section = true;
   ++section_nodes_;
@@ -341,8 +340,7 @@ void TerrainPatcher::lieOnEdges(const Places& outside) {
     writer_->touchNormal(v);
     TerrainVertex& vertex = vertices_[v];
     const auto [a, b] = vertex.endpoints();
-    vertex.position = 0.5 * (vertices_[a].position + vertices_[b].position);
-    vertex.height_m = 0.5 * (vertices_[a].height_m + vertices_[b].height_m);
+    vertex.moveTo(0.5 * (vertices_[a].point() + vertices_[b].point()));
     vertex.is_true = false;
     vertex.normal = unitNormal(vertices_[a].unitNormal() + vertices_[b].unitNormal());
   }

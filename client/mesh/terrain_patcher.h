@@ -19,8 +19,8 @@
 #include "client/mesh/blend_patch.h"
 #include "client/mesh/blend_position.h"
 #include "client/mesh/border_cuts.h"
-#include "client/mesh/end_heights.h"
 #include "client/mesh/face_normal.h"
+#include "client/mesh/ground_point.h"
 #include "client/mesh/held_nodes.h"
 #include "client/mesh/morphs.h"
 #include "client/mesh/patch_writer.h"
@@ -59,8 +59,7 @@ class TerrainPatcher {
   // A vertex of the newest end's section, and where it will be.
   struct Move {
     uint32_t vertex;
-    glm::dvec3 position;
-    double height_m;
+    GroundPoint point;
     bool is_true;
   };
   enum class End { kFrom, kTo };
@@ -118,8 +117,8 @@ class TerrainPatcher {
 
   static double weightAt(const Morph& m, End end) { return end == End::kFrom ? m.from : m.to; }
   Move drawnAt(uint32_t v, proto::Slot slot, double weight, End end) const;
-  DrawnPosition<glm::dvec4> willBeAt(uint32_t v) const;
-  glm::dvec4 truePosition(proto::NodeId v, int32_t height, End end) const;
+  DrawnPosition<GroundPoint> willBeAt(uint32_t v) const;
+  GroundPoint truePosition(proto::NodeId v, int32_t height, End end) const;
   uint32_t cornerCount() const { return (grid_.shape().roots_x + 1) * (grid_.shape().roots_y + 1); }
   uint32_t baseCount() const { return cornerCount() + grid_.shape().roots_x * grid_.shape().roots_y; }
   const TerrainStep& now() const { return *step_; }

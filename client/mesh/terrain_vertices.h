@@ -16,6 +16,7 @@
 
 #include "client/mesh/complete_normals.h"
 #include "client/mesh/free_places.h"
+#include "client/mesh/ground_point.h"
 #include "proto/section/index_table.h"
 #include "proto/topology/grid.h"
 
@@ -47,12 +48,14 @@ struct alignas(64) TerrainVertex {
 
   std::array<uint32_t, 4> ring{kNoVertex, kNoVertex, kNoVertex, kNoVertex};
   std::array<Link, 4> links{};
-  double height_m = 0;
+  double height_m = 0, moved_m = 0;
   // The vertex's entries in the patch that is being made; kNoVertex if it has none.
   uint32_t position_entry = kNoVertex, normal_entry = kNoVertex;
   bool is_moving = false;  // scratch
   bool is_used = false;    // not a free place
 
+  GroundPoint point() const { return {position, height_m, moved_m}; }
+  void moveTo(const GroundPoint& p) { position = p.position, height_m = p.height_m, moved_m = p.moved_m; }
   glm::dvec3 unitNormal() const { return is_in_section ? client::unitNormal(normal) : normal; }
   std::array<uint32_t, 2> endpoints() const { return {ring[(first_apex + 1) % 4], ring[(first_apex + 3) % 4]}; }
 };

@@ -2,10 +2,12 @@
 // converts; client/ and the page make the decisions. Times are milliseconds of the page's clock; texts are UTF-8. One
 // thread. A viewer's address is its handle; records and arrays stay valid until the next call into the module.
 #include <array>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
 #include <string>
 
+#include "client/ground/ground_supply.h"
 #include "client/imagery/drape.h"
 #include "client/viewer.h"
 #include "client/wasm/conversions.h"
@@ -27,7 +29,8 @@ struct Host {
   uint32_t taken_mesh = 0;  // the last version that takeNewest() gave
   Drape::Sizes texture_layers{64, 192};
   std::optional<Drape> drape;
-  uint32_t draped_scene = 0;  // TileStore::scene() that it is for
+  uint32_t draped_scene = 0;      // TileStore::scene() that it is for
+  std::optional<glm::dvec3> sun;  // that casts shadows
   std::vector<uint32_t> arrivals, dropped;
 
   FrameRecord frame_record{};
@@ -35,7 +38,7 @@ struct Host {
   std::array<ChangesRecord, 2> changes_records{};
   std::array<uint32_t, 2> taken_versions{};
   std::array<ChangedRanges, 2> changes;
-  GroundRecord ground_record{};
+  GroundSupply ground;
   StatisticsRecord statistics_record{};
   TextRecord text_record{};
   TilesRecord tiles_record{};
@@ -43,13 +46,14 @@ struct Host {
 };
 
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes,
-                             uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
+                             uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
+                             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
   return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
           .tau_px = tau_px,
           .strategy = static_cast<proto::Strategy>(strategy),
           .predictor = static_cast<proto::Predictor>(predictor),
           .keyframe_interval = {timeOf(keyframe_ms).us},
+          .longest_interval = {timeOf(longest_keyframe_ms).us},
           .occlusion = occlusion != 0,
           .memory_bytes = memory_bytes,
           .relief = relief != 0,
@@ -68,13 +72,18 @@ double statedTexel(const TileStore& tiles, proto::TileContent content) {
   return double{tiles.statement()->texel_px[*layer]};
 }
 
-void fillTiles(const Residency& residency, Host& host) {
+void fillTiles(proto::TileContent content, const Residency& residency, Host& host) {
   TilesRecord& out = host.tiles_record;
   host.arrivals.clear(), host.dropped.clear();
   for (const Residency::Arrival& a : residency.arrivals()) {
     const auto [low, high] = halvesOf(a.tile.key());
     host.arrivals.insert(host.arrivals.end(), {low, high, a.texture_layer, a.parent_layer.value_or(kNoLayer), 0});
   }
+  if (content == proto::TileContent::kRelief)
+    for (const Residency::Shown& r : host.drape->relit()) {
+      const auto [low, high] = halvesOf(r.tile.key());
+      host.arrivals.insert(host.arrivals.end(), {low, high, r.texture_layer, kNoLayer, 1});
+    }
   for (const proto::TileId& tile : residency.dropped()) {
     const auto [low, high] = halvesOf(tile.key());
     host.dropped.insert(host.dropped.end(), {low, high});
@@ -84,7 +93,7 @@ void fillTiles(const Residency& residency, Host& host) {
   out.page_table = addressOf(residency.pageTable().data());
   out.page_count = static_cast<uint32_t>(residency.pageTable().size() / 4);
   out.arrivals = addressOf(host.arrivals.data());
-  out.arrival_count = static_cast<uint32_t>(residency.arrivals().size());
+  out.arrival_count = static_cast<uint32_t>(host.arrivals.size() / 5);
   out.dropped = addressOf(host.dropped.data());
   out.dropped_count = static_cast<uint32_t>(residency.dropped().size());
 }
@@ -106,6 +115,8 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.to_normals = addressOf(mesh.to_normals.data());
   out.indices = addressOf(mesh.indices.data());
   out.lattice_positions = addressOf(mesh.parameters.data());
+  out.from_moved = mesh.from_moved.empty() ? 0 : addressOf(mesh.from_moved.data());
+  out.to_moved = mesh.to_moved.empty() ? 0 : addressOf(mesh.to_moved.data());
   out.from_nodes = mesh.from_nodes;
   out.to_nodes = mesh.to_nodes;
   out.from_index = mesh.from.index;
@@ -145,15 +156,16 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
 
 FORELAND_EXPORT(foreland_create)
 Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-             uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes, uint32_t relief,
-             uint32_t imagery, uint32_t tile_bytes) {
-  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion,
-                            memory_bytes, relief, imagery, tile_bytes));
+             uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
+             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
+  return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, longest_keyframe_ms,
+                            occlusion, memory_bytes, relief, imagery, tile_bytes));
 }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
 FORELAND_EXPORT(foreland_reconnect) void reconnect(Host* host, double now_ms) {
   host->viewer.reconnect(timeOf(now_ms));
+  host->ground.reconnect();
 }
 
 FORELAND_EXPORT(foreland_destroy) void destroy(Host* host) { delete host; }
@@ -211,6 +223,11 @@ FORELAND_EXPORT(foreland_take_newest) const FrameRecord* takeNewest(Host* host) 
   if (host->draped_scene != host->viewer.tiles().scene()) {
     host->draped_scene = host->viewer.tiles().scene();
     host->drape.emplace(host->viewer.tiles(), host->texture_layers);
+    const proto::Welcome& welcome = *host->viewer.welcome();
+    const double quantum_m = welcome.frame.height_quantum_m;
+    host->drape->setHeights(host->viewer.frameGrid().transform(), welcome.lowest * quantum_m,
+                            welcome.highest * quantum_m);
+    host->drape->setSun(host->sun);
   }
   host->drape->advance(host->viewer.frameGrid().transform(), newest->to);
   return &out;
@@ -226,7 +243,7 @@ FORELAND_EXPORT(foreland_tiles) const TilesRecord* tiles(Host* host, uint32_t co
   if (host->drape && content < proto::kMaxTileLayers)
     residency = host->drape->residency(static_cast<proto::TileContent>(content));
   if (residency == nullptr) return nullptr;
-  fillTiles(*residency, *host);
+  fillTiles(static_cast<proto::TileContent>(content), *residency, *host);
   return &host->tiles_record;
 }
 
@@ -234,6 +251,19 @@ FORELAND_EXPORT(foreland_tiles) const TilesRecord* tiles(Host* host, uint32_t co
 FORELAND_EXPORT(foreland_slopes) const uint32_t* slopes(Host* host, uint32_t low, uint32_t high, uint32_t half) {
   const proto::TileId tile = tileOf(low, high);
   return half == 0 ? host->drape->slopes(tile).data() : host->drape->halfSlopes(tile).data();
+}
+
+// Its ground texels likewise (client/imagery/shadows.h), also of tiles that are relit.
+FORELAND_EXPORT(foreland_ground_texels)
+const uint32_t* groundTexels(Host* host, uint32_t low, uint32_t high, uint32_t half) {
+  const proto::TileId tile = tileOf(low, high);
+  return half == 0 ? host->drape->ground(tile).data() : host->drape->halfGround(tile).data();
+}
+
+// Towards the sun, in the scene's axes, if it casts shadows (`wanted` 1).
+FORELAND_EXPORT(foreland_set_sun) void setSun(Host* host, double x, double y, double z, uint32_t wanted) {
+  host->sun = wanted == 1 ? std::optional(glm::normalize(glm::dvec3{x, y, z})) : std::nullopt;
+  if (host->drape) host->drape->setSun(host->sun);
 }
 
 // Decodes a tile of relief, if one is wanted: 1 if so.
@@ -290,10 +320,10 @@ FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* ho
 
 FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
-                uint32_t predictor, double keyframe_ms, uint32_t occlusion, uint32_t memory_bytes, uint32_t relief,
-                uint32_t imagery, uint32_t tile_bytes) {
-  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, occlusion,
-                                    memory_bytes, relief, imagery, tile_bytes));
+                uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
+                uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
+  host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms,
+                                    longest_keyframe_ms, occlusion, memory_bytes, relief, imagery, tile_bytes));
 }
 
 // From `at_ms` on scene time goes from `scene_ms`, since 1970, at `rate` scene seconds a second.
@@ -334,19 +364,14 @@ FORELAND_EXPORT(foreland_welcome) const WelcomeRecord* welcome(Host* host) {
   return host->welcome.fill(*host->viewer.welcome(), host->viewer.frameGrid().transform());
 }
 
-// The ground about the lattice position below a point, for foreland_screen_ground: `reach` samples to each side.
+// What is news about the ground `reach` samples about an eye, for foreland_screen_ground of another instance of this
+// module. Null before the welcome.
 FORELAND_EXPORT(foreland_ground)
-const GroundRecord* ground(Host* host, double x, double y, double z, double reach) {
+const TextRecord* ground(Host* host, double x, double y, double z, double reach) {
   if (!host->viewer.isGreeted()) return nullptr;
-  const proto::LatticePosition below = host->viewer.frameGrid().transform().toLattice({x, y, z});
-  GroundRecord& out = host->ground_record;
-  out.x = below.x;
-  out.y = below.y;
-  out.reach = reach;
-  for (int i = 0; i < 9; ++i)
-    out.heights_m[i] = host->viewer.groundHeight(below.x + (i % 3 - 1) * reach, below.y + (i / 3 - 1) * reach)
-                           .value_or(std::numeric_limits<double>::quiet_NaN());
-  return &out;
+  const Bytes& update = host->ground.update(host->viewer, {x, y, z}, reach);
+  host->text_record = {addressOf(update.data()), static_cast<uint32_t>(update.size())};
+  return &host->text_record;
 }
 
 FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* host) {

@@ -83,6 +83,8 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, object_part_count),
     FORELAND_FIELD(FrameRecord, oldest_version),
     FORELAND_FIELD(FrameRecord, lattice_positions),
+    FORELAND_FIELD(FrameRecord, from_moved),
+    FORELAND_FIELD(FrameRecord, to_moved),
 };
 inline constexpr RecordField kScreenFields[] = {
     FORELAND_FIELD(ScreenRecord, pose),          FORELAND_FIELD(ScreenRecord, shown_time_ms),
@@ -90,12 +92,6 @@ inline constexpr RecordField kScreenFields[] = {
     FORELAND_FIELD(ScreenRecord, to_pose),       FORELAND_FIELD(ScreenRecord, end_ms),
     FORELAND_FIELD(ScreenRecord, weight),        FORELAND_FIELD(ScreenRecord, mesh_version),
     FORELAND_FIELD(ScreenRecord, tau_px),        FORELAND_FIELD(ScreenRecord, next_version),
-};
-inline constexpr RecordField kGroundFields[] = {
-    FORELAND_FIELD(GroundRecord, x),
-    FORELAND_FIELD(GroundRecord, y),
-    FORELAND_FIELD(GroundRecord, reach),
-    FORELAND_FIELD(GroundRecord, heights_m),
 };
 inline constexpr RecordField kChangesFields[] = {
     FORELAND_FIELD(ChangesRecord, base_version),
@@ -113,21 +109,32 @@ inline constexpr RecordField kChangesFields[] = {
     FORELAND_FIELD(ChangesRecord, triangle_ranges),
 };
 inline constexpr RecordField kWelcomeFields[] = {
-    FORELAND_FIELD(WelcomeRecord, low),           FORELAND_FIELD(WelcomeRecord, high),
-    FORELAND_FIELD(WelcomeRecord, lowest_m),      FORELAND_FIELD(WelcomeRecord, highest_m),
-    FORELAND_FIELD(WelcomeRecord, tau_px),        FORELAND_FIELD(WelcomeRecord, keyframe_ms),
-    FORELAND_FIELD(WelcomeRecord, title),         FORELAND_FIELD(WelcomeRecord, title_size),
-    FORELAND_FIELD(WelcomeRecord, crs),           FORELAND_FIELD(WelcomeRecord, crs_size),
-    FORELAND_FIELD(WelcomeRecord, is_geographic), FORELAND_FIELD(WelcomeRecord, samples_x),
-    FORELAND_FIELD(WelcomeRecord, samples_y),     FORELAND_FIELD(WelcomeRecord, landmark_count),
-    FORELAND_FIELD(WelcomeRecord, landmarks),     FORELAND_FIELD(WelcomeRecord, epoch_count),
-    FORELAND_FIELD(WelcomeRecord, epochs),        FORELAND_FIELD(WelcomeRecord, model_count),
-    FORELAND_FIELD(WelcomeRecord, model_sides),   FORELAND_FIELD(WelcomeRecord, unused),
+    FORELAND_FIELD(WelcomeRecord, low),
+    FORELAND_FIELD(WelcomeRecord, high),
+    FORELAND_FIELD(WelcomeRecord, lowest_m),
+    FORELAND_FIELD(WelcomeRecord, highest_m),
+    FORELAND_FIELD(WelcomeRecord, tau_px),
+    FORELAND_FIELD(WelcomeRecord, keyframe_ms),
+    FORELAND_FIELD(WelcomeRecord, most_moved_m),
+    FORELAND_FIELD(WelcomeRecord, title),
+    FORELAND_FIELD(WelcomeRecord, title_size),
+    FORELAND_FIELD(WelcomeRecord, crs),
+    FORELAND_FIELD(WelcomeRecord, crs_size),
+    FORELAND_FIELD(WelcomeRecord, is_geographic),
+    FORELAND_FIELD(WelcomeRecord, samples_x),
+    FORELAND_FIELD(WelcomeRecord, samples_y),
+    FORELAND_FIELD(WelcomeRecord, landmark_count),
+    FORELAND_FIELD(WelcomeRecord, landmarks),
+    FORELAND_FIELD(WelcomeRecord, epoch_count),
+    FORELAND_FIELD(WelcomeRecord, epochs),
+    FORELAND_FIELD(WelcomeRecord, model_count),
+    FORELAND_FIELD(WelcomeRecord, model_sides),
+    FORELAND_FIELD(WelcomeRecord, unused),
 };
 inline constexpr RecordField kPlaceFields[] = {
     FORELAND_FIELD(MapPositionRecord, height_m), FORELAND_FIELD(MapPositionRecord, ground_m),
     FORELAND_FIELD(MapPositionRecord, up),       FORELAND_FIELD(MapPositionRecord, across),
-    FORELAND_FIELD(MapPositionRecord, lattice),
+    FORELAND_FIELD(MapPositionRecord, lattice),  FORELAND_FIELD(MapPositionRecord, slope_rad),
 };
 inline constexpr RecordField kTilesFields[] = {
     FORELAND_FIELD(TilesRecord, scene),      FORELAND_FIELD(TilesRecord, shown),
@@ -144,7 +151,8 @@ inline constexpr RecordField kLayerFields[] = {
     FORELAND_FIELD(LayerRecord, origin),      FORELAND_FIELD(LayerRecord, texel),
     FORELAND_FIELD(LayerRecord, size),        FORELAND_FIELD(LayerRecord, levels),
     FORELAND_FIELD(LayerRecord, attribution), FORELAND_FIELD(LayerRecord, attribution_size),
-    FORELAND_FIELD(LayerRecord, unused),
+    FORELAND_FIELD(LayerRecord, unused),      FORELAND_FIELD(LayerRecord, low_m),
+    FORELAND_FIELD(LayerRecord, code_m),
 };
 inline constexpr RecordField kSlopeFrameFields[] = {
     FORELAND_FIELD(SlopeFrameRecord, gradient_x),
@@ -183,7 +191,6 @@ inline constexpr RecordLayout kRecordLayouts[] = {
     {"PoseRecord", sizeof(PoseRecord), kPoseFields},
     {"FrameRecord", sizeof(FrameRecord), kFrameFields},
     {"ScreenRecord", sizeof(ScreenRecord), kScreenFields},
-    {"GroundRecord", sizeof(GroundRecord), kGroundFields},
     {"ChangesRecord", sizeof(ChangesRecord), kChangesFields},
     {"WelcomeRecord", sizeof(WelcomeRecord), kWelcomeFields},
     {"MapPositionRecord", sizeof(MapPositionRecord), kPlaceFields},

@@ -50,6 +50,8 @@ struct FrameRecord {
   uint32_t object_part_count;
   uint32_t oldest_version;    // of meshes that may still be shown
   Address lattice_positions;  // float x, y of the terrain's vertices
+  Address from_moved;         // float, metres upwards since the first epoch; 0: the ground does not move
+  Address to_moved;
 };
 
 // What the drawing thread draws in a frame (screen.cpp).
@@ -64,14 +66,6 @@ struct ScreenRecord {
   uint32_t mesh_version;  // 0: no mesh yet
   float tau_px;
   uint32_t next_version;  // of the mesh to make ready; 0: none
-};
-
-// Heights of the ground about a lattice position: nine, `reach` samples apart, row by row.
-struct GroundRecord {
-  double x;
-  double y;
-  double reach;
-  double heights_m[9];  // above the zero surface; NaN: unknown, or beyond the data
 };
 
 // What has changed in the arrays of the terrain's or the objects' mesh. Ranges are pairs of uint32: the first element,
@@ -99,7 +93,8 @@ struct WelcomeRecord {
   double highest_m;
   double tau_px;
   double keyframe_ms;
-  Address title;  // UTF-8
+  double most_moved_m;  // by which the ground moves at most from the first epoch to another
+  Address title;        // UTF-8
   uint32_t title_size;
   Address crs;
   uint32_t crs_size;
@@ -122,6 +117,7 @@ struct MapPositionRecord {
   double up[3];      // away from the zero surface
   double across[2];  // geographic: latitude and longitude, degrees; planar: northing and easting of the map, metres
   double lattice[2];
+  double slope_rad;  // of the ground below; NaN: unknown
 };
 
 // What of the tiles of a content is drawn with the newest mesh.
@@ -131,7 +127,7 @@ struct TilesRecord {
   Address page_table;   // uint16, as Residency::pageTable
   uint32_t page_count;  // four numbers each
   // uint32, five for each tile to be uploaded before the mesh is shown: its key in two halves, the lower one first; its
-  // texture layer; its parent's, or kNoLayer; 0.
+  // texture layer; its parent's, or kNoLayer; and whether only its shadows have changed.
   Address arrivals;
   uint32_t arrival_count;
   Address dropped;  // uint32, two for each tile whose content is of no use any more: its key
@@ -155,6 +151,8 @@ struct LayerRecord {
   Address attribution;  // UTF-8
   uint32_t attribution_size;
   uint32_t unused;  // keeps the size a multiple of 8
+  double low_m;     // relief: the height of code 0 of its ground texels (client/imagery/shadows.h)
+  double code_m;    // and from code to code
 };
 
 // What makes a normal, in the scene's axes, of slopes along the lattice's axes.

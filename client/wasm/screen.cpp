@@ -3,13 +3,15 @@
 // the map. The worker hands over the intervals of new meshes, the server's welcome and tours as they came, and the
 // ground about the eye. Times are milliseconds of the page's clock. One thread; records stay valid until the next call
 // into the module.
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
 #include <variant>
 
+#include "client/ground/ground_supply.h"
+#include "client/ground/sweep.h"
+#include "client/imagery/shadows.h"
 #include "client/schedule.h"
 #include "client/shown_frame.h"
 #include "client/wasm/conversions.h"
@@ -25,7 +27,7 @@ struct Screen {
   CameraPath camera;
   std::optional<proto::Welcome> welcome;
   std::optional<proto::FrameTransform> transform;
-  GroundRecord ground{};  // of reach 0 if none is known
+  GroundFeed ground;
   proto::Path tour;
 
   SceneRecord scene_record;
@@ -36,18 +38,10 @@ struct Screen {
   SlopeFrameRecord slope_frame_record{};
 };
 
-// The ground at a lattice position, bilinear between the nine heights that are known, the nearest of them outside; NaN
-// if it is not known.
-double groundAt(const GroundRecord& ground, double x, double y) {
-  if (!(ground.reach > 0)) return std::numeric_limits<double>::quiet_NaN();
-  const double across = std::clamp((x - ground.x) / ground.reach + 1, 0.0, 2.0);
-  const double along = std::clamp((y - ground.y) / ground.reach + 1, 0.0, 2.0);
-  const int column = std::min(static_cast<int>(across), 1), row = std::min(static_cast<int>(along), 1);
-  const double u = across - column, v = along - row;
-  const double* h = ground.heights_m + 3 * row + column;
-  const double mixed = (h[0] * (1 - u) + h[1] * u) * (1 - v) + (h[3] * (1 - u) + h[4] * u) * v;
-  if (std::isfinite(mixed)) return mixed;
-  return h[(v > 0.5 ? 3 : 0) + (u > 0.5 ? 1 : 0)];  // at the edge of the data
+std::optional<proto::TileLayer> reliefOf(const proto::Welcome& welcome) {
+  for (const proto::TileLayer& layer : welcome.tile_layers)
+    if (layer.content == proto::TileContent::kRelief) return layer;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -101,7 +95,6 @@ FORELAND_EXPORT(foreland_screen_welcome) const WelcomeRecord* screenWelcome(Scre
   if (!message || !std::holds_alternative<proto::Welcome>(*message)) return nullptr;
   screen->welcome = std::move(std::get<proto::Welcome>(*message));
   screen->transform.emplace(screen->welcome->frame);
-  screen->ground = {};
   return screen->scene_record.fill(*screen->welcome, *screen->transform);
 }
 
@@ -111,6 +104,10 @@ FORELAND_EXPORT(foreland_screen_layer) const LayerRecord* screenLayer(Screen* sc
   for (const proto::TileLayer& layer : screen->welcome->tile_layers) {
     if (layer.content != static_cast<proto::TileContent>(content)) continue;
     screen->layer_record = recordOf(layer);
+    const double quantum_m = screen->welcome->frame.height_quantum_m;
+    const auto code = HeightCode::of(layer, screen->welcome->lowest * quantum_m, screen->welcome->highest * quantum_m);
+    screen->layer_record.low_m = code.low_m;
+    screen->layer_record.code_m = code.step_m;
     return &screen->layer_record;
   }
   return nullptr;
@@ -123,10 +120,19 @@ FORELAND_EXPORT(foreland_screen_slope_frame) const SlopeFrameRecord* screenSlope
   return &screen->slope_frame_record;
 }
 
-// The ground about the eye: the GroundRecord in the buffer, as foreland_ground fills it.
+// Takes from the buffer what foreland_ground made.
 FORELAND_EXPORT(foreland_screen_ground) void screenGround(Screen* screen) {
-  if (incoming().size() == sizeof screen->ground)
-    std::memcpy(&screen->ground, incoming().data(), sizeof screen->ground);
+  if (screen->welcome) screen->ground.take(incoming(), reliefOf(*screen->welcome));
+}
+
+// Where an eye comes to that moves from one point towards another above the ground (client/ground/sweep.h).
+FORELAND_EXPORT(foreland_screen_sweep)
+const PoseRecord* screenSweep(Screen* screen, double x, double y, double z, double to_x, double to_y, double to_z,
+                              double clearance_m) {
+  glm::dvec3 eye{to_x, to_y, to_z};
+  if (screen->transform) eye = sweep(screen->ground.heights(), *screen->transform, {x, y, z}, eye, clearance_m);
+  screen->pose_record = recordOf(proto::Pose{.eye = eye});
+  return &screen->pose_record;
 }
 
 // A point of the scene in the coordinates of the data's owner. Null before the welcome.
@@ -134,7 +140,13 @@ FORELAND_EXPORT(foreland_screen_map_position)
 const MapPositionRecord* screenMapPosition(Screen* screen, double x, double y, double z) {
   if (!screen->transform) return nullptr;
   const proto::LatticePosition lattice = screen->transform->toLattice({x, y, z});
-  screen->place_record = mapPositionOf(*screen->transform, {x, y, z}, groundAt(screen->ground, lattice.x, lattice.y));
+  const GroundHeights& heights = screen->ground.heights();
+  const auto height_m = heights.heightAt({lattice.x, lattice.y});
+  screen->place_record =
+      mapPositionOf(*screen->transform, {x, y, z}, height_m.value_or(std::numeric_limits<double>::quiet_NaN()));
+  screen->place_record.slope_rad = std::numeric_limits<double>::quiet_NaN();
+  if (const auto gradient = heights.gradientAt({lattice.x, lattice.y}))
+    screen->place_record.slope_rad = slopeOf(*screen->transform, {lattice.x, lattice.y, *height_m}, *gradient);
   return &screen->place_record;
 }
 

@@ -2,88 +2,157 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/check.h"
 #include "proto/codec/range_coder.h"
 #include "proto/codec/symbols.h"
+#include "proto/refine/paged_nodes.h"
+#include "proto/refine/slot_bits.h"
+#include "proto/section/index_table.h"
 
 namespace foreland::proto {
 
 namespace {
 
-// Visits the candidates of each level; `answer(slot, context)` says which are in the section. False once it returns
-// none.
-template <class Topology, class Answer>
-bool descend(const Topology& topology, Section& section, const Answer& decide) {
-  std::vector<Slot> candidates, included;
-  for (Slot slot = topology.levelOffset(1); slot < topology.levelOffset(2); ++slot)
-    if (!topology.isBase(topology.node(slot))) candidates.push_back(slot);
-  for (int level = 1; level <= topology.maxLevel() && !candidates.empty(); ++level) {
-    included.clear();
-    size_t before = 0;  // the last three bits
-    for (Slot slot : candidates) {
-      const size_t context = static_cast<size_t>(level) * 8 + before;
-      const int got = decide(slot, context);
-      if (got < 0) return false;
-      before = (2 * before + static_cast<size_t>(got)) & 7;
-      if (got == 1) included.push_back(slot);
+// Some nodes of one level, by pages: those that are candidates, and those that one of two parents has made known.
+class Candidates {
+ public:
+  struct Page {
+    uint32_t key;  // slot / kPageSlots
+    SlotBits candidates, half;
+  };
+
+  Candidates() { numbers_.reset(0); }
+  bool empty() const { return pages_.size() == 1; }
+  void clear() {
+    pages_.resize(1);
+    numbers_.reset(0);
+  }
+  void add(Slot slot) { pageOf(slot).candidates.set(lowOf(slot)); }
+  // The node is a child of `parent`, which is in the section. It is a candidate once all its parents are.
+  template <class Topology>
+  void addChild(const Topology& topology, NodeId child, int level, NodeId parent) {
+    const Slot slot = topology.slot(child, level);
+    Page& page = pageOf(slot);
+    const uint8_t low = lowOf(slot);
+    const bool has_all = topology.hasOtherParent(child, parent, [&](NodeId) { return page.half.has(low); });
+    (has_all ? page.candidates : page.half).set(low);
+  }
+  // Ascending from now on, until one is added.
+  std::span<const Page> sorted() {
+    std::sort(pages_.begin() + 1, pages_.end(), [](const Page& a, const Page& b) { return a.key < b.key; });
+    return std::span(pages_).subspan(1);
+  }
+
+ private:
+  // Neighbours mostly are in the page of the last one.
+  Page& pageOf(Slot slot) {
+    const uint32_t key = slot / kPageSlots;
+    if (pages_[last_].key == key && last_ != IndexTable::kNone) return pages_[last_];
+    last_ = numbers_.find(key);
+    if (last_ == IndexTable::kNone) {
+      last_ = static_cast<uint32_t>(pages_.size());
+      pages_.push_back({key, {}, {}});
+      numbers_.insert(key, last_);
     }
-    section.slots.insert(section.slots.end(), included.begin(), included.end());
-    candidates.clear();
-    for (Slot slot : included)
-      for (NodeId child : topology.children(topology.node(slot))) {
-        const auto parents = topology.parents(child);
-        // A child is found from each of its parents, and taken from the first one.
-        const auto isThisOrIn = [&](NodeId n) {
-          const Slot parent = topology.slot(n);
-          return parent == slot || (parent > slot && std::binary_search(included.begin(), included.end(), parent));
-        };
-        if (std::all_of(parents.begin(), parents.end(), isThisOrIn)) candidates.push_back(topology.slot(child));
-      }
-    std::sort(candidates.begin(), candidates.end());
+    return pages_[last_];
+  }
+
+  std::vector<Page> pages_{1};  // the first stands for none
+  IndexTable numbers_;
+  uint32_t last_ = IndexTable::kNone;
+};
+
+// Visits the candidates of each level, ascending; `decide(slot, context)` says which are in the section: 1, 0, or less
+// to stop. False if it stopped.
+template <class Topology, class Decide>
+bool descend(const Topology& topology, Section& section, const Decide& decide) {
+  Candidates candidates, next;
+  for (Slot slot = topology.levelOffset(1); slot < topology.levelOffset(2); ++slot)
+    if (!topology.isBase(topology.node(slot))) candidates.add(slot);
+  for (int level = 1; level <= topology.maxLevel() && !candidates.empty(); ++level) {
+    size_t before = 0;  // the last three bits
+    const size_t first = section.slots.size();
+    bool goes_on = true;
+    for (const Candidates::Page& page : candidates.sorted()) {
+      page.candidates.forEach([&](uint8_t low) {
+        if (!goes_on) return;
+        const Slot slot = page.key * kPageSlots + low;
+        const int got = decide(slot, static_cast<size_t>(level) * 8 + before);
+        goes_on = got >= 0;
+        before = (2 * before + static_cast<size_t>(got)) & 7;
+        if (got == 1) section.slots.push_back(slot);
+      });
+      if (!goes_on) return false;
+    }
+    next.clear();
+    if (level == topology.maxLevel()) return true;
+    for (size_t i = first; i < section.slots.size(); ++i) {
+      const NodeId node = topology.node(section.slots[i]);
+      for (NodeId child : topology.children(node, level)) next.addChild(topology, child, level + 1, node);
+    }
+    std::swap(candidates, next);
   }
   return true;
 }
+
+Slot firstOf(Slot slot) { return slot; }
+Slot firstOf(const KnownPage& page) { return page.first; }
+
+// Looks for slots or pages, by their first slots, among others; both ascending.
+template <class Item>
+class Cursor {
+ public:
+  explicit Cursor(std::span<const Item> items) : items_(items) {}
+  // Null if it is not among them.
+  const Item* find(Slot first) {
+    while (at_ < items_.size() && firstOf(items_[at_]) < first) ++at_;
+    return at_ < items_.size() && firstOf(items_[at_]) == first ? &items_[at_] : nullptr;
+  }
+
+ private:
+  std::span<const Item> items_;
+  size_t at_ = 0;
+};
 
 // Of the terrain, and of all objects.
 constexpr int kMaxLevels = std::max(GridTopology::kMaxLevels, MeshTopology::kMaxLevels);
 using Model = std::array<AdaptiveBit, 8 * (kMaxLevels + 1)>;
 
-// Writes a closed set of nodes: those for which isIn(slot) is true and whose parents are in it. Returns it. Of nodes
-// that are `sure` to be in it nothing is written.
+// Writes a closed set of nodes: those for which isIn(slot) is true and whose parents are in it; it is asked in
+// ascending order. Returns it. Of nodes that are `sure` to be in it nothing is written.
 template <class Topology, class IsIn>
 Section encode(const Topology& topology, const IsIn& isIn, const Section& sure, Model& model, RangeEncoder& coder) {
   Section written;
+  Cursor<Slot> sure_of(sure.slots);
   descend(topology, written, [&](Slot slot, size_t context) {
-    return contains(sure, slot) || coder.code(model[context], isIn(slot)) ? 1 : 0;
+    return sure_of.find(slot) || coder.code(model[context], isIn(slot)) ? 1 : 0;
   });
   return written;
 }
 template <class Topology>
 void encode(const Topology& topology, const Section& section, Model& model, RangeEncoder& coder) {
+  Cursor<Slot> nodes(section.slots);
   encode(
-      topology, [&](Slot slot) { return contains(section, slot); }, {}, model, coder);
+      topology, [&](Slot slot) { return nodes.find(slot) != nullptr; }, {}, model, coder);
 }
 
 // Reads one; takes its nodes, but for those that are sure, off `room`. False if there is not enough, or the bytes end.
 template <class Topology>
 bool decode(const Topology& topology, Section& section, const Section& sure, size_t& room, Model& model,
             RangeDecoder& coder) {
+  Cursor<Slot> sure_of(sure.slots);
   return descend(topology, section, [&](Slot slot, size_t context) {
-    if (contains(sure, slot)) return 1;
+    if (sure_of.find(slot)) return 1;
     if (coder.overrun()) return -1;
     const bool is_in = coder.code(model[context]);
     if (is_in && room-- == 0) return -1;
     return is_in ? 1 : 0;
   });
-}
-
-const PageKnowledge* find(std::span<const KnownPage> pages, Slot slot) {
-  const Slot first = slot / kPageSlots * kPageSlots;
-  const auto at = std::lower_bound(pages.begin(), pages.end(), first,
-                                   [](const KnownPage& page, Slot wanted) { return page.first < wanted; });
-  return at != pages.end() && at->first == first ? &at->knowledge : nullptr;
 }
 
 // The pages of nodes that are known; no node was asked about.
@@ -130,13 +199,14 @@ std::vector<KnownPage> encodeSections(const GridTopology& grid, const ObjectSet&
   encode(grid, sections.terrain, of_terrain, coder);
   for (size_t i = 0; i < objects.size(); ++i)
     encode(objects.domain(i).topology(), sections.objects[i], of_objects, coder);
+  Cursor<KnownPage> known(sections.known), given_of(sections.known);
   const auto isKnown = [&](Slot slot) {
-    const PageKnowledge* page = find(sections.known, slot);
-    return page && page->known.has(static_cast<uint8_t>(slot));
+    const KnownPage* page = known.find(slot / kPageSlots * kPageSlots);
+    return page && page->knowledge.known.has(lowOf(slot));
   };
   std::vector<KnownPage> pages = pagesOf(encode(grid, isKnown, sections.terrain, of_known, coder));
   for (KnownPage& page : pages)
-    if (const PageKnowledge* given = find(sections.known, page.first)) page.knowledge.finest = given->finest;
+    if (const KnownPage* given = given_of.find(page.first)) page.knowledge.finest = given->knowledge.finest;
   codeFinest(pages, coder);
   coder.finish();
   return pages;

@@ -10,88 +10,210 @@ namespace foreland::proto {
 
 namespace {
 
-// A texel that is seen at a grazing angle counts as if it were seen at one of three degrees.
-constexpr double kLeastCosine = 0.05;
+// Level ground that is seen at a grazing angle counts as if it were seen at one of three degrees.
+constexpr double kLeastFacing = 0.05;
+// Slopes over 60 degrees count as such: a texel there is no larger.
+constexpr double kMostFacing = 2;
+constexpr double kMostBend = 0.1;
 constexpr double kNearest_m = 0.01;
-constexpr double kQuarterTurn = 1.57079632679489662, kHalfTurn = 2 * kQuarterTurn;
+constexpr double kQuarterTurn = 1.57079632679489662;
 
 class Selection {
  public:
   Selection(const TileLayer& layer, const FrameTransform& frame, const View& view)
       : layer_(layer), frame_(frame), view_(view), frustum_(view, kNearest_m), eye_(frame.toLattice(view.pose.eye)) {
     focal_px_ = view.lens.height_px / (2 * view.lens.tanHalfFov());
+    cos_region_ = std::cos(view.region_angle_rad), sin_region_ = std::sin(view.region_angle_rad);
+    largest_stretch_ = stretchAt(frustum_.cosCorner());
+    if (frame.frame().kind == FrameKind::kPlanar)
+      planar_axes_ = axesAt({0, 0, 0}, frame.toScene(LatticePosition{0, 0, 0}));
   }
 
-  // The largest size on the screen of a texel of the tile; nothing if the tile is out of view.
+  // The largest size on the screen of a texel of the tile; nothing if no part of it can be in view.
   std::optional<double> texelSize(const TileId& tile, const TileBounds& bounds) const {
-    const LatticeBox box = layer_.boxOf(tile);
-    const glm::dvec2 middle = 0.5 * (box.low + box.high);
-    const double middle_m = 0.5 * (double{bounds.lowest_m} + bounds.highest_m);
-    const glm::dvec3 centre = frame_.toScene(LatticePosition{middle.x, middle.y, middle_m});
-    const double radius = radiusOf(box, bounds, centre) + view_.region_radius_m;
-    const glm::dvec3 from_eye = centre - view_.pose.eye;
-    const ViewPosition p = frustum_.toView(from_eye.x, from_eye.y, from_eye.z);
-    const double distance = glm::length(from_eye);
-    if (distance > radius && frustum_.sideDistance(p) < -radius) return std::nullopt;
-    const double spread = distance <= radius ? kHalfTurn : std::asin(radius / distance);
-    const double size_px =
-        spacing(middle, middle_m) * layer_.texelAt(tile.level) * focal_px_ / nearestDistance(box, bounds);
-    const glm::dvec3 up = frame_.toScene(LatticePosition{middle.x, middle.y, middle_m + 1}) - centre;
-    return size_px * stretch(p, distance, spread) *
-           std::sqrt(largestCosine(bounds, from_eye, distance, spread) / leastUprightness(bounds, up));
+    const Ground ground(*this, layer_.boxOf(tile), bounds.lowest_m, bounds.highest_m);
+    if (!isInView(ground)) return std::nullopt;
+    return texelSize(tile.level, ground, largestFacing(bounds, ground));
+  }
+  // Of those in a part of a tile of a level. If it is not larger than `enough_px`, it may not be the least bound, and
+  // of a part that is out of view.
+  std::optional<double> texelSize(uint8_t level, const TilePart& part, double enough_px) const {
+    const Ground ground(*this, part.box, part.lowest_m, part.highest_m);
+    const double most_px = levelTexelSize(level, ground) * largest_stretch_ * std::sqrt(kMostFacing);
+    if (most_px <= enough_px) return most_px;
+    if (!isInView(ground)) return std::nullopt;
+    return texelSize(level, ground, largestFacing(part, ground));
+  }
+
+  // Pixels of a part of a tile that the tile makes finer, as SelectedTile counts them.
+  // Source: IMAGERY, "Metric", half the sum of both axes of a texel's image; but texels go on to gain something below a
+  // pixel, for a pixel is the mean of what it shows: all from 2 px on, a quarter at 1 px, nothing at half a pixel.
+  double finerPixels(uint8_t level, const TilePart& part) const {
+    const Ground ground(*this, part.box, part.lowest_m, part.highest_m);
+    if (!(ground.distance > 0) || frustum_.sideDistance(ground.in_view) < 0) return 0;
+    const Axes& axes = ground.axes;
+    const glm::dvec3 v = -ground.from_eye / ground.distance;
+    const double facing = glm::dot(v, axes.up) -
+                          0.5 * (part.least_rise_m[0] + part.largest_rise_m[0]) / axes.spacing.x * glm::dot(v, axes.x) -
+                          0.5 * (part.least_rise_m[1] + part.largest_rise_m[1]) / axes.spacing.y * glm::dot(v, axes.y);
+    if (facing <= 0) return 0;
+    const double texel = layer_.texelAt(level);
+    const double across_px = std::sqrt(axes.spacing.x * axes.spacing.y) * texel * focal_px_ / ground.distance;
+    const auto gain = [](double size_px) { return std::pow(std::clamp(0.5 + 0.5 * std::log2(size_px), 0.0, 1.0), 2); };
+    const glm::dvec2 texels = (part.box.high - part.box.low) / texel;
+    return texels.x * texels.y * across_px * across_px * facing * 0.5 *
+           (gain(2 * across_px) + gain(2 * across_px * facing));
   }
 
  private:
-  double radiusOf(const LatticeBox& box, const TileBounds& bounds, const glm::dvec3& centre) const {
-    double radius = 0;
-    for (const double x : {box.low.x, box.high.x})
-      for (const double y : {box.low.y, box.high.y})
-        for (const float h : {bounds.lowest_m, bounds.highest_m})
-          radius = std::max(radius, glm::distance(centre, frame_.toScene(LatticePosition{x, y, h})));
-    return radius;
+  // Unit vectors along the lattice at a point, and up; metres between samples.
+  struct Axes {
+    glm::dvec3 x{0}, y{0}, up{0};
+    glm::dvec2 spacing{0};
+  };
+
+  // Some of a tile's ground as the view has it.
+  struct Ground {
+    Ground(const Selection& selection, const LatticeBox& lattice_box, double lowest, double highest)
+        : box(lattice_box), lowest_m(lowest), highest_m(highest) {
+      const glm::dvec2 middle = 0.5 * (box.low + box.high);
+      const LatticePosition at{middle.x, middle.y, 0.5 * (lowest + highest)};
+      const FrameTransform& frame = selection.frame_;
+      centre = frame.toScene(at);
+      axes = selection.planar_axes_ ? *selection.planar_axes_ : selection.axesAt(at, centre);
+      double square = 0;
+      for (const double x : {box.low.x, box.high.x})
+        for (const double y : {box.low.y, box.high.y}) {
+          const auto include = [&](double height) {
+            const glm::dvec3 d = frame.toScene(LatticePosition{x, y, height}) - centre;
+            square = std::max(square, glm::dot(d, d));
+          };
+          include(lowest);
+          // In a plane frame the others are opposite to these.
+          if (!selection.planar_axes_) include(highest);
+        }
+      radius = std::sqrt(square) + selection.view_.region_radius_m;
+      from_eye = centre - selection.view_.pose.eye;
+      distance = glm::length(from_eye);
+      in_view = selection.frustum_.toView(from_eye.x, from_eye.y, from_eye.z);
+      sin_spread = distance <= radius ? 1 : radius / distance;
+      cos_spread = std::sqrt(1 - sin_spread * sin_spread);
+    }
+    bool isAround() const { return distance <= radius; }
+
+    LatticeBox box;
+    double lowest_m, highest_m;
+    glm::dvec3 centre{0}, from_eye{0};
+    Axes axes;                              // at the centre
+    double radius = 0;                      // of all of it about the centre, the eye's region taken into account
+    double distance = 0;                    // from the eye to the centre
+    double sin_spread = 0, cos_spread = 0;  // of half the angle that it fills; a right angle if the eye may be in it
+    ViewPosition in_view{};                 // of the centre
+  };
+
+  Axes axesAt(const LatticePosition& at, const glm::dvec3& scene) const {
+    const glm::dvec3 x = frame_.toScene(LatticePosition{at.x + 1, at.y, at.height_m}) - scene,
+                     y = frame_.toScene(LatticePosition{at.x, at.y + 1, at.height_m}) - scene,
+                     up = frame_.toScene(LatticePosition{at.x, at.y, at.height_m + 1}) - scene;
+    const glm::dvec2 spacing(glm::length(x), glm::length(y));
+    return {x / spacing.x, y / spacing.y, up, spacing};
   }
 
-  // Metres between samples: the longer of both axes.
-  double spacing(const glm::dvec2& at, double height_m) const {
-    const glm::dvec3 here = frame_.toScene(LatticePosition{at.x, at.y, height_m});
-    return std::max(glm::distance(here, frame_.toScene(LatticePosition{at.x + 1, at.y, height_m})),
-                    glm::distance(here, frame_.toScene(LatticePosition{at.x, at.y + 1, height_m})));
+  bool isInView(const Ground& g) const { return g.isAround() || frustum_.sideDistance(g.in_view) >= -g.radius; }
+
+  // Of level ground that is seen from straight above, in the middle of the screen.
+  double levelTexelSize(uint8_t level, const Ground& g) const {
+    return std::sqrt(g.axes.spacing.x * widening(g) * g.axes.spacing.y) * layer_.texelAt(level) * focal_px_ /
+           nearestDistance(g);
+  }
+  // How much farther apart along x samples are where some ground is next to the equator than in its middle, at most.
+  double widening(const Ground& g) const {
+    if (planar_axes_) return 1;
+    const Frame& frame = frame_.frame();
+    const double south = frame.latitude0_rad + g.box.low.y * frame.latitude_step_rad,
+                 north = frame.latitude0_rad + g.box.high.y * frame.latitude_step_rad;
+    return std::cos(std::clamp(0.0, south, north)) / std::max(1e-9, std::cos(0.5 * (south + north)));
+  }
+  std::optional<double> texelSize(uint8_t level, const Ground& ground, double facing) const {
+    if (facing <= 0) return std::nullopt;
+    return levelTexelSize(level, ground) * stretch(ground) * std::sqrt(std::clamp(facing, kLeastFacing, kMostFacing));
   }
 
-  // From anywhere that the eye may be to the box of the tile's ground.
-  double nearestDistance(const LatticeBox& box, const TileBounds& bounds) const {
-    const LatticePosition nearest{std::clamp(eye_.x, box.low.x, box.high.x), std::clamp(eye_.y, box.low.y, box.high.y),
-                                  std::clamp<double>(eye_.height_m, bounds.lowest_m, bounds.highest_m)};
+  // From anywhere that the eye may be to the box of the ground.
+  double nearestDistance(const Ground& g) const {
+    const LatticePosition nearest{std::clamp(eye_.x, g.box.low.x, g.box.high.x),
+                                  std::clamp(eye_.y, g.box.low.y, g.box.high.y),
+                                  std::clamp(eye_.height_m, g.lowest_m, g.highest_m)};
     return std::max(glm::distance(view_.pose.eye, frame_.toScene(nearest)) - view_.region_radius_m, kNearest_m);
   }
 
-  // Between a normal of the tile and the direction to the eye, where that is smallest.
-  static double largestCosine(const TileBounds& bounds, const glm::dvec3& from_eye, double distance, double spread) {
+  // How much larger the area of a texel appears than if it were level and seen from straight above, at most: for a
+  // normal n, (n v) / (n u), v being the direction to the eye and u up. Not more than 0 if all of it faces away.
+  double largestFacing(const TileBounds& bounds, const Ground& g) const {
     const glm::dvec3 axis(bounds.axis[0], bounds.axis[1], bounds.axis[2]);
     const double length = glm::length(axis);
-    if (length < 1 || spread >= kQuarterTurn) return 1;
-    const double angle = std::acos(std::clamp(-glm::dot(axis, from_eye) / (length * distance), -1.0, 1.0));
-    const double least = angle - bounds.half_angle * (kQuarterTurn / 255) - spread;
-    return std::max(kLeastCosine, std::cos(std::clamp(least, 0.0, kQuarterTurn)));
+    if (length < 1) return kMostFacing;
+    const double half = bounds.half_angle * (kQuarterTurn / 255);
+    const double steepest = std::acos(std::clamp(glm::dot(axis, g.axes.up) / length, -1.0, 1.0)) + half;
+    const double upright = std::max(1 / kMostFacing, std::cos(std::min(steepest, kQuarterTurn)));
+    if (g.isAround()) return 1 / upright;
+    const double away = std::acos(std::clamp(-glm::dot(axis, g.from_eye) / (length * g.distance), -1.0, 1.0));
+    return std::cos(std::max(0.0, away - half - std::asin(g.sin_spread))) / upright;
   }
 
-  // Of the tile's steepest ground: a texel on it is so much longer. Slopes over 60 degrees count as such.
-  static double leastUprightness(const TileBounds& bounds, const glm::dvec3& up) {
-    constexpr double kLeast = 0.5;
-    const glm::dvec3 axis(bounds.axis[0], bounds.axis[1], bounds.axis[2]);
-    const double length = glm::length(axis);
-    if (length < 1) return kLeast;
-    const double tilt = std::acos(std::clamp(glm::dot(axis, up) / length, -1.0, 1.0));
-    return std::max(kLeast, std::cos(std::min(tilt + bounds.half_angle * (kQuarterTurn / 255), kQuarterTurn)));
+  // The ground's normal is along u - a x - b y where it rises by a along x and by b along y, so that (n v) / (n u) is
+  // v u - a (v x) - b (v y): largest at a corner of the eight-sided bounds of (a, b).
+  double largestFacing(const TilePart& part, const Ground& g) const {
+    const double bend = bendOf(g);
+    if (g.isAround() || bend > kMostBend) return kMostFacing;
+    const Axes& axes = g.axes;
+    const glm::dvec3 v = -g.from_eye / g.distance;
+    const double a = -glm::dot(v, axes.x) / axes.spacing.x, b = -glm::dot(v, axes.y) / axes.spacing.y;
+    const auto most = [&](size_t k, double along) {
+      return along * double{along < 0 ? part.least_rise_m[k] : part.largest_rise_m[k]};
+    };
+    // (a, b) as a sum of multiples of the nearer axis and the nearer diagonal.
+    const double diagonal = std::copysign(std::min(std::fabs(a), std::fabs(b)), a);
+    const double along_axis =
+        std::fabs(a) > std::fabs(b) ? most(0, a - diagonal) : most(1, b - std::copysign(diagonal, b));
+    const double along_diagonal = most((a < 0) == (b < 0) ? 2 : 3, diagonal);
+    const auto steepest = [&](size_t k) {
+      return std::max(std::fabs(part.least_rise_m[k]), std::fabs(part.largest_rise_m[k])) / axes.spacing[int(k)];
+    };
+    // From elsewhere in the spread v differs, and the bend turns the axes.
+    const double slopes = steepest(0) * steepest(0) + steepest(1) * steepest(1);
+    const double sin_spread = std::min(1.0, g.sin_spread + bend);
+    return g.cos_spread * (glm::dot(v, axes.up) + along_axis + along_diagonal) + sin_spread * std::sqrt(1 + slopes);
+  }
+
+  // By how much the directions of the axes, and relatively their lengths, change from the middle of some ground to its
+  // corners.
+  double bendOf(const Ground& g) const {
+    if (planar_axes_) return 0;
+    const double x = 0.5 * (g.box.low.x + g.box.high.x), height_m = 0.5 * (g.lowest_m + g.highest_m);
+    const auto spacingAt = [&](double y) {
+      return glm::distance(frame_.toScene(LatticePosition{x, y, height_m}),
+                           frame_.toScene(LatticePosition{x + 1, y, height_m}));
+    };
+    const double south = spacingAt(g.box.low.y), north = spacingAt(g.box.high.y);
+    constexpr double kSmallestRadius_m = 6.3e6;
+    return g.radius / kSmallestRadius_m + std::fabs(std::log(std::max(south, 1e-9) / std::max(north, 1e-9)));
   }
 
   // How much larger things are on a plane screen at an angle from its middle, at the tile's visible point where that is
   // largest: by 1 / cos across the angle and 1 / cos^2 along it, the distance being the same.
-  double stretch(const ViewPosition& p, double distance, double spread) const {
-    const double middle = distance > 0 ? std::acos(std::clamp(p.z / distance, -1.0, 1.0)) : 0;
-    const double farthest = std::min(middle + spread + view_.region_angle_rad, kQuarterTurn);
-    return std::pow(std::max(frustum_.cosCorner(), std::cos(farthest)), -1.5);
+  double stretch(const Ground& g) const {
+    if (g.isAround()) return largest_stretch_;
+    const double cos_middle = std::clamp(g.in_view.z / g.distance, -1.0, 1.0),
+                 sin_middle = std::sqrt(1 - cos_middle * cos_middle);
+    // The angles' sum, up to a right angle.
+    const double cos_edge = cos_middle * g.cos_spread - sin_middle * g.sin_spread,
+                 sin_edge = sin_middle * g.cos_spread + cos_middle * g.sin_spread;
+    if (cos_edge <= 0) return largest_stretch_;
+    const double farthest = cos_edge * cos_region_ - sin_edge * sin_region_;
+    return farthest <= frustum_.cosCorner() ? largest_stretch_ : stretchAt(farthest);
   }
+  static double stretchAt(double cosine) { return 1 / (cosine * std::sqrt(cosine)); }
 
   const TileLayer& layer_;
   const FrameTransform& frame_;
@@ -99,21 +221,88 @@ class Selection {
   Frustum frustum_;
   LatticePosition eye_;
   double focal_px_;
+  double cos_region_ = 1, sin_region_ = 0;  // of the angle that the camera may turn by
+  double largest_stretch_;                  // in a corner of the screen
+  std::optional<Axes> planar_axes_;         // the same everywhere
+};
+
+// The largest texel of a tile on the screen as far as parts of its ground tell.
+class PartSearch {
+ public:
+  PartSearch(const Selection& selection, TileGround& ground) : selection_(selection), ground_(ground) {}
+
+  // Makes `tile.texel_px` smaller if it can, negative if nothing of it is in view, and sets `finer_px`. What is no
+  // larger than `enough_px` need not be known more closely.
+  void look(SelectedTile& tile, double enough_px) {
+    parts_.clear();
+    if (!ground_.parts(tile.tile, parts_)) return;
+    sized_.clear();
+    small_px_ = -1;
+    for (const TilePart& part : parts_)
+      if (add(tile.tile.level, part, enough_px)) tile.finer_px += selection_.finerPixels(tile.tile.level, part);
+    double largest_px = small_px_;
+    // The largest first: what is left when that cannot be split is no larger.
+    while (!sized_.empty()) {
+      std::pop_heap(sized_.begin(), sized_.end());
+      const Sized next = sized_.back();
+      sized_.pop_back();
+      parts_.clear();
+      if (!ground_.split(next.part, parts_)) {
+        largest_px = next.size_px;
+        break;
+      }
+      for (const TilePart& part : parts_) add(tile.tile.level, part, enough_px);
+      largest_px = small_px_;
+    }
+    tile.texel_px = std::min(tile.texel_px, static_cast<float>(largest_px));
+  }
+
+ private:
+  struct Sized {
+    double size_px;
+    TilePart part;
+    bool operator<(const Sized& other) const { return size_px < other.size_px; }
+  };
+  // False if the part is small, hidden or out of view.
+  bool add(uint8_t level, const TilePart& part, double enough_px) {
+    const auto size_px = selection_.texelSize(level, part, enough_px);
+    if (!size_px) return false;
+    if (*size_px <= enough_px) {
+      small_px_ = std::max(small_px_, *size_px);
+      return false;
+    }
+    if (ground_.isHidden(part)) return false;
+    sized_.push_back({*size_px, part});
+    std::push_heap(sized_.begin(), sized_.end());
+    return true;
+  }
+
+  const Selection& selection_;
+  TileGround& ground_;
+  std::vector<TilePart> parts_;
+  std::vector<Sized> sized_;  // a heap
+  double small_px_ = -1;      // the largest of those that are small enough
 };
 
 }  // namespace
 
 void selectTiles(const TileLayer& layer, uint8_t layer_index, const FrameTransform& frame, const View& view,
-                 double tau_texel_px, size_t most, const TileLookup& lookup, std::vector<SelectedTile>& out) {
+                 double tau_texel_px, size_t most, const TileLookup& lookup, std::vector<SelectedTile>& out,
+                 TileGround* ground) {
   out.clear();
   const Selection selection(layer, frame, view);
+  std::optional<PartSearch> search;
+  if (ground != nullptr) search.emplace(selection, *ground);
   // Within a tile the texels of its parent are twice as large as its own.
   const auto consider = [&](const TileId& tile) {
     if (!layer.has(tile)) return;
     const auto bounds = lookup(tile);
     if (!bounds) return;
-    const auto size = selection.texelSize(tile, *bounds);
-    if (size && (layer.isCoarsest(tile) || 2 * *size > tau_texel_px)) out.push_back({tile, static_cast<float>(*size)});
+    const auto size_px = selection.texelSize(tile, *bounds);
+    SelectedTile selected{tile, static_cast<float>(size_px.value_or(0))};
+    if (layer.isCoarsest(tile)) return out.push_back(selected);
+    if (search && 2 * selected.texel_px > tau_texel_px) search->look(selected, 0.5 * tau_texel_px);
+    if (2 * selected.texel_px > tau_texel_px) out.push_back(selected);
   };
   consider({layer_index, static_cast<uint8_t>(layer.levels() - 1), 0, 0});
   // Level by level; `from` is the first tile of the level before.

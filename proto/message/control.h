@@ -22,7 +22,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 8;
+inline constexpr uint32_t kProtocolVersion = 10;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
@@ -53,6 +53,7 @@ struct ViewRequest {
   Strategy strategy = Strategy::kPredict;
   Predictor predictor = Predictor::kConstantVelocity;
   Duration keyframe_interval;         // 0: the server's own
+  Duration longest_interval{};        // above keyframe_interval: adaptive, between the two; 0: fixed
   uint32_t max_triangles = 0;         // that the client can draw; 0: no limit
   uint32_t max_bytes_per_second = 0;  // that the client can receive; 0: no limit
   // Whether what ridges hide may be left out. If the first request of a connection says no, later ones cannot say yes.
@@ -95,12 +96,14 @@ struct Welcome {
   std::vector<int32_t> centre_heights;  // roots_x * roots_y
   double tau_px = 1;                    // in force
   Duration keyframe_interval;           // in force
+  Duration longest_interval{};          // in force; 0: keyframe_interval is fixed
   std::vector<ObjectModel> models;
   std::vector<ObjectPlacement> objects;  // with models: what ObjectSet::create accepts
   bool occlusion = false;                // deltas on this connection carry hidden blocks (codec/block_coder.h)
   uint32_t memory_bytes = 0;             // that the client remembers, at most what it asked for
   std::vector<Epoch> epochs;             // what Epochs::create accepts; empty: the scene does not change in time
   std::vector<BaseOffset> base_offsets;  // those that are not zero
+  uint32_t most_offset = 0;              // the largest either way, of all vertices and epochs; at most kMaxOffset
   std::vector<TileLayer> tile_layers;    // at most one of each content
   uint32_t tile_bytes = 0;               // that the client holds, at most what it asked for
 };

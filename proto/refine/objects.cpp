@@ -1,6 +1,8 @@
 #include "proto/refine/objects.h"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <string>
 #include <utility>
 
@@ -30,6 +32,16 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
 
 }  // namespace
 
+GroundRise::GroundRise(std::vector<int32_t> rises, const Frame& frame, const glm::dvec3& position)
+    : quanta(std::move(rises)), quantum(FrameTransform(frame).upAt(position) * frame.height_quantum_m) {}
+
+glm::dvec3 GroundRise::at(const EpochWeights& weights) const {
+  if (isStill()) return glm::dvec3(0);
+  double risen = 0;
+  for (uint32_t i = 0; i < weights.count; ++i) risen += weights.weight[i] * quanta[weights.epoch[i]];
+  return risen * quantum;
+}
+
 View ObjectPlacement::toObject(const View& view) const {
   const glm::dquat back = glm::conjugate(orientation);
   View seen = view;
@@ -37,6 +49,15 @@ View ObjectPlacement::toObject(const View& view) const {
   seen.pose.orientation = back * view.pose.orientation;
   seen.region_radius_m = view.region_radius_m / scale;
   return seen;
+}
+
+View ObjectPlacement::toCarriedObject(const View& view) const {
+  if (rise.isStill()) return toObject(view);
+  const auto [lowest, highest] = std::minmax_element(rise.quanta.begin(), rise.quanta.end());
+  View seen = view;
+  seen.pose.eye -= 0.5 * (double(*lowest) + double(*highest)) * rise.quantum;
+  seen.region_radius_m += 0.5 * (double(*highest) - double(*lowest)) * glm::length(rise.quantum);
+  return toObject(seen);
 }
 
 Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements) {

@@ -11,7 +11,9 @@
 
 #include "base/result.h"
 #include "proto/refine/surface_domain.h"
+#include "proto/section/epochs.h"
 #include "proto/section/section.h"
+#include "proto/space/frame.h"
 #include "proto/topology/atlas_layout.h"
 
 namespace foreland::proto {
@@ -24,16 +26,35 @@ struct ObjectModel {
   bool operator==(const ObjectModel&) const = default;
 };
 
+// How the ground carries what stands on it, in a scene that changes in time: straight up and down with the ground at
+// one point.
+struct GroundRise {
+  std::vector<int32_t> quanta;  // by epoch, since the first one; empty: it never moves
+  glm::dvec3 quantum{0};        // scene frame, metres
+
+  GroundRise() = default;
+  // Of what stands at `position`, scene frame.
+  GroundRise(std::vector<int32_t> quanta, const Frame& frame, const glm::dvec3& position);
+  bool isStill() const { return quanta.empty(); }
+  // Where it has been carried to at a scene time, scene frame, metres.
+  glm::dvec3 at(const EpochWeights& weights) const;
+  bool operator==(const GroundRise&) const = default;
+};
+
 // From the model's frame to the scene's: scaled, turned, moved.
 struct ObjectPlacement {
   uint32_t model = 0;
   glm::dvec3 position{0};              // scene frame, metres
   glm::dquat orientation{1, 0, 0, 0};  // unit
   double scale = 1;
+  GroundRise rise{};
 
+  // As it stands at the first epoch.
   glm::dvec3 toScene(const glm::dvec3& p) const { return position + orientation * (p * scale); }
-  // Pixels stay what they are.
+  // Pixels stay what they are. The object stands as at the first epoch.
   View toObject(const View& view) const;
+  // The same, with a region that holds the view wherever the ground carries the object. O(epochs).
+  View toCarriedObject(const View& view) const;
 };
 
 class ObjectSet {

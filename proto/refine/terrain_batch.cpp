@@ -74,8 +74,9 @@ struct TerrainBatch::Loops {
       const double distance = std::max(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), Metric::kNearest_m);
       b.passes[i] = margin.metric().passes(p, b.radius[i], b.error[i]);
       b.slack[i] = static_cast<float>(safe);
-      b.constraint[i] =
-          MotionConstraint::of(static_cast<uint32_t>(result.sensitivity), static_cast<float>(distance + safe));
+      b.constraint[i] = MotionConstraint::of(
+          static_cast<uint32_t>(result.sensitivity),
+          static_cast<float>(distance + MotionMargin::mostGrowthOfDistance(result.sensitivity, safe)));
     }
   }
 

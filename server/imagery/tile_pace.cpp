@@ -1,6 +1,7 @@
 #include "server/imagery/tile_pace.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace foreland::server {
 
@@ -8,20 +9,26 @@ namespace {
 
 constexpr double kLeast = 10e3, kMost = 50e6;  // bytes a second
 constexpr size_t kMostUnderWay = 64;
-constexpr double kDrift_us = 100;     // that a delay may grow from keyframe to keyframe because clocks differ
-constexpr double kAllowed_us = 20e3;  // that a keyframe may queue, and as long as half a tile takes
-constexpr double kHalfTile = 8e3;     // bytes
-constexpr double kMostShares = 3;     // of an interval, that may be under way
+constexpr double kDrift_us = 100;       // that a delay may grow from keyframe to keyframe because clocks differ
+constexpr double kAllowed_us = 20e3;    // that a keyframe may queue, and as long as half a tile takes
+constexpr double kHalfTile = 8e3;       // bytes
+constexpr double kMostShares = 3;       // of an interval, that may be under way
+constexpr double kMostLatency_s = 0.3;  // of a round trip; what takes longer was transmitted so slowly
 constexpr double kStep = 0.03, kMostDown = 0.25, kFirstStep = 0.3;  // of the rate, from keyframe to keyframe
 
 }  // namespace
 
-void TilePace::keyframeArrived(uint32_t index, Time arrived_client) {
+void TilePace::keyframeArrived(uint32_t index, Time arrived_client, Duration round_trip) {
   while (!under_way_.empty() && under_way_.front().index < index) under_way_.pop_front();
   if (under_way_.empty() || under_way_.front().index != index) return;
   const Sent keyframe = under_way_.front();
   under_way_.pop_front();
   delivered_ = keyframe.bytes;
+  if (!std::exchange(is_measured_, true)) {
+    const double least = keyframe.own_bytes / std::max(round_trip.toSeconds(), 1e-3);
+    const double most = keyframe.own_bytes / std::max(round_trip.toSeconds() - kMostLatency_s, 1e-3);
+    bytes_per_second_ = std::clamp(std::clamp(bytes_per_second_, least, std::max(least, most)), kLeast, kMost);
+  }
   const auto delay_us = static_cast<double>(arrived_client.us - keyframe.at.us);
   least_us_ = least_us_ ? std::min(*least_us_ + kDrift_us, delay_us) : delay_us;
   const double queued_us = delay_us - *least_us_;
@@ -34,8 +41,8 @@ void TilePace::keyframeArrived(uint32_t index, Time arrived_client) {
   bytes_per_second_ = std::clamp(bytes_per_second_ * (1 + step), kLeast, kMost);
 }
 
-void TilePace::keyframeSent(uint32_t index, Time now, double interval_s, uint32_t max_bytes_per_second) {
-  under_way_.push_back({index, now, sent_, credit_ <= 0});
+void TilePace::keyframeSent(uint32_t index, size_t bytes, Time now, double interval_s, uint32_t max_bytes_per_second) {
+  under_way_.push_back({index, now, static_cast<double>(bytes), sent_, credit_ <= 0});
   if (under_way_.size() > kMostUnderWay) under_way_.pop_front();
   double rate = bytes_per_second_;
   if (max_bytes_per_second > 0) rate = std::min(rate, 0.5 * max_bytes_per_second);
@@ -43,7 +50,7 @@ void TilePace::keyframeSent(uint32_t index, Time now, double interval_s, uint32_
   // What was not used does not add up: it would be a burst.
   credit_ = std::min(credit_ + share, share);
   // The link has not even transmitted what it was given before.
-  if (sent_ - delivered_ > kMostShares * share) credit_ = std::min(credit_, 0.0);
+  if (sent_ - delivered_ > (is_measured_ ? kMostShares * share : 0)) credit_ = std::min(credit_, 0.0);
 }
 
 void TilePace::sent(size_t bytes) {

@@ -1,7 +1,9 @@
 // How many bytes of tiles may follow a keyframe so that the next keyframe hardly queues behind them. Tiles are sent in
 // the wake of keyframes and arrive in order, so the acknowledgement of a keyframe tells how long it queued behind the
 // tiles before it, and that they have arrived. The rate rises while keyframes arrive as fast as ever, and falls when
-// they queue. One owner. Source: IMAGERY, "When"; delays as the signal of a queue as in LEDBAT (RFC 6817).
+// they queue. It begins with a guess, within what the first keyframe tells of the link; until that one has arrived, not
+// more than one interval's share is sent. One owner. Source: IMAGERY, "When"; delays as the signal of a queue as in
+// LEDBAT (RFC 6817).
 #pragma once
 
 #include <cstddef>
@@ -15,10 +17,11 @@ namespace foreland::server {
 
 class TilePace {
  public:
-  // A keyframe leaves, so long after the last one. At most so many bytes of tiles a second may follow; 0: no limit.
-  void keyframeSent(uint32_t index, Time now, double interval_s, uint32_t max_bytes_per_second);
-  // It arrived at this time of the client's clock.
-  void keyframeArrived(uint32_t index, Time arrived_client);
+  // A keyframe of so many bytes leaves, and the next one after an interval. At most so many bytes of tiles a second may
+  // follow; 0: no limit.
+  void keyframeSent(uint32_t index, size_t bytes, Time now, double interval_s, uint32_t max_bytes_per_second);
+  // It arrived at this time of the client's clock; it and the answer took `round_trip`.
+  void keyframeArrived(uint32_t index, Time arrived_client, Duration round_trip);
   // Whether another tile may be sent now. A tile is sent whole, and what it takes too much is missing afterwards.
   bool mayBeSent() const { return credit_ > 0; }
   void sent(size_t bytes);
@@ -30,6 +33,7 @@ class TilePace {
   struct Sent {
     uint32_t index;
     Time at;
+    double own_bytes;
     double bytes;   // of tiles, before it
     bool is_tried;  // more tiles waited than could be sent
   };
@@ -38,6 +42,7 @@ class TilePace {
   double sent_ = 0, delivered_ = 0;  // bytes of tiles
   std::deque<Sent> under_way_;       // keyframes
   std::optional<double> least_us_;   // delay, with the offset between the clocks
+  bool is_measured_ = false;         // a keyframe has arrived
   bool was_full_ = false;            // keyframes have queued
 };
 

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace foreland::server {
 
-TileSender::TileSender(const Hierarchy& hierarchy, uint32_t held_bytes)
+TileSender::TileSender(const Hierarchy& hierarchy, std::shared_ptr<const SceneGround> ground, uint32_t held_bytes)
     : table_(hierarchy.scene().tiles()),
       frame_(hierarchy.scene().frame()),
       held_(held_bytes),
-      most_needed_bytes_(held_bytes / 2) {}
+      most_needed_bytes_(held_bytes / 2) {
+  if (ground) ground_.emplace(table_.layers(), std::move(ground), held_);
+}
 
 Status TileSender::hold(const proto::HeldTiles& held) {
   for (const proto::TileId& tile : held.tiles) {
@@ -20,23 +23,37 @@ Status TileSender::hold(const proto::HeldTiles& held) {
   return {};
 }
 
-void TileSender::choose(uint32_t keyframe, std::span<const proto::View> views, const proto::ViewRequest& request) {
+void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, const proto::ViewRequest& request) {
   waiting_.clear();
   needed_.clear();
   needed_bytes_ = 0;
   statement_.keyframe = keyframe;
   const auto layers = table_.layers();
-  for (size_t i = 0; i < views.size(); ++i) {
+  for (size_t i = 0; i < targets.size(); ++i) {
+    if (ground_) ground_->look(targets[i].eyes, targets[i].view);
     for (size_t at = 0; at < layers.size(); ++at) {
       const auto layer = static_cast<uint8_t>(at);
       if (!request.wants(layers[layer].content)) continue;
-      proto::selectTiles(
-          layers[layer], layer, frame_, views[i], kTexel_px, kMostSelected,
-          [&](const proto::TileId& tile) { return table_.bounds(tile); }, selected_);
+      select(targets[i], layer, kTexel_px);
       if (i == 0) state(layer);
-      queueSelected();
+      queueSelected([](const proto::SelectedTile&) { return true; });
     }
+    had_first_view_ = had_first_view_ || isViewWhole(request);
+    if (!had_first_view_) return;
   }
+  if (keyframe % kWantEvery != 0) return;
+  for (size_t at = 0; at < layers.size(); ++at) {
+    const auto layer = static_cast<uint8_t>(at);
+    if (layers[layer].content != proto::TileContent::kImagery || !request.wants(layers[layer].content)) continue;
+    select(targets.back(), layer, kFinestTexel_px);
+    queueSelected([&](const proto::SelectedTile& tile) { return isWorthItsBytes(tile); });
+  }
+}
+
+void TileSender::select(const Target& target, uint8_t layer, double texel_px) {
+  proto::selectTiles(
+      table_.layers()[layer], layer, frame_, target.view, texel_px, kMostSelected,
+      [&](const proto::TileId& tile) { return table_.bounds(tile); }, selected_, ground_ ? &*ground_ : nullptr);
 }
 
 // The largest texels on the screen are those shown in place of what is missing.
@@ -45,6 +62,13 @@ void TileSender::state(uint8_t layer) {
   for (const proto::SelectedTile& each : selected_)
     if (!held_.has(each.tile)) largest_px = std::max(largest_px, shownInPlaceOf(each));
   statement_.texel_px[layer] = largest_px;
+}
+
+bool TileSender::isViewWhole(const proto::ViewRequest& request) const {
+  const auto layers = table_.layers();
+  for (size_t layer = 0; layer < layers.size(); ++layer)
+    if (request.wants(layers[layer].content) && statement_.texel_px[layer] > kTexel_px) return false;
+  return true;
 }
 
 // The size on the screen, where the tile is, of the texels of the next coarser tile that the viewer has.
@@ -60,13 +84,22 @@ float TileSender::shownInPlaceOf(const proto::SelectedTile& missing) const {
   return std::numeric_limits<float>::infinity();
 }
 
-void TileSender::queueSelected() {
+template <class IsQueued>
+void TileSender::queueSelected(const IsQueued& isQueued) {
   for (const proto::SelectedTile& each : selected_) {
     if (needed_bytes_ > most_needed_bytes_) return;
-    if (!needed_.insert(each.tile.key()).second) continue;
+    if (!isQueued(each) || !needed_.insert(each.tile.key()).second) continue;
     needed_bytes_ += table_.bytes(each.tile).size();
     if (!held_.has(each.tile)) waiting_.push_back(each.tile);
   }
+}
+
+// Only if its parent is there, or will be.
+bool TileSender::isWorthItsBytes(const proto::SelectedTile& each) const {
+  const double detail = table_.detail(each.tile);
+  if (detail * detail * each.finer_px < kLeastGain * static_cast<double>(table_.bytes(each.tile).size())) return false;
+  const proto::TileId parent = each.tile.parent();
+  return held_.has(parent) || needed_.contains(parent.key());
 }
 
 Bytes TileSender::messageOf(const proto::TileId& tile) const {
@@ -80,7 +113,10 @@ void TileSender::take(std::vector<Bytes>& out) {
     told_ = statement_;
   }
   for (const proto::TileId& tile : waiting_) {
-    if (!pace_.mayBeSent()) break;
+    if (!pace_.mayBeSent()) {
+      short_until_ = statement_.keyframe + kShortFor;
+      break;
+    }
     out.push_back(messageOf(tile));
     pace_.sent(out.back().size());
     held_.add(tile, static_cast<uint32_t>(table_.bytes(tile).size()), [](const proto::TileId&) {});

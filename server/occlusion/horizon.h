@@ -52,6 +52,7 @@ class Horizon {
   bool hides(const Square& square);
 
   const EyeSweep& eyes() const { return eyes_; }
+  double bin() const { return bin_; }                              // 0 before look()
   const glm::dvec2& begin() const { return eyes_in_grid_.begin; }  // of the sweep, in steps
   double extent() const { return extent_m_; }                      // of the eyes, metres
   uint64_t segmentsBuilt() const;                                  // since it was made

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <limits>
 
 #include "base/check.h"
 
@@ -11,7 +13,10 @@ namespace foreland::server {
 
 namespace {
 
-constexpr uint32_t kFewestVertices = 17;  // along the shorter side, of a level
+constexpr uint32_t kFewestVertices = 17;   // along the shorter side, of a level
+constexpr double kEarthRadius_m = 6.35e6;  // at least
+constexpr double kMostBend = 0.6;          // of a square of the size over the radius: an eighth of it upward, and that
+                                           // times the tangent of the latitude sideways, 3.7 at most
 
 class Samples {
  public:
@@ -24,6 +29,8 @@ class Samples {
       for (uint32_t x = 0; x < columns; ++x)
         heights_.push_back(static_cast<float>(table.height(proto::NodeId::at(x, y)) * quantum_m));
   }
+  explicit Samples(const TangentHeights& heights)
+      : columns(heights.columns), rows(heights.rows), heights_(heights.heights_m) {}
   float operator()(uint32_t x, uint32_t y) const { return heights_[size_t{y} * columns + x]; }
 
   const uint32_t columns, rows;
@@ -82,6 +89,13 @@ HorizonGrid::Level levelOf(const Samples& samples, uint32_t stride) {
   return level;
 }
 
+std::vector<HorizonGrid::Level> levelsOf(const Samples& samples, uint32_t stride) {
+  std::vector<HorizonGrid::Level> levels;
+  for (; (std::min(samples.columns, samples.rows) - 1) / stride + 1 >= kFewestVertices || levels.empty(); stride *= 2)
+    levels.push_back(levelOf(samples, stride));
+  return levels;
+}
+
 // The larger singular value.
 double largestStretch(const glm::dmat2& m) {
   const double sum = glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]), determinant = glm::determinant(m);
@@ -95,18 +109,54 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices) {
   const proto::Frame& frame = hierarchy.frame().transform().frame();
   const proto::GridShape& shape = hierarchy.grid().shape();
   while (size_t{shape.samples_x / stride_} * (shape.samples_y / stride_) > max_vertices) stride_ *= 2;
-  const Samples samples(hierarchy);
-  for (uint32_t stride = stride_;
-       (std::min(samples.columns, samples.rows) - 1) / stride + 1 >= kFewestVertices || levels_.empty(); stride *= 2)
-    levels_.push_back(levelOf(samples, stride));
+  levels_ = levelsOf(Samples(hierarchy), stride_);
   const glm::dmat2 to_scene(frame.axis_x_m, frame.axis_y_m);
-  to_scene_ = to_scene * static_cast<double>(stride_);
-  to_lattice_ = glm::inverse(to_scene);
-  origin_m_ = -(to_scene * frame.anchor);
-  steps_of_metre_ = largestStretch(to_lattice_) / stride_;
-  metres_of_step_ = largestStretch(to_scene) * stride_;
+  setAxes(to_scene * static_cast<double>(stride_), -(to_scene * frame.anchor));
   quantum_m_ = frame.height_quantum_m;
   highest_m_ = hierarchy.scene().heightRange().highest * frame.height_quantum_m;
+}
+
+HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heights)
+    : geographic_(hierarchy.frame().transform()) {
+  levels_ = levelsOf(Samples(heights), 1);
+  setAxes(glm::dmat2(heights.spacing_m), heights.low_m);
+  quantum_m_ = geographic_->frame().height_quantum_m;
+  highest_m_ = *std::max_element(heights.heights_m.begin(), heights.heights_m.end());
+}
+
+std::shared_ptr<const HorizonGrid> HorizonGrid::of(const Hierarchy& hierarchy, size_t max_vertices) {
+  if (supports(hierarchy)) return std::make_shared<const HorizonGrid>(hierarchy, max_vertices);
+  const auto heights = tangentHeights(hierarchy, max_vertices / 2);  // finer than the samples: half as many do
+  return heights ? std::shared_ptr<const HorizonGrid>(new HorizonGrid(hierarchy, *heights)) : nullptr;
+}
+
+void HorizonGrid::setAxes(const glm::dmat2& step, const glm::dvec2& origin_m) {
+  to_scene_ = step;
+  to_grid_ = glm::inverse(step);
+  origin_m_ = origin_m;
+  steps_of_metre_ = largestStretch(to_grid_);
+  metres_of_step_ = largestStretch(step);
+}
+
+// Between the corners of a box the ground bends: upward by what its diagonal does on a sphere, and sideways as
+// parallels do, more towards the poles; lower ground lies farther inward along its vertical.
+HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::LatticeBox& box, double lowest_m, double highest_m) const {
+  if (!geographic_) return {box.low * stepsOfSample(), box.high * stepsOfSample(), highest_m};
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  const proto::Frame& frame = geographic_->frame();
+  for (const double y : {box.low.y, box.high.y}) {
+    const auto row = geographic_->row(frame.latitude0_rad + y * frame.latitude_step_rad);
+    for (const double x : {box.low.x, box.high.x}) {
+      const auto column = geographic_->column(frame.longitude0_rad + x * frame.longitude_step_rad);
+      for (const double height_m : {lowest_m, highest_m}) {
+        const glm::dvec3 p = geographic_->fromTables(row, column, height_m);
+        low = glm::min(low, p), high = glm::max(high, p);
+      }
+    }
+  }
+  const glm::dvec2 size(high - low);
+  const double bend_m = kMostBend * glm::dot(size, size) / kEarthRadius_m;
+  return {toGrid(glm::dvec2(low) - bend_m), toGrid(glm::dvec2(high) + bend_m), high.z + bend_m};
 }
 
 size_t HorizonGrid::bytes() const {

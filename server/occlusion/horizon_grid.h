@@ -5,15 +5,20 @@
 // themselves if there are no more of them than allowed; where samples are left out, vertices are lowered until the
 // lines between them lie below what was left out.
 //
-// Only for planar frames, where the lattice is an affine image of the ground plane. Immutable after creation; any
-// thread. Memory: 11 bytes a vertex of the finest level.
+// In planar frames the lattice is an affine image of the ground plane. In geographic ones of up to 200 km from the
+// middle the grid is a lattice of its own in the plane that touches the earth there, below the ground
+// (tangent_heights.h). Immutable after creation; any thread. Memory: 11 bytes a vertex of the finest level.
 #pragma once
 
 #include <cstdint>
 #include <glm/mat2x2.hpp>
 #include <glm/vec2.hpp>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "proto/imagery/tile.h"
+#include "server/occlusion/tangent_heights.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {
@@ -32,19 +37,29 @@ class HorizonGrid {
     }
   };
 
+  static constexpr size_t kMostVertices = 8u << 20;
   // The hierarchy's frame must be planar. O(samples).
-  explicit HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices = 8u << 20);
+  explicit HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices = kMostVertices);
+  // Of any frame; nullptr if the scene extends too far over the earth. O(samples).
+  static std::shared_ptr<const HorizonGrid> of(const Hierarchy& hierarchy, size_t max_vertices = kMostVertices);
 
+  // Whether the grid's lines are the lattice's.
   static bool supports(const Hierarchy& hierarchy) {
     return hierarchy.frame().transform().frame().kind == proto::FrameKind::kPlanar;
   }
 
   const std::vector<Level>& levels() const { return levels_; }
   // Steps of the finest level, and the horizontal scene position of them.
-  glm::dvec2 toGrid(const glm::dvec2& scene_m) const { return (to_lattice_ * (scene_m - origin_m_)) / double(stride_); }
-  glm::dvec2 directionToGrid(const glm::dvec2& scene_m) const { return (to_lattice_ * scene_m) / double(stride_); }
+  glm::dvec2 toGrid(const glm::dvec2& scene_m) const { return to_grid_ * (scene_m - origin_m_); }
+  glm::dvec2 directionToGrid(const glm::dvec2& scene_m) const { return to_grid_ * scene_m; }
   glm::dvec2 toScene(const glm::dvec2& direction) const { return to_scene_ * direction; }
-  double stepsOfSample() const { return 1.0 / stride_; }
+  double stepsOfSample() const { return 1.0 / stride_; }  // in planar frames
+  // What holds all ground of a box of the lattice between two heights: in steps, and up to a height of the scene.
+  struct Bounds {
+    glm::dvec2 low, high;
+    double top_m;
+  };
+  Bounds boundsOf(const proto::LatticeBox& box, double lowest_m, double highest_m) const;
   // Of a circle of one metre on the ground, as steps, at most; and of a circle of one step, in metres.
   double stepsOfMetre() const { return steps_of_metre_; }
   double metresOfStep() const { return metres_of_step_; }
@@ -53,9 +68,13 @@ class HorizonGrid {
   size_t bytes() const;
 
  private:
-  uint32_t stride_ = 1;                     // samples a step
-  glm::dmat2 to_lattice_{1}, to_scene_{1};  // of samples; of steps
-  glm::dvec2 origin_m_{0};                  // of sample (0, 0)
+  HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heights);
+  void setAxes(const glm::dmat2& step, const glm::dvec2& origin_m);
+
+  std::optional<proto::FrameTransform> geographic_;  // of geographic frames
+  uint32_t stride_ = 1;                              // samples a step
+  glm::dmat2 to_grid_{1}, to_scene_{1};              // of vectors; in steps
+  glm::dvec2 origin_m_{0};                           // of sample (0, 0)
   double steps_of_metre_ = 1, metres_of_step_ = 1, highest_m_ = 0, quantum_m_ = 1;
   std::vector<Level> levels_;
 };

@@ -1,11 +1,15 @@
 #include "server/occlusion/scene_occlusion.h"
 
+#include <utility>
+
 namespace foreland::server {
 
-Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy) {
-  SceneOcclusion scene{BlockTops(hierarchy), std::nullopt, nullptr};
+Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy,
+                                                                     std::shared_ptr<const HorizonGrid> grid) {
+  SceneOcclusion scene{BlockTops(hierarchy), std::move(grid), nullptr};
+  if (scene.grid) return std::make_shared<const SceneOcclusion>(std::move(scene));
   if (HorizonGrid::supports(hierarchy)) {
-    scene.grid.emplace(hierarchy);
+    scene.grid = std::make_shared<const HorizonGrid>(hierarchy);
   } else {
     auto occluder = Occluder::create(hierarchy);
     if (!occluder) return occluder.error();

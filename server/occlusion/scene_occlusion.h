@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "server/occlusion/block_tops.h"
 #include "server/occlusion/horizon_grid.h"
@@ -12,11 +11,12 @@ namespace foreland::server {
 
 struct SceneOcclusion {
   BlockTops tops;
-  std::optional<HorizonGrid> grid;           // of a planar scene
+  std::shared_ptr<const HorizonGrid> grid;   // of a planar scene
   std::shared_ptr<const Occluder> occluder;  // of another; null if there is a grid
 
-  // As Occluder::create. O(samples).
-  static Result<std::shared_ptr<const SceneOcclusion>> create(const Hierarchy& hierarchy);
+  // As Occluder::create; takes `grid` if there is one already. O(samples).
+  static Result<std::shared_ptr<const SceneOcclusion>> create(const Hierarchy& hierarchy,
+                                                              std::shared_ptr<const HorizonGrid> grid = nullptr);
   size_t bytes() const { return tops.bytes() + (grid ? grid->bytes() : 0) + (occluder ? occluder->bytes() : 0); }
 };
 

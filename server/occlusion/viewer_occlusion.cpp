@@ -41,7 +41,7 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
       scene_(scene),
       test_(hierarchy, scene),
       options_(options),
-      stretches_(intervals_, scene.grid ? &*scene.grid : nullptr),
+      stretches_(intervals_, scene.grid.get()),
       proofs_(hierarchy.grid()) {}
 
 void ViewerOcclusion::begin(const proto::View& view) {

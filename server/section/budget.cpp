@@ -11,6 +11,8 @@ constexpr double kMiddle = 0.9;           // where triangles are steered to, of 
 constexpr double kTrianglePower = 1.2;    // triangles fall as tau^-1.2
 constexpr double kShare = 0.5;            // of the distance to the middle that a keyframe covers
 constexpr double kLargestStep = 0.08;     // of log tau, for a keyframe
+constexpr double kUsual_s = 0.2;          // between keyframes; after longer intervals it falls by more at once
+constexpr double kMostLonger = 5;         // by this factor at most
 constexpr double kBytesRise = 0.06;       // of log tau at most, while too many bytes are sent
 constexpr double kBytesLow = 0.7;         // below this share of the budget tau falls again
 constexpr double kBytesFall = 0.01;       // of log tau at kBytesLow; more at a lower rate, where it costs less
@@ -27,8 +29,10 @@ constexpr double kCoarser = 4;      // by this factor, and its powers, while not
 double ToleranceControl::next(double wanted_px, const Budget& budget) {
   if (tau_px_ == 0) tau_px_ = wanted_px;
   const double least_px = std::max(wanted_px, unforced_px_);
-  const double fall =
-      unforced_px_ > 0 ? std::clamp(std::log(tau_px_ / least_px), kLargestStep, kForcedFall) : kLargestStep;
+  const double largest_fall = kLargestStep * std::clamp(interval_s_ / kUsual_s, 1.0, kMostLonger);
+  const double fall = unforced_px_ > 0
+                          ? std::clamp(std::log(tau_px_ / least_px), largest_fall, std::max(largest_fall, kForcedFall))
+                          : largest_fall;
   double by_triangles = -fall, by_bytes = -fall;  // without a limit tau falls back to what is wanted
   if (budget.triangles > 0 && triangles_ > 0)
     by_triangles = kShare * std::log(triangles_ / (kMiddle * budget.triangles)) / kTrianglePower;
@@ -51,6 +55,7 @@ double ToleranceControl::next(double wanted_px, const Budget& budget) {
 
 void ToleranceControl::observe(double triangles, double bytes, double interval_s) {
   triangles_ = triangles;
+  interval_s_ = interval_s;
   const double share = 1 - std::exp(-interval_s / kMemory_s);
   bytes_per_s_ += share * (bytes / interval_s - bytes_per_s_);
 }

@@ -3,8 +3,9 @@
 //
 // Triangles follow the tolerance at once (about as tau^-1.2 on terrain), so they are steered straight to the middle of
 // a band below the budget. Bytes follow with delay, and lowering tau itself costs bytes, so for them tau rises quickly
-// above the band, rests within it, and falls slowly below it. Steps are bounded either way; there is no integral term,
-// hence nothing to overshoot. Where processors are scarce the tolerance rises by as much a keyframe, and falls slowly
+// above the band, rests within it, and falls slowly below it. Steps are bounded either way, upwards for a keyframe and
+// downwards in time, so keyframes that are far apart do not make it fall more slowly; there is no integral term, hence
+// nothing to overshoot. Where processors are scarce the tolerance rises by as much a keyframe, and falls slowly
 // once they are free.
 #pragma once
 
@@ -44,6 +45,7 @@ class ToleranceControl {
   bool was_scarce_ = false;  // processors, since the tolerance was the wanted one
   double triangles_ = 0;
   double bytes_per_s_ = 0;  // smoothed over a few seconds
+  double interval_s_ = 0;   // of the last keyframe
 };
 
 // The tolerance at which a section fits: tau_px if it does there, else one that is larger, at which the load is mostly

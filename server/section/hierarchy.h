@@ -31,13 +31,18 @@ class Hierarchy {
  public:
   explicit Hierarchy(std::shared_ptr<const terrain::Scene> scene,
                      proto::ErrorBound bound = proto::ErrorBound::kSpheroid, SceneObjects objects = {})
-      : scene_(std::move(scene)), domain_(scene_->grid(), scene_->frame(), bound), objects_(std::move(objects)) {}
+      : scene_(std::move(scene)),
+        domain_(scene_->grid(), scene_->frame(), bound),
+        objects_(std::move(objects)),
+        most_offset_(scene_->epochs().mostOffset()) {}
 
   const terrain::Scene& scene() const { return *scene_; }
   const proto::TerrainDomain& domain() const { return domain_; }
   const SceneObjects& objects() const { return objects_; }
   // How the ground moves in time.
   const terrain::EpochTable& epochs() const { return scene_->epochs(); }
+  // The largest offset of any vertex at any epoch, either way; quanta.
+  uint32_t mostOffset() const { return most_offset_; }
   const proto::GridTopology& grid() const { return domain_.grid; }
   const proto::FrameGrid& frame() const { return domain_.frame; }
   std::span<const proto::NodeRecord> nodes() const { return scene_->nodes(); }
@@ -51,6 +56,7 @@ class Hierarchy {
   std::shared_ptr<const terrain::Scene> scene_;
   proto::TerrainDomain domain_;
   SceneObjects objects_;
+  uint32_t most_offset_;
 };
 
 // The section of a view, from scratch (proto/refine/refine.h).

@@ -106,7 +106,7 @@ SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, Se
     proto::SurfaceAdapter fresh(objects.set.domain(i));
     std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
     scratch.object_delta = {};
-    if (!fresh.adapt(objects.set.placement(i).toObject(view), max_nodes - size.nodes, records, scratch.adapt,
+    if (!fresh.adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - size.nodes, records, scratch.adapt,
                      scratch.object_delta))
       return too_large;
     size.nodes += fresh.nodeCount();
@@ -170,8 +170,8 @@ bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, SendS
     delta.removed.clear();
     const std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
     others -= objects_[i].nodeCount();
-    if (others > max_nodes ||
-        !objects_[i].adapt(objects.set.placement(i).toObject(view), max_nodes - others, records, scratch.adapt, delta))
+    if (others > max_nodes || !objects_[i].adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - others,
+                                                 records, scratch.adapt, delta))
       return false;
     others += objects_[i].nodeCount();
     stream_->encode(i, delta, records, coder, object_bits_);

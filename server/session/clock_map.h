@@ -25,6 +25,8 @@ class ClockMap {
   bool isKnown() const { return !up_.empty(); }
   // The client's time less the fastest recent L_up.
   Time clientTime(Time now) const { return now - Duration{least_up_}; }
+  // The time that a message and its answer take, by the same latencies as clientTime() and sendBy().
+  Duration roundTrip() const { return Duration{least_up_ + most_down_}; }
   // The server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down that is
   // no outage (slowestUsual in base/latency.h).
   Time sendBy(Time arrival_client) const { return Time{arrival_client.us - most_down_}; }

@@ -2,33 +2,21 @@
 
 #include <algorithm>
 #include <array>
-#include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
 
 #include "proto/codec/section_codec.h"
-#include "proto/space/jump.h"
-#include "server/view/ground.h"
-#include "server/view/tour.h"
 
 namespace foreland::server {
 
 namespace {
 
-// Poses are rounded on the wire, both ways.
-constexpr Region kPoseRounding{0.01, 4e-4};
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
-
-// A camera within this of its announced path follows it.
-constexpr Region kMostOffPath{50, 0.2};
-constexpr double kMostUnknownTurn_rad = 0.3;
 
 // Where a viewer limits its bytes: what an added node costs, beyond which tolerance bytes count no more, and how long
 // the first section may take on the link.
 constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
 constexpr Duration kFirstThrough = Duration::seconds(1);
-
-constexpr size_t kMostPredictions = 64;  // whose true poses have not arrived
 
 // For how many intervals the first keyframe after a jump is expected to be shown.
 constexpr int64_t kShownAfterJump = 5;
@@ -59,7 +47,10 @@ Status Session::take(const proto::ViewRequest& request, Time) {
   const bool first = !request_;
   request_ = request;
   if (request_->tau_px == 0) request_->tau_px = options_.tau_px;
-  if (request_->keyframe_interval == Duration{}) request_->keyframe_interval = options_.keyframe_interval;
+  if (request_->keyframe_interval == Duration{}) {
+    request_->keyframe_interval = options_.keyframe_interval;
+    request_->longest_interval = options_.longest_interval;
+  }
   if (first) {
     if (world_->occlusion && request.occlusion) {
       occlusion_ = std::make_unique<ViewerOcclusion>(world_->hierarchy, *world_->occlusion);
@@ -68,19 +59,22 @@ Status Session::take(const proto::ViewRequest& request, Time) {
     proto::Welcome welcome = welcomeTo(world_->hierarchy);
     welcome.tau_px = request_->tau_px;
     welcome.keyframe_interval = request_->keyframe_interval;
+    welcome.longest_interval = request_->longest_interval;
     welcome.occlusion = occlusion_ != nullptr;
     welcome.memory_bytes = std::min(request_->memory_bytes, options_.max_memory_bytes);
     welcome.tile_bytes = std::min(request_->tile_bytes, options_.max_tile_bytes);
-    if (!welcome.tile_layers.empty()) tiles_ = std::make_unique<TileSender>(world_->hierarchy, welcome.tile_bytes);
+    if (!welcome.tile_layers.empty())
+      tiles_ = std::make_unique<TileSender>(world_->hierarchy, world_->ground, welcome.tile_bytes);
     sender_.setMemory(welcome.memory_bytes);
     replies_.push_back(proto::encode(welcome));
   }
+  interval_ = std::clamp(interval_, bounds().shortest, bounds().most());
   target_.reset();
   return {};
 }
 
 Status Session::take(const proto::Path& path, Time) {
-  path_ = path;
+  motion_.announce(path);
   return {};
 }
 
@@ -96,42 +90,12 @@ Status Session::take(const proto::SceneClock& clock, Time) {
   return {};
 }
 
-// Requests are answered in steps, one at a time.
-Status Session::checkRequests() const {
-  if (requests_.size() < SessionOptions::kMostRequests) return {};
-  return Error{ErrorCode::kLimit, "you ask for more than you read; wait for the replies to earlier requests"};
-}
+Status Session::take(const proto::TourRequest& request, Time) { return requests_.add(request); }
 
-Status Session::take(const proto::TourRequest& request, Time) {
-  if (Status known = checkTour(request.name); !known.ok()) return known;
-  if (Status room = checkRequests(); !room.ok()) return room;
-  requests_.emplace_back(request);
-  return {};
-}
-
-Status Session::take(const proto::GroundRequest& request, Time) {
-  if (Status room = checkRequests(); !room.ok()) return room;
-  requests_.emplace_back(request);
-  return {};
-}
-
-Bytes Session::replyTo(const proto::TourRequest& request) const {
-  auto path = planTour(world_->hierarchy.scene(), request.name, request.seconds).value();
-  return proto::encode(proto::TourReply{request.id, path.step, std::move(path.poses)});
-}
-
-Bytes Session::replyTo(const proto::GroundRequest& request) const {
-  proto::GroundReply reply{request.id, {}};
-  reply.heights_m.reserve(request.positions.size());
-  for (const glm::dvec2& p : request.positions)
-    reply.heights_m.push_back(static_cast<float>(
-        groundHeight(world_->hierarchy.scene(), p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
-  return proto::encode(reply);
-}
+Status Session::take(const proto::GroundRequest& request, Time) { return requests_.add(request); }
 
 void Session::answer(std::vector<Bytes>& out) {
-  out.push_back(std::visit([this](const auto& request) { return replyTo(request); }, requests_.front()));
-  requests_.pop_front();
+  out.push_back(requests_.answer(world_->hierarchy.scene()));
   ++statistics_.replies;
   did_ = Did::kRequest;
   unsent_ = true;
@@ -141,20 +105,17 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   if (update.received_keyframe > keyframe().index)
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   // After a clock was set anew, times before it and after it cannot be compared.
-  if (!clocks_.poseArrived(update.pose.time, now) || isJump(update.pose) || isTooFarAhead(update.pose.time))
+  if (!clocks_.poseArrived(update.pose.time, now) || motion_.isJump(update.pose, world_->hierarchy.scene()) ||
+      isTooFarAhead())
     jumpTo(update.pose);
   else
-    history_.add(update.pose);
-  while (!predictions_.empty() && predictions_.front().time <= update.pose.time) {
-    prediction_errors_.add(predictions_.front().pose, history_.at(predictions_.front().time));
-    predictions_.pop_front();
-  }
+    motion_.add(update.pose);
   if (update.received_keyframe > acknowledged_) {
     acknowledged_ = update.received_keyframe;
     while (!in_flight_.empty() && in_flight_.front().index <= acknowledged_) {
       if (in_flight_.front().index == acknowledged_) {
         clocks_.keyframeArrived(update.received_at, in_flight_.front().at);
-        if (tiles_) tiles_->pace().keyframeArrived(acknowledged_, update.received_at);
+        if (tiles_) tiles_->pace().keyframeArrived(acknowledged_, update.received_at, clocks_.roundTrip());
       }
       in_flight_.pop_front();
     }
@@ -162,51 +123,26 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
   return {};
 }
 
-bool Session::isJump(const proto::TimedPose& pose) const {
-  if (history_.empty() || pose.time <= history_.newest().time) return false;
-  // The height is looked up for fast cameras only.
-  if (!proto::isJump(history_.newest(), pose, 0)) return false;
-  const auto height = [&](const proto::TimedPose& p) {
-    return heightAboveGround(world_->hierarchy.scene(), p.pose.eye);
-  };
-  return proto::isJump(history_.newest(), pose, std::min(height(history_.newest()), height(pose)));
-}
-
-// Nothing known of the motion before holds after a jump. Of its speed something may, so the first keyframe is computed
-// for a camera that goes on as fast as before, in any direction.
 void Session::jumpTo(const proto::TimedPose& pose) {
   ++statistics_.jumps;
-  if (!history_.empty() && history_.span() > Duration{}) {
-    const Extrapolation motion = history_.extrapolate(proto::Predictor::kConstantVelocity);
-    motion_before_jump_ = {glm::length(motion.velocity), motion.turnRate()};
-  }
-  history_.restart(pose);
-  predictions_.clear();
-  prediction_errors_ = {};
-  region_share_ = {};
-  if (path_ && !isPathFollowed(pose)) path_.reset();
-  if (isFirst() && !isTooFarAhead(pose.time)) return;  // it starts from nothing, or from what the viewer holds
+  motion_.jumpTo(pose);
+  adaptive_interval_.restart();
+  if (isFirst() && !isTooFarAhead()) return;  // it starts from nothing, or from what the viewer holds
   target_.reset();
   jumped_ = true;
 }
 
-// Whether the last keyframe is for a time that no clock explains which shows `t` now: it was computed, here or before
-// the viewer resumed, for a time stamp that was wrong. No keyframe could follow it for long.
-bool Session::isTooFarAhead(Time t) const {
-  constexpr Duration kMostAhead = Duration::seconds(5);
-  return keyframe().index > 0 && keyframe().time > t + request_->keyframe_interval * 2 + kMostAhead;
-}
-
-// Whether the announced path is where the camera is.
-bool Session::isPathFollowed(const proto::TimedPose& pose) const {
-  const proto::TimedPose expected{pose.time, path_->at(pose.time)};
-  const Region off{glm::distance(expected.pose.eye, pose.pose.eye),
-                   proto::angleBetween(expected.pose.orientation, pose.pose.orientation)};
-  return off.radius_m <= kMostOffPath.radius_m && off.angle_rad <= kMostOffPath.angle_rad;
+// Whether the last keyframe is for a time that is not foreseen by now: it was computed, here or before the viewer
+// resumed, for a time stamp that was wrong. No keyframe could follow it for long. Poses that a stalled link holds back
+// say nothing of the kind.
+bool Session::isTooFarAhead() const {
+  constexpr Duration kMostAhead = Duration::seconds(2);
+  return keyframe().index > 0 &&
+         keyframe().time > clocks_.clientTime(now_) + clocks_.roundTrip() + bounds().most() * 2 + kMostAhead;
 }
 
 Status Session::take(const proto::Resume& resume, Time) {
-  if (!isFirst() || !history_.empty() || resumed_)
+  if (!isFirst() || !motion_.empty() || resumed_)
     return Error{ErrorCode::kMalformed, "a client resumes once, before its first pose, or not at all"};
   resume_ = resume;
   resumed_ = true;
@@ -225,6 +161,7 @@ void Session::tryToResume() {
   if (!sender_.resume(*sections, resume.keyframe, resume.time, resume.fingerprint)) return;
   acknowledged_ = resume.keyframe;
   statistics_.resumed = true;
+  if (!motion_.empty() && isTooFarAhead()) jumped_ = true;
   aim();
 }
 
@@ -234,13 +171,19 @@ Time Session::gridAtOrAfter(Time t) const {
   return {steps * T};
 }
 
+// Nearest after the last one that is not to be skipped.
+Time Session::nextKeyframe() const {
+  if (isFirst()) return gridAtOrAfter(motion_.newest().time);
+  return gridAtOrAfter(keyframe().time + interval_ - request_->keyframe_interval + Duration{1});
+}
+
 void Session::aim() {
-  if (!request_ || history_.empty() || request_->strategy != proto::Strategy::kPredict || jumped_ || resume_) return;
-  const Duration T = request_->keyframe_interval;
-  // The client needs a keyframe when it reaches the grid point before it.
+  if (!request_ || motion_.empty() || request_->strategy != proto::Strategy::kPredict || jumped_ || resume_) return;
+  const Duration T = interval_;
+  // The client needs a keyframe when it reaches the time of the one before it.
   const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
   if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
-  const Time next = isFirst() ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
+  const Time next = nextKeyframe();
   const Duration behind = now_ + compute_time_ - deadline(next);
   target_ = behind > Duration{} ? gridAtOrAfter(next + behind) : next;
 }
@@ -263,13 +206,13 @@ Session::Plan Session::notTooSoon(Plan plan) const {
 }
 
 std::optional<Session::Plan> Session::plan() const {
-  if (!request_ || history_.empty() || unsent_ || resume_ || in_flight_.size() >= options_.max_unacknowledged)
+  if (!request_ || motion_.empty() || unsent_ || resume_ || in_flight_.size() >= options_.max_unacknowledged)
     return std::nullopt;
   // After a jump the newest pose counts at once: what is shown was computed for elsewhere.
-  if (jumped_) return notTooSoon({history_.newest().time, {now_, now_}, 0});
+  if (jumped_) return notTooSoon({motion_.newest().time, {now_, now_}, 0, {}});
   const Duration T = request_->keyframe_interval;
   const bool first = isFirst();
-  const Time next = first ? gridAtOrAfter(history_.newest().time) : gridAtOrAfter(keyframe().time + Duration{1});
+  const Time next = nextKeyframe();
   // No more than real time has gone by, whatever the client's clock says.
   const int64_t most_skipped = (now_ - last_keyframe_at_).us / T.us + 1;
   const auto skippedTo = [&](Time t) {
@@ -278,18 +221,18 @@ std::optional<Session::Plan> Session::plan() const {
 
   if (request_->strategy == proto::Strategy::kPredict) {
     if (!target_) return std::nullopt;
-    const Time deadline = clocks_.sendBy(*target_ - T) - options_.safety;
+    const Time deadline = clocks_.sendBy(*target_ - interval_) - options_.safety;
     Due due{deadline - compute_time_, deadline, false, compute_time_};
     if (options_.most_early > Duration{} && !first)
       due.earliest = due.release - std::min(options_.most_early, Duration{T.us / 2});
-    return notTooSoon({*target_, due, skippedTo(*target_)});
+    return notTooSoon({*target_, due, skippedTo(*target_), {}});
   }
   // The pose of the grid point must have arrived; if those of several have, the newest one counts.
-  const Time newest = history_.newest().time;
-  if (first) return Plan{newest, {now_, now_}, 0};
+  const Time newest = motion_.newest().time;
+  if (first) return Plan{newest, {now_, now_}, 0, {}};
   if (newest < next) return std::nullopt;
   const Time latest{next.us + (newest - next).us / T.us * T.us};
-  return notTooSoon({latest, {now_, now_ + Duration{T.us / 2}, false, compute_time_}, skippedTo(latest)});
+  return notTooSoon({latest, {now_, now_ + Duration{T.us / 2}, false, compute_time_}, skippedTo(latest), {}});
 }
 
 std::optional<Session::Due> Session::due() const {
@@ -321,7 +264,7 @@ std::optional<Session::Due> Session::prefetchDue() const {
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
 void Session::prefetch(SessionScratch& scratch) {
-  proto::View view = viewFor(history_.newest().time + options_.prefetch_ahead);
+  proto::View view = viewFor(motion_.newest().time + options_.prefetch_ahead, interval_);
   view.tau_px = keyframe().tau_px;
   view.region_radius_m = view.region_angle_rad = 0;
   // If the section is too large, more than enough has been read.
@@ -347,39 +290,24 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, S
   if (const auto due = prefetchDue(); due && due->release <= now_) prefetch(scratch);
 }
 
-// Where the camera was, is, and is expected to be.
-ExpectedMotion Session::expectedMotion() const {
-  // With `delay` and `current` only the interval after the keyframe has to be predicted.
-  if (request_->strategy != proto::Strategy::kPredict) return {history_, proto::Predictor::kConstantVelocity};
-  if (request_->predictor == proto::Predictor::kKnownPath && path_) return ExpectedMotion(*path_);
-  return {history_, request_->predictor};
-}
-
 // When a keyframe for `t` begins to be shown. The first section, and one after a jump, is shown as soon as it arrives.
 Time Session::shownFrom(Time t) const {
-  if (jumped_) return history_.newest().time;
-  return std::min(isFirst() ? history_.newest().time : keyframe().time, t - request_->keyframe_interval);
+  if (jumped_) return motion_.newest().time;
+  return std::min(isFirst() ? motion_.newest().time : keyframe().time, t - request_->keyframe_interval);
 }
 
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
-proto::View Session::viewFor(Time t) const {
-  const Duration T = request_->keyframe_interval;
-  const ExpectedMotion motion = expectedMotion();
+proto::View Session::viewFor(Time t, Duration until_next) const {
+  const ExpectedMotion motion = motion_.expected(*request_);
   proto::View view{motion.at(t), request_->lens, request_->tau_px};
+  const Time end = t + until_next;
+  const Duration unknown = jumped_ ? request_->keyframe_interval * kShownAfterJump : end - motion_.newest().time;
   const Region region =
-                   region_share_.of(regionOf(view.pose, motion, shownFrom(t), t + T), prediction_errors_.estimate()),
-               unknown = unknownMotion(t + T - history_.newest().time);
+      motion_.regionAround(view.pose, motion, shownFrom(t), end, std::max(interval_, until_next), unknown);
   // Floats, as in the keyframe's header.
-  view.region_radius_m = static_cast<float>(region.radius_m + unknown.radius_m + kPoseRounding.radius_m);
-  view.region_angle_rad = static_cast<float>(region.angle_rad + unknown.angle_rad + kPoseRounding.angle_rad);
+  view.region_radius_m = static_cast<float>(region.radius_m);
+  view.region_angle_rad = static_cast<float>(region.angle_rad);
   return view;
-}
-
-// How far the camera may go in `time` while, after a jump, its poses do not tell its velocity yet.
-Region Session::unknownMotion(Duration time) const {
-  if (history_.span() >= PoseHistory::kBaseline) return {};
-  const double s = jumped_ ? kShownAfterJump * request_->keyframe_interval.toSeconds() : time.toSeconds();
-  return {motion_before_jump_.radius_m * s, std::min(motion_before_jump_.angle_rad * s, kMostUnknownTurn_rad)};
 }
 
 // A mesh has four triangles a root and two a node; the union of two sections is a little larger.
@@ -393,7 +321,7 @@ size_t Session::mostNodes() const {
 // How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
 // late, and the next ones.
 double Session::mostAddedForLink() const {
-  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : request_->keyframe_interval;
+  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : interval_;
   return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
 }
 
@@ -442,20 +370,21 @@ bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes,
   fitBudget(view, scratch);
   ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
   if (visibility)
-    visibility->expect(outlookOf(expectedMotion(), shownFrom(plan.time_client),
-                                 plan.time_client + request_->keyframe_interval, request_->keyframe_interval,
-                                 prediction_errors_.estimate().radius_m + kPoseRounding.radius_m));
+    visibility->expect(outlookOf(motion_.expected(*request_), shownFrom(plan.time_client),
+                                 plan.time_client + plan.until_next, request_->keyframe_interval,
+                                 motion_.eyeError(std::max(interval_, plan.until_next))));
   return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
 }
 
-void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
+void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   const double interval_s =
       isFirst() || jumped_ ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
   if (jumped_) {
     sender_.restart();
     tolerance_.restart();
   }
-  const proto::View view = viewFor(plan.time_client);
+  plan.until_next = adaptive_interval_.next(bounds(), interval_);
+  const proto::View view = viewFor(plan.time_client, plan.until_next);
   if (const proto::Epochs& epochs = world_->hierarchy.epochs().epochs(); !epochs.empty())
     sender_.showAt(scene_time_.next(epochs, plan.time_client));
   Bytes message;
@@ -464,7 +393,7 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
     CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   out.push_back(std::move(message));
-  sendTiles(plan.time_client, view, interval_s, out);
+  sendTiles(plan, view, out);
   observeRegion(scratch);
 
   unsent_ = true;
@@ -472,11 +401,14 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
   last_keyframe_at_ = now;
   did_ = Did::kKeyframe;
   was_after_jump_ = std::exchange(jumped_, false);
+  motion_.notePrediction({plan.time_client, view.pose}, interval_);
+  if (keyframe().base_index > 0)
+    adaptive_interval_.observe(scratch.send.delta.added.size() + scratch.send.delta.removed.size(),
+                               sender_.adapter().nodeCount(), Duration::seconds(interval_s));
+  interval_ = plan.until_next;
   target_.reset();
   aim();
   in_flight_.push_back({keyframe().index, now});
-  if (plan.time_client > history_.newest().time) predictions_.push_back({plan.time_client, view.pose});
-  if (predictions_.size() > kMostPredictions) predictions_.pop_front();
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.send.delta.added.size();
@@ -490,14 +422,29 @@ void Session::computeKeyframe(const Plan& plan, Time now, SessionScratch& scratc
 }
 
 // Tiles follow the keyframe that shows them, and those for where the camera will be in the next seconds, one of them
-// each time.
-void Session::sendTiles(Time t_client, const proto::View& view, double interval_s, std::vector<Bytes>& out) {
-  constexpr int64_t kSecondsAhead = 3;
+// each time. What is predicted for later is worth less, so it is looked at only while the link keeps tiles waiting.
+void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out) {
+  constexpr int64_t kMostSecondsAhead = 3;
+  constexpr double kRoom = 1.25, kRoom_m = 0.1;
   if (!tiles_ || !(request_->relief || request_->imagery)) return;
-  const Time later = t_client + Duration::seconds(1 + keyframe().index % kSecondsAhead);
-  const std::array<proto::View, 2> views{view, proto::View{expectedMotion().at(later), view.lens, view.tau_px}};
-  tiles_->choose(keyframe().index, views, *request_);
-  tiles_->pace().keyframeSent(keyframe().index, now_, interval_s, request_->max_bytes_per_second);
+  const bool looks_far = tiles_->isShort() || motion_.isOnPath(*request_);
+  const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMostSecondsAhead : 1);
+  const ExpectedMotion motion = motion_.expected(*request_);
+  const double unknown_m = motion_.eyeError(std::max(interval_, plan.until_next));
+  const auto eyesOf = [&](Time begin, Time end) {
+    EyeSweep eyes = sweepOf(motion, begin, end);
+    eyes.radius_m += unknown_m;
+    return eyes;
+  };
+  // With some room, so that what is found for later serves again when it is there.
+  EyeSweep later_eyes = eyesOf(later, later + plan.until_next * kMostSecondsAhead);
+  later_eyes.radius_m = kRoom * later_eyes.radius_m + kRoom_m;
+  const std::array targets{
+      TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + plan.until_next)},
+      TileSender::Target{{motion.at(later), view.lens, view.tau_px}, later_eyes}};
+  tiles_->choose(keyframe().index, targets, *request_);
+  tiles_->pace().keyframeSent(keyframe().index, out.back().size(), now_, plan.until_next.toSeconds(),
+                              request_->max_bytes_per_second);
   tiles_->take(out);
   statistics_.tiles = tiles_->statistics().tiles;
   statistics_.tile_bytes = tiles_->statistics().bytes;
@@ -505,14 +452,13 @@ void Session::sendTiles(Time t_client, const proto::View& view, double interval_
 
 // How much the region makes of the section. Along an announced path the region is not reduced: there it is no guess.
 void Session::observeRegion(SessionScratch& scratch) {
-  const bool is_guess = request_->strategy == proto::Strategy::kPredict &&
-                        !(request_->predictor == proto::Predictor::kKnownPath && path_);
-  if (!is_guess || !region_share_.isDue()) return;
+  const bool is_guess = request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
+  if (!is_guess || !motion_.regionShare().isDue()) return;
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
   const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
   statistics_.nodes_measured += size.nodes;
-  region_share_.observe(sender_.nodeCount(), size.nodes);
+  motion_.regionShare().observe(sender_.nodeCount(), size.nodes);
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.

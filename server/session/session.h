@@ -12,7 +12,6 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "base/bytes.h"
@@ -21,21 +20,19 @@
 #include "server/imagery/tile_sender.h"
 #include "server/section/budget.h"
 #include "server/section/sender.h"
+#include "server/session/adaptive_interval.h"
 #include "server/session/clock_map.h"
+#include "server/session/requests.h"
 #include "server/session/scene_time.h"
 #include "server/session/world.h"
-#include "server/view/pose_history.h"
-#include "server/view/prediction_errors.h"
-#include "server/view/region.h"
-#include "server/view/region_share.h"
+#include "server/view/viewer_motion.h"
 
 namespace foreland::server {
 
 struct SessionOptions {
-  static constexpr size_t kMostRequests = 16;  // for tours and ground heights, waiting for their replies
-
   double tau_px = 1;                                         // for viewers that ask for no tolerance
   Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that ask for none
+  Duration longest_interval{};                               // the same; 0: it is fixed
   Duration safety = Duration::milliseconds(15);  // a predicted keyframe should arrive this long before it is needed
   // The tolerance of a section is raised until it has at most this many nodes, objects included.
   size_t max_section_nodes = 1'500'000;
@@ -138,6 +135,7 @@ class Session {
     Time time_client;
     Due due;
     uint64_t skipped;
+    Duration until_next;  // the keyframe after it is at most this much later
   };
   std::optional<Plan> plan() const;
   Time earliestKeyframe() const;
@@ -145,24 +143,20 @@ class Session {
   // With `predict`: chooses the grid point that the next keyframe is for, and keeps to it until that keyframe would be
   // late by more than half an interval.
   void aim();
+  Time nextKeyframe() const;
+  proto::KeyframeInterval bounds() const { return {request_->keyframe_interval, request_->longest_interval}; }
   // Whether no keyframe has been sent on this connection.
   bool isFirst() const { return statistics_.keyframes == 0; }
-  bool isJump(const proto::TimedPose& pose) const;
   void jumpTo(const proto::TimedPose& pose);
-  bool isTooFarAhead(Time t) const;
-  bool isPathFollowed(const proto::TimedPose& pose) const;
+  bool isTooFarAhead() const;
   Time gridAtOrAfter(Time t_client) const;
-  ExpectedMotion expectedMotion() const;
   Time shownFrom(Time t) const;
-  proto::View viewFor(Time t_client) const;
-  Region unknownMotion(Duration time) const;
+  // For a keyframe that is shown until the next one, which is `until_next` later.
+  proto::View viewFor(Time t_client, Duration until_next) const;
   size_t mostNodes() const;
   std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
-  Status checkRequests() const;
   void answer(std::vector<Bytes>& out);
-  Bytes replyTo(const proto::TourRequest& request) const;
-  Bytes replyTo(const proto::GroundRequest& request) const;
   void tryToResume();
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
@@ -170,26 +164,23 @@ class Session {
   double loadOf(const proto::View& view, SessionScratch& scratch);
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   void observeRegion(SessionScratch& scratch);
-  void sendTiles(Time t_client, const proto::View& view, double interval_s, std::vector<Bytes>& out);
-  void computeKeyframe(const Plan& plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
+  void sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out);
+  void computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
   SessionOptions options_;
   std::optional<proto::ViewRequest> request_;
-  PoseHistory history_;
-  PredictionErrors prediction_errors_;
-  RegionShare region_share_;
-  std::deque<proto::TimedPose> predictions_;  // of times for which no true pose has arrived yet
-  std::optional<proto::Path> path_;
+  ViewerMotion motion_;
   SceneTime scene_time_;
   ClockMap clocks_;
-  bool jumped_ = false;        // and no keyframe has been computed since
-  Region motion_before_jump_;  // a second
+  bool jumped_ = false;  // and no keyframe has been computed since
   proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
+  Duration interval_;           // from the last keyframe to the next
+  AdaptiveInterval adaptive_interval_;
   std::vector<Bytes> replies_;  // ready
-  std::deque<std::variant<proto::TourRequest, proto::GroundRequest>> requests_;
+  Requests requests_;
   Time next_request_;  // not to be answered earlier
   std::optional<proto::Resume> resume_;
   bool resumed_ = false;  // or tried to

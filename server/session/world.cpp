@@ -2,6 +2,12 @@
 
 namespace foreland::server {
 
+World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
+    : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)) {
+  if (hierarchy.scene().tiles().layers().empty() || !hierarchy.epochs().epochs().empty()) return;
+  ground = std::make_shared<const SceneGround>(SceneGround{GroundSquares(hierarchy), HorizonGrid::of(hierarchy)});
+}
+
 proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   const terrain::Scene& scene = hierarchy.scene();
   proto::Welcome w;
@@ -20,6 +26,7 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   const terrain::EpochTable& epochs = hierarchy.epochs();
   w.epochs.assign(epochs.epochs().all().begin(), epochs.epochs().all().end());
   w.base_offsets.assign(epochs.baseOffsets().begin(), epochs.baseOffsets().end());
+  w.most_offset = hierarchy.mostOffset();
   w.tile_layers.assign(scene.tiles().layers().begin(), scene.tiles().layers().end());
   return w;
 }

@@ -4,15 +4,18 @@
 #include <memory>
 
 #include "proto/message/message.h"
+#include "server/imagery/visible_ground.h"
 #include "server/occlusion/viewer_occlusion.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {
 
 struct World {
-  explicit World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects = {})
-      : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)) {}
+  // O(samples) for a scene with tiles.
+  explicit World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects = {});
   Hierarchy hierarchy;
+  // By which tiles are chosen; null if the scene has none, or its ground moves.
+  std::shared_ptr<const SceneGround> ground;
   std::shared_ptr<const SceneOcclusion> occlusion;  // of the hierarchy; null: nothing is left out as hidden
 };
 

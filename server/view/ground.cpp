@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "terrain/store/bilinear.h"
+
 namespace foreland::server {
 
 namespace {
@@ -20,14 +22,8 @@ int32_t highestAt(const terrain::Scene& scene, proto::NodeId v) {
 std::optional<double> groundHeight(const terrain::Scene& scene, double x, double y) {
   const proto::GridShape& shape = scene.grid().shape();
   if (!(x >= 0 && y >= 0 && x <= shape.samples_x - 1 && y <= shape.samples_y - 1)) return std::nullopt;
-  const uint32_t x0 = std::min(static_cast<uint32_t>(x), shape.samples_x - 2);
-  const uint32_t y0 = std::min(static_cast<uint32_t>(y), shape.samples_y - 2);
-  const double u = x - x0, v = y - y0;
-  const auto at = [&](uint32_t dx, uint32_t dy) {
-    return double(highestAt(scene, proto::NodeId::at(x0 + dx, y0 + dy)));
-  };
-  const double south = at(0, 0) + u * (at(1, 0) - at(0, 0)), north = at(0, 1) + u * (at(1, 1) - at(0, 1));
-  return (south + v * (north - south)) * scene.frame().height_quantum_m;
+  const auto at = [&](uint32_t at_x, uint32_t at_y) { return highestAt(scene, proto::NodeId::at(at_x, at_y)); };
+  return terrain::bilinear(shape.samples_x, shape.samples_y, x, y, at) * scene.frame().height_quantum_m;
 }
 
 double heightAboveGround(const terrain::Scene& scene, const glm::dvec3& point) {

@@ -10,6 +10,7 @@
 #include "terrain/bounds/bounds.h"
 #include "terrain/dem/voids/voids.h"
 #include "terrain/imagery/relief.h"
+#include "terrain/store/bilinear.h"
 #include "terrain/store/scene_writer.h"
 
 namespace foreland::terrain {
@@ -239,12 +240,8 @@ Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
 // Bilinear height of the ground in metres at a lattice position; nothing outside the data.
 std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame, double x, double y) {
   if (!(x >= 0 && y >= 0 && x <= heights.width - 1.0 && y <= heights.height - 1.0)) return std::nullopt;
-  const auto x0 = std::min(static_cast<uint32_t>(x), heights.width - 2),
-             y0 = std::min(static_cast<uint32_t>(y), heights.height - 2);
-  const double u = x - x0, v = y - y0;
-  const auto at = [&](uint32_t dx, uint32_t dy) { return static_cast<double>(heights.row(y0 + dy)[x0 + dx]); };
-  const double south = (1 - u) * at(0, 0) + u * at(1, 0), north = (1 - u) * at(0, 1) + u * at(1, 1);
-  return ((1 - v) * south + v * north) * frame.height_quantum_m;
+  const auto at = [&](uint32_t at_x, uint32_t at_y) { return heights.row(at_y)[at_x]; };
+  return bilinear(heights.width, heights.height, x, y, at) * frame.height_quantum_m;
 }
 
 Status checkOptions(const BuildOptions& options) {

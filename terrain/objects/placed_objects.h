@@ -41,6 +41,10 @@ struct ObjectRequest {
 // What a session is told of a surface before any of its nodes.
 [[nodiscard]] proto::ObjectModel modelOf(const MappedSurface& surface);
 
+// How the ground of a scene carries what stands at a point of its frame: as it moves there, or at the data's border
+// next to it, by whole quanta.
+[[nodiscard]] proto::GroundRise riseAt(const Scene& scene, const glm::dvec3& position);
+
 struct PlacedObjects {
   std::vector<std::shared_ptr<const MappedSurface>> models;
   proto::ObjectSet set;

@@ -1,7 +1,10 @@
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "terrain/objects/placed_objects.h"
 #include "terrain/objects/section_bytes.h"
+#include "terrain/store/bilinear.h"
 
 namespace foreland::terrain {
 
@@ -37,6 +40,25 @@ proto::ObjectModel modelOf(const MappedSurface& surface) {
           surface.atlas().side};
 }
 
+proto::GroundRise riseAt(const Scene& scene, const glm::dvec3& position) {
+  const EpochTable& table = scene.epochs();
+  if (table.epochs().empty()) return {};
+  const proto::GridShape& shape = scene.grid().shape();
+  const proto::LatticePosition p = proto::FrameTransform(scene.frame()).toLattice(position);
+  if (!std::isfinite(p.x) || !std::isfinite(p.y)) return {};
+  const double x = std::clamp(p.x, 0.0, shape.samples_x - 1.0), y = std::clamp(p.y, 0.0, shape.samples_y - 1.0);
+  std::vector<int32_t> quanta;
+  for (uint32_t epoch = 0; epoch < table.epochs().size(); ++epoch) {
+    const auto at = [&](uint32_t at_x, uint32_t at_y) {
+      const proto::NodeId v = proto::NodeId::at(at_x, at_y);
+      return table.epochs().mayMove(epoch, v) ? table.offset(epoch, scene.grid(), v) : 0;
+    };
+    quanta.push_back(static_cast<int32_t>(std::lround(bilinear(shape.samples_x, shape.samples_y, x, y, at))));
+  }
+  if (std::all_of(quanta.begin(), quanta.end(), [](int32_t q) { return q == 0; })) return {};
+  return {std::move(quanta), scene.frame(), position};
+}
+
 Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
   const ByteSpan bytes = scene->objectSection();
   PlacedObjects objects;
@@ -62,10 +84,10 @@ Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
   std::vector<proto::ObjectPlacement> placements;
   for (uint32_t i = 0; i < start.objects; ++i) {
     const auto p = readAt<StoredPlacement>(bytes, sizeof(start) + i * sizeof(StoredPlacement));
-    placements.push_back({p.model,
-                          {p.position[0], p.position[1], p.position[2]},
-                          glm::dquat(p.orientation[0], p.orientation[1], p.orientation[2], p.orientation[3]),
-                          p.scale});
+    const glm::dvec3 position(p.position[0], p.position[1], p.position[2]);
+    placements.push_back({p.model, position,
+                          glm::dquat(p.orientation[0], p.orientation[1], p.orientation[2], p.orientation[3]), p.scale,
+                          riseAt(*scene, position)});
   }
   auto set = proto::ObjectSet::create(std::move(models), std::move(placements));
   if (!set.ok()) return damaged(set.error().message);

@@ -71,6 +71,14 @@ int32_t EpochTable::offset(uint32_t epoch, const proto::GridTopology& grid, prot
   return proto::baseOffsetAt(base_, epoch, proto::baseVertexNumber(grid, v));
 }
 
+uint32_t EpochTable::mostOffset() const {
+  int64_t most = 0;
+  for (const OffsetBlock& block : blocks_)
+    for (const int32_t quanta : block) most = std::max(most, std::abs(int64_t{quanta}));
+  for (const proto::BaseOffset& b : base_) most = std::max(most, std::abs(int64_t{b.quanta}));
+  return static_cast<uint32_t>(std::min(most, int64_t{proto::kMaxOffset}));
+}
+
 size_t EpochTable::newBlocks(uint32_t epoch) const {
   if (epoch == 0) return entriesOf(epoch).size();
   const auto before = entriesOf(epoch - 1);

@@ -31,6 +31,7 @@ TEST_F(ExperimentProgram, RefusesWhatMakesNoSenseByName) {
   refuses({"--keyframes-ms", "0"}, {"keyframe interval", "not 0"});
   refuses({"--round-trips", "-5"}, {"round trip", "-5"});
   refuses({"--taus", "0"}, {"tolerance", "not 0"});
+  refuses({"--judge-hz", "3"}, {"judged", "not 3"});
   refuses({"--tour", "moon"}, {"moon"});
   refuses({"--calibration", folder_ / "none.json"}, {"none.json"});
   refuses({"--track", folder_ / "none.igc"}, {"none.igc"});
@@ -46,21 +47,24 @@ TEST_F(ExperimentProgram, RefusesBrokenTraces) {
 }
 
 TEST_F(ExperimentProgram, WritesTheSameFilesInEveryRun) {
-  const auto files = [&](const std::string& out, const std::string& threads) {
-    const ProgramResult result =
-        runProgram("bench", {"latency",       scene(),  "--seconds",    "1",          "--width",      "160",
-                             "--height",      "90",     "--strategies", "predict",    "--predictors", "velocity",
-                             "--round-trips", "50,100", "--links",      "fixed,wifi", "--out",        folder_ / out,
-                             "--threads",     threads});
+  const auto files = [&](const std::string& out, const std::string& threads, const std::string& judge_hz) {
+    const ProgramResult result = runProgram(
+        "bench", {"latency",       scene(),  "--seconds",    "1",          "--width",        "160",
+                  "--height",      "90",     "--strategies", "predict",    "--predictors",   "velocity",
+                  "--round-trips", "50,100", "--links",      "fixed,wifi", "--out",          folder_ / out,
+                  "--threads",     threads,  "--judge-hz",   judge_hz,     "--keyframes-ms", "100,adaptive"});
     EXPECT_EQ(result.exit_code, 0) << result.output;
     std::vector<std::vector<char>> all;
     for (const char* name : {"results.csv", "results.json", "frames.csv", "keyframes.csv"})
       all.push_back(slurp(folder_ / (out + "/" + name)));
     return all;
   };
-  const auto first = files("a", "1");
+  const auto first = files("a", "1", "10"), fewer = files("c", "2", "2");
   for (const auto& file : first) EXPECT_GT(file.size(), 200u);
-  EXPECT_EQ(first, files("b", "2"));
+  EXPECT_EQ(first, files("b", "2", "10"));
+  EXPECT_EQ(fewer, files("d", "1", "2"));
+  EXPECT_LT(fewer[2].size(), first[2].size());
+  EXPECT_EQ(fewer[3], first[3]);
 }
 
 // An experiment in a file.
@@ -96,8 +100,9 @@ class ExperimentFile : public ExperimentProgram {
 TEST_F(ExperimentFile, WritesTheSameFilesInEveryRunAndAfterAStop) {
   const auto first = runFiles(latencyText(), "a", "1");
   const std::string all(first[0].begin(), first[0].end());
-  EXPECT_EQ(all.substr(0, all.find('\n')),
-            "run,seed,strategy,predictor,link,round_trip_ms,keyframe_ms,tau_px,total_p99_px,down_kbit_s");
+  EXPECT_EQ(
+      all.substr(0, all.find('\n')),
+      "run,seed,strategy,predictor,link,round_trip_ms,keyframe_ms,longest_keyframe_ms,tau_px,total_p99_px,down_kbit_s");
   EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 1 + 2 * 3);
   EXPECT_EQ(first, runFiles(latencyText(), "b", "2"));
 
@@ -110,6 +115,18 @@ TEST_F(ExperimentFile, WritesTheSameFilesInEveryRunAndAfterAStop) {
   std::filesystem::remove(folder_ / "a/results.csv");
   std::filesystem::remove_all(folder_ / "a/wifi-seed2");
   EXPECT_EQ(first, runFiles(latencyText(), "a", "2"));
+}
+
+// What was judged at one rate is not taken for another.
+TEST_F(ExperimentFile, JudgesAgainAtAnotherRate) {
+  const auto atRate = [&](const std::string& hz) {
+    std::string text = latencyText();
+    return text.insert(text.find("[[run]]"), "judge-hz = " + hz + "\n");
+  };
+  const auto few = runFiles(atRate("2.5"), "a", "2");
+  EXPECT_NE(few, runFiles(atRate("10"), "a", "1"));
+  EXPECT_EQ(few, runFiles(atRate("2.5"), "b", "1"));
+  EXPECT_EQ(few, runFiles(atRate("2.5"), "a", "1"));
 }
 
 TEST_F(ExperimentFile, GivesTheRowsOfTheCommand) {
@@ -142,6 +159,7 @@ TEST_F(ExperimentFile, IsRefusedByNameBeforeAnythingRuns) {
   refusesFile(load + run + "out = 'b'\n", {"e.toml:5", "'out'"});
   refusesFile(load + run + "viewers = {}\n", {"e.toml:5", "'viewers'"});
   refusesFile("experiment = 'latency'\n" + run + "keyframes-ms = 0\n", {"run 'a'", "keyframe interval", "not 0"});
+  refusesFile("experiment = 'latency'\n" + run + "judge-hz = 3\n", {"run 'a'", "judged", "not 3"});
   expectRefusal("bench", {"run", file(load + run)}, {"--out"});
   expectRefusal("bench", {"run", folder_ / "none.toml", "--out", folder_ / "out"}, {"none.toml"});
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "client/mesh/blend_patch.h"
@@ -33,6 +34,7 @@ struct Uploaded {
     const auto upload = [&](const std::vector<client::Range>& ranges, size_t each, const auto& source, auto& held) {
       held.resize(source.size());
       if (is_all) held = source;
+      if (source.empty()) return;  // what the ground has moved, if it does not
       for (const client::Range& r : ranges)
         std::copy(source.begin() + static_cast<ptrdiff_t>(each * r.begin),
                   source.begin() + static_cast<ptrdiff_t>(each * r.end),
@@ -40,6 +42,8 @@ struct Uploaded {
     };
     upload(changes.from_positions, 1, from.from_positions, mesh.from_positions);
     upload(changes.to_positions, 1, from.to_positions, mesh.to_positions);
+    upload(changes.from_positions, 1, from.from_moved, mesh.from_moved);
+    upload(changes.to_positions, 1, from.to_moved, mesh.to_moved);
     upload(changes.from_normals, 1, from.from_normals, mesh.from_normals);
     upload(changes.to_normals, 1, from.to_normals, mesh.to_normals);
     upload(changes.parameters, 1, from.parameters, mesh.parameters);
@@ -48,6 +52,7 @@ struct Uploaded {
   }
   bool holds(const client::BlendMesh& other) const {
     return mesh.from_positions == other.from_positions && mesh.to_positions == other.to_positions &&
+           mesh.from_moved == other.from_moved && mesh.to_moved == other.to_moved &&
            mesh.from_normals == other.from_normals && mesh.to_normals == other.to_normals &&
            mesh.parameters == other.parameters && mesh.indices == other.indices;
   }
@@ -150,6 +155,50 @@ TEST_F(MeshPatches, MakeTheMeshThatIsMadeAnew) {
       }
     }
   EXPECT_LT(3 * whole_, all_) << "most meshes should follow from the last one";
+}
+
+// Without what it has moved, the ground is drawn as the first epoch's is at the same views: sections do not depend on
+// the scene time, and what a vertex has moved is blended as its height is.
+TEST(MovedGround, IsTheGroundOfTheFirstEpochAndWhatItHasMoved) {
+  const uint64_t seed = randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (proto::FrameKind kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic}) {
+    const auto scene = makeMovingScene(130, 110, seed, 5, kind);
+    const server::Hierarchy hierarchy(scene);
+    const proto::Epochs& epochs = scene->epochs().epochs();
+    std::array<server::SectionSender, 2> senders{server::SectionSender(hierarchy), server::SectionSender(hierarchy)};
+    std::array<client::Replica, 2> replicas{client::Replica(server::welcomeTo(hierarchy)),
+                                            client::Replica(server::welcomeTo(hierarchy))};
+    server::SendScratch scratch;
+    Wanderer wanderer(hierarchy, seed);
+    double most_m = 0;
+    for (int i = 0; i < 20; ++i) {
+      const proto::View view = wanderer.next();
+      senders[0].showAt(epochs.first());
+      senders[1].showAt(epochs.first() + Duration{static_cast<int64_t>(
+                                             rng.below(static_cast<uint64_t>((epochs.last() - epochs.first()).us)))});
+      std::array<KeyframeMesh, 2> meshes;
+      for (size_t k = 0; k < 2; ++k) {
+        Bytes message;
+        senders[k].send(view, Time::seconds(i), scratch, message);
+        ASSERT_TRUE(replicas[k]
+                        .apply(senders[k].keyframe(), ByteSpan(message).subspan(senders[k].headerBytes()),
+                               i % 2 == 0 ? Blend::kKeyframe : Blend::kGeomorph)
+                        .ok());
+        meshes[k] = replicas[k].buildMesh();
+      }
+      const auto& [still, moving] = meshes;
+      ASSERT_EQ(moving.parameters, still.parameters);
+      for (size_t v = 0; v < moving.parameters.size(); ++v) {
+        ASSERT_EQ(still.from_moved[v], 0);
+        ASSERT_NEAR(moving.from_positions[v].w - moving.from_moved[v], still.from_positions[v].w, 1e-3);
+        ASSERT_NEAR(moving.to_positions[v].w - moving.to_moved[v], still.to_positions[v].w, 1e-3);
+        most_m = std::max(most_m, std::fabs(double{moving.to_moved[v]}));
+      }
+    }
+    EXPECT_GT(most_m, 5);
+  }
 }
 
 }  // namespace

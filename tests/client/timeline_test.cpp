@@ -99,6 +99,21 @@ TEST(Timeline, DelayShowsTheSceneLaterByTheIntervalAndThePlayoutDelay) {
   EXPECT_EQ(timeline.at(at(440)).shown_time, at(200));
 }
 
+TEST(Timeline, DelayIsThatOfTheLongestIntervalWhereTheyAdapt) {
+  Timeline timeline;
+  timeline.setLongestInterval(Duration::milliseconds(500));
+  timeline.add(stillMesh(0), at(0), Strategy::kDelay);
+  double from = 0;
+  uint32_t index = 1;
+  // The latency is 0, and the margin 10 ms.
+  for (const double interval : {100.0, 500.0, 200.0, 100.0, 400.0}) {
+    timeline.add(mesh(index++, from, from + interval), at(from + interval), Strategy::kDelay);
+    for (double share = 0.25; share < 1; share += 0.25)
+      EXPECT_EQ(timeline.at(at(from + share * interval + 510)).shown_time, at(from + share * interval));
+    from += interval;
+  }
+}
+
 TEST(Timeline, ALateMeshBeginsOnArrivalEndsInTimeAndLastsTheShortestBlendAtLeast) {
   Timeline timeline;
   timeline.add(stillMesh(0), at(0), Strategy::kPredict);
@@ -109,6 +124,23 @@ TEST(Timeline, ALateMeshBeginsOnArrivalEndsInTimeAndLastsTheShortestBlendAtLeast
   EXPECT_EQ(timeline.at(at(590)).weight, 0);
   EXPECT_NEAR(timeline.at(at(615)).weight, 0.5, 1e-9) << "50 ms from its arrival";
   EXPECT_TRUE(timeline.at(at(640)).is_over);
+}
+
+// By a time stamp that was wrong the keyframe before was for an hour later; the next ones are shown as they would be
+// after a first one.
+TEST(Timeline, DoesNotWaitForATimeThatWasWrong) {
+  for (Strategy strategy : {Strategy::kDelay, Strategy::kCurrent, Strategy::kPredict}) {
+    Timeline timeline;
+    timeline.add(stillMesh(0), at(30), strategy);
+    ASSERT_NE(timeline.at(at(40)).mesh, nullptr);
+    timeline.add(mesh(1, 0, 3'600'000), at(200), strategy);
+    timeline.add(mesh(2, 3'600'000, 400), at(430), strategy);
+    EXPECT_EQ(timeline.at(at(430)).mesh->to.index, 3u);
+    EXPECT_EQ(timeline.at(at(430)).weight, 1);
+    timeline.add(mesh(3, 400, 600), at(630), strategy);
+    EXPECT_EQ(timeline.at(at(1200)).mesh->to.index, 4u);
+    EXPECT_EQ(timeline.at(at(1200)).weight, 1);
+  }
 }
 
 TEST(Timeline, ExtendsAfterTheLastMesh) {

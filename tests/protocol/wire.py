@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 8
+VERSION = 10
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 TILE = 7
@@ -63,6 +63,7 @@ STRUCTS = {
     "Placement": ["double"] * 8 + ["uint"],
     "Epoch": ["long"] + ["uint"] * 4,
     "BaseOffset": ["uint", "uint", "int"],
+    "ObjectRise": ["uint", "uint", "int"],
 }
 TABLES = {
     "Frame": [("kind", "ubyte"), ("height_quantum_m", "double"), ("anchor", "Vec2"), ("axis_x_m", "Vec2"), ("axis_y_m", "Vec2"),
@@ -72,7 +73,8 @@ TABLES = {
     "Shape": [(name, "uint") for name in ("roots_x", "roots_y", "root_log2", "samples_x", "samples_y")],
     "ViewRequest": [("protocol", "uint"), ("lens", "Lens"), ("tau_px", "double"), ("strategy", "ubyte"), ("predictor", "ubyte"),
                     ("keyframe_interval_us", "uint"), ("max_triangles", "uint"), ("max_bytes_per_second", "uint"),
-                    ("occlusion", "bool"), ("memory_bytes", "uint"), ("tile_contents", "ubyte"), ("tile_bytes", "uint")],
+                    ("occlusion", "bool"), ("memory_bytes", "uint"), ("tile_contents", "ubyte"), ("tile_bytes", "uint"),
+                    ("longest_interval_us", "uint")],
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
@@ -86,7 +88,9 @@ TABLES = {
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
                 ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint"), ("epochs", "[Epoch]"),
-                ("base_offsets", "[BaseOffset]"), ("tile_layers", "[TileLayer]"), ("tile_bytes", "uint")],
+                ("base_offsets", "[BaseOffset]"), ("tile_layers", "[TileLayer]"), ("tile_bytes", "uint"),
+                ("longest_interval_us", "uint"), ("most_offset", "uint"),
+                ("object_rises", "[ObjectRise]")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],

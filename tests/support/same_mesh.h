@@ -13,7 +13,8 @@
 
 namespace foreland::test {
 
-using MeshTriangle = std::array<uint32_t, 36>;  // twelve words for each corner
+inline constexpr size_t kWords = 14;  // for each corner
+using MeshTriangle = std::array<uint32_t, 3 * kWords>;
 
 inline std::vector<MeshTriangle> trianglesOf(const client::BlendMesh& mesh) {
   std::vector<MeshTriangle> out;
@@ -25,19 +26,21 @@ inline std::vector<MeshTriangle> trianglesOf(const client::BlendMesh& mesh) {
       const glm::vec4 &p = mesh.from_positions[v], &q = mesh.to_positions[v];
       const glm::vec2& at = mesh.parameters[v];
       const auto word = [](float value) { return std::bit_cast<uint32_t>(value); };
-      const std::array<uint32_t, 12> corner{word(at.x),
-                                            word(at.y),
-                                            word(p.x),
-                                            word(p.y),
-                                            word(p.z),
-                                            word(p.w),
-                                            word(q.x),
-                                            word(q.y),
-                                            word(q.z),
-                                            word(q.w),
-                                            mesh.from_normals[v],
-                                            mesh.to_normals[v]};
-      std::copy(corner.begin(), corner.end(), t.begin() + static_cast<std::ptrdiff_t>(12 * k));
+      const std::array<uint32_t, kWords> corner{word(at.x),
+                                                word(at.y),
+                                                word(p.x),
+                                                word(p.y),
+                                                word(p.z),
+                                                word(p.w),
+                                                word(q.x),
+                                                word(q.y),
+                                                word(q.z),
+                                                word(q.w),
+                                                mesh.from_normals[v],
+                                                mesh.to_normals[v],
+                                                word(mesh.from_moved.empty() ? 0 : mesh.from_moved[v]),
+                                                word(mesh.to_moved.empty() ? 0 : mesh.to_moved[v])};
+      std::copy(corner.begin(), corner.end(), t.begin() + static_cast<std::ptrdiff_t>(kWords * k));
     }
     out.push_back(t);
   }
@@ -51,13 +54,13 @@ inline ::testing::AssertionResult isSameMesh(const client::BlendMesh& mesh, cons
   auto result = ::testing::AssertionFailure() << all.size() << " triangles, not " << wanted.size();
   const auto [a, b] = std::mismatch(all.begin(), all.end(), wanted.begin(), wanted.end());
   if (a == all.end() || b == wanted.end()) return result;
-  for (size_t k = 0; k < 36; ++k)
+  for (size_t k = 0; k < 3 * kWords; ++k)
     if ((*a)[k] != (*b)[k])
-      return result << "; the first difference: word " << k % 12 << " of corner " << k / 12 << " at ("
-                    << std::bit_cast<float>((*a)[12 * (k / 12)]) << ", "
-                    << std::bit_cast<float>((*a)[12 * (k / 12) + 1]) << ") and ("
-                    << std::bit_cast<float>((*b)[12 * (k / 12)]) << ", "
-                    << std::bit_cast<float>((*b)[12 * (k / 12) + 1]) << ")";
+      return result << "; the first difference: word " << k % kWords << " of corner " << k / kWords << " at ("
+                    << std::bit_cast<float>((*a)[kWords * (k / kWords)]) << ", "
+                    << std::bit_cast<float>((*a)[kWords * (k / kWords) + 1]) << ") and ("
+                    << std::bit_cast<float>((*b)[kWords * (k / kWords)]) << ", "
+                    << std::bit_cast<float>((*b)[kWords * (k / kWords) + 1]) << ")";
   return result;
 }
 

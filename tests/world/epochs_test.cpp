@@ -10,6 +10,7 @@
 #include "bench/world/world.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
+#include "tests/world/ring_of_objects.h"
 
 namespace foreland::test {
 namespace {
@@ -27,8 +28,8 @@ std::shared_ptr<const terrain::Scene> movingScene(uint64_t seed, proto::FrameKin
 // Judges what a world's client shows.
 class Judge {
  public:
-  explicit Judge(std::shared_ptr<const terrain::Scene> scene)
-      : scene_(scene), oracle_(bench::sceneOracle(scene).value()) {}
+  explicit Judge(std::shared_ptr<const terrain::Scene> scene, const server::SceneObjects& objects = {})
+      : scene_(scene), oracle_(bench::truthOf(scene), bench::objectsTruth(objects.set, objects.records)) {}
 
   // Every mesh for cracks and for the heights of its vertices, and every seventh frame against the truth.
   void judge(const client::FrameView& view, const proto::Lens& lens) {
@@ -43,6 +44,7 @@ class Judge {
     worst_ = std::max(worst_, d.max_px / view.tolerance_px);
     uncovered_ += d.uncovered;
     samples_ += d.samples;
+    object_vertices_ += d.object_vertices;
     moving_ += mesh.from.scene_time != mesh.to.scene_time ? 1 : 0;
   }
 
@@ -57,6 +59,7 @@ class Judge {
     EXPECT_LE(worst_, 1.001) << "of the tolerance";
     EXPECT_GT(worst_, 0.2) << "an oracle that sees nothing moves nobody";
   }
+  uint64_t objectVertices() const { return object_vertices_; }
   const std::vector<Time>& sceneTimes() const { return scene_times_; }
 
  private:
@@ -88,7 +91,8 @@ class Judge {
   bench::SceneOracle oracle_;
   std::map<uint32_t, proto::Section> sections_;  // by keyframe
   uint32_t version_ = 0;
-  uint64_t frames_ = 0, cracks_ = 0, uncovered_ = 0, samples_ = 0, wrong_heights_ = 0, moving_ = 0;
+  uint64_t frames_ = 0, cracks_ = 0, uncovered_ = 0, samples_ = 0, wrong_heights_ = 0, moving_ = 0,
+           object_vertices_ = 0;
   double worst_ = 0;
   std::vector<Time> scene_times_;
 };
@@ -102,14 +106,15 @@ void attach(World& world, Judge& judge, const ClientOptions& options) {
 
 class MovingGround : public ::testing::TestWithParam<proto::FrameKind> {};
 
-// Scene time stops, runs, runs backwards, is dragged and jumps.
+// Scene time stops, runs, runs backwards, is dragged and jumps; objects are carried by the ground.
 TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
   const uint64_t seed = randomSeed();
   SCOPED_TRACE(seed);
   Rng rng(seed);
   const auto scene = movingScene(seed, GetParam());
   const proto::Epochs& epochs = scene->epochs().epochs();
-  World world(scene, {}, Duration::milliseconds(4), seed);
+  const server::SceneObjects objects = objectsIn(*scene, 3);
+  World world(scene, {}, Duration::milliseconds(4), seed, objectsIn(*scene, 3));
   ClientOptions options = onKnownTour(*scene, rng.below(2) == 0 ? "orbit" : "survey", 30);
   options.at_frame = [&](client::Viewer& viewer, Time now) {
     if (rng.below(60) != 0) return;
@@ -119,7 +124,7 @@ TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
     if (viewer.replica() && rng.below(2) != 0) clock.scene_time = viewer.replica()->newest().scene_time;
     viewer.setSceneClock(clock);
   };
-  Judge judge(scene);
+  Judge judge(scene, objects);
   attach(world, judge, options);
   world.addClient(options);
   world.run(Time::seconds(12));
@@ -132,6 +137,36 @@ INSTANTIATE_TEST_SUITE_P(Frames, MovingGround,
                          [](const auto& instance) {
                            return std::string(instance.param == proto::FrameKind::kPlanar ? "Planar" : "Geographic");
                          });
+
+// As far up and down as the ground under each of them moves, and no farther.
+TEST(MovingGroundWithObjects, CarriesThem) {
+  for (const uint64_t seed : {2, 3, 9}) {
+    const auto scene = movingScene(seed);
+    const proto::Epochs& epochs = scene->epochs().epochs();
+    const server::SceneObjects objects = objectsIn(*scene, 6);
+    const auto farthest_m = [&](const proto::ObjectPlacement& p) {
+      double most = 0;
+      for (const proto::Epoch& epoch : epochs.all())
+        most = std::max(most, glm::length(p.rise.at(epochs.weightsAt(epoch.time))));
+      return most;
+    };
+    const auto all = objects.set.placements();
+    EXPECT_GE(std::count_if(all.begin(), all.end(), [&](const auto& p) { return farthest_m(p) > 10; }), 2);
+    World world(scene, {}, Duration::milliseconds(4), seed, objectsIn(*scene, 6));
+    ClientOptions options = onKnownTour(*scene, "orbit", 20);
+    bool is_set = false;
+    options.at_frame = [&](client::Viewer& viewer, Time now) {
+      if (!std::exchange(is_set, true)) viewer.setSceneClock({now, epochs.first(), 60 * kDay});
+    };
+    Judge judge(scene, objects);
+    attach(world, judge, options);
+    world.addClient(options);
+    world.run(Time::seconds(10));
+    EXPECT_EQ(world.report(), "");
+    judge.expectSound();
+    EXPECT_GT(judge.objectVertices(), 1'000u);
+  }
+}
 
 // Resumed on another server in mid-time, again and again.
 TEST(MovingGroundLost, IsResumedInMidTime) {

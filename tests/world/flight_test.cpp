@@ -7,6 +7,7 @@
 #include "bench/world/world.h"
 #include "server/view/tour.h"
 #include "tests/support/scene.h"
+#include "tests/world/alps.h"
 
 namespace foreland::test {
 namespace {
@@ -18,11 +19,6 @@ using proto::Predictor;
 using proto::Strategy;
 
 proto::Lens smallLens() { return {1.0471975511965976, 480, 270}; }
-
-std::shared_ptr<const terrain::Scene> alps() {
-  static const auto scene = makeScene(301, 217, 11);
-  return scene;
-}
 
 proto::Path tourOver(const terrain::Scene& scene, const char* name, double seconds) {
   auto path = server::planTour(scene, name, seconds);

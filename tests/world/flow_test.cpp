@@ -4,6 +4,7 @@
 #include "bench/world/world.h"
 #include "server/view/tour.h"
 #include "tests/support/scene.h"
+#include "tests/world/alps.h"
 
 namespace foreland::test {
 namespace {
@@ -15,11 +16,6 @@ using bench::World;
 
 using proto::Predictor;
 using proto::Strategy;
-
-std::shared_ptr<const terrain::Scene> alps() {
-  static const auto scene = makeScene(301, 217, 11);
-  return scene;
-}
 
 ClientOptions flying(const char* tour, double seconds, Strategy strategy = Strategy::kPredict,
                      Predictor predictor = Predictor::kConstantVelocity) {

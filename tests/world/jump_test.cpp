@@ -9,6 +9,7 @@
 #include "bench/world/world.h"
 #include "server/view/ground.h"
 #include "tests/support/scene.h"
+#include "tests/world/alps.h"
 #include "tests/world/ring_of_objects.h"
 
 namespace foreland::test {
@@ -21,11 +22,6 @@ using proto::Strategy;
 
 constexpr Duration kEvery = Duration::seconds(4);
 constexpr size_t kMostNodes = 30000;
-
-std::shared_ptr<const terrain::Scene> alps() {
-  static const auto scene = makeScene(301, 217, 11);
-  return scene;
-}
 
 glm::dvec3 aboveGround(double x, double y, double height_m) {
   return {x, y, 5000 - server::heightAboveGround(*alps(), {x, y, 5000}) + height_m};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/section/hierarchy.h"
+#include "terrain/objects/placed_objects.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface/shapes.h"
 
@@ -26,7 +27,7 @@ inline const Models& models() {
   return all;
 }
 
-// In a ring above the middle of the scene.
+// In a ring above the middle of the scene, carried by the ground below where it moves.
 inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t count) {
   std::vector<proto::ObjectModel> shapes;
   for (const terrain::TrueSurface& s : models().surfaces) shapes.push_back({s.topology.shape(), s.quantum_m, s.base});
@@ -37,8 +38,9 @@ inline server::SceneObjects objectsIn(const terrain::Scene& scene, uint32_t coun
     const double around = 6.28 * i / count, r = 0.3;
     const proto::LatticePosition place{shape.samples_x * (0.5 + r * std::cos(around)),
                                        shape.samples_y * (0.5 + r * std::sin(around)), 900};
-    placements.push_back({i % 2, frame.transform().toScene(place), glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)),
-                          40.0 + 10.0 * (i % 3)});
+    const glm::dvec3 position = frame.transform().toScene(place);
+    placements.push_back({i % 2, position, glm::angleAxis(around, glm::dvec3(0.6, 0, 0.8)), 40.0 + 10.0 * (i % 3),
+                          terrain::riseAt(scene, position)});
   }
   server::SceneObjects objects;
   objects.set = proto::ObjectSet::create(std::move(shapes), std::move(placements)).value();

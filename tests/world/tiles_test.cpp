@@ -3,11 +3,13 @@
 
 #include <cmath>
 
+#include "base/rng.h"
 #include "bench/world/world.h"
-#include "proto/imagery/tile_selection.h"
 #include "server/imagery/tile_sender.h"
+#include "tests/support/height_field.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
+#include "tests/support/texel_on_screen.h"
 
 namespace foreland::test {
 namespace {
@@ -27,6 +29,19 @@ ClientOptions flyingOver(const terrain::Scene& scene, const char* tour, double s
   return c;
 }
 
+// Straight down, along the scene's diagonal: what is needed changes all the time.
+ClientOptions lookingDown(const terrain::Scene& scene, double seconds) {
+  ClientOptions c = flyingOver(scene, "survey", seconds);
+  const proto::FrameTransform frame(scene.frame());
+  const proto::GridShape& shape = scene.grid().shape();
+  for (size_t i = 0; i < c.path.poses.size(); ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(c.path.poses.size() - 1);
+    c.path.poses[i] = {frame.toScene(proto::LatticePosition{share * shape.samples_x, share * shape.samples_y, 3500}),
+                       glm::dquat(1, 0, 0, 0)};
+  }
+  return c;
+}
+
 std::vector<uint64_t> heldBy(const client::Viewer& viewer) {
   std::vector<uint64_t> keys;
   for (const proto::TileId& tile : viewer.tiles().held().tiles) keys.push_back(tile.key());
@@ -42,8 +57,8 @@ TEST(Tiles, NothingIsSentTwiceAndTheServerKnowsWhatIsHeld) {
   const auto scene = manyTiles();
   World world(scene, {}, Duration::milliseconds(4), 1);
   world.addClient(flyingOver(*scene, "survey", 12));
-  ClientOptions small = flyingOver(*scene, "survey", 12);
-  small.request.tile_bytes = 60'000;
+  ClientOptions small = lookingDown(*scene, 12);
+  small.request.tile_bytes = 100'000;
   world.addClient(small);
   ClientOptions none = flyingOver(*scene, "survey", 12);
   none.request.relief = false;
@@ -54,46 +69,61 @@ TEST(Tiles, NothingIsSentTwiceAndTheServerKnowsWhatIsHeld) {
   EXPECT_GT(held.count(), 8u);
   EXPECT_EQ(held.received(), held.count());
   EXPECT_GT(world.viewer(1).tiles().received(), world.viewer(1).tiles().count()) << "some were dropped";
-  EXPECT_LE(world.viewer(1).tiles().bytes(), 60'000u);
+  EXPECT_LE(world.viewer(1).tiles().bytes(), 100'000u);
   for (size_t i = 0; i < 2; ++i) EXPECT_EQ(heldBy(world.viewer(i)), heldBy(world.session(i)));
   EXPECT_EQ(world.viewer(2).tiles().received(), 0u);
   // Sections do not depend on tiles.
   EXPECT_EQ(world.session(0).section(), world.session(2).section());
 }
 
-// Of the tiles that the camera needs those that the client lacks are shown by their parents, and these are stated.
+// Texels of the finest tile that the client holds, wherever the ground is seen.
 TEST(Tiles, WhatIsStatedHoldsInEveryFrame) {
   const auto scene = manyTiles();
+  const server::Hierarchy hierarchy(scene);
+  const HeightField field(hierarchy);
   const proto::FrameTransform frame(scene->frame());
+  const proto::TileLayer& layer = scene->tiles().layers()[0];
+  const auto positionAt = [&](double x, double y) {
+    return frame.toScene(proto::LatticePosition{x, y, field.at(x, y)});
+  };
+  Rng rng(randomSeed());
   for (const double bytes_per_second : {0.0, 40e3}) {
     World world(scene, {}, Duration::milliseconds(4), 1);
     ClientOptions client = flyingOver(*scene, "canyon", 12);
     client.down.bytes_per_second = bytes_per_second;
     world.addClient(client);
-    uint64_t frames = 0, coarse = 0;
-    std::vector<proto::SelectedTile> needed;
-    world.on_frame = [&](size_t, const client::FrameView& view, Time) {
+    uint64_t frames = 0, judged = 0, coarse = 0;
+    const auto judge = [&](const proto::View& view, double x, double y, double stated_px) {
+      uint8_t level = 0;
+      const client::TileStore& held = world.viewer(0).tiles();
+      for (; level < layer.levels(); ++level) {
+        const glm::dvec2 at = (glm::dvec2(x, y) - layer.origin) / (proto::kTilePayload * layer.texelAt(level));
+        if (held.find({0, level, static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y)})) break;
+      }
+      if (level == 0 || !field.isClear(view.pose.eye, positionAt(x, y), 1)) return;
+      const auto size_px = texelOnScreen(positionAt, view, x, y, layer.texelAt(level), 0.01);
+      if (!size_px) return;
+      ++judged;
+      coarse += *size_px > server::TileSender::kTexel_px ? 1 : 0;
+      EXPECT_LE(*size_px, 1.01 * stated_px) << "frame " << frames << " at " << x << ", " << y;
+    };
+    world.on_frame = [&](size_t, const client::FrameView& frame_view, Time) {
       const auto& statement = world.viewer(0).tiles().statement();
       if (!statement || ++frames % 7 != 0) return;
-      const proto::View here{view.pose, client.request.lens, 1};
-      proto::selectTiles(
-          scene->tiles().layers()[0], 0, frame, here, server::TileSender::kTexel_px, 10000,
-          [&](const proto::TileId& tile) { return scene->tiles().bounds(tile); }, needed);
-      const client::TileStore& held = world.viewer(0).tiles();
-      for (const proto::SelectedTile& each : needed) {
-        float shown_px = each.texel_px;
-        proto::TileId tile = each.tile;
-        for (; !held.find(tile) && tile.level + 1u < scene->tiles().layers()[0].levels(); tile = tile.parent())
-          shown_px *= 2;
-        if (!held.find(tile)) shown_px = HUGE_VALF;
-        if (tile == each.tile) continue;
-        ++coarse;
-        EXPECT_LE(shown_px, 1.001f * statement->texel_px[0]) << "frame " << frames;
+      const proto::View view{frame_view.pose, client.request.lens, 1};
+      const proto::LatticePosition eye = frame.toLattice(view.pose.eye);
+      for (int k = 0; k < 500; ++k) {
+        // The nearer the more.
+        const double far = 800 * std::pow(rng.uniform(0, 1), 2), heading = rng.uniform(-3.15, 3.15);
+        const double x = eye.x + far * std::cos(heading), y = eye.y + far * std::sin(heading);
+        const bool is_inside = x >= 0 && y >= 0 && x < layer.width - 1.1 && y < layer.height - 1.1;
+        if (is_inside && project(view, positionAt(x, y))) judge(view, x, y, statement->texel_px[0]);
       }
     };
     world.run(Time::seconds(11));
     EXPECT_EQ(world.report(), "");
     EXPECT_GT(frames, 500u);
+    EXPECT_GT(judged, 20u);
     EXPECT_TRUE(bytes_per_second == 0 || coarse > 0);
   }
 }

@@ -73,7 +73,7 @@ ObjectsOracle::ObjectsOracle(ObjectsTruth truth) : truth_(std::move(truth)) {
 }
 
 std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeMesh& mesh, size_t object,
-                                                         double weight) const {
+                                                         const proto::ObjectPlacement& placement, double weight) const {
   const ObjectTruth& truth = truth_.objects[object];
   const client::ObjectPart& part = mesh.object_parts[object];
   const client::BlendMesh& drawn = mesh.objects;
@@ -90,7 +90,7 @@ std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeM
       t.face = point->face;
       t.weights[k] = point->weights;
       const glm::dvec3 from(drawn.from_positions[v]), to(drawn.to_positions[v]);
-      t.positions[k] = toModel(truth.placement, mesh.origin + glm::mix(from, to, weight));
+      t.positions[k] = toModel(placement, mesh.origin + glm::mix(from, to, weight));
     }
     if (is_sound) triangles.push_back(t);  // where it is not, nothing is drawn: a hole, and findCracks names it
   }
@@ -98,16 +98,19 @@ std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeM
 }
 
 SurfaceJudgement ObjectsOracle::judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
-                                      const proto::Lens& lens) const {
+                                      const proto::Lens& lens, std::span<const glm::dvec3> carried) const {
   SurfaceJudgement all;
   for (size_t i = 0; i < truth_.objects.size(); ++i) {
     const ObjectTruth& object = truth_.objects[i];
+    proto::ObjectPlacement placement = object.placement;
+    if (!carried.empty()) placement.position += carried[i];
     const Model& model = models_[object.model];
-    const proto::Pose seen_from = toModel(object.placement, pose);
+    const proto::Pose seen_from = toModel(placement, pose);
     if (!OracleEye(seen_from, lens).maySee(model.centre, model.radius)) continue;
     const bool is_drawn = i < mesh.object_parts.size();
-    const SurfaceJudgement one = model.oracle.judge(
-        is_drawn ? drawnTriangles(mesh, i, weight) : std::vector<DrawnTriangle>(), seen_from, lens, object.nearest_m);
+    const SurfaceJudgement one =
+        model.oracle.judge(is_drawn ? drawnTriangles(mesh, i, placement, weight) : std::vector<DrawnTriangle>(),
+                           seen_from, lens, object.nearest_m);
     all.silhouette.merge(one.silhouette);
     all.interior.merge(one.interior);
     all.max_m = std::max(all.max_m, one.max_m * object.placement.scale);

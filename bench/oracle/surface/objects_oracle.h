@@ -51,14 +51,16 @@ class ObjectsOracle {
   explicit ObjectsOracle(ObjectsTruth truth);
 
   // Over all objects. `max_m` is in the scene's metres, over the objects that may be in view. The camera is in the
-  // scene's frame; what is drawn is mix(from, to, weight).
+  // scene's frame; what is drawn is mix(from, to, weight). `carried`: where each object ought to be by then, from where
+  // it was placed; none: there.
   SurfaceJudgement judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
-                         const proto::Lens& lens) const;
+                         const proto::Lens& lens, std::span<const glm::dvec3> carried = {}) const;
   // Of all objects; object_cracks.h says what is found.
   CrackReport findCracks(const client::KeyframeMesh& mesh) const;
 
   double interiorPerTau() const { return truth_.interior_per_tau; }
   size_t size() const { return truth_.objects.size(); }
+  const ObjectsTruth& truth() const { return truth_; }
 
  private:
   struct Model {
@@ -66,7 +68,8 @@ class ObjectsOracle {
     glm::dvec3 centre;
     double radius;  // of a sphere around all vertices
   };
-  std::vector<DrawnTriangle> drawnTriangles(const client::KeyframeMesh& mesh, size_t object, double weight) const;
+  std::vector<DrawnTriangle> drawnTriangles(const client::KeyframeMesh& mesh, size_t object,
+                                            const proto::ObjectPlacement& placement, double weight) const;
 
   ObjectsTruth truth_;
   std::vector<Model> models_;

@@ -100,6 +100,12 @@ TEST(Drape, OursKeepsWhatItStatesAndRivalsGetFinerTilesForMoreBytes) {
   EXPECT_EQ(ours.quality.blur_px_s, 0);
   EXPECT_EQ(ours.quality.not_drawn, 0u);
   EXPECT_EQ(experiment->flyOurs().bytes, ours.bytes) << "the same flight";
+  const DrapeArrivals with = experiment->arrivals(true), without = experiment->arrivals(false);
+  EXPECT_GT(without.first_picture_ms, 50);  // a round trip
+  EXPECT_GE(with.first_picture_ms, without.first_picture_ms);
+  EXPECT_LT(with.first_picture_ms, 1000);
+  EXPECT_GE(with.tolerance_ms, with.first_picture_ms);
+  EXPECT_LT(with.lateness_p99_ms, 1000);
   const DrapeFigures fine = experiment->pull(TileRule::kDistance, 0.5),
                      coarse = experiment->pull(TileRule::kDistance, 8);
   EXPECT_GT(fine.bytes, coarse.bytes);

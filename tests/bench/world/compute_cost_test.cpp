@@ -16,7 +16,7 @@ TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
   Rng rng(test::randomSeed());
   const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8, 50};
   std::vector<TimedWork> steps;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const StepWork work{1, rng.below(20'000), rng.below(9000), rng.below(4) == 0 ? rng.below(90'000) : 0,
                         rng.below(9000)};
     const double noise = rng.uniform(0.98, 1.02);

@@ -213,7 +213,7 @@ TEST(Residency, AStandingViewGetsWhatItSelects) {
   const proto::View view = lookingDown({10'000, 10'000, 4000}, 0);
   const auto held = [](const TileId&) { return std::optional(proto::TileBounds{0, 10, {0, 0, 127}, 20}); };
   std::vector<proto::SelectedTile> selected;
-  selectTiles(layer, 0, frame(), view, 1, 56, held, selected);
+  selectTiles(layer, 0, frame(), view, 0.5, 56, held, selected);
   ASSERT_GT(selected.size(), 20u);
   for (int i = 0; i < 20; ++i) {
     residency.advance(frame(), view, held);
@@ -222,6 +222,29 @@ TEST(Residency, AStandingViewGetsWhatItSelects) {
   EXPECT_EQ(residency.shown().size(), selected.size());
   for (const auto& s : residency.shown()) EXPECT_EQ(s.fade, Fade::kNone);
   EXPECT_TRUE(residency.arrivals().empty());
+}
+
+TEST(Residency, LeavesOutWhatIsSmallestOnTheScreen) {
+  const proto::TileLayer layer = layerOf(6000, 6000);
+  Residency residency(layer, 0, 40);
+  proto::View view = lookingDown({15'000, 2000, 900}, 0);
+  view.pose.orientation = glm::dquat(std::cos(0.65), std::sin(0.65), 0, 0);  // ahead, and somewhat down
+  const auto held = [](const TileId&) { return std::optional(proto::TileBounds{0, 10, {0, 0, 127}, 20}); };
+  for (int i = 0; i < 40; ++i) {
+    residency.advance(frame(), view, held);
+    while (const auto tile = residency.takeWanted()) residency.setReady(*tile);
+  }
+  std::vector<proto::SelectedTile> all;
+  selectTiles(layer, 0, frame(), view, 0.5, 100'000, held, all);
+  std::set<uint64_t> drawn;
+  for (const auto& s : residency.shown()) drawn.insert(s.tile.key());
+  ASSERT_EQ(drawn.size(), 35u);
+  ASSERT_GT(all.size(), 70u);
+  float smallest_px = 1e9;
+  for (size_t i = 1; i < all.size(); ++i)
+    if (drawn.contains(all[i].tile.key())) smallest_px = std::min(smallest_px, all[i].texel_px);
+  for (const auto& s : all)
+    if (!drawn.contains(s.tile.key())) { EXPECT_LE(s.texel_px, smallest_px) << int{s.tile.level}; }
 }
 
 // One hundred views later than all of it was seen, nothing is left in the way of what is.

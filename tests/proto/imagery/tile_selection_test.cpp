@@ -2,6 +2,7 @@
 // the ground is projected to the screen.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
@@ -11,6 +12,7 @@
 #include "base/rng.h"
 #include "proto/imagery/tile_selection.h"
 #include "tests/support/seed.h"
+#include "tests/support/texel_on_screen.h"
 
 namespace foreland::proto {
 namespace {
@@ -90,25 +92,6 @@ View someView(Rng& rng, const Hills& hills) {
   return view;
 }
 
-// Where a point appears, in pixels from the middle; nothing if it is out of view.
-std::optional<glm::dvec2> project(const View& view, const glm::dvec3& p) {
-  const glm::dvec3 q = glm::conjugate(view.pose.orientation) * (p - view.pose.eye);
-  if (q.z > -0.1) return std::nullopt;
-  const double focal = 0.5 * view.lens.height_px / std::tan(0.5 * view.lens.vertical_fov_rad);
-  const glm::dvec2 at = glm::dvec2(q) * (focal / -q.z);
-  if (std::abs(at.x) > 0.5 * view.lens.width_px || std::abs(at.y) > 0.5 * view.lens.height_px) return std::nullopt;
-  return at;
-}
-
-// On the screen, in pixels: the root of the area of a texel of `side` sample intervals at a lattice position.
-std::optional<double> texelOnScreen(const Hills& hills, const View& view, double x, double y, double side) {
-  const auto a = project(view, hills.at(x, y)), b = project(view, hills.at(x + 0.1, y)),
-             c = project(view, hills.at(x, y + 0.1));
-  if (!a || !b || !c) return std::nullopt;
-  const glm::dvec2 u = (*b - *a) * 10.0, v = (*c - *a) * 10.0;
-  return side * std::sqrt(std::abs(u.x * v.y - u.y * v.x));
-}
-
 class TileSelection : public testing::TestWithParam<bool> {};
 
 TEST_P(TileSelection, NoTexelInViewIsLargerThanAllowed) {
@@ -130,7 +113,7 @@ TEST_P(TileSelection, NoTexelInViewIsLargerThanAllowed) {
     seen.pose.eye += glm::normalize(away) * (0.99 * view.region_radius_m);
     for (int k = 0; k < 3000; ++k) {
       const double x = rng.uniform(0, kSamples - 1), y = rng.uniform(0, kSamples - 1);
-      if (!project(seen, hills.at(x, y))) continue;
+      if (!test::project(seen, hills.at(x, y))) continue;
       // The finest tile that holds the point.
       uint8_t level = static_cast<uint8_t>(hills.layer().levels());
       for (uint8_t l = 0; l < hills.layer().levels() && level == hills.layer().levels(); ++l) {
@@ -139,7 +122,8 @@ TEST_P(TileSelection, NoTexelInViewIsLargerThanAllowed) {
         if (tiles.contains(tile.key())) level = l;
       }
       ASSERT_LT(level, hills.layer().levels()) << "a point in view has no tile";
-      const auto size = texelOnScreen(hills, seen, x, y, hills.layer().texelAt(level));
+      const auto at = [&](double u, double v) { return hills.at(u, v); };
+      const auto size = test::texelOnScreen(at, seen, x, y, hills.layer().texelAt(level));
       ++points;
       fine += level == 0;
       if (!size || level == 0) continue;
@@ -176,6 +160,34 @@ TEST_P(TileSelection, FollowsParentsAndLeavesOutWhatIsNotKnown) {
     }
     for (const SelectedTile& s : some) EXPECT_TRUE(lucky(s.tile).has_value());
   }
+}
+
+// As at the latitude where degrees of longitude are a quarter of those of latitude.
+TEST(TileSelectionAbove, ATexelIsAsLargeAsTheRootOfItsArea) {
+  Frame frame;
+  frame.axis_x_m = {5, 0}, frame.axis_y_m = {0, 20};
+  const FrameTransform transform(frame);
+  TileLayer layer;
+  layer.width = layer.height = kSamples;
+  layer.origin = {-0.5, -0.5};
+  View view;
+  view.pose.eye = transform.toScene(LatticePosition{1600, 1600, 20000});
+  view.lens = {1.0, 1280, 720};
+  std::vector<SelectedTile> selected;
+  selectTiles(
+      layer, 0, transform, view, 0.3, 100000,
+      [](const TileId&) {
+        return TileBounds{0, 0, {0, 0, 127}, 0};
+      },
+      selected);
+  const TileId below{0, 0, 1600 / kTilePayload, 1600 / kTilePayload};
+  const auto found =
+      std::find_if(selected.begin(), selected.end(), [&](const SelectedTile& each) { return each.tile == below; });
+  ASSERT_NE(found, selected.end());
+  const auto at = [&](double x, double y) { return transform.toScene(LatticePosition{x, y, 0}); };
+  const double size_px = *test::texelOnScreen(at, view, 1600, 1600, layer.texel);
+  EXPECT_GE(found->texel_px, 0.999 * size_px);
+  EXPECT_LE(found->texel_px, 1.4 * size_px);
 }
 
 INSTANTIATE_TEST_SUITE_P(Frames, TileSelection, testing::Bool(),

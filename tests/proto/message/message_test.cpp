@@ -47,6 +47,21 @@ TEST(Message, APoseAsSentIsSentUnchanged) {
   }
 }
 
+TEST(Message, ALongestIntervalThatIsNoneIsRefused) {
+  const auto asking = [](int64_t shortest_ms, int64_t longest_ms) {
+    return encode(ViewRequest{.lens = {0.9, 800, 600},
+                              .keyframe_interval = Duration::milliseconds(shortest_ms),
+                              .longest_interval = Duration::milliseconds(longest_ms)});
+  };
+  EXPECT_TRUE(decodeClientMessage(asking(200, 200)).ok());
+  EXPECT_TRUE(decodeClientMessage(asking(20, 10'000)).ok());
+  for (const Bytes& bytes : {asking(0, 200), asking(200, 199), asking(200, 10'001)}) {
+    const auto message = decodeClientMessage(bytes);
+    ASSERT_FALSE(message.ok());
+    EXPECT_NE(message.error().message.find("longest keyframe interval"), std::string::npos);
+  }
+}
+
 TEST(Message, ControlMessagesRoundTrip) {
   const ViewRequest request{
       {0.9, 800, 600}, 1.5, Strategy::kCurrent, Predictor::kKnownPath, Duration::milliseconds(250)};
@@ -56,6 +71,11 @@ TEST(Message, ControlMessagesRoundTrip) {
   EXPECT_EQ(got_request.strategy, request.strategy);
   EXPECT_EQ(got_request.predictor, request.predictor);
   EXPECT_EQ(got_request.keyframe_interval, request.keyframe_interval);
+  EXPECT_EQ(got_request.longest_interval, Duration{});
+  const ViewRequest adaptive{.lens = {0.9, 800, 600},
+                             .keyframe_interval = Duration::milliseconds(250),
+                             .longest_interval = Duration::milliseconds(750)};
+  EXPECT_EQ(std::get<ViewRequest>(*decodeClientMessage(encode(adaptive))).longest_interval, adaptive.longest_interval);
 
   Rng rng(5);
   const Path path{Time{-7}, Duration::milliseconds(100), {somePose(rng), somePose(rng), somePose(rng)}};
@@ -106,6 +126,32 @@ TEST(Message, AWelcomeTellsAsManyModelsAndObjectsAsASceneHolds) {
   }
   sent.models.push_back(sent.models.front());
   EXPECT_FALSE(decodeServerMessage(encode(sent)).ok());
+}
+
+TEST(Message, AWelcomeTellsHowObjectsRise) {
+  Welcome sent;
+  sent.shape = {1, 1, 1, 3, 3};
+  sent.frame.axis_x_m = {1, 0};
+  sent.frame.axis_y_m = {0, 1};
+  sent.keyframe_interval = Duration::milliseconds(200);
+  sent.corner_heights.resize(4);
+  sent.centre_heights.resize(1);
+  sent.models.resize(1);
+  sent.models[0].shape.vertex_count = 3;
+  sent.models[0].shape.faces.push_back({0, 1, 2});
+  sent.models[0].base = {{0, 0, 0}, {4, 0, 0}, {0, -4, 2}};
+  for (int64_t t : {0, 5, 9}) sent.epochs.push_back({Time{t}, t == 0 ? LatticeWindow{} : LatticeWindow{0, 0, 3, 3}});
+  sent.objects.resize(3);
+  sent.objects[0].rise = GroundRise({0, -20, 7}, sent.frame, {});
+  sent.objects[2].rise = GroundRise({0, 0, kMaxOffset}, sent.frame, {});
+  const auto message = decodeServerMessage(encode(sent));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(std::get<Welcome>(*message).objects[i].rise, sent.objects[i].rise);
+  for (const std::vector<int32_t>& absurd : {std::vector<int32_t>{0, 0, kMaxOffset + 1}, {0, 0, 0, 1}}) {
+    Welcome wrong = sent;
+    wrong.objects[1].rise.quanta = absurd;
+    EXPECT_FALSE(decodeServerMessage(encode(wrong)).ok());
+  }
 }
 
 TEST(Message, AbsurdValuesAreRefused) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/occlusion/height_field.h"
+#include "tests/support/height_field.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
 
@@ -30,7 +30,7 @@ struct Ways {
 // A scene, and all that a test of its blocks needs.
 struct Ground {
   Ground(std::shared_ptr<const terrain::Scene> scene, Behind behind) : hierarchy(std::move(scene)) {
-    if (behind == Behind::kHorizons) shared.grid.emplace(hierarchy);
+    if (behind == Behind::kHorizons) shared.grid = std::make_shared<const HorizonGrid>(hierarchy);
     if (behind == Behind::kRays) shared.occluder = Occluder::create(hierarchy).value();
   }
   bool isHidden(const BlockId& block, const proto::View& view, const EyeSweep& eyes, uint64_t max_rays = 1000) {
@@ -42,7 +42,7 @@ struct Ground {
   }
 
   const Hierarchy hierarchy;
-  SceneOcclusion shared{BlockTops(hierarchy), std::nullopt, nullptr};
+  SceneOcclusion shared{BlockTops(hierarchy), nullptr, nullptr};
   BlockTest test{hierarchy, shared};
   const foreland::test::HeightField field{hierarchy};
 };

@@ -3,8 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/occlusion/height_field.h"
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "tests/support/height_field.h"
 #include "tests/support/scene.h"
+#include "tests/support/seed.h"
 
 namespace foreland::server {
 namespace {
@@ -62,6 +68,84 @@ TEST(Grid, PlacesTheScenesPositions) {
   }
   EXPECT_LE(longest, grid.stepsOfMetre() + 1e-9);
   EXPECT_GT(longest, 0.99 * grid.stepsOfMetre());
+}
+
+// Anywhere between the latitudes that have grids.
+std::shared_ptr<const terrain::Scene> geographicScene(uint64_t seed, double step_rad) {
+  Rng rng(seed);
+  const double a = rng.uniform(5, 9), b = rng.uniform(5, 9);
+  test::FormulaSource source(
+      129, 97, [=](uint32_t x, uint32_t y) { return 1500 + 900 * std::sin(x / a) * std::cos(y / b) + 7 * (x % 3); },
+      proto::FrameKind::kGeographic);
+  proto::Frame& frame = source.info().frame;
+  frame.longitude_step_rad = step_rad, frame.latitude_step_rad = step_rad;
+  frame.latitude0_rad = rng.uniform(-1.2, 1.1), frame.longitude0_rad = rng.uniform(-3, 3);
+  frame.origin = {frame.latitude0_rad + 48 * step_rad, frame.longitude0_rad + 64 * step_rad, 0};
+  return test::makeScene(source);
+}
+
+class GeographicGrids : public testing::TestWithParam<double> {};
+
+TEST_P(GeographicGrids, LieBelowTheTerrain) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const Hierarchy hierarchy(geographicScene(seed, GetParam()));
+  const bool is_fine = rng.below(2) == 0;
+  const auto grid = HorizonGrid::of(hierarchy, is_fine ? HorizonGrid::kMostVertices : 8000);
+  ASSERT_NE(grid, nullptr);
+  const proto::FrameTransform& frame = hierarchy.frame().transform();
+  const test::HeightField field(hierarchy);
+  const double sample_m = GetParam() * 6.37e6;
+  for (size_t l = 0; l < grid->levels().size(); ++l) {
+    const HorizonGrid::Level& level = grid->levels()[l];
+    std::vector<double> clearances;
+    for (int i = 0; i < 4000; ++i) {
+      const auto axis = static_cast<size_t>(rng.below(2));
+      const auto line = static_cast<uint32_t>(rng.below(level.lines[axis]));
+      const double at = rng.uniform(0, level.vertices[axis] - 1.001);
+      const auto vertex = static_cast<size_t>(at);
+      const float* const heights = level.line(axis == 0 ? HorizonGrid::Along::kX : HorizonGrid::Along::kY, line);
+      const double z = std::lerp(heights[vertex], heights[vertex + 1], at - static_cast<double>(vertex));
+      const glm::dvec2 steps = double(1u << l) * (axis == 0 ? glm::dvec2(at, line) : glm::dvec2(line, at));
+      const glm::dvec2 position = grid->toScene(steps - grid->toGrid(glm::dvec2(0)));
+      const proto::LatticePosition p = frame.toLattice({position.x, position.y, z});
+      ASSERT_TRUE(p.x >= -0.01 && p.y >= -0.01 && p.x <= 128.01 && p.y <= 96.01) << p.x << ", " << p.y;
+      clearances.push_back(field.at(std::clamp(p.x, 0.0, 127.999), std::clamp(p.y, 0.0, 95.999)) - p.height_m);
+      ASSERT_GT(clearances.back(), -1e-3) << "level " << l << " at " << p.x << ", " << p.y;
+    }
+    std::sort(clearances.begin(), clearances.end());
+    // As the slopes rise in half a sample or so.
+    if (l == 0 && is_fine) { EXPECT_LT(clearances[clearances.size() / 2], 20 + 0.3 * sample_m); }
+  }
+}
+
+TEST_P(GeographicGrids, BoundsHoldTheGround) {
+  const uint64_t seed = test::randomSeed();
+  Rng rng(seed);
+  const Hierarchy hierarchy(geographicScene(seed, GetParam()));
+  const auto grid = HorizonGrid::of(hierarchy);
+  ASSERT_NE(grid, nullptr);
+  for (int i = 0; i < 200; ++i) {
+    const glm::dvec2 low(rng.uniform(0, 127), rng.uniform(0, 95)), size(rng.uniform(0, 60), rng.uniform(0, 60));
+    const proto::LatticeBox box{low, glm::min(low + size, glm::dvec2(128, 96))};
+    const double lowest_m = rng.uniform(-100, 2000), highest_m = lowest_m + rng.uniform(0, 2000);
+    const HorizonGrid::Bounds bounds = grid->boundsOf(box, lowest_m, highest_m);
+    for (int k = 0; k < 50; ++k) {
+      const proto::LatticePosition p{rng.uniform(box.low.x, box.high.x), rng.uniform(box.low.y, box.high.y),
+                                     rng.uniform(lowest_m, highest_m)};
+      const glm::dvec3 at = hierarchy.frame().transform().toScene(p);
+      const glm::dvec2 steps = grid->toGrid(glm::dvec2(at));
+      EXPECT_TRUE(glm::all(glm::greaterThanEqual(steps, bounds.low)) &&
+                  glm::all(glm::lessThanEqual(steps, bounds.high)));
+      EXPECT_LE(at.z, bounds.top_m);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, GeographicGrids, testing::Values(1.5e-5, 3e-4));
+
+TEST(GeographicGrid, IsNotOfMuchOfTheEarth) {
+  EXPECT_EQ(HorizonGrid::of(Hierarchy(geographicScene(1, 2e-3))), nullptr);
 }
 
 }  // namespace

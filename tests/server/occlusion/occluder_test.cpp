@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/occlusion/height_field.h"
+#include "tests/support/height_field.h"
 #include "tests/support/scene.h"
 
 namespace foreland::server {

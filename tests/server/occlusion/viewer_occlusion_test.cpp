@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "tests/server/occlusion/height_field.h"
+#include "tests/support/height_field.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
 

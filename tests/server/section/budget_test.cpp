@@ -69,6 +69,19 @@ TEST(ToleranceControl, ReturnsToWhatIsWantedWhenTheBudgetEnds) {
   EXPECT_EQ(run(control, 1, {}, 100), 1);
 }
 
+// Adaptive keyframes may be a second apart; a viewer who wants a finer picture does not wait five times as long then.
+TEST(ToleranceControl, FallsAsFastWhateverTheInterval) {
+  for (const double interval_s : {0.2, 0.25, 0.5, 1.0}) {
+    ToleranceControl control;
+    double tau_px = run(control, 4, {}, 3), passed_s = 0;
+    for (; tau_px > 1; passed_s += interval_s) {
+      control.observe(trianglesAt(tau_px), 100, interval_s);
+      tau_px = control.next(1, {});
+    }
+    EXPECT_NEAR(passed_s, std::log(4) / 0.4, interval_s) << "0.4 of log tau a second, rounded up to whole keyframes";
+  }
+}
+
 // 8 percent of the tolerance's logarithm for each keyframe: no viewer sees a jump.
 TEST(ToleranceControl, TakesBoundedSteps) {
   ToleranceControl control;

@@ -236,7 +236,7 @@ TEST(Session, AnswersRequestsOneAStepAndNoneWhileAReplyIsUnsent) {
 TEST(Session, RefusesMoreRequestsThanMayWait) {
   Session session(smallWorld(), {});
   ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
-  for (uint32_t i = 0; i < SessionOptions::kMostRequests; ++i)
+  for (uint32_t i = 0; i < Requests::kMost; ++i)
     ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 3600}), Time{}).ok());
   EXPECT_FALSE(session.receive(proto::encode(proto::TourRequest{99, "survey", 3600}), Time{}).ok());
 }

@@ -81,6 +81,49 @@ TEST_P(PlacedObjects, StandOnTheGroundTurnedAndScaled) {
   }
 }
 
+// At every epoch, the first one among them, which is laid over what the scene was built of.
+TEST_P(PlacedObjects, StandOnGroundThatMoves) {
+  const TemporaryFolder folder;
+  const std::string model = writeSphere(folder), path = folder / "land.fls";
+  FormulaSource source(129, 97, hills(5), GetParam());
+  std::vector<FormulaSource> grounds;
+  for (int i = 0; i < 3; ++i)
+    grounds.emplace_back(
+        129, 97, [i, ground = hills(5)](uint32_t x, uint32_t y) { return ground(x, y) + 7.3 * i + 4 - 0.02 * i * x; },
+        GetParam());
+  const proto::FrameTransform transform(source.info().frame);
+  std::vector<ObjectRequest> requests;
+  std::vector<glm::uvec2> places;
+  for (uint32_t i = 0; i < 5; ++i) {
+    places.emplace_back(10 + 20 * i, 80 - 15 * i);
+    const auto point = transform.toScene(proto::LatticePosition{double(places[i].x), double(places[i].y), 0});
+    glm::dvec2 at = source.info().frame.map_origin_m + glm::dvec2(point);
+    if (GetParam() == proto::FrameKind::kGeographic) {
+      const proto::Geodetic g = transform.toGeodetic(point);
+      at = glm::dvec2(g.latitude_rad, g.longitude_rad) * 57.29577951308232;
+    }
+    requests.push_back({model, at, 0, 0, 1});
+  }
+  std::vector<terrain::EpochRequest> epochs;
+  for (int i = 0; i < 3; ++i) epochs.push_back({Time::seconds(1000 * i), std::to_string(i), &grounds[i]});
+  ASSERT_TRUE(
+      terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests, .epochs = epochs})
+          .ok());
+  const auto scene = terrain::Scene::open(path);
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  const auto objects = terrain::readObjects(*scene);
+  ASSERT_TRUE(objects.ok()) << objects.error().message;
+  for (size_t i = 0; i < 5; ++i) {
+    const proto::ObjectPlacement& p = objects->set.placement(i);
+    const proto::Epochs& all = (*scene)->epochs().epochs();
+    for (int epoch = 0; epoch < 3; ++epoch) {
+      const glm::dvec3 lowest = p.toScene({0, 0, -2}) + p.rise.at(all.weightsAt(all[epoch].time));
+      const double ground_m = hills(5)(places[i].x, places[i].y) + 7.3 * epoch + 4 - 0.02 * epoch * places[i].x;
+      EXPECT_NEAR(transform.toLattice(lowest).height_m, ground_m, 0.16) << "object " << i << ", epoch " << epoch;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Frames, PlacedObjects,
                          testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
 

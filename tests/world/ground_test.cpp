@@ -1,0 +1,95 @@
+// A camera that is steered near the ground while heights arrive: from relief, or from the server's exact replies. The
+// truth is the scene at full resolution.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "bench/world/world.h"
+#include "client/ground/ground_supply.h"
+#include "client/ground/sweep.h"
+#include "server/view/ground.h"
+#include "tests/support/scene.h"
+#include "tests/support/seed.h"
+
+namespace foreland::test {
+namespace {
+
+using bench::ClientOptions;
+using bench::World;
+
+constexpr double kClearance_m = 2;
+
+// Steered at random, always a little downward, as a page does it: the heights are those that the last frame brought.
+struct Camera {
+  std::shared_ptr<const terrain::Scene> scene;
+  std::mt19937 random;
+  client::GroundSupply supply{};
+  client::GroundFeed feed{};
+  proto::FrameTransform frame{scene->frame()};
+  glm::dvec3 eye{0}, ahead{40, 0, -30};
+  uint64_t frames = 0, known = 0, touched = 0;
+  double least_m = 1e9;
+
+  void step(client::Viewer& viewer) {
+    if (random() % 90 == 0) {
+      const double turn = static_cast<double>(random() % 1000) / 1000 * 6.28;
+      ahead = {40 * std::cos(turn), 40 * std::sin(turn), -30};
+    }
+    const proto::LatticePosition here = frame.toLattice(eye);
+    const auto& shape = scene->grid().shape();
+    if (here.x < 30 || here.y < 30 || here.x > shape.samples_x - 31.0 || here.y > shape.samples_y - 31.0) {
+      // Back to the middle, which is where the frame's origin is.
+      const double away_m = std::hypot(eye.x, eye.y);
+      ahead = {-40 * eye.x / away_m, -40 * eye.y / away_m, -30};
+    }
+    const glm::dvec3 to = eye + ahead / 60.0;
+    const proto::LatticePosition p = frame.toLattice(to);
+    const auto layer = viewer.tiles().layers().empty() ? std::nullopt : std::optional(viewer.tiles().layers()[0]);
+    if (feed.heights().cellAt({p.x, p.y})) {
+      const glm::dvec3 at = client::sweep(feed.heights(), frame, eye, to, kClearance_m);
+      touched += at != to ? 1 : 0;
+      eye = at;
+      judge();
+    }
+    if (viewer.isGreeted()) feed.take(supply.update(viewer, eye, 4), layer);
+    ++frames;
+  }
+  void judge() {
+    const proto::LatticePosition p = frame.toLattice(eye);
+    const auto cell = feed.heights().cellAt({p.x, p.y});
+    if (!cell || cell->side > 1) return;
+    ++known;
+    least_m = std::min(least_m, p.height_m - server::groundHeight(*scene, p.x, p.y).value());
+  }
+};
+
+class Ground : public testing::TestWithParam<bool> {};
+
+TEST_P(Ground, ACameraStaysAboveTheTruthWhileHeightsArrive) {
+  const auto seed = static_cast<uint32_t>(randomSeed());
+  const auto scene = makeScene(701, 560, 17);
+  Camera camera{.scene = scene, .random = std::mt19937(seed)};
+  camera.eye =
+      camera.frame.toScene(proto::LatticePosition{300, 250, server::groundHeight(*scene, 300, 250).value() + 40});
+  ClientOptions client;
+  client.request.lens = {1.0471975511965976, 640, 400};
+  client.request.relief = GetParam();
+  client.up.latency = client.down.latency = Duration::milliseconds(30);
+  client.camera = [&](Time) { return proto::Pose{.eye = camera.eye}; };
+  client.at_frame = [&](client::Viewer& viewer, Time) { camera.step(viewer); };
+  World world(scene, {}, Duration::milliseconds(4), seed);
+  world.addClient(client);
+  world.run(Time::seconds(25));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_GT(camera.known, camera.frames * 9 / 10);
+  EXPECT_GT(camera.touched, 200u);
+  EXPECT_GE(camera.least_m, kClearance_m - 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sources, Ground, testing::Bool(),
+                         [](const auto& p) { return p.param ? "Relief" : "ExactReplies"; });
+
+}  // namespace
+}  // namespace foreland::test
