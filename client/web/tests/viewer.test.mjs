@@ -4,6 +4,7 @@ import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serveMessage } from './socket.mjs';
+import { readHeights } from './heights.mjs';
 import {
   changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
 } from './support.mjs';
@@ -29,6 +30,7 @@ after(async () => {
 async function visit(query, body, options = {}) {
   const { page, complaints, close } = await openPage(browser, options);
   try {
+    if (options.watches) await watchFrames(page);
     await page.goto(new URL(`?sharpness=${options.sharpness ?? 0.6}&${query}`, (options.server ?? server).url).href);
     await untilTerrain(page);
     await body(page);
@@ -38,6 +40,22 @@ async function visit(query, body, options = {}) {
   }
 }
 
+// Keeps the status of every frame from now on, and on pages that are opened later.
+async function watchFrames(page) {
+  const watch = () => {
+    window.watched = [];
+    const look = () => {
+      const status = window.foreland?.status();
+      if (status?.title) window.watched.push({ eye: status.eye, above_ground_m: status.above_ground_m });
+      requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  };
+  await page.addInitScript(watch);
+  await page.evaluate(watch);
+}
+const watchedFrames = (page) => page.evaluate(() => window.watched);
+
 test('terrain comes to the screen and keyframes go on', kTest, () =>
   visit('', async (page) => {
     const picture = await pictureOf(page);
@@ -46,8 +64,7 @@ test('terrain comes to the screen and keyframes go on', kTest, () =>
     assert.ok(sky[2] > sky[0], `the sky is blue: ${sky}`);
     assert.ok(sky[2] - sky[0] > ground[2] - ground[0], `the ground is not: ${ground}`);
     const before_ = await status(page);
-    const after_ = await until(page, (s, n) => s.keyframes >= n, before_.keyframes + 5);
-    assert.ok(after_.mesh_version > before_.mesh_version);
+    await until(page, (s, [keyframes, version]) => s.keyframes >= keyframes && s.mesh_version > version, [before_.keyframes + 5, before_.mesh_version]);
     assert.equal(await page.locator('#notice').isVisible(), false);
     assert.ok((await page.title()).endsWith('Foreland'));
   }));
@@ -73,12 +90,32 @@ test('keys fly and the ground is not entered', kTest, () =>
     await until(page, (s, e) => Math.hypot(s.eye[0] - e[0], s.eye[1] - e[1]) > 20, eye);
     await page.keyboard.up('KeyW');
     await page.mouse.wheel(0, -4000); // a great speed
+    await watchFrames(page);
     await page.keyboard.down('KeyQ');
     await until(page, (s) => s.above_ground_m !== null && s.above_ground_m < 20);
-    const { above_ground_m } = await status(page);
-    await page.keyboard.up('KeyQ');
-    assert.ok(above_ground_m > 1, `${above_ground_m} m above ground`);
+    await page.keyboard.down('KeyW'); // along the ground, up and down
+    await until(page, (s, n) => s.frames > n + 40, (await status(page)).frames);
+    for (const key of ['KeyW', 'KeyQ']) await page.keyboard.up(key);
+    const frames = await watchedFrames(page);
+    const lowest = Math.min(...frames.map((f) => f.above_ground_m ?? Infinity));
+    assert.ok(lowest > 1.9 && lowest < 20, `${lowest} m above ground`);
   }));
+
+// From where it is below the ground, which the page cannot know before the ground has come.
+test('an eye that rests stays, whatever comes, and its own motion frees it', kTest, () =>
+  visit('view=0,0,-300,90,0', async (page) => {
+    await untilTiles(page);
+    for (const { eye } of await watchedFrames(page)) assert.deepEqual(eye, [0, 0, -300]);
+    const buried = await status(page);
+    assert.ok(buried.above_ground_m < -100, `${buried.above_ground_m} m above ground`);
+    await page.locator('#scene').focus();
+    await page.keyboard.down('KeyW');
+    await until(page, (s) => s.above_ground_m > 1.9);
+    await page.keyboard.up('KeyW');
+    const frames = await watchedFrames(page);
+    const rises = frames.slice(1).map((f, i) => f.eye[2] - frames[i].eye[2]);
+    for (const up of rises) assert.ok(up < 45, `lifted by ${up} m in a frame`); // at most as far as it flies
+  }, { watches: true }));
 
 test('dragging turns the view', kTest, () =>
   visit('', async (page) => {
@@ -131,36 +168,37 @@ test('wireframe and contours are drawn', kTest, () =>
     };
     await page.locator('[name=frozen]').check(); // so that nothing else changes
     await until(page, (s) => s.frozen);
+    await untilTiles(page);
     const plain = await drawnAgain();
     const still = await changedShare(page, plain, await drawnAgain());
     assert.ok(still < 0.002, `${still} of a view at rest changes`);
     for (const name of ['wireframe', 'contours']) {
       await page.locator(`[name=${name}]`).check();
-      const share = await changedShare(page, plain, await drawnAgain());
+      let share = 0;
+      for (let tries = 0; share === 0 && tries < 10; ++tries) share = await changedShare(page, plain, await drawnAgain());
       assert.ok(share > 0.02 && share < 0.95, `${name} changes ${share} of the terrain`);
       await page.locator(`[name=${name}]`).uncheck();
     }
   }));
 
 test('a frozen section stays while the camera goes outside', kTest, () =>
-  visit('', async (page) => {
+  visit('tau=2', async (page) => {
     await page.locator('[name=frozen]').check();
-    const frozen = await until(page, (s) => s.frozen);
-    const settled = await until(page, (s, n) => s.keyframes >= n, frozen.keyframes + 4);
+    const frozen = await settled(page, (s) => s.frozen);
     await page.locator('#scene').focus();
     await page.keyboard.down('KeyS');
     await until(page, (s, e) => Math.hypot(s.eye[0] - e[0], s.eye[1] - e[1]) > 200, frozen.eye);
     await page.keyboard.up('KeyS');
-    const later = await until(page, (s, n) => s.keyframes >= n, settled.keyframes + 4);
-    assert.equal(later.nodes, settled.nodes);
+    const later = await settled(page, () => true);
+    assert.equal(later.nodes, frozen.nodes);
     await page.locator('[name=frozen]').uncheck();
-    await until(page, (s, n) => !s.frozen && s.nodes !== n, settled.nodes);
+    await until(page, (s, n) => !s.frozen && s.nodes !== n, frozen.nodes);
   }));
 
 test('what ridges hide is left out, and comes back', kTest, async () => {
   const occluding = await startServer(scene, 0, ['--occlusion', 'on']);
   try {
-    await visit('occlusion=0', async (page) => {
+    await visit('tau=2&occlusion=0', async (page) => {
       await page.locator('[name=frozen]').check(); // so that nothing else changes
       const whole = await settled(page, () => true);
       await page.locator('[name=occlusion]').check(); // needs a new connection
@@ -174,10 +212,11 @@ test('what ridges hide is left out, and comes back', kTest, async () => {
   }
 });
 
-// The status once a condition holds and four more keyframes are there.
+// The status of a page that asks for a tolerance of 2 px once a condition holds, four more keyframes are there, and the tolerance,
+// which a busy machine raises for a while, is what was asked for.
 async function settled(page, condition, value) {
   const { keyframes } = await until(page, condition, value);
-  return until(page, (s, n) => s.keyframes >= n, keyframes + 4);
+  return until(page, (s, n) => s.keyframes >= n && s.tau_px <= 2, keyframes + 4);
 }
 
 for (const tour of ['survey', 'canyon', 'spin', 'orbit']) {
@@ -331,9 +370,11 @@ test('the next mesh begins as the last one ends, terrain and objects', kTest, as
   }
 });
 
-// Waits until no tile comes any more.
+// Waits until the view has the tiles that it needs, by the server's statement, and no others come for a while: on a slow
+// machine the server begins slowly, with seconds between tiles.
 async function untilTiles(page) {
-  let last = await until(page, (s) => s.relief_shown > 0);
+  const isWhole = (s) => s.relief_shown > 0 && s.relief_texel_px <= 2 && (s.imagery_shown === 0 || s.imagery_texel_px <= 2);
+  let last = await until(page, isWhole);
   for (;;) {
     const now = await until(page, (s, n) => s.keyframes >= n, last.keyframes + 4);
     if (now.tiles === last.tiles && now.relief_shown === last.relief_shown) return now;
@@ -342,22 +383,101 @@ async function untilTiles(page) {
 }
 
 // Of the levels of which all tiles are drawn from everywhere: the region that the server computes keyframes for depends on the tolerance.
-test('light on the ground is the same at any tolerance', kTest, async () => {
+const kLowSun = 'sun=free&azimuth=250&height=12';
+for (const [what, query] of [['light', ''], ['light with cast shadows', `shadows=1&${kLowSun}`], ['colour by height', 'ground=heights']]) {
+  test(`${what} on the ground is the same at any tolerance`, kTest, async () => {
+    const positions = [];
+    for (let y = 20.25; y < 500; y += 24) for (let x = 20.75; x < 500; x += 24) positions.push(x, y);
+    const read = [];
+    for (const tau of [0.5, 8]) {
+      await visit(`tau=${tau}&fog=0&${query}`, async (page) => {
+        const { relief_shown } = await untilTiles(page);
+        read.push({ relief_shown, shades: await page.evaluate((p) => [2, 3].map((footprint) => window.foreland.shadeAt(p, footprint, 1)), positions) });
+      });
+    }
+    const [fine, coarse] = read;
+    for (const { relief_shown } of read) assert.ok(relief_shown >= 5, `${relief_shown} tiles: not the coarser levels`);
+    for (const i of [0, 1]) {
+      assert.ok(new Set(fine.shades[i]).size > 30, 'the ground has many shades');
+      const worst = Math.max(...fine.shades[i].map((shade, k) => Math.abs(shade - coarse.shades[i][k])));
+      assert.ok(worst <= 1, `a shade differs by ${worst}`);
+    }
+  });
+}
+
+// Where the sun would shine on the ground; the rays are followed over the raster that the scene was built from.
+test('shadows lie where rays to the sun meet the ground', kTest, async () => {
+  const heights = await readHeights(join(folder.folder, 'Example mountains.tif'));
   const positions = [];
-  for (let y = 20.25; y < 500; y += 24) for (let x = 20.75; x < 500; x += 24) positions.push(x, y);
-  const read = [];
-  for (const tau of [0.5, 8]) {
-    await visit(`tau=${tau}&fog=0`, async (page) => {
-      const { relief_shown } = await untilTiles(page);
-      read.push({ relief_shown, shades: await page.evaluate((p) => [2, 3].map((footprint) => window.foreland.shadeAt(p, footprint, 1)), positions) });
-    });
-  }
-  const [fine, coarse] = read;
-  for (const { relief_shown } of read) assert.ok(relief_shown >= 5, `${relief_shown} tiles: not the coarser levels`);
-  for (const i of [0, 1]) {
-    assert.ok(new Set(fine.shades[i]).size > 30, 'the ground has many shades');
-    const worst = Math.max(...fine.shades[i].map((shade, k) => Math.abs(shade - coarse.shades[i][k])));
-    assert.ok(worst <= 1, `a shade differs by ${worst}`);
+  for (let y = 12; y < heights.side - 12; y += 9) for (let x = 12; x < heights.side - 12; x += 9) positions.push(x, y);
+  await visit(`fog=0&shadows=1&${kLowSun}`, async (page) => {
+    for (const azimuth of [250, 70]) {
+      await page.locator('[name=sun_azimuth_deg]').fill(String(azimuth));
+      await page.locator('[name=shadows]').check();
+      const { keyframes } = await status(page);
+      await until(page, (s, n) => s.keyframes > n + 8, keyframes);
+      await untilTiles(page);
+      const [shadowed, plain] = await page.evaluate((p) => {
+        const { foreland } = window, shadows = document.querySelector('[name=shadows]');
+        const both = [foreland.shadeAt(p, 1, 1)];
+        shadows.click();
+        return [...both, foreland.shadeAt(p, 1, 1)];
+      }, positions);
+      const sun = [Math.sin((azimuth * Math.PI) / 180), Math.cos((azimuth * Math.PI) / 180), Math.tan((12 * Math.PI) / 180)];
+      const seen = { dark: 0, lit: 0, wrong: 0 };
+      for (let i = 0; i < positions.length / 2; ++i) {
+        const [x, y] = positions.slice(2 * i, 2 * i + 2);
+        const over_m = heights.shadowOver(x, y, sun);
+        if (!heights.facesSun(x, y, sun) || Math.abs(over_m) < 6) continue;
+        const is_dark = plain[3 * i] - shadowed[3 * i] > 3;
+        ++seen[over_m > 0 ? 'dark' : 'lit'];
+        if (is_dark !== over_m > 0) ++seen.wrong;
+      }
+      assert.ok(seen.dark > 40 && seen.lit > 200, JSON.stringify(seen));
+      assert.ok(seen.wrong <= 0.01 * (seen.dark + seen.lit), `sun from ${azimuth}: ${JSON.stringify(seen)}`);
+    }
+  });
+});
+
+test('ground is coloured by a colour map, and a file brings another', kTest, () =>
+  visit('ground=heights&fog=0', async (page) => {
+    const legend = page.locator('.legend');
+    assert.match(await legend.evaluate((l) => l.style.backgroundImage), /linear-gradient/);
+    assert.match(await legend.textContent(), /\d m$/);
+    const shown = async () => {
+      const { frames } = await status(page);
+      await until(page, (s, n) => s.frames > n + 2, frames);
+      return middleOf(page);
+    };
+    const first = await shown();
+    await page.locator('[name=colours]').selectOption('viridis');
+    const second = await shown();
+    assert.ok((await changedShare(page, first, second)) > 0.3);
+    const file = (name, text) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+    await page.locator('[name=colour_file]').setInputFiles(file('bad.cpt', '0 red 1 blue\n1 red 2 mauve-ish\n'));
+    await page.getByText('bad, line 2: "mauve-ish" is no colour that is known').waitFor();
+    assert.equal(await page.locator('[name=colours]').inputValue(), 'viridis');
+    await page.getByRole('button', { name: 'Close' }).click();
+    await page.locator('[name=colour_file]').setInputFiles(file('mine.cpt', '-9000 255/0/0 9000 255/0/0\n'));
+    const third = await shown();
+    assert.equal(await page.locator('[name=colours]').inputValue(), 'mine');
+    assert.ok((await changedShare(page, second, third)) > 0.3);
+    assert.equal(await page.locator('#notice').isVisible(), false);
+  }));
+
+// 2 MiB for each sixtieth of a second that a frame took. A picture is uploaded whole, so one of them may be more.
+test('no frame uploads more than its share while tiles come in flight', kTest, async () => {
+  const pictured = await startServer(await makeSceneWithPicture(folder.folder));
+  try {
+    await visit('tour=canyon&shadows=1&sun=free', async (page) => {
+      const { keyframes } = await until(page, (s) => s.touring && s.relief_shown > 0 && s.imagery_shown > 0);
+      await page.locator('[name=sun_azimuth_deg]').fill('100'); // and all shadows change
+      const { largest_upload, tiles_received } = await until(page, (s, n) => s.keyframes > n + 40, keyframes);
+      assert.ok(tiles_received > 10, `${tiles_received} tiles`);
+      assert.ok(largest_upload > 0 && largest_upload <= 1 + 320 / 2048, `${largest_upload} of what a frame may upload`);
+    }, { server: pictured });
+  } finally {
+    await pictured.stop();
   }
 });
 
@@ -368,8 +488,9 @@ test('tiles that are held are not sent again', kTest, () =>
     await page.getByText('Connection lost').waitFor();
     server = await startServer(scene, server.port);
     const now = await until(page, (s, n) => s.connected && s.keyframes >= n, before_.keyframes + 8);
-    assert.equal(now.tiles_received, before_.tiles_received);
-    assert.equal(now.relief_shown, before_.relief_shown);
+    assert.ok(before_.tiles > 0 && now.tiles >= before_.tiles, `${before_.tiles} tiles, then ${now.tiles}`);
+    assert.equal(now.tiles_received, now.tiles, 'each was received once');
+    assert.ok(now.relief_shown >= before_.relief_shown);
   }, { expected: /WebSocket|ERR_CONNECTION/ }));
 
 test('a picture lies over the ground, where it belongs, and says whose it is', kTest, async () => {
@@ -457,21 +578,24 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
         return Number(slider.value); // of a whole step
       }, ms);
       const before_ = await page.screenshot();
-      const middle = await drag(first + 500 * day_ms);
+      const middle = await drag(first + 200 * day_ms); // 17 s before its end at the speed below: a page that is slow stops it in time
       await until(page, (s, ms) => s.scene_time_ms === ms, middle);
       assert.equal(await bar.locator('output').textContent(), new Date(middle).toISOString().slice(0, 10));
       assert.ok((await changedShare(page, before_, await page.screenshot())) > 0.1, 'the ground is another one');
-      await bar.locator('select').selectOption('90');
+      await bar.locator('select').selectOption('30');
       await bar.locator('button').click();
-      await until(page, (s, ms) => s.scene_time_ms > ms + 20 * 86_400_000 && s.scene_time_ms < ms + 200 * 86_400_000, middle);
+      await until(page, (s, ms) => s.scene_time_ms > ms + 20 * 86_400_000, middle);
       await bar.locator('button').click(); // stops
+      assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Run scene time');
       const { keyframes } = await status(page);
       const stopped = await until(page, (s, n) => s.keyframes > n + 15, keyframes);
+      assert.ok(stopped.scene_time_ms > middle && stopped.scene_time_ms < last, 'it neither went back nor ran to its end');
       assert.equal((await until(page, (s, n) => s.keyframes > n + 10, stopped.keyframes)).scene_time_ms, stopped.scene_time_ms);
       await bar.locator('select').selectOption('365');
       await bar.locator('button').click();
       await until(page, (s, ms) => s.scene_time_ms === ms, last);
       assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Run scene time');
+      await bar.locator('select').selectOption('30');
       await bar.locator('button').click(); // once more, from the first date, though the last is still shown
       await until(page, (s, ms) => s.scene_time_ms < ms, last);
       assert.equal(await bar.locator('button').getAttribute('aria-label'), 'Stop scene time');
@@ -480,6 +604,18 @@ test('scene time is dragged, runs to its end, and stops', kTest, async () => {
     await moving.stop();
   }
 });
+
+// Drags the time line to the step nearest to a time, and waits until its ground is shown.
+async function showGroundAt(page, wanted_ms) {
+  const at = await page.locator('#time input').evaluate((s, ms) => {
+    s.value = String(ms);
+    for (const event of ['input', 'change']) s.dispatchEvent(new Event(event));
+    return Number(s.value);
+  }, wanted_ms);
+  await until(page, (s, ms) => s.scene_time_ms === ms, at);
+  const { keyframes } = await status(page);
+  await until(page, (s, n) => s.keyframes > n + 8, keyframes);
+}
 
 // Its first ground, two between, and its last, side by side. FORELAND_MOVING_SCENE and FORELAND_MOVING_VIEW choose another scene and
 // view: the picture in the documents is of Mount St. Helens (README.md, foreland build), with FORELAND_SCREENSHOT=1 from
@@ -493,14 +629,7 @@ test('the strip of a ground that changes', kTest, async () => {
       const [first, last] = await slider.evaluate((s) => [Number(s.min), Number(s.max)]);
       const pictures = [];
       for (const share of kSaves ? [0, 0.62, 0.78, 1] : [0, 1]) {
-        const at = await slider.evaluate((s, ms) => {
-          s.value = String(ms);
-          for (const event of ['input', 'change']) s.dispatchEvent(new Event(event));
-          return Number(s.value);
-        }, first + share * (last - first));
-        await until(page, (s, ms) => s.scene_time_ms === ms, at);
-        const { keyframes } = await status(page);
-        await until(page, (s, n) => s.keyframes > n + 8 && s.scene_time_ms > 0, keyframes);
+        await showGroundAt(page, first + share * (last - first));
         const { width, height } = page.viewportSize();
         const date = await page.locator('#time output').textContent();
         const clip = { x: 0.34 * width, y: 0.16 * height, width: 0.32 * width, height: 0.62 * height };
@@ -531,8 +660,63 @@ test('the strip of a ground that changes', kTest, async () => {
   }
 });
 
-test('a scene that does not change has no time line', kTest, () =>
-  visit('', async (page) => assert.equal(await page.locator('#time').isVisible(), false)));
+// The picture in the documents is made as the strip is.
+test('ground is coloured by how far it has moved since the first date', kTest, async () => {
+  const moving = await startServer(process.env.FORELAND_MOVING_SCENE ?? await makeMovingScene(folder.folder));
+  const view = process.env.FORELAND_MOVING_VIEW ?? '';
+  try {
+    await visit(`ground=change&fog=0${view === '' ? '' : `&view=${view}`}`, async (page) => {
+      const slider = page.locator('#time input');
+      const [first, last] = await slider.evaluate((s) => [Number(s.min), Number(s.max)]);
+      const risenAt = async (ms) => {
+        await showGroundAt(page, ms);
+        return risenShare(page);
+      };
+      const legend = page.locator('#panel .legend.change');
+      const [low, , middle, , high] = await legend.locator('span').allTextContents();
+      assert.match(high, /^\+\d+ m$/);
+      assert.equal(low, high.replace('+', '\u2212'));
+      assert.equal(middle, '0');
+      assert.equal(await risenAt(first), 0, 'nothing has risen');
+      const risen = await risenAt(last);
+      assert.ok(risen > 0.002, `a share of ${risen} has risen`);
+      await page.locator('input[name=change]').evaluate((range) => {
+        range.value = '-1';
+        range.dispatchEvent(new Event('input'));
+      });
+      const [, , , , half] = await legend.locator('span').allTextContents();
+      assert.ok(Math.abs(2 * parseFloat(half) - parseFloat(high)) < 2, `${half} is half of ${high}`);
+      const { frames } = await status(page);
+      await until(page, (s, n) => s.frames > n + 2, frames);
+      assert.ok((await risenShare(page)) > risen, 'smaller changes have stronger colours');
+      await page.locator('#panel .body').evaluate((body) => body.scrollTo(0, body.scrollHeight));
+      await save(page, 'change.png');
+    }, { server: moving, ...(kSaves ? { width: 1280, height: 720, sharpness: 1 } : {}) });
+  } finally {
+    await moving.stop();
+  }
+});
+
+// The share of a page's ground that is clearly red.
+async function risenShare(page) {
+  const { width, height } = page.viewportSize();
+  const picture = await page.screenshot({ clip: { x: 0.3 * width, y: 0.3 * height, width: 0.4 * width, height: 0.5 * height } });
+  return page.evaluate(async (coded) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(coded), (c) => c.charCodeAt(0))]));
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    let red = 0;
+    for (let i = 0; i < data.length; i += 4) red += data[i] - data[i + 2] > 90 ? 1 : 0;
+    return red / (data.length / 4);
+  }, picture.toString('base64'));
+}
+
+test('a scene that does not change has no time line, and no colours of change', kTest, () =>
+  visit('ground=change', async (page) => {
+    assert.equal(await page.locator('#panel .legend').isVisible(), false);
+    assert.equal(await page.locator('#time').isVisible(), false);
+  }));
 
 test('a model without an image is drawn, and none is asked for', kTest, async () => {
   const plain = await startServer(await makeSceneWithObjects(folder.folder, 3, false));
