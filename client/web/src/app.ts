@@ -2,17 +2,18 @@
 // drawing thread's state: the session's end here, the settings and the camera. Connection, decoding and meshes are in the worker.
 import * as THREE from 'three';
 import { lookOf } from './ui/camera';
+import { ColourMaps, takeFiles } from './ui/colour_maps';
 import { Controls } from './ui/controls';
 import type { Core, MapPosition, Pose, Request, ScreenFrame, Welcome } from './core/core';
 import type { PartLines } from './core/mesh_update';
 import { Session } from './core/session';
-import { Drape } from './draw/drape';
+import { cheapAnisotropy, Drape } from './draw/drape';
 import { FrozenView } from './draw/frozen_view';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './core/prediction_check';
 import { Readout } from './ui/readout';
-import { kLens, type Address, type Settings, type Tour } from './ui/settings';
+import { kAdaptive_ms, kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
 import { ShadeProbe } from './draw/shade_probe';
 import { Sky } from './draw/sky';
@@ -64,9 +65,15 @@ export class App {
   private readonly stage: Stage;
   private readonly panel: Panel;
   private readonly settings: Settings;
+  private readonly colour_maps = new ColourMaps();
   private welcome: Welcome | null = null;
   private mesh: { triangles: number; to_nodes: number; to_time_ms: number; tau_px: number } | null = null;
   private sent_request = ''; // the last one, as JSON
+  private shown_colours = '';
+  private sent_sun: readonly number[] | null = null; // the last one
+  private uploaded = 0; // bytes, in the last frame
+  private upload_limit = kLargestSlice; // of that frame
+  private largest_upload = 0; // as a share of its frame's limit, since the first picture
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
   private scene_time_ms = 0; // of the last frame
@@ -81,7 +88,7 @@ export class App {
     this.settings = address.settings;
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.drape = new Drape(this.renderer, kTextureLayers);
+    this.drape = new Drape(this.renderer, kTextureLayers, address.anisotropy ?? cheapAnisotropy(this.renderer));
     this.terrain = new TerrainMesh(this.renderer, this.sun, this.up, this.drape.uniforms);
     this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, modelsOf(address.server));
     this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
@@ -109,7 +116,9 @@ export class App {
     });
     this.sent_request = JSON.stringify(this.request());
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
-    this.panel = new Panel(byId('panel'), this.settings, () => this.applySettings());
+    const file = document.createElement('input');
+    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.applySettings());
+    takeFiles(file, (name, text) => this.addColours(name, text), (reason) => this.refuseColours(reason));
     window.addEventListener('resize', () => this.resize());
     this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to continue.'));
   }
@@ -145,6 +154,7 @@ export class App {
       scene_time_ms: this.scene_time_ms,
       relief_shown: this.drape.tilesShown('relief'),
       imagery_shown: this.drape.tilesShown('imagery'),
+      largest_upload: this.largest_upload,
       ...this.session.statistics,
     };
   }
@@ -192,7 +202,8 @@ export class App {
     const frame = screen.slopeFrame();
     this.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, frame);
     this.terrain.setNorth(frame?.is_geographic ? [0, Math.cos(frame.origin_latitude), Math.sin(frame.origin_latitude)] : [0, 1, 0]);
-    this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.is_geographic);
+    this.showColours();
+    this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.most_moved_m, welcome.is_geographic);
     this.applyLook();
     this.scene_time.setEpochs(welcome.epochs_ms);
     byId('scene-title').textContent = welcome.title;
@@ -226,7 +237,7 @@ export class App {
   // ---- what the user chooses
 
   private request(): Request {
-    const { strategy, predictor, tau_px, keyframe_ms, occlusion } = this.settings;
+    const { strategy, predictor, tau_px, keyframe_ms, adaptive, occlusion } = this.settings;
     const automatic = this.tours?.current ? 'path' : 'velocity';
     return {
       fov_rad: kLens.fov_rad,
@@ -235,7 +246,8 @@ export class App {
       strategy,
       predictor: predictor === 'auto' ? automatic : predictor,
       tau_px,
-      keyframe_ms,
+      keyframe_ms: adaptive ? kAdaptive_ms.shortest : keyframe_ms,
+      longest_keyframe_ms: adaptive ? kAdaptive_ms.longest : 0,
       occlusion,
       memory_bytes: kMemoryBytes,
       relief: this.settings.relief,
@@ -245,10 +257,40 @@ export class App {
   }
 
   private applyLook(): void {
+    if (this.settings.colours !== this.shown_colours) this.showColours();
+    this.shown_colours = this.settings.colours;
     this.terrain.show(this.settings);
     this.drape.show(this.settings);
     this.objects.show(this.settings);
     this.sun.set(...sunDirection(this.settings, this.session.screen.slopeFrame()));
+    const towards = this.settings.shadows && this.settings.relief ? this.sun.toArray() : null;
+    if (JSON.stringify(towards) === JSON.stringify(this.sent_sun)) return;
+    this.sent_sun = towards;
+    this.session.tell({ kind: 'sun', towards });
+  }
+
+  // A colour map from a file, which is shown at once.
+  private addColours(name: string, text: string): void {
+    try {
+      this.colour_maps.add(name, text);
+    } catch (error) {
+      return this.refuseColours((error as Error).message);
+    }
+    showNotice(byId('notice'), null);
+    Object.assign(this.settings, { colours: name, ground: 'heights' });
+    this.panel.addColours(name);
+    this.panel.showChoices();
+    this.applySettings();
+  }
+  private refuseColours(reason: string): void {
+    const action = { label: 'Close', run: () => showNotice(byId('notice'), null) };
+    showNotice(byId('notice'), { kind: 'error', title: 'This colour map cannot be read', text: reason, action });
+  }
+  private showColours(): void {
+    if (!this.welcome) return;
+    const tints = this.colour_maps.tints(this.settings.colours, this.welcome.lowest_m, this.welcome.highest_m);
+    this.terrain.setTints(tints);
+    this.panel?.setHeightsLegend(tints.legend);
   }
 
   private applySettings(): void {
@@ -321,7 +363,9 @@ export class App {
     const is_ready = this.drape.isReady(stage.readyVersion);
     const [ready, coming] = is_ready ? [stage.readyVersion, stage.comingVersion] : [stage.shownVersion, stage.readyVersion];
     const frame = this.session.screen.frame(now_ms, sent, this.settings.strategy, ready, coming);
+    const had_mesh = this.mesh !== null;
     this.takeMesh(frame, now_ms, sent);
+    if (had_mesh) this.largest_upload = Math.max(this.largest_upload, this.uploaded / this.upload_limit);
     this.session.frame(now_ms, sent, own.eye, this.groundReach(), this.stage.stagedVersion);
     const shown = this.frozen_view.pose ? own : frame.pose;
     if (this.welcome) this.render(shown, frame, position);
@@ -333,14 +377,18 @@ export class App {
   // Of the mesh that comes next, so much that it is there in time. Of the first one all.
   private upload(now_ms: number, frame_ms: number): void {
     const next = Math.max(this.session.screen.next(), this.stage.shownVersion);
+    this.upload_limit = Math.max(kLargestSlice, kLargestSlice * (frame_ms / 16));
+    this.uploaded = 0;
     if (this.stage.shownVersion === 0) {
       this.drape.upload(next, Infinity);
-      return this.stage.upload(next, Infinity);
+      this.stage.upload(next, Infinity);
+      return;
     }
     const frames = Math.max(1, Math.floor((this.next_ms - now_ms) / Math.max(frame_ms, 4)) - 1);
     const cost = this.stage.costTo(next) + this.drape.costTo(next);
-    const budget = Math.min(Math.max(kLeastSlice, cost / frames), Math.max(kLargestSlice, kLargestSlice * (frame_ms / 16)));
-    this.stage.upload(next, budget - this.drape.upload(next, budget));
+    const budget = Math.min(Math.max(kLeastSlice, cost / frames), this.upload_limit);
+    this.uploaded = this.drape.upload(next, budget);
+    this.uploaded += this.stage.upload(next, budget - this.uploaded);
   }
 
   private moveCamera(now_ms: number, seconds: number): MapPosition | null {
@@ -350,11 +398,12 @@ export class App {
       this.controls.eye.fromArray(touring.eye);
       this.controls.look = lookOf(touring.orientation, this.up);
     } else {
-      this.controls.step(seconds, this.up, mapPositionOf);
+      this.controls.step(seconds, this.up, (from, to) => this.session.screen.sweep(from, to, this.controls.clearance_m));
     }
     const position = mapPositionOf(this.controls.eye.toArray());
     if (position) this.up.fromArray(position.up);
     this.above_ground_m = position && position.ground_m !== null ? position.height_m - position.ground_m : null;
+    if (this.above_ground_m !== null) this.controls.ground_distance_m = Math.max(this.above_ground_m, this.controls.clearance_m);
     return position;
   }
 
@@ -365,7 +414,7 @@ export class App {
     const spacing_m = Math.hypot(high[0] - low[0], high[1] - low[1]) / Math.hypot(...samples);
     const step_m = this.controls.eye.distanceTo(this.last_eye);
     this.last_eye.copy(this.controls.eye);
-    return Math.min(Math.max(1, (kGroundFrames * step_m) / spacing_m), 256);
+    return Math.min(Math.max(1, (kGroundFrames * step_m) / spacing_m), 4096);
   }
 
   private takeMesh(frame: ScreenFrame, now_ms: number, sent: Pose): void {
@@ -380,7 +429,7 @@ export class App {
   private showNext(): void {
     const { update, set } = this.stage.swap();
     this.terrain.draw(update, set.terrain);
-    this.drape.draw(update.version);
+    this.uploaded += this.drape.draw(update.version);
     this.objects.draw(update, set.objects);
     this.prediction.expect(update.to_time_ms, update.to_pose.eye);
     this.mesh = { triangles: set.terrain.triangles, to_nodes: update.to_nodes, to_time_ms: update.to_time_ms, tau_px: Infinity };
@@ -407,7 +456,7 @@ export class App {
     const across_m = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
     const eye = this.controls.eye;
     const outside_m = Math.hypot(eye.x - 0.5 * (low[0] + high[0]), eye.y - 0.5 * (low[1] + high[1]), eye.z - low[2]);
-    const clearance_m = this.above_ground_m ?? 0.002 * across_m;
+    const clearance_m = Math.max(this.above_ground_m ?? 0.002 * across_m, 0);
     this.camera.near = Math.max(0.06 * clearance_m, 1e-5 * across_m);
     this.camera.far = across_m + outside_m;
     this.camera.updateProjectionMatrix();

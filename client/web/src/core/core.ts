@@ -23,6 +23,7 @@ export interface Request {
   strategy: Strategy;
   predictor: Predictor;
   keyframe_ms: number;
+  longest_keyframe_ms?: number; // of adaptive keyframes, of which keyframe_ms is the shortest; 0 or absent: they are fixed
   occlusion: boolean; // leave out what ridges hide, if the server can; a connection's first request decides whether later ones may
   memory_bytes: number; // for terrain that was sent and is not needed now; a connection's first request decides
   relief: boolean; // tiles that ground is shaded by
@@ -40,6 +41,7 @@ export interface TileArrival {
   key: readonly [number, number];
   layer: number;
   parent_layer: number | null;
+  is_relit: boolean; // only its shadows have changed; it is drawn already
 }
 
 // What of the tiles of a content is drawn with a mesh (client/imagery/residency.h).
@@ -51,7 +53,7 @@ export interface TileSelection {
   dropped: (readonly [number, number])[];
 }
 
-export type Layer = Pick<LayerRecord, 'origin' | 'texel' | 'size' | 'levels'> & { attribution: string };
+export type Layer = Pick<LayerRecord, 'origin' | 'texel' | 'size' | 'levels' | 'low_m' | 'code_m'> & { attribution: string };
 export type SlopeFrame = SlopeFrameRecord;
 
 export interface Mesh {
@@ -68,6 +70,8 @@ export interface Mesh {
   texture_coordinates: Float32Array; // positions on the lattice
   from_positions: Float32Array;
   to_positions: Float32Array;
+  from_moved: Float32Array; // metres upwards since the first epoch; empty if the ground does not move
+  to_moved: Float32Array;
   from_normals: Int8Array;
   to_normals: Int8Array;
   indices: Uint32Array;
@@ -128,14 +132,14 @@ export interface Welcome {
   samples: [number, number];
   model_has_image: boolean[]; // of the objects' models
   epochs_ms: number[]; // since 1970, of a scene that changes in time
+  most_moved_m: number; // by which its ground moves at most from the first epoch to another
   landmarks: [number, number, number][];
 }
 
-// A point of the scene as client/wasm/records.h has it; `ground_m` is null where the ground's height is not known.
-export type MapPosition = Omit<MapPositionRecord, 'ground_m'> & { ground_m: number | null };
+// A point of the scene as client/wasm/records.h has it; null where the ground is not known.
+export type MapPosition = Omit<MapPositionRecord, 'ground_m' | 'slope_rad'> & { ground_m: number | null; slope_rad: number | null };
 export type Statistics = StatisticsRecord;
 
-const kGroundBytes = 12 * 8; // of a GroundRecord
 const kNoLayer = 0xffffffff;
 export const kTileSide = 256; // texels; proto/imagery/tile.h
 
@@ -145,7 +149,7 @@ interface Exports {
   foreland_record_layout(): number;
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
-                  occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): number;
+                  longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -157,6 +161,8 @@ interface Exports {
   foreland_set_texture_layers(viewer: number, relief: number, imagery: number): void;
   foreland_tiles(viewer: number, content: number): number;
   foreland_slopes(viewer: number, low: number, high: number, half: number): number;
+  foreland_ground_texels(viewer: number, low: number, high: number, half: number): number;
+  foreland_set_sun(viewer: number, x: number, y: number, z: number, wanted: number): void;
   foreland_decode_relief(viewer: number): number;
   foreland_next_image(viewer: number): number;
   foreland_image_ready(viewer: number, low: number, high: number): void;
@@ -164,7 +170,7 @@ interface Exports {
   foreland_ground(viewer: number, x: number, y: number, z: number, reach: number): number;
   foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
-                       interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): void;
+                       interval_ms: number, longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;
@@ -180,6 +186,7 @@ interface Exports {
   foreland_screen_layer(screen: number, content: number): number;
   foreland_screen_slope_frame(screen: number): number;
   foreland_screen_ground(screen: number): void;
+  foreland_screen_sweep(screen: number, ...path: number[]): number;
   foreland_screen_map_position(screen: number, x: number, y: number, z: number): number;
   foreland_screen_tour(screen: number, start_ms: number): number;
   foreland_screen_tour_pose(screen: number, now_ms: number): number;
@@ -325,10 +332,12 @@ export class Viewer {
     return this.core.copy(text, size);
   }
 
-  // The ground `reach` samples about an eye, for Screen.setGround; a copy. Null before the welcome.
+  // What is news about the ground `reach` samples about an eye, for Screen.setGround; a copy. Null before the welcome.
   ground(eye: readonly number[], reach: number): Uint8Array<ArrayBuffer> | null {
     const record = this.core.exports.foreland_ground(this.handle, eye[0]!, eye[1]!, eye[2]!, reach);
-    return record === 0 ? null : this.core.copy(record, kGroundBytes);
+    if (record === 0) return null;
+    const { text, size } = readTextRecord(this.core.view(), record);
+    return this.core.copy(text, size);
   }
 
   // What has changed in the last mesh since the last call. Valid as long as the mesh; to be called before mesh(), whose arrays it
@@ -370,8 +379,8 @@ export class Viewer {
       shown: r.shown,
       page_table: new Uint16Array(view.buffer as ArrayBuffer, r.page_table, 4 * r.page_count).slice(),
       arrivals: Array.from({ length: r.arrival_count }, (_, i) => {
-        const [low, high, layer, parent] = arrivals.subarray(5 * i) as unknown as [number, number, number, number];
-        return { key: [low, high], layer, parent_layer: parent === kNoLayer ? null : parent };
+        const [low, high, layer, parent, relit] = arrivals.subarray(5 * i) as unknown as [number, number, number, number, number];
+        return { key: [low, high], layer, parent_layer: parent === kNoLayer ? null : parent, is_relit: relit === 1 };
       }),
       dropped: Array.from({ length: r.dropped_count }, (_, i) => [dropped[2 * i]!, dropped[2 * i + 1]!]),
     };
@@ -381,6 +390,17 @@ export class Viewer {
     const side = is_half ? kTileSide / 2 : kTileSide;
     const address = this.core.exports.foreland_slopes(this.handle, low, high, is_half ? 1 : 0);
     return new Uint16Array(this.core.view().buffer as ArrayBuffer, address, 2 * side * side).slice();
+  }
+  // Ground texels of a tile of relief that arrives or is relit (client/imagery/shadows.h), or of its half-size image. A copy.
+  groundTexels([low, high]: readonly [number, number], is_half: boolean): Uint8Array<ArrayBuffer> {
+    const side = is_half ? kTileSide / 2 : kTileSide;
+    const address = this.core.exports.foreland_ground_texels(this.handle, low, high, is_half ? 1 : 0);
+    return this.core.copy(address, 4 * side * side);
+  }
+  // Towards the sun that casts shadows; null: none does.
+  setSun(sun: readonly number[] | null): void {
+    const [x, y, z] = sun ?? [0, 0, 1];
+    this.core.exports.foreland_set_sun(this.handle, x!, y!, z!, sun ? 1 : 0);
   }
   // Decodes a tile of relief; false if none is wanted.
   decodeRelief(): boolean {
@@ -454,8 +474,8 @@ export class Screen {
   layer(content: Content): Layer | null {
     const at = this.core.exports.foreland_screen_layer(this.handle, kContents.indexOf(content));
     if (at === 0) return null;
-    const { origin, texel, size, levels, attribution, attribution_size } = readLayerRecord(this.core.view(), at);
-    return { origin, texel, size, levels, attribution: this.core.text(attribution, attribution_size) };
+    const { origin, texel, size, levels, attribution, attribution_size, low_m, code_m } = readLayerRecord(this.core.view(), at);
+    return { origin, texel, size, levels, low_m, code_m, attribution: this.core.text(attribution, attribution_size) };
   }
   // How slopes become normals; null before the welcome.
   slopeFrame(): SlopeFrame | null {
@@ -470,7 +490,13 @@ export class Screen {
     const at = this.core.exports.foreland_screen_map_position(this.handle, point[0]!, point[1]!, point[2]!);
     if (at === 0) return null;
     const r = readMapPositionRecord(this.core.view(), at);
-    return { ...r, ground_m: Number.isNaN(r.ground_m) ? null : r.ground_m };
+    const known = (v: number) => (Number.isNaN(v) ? null : v);
+    return { ...r, ground_m: known(r.ground_m), slope_rad: known(r.slope_rad) };
+  }
+  // Where an eye comes to that moves from one point towards another above the ground (client/ground/sweep.h).
+  sweep(from: readonly number[], to: readonly number[], clearance_m: number): [number, number, number] {
+    const record = this.core.exports.foreland_screen_sweep(this.handle, from[0]!, from[1]!, from[2]!, to[0]!, to[1]!, to[2]!, clearance_m);
+    return readPoseRecord(this.core.view(), record).eye;
   }
   // Begins the tour of the server's reply.
   startTour(reply: Uint8Array, start_ms: number): void {
@@ -501,6 +527,7 @@ function welcomeAt(core: Core, at: number): Welcome {
     samples: [r.samples_x, r.samples_y],
     model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
     epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
+    most_moved_m: r.most_moved_m,
     landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
   };
 }
@@ -518,6 +545,8 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
     texture_coordinates: new Float32Array(memory, r.lattice_positions, 2 * vertices),
     from_positions: new Float32Array(memory, r.from_positions, 4 * vertices),
     to_positions: new Float32Array(memory, r.to_positions, 4 * vertices),
+    from_moved: new Float32Array(memory, r.from_moved, r.from_moved > 0 ? vertices : 0),
+    to_moved: new Float32Array(memory, r.to_moved, r.to_moved > 0 ? vertices : 0),
     from_normals: new Int8Array(memory, r.from_normals, 4 * vertices),
     to_normals: new Int8Array(memory, r.to_normals, 4 * vertices),
     indices: new Uint32Array(memory, r.indices, r.index_count),
@@ -537,10 +566,10 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
   };
 }
 
-type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number];
+type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number, number];
 
 function requestArguments(r: Request): RequestArguments {
   const strategy = kStrategies.indexOf(r.strategy);
-  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.occlusion ? 1 : 0,
-    r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes];
+  return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.longest_keyframe_ms ?? 0,
+    r.occlusion ? 1 : 0, r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes];
 }

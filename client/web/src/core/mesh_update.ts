@@ -2,8 +2,8 @@
 import type { Changes, Content, Mesh, ObjectArrays, Pose } from './core';
 import { tileMemoryOf, type TileUpdate } from './tiles';
 
-// The order of a part's channels. `line` is there only where edges are to be drawn.
-export const kChannels = ['from_position', 'to_position', 'from_normal', 'to_normal', 'texture_coordinate', 'index', 'line'] as const;
+// The order of a part's channels. `line` is there only where edges are to be drawn, `from_moved` and `to_moved` where ground moves.
+export const kChannels = ['from_position', 'to_position', 'from_moved', 'to_moved', 'from_normal', 'to_normal', 'texture_coordinate', 'index', 'line'] as const;
 export type ChannelName = (typeof kChannels)[number];
 
 export type Elements = Float32Array<ArrayBuffer> | Int8Array<ArrayBuffer> | Uint32Array<ArrayBuffer>;
@@ -39,12 +39,17 @@ export interface MeshUpdate {
   tiles: Record<Content, TileUpdate | null>;
 }
 
-const kItems = { from_position: 4, to_position: 4, from_normal: 4, to_normal: 4, texture_coordinate: 2, index: 3 } as const;
+const kItems = { from_position: 4, to_position: 4, from_moved: 1, to_moved: 1, from_normal: 4, to_normal: 4, texture_coordinate: 2, index: 3 } as const;
 
-type Source = Record<Exclude<ChannelName, 'line'>, { data: Float32Array | Int8Array | Uint32Array; ranges: Uint32Array }>;
+type Source = Partial<Record<Exclude<ChannelName, 'line'>, { data: Float32Array | Int8Array | Uint32Array; ranges: Uint32Array }>>;
+type Moved = Pick<Mesh, 'from_moved' | 'to_moved'>; // changes where positions do
 
-function sourceOf(arrays: Omit<ObjectArrays, 'parts'>, changes: Changes): Source {
+function sourceOf(arrays: Omit<ObjectArrays, 'parts'>, changes: Changes, moved: Moved | null): Source {
   return {
+    ...(moved && moved.to_moved.length > 0 ? {
+      from_moved: { data: moved.from_moved, ranges: changes.from_positions },
+      to_moved: { data: moved.to_moved, ranges: changes.to_positions },
+    } : {}),
     from_position: { data: arrays.from_positions, ranges: changes.from_positions },
     to_position: { data: arrays.to_positions, ranges: changes.to_positions },
     from_normal: { data: arrays.from_normals, ranges: changes.from_normals },
@@ -57,7 +62,7 @@ function sourceOf(arrays: Omit<ObjectArrays, 'parts'>, changes: Changes): Source
 function partOf(source: Source, triangles: number, is_whole: boolean, lines: PartLines | null): PartUpdate {
   const channels: PartUpdate['channels'] = {};
   for (const name of Object.keys(source) as (keyof Source)[]) {
-    const from = source[name];
+    const from = source[name]!;
     channels[name] = channelOf(from.data, is_whole ? null : from.ranges, kItems[name]);
   }
   if (lines) channels.line = lines;
@@ -86,8 +91,8 @@ export function updateOf(mesh: Mesh, changes: { terrain: Changes; objects: Chang
   const lines = linesOf(mesh, wants_lines);
   return {
     version, oldest_version, interval, origin, to_nodes, to_pose, to_time_ms,
-    terrain: partOf(sourceOf(mesh, changes.terrain), mesh.triangles, isWhole(changes.terrain), lines?.terrain ?? null),
-    objects: partOf(sourceOf(objects, changes.objects), trianglesOf(objects.parts), isWhole(changes.objects), lines?.objects ?? null),
+    terrain: partOf(sourceOf(mesh, changes.terrain, mesh), mesh.triangles, isWhole(changes.terrain), lines?.terrain ?? null),
+    objects: partOf(sourceOf(objects, changes.objects, null), trianglesOf(objects.parts), isWhole(changes.objects), lines?.objects ?? null),
     object_parts: objects.parts.slice(),
     tiles,
   };

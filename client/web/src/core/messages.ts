@@ -15,6 +15,7 @@ export type ToWorker =
   | { kind: 'scene clock'; now_ms: number; scene_ms: number; rate: number }
   | { kind: 'request tour'; name: string; seconds: number }
   | { kind: 'start tour'; start_ms: number }
+  | { kind: 'sun'; towards: readonly number[] | null } // that casts shadows
   | { kind: 'hidden'; is_hidden: boolean } // the page is not seen
   | { kind: 'reopen' } // connects anew, and resumes
   | { kind: 'close' };

@@ -2,12 +2,14 @@
 // handed over with it. The client core decides which (client/imagery/residency.h).
 import { kContents, type Content, type TileArrival, type TileSelection, type Viewer } from './core';
 
-// Of one tile: slopes with those of the half-size image, or an image, whose half-size image is copied from the parent's layer.
+// Of one tile: slopes and ground texels (client/imagery/shadows.h) with those of the half-size image, or an image, whose half-size
+// image is copied from the parent's layer. A tile whose shadows have changed has ground texels alone.
 export interface TileUpload {
   layer: number;
   parent_layer: number | null;
   is_odd: readonly [boolean, boolean]; // its column and row: where it lies in its parent
   slopes: readonly [Uint16Array<ArrayBuffer>, Uint16Array<ArrayBuffer>] | null;
+  ground: readonly [Uint8Array<ArrayBuffer>, Uint8Array<ArrayBuffer>] | null;
   image: ImageBitmap | null;
 }
 
@@ -20,7 +22,8 @@ export interface TileUpdate {
 }
 
 export function tileMemoryOf(update: TileUpdate): Transferable[] {
-  const uploads = update.uploads.flatMap(({ slopes, image }) => [...(slopes ?? []).map((s) => s.buffer), ...(image ? [image] : [])]);
+  const uploads = update.uploads.flatMap(({ slopes, ground, image }) => [
+    ...(slopes ?? []).map((s) => s.buffer), ...(ground ?? []).map((g) => g.buffer), ...(image ? [image] : [])]);
   return [update.page_table.buffer, ...uploads];
 }
 
@@ -61,11 +64,14 @@ export class Tiles {
     return { scene, shown, page_table, uploads };
   }
 
-  private uploadOf(content: Content, { key, layer, parent_layer }: TileArrival): TileUpload {
+  private uploadOf(content: Content, { key, layer, parent_layer, is_relit }: TileArrival): TileUpload {
     const image = this.images.get(nameOf(key)) ?? null;
     this.images.delete(nameOf(key));
     const is_odd = [(key[0] & 1) === 1, ((key[0] >>> 24) & 1) === 1] as const;
-    return { layer, parent_layer, is_odd, image, slopes: content === 'imagery' ? null : [this.viewer.slopes(key, false), this.viewer.slopes(key, true)] };
+    const upload = { layer, parent_layer, is_odd, image, slopes: null, ground: null };
+    if (content === 'imagery') return upload;
+    const ground = [this.viewer.groundTexels(key, false), this.viewer.groundTexels(key, true)] as const;
+    return { ...upload, ground, slopes: is_relit ? null : [this.viewer.slopes(key, false), this.viewer.slopes(key, true)] };
   }
 
   private schedule(): void {

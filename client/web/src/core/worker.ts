@@ -21,6 +21,7 @@ class Session {
   private request: Request;
   private blend: Blend;
   private wants_lines: boolean;
+  private sun: readonly number[] | null = null; // that casts shadows
   private is_greeted = false; // on this connection
   private was_greeted = false; // on any
   private sent: number[] = []; // versions that are not staged
@@ -62,6 +63,10 @@ class Session {
       case 'start tour':
         this.viewer.startTour(message.start_ms);
         break;
+      case 'sun':
+        this.sun = message.towards;
+        this.viewer.setSun(message.towards);
+        break;
       case 'hidden':
         this.connection.setHidden(message.is_hidden);
         break;
@@ -89,6 +94,7 @@ class Session {
     viewer.setBlend(this.blend);
     viewer.drawAhead();
     viewer.setTextureLayers(this.start.texture_layers);
+    viewer.setSun(this.sun);
     return viewer;
   }
 

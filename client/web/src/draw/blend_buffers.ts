@@ -19,7 +19,8 @@ function makeChannel(gl: WebGL2RenderingContext, name: ChannelName): Channel {
   const is_index = name === 'index' || name === 'line';
   const is_normal = name === 'from_normal' || name === 'to_normal';
   const [type, bytes] = is_index ? [gl.UNSIGNED_INT, 4 as const] : is_normal ? [gl.BYTE, 1 as const] : [gl.FLOAT, 4 as const];
-  const items = is_index ? 1 : name === 'texture_coordinate' ? 2 : 4;
+  const is_single = is_index || name === 'from_moved' || name === 'to_moved';
+  const items = is_single ? 1 : name === 'texture_coordinate' ? 2 : 4;
   const buffer = gl.createBuffer()!;
   // A buffer is of the kind that it is bound to first.
   gl.bindBuffer(is_index ? gl.ELEMENT_ARRAY_BUFFER : gl.ARRAY_BUFFER, buffer);
@@ -43,6 +44,14 @@ export class BufferSet {
     this.geometry.setAttribute('texture_coordinate', this.attribute('texture_coordinate'));
     this.geometry.setIndex(this.attribute('index'));
     this.lines.setIndex(this.attribute('line'));
+  }
+
+  // Whether vertices tell how far the ground has moved; otherwise shaders read 0.
+  set tells_moved(tells: boolean) {
+    for (const name of ['from_moved', 'to_moved'] as const) {
+      if (tells) this.geometry.setAttribute(name, this.attribute(name));
+      else this.geometry.deleteAttribute(name);
+    }
   }
 
   // Makes room for a channel of an update; `is_whole` if nothing that is there is needed.

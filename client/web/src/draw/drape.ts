@@ -1,4 +1,4 @@
-// What is laid over the terrain: relief, which it is shaded by, and imagery. Their textures, and the uniforms by which the terrain's
+// What is laid over the terrain: relief, which it is shaded and coloured by, and imagery. Their textures, and the uniforms by which the terrain's
 // shader finds the texels of a lattice position.
 import * as THREE from 'three';
 import { kContents, type Content, type Layer, type SlopeFrame, type TextureLayers } from '../core/core';
@@ -12,13 +12,15 @@ export class Drape {
   private frame: SlopeFrame | null = null;
   private wanted: Record<Content, boolean> = { relief: true, imagery: true };
 
-  constructor(renderer: THREE.WebGLRenderer, sizes: TextureLayers) {
+  // `anisotropy`: reads along the longer axis of what a pixel sees; 1 where a processor draws.
+  constructor(renderer: THREE.WebGLRenderer, sizes: TextureLayers, anisotropy: number) {
     this.textures = {
-      relief: new TileTextures(renderer, 'relief', sizes.relief),
-      imagery: new TileTextures(renderer, 'imagery', sizes.imagery),
+      relief: new TileTextures(renderer, 'relief', sizes.relief, 1),
+      imagery: new TileTextures(renderer, 'imagery', sizes.imagery, anisotropy),
     };
-    this.uniforms = { u_pivot: { value: new THREE.Vector2() }, ...slopeUniforms() };
+    this.uniforms = { u_pivot: { value: new THREE.Vector2() }, u_anisotropy: { value: anisotropy }, ...slopeUniforms() };
     for (const content of kContents) Object.assign(this.uniforms, tileUniforms(content, this.textures[content]));
+    Object.assign(this.uniforms, groundUniforms(this.textures.relief));
   }
 
   setScene(layers: Record<Content, Layer | null>, frame: SlopeFrame | null): void {
@@ -30,10 +32,16 @@ export class Drape {
     u.u_geodetic_step!.value.set(frame.longitude_step, frame.latitude_step);
     u.u_origin_latitude!.value = frame.origin_latitude;
     u.u_ellipsoid!.value.set(frame.semi_major_m, frame.eccentricity_squared);
+    const { relief } = layers;
+    if (!relief) return;
+    const sample_m = frame.is_geographic ? frame.semi_major_m * frame.latitude_step : 1 / Math.hypot(...frame.gradient_y);
+    u.u_relief_code!.value.set(relief.low_m, relief.code_m);
+    u.u_relief_texel_m!.value = relief.texel * sample_m;
   }
 
-  show(wanted: Record<Content, boolean>): void {
+  show(wanted: Record<Content, boolean> & { shadows: boolean }): void {
     this.wanted = wanted;
+    this.uniforms.u_shadows!.value = wanted.shadows ? 1 : 0;
   }
 
   add(update: MeshUpdate): void {
@@ -53,9 +61,9 @@ export class Drape {
   costTo(version: number): number {
     return kContents.reduce((sum, content) => sum + this.textures[content].costTo(version), 0);
   }
-  // Draws what belongs to the mesh of `version` from now on.
-  draw(version: number): void {
-    for (const content of kContents) this.textures[content].show(version);
+  // Draws what belongs to the mesh of `version` from now on; gives how many bytes had to be uploaded for that.
+  draw(version: number): number {
+    return kContents.reduce((sum, content) => sum + this.textures[content].show(version), 0);
   }
 
   tilesShown(content: Content): number {
@@ -100,6 +108,10 @@ function slopeUniforms(): Record<string, THREE.IUniform> {
   };
 }
 
+function groundUniforms(relief: TileTextures): Record<string, THREE.IUniform> {
+  return { u_relief_ground: relief.uniforms.grounds!, u_relief_code: { value: new THREE.Vector2(0, 1) }, u_relief_texel_m: { value: 1 }, u_shadows: { value: 0 } };
+}
+
 function tileUniforms(content: Content, textures: TileTextures): Record<string, THREE.IUniform> {
   return {
     [`u_${content}`]: textures.uniforms.images,
@@ -110,4 +122,12 @@ function tileUniforms(content: Content, textures: TileTextures): Record<string, 
     [`u_${content}_size`]: { value: new THREE.Vector2() },
     [`u_${content}_levels`]: { value: 0 },
   };
+}
+
+// How many reads along the longer axis of what a pixel sees are cheap: many for a graphics card, none where a processor draws.
+export function cheapAnisotropy(renderer: THREE.WebGLRenderer): number {
+  const gl = renderer.getContext();
+  const names = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name) ? 1 : Math.min(8, renderer.capabilities.getMaxAnisotropy());
 }

@@ -1,8 +1,9 @@
 // The page's shaders. Distances are metres relative to the eye, along the scene's axes, so floats keep their precision far
 // from the scene's origin. Colours are linear until the last line.
 
-// How ground is coloured: as it may look, or by the picture that is laid over it; in one colour; by how steep it is, and where it falls to.
-export const kGrounds = ['natural', 'plain', 'slope', 'aspect'] as const;
+// How ground is coloured: as it may look, or by the picture that is laid over it; in one colour; by how steep it is, and where it falls to;
+// by its height, with a colour map; and by how far it has moved since the first epoch.
+export const kGrounds = ['natural', 'plain', 'slope', 'aspect', 'heights', 'change'] as const;
 export type Ground = (typeof kGrounds)[number];
 
 const kHead = /* glsl */ `
@@ -65,8 +66,11 @@ uniform vec3 u_origin;  // of the mesh, from the eye
 
 export const kTerrainVertex = kHead + kInterpolation + /* glsl */ `
 in vec2 texture_coordinate;  // position on the lattice
+in float from_moved;         // metres upwards since the first epoch
+in float to_moved;
 uniform vec2 u_pivot;        // a whole position near the eye
 out vec2 v_lattice;          // from the pivot
+out float v_moved;
 out vec3 v_from_eye;
 out vec3 v_normal;
 out vec3 v_texture_coordinate;  // x, y from the mesh's origin; height
@@ -76,6 +80,7 @@ void main() {
   v_normal = mix(from_normal, to_normal, u_weight);
   v_texture_coordinate = vec3(p.xy, p.w);
   v_lattice = texture_coordinate - u_pivot;
+  v_moved = mix(from_moved, to_moved, u_weight);
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(p.xyz, 1.0));
 }
 `;
@@ -88,8 +93,9 @@ uniform float u_haze;         // optical depth per metre at the lowest ground; 0
 uniform float u_haze_height;  // over which it falls to 1 / e
 uniform float u_eye_height;
 
-vec3 lit(vec3 albedo, vec3 normal) {
-  float sunlight = max(dot(normal, u_sun), 0.0);
+// \`sunshine\`: the share of the sun that is seen.
+vec3 lit(vec3 albedo, vec3 normal, float sunshine) {
+  float sunlight = sunshine * max(dot(normal, u_sun), 0.0);
   float openness = 0.5 + 0.5 * dot(normal, u_up);
   vec3 skylight = mix(vec3(0.09, 0.08, 0.07), vec3(0.17, 0.24, 0.36), openness);
   return albedo * (sunColour() * sunlight + daylight() * skylight);
@@ -111,10 +117,13 @@ const kTiles = /* glsl */ `
 const int kPageSide = 32;
 const float kPayload = 248.0;
 uniform float u_weight;
+uniform float u_anisotropy;  // at most so many reads along the longer axis; 1: by the level alone, as software does it faster
 
 struct Texel {
   vec3 at;        // in the texture array
   float lod;      // 0: the tile's image; 1: the half-size one
+  float fade;     // the least of it
+  int tile_level;
   float opacity;  // 0: there is none
 };
 
@@ -134,9 +143,20 @@ Texel findTexel(highp usampler2D pages, int levels, ivec2 pivot, vec2 from_pivot
     float fade = entry.w == 1u ? 1.0 - u_weight : entry.w == 2u ? u_weight : 0.0;
     float lod = clamp(max(wanted - float(level), fade), 0.0, 1.0);
     float opacity = level == levels - 1 && entry.w > 0u ? 1.0 - fade : 1.0;
-    return Texel(vec3((in_page + 4.0) / 256.0, float(entry.z) - 1.0), lod, opacity);
+    return Texel(vec3((in_page + 4.0) / 256.0, float(entry.z) - 1.0), lod, fade, level, opacity);
   }
-  return Texel(vec3(0.0), 0.0, 0.0);
+  return Texel(vec3(0.0), 0.0, 0.0, 0, 0.0);
+}
+
+// What a pixel sees of a tile's image, given how a position in texels of the finest level changes from pixel to pixel: along the longer
+// axis by several reads, where that is cheap. What is seen is enlarged until its shorter axis asks for the least level of detail.
+vec4 imageAt(highp sampler2DArray images, Texel texel, vec2 dx, vec2 dy) {
+  if (u_anisotropy <= 1.0) return textureLod(images, texel.at, texel.lod);
+  dx /= float(1 << texel.tile_level), dy /= float(1 << texel.tile_level);
+  float longer = sqrt(max(dot(dx, dx), dot(dy, dy)));
+  float shorter = max(abs(dx.x * dy.y - dx.y * dy.x) / max(longer, 1e-9), longer / u_anisotropy);
+  float enlarged = texel.fade > 0.0 ? max(1.0, exp2(texel.fade) / max(shorter, 1e-9)) : 1.0;
+  return textureGrad(images, texel.at, dx * (enlarged / 256.0), dy * (enlarged / 256.0));
 }
 
 // The level whose texels are a pixel large, given how a position in texels of the finest level changes from pixel to pixel: by area,
@@ -148,6 +168,10 @@ float levelOf(vec2 dx, vec2 dy) {
 }
 
 uniform highp sampler2DArray u_relief;  // slopes: metres a sample interval
+uniform highp sampler2DArray u_relief_ground;  // two numbers of 16 bits: the height, and below which height there is shadow
+uniform vec2 u_relief_code;      // metres: the height of code 0, and from code to code
+uniform float u_relief_texel_m;  // of the finest level
+uniform int u_shadows;           // whether there are some
 uniform highp usampler2D u_relief_pages;
 uniform int u_relief_levels;     // 0: none
 uniform vec2 u_relief_pivot;     // the pivot in texels of the finest level: whole, and the rest
@@ -187,15 +211,39 @@ vec3 geographicNormal(vec2 slopes, vec2 lattice) {
   return vec3(n.y, c0 * n.z - s0 * n.x, s0 * n.z + c0 * n.x);
 }
 
-// The ground's normal by relief, where there is some, and \`by_mesh\` elsewhere.
-vec3 groundNormal(vec3 by_mesh, vec2 lattice, vec2 dx, vec2 dy) {
-  if (u_relief_levels == 0) return by_mesh;
+struct Ground {
+  vec3 normal;
+  float height;
+  float sunshine;  // 0: in shadow
+};
+
+// The ground by relief, where there is some, and as the mesh has it elsewhere. The edge of a shadow is half a texel wide.
+Ground groundAt(vec3 mesh_normal, float mesh_height, vec2 lattice, vec2 dx, vec2 dy) {
+  Ground ground = Ground(mesh_normal, mesh_height, 1.0);
+  if (u_relief_levels == 0) return ground;
   float wanted = levelOf(dx * u_relief_density, dy * u_relief_density);
   Texel texel = findTexel(u_relief_pages, u_relief_levels, ivec2(u_relief_pivot), u_relief_rest + lattice * u_relief_density, wanted);
-  if (texel.opacity == 0.0) return by_mesh;
+  if (texel.opacity == 0.0) return ground;
   vec2 slopes = textureLod(u_relief, texel.at, texel.lod).xy;
   vec3 normal = u_is_geographic == 1 ? geographicNormal(slopes, lattice) : planarNormal(slopes);
-  return normalize(mix(by_mesh, normal, texel.opacity));
+  vec4 bytes = textureLod(u_relief_ground, texel.at, texel.lod) * 255.0;
+  vec2 heights = u_relief_code.x + u_relief_code.y * vec2(bytes.x + 256.0 * bytes.y, bytes.z + 256.0 * bytes.w);
+  ground.normal = normalize(mix(mesh_normal, normal, texel.opacity));
+  ground.height = mix(mesh_height, heights.x, texel.opacity);
+  if (u_shadows == 1) {
+    float sine = clamp(dot(u_sun, u_up), 0.02, 0.999);
+    float soft_m = 0.5 * u_relief_texel_m * exp2(float(texel.tile_level) + texel.lod) * sine / sqrt(1.0 - sine * sine);
+    ground.sunshine = 1.0 - texel.opacity * smoothstep(0.0, soft_m, heights.y - heights.x);
+  }
+  return ground;
+}
+
+uniform int u_ground;  // of kGrounds
+uniform sampler2D u_tints;  // over a range of heights
+uniform vec2 u_tint_range;
+
+vec3 tintAt(float height) {
+  return 0.6 * texture(u_tints, vec2((height - u_tint_range.x) / (u_tint_range.y - u_tint_range.x), 0.5)).rgb;
 }
 
 // Of the picture, linear; its alpha is 0 where there is none.
@@ -207,7 +255,7 @@ vec4 pictureAt(vec2 lattice, vec2 dx, vec2 dy) {
   float wanted = levelOf(dx * u_imagery_density, dy * u_imagery_density);
   Texel texel = findTexel(u_imagery_pages, u_imagery_levels, ivec2(u_imagery_pivot), from_pivot, wanted);
   if (texel.opacity == 0.0) return vec4(0.0);
-  vec4 colour = textureLod(u_imagery, texel.at, texel.lod);
+  vec4 colour = imageAt(u_imagery, texel, dx * u_imagery_density, dy * u_imagery_density);
   return vec4(colour.rgb, colour.a * texel.opacity);
 }
 `;
@@ -216,6 +264,7 @@ export const kTerrainFragment = kHead + kAtmosphere + kLight + kTiles + /* glsl 
 in vec2 v_lattice;
 in vec3 v_normal;
 in vec3 v_texture_coordinate;
+in float v_moved;
 out vec4 o_colour;
 
 uniform vec3 u_palette[6];    // from the lowest ground to the highest
@@ -225,7 +274,7 @@ uniform vec2 u_origin_tile;   // the mesh's origin, modulo a whole number of noi
 uniform float u_noise_m;      // coarsest wavelength of the ground's mottling
 uniform float u_contour_m;    // 0: none
 uniform float u_snow_line;    // from 0, the lowest ground, to 1, the highest
-uniform int u_ground;         // of kGrounds
+uniform float u_change_m;     // that has the strongest colours
 uniform vec3 u_north;         // the earth's axis, or north on the map
 uniform float u_pixel_rad;    // how much a pixel sees
 
@@ -298,36 +347,47 @@ vec3 aspectColour(vec3 normal, vec3 up) {
   return mix(vec3(0.30), mix(north_south, east_west, share), smoothstep(0.02, 0.12, steep));
 }
 
-vec3 groundColour(vec3 normal, float pixel_m) {
+// From what has sunk, blue, to what has risen, red.
+vec3 changeColour(float share) {
+  const vec3 kColours[7] = vec3[](vec3(0.015, 0.133, 0.413), vec3(0.136, 0.397, 0.624), vec3(0.638, 0.783, 0.871), vec3(0.93),
+                                  vec3(0.982, 0.708, 0.571), vec3(0.863, 0.254, 0.122), vec3(0.445, 0.009, 0.024));
+  float at = clamp(3.0 * share + 3.0, 0.0, 6.0);
+  int i = min(int(at), 5);
+  return 0.5 * mix(kColours[i], kColours[i + 1], at - float(i));
+}
+
+vec3 groundColour(vec3 normal, float height, float pixel_m) {
   float span = max(u_heights.y - u_heights.x, 1e-3);
   float mottle = mottling(v_texture_coordinate.xy + u_origin_tile, pixel_m);
-  float t = (v_texture_coordinate.z - u_heights.x) / span;
+  float t = (height - u_heights.x) / span;
   float steepness = 1.0 - dot(normal, u_up);
   vec3 colour = hypsometric(t + 0.16 * mottle) * (1.0 + 0.55 * mottle);
-  float strata = 0.10 * sin(v_texture_coordinate.z / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
+  float strata = 0.10 * sin(height / span * 190.0 + 6.0 * mottle) * clamp(span / (400.0 * pixel_m), 0.0, 1.0);
   vec3 rock = u_rock * (1.0 + 0.5 * mottle + strata);
   colour = mix(colour, rock, smoothstep(0.20, 0.42, steepness + 0.12 * mottle));
   float snow = smoothstep(u_snow_line - 0.05, u_snow_line + 0.05, t + 0.14 * mottle) * (1.0 - smoothstep(0.26, 0.44, steepness + 0.12 * mottle));
   return mix(colour, u_snow, snow);
 }
 
-vec3 albedoOf(vec3 normal, float pixel_m, vec2 dx, vec2 dy) {
+vec3 albedoOf(vec3 normal, float height, float pixel_m, vec2 dx, vec2 dy) {
   if (u_ground == 1) return vec3(0.24);
   if (u_ground == 2) return slopeColour(degrees(acos(clamp(dot(normal, upAt(v_lattice)), 0.0, 1.0))));
   if (u_ground == 3) return aspectColour(normal, upAt(v_lattice));
+  if (u_ground == 4) return tintAt(height);
+  if (u_ground == 5) return changeColour(v_moved / u_change_m);
   vec4 picture = pictureAt(v_lattice, dx, dy);
-  return picture.a < 1.0 ? mix(groundColour(normal, pixel_m), picture.rgb, picture.a) : picture.rgb;
+  return picture.a < 1.0 ? mix(groundColour(normal, height, pixel_m), picture.rgb, picture.a) : picture.rgb;
 }
 
 void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
   vec2 dx = dFdx(v_lattice), dy = dFdy(v_lattice);
-  vec3 normal = groundNormal(normalize(v_normal), v_lattice, dx, dy);
-  float facing = max(-dot(normal, direction), 0.12);
+  Ground ground = groundAt(normalize(v_normal), v_texture_coordinate.z, v_lattice, dx, dy);
+  float facing = max(-dot(ground.normal, direction), 0.12);
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
-  vec3 colour = lit(albedoOf(normal, pixel_m, dx, dy), normal);
-  if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(v_texture_coordinate.z));
+  vec3 colour = lit(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), ground.normal, ground.sunshine);
+  if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(ground.height));
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
 }
@@ -350,8 +410,8 @@ in vec2 v_lattice;
 uniform float u_footprint;  // sample intervals of a pixel
 out vec4 o_colour;
 void main() {
-  vec3 normal = groundNormal(vec3(0.0), v_lattice, vec2(u_footprint, 0.0), vec2(0.0, u_footprint));
-  o_colour = vec4(toScreen(lit(vec3(0.24), normal)), 1.0);
+  Ground ground = groundAt(vec3(0.0), 0.0, v_lattice, vec2(u_footprint, 0.0), vec2(0.0, u_footprint));
+  o_colour = vec4(toScreen(lit(u_ground == 4 ? tintAt(ground.height) : vec3(0.24), ground.normal, ground.sunshine)), 1.0);
 }
 `;
 
@@ -377,7 +437,7 @@ out vec4 o_colour;
 void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
-  vec3 colour = lit(pow(texture(u_image, v_texture_coordinate).rgb, vec3(2.2)), normalize(v_normal));
+  vec3 colour = lit(pow(texture(u_image, v_texture_coordinate).rgb, vec3(2.2)), normalize(v_normal), 1.0);
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
 }

@@ -41,6 +41,7 @@ class Slices {
   private addPart(part: PartName, { channels, is_whole, triangles }: PartUpdate): void {
     this.set[part].triangles = triangles;
     this.set[part].has_lines = channels.line !== undefined;
+    this.set[part].tells_moved = channels.to_moved !== undefined;
     for (const channel of kChannels) {
       const update = channels[channel];
       if (!update) continue;
@@ -128,18 +129,20 @@ export class Stage {
     return cost;
   }
 
-  // Brings the set that is not drawn towards `version`, by about `budget` of cost.
-  upload(version: number, budget: number): void {
+  // Brings the set that is not drawn towards `version`, by about `budget` of cost; gives what it cost.
+  upload(version: number, budget: number): number {
     const { hidden } = this;
-    for (let left = budget; left > 0;) {
+    let spent = 0;
+    while (spent < budget) {
       if (!hidden.open && !this.beginNext(version)) break;
-      left -= hidden.open!.step(left);
+      spent += hidden.open!.step(budget - spent);
       if (!hidden.open!.isDone()) break;
       hidden.version = hidden.open!.update.version;
       hidden.open = null;
     }
     const held = Math.min(this.shown.version, hidden.version);
     while (this.updates.length > 0 && this.updates[0]!.version <= held) this.updates.shift();
+    return spent;
   }
 
   // The lines of a mesh that came without.

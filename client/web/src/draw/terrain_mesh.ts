@@ -21,6 +21,7 @@ export class TerrainMesh {
   private noise_period_m = 1;
   private haze = 0;
   private contour_m = 100;
+  private most_moved_m = 0;
   version = 0; // of the mesh that is drawn; 0: none
   triangles = 0;
 
@@ -48,6 +49,7 @@ export class TerrainMesh {
     this.uniforms.u_far!.value = 0.35 * across_m;
     this.haze = 1.8 / across_m;
     this.contour_m = niceStep(relief_m / 60);
+    this.most_moved_m = welcome.most_moved_m;
   }
 
   // `north`: the earth's axis, or north on the map.
@@ -55,13 +57,25 @@ export class TerrainMesh {
     this.uniforms.u_north!.value.set(...north);
   }
 
-  show(options: { wireframe: boolean; contours: boolean; fog: boolean; ground: Ground; snow_line: number }): void {
-    this.uniforms.u_ground!.value = kGrounds.indexOf(options.ground);
+  show(options: { wireframe: boolean; contours: boolean; fog: boolean; ground: Ground; snow_line: number; change: number }): void {
+    const tells_change = options.ground !== 'change' || this.most_moved_m > 0;
+    this.uniforms.u_ground!.value = kGrounds.indexOf(tells_change ? options.ground : 'natural');
+    this.uniforms.u_change_m!.value = Math.max(options.change * this.most_moved_m, 1e-3);
     this.uniforms.u_snow_line!.value = options.snow_line;
     this.wire.wanted = options.wireframe;
     this.wire.show(this.set);
     this.uniforms.u_contour_m!.value = options.contours ? this.contour_m : 0;
     this.uniforms.u_haze!.value = options.fog ? this.haze : 0;
+  }
+
+  // Colours over a range of heights: RGBA, sRGB.
+  setTints({ low, high, texels }: { low: number; high: number; texels: Uint8Array }): void {
+    const u = this.uniforms;
+    (u.u_tints!.value as THREE.Texture).dispose();
+    const texture = new THREE.DataTexture(texels as Uint8Array<ArrayBuffer>, texels.length / 4, 1);
+    Object.assign(texture, { colorSpace: THREE.SRGBColorSpace, magFilter: THREE.LinearFilter, minFilter: THREE.LinearFilter, needsUpdate: true });
+    u.u_tints!.value = texture;
+    u.u_tint_range!.value.set(low, high);
   }
 
   // Draws the mesh of an update from now on, which `set` holds.
@@ -107,6 +121,9 @@ function terrainUniforms(sun: THREE.Vector3, up: THREE.Vector3): Record<string, 
     u_contour_m: { value: 0 },
     u_snow_line: { value: 0.75 },
     u_ground: { value: 0 },
+    u_tints: { value: new THREE.DataTexture(new Uint8Array(4), 1, 1) },
+    u_tint_range: { value: new THREE.Vector2(0, 1) },
+    u_change_m: { value: 1 },
     u_north: { value: new THREE.Vector3(0, 1, 0) },
     u_haze: { value: 0 },
     u_haze_height: { value: 1 },

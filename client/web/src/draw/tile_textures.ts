@@ -16,11 +16,13 @@ interface Waiting {
 }
 
 export class TileTextures {
-  // For the shaders: the array, whose images have half-size images, and the table.
-  readonly uniforms: { images: THREE.IUniform<THREE.Texture>; pages: THREE.IUniform<THREE.Texture> };
+  // For the shaders: the array, whose images have half-size images, and the table. Of relief the images are slopes, and `grounds` are
+  // heights with shadows.
+  readonly uniforms: { images: THREE.IUniform<THREE.Texture>; grounds: THREE.IUniform<THREE.Texture> | null; pages: THREE.IUniform<THREE.Texture> };
   shown = 0; // tiles
   private readonly gl: WebGL2RenderingContext;
   private images: WebGLTexture;
+  private grounds: WebGLTexture | null = null;
   private pages: WebGLTexture;
   private readonly source: WebGLFramebuffer;
   private readonly target: WebGLFramebuffer;
@@ -29,12 +31,18 @@ export class TileTextures {
   private waiting: Waiting[] = [];
   private drawn = new Set<number>(); // layers
 
-  constructor(private readonly renderer: THREE.WebGLRenderer, private readonly content: Content, private readonly layers: number) {
+  constructor(private readonly renderer: THREE.WebGLRenderer, private readonly content: Content, private readonly layers: number,
+              private readonly anisotropy: number) {
     this.gl = renderer.getContext() as WebGL2RenderingContext;
     [this.source, this.target] = [this.gl.createFramebuffer()!, this.gl.createFramebuffer()!];
     this.images = this.makeImages(1, 1);
     this.pages = this.makePages(1);
-    this.uniforms = { images: { value: new THREE.ExternalTexture(this.images) }, pages: { value: new THREE.ExternalTexture(this.pages) } };
+    if (content === 'relief') this.grounds = this.makeImages(1, 1, this.gl.RGBA8);
+    this.uniforms = {
+      images: { value: new THREE.ExternalTexture(this.images) },
+      grounds: this.grounds && { value: new THREE.ExternalTexture(this.grounds) },
+      pages: { value: new THREE.ExternalTexture(this.pages) },
+    };
   }
 
   add(version: number, update: TileUpdate): void {
@@ -47,7 +55,7 @@ export class TileTextures {
     for (const waiting of this.waiting) {
       if (waiting.version > version) break;
       while (spent < budget && waiting.uploads.length > 0) {
-        if (waiting.update.scene !== this.scene || this.drawn.has(waiting.uploads[0]!.layer)) return spent;
+        if (this.mustWait(waiting)) return spent;
         spent += this.uploadSlice(waiting, budget - spent);
       }
     }
@@ -55,24 +63,29 @@ export class TileTextures {
   }
   // Whether show() has next to nothing left to do.
   isReady(version: number): boolean {
-    const mayWait = ({ update, uploads }: Waiting) => update.scene !== this.scene || this.drawn.has(uploads[0]!.layer);
-    return this.waiting.every((w) => w.version > version || w.uploads.length === 0 || mayWait(w));
+    return this.waiting.every((w) => w.version > version || w.uploads.length === 0 || this.mustWait(w));
+  }
+  // For show(): another tile in a layer that is drawn. New shadows of the tile that is drawn there need not.
+  private mustWait({ update, uploads }: Waiting): boolean {
+    const [next] = uploads;
+    return update.scene !== this.scene || (this.drawn.has(next!.layer) && !isRelit(next!));
   }
   // What remains to be uploaded for a mesh, in bytes.
   costTo(version: number): number {
-    return this.waiting.reduce((sum, w) => sum + (w.version <= version ? w.uploads.length : 0), 0) * 5 * kTileSide * kTileSide;
+    return this.waiting.reduce((sum, w) => sum + (w.version <= version ? w.uploads.reduce((s, u) => s + kTileSide * rowBytesOf(u), 0) : 0), 0);
   }
 
-  // Draws what belongs to the mesh of `version` from now on.
-  show(version: number): void {
-    let last: TileUpdate | null = null;
+  // Draws what belongs to the mesh of `version` from now on; gives how many bytes had to be uploaded for that.
+  show(version: number): number {
+    let [last, spent]: [TileUpdate | null, number] = [null, 0];
     while (this.waiting.length > 0 && this.waiting[0]!.version <= version) {
       const waiting = this.waiting.shift()!;
       if (waiting.update.scene !== this.scene) this.enter(waiting.update);
-      while (waiting.uploads.length > 0) this.uploadSlice(waiting, Infinity);
+      while (waiting.uploads.length > 0) spent += this.uploadSlice(waiting, Infinity);
       last = waiting.update;
     }
     if (last) this.showPages(last);
+    return spent;
   }
 
   private enter({ scene, page_table }: TileUpdate): void {
@@ -83,6 +96,10 @@ export class TileTextures {
     [this.images, this.pages] = [this.makeImages(kTileSide, this.layers), this.makePages(this.levels)];
     (this.uniforms.images.value as THREE.ExternalTexture).sourceTexture = this.images;
     (this.uniforms.pages.value as THREE.ExternalTexture).sourceTexture = this.pages;
+    if (!this.grounds) return;
+    this.gl.deleteTexture(this.grounds);
+    this.grounds = this.makeImages(kTileSide, this.layers, this.gl.RGBA8);
+    (this.uniforms.grounds!.value as THREE.ExternalTexture).sourceTexture = this.grounds;
   }
 
   private showPages({ page_table, shown }: Pick<TileUpdate, 'page_table' | 'shown'>): void {
@@ -96,25 +113,32 @@ export class TileTextures {
 
   // A part of the first tile that waits; gives the bytes.
   private uploadSlice(waiting: Waiting, budget: number): number {
+    const { gl } = this;
     const upload = waiting.uploads[0]!;
-    const rows = Math.min(kTileSide - waiting.row, Math.max(32, Math.floor(budget / (4 * kTileSide))));
-    this.bind(this.gl.TEXTURE_2D_ARRAY, this.images);
-    if (upload.slopes) this.uploadSlopes(upload.layer, upload.slopes, waiting.row, rows);
-    else if (waiting.row === 0) this.uploadImage(upload);
-    waiting.row = upload.slopes ? waiting.row + rows : kTileSide;
+    const row_bytes = rowBytesOf(upload);
+    const rows = upload.image ? kTileSide : Math.min(kTileSide - waiting.row, Math.max(32, 2 * Math.floor(budget / (2 * row_bytes))));
+    this.bind(gl.TEXTURE_2D_ARRAY, this.images);
+    if (upload.slopes) this.uploadRows(upload.layer, upload.slopes, 2, gl.RG, gl.HALF_FLOAT, waiting.row, rows);
+    else if (upload.image) this.uploadImage(upload);
+    if (upload.ground) {
+      this.bind(gl.TEXTURE_2D_ARRAY, this.grounds!);
+      this.uploadRows(upload.layer, upload.ground, 4, gl.RGBA, gl.UNSIGNED_BYTE, waiting.row, rows);
+    }
+    waiting.row += rows;
     if (waiting.row === kTileSide) {
       waiting.row = 0;
       waiting.uploads.shift();
     }
-    return 5 * kTileSide * (upload.slopes ? rows : kTileSide);
+    return row_bytes * rows;
   }
 
-  // Rows of both images; half-size ones are half as many.
-  private uploadSlopes(layer: number, [whole, half]: readonly [Uint16Array, Uint16Array], row: number, rows: number): void {
+  // Rows of both images, of so many numbers a texel; half-size ones are half as many.
+  private uploadRows(layer: number, [whole, half]: readonly [Uint8Array, Uint8Array] | readonly [Uint16Array, Uint16Array], numbers: number,
+                     format: number, type: number, row: number, rows: number): void {
     const { gl } = this;
-    const put = (level: number, data: Uint16Array, side: number, from: number, count: number) => {
-      const part = data.subarray(2 * side * from, 2 * side * (from + count));
-      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, level, 0, from, layer, side, count, 1, gl.RG, gl.HALF_FLOAT, part);
+    const put = (level: number, data: Uint8Array | Uint16Array, side: number, from: number, count: number) => {
+      const part = data.subarray(numbers * side * from, numbers * side * (from + count));
+      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, level, 0, from, layer, side, count, 1, format, type, part);
     };
     put(0, whole, kTileSide, row, rows);
     const [begin, end] = [row >> 1, (row + rows) >> 1];
@@ -155,10 +179,11 @@ export class TileTextures {
     this.renderer.state.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
   }
 
-  private makeImages(side: number, layers: number): WebGLTexture {
+  private makeImages(side: number, layers: number, format: number = this.content === 'relief' ? this.gl.RG16F : this.gl.SRGB8_ALPHA8): WebGLTexture {
     const { gl } = this;
     const texture = this.make(gl.TEXTURE_2D_ARRAY, gl.LINEAR_MIPMAP_LINEAR, gl.LINEAR);
-    const format = this.content === 'relief' ? gl.RG16F : gl.SRGB8_ALPHA8;
+    const anisotropic = this.anisotropy > 1 ? gl.getExtension('EXT_texture_filter_anisotropic') : null;
+    if (anisotropic) gl.texParameterf(gl.TEXTURE_2D_ARRAY, anisotropic.TEXTURE_MAX_ANISOTROPY_EXT, this.anisotropy);
     gl.texStorage3D(gl.TEXTURE_2D_ARRAY, side > 1 ? 2 : 1, format, side, side, layers);
     return texture;
   }
@@ -178,4 +203,12 @@ export class TileTextures {
     gl.texParameteri(target, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
     return texture;
   }
+}
+
+function isRelit(upload: TileUpload): boolean {
+  return upload.slopes === null && upload.image === null;
+}
+// Of a row of a tile's images, with the part of the half-size ones that belongs to it.
+function rowBytesOf(upload: TileUpload): number {
+  return 5 * kTileSide * (upload.slopes && upload.ground ? 2 : 1);
 }

@@ -1,8 +1,8 @@
 // Flying by hand. Mouse: drag looks, wheel sets the speed. Keys: W A S D or arrows move, E and Q rise and sink, Shift is faster.
-// Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. The eye stays above the ground.
+// Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. Motion ends at the ground; nothing else moves the eye.
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
-import type { MapPosition, Pose } from '../core/core';
+import type { Pose } from '../core/core';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
   KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],
@@ -12,19 +12,20 @@ const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
 const kRadiansPerScreen = 1.6; // of dragging over the canvas' height
 const kSteepest_rad = 1.54;
 const kSmoothing_s = 0.22; // of velocity
+const kClearance_m = 2;
 
 export class Controls {
   eye = new THREE.Vector3();
   look: Look = { heading: 0, pitch: 0 };
   speed_mps = 150;
-  clearance_m = 3;
+  clearance_m = kClearance_m;
   onTakeOver: () => void = () => {}; // the user steers
 
   private readonly velocity = new THREE.Vector3(); // right, ahead, up
   private readonly held = new Set<string>();
   private readonly fingers = new Map<number, [number, number]>();
   private carry = new THREE.Vector3(); // metres to move, from two fingers: right, ahead, along the view
-  private ground_distance_m = 100;
+  ground_distance_m = 100; // by which two fingers' way is scaled
   private low = new THREE.Vector3(-1e7, -1e7, -1e7);
   private high = new THREE.Vector3(1e7, 1e7, 1e7);
 
@@ -47,15 +48,16 @@ export class Controls {
     this.low.fromArray(low as number[]).subScalar(grow);
     this.high.fromArray(high as number[]).addScalar(grow);
     this.speed_mps = Math.min(Math.max(grow / 180, 0.02), 400);
-    this.clearance_m = Math.min(3, grow / 2000);
+    this.clearance_m = Math.min(kClearance_m, grow / 2000);
   }
 
   pose(up: THREE.Vector3): Pose {
     return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up) };
   }
 
-  // Moves the camera for `seconds`. `mapPositionOf` gives an eye's height and the ground's below it.
-  step(seconds: number, up: THREE.Vector3, mapPositionOf: (eye: number[]) => MapPosition | null): void {
+  // Moves the camera for `seconds`. `sweep` limits a motion by the ground (Screen.sweep).
+  step(seconds: number, up: THREE.Vector3, sweep: (from: number[], to: number[]) => [number, number, number]): void {
+    const from = this.eye.toArray();
     const wanted = new THREE.Vector3();
     for (const code of this.held) {
       const key = kKeys[code];
@@ -67,12 +69,13 @@ export class Controls {
     if (wanted.lengthSq() === 0 && this.velocity.length() < 1e-4 * this.speed_mps) this.velocity.set(0, 0, 0);
     this.move(this.velocity.x * seconds, this.velocity.y * seconds, this.velocity.z * seconds, up);
     this.carryOn(up);
-    this.keepAboveGround(up, mapPositionOf);
+    this.eye.fromArray(sweep(from, this.eye.toArray()));
   }
 
   private move(right_m: number, ahead_m: number, up_m: number, up: THREE.Vector3): void {
     const [east, north] = basisAt(up);
     const { heading } = this.look;
+    if (right_m === 0 && ahead_m === 0 && up_m === 0) return;
     this.eye
       .addScaledVector(east, Math.cos(heading) * right_m)
       .addScaledVector(north, -Math.sin(heading) * right_m)
@@ -89,14 +92,6 @@ export class Controls {
     this.look.pitch = pitch;
     this.move(0, this.carry.z, 0, up);
     this.carry.set(0, 0, 0);
-  }
-
-  private keepAboveGround(up: THREE.Vector3, mapPositionOf: (eye: number[]) => MapPosition | null): void {
-    const position = mapPositionOf(this.eye.toArray());
-    if (!position || position.ground_m === null) return;
-    const missing_m = position.ground_m + this.clearance_m - position.height_m;
-    if (missing_m > 0) this.eye.addScaledVector(up, missing_m);
-    this.ground_distance_m = Math.max(position.height_m - position.ground_m, this.clearance_m);
   }
 
   private press(event: PointerEvent): void {

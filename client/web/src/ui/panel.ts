@@ -7,7 +7,7 @@ import { kSunModes } from './sun';
 const kNames: Record<string, string> = {
   delay: 'Delay', current: 'Current', predict: 'Predict', keyframe: 'Keyframes', geomorph: 'Geomorphs',
   auto: 'Automatic', hold: 'Hold', velocity: 'Constant velocity', acceleration: 'Constant acceleration', path: 'Known path',
-  natural: 'Natural', plain: 'Plain', slope: 'Slope', aspect: 'Aspect', map: 'As on maps', clock: 'Date and time', free: 'Free',
+  natural: 'Natural', plain: 'Plain', slope: 'Slope', aspect: 'Aspect', heights: 'Heights', change: 'Change in time', map: 'As on maps', clock: 'Date and time', free: 'Free',
 };
 const kHelp: Record<string, string> = {
   delay: 'Geometry and camera are shown one keyframe late.',
@@ -22,13 +22,22 @@ const kLegends: Record<string, string[]> = {
   aspect: ['N', 'E', 'S', 'W', 'N'],
 };
 
-type NumberKey = 'tau_px' | 'keyframe_ms' | 'snow_line' | 'sun_day' | 'sun_hour' | 'sun_azimuth_deg' | 'sun_height_deg';
+type NumberKey = 'tau_px' | 'keyframe_ms' | 'snow_line' | 'change' | 'sun_day' | 'sun_hour' | 'sun_azimuth_deg' | 'sun_height_deg';
 
 function dayText(day: number): string {
   return new Date(Date.UTC(2001, 0, day)).toLocaleDateString('en', { day: 'numeric', month: 'short', timeZone: 'UTC' });
 }
 function hourText(hour: number): string {
   return `${Math.floor(hour).toString().padStart(2, '0')}:${Math.round(60 * (hour % 1)).toString().padStart(2, '0')}`;
+}
+
+// Heights to two or three digits.
+function metresText(metres: number): string {
+  return metres.toFixed(metres < 1 ? 2 : metres < 10 ? 1 : 0);
+}
+function changeWords(most_m: number): string[] {
+  const half = metresText(most_m / 2);
+  return [`\u2212${metresText(most_m)} m`, `\u2212${half}`, '0', `+${half}`, `+${metresText(most_m)} m`];
 }
 
 export class Panel {
@@ -38,10 +47,18 @@ export class Panel {
   private readonly legend = element('div', 'legend');
   private readonly sun_rows: Record<'clock' | 'free', HTMLElement[]> = { clock: [], free: [] };
   private readonly texts: (() => void)[] = []; // that write what sliders stand at
+  private readonly selects: { select: HTMLSelectElement; key: 'predictor' | 'ground' | 'sun' }[] = [];
+  private readonly colours = document.createElement('select');
+  private readonly colour_rows: HTMLElement[] = [];
+  private heights_legend: { gradient: string; words: string[] } = { gradient: '', words: [] };
   private heights: [number, number] | null = null;
+  private most_moved_m = 0;
+  private change_row!: HTMLElement;
   private is_geographic = true;
 
-  constructor(root: HTMLElement, private readonly settings: Settings, private readonly onChange: () => void) {
+  // `colours` are the names of colour maps; `file` is where another one is opened.
+  constructor(root: HTMLElement, private readonly settings: Settings, colours: readonly string[], private readonly file: HTMLInputElement,
+              private readonly onChange: () => void) {
     const toggle = element('button', 'toggle') as HTMLButtonElement;
     toggle.type = 'button';
     toggle.innerHTML = '<span>Settings</span><svg viewBox="0 0 16 16" aria-hidden="true"><path d="M4 6l4 4 4-4"/></svg>';
@@ -53,7 +70,24 @@ export class Panel {
     root.append(toggle, this.body);
     fold(window.matchMedia('(min-width: 700px) and (min-height: 520px)').matches);
     this.addControls();
+    for (const name of colours) this.addColours(name);
     this.changed();
+  }
+
+  // Another colour map, which can be chosen from now on.
+  addColours(name: string): void {
+    if ([...this.colours.options].every((option) => option.value !== name)) this.colours.add(new Option(titleOf(name), name));
+    this.colours.value = this.settings.colours;
+  }
+  // What is chosen, after it has been changed elsewhere.
+  showChoices(): void {
+    for (const { select, key } of this.selects) select.value = this.settings[key];
+    this.showRows();
+  }
+  // Of the colour map that is chosen.
+  setHeightsLegend(legend: { gradient: string; words: string[] }): void {
+    this.heights_legend = legend;
+    this.showRows();
   }
 
   private addControls(): void {
@@ -61,9 +95,11 @@ export class Panel {
     this.addChoice('Blend', 'blend', kBlends);
     this.addSelect('Predictor', 'predictor', ['auto', ...kPredictors]);
     this.addSlider('Tolerance', 'tau_px', [-2, 4, 0.25], (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
-    this.addSlider('Keyframes every', 'keyframe_ms', [2, 20, 1], (v) => 50 * v, (v) => v / 50, (v) => `${v} ms`);
+    this.addSlider('Keyframes every', 'keyframe_ms', [2, 20, 1], (v) => 50 * v, (v) => v / 50, (v) => (this.settings.adaptive ? 'adaptive' : `${v} ms`));
+    this.addSwitch('Adaptive keyframes', 'adaptive');
     this.addSwitch('Wireframe', 'wireframe');
     this.addSwitch('Relief shading', 'relief');
+    this.addSwitch('Cast shadows', 'shadows');
     this.addSwitch('Imagery', 'imagery');
     this.addSwitch('Contours', 'contours');
     this.addSwitch('Haze', 'fog');
@@ -82,7 +118,9 @@ export class Panel {
     const same = (v: number) => v;
     this.addSelect('Ground', 'ground', kGrounds);
     look.append(this.legend);
+    this.addColourRows();
     this.addSlider('Snow line', 'snow_line', [0, 1.1, 0.01], same, same, (v) => this.heightText(v));
+    this.change_row = this.addSlider('Strongest colours', 'change', [-6, 0, 0.5], (v) => 2 ** v, Math.log2, (v) => `\u00b1 ${metresText(v * this.most_moved_m)} m`);
     this.addSelect('Sun', 'sun', kSunModes);
     this.sun_rows.clock.push(this.addSlider('Day', 'sun_day', [1, 365, 1], same, same, dayText));
     this.sun_rows.clock.push(this.addSlider('Hour', 'sun_hour', [0, 24, 0.25], same, same, hourText));
@@ -90,9 +128,20 @@ export class Panel {
     this.sun_rows.free.push(this.addSlider('Height', 'sun_height_deg', [0, 90, 1], same, same, (v) => `${v.toFixed(0)}\u00b0`));
   }
 
-  // The scene's lowest and highest ground, and whether it is on the earth.
-  setScene(lowest_m: number, highest_m: number, is_geographic: boolean): void {
-    [this.heights, this.is_geographic] = [[lowest_m, highest_m], is_geographic];
+  private addColourRows(): void {
+    this.colours.name = 'colours';
+    this.colours.onchange = () => {
+      this.settings.colours = this.colours.value;
+      this.changed();
+    };
+    Object.assign(this.file, { type: 'file', accept: '.cpt', name: 'colour_file' });
+    this.colour_rows.push(this.addRow('Colours', this.colours), this.addRow('Open a .cpt file', this.file));
+  }
+
+  // The scene's lowest and highest ground, by how much it changes in time, and whether it is on the earth.
+  setScene(lowest_m: number, highest_m: number, most_moved_m: number, is_geographic: boolean): void {
+    [this.heights, this.most_moved_m, this.is_geographic] = [[lowest_m, highest_m], most_moved_m, is_geographic];
+    this.body.querySelector<HTMLOptionElement>('option[value=change]')!.hidden = most_moved_m === 0;
     for (const show of this.texts) show();
     this.showRows();
   }
@@ -109,7 +158,12 @@ export class Panel {
     for (const row of this.sun_rows.clock) row.hidden = !is_clock;
     for (const row of this.sun_rows.free) row.hidden = sun === 'map' || is_clock;
     this.legend.className = `legend ${ground}`;
-    const words = kLegends[ground] ?? [];
+    for (const row of this.colour_rows) row.hidden = ground !== 'heights';
+    const tells_change = ground === 'change' && this.most_moved_m > 0;
+    this.change_row.hidden = !tells_change;
+    const ramp_words = ground === 'heights' ? this.heights_legend.words : kLegends[ground] ?? [];
+    const words = tells_change ? changeWords(this.settings.change * this.most_moved_m) : ramp_words;
+    this.legend.style.backgroundImage = ground === 'heights' ? this.heights_legend.gradient : '';
     this.legend.replaceChildren(...words.map((text) => Object.assign(element('span'), { textContent: text })));
     this.legend.hidden = words.length === 0;
   }
@@ -146,6 +200,7 @@ export class Panel {
       (this.settings[key] as string) = select.value;
       this.changed();
     };
+    this.selects.push({ select, key });
     this.addRow(title, select);
   }
 
@@ -169,7 +224,7 @@ export class Panel {
     return row;
   }
 
-  private addSwitch(title: string, key: 'wireframe' | 'relief' | 'imagery' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {
+  private addSwitch(title: string, key: 'adaptive' | 'wireframe' | 'relief' | 'shadows' | 'imagery' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {
     const input = Object.assign(document.createElement('input'), { type: 'checkbox', name: key });
     input.checked = this.settings[key];
     input.onchange = () => {
@@ -191,4 +246,8 @@ function element(tag: string, name = ''): HTMLElement {
   const made = document.createElement(tag);
   made.className = name;
   return made;
+}
+
+function titleOf(name: string): string {
+  return name.charAt(0).toUpperCase() + name.slice(1);
 }

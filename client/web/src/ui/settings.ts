@@ -12,11 +12,15 @@ export interface Settings extends SunSettings {
   predictor: Predictor | 'auto'; // auto: the known path on a tour, constant velocity otherwise
   tau_px: number;
   keyframe_ms: number;
+  adaptive: boolean; // keyframes are as far apart as the section's changes allow, and not always keyframe_ms
   wireframe: boolean;
   relief: boolean; // ground is shaded by tiles of relief
   imagery: boolean;
+  shadows: boolean; // that ground casts on ground, by relief
   ground: Ground;
+  colours: string; // the colour map of ground by height
   snow_line: number; // from 0, the lowest ground, to 1, the highest
+  change: number; // of the ground since the first epoch that has the strongest colours, as a share of the largest one
   contours: boolean;
   fog: boolean;
   occlusion: boolean; // leave out what ridges hide, if the server can
@@ -29,8 +33,12 @@ export interface Address {
   server: string; // ws://...
   token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
+  anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
   sharpness: number; // most device pixels per page pixel
 }
+
+// The bounds of adaptive keyframes, as proto::kAdaptiveInterval has them.
+export const kAdaptive_ms = { shortest: 100, longest: 1000 };
 
 const kFov_rad = (55 * Math.PI) / 180;
 export const kLens = { fov_rad: kFov_rad };
@@ -58,11 +66,15 @@ export function readAddress(location: Location): Address {
       predictor: oneOf('predictor', ['auto', ...kPredictors], 'auto'),
       tau_px: number('tau', 0.25, 16, 1),
       keyframe_ms: number('keyframe', 50, 2000, 200),
+      adaptive: query.get('keyframe') === 'adaptive',
       wireframe: flag('wireframe', false),
       relief: flag('relief', true),
       imagery: flag('imagery', true),
+      shadows: flag('shadows', false),
       ground: oneOf('ground', kGrounds, 'natural'),
+      colours: query.get('colours') ?? 'atlas',
       snow_line: number('snow', 0, 1.1, 0.75),
+      change: number('change', 1 / 64, 1, 1),
       sun: oneOf('sun', kSunModes, 'map'),
       sun_hour: number('hour', 0, 24, 10),
       sun_day: number('day', 1, 365, 172),
@@ -77,6 +89,7 @@ export function readAddress(location: Location): Address {
     server,
     token,
     view: view?.length === 5 && view.every(Number.isFinite) ? view : null,
+    anisotropy: query.has('anisotropy') ? number('anisotropy', 1, 16, 1) : null,
     sharpness: number('sharpness', 0.25, 3, 2),
   };
 }
