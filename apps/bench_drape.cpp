@@ -74,7 +74,7 @@ Result<nlohmann::ordered_json> drape(const DrapeArguments& args) {
   if (!flight) return flight.error();
   auto experiment = bench::DrapeExperiment::create(*flight, args.judged_every_s);
   if (!experiment) return experiment.error();
-  const bench::DrapeFigures ours = experiment->flyOurs();
+  const auto [ours, with] = experiment->flyOurs();
   std::vector<bench::DrapeFigures> all{ours};
   for (const auto rule : {bench::TileRule::kDistance, bench::TileRule::kArea}) all.push_back(experiment->pull(rule, 2));
   all.push_back(experiment->pull(bench::TileRule::kDistance, 1.33));
@@ -94,7 +94,7 @@ Result<nlohmann::ordered_json> drape(const DrapeArguments& args) {
   report["round_trip_ms"] = args.round_trip_ms;
   report["bytes_over_best_rival"] = double(ours.bytes) / double(std::max<uint64_t>(best, 1));
   report["first_view_over_best_rival"] = double(ours.first_view_bytes) / double(std::max<uint64_t>(best_first, 1));
-  const bench::DrapeArrivals with = experiment->arrivals(true), without = experiment->arrivals(false);
+  const bench::DrapeArrivals without = experiment->flyWithoutTiles();
   report["first_picture_over_without"] = with.first_picture_ms / without.first_picture_ms;
   report["lateness_p99_more_ms"] = with.lateness_p99_ms - without.lateness_p99_ms;
   report["with_tiles"] = bench::toJson(with);

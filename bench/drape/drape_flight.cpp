@@ -33,26 +33,73 @@ class OurDrape {
     shown_[viewer.timeline().newestVersion()] = residency->shown();
   }
 
+  // What is shown at the end of the mesh that was drawn before and at the beginning of this one, if it is another.
+  struct Handover {
+    DrawnTiles before, after;
+  };
+  std::optional<Handover> handoverTo(uint32_t mesh_version) {
+    const auto before = shown_.find(std::exchange(drawn_version_, mesh_version)), after = shown_.find(mesh_version);
+    if (before == after || before == shown_.end() || after == shown_.end()) return std::nullopt;
+    return Handover{tilesOf(before->second, 1), tilesOf(after->second, 0)};
+  }
+
   DrawnTiles drawn(uint32_t mesh_version, float weight) {
-    DrawnTiles tiles;
     const auto shown = shown_.find(mesh_version);
-    if (shown == shown_.end()) return tiles;
+    if (shown == shown_.end()) return {};
     shown_.erase(shown_.begin(), shown);
-    for (const client::Residency::Shown& each : shown_.begin()->second)
+    return tilesOf(shown->second, weight);
+  }
+
+ private:
+  static DrawnTiles tilesOf(const std::vector<client::Residency::Shown>& shown, float weight) {
+    DrawnTiles tiles;
+    for (const client::Residency::Shown& each : shown)
       tiles[each.tile.key()] = each.fade == client::Residency::Fade::kComing  ? 1 - weight
                                : each.fade == client::Residency::Fade::kGoing ? weight
                                                                               : 0;
     return tiles;
   }
-
- private:
   proto::TileContent content() const { return flight_.scene->tiles().layers()[flight_.layer].content; }
 
   const DrapeFlight& flight_;
   proto::FrameTransform frame_;
   std::optional<client::Drape> drape_;
   std::map<uint32_t, std::vector<client::Residency::Shown>> shown_;  // by mesh version
+  uint32_t drawn_version_ = 0;
 };
+
+// Takes note of when keyframes and frames of a flight arrive.
+class ArrivalNotes {
+ public:
+  explicit ArrivalNotes(double tau_px) : tau_px_(tau_px) {}
+
+  void onKeyframe(const ArrivedKeyframe& keyframe) { lateness_ms_.push_back(1e3 * keyframe.lateness.toSeconds()); }
+  void onFrame(const client::FrameView& view, Time now) {
+    if (!view.mesh) return;
+    const double now_ms = 1e-3 * static_cast<double>(now.us);
+    arrivals_.first_picture_ms = std::min(arrivals_.first_picture_ms, now_ms);
+    if (view.tolerance_px <= 1.0001 * tau_px_) arrivals_.tolerance_ms = std::min(arrivals_.tolerance_ms, now_ms);
+  }
+  DrapeArrivals take() {
+    if (!lateness_ms_.empty()) arrivals_.lateness_p99_ms = quantile(lateness_ms_, 0.99);
+    return arrivals_;
+  }
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  double tau_px_;
+  std::vector<double> lateness_ms_;
+  DrapeArrivals arrivals_{kNever, kNever, kNever};
+};
+
+World worldOf(const DrapeFlight& flight) {
+  return {flight.world,
+          {},
+          [&flight](const StepWork& work) { return flight.prices.of(work); },
+          flight.seed,
+          Laws::kTrusted};
+}
 
 ClientOptions clientOf(const DrapeFlight& flight) {
   ClientOptions client;
@@ -84,15 +131,21 @@ Time DrapeExperiment::judgedAt(size_t frame) const {
   return Time{} + kDrapeStanding + Duration::seconds(every_s_ * static_cast<double>(frame));
 }
 
-DrapeFigures DrapeExperiment::flyOurs() {
-  World world(
-      flight_.world, {}, [&](const StepWork& work) { return flight_.prices.of(work); }, flight_.seed, Laws::kTrusted);
+DrapeExperiment::Ours DrapeExperiment::flyOurs() {
+  World world = worldOf(flight_);
   world.addClient(clientOf(flight_));
   OurDrape drape(flight_);
-  world.on_keyframe = [&](size_t, const ArrivedKeyframe&) { drape.onKeyframe(world.viewer(0)); };
+  ArrivalNotes notes(flight_.tau_px);
+  world.on_keyframe = [&](size_t, const ArrivedKeyframe& keyframe) {
+    notes.onKeyframe(keyframe);
+    drape.onKeyframe(world.viewer(0));
+  };
   size_t next = 0;
   std::optional<uint64_t> first_view_bytes;
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
+    notes.onFrame(view, now);
+    if (const auto handover = drape.handoverTo(view.mesh_version))
+      judge_.compare(std::min(next, judge_.frames() - 1), image_, handover->before, handover->after);
     const DrawnTiles drawn = drape.drawn(view.mesh_version, view.weight);
     const auto& statement = world.viewer(0).tiles().statement();
     const double stated_px = statement ? statement->texel_px[flight_.layer] : std::numeric_limits<double>::infinity();
@@ -103,35 +156,26 @@ DrapeFigures DrapeExperiment::flyOurs() {
   };
   world.run(end());
   const client::ViewerStatistics& statistics = world.viewer(0).statistics();
-  return {.way = "foreland",
-          .asked_px = server::TileSender::kTexel_px,
-          .bytes = world.session(0).statistics().tile_bytes,
-          .first_view_bytes = first_view_bytes.value_or(world.session(0).statistics().tile_bytes),
-          .quality = judge_.take(),
-          .keyframes_late = statistics.keyframes > 0 ? double(statistics.late_keyframes) / statistics.keyframes : 0};
+  const uint64_t bytes = world.session(0).statistics().tile_bytes;
+  return {{.way = "foreland",
+           .asked_px = server::TileSender::kTexel_px,
+           .bytes = bytes,
+           .first_view_bytes = first_view_bytes.value_or(bytes),
+           .quality = judge_.take(),
+           .keyframes_late = statistics.keyframes > 0 ? double(statistics.late_keyframes) / statistics.keyframes : 0},
+          notes.take()};
 }
 
-DrapeArrivals DrapeExperiment::arrivals(bool with_tiles) const {
-  World world(
-      flight_.world, {}, [&](const StepWork& work) { return flight_.prices.of(work); }, flight_.seed, Laws::kTrusted);
+DrapeArrivals DrapeExperiment::flyWithoutTiles() const {
+  World world = worldOf(flight_);
   ClientOptions client = clientOf(flight_);
-  if (!with_tiles) client.request.relief = client.request.imagery = false;
+  client.request.relief = client.request.imagery = false;
   world.addClient(client);
-  std::vector<double> lateness_ms;
-  world.on_keyframe = [&](size_t, const ArrivedKeyframe& keyframe) {
-    lateness_ms.push_back(1e3 * keyframe.lateness.toSeconds());
-  };
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  DrapeArrivals arrivals{kNever, kNever, kNever};
-  world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
-    const double now_ms = 1e-3 * static_cast<double>(now.us);
-    if (view.mesh) arrivals.first_picture_ms = std::min(arrivals.first_picture_ms, now_ms);
-    if (view.mesh && view.tolerance_px <= 1.0001 * flight_.tau_px)
-      arrivals.tolerance_ms = std::min(arrivals.tolerance_ms, now_ms);
-  };
+  ArrivalNotes notes(flight_.tau_px);
+  world.on_keyframe = [&](size_t, const ArrivedKeyframe& keyframe) { notes.onKeyframe(keyframe); };
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) { notes.onFrame(view, now); };
   world.run(end());
-  if (!lateness_ms.empty()) arrivals.lateness_p99_ms = quantile(lateness_ms, 0.99);
-  return arrivals;
+  return notes.take();
 }
 
 DrapeFigures DrapeExperiment::pull(TileRule rule, double texel_px) {
@@ -141,7 +185,9 @@ DrapeFigures DrapeExperiment::pull(TileRule rule, double texel_px) {
   size_t next = 0;
   for (Time now; now < end(); now = now + World::kFrame) {
     if (now < Time{} + kDrapeStanding) figures.first_view_bytes = puller.bytes();
+    const DrawnTiles before = puller.drawn();
     puller.frame(now, flight_.poseAt(now));
+    if (puller.drawn() != before) judge_.compare(std::min(next, judge_.frames() - 1), image_, before, puller.drawn());
     if (next < judge_.frames() && now >= judgedAt(next))
       judge_.judge(next++, image_, puller.drawn(), std::numeric_limits<double>::infinity());
   }

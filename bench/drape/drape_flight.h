@@ -57,6 +57,7 @@ struct DrapeFigures {
     visit("blur_px_s", quality.blur_px_s);
     visit("texels_over_stated", quality.over_stated);
     visit("not_drawn", quality.not_drawn);
+    visit("jumped_pixels", quality.jumped_pixels);
     visit("keyframes_late", keyframes_late);
   }
 };
@@ -77,12 +78,17 @@ struct DrapeArrivals {
 
 class DrapeExperiment {
  public:
+  struct Ours {
+    DrapeFigures figures;
+    DrapeArrivals arrivals;
+  };
+
   // An Error if the scene does not fit into memory. `every_s` apart frames are judged.
   static Result<DrapeExperiment> create(const DrapeFlight& flight, double every_s);
 
-  DrapeFigures flyOurs();
-  // Of our flight with the layer, and without any tiles.
-  DrapeArrivals arrivals(bool with_tiles) const;
+  Ours flyOurs();
+  // Of our flight without any tiles.
+  DrapeArrivals flyWithoutTiles() const;
   DrapeFigures pull(TileRule rule, double texel_px);
   // With the texel size at which it is nearest to this PSNR, if there is one between 0.25 and 16 px; bytes are
   // interpolated between the two sizes next to it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <utility>
 
 #include "proto/space/frame.h"
@@ -16,6 +17,8 @@ constexpr uint32_t kBlockSide = 24;                         // pixels
 constexpr uint32_t kAcross = 4;                             // samples of a pixel, and as many down
 constexpr uint32_t kSamples = kAcross * kAcross;
 constexpr uint32_t kWindow = 8;  // pixels a side, for SSIM
+constexpr uint32_t kComparedEach_px = 6;
+constexpr double kSameLevel = 0.004;  // less than what 8 bits of a fade tell
 
 struct Moments {
   double sum = 0, squares = 0;
@@ -50,6 +53,19 @@ Found find(const LayerImage& image, const DrawnTiles& drawn, const glm::dvec2& l
     if (const auto found = drawn.find(tile.key()); found != drawn.end()) return {level, found->second};
   }
   return {level, 0};
+}
+
+// Of a sample's part of a pixel that covers so much ground.
+double lodOf(const LayerImage& image, float pixel) {
+  return std::log2(std::max(1e-9, pixel / image.layer().texel / kAcross));
+}
+
+// Nothing if there is no tile.
+std::optional<double> levelShown(const LayerImage& image, const DrawnTiles& drawn, const glm::dvec2& lattice,
+                                 double lod) {
+  const Found tile = find(image, drawn, lattice, static_cast<uint32_t>(std::max(0.0, std::floor(lod))));
+  if (tile.level >= image.layer().levels()) return std::nullopt;
+  return std::max(lod, static_cast<double>(tile.level) + tile.fade);
 }
 
 // How many sample intervals a pixel covers on the ground, as the root of its area there over that of a sample's cell.
@@ -136,8 +152,7 @@ void DrapeJudge::judge(size_t frame, LayerImage& image, const DrawnTiles& drawn,
         const Sample& s = blocks[b][pixel * kSamples + k];
         if (s.pixel == 0) continue;
         ++hits;
-        const double texels = s.pixel / image.layer().texel;
-        const double lod = std::log2(std::max(1e-9, texels / kAcross));  // of a sample's part of the pixel
+        const double texels = s.pixel / image.layer().texel, lod = lodOf(image, s.pixel);
         const Found tile = find(image, drawn, s.lattice, static_cast<uint32_t>(std::max(0.0, std::floor(lod))));
         if (is_first) truth += image.at(s.lattice, 0u);
         if (tile.level >= image.layer().levels()) {
@@ -162,6 +177,23 @@ void DrapeJudge::judge(size_t frame, LayerImage& image, const DrawnTiles& drawn,
   }
   const double samples = static_cast<double>(blocks.size()) * kBlockSide * kBlockSide * kSamples;
   sum_.blur_px_s += seconds_ * static_cast<double>(blurred) / samples * lens_.width_px * lens_.height_px;
+}
+
+void DrapeJudge::compare(size_t frame, const LayerImage& image, const DrawnTiles& before, const DrawnTiles& after) {
+  const std::vector<Block>& blocks = samples(frame);
+  uint64_t jumped = 0, compared = 0;
+  for (const Block& block : blocks)
+    for (uint32_t y = 0; y < kBlockSide; y += kComparedEach_px)
+      for (uint32_t x = 0; x < kBlockSide; x += kComparedEach_px) {
+        ++compared;
+        const Sample& s = block[(y * kBlockSide + x) * kSamples];
+        if (s.pixel == 0) continue;
+        const double lod = lodOf(image, s.pixel);
+        const std::optional<double> from = levelShown(image, before, s.lattice, lod),
+                                    to = levelShown(image, after, s.lattice, lod);
+        jumped += from && (!to || std::fabs(*from - *to) > kSameLevel);
+      }
+  sum_.jumped_pixels += static_cast<double>(jumped) / static_cast<double>(compared) * lens_.width_px * lens_.height_px;
 }
 
 DrapeQuality DrapeJudge::take() {

@@ -24,6 +24,7 @@ struct DrapeQuality {
   double blur_px_s = 0;      // pixels whose texels are larger than kBlur_px, times seconds
   uint64_t over_stated = 0;  // samples whose texels are larger than was stated
   uint64_t not_drawn = 0;    // samples of no tile
+  double jumped_pixels = 0;  // whose level changed at once, all such changes together
 };
 
 class DrapeJudge {
@@ -37,7 +38,10 @@ class DrapeJudge {
   size_t frames() const { return poses_.size(); }
   // Judges what is drawn in frame i.
   void judge(size_t frame, LayerImage& image, const DrawnTiles& drawn, double stated_px);
-  // Of all frames judged since the last call.
+  // Counts the pixels of frame i at which `after` shows another level than `before` did, where that showed any. From a
+  // few pixels of each block.
+  void compare(size_t frame, const LayerImage& image, const DrawnTiles& before, const DrawnTiles& after);
+  // Of all frames judged or compared since the last call.
   DrapeQuality take();
 
  private:

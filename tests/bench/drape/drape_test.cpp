@@ -70,6 +70,28 @@ TEST(Drape, ATileThatHasFadedWholeLooksLikeItsParent) {
   EXPECT_EQ(as_faded.texel_px_max, as_parents.texel_px_max);
 }
 
+TEST(Drape, PixelsJumpWhereTheirLevelChangesAtOnce) {
+  auto judge = DrapeJudge::create(someScene(), kLens, {tour(20).at(Time::seconds(3))}, 2);
+  ASSERT_TRUE(judge.ok());
+  const LayerImage image(someScene(), 0);
+  const auto jumped = [&](const DrawnTiles& before, const DrawnTiles& after) {
+    judge->compare(0, image, before, after);
+    return judge->take().jumped_pixels;
+  };
+  const DrawnTiles fine = allFrom(0), coarse = allFrom(1);
+  DrawnTiles coming = fine, half = fine;
+  for (auto& [key, fade] : coming) fade = proto::TileId::of(key).level == 0 ? 1.0f : 0.0f;
+  for (auto& [key, fade] : half) fade = proto::TileId::of(key).level == 0 ? 0.5f : 0.0f;
+  EXPECT_EQ(jumped(fine, fine), 0);
+  EXPECT_EQ(jumped(coarse, coming), 0) << "what comes has faded to its parent";
+  EXPECT_GT(jumped(coarse, fine), 0);
+  EXPECT_EQ(jumped(coarse, fine), jumped(fine, coarse));
+  EXPECT_GT(jumped(coming, half), 0);
+  EXPECT_GE(jumped(fine, {}), jumped(fine, coarse));
+  EXPECT_EQ(jumped({}, fine), 0) << "the first picture is no jump";
+  EXPECT_LE(jumped(fine, {}), kLens.width_px * kLens.height_px);
+}
+
 TEST(Drape, TexelsOverWhatWasStatedAreCounted) {
   auto judge = DrapeJudge::create(someScene(), kLens, {tour(20).at(Time::seconds(3))}, 2);
   ASSERT_TRUE(judge.ok());
@@ -93,14 +115,15 @@ TEST(Drape, OursKeepsWhatItStatesAndRivalsGetFinerTilesForMoreBytes) {
   flight.path.start = Time{} + kDrapeStanding;
   auto experiment = DrapeExperiment::create(flight, 2);
   ASSERT_TRUE(experiment.ok()) << experiment.error().message;
-  const DrapeFigures ours = experiment->flyOurs();
+  const auto [ours, with] = experiment->flyOurs();
   EXPECT_GT(ours.bytes, 0u);
   EXPECT_GE(ours.bytes, ours.first_view_bytes);
   EXPECT_EQ(ours.quality.over_stated, 0u);
   EXPECT_EQ(ours.quality.blur_px_s, 0);
   EXPECT_EQ(ours.quality.not_drawn, 0u);
-  EXPECT_EQ(experiment->flyOurs().bytes, ours.bytes) << "the same flight";
-  const DrapeArrivals with = experiment->arrivals(true), without = experiment->arrivals(false);
+  EXPECT_EQ(ours.quality.jumped_pixels, 0);
+  EXPECT_EQ(experiment->flyOurs().figures.bytes, ours.bytes) << "the same flight";
+  const DrapeArrivals without = experiment->flyWithoutTiles();
   EXPECT_GT(without.first_picture_ms, 50);  // a round trip
   EXPECT_GE(with.first_picture_ms, without.first_picture_ms);
   EXPECT_LT(with.first_picture_ms, 1000);
@@ -110,6 +133,7 @@ TEST(Drape, OursKeepsWhatItStatesAndRivalsGetFinerTilesForMoreBytes) {
                      coarse = experiment->pull(TileRule::kDistance, 8);
   EXPECT_GT(fine.bytes, coarse.bytes);
   EXPECT_GT(fine.quality.psnr_db, coarse.quality.psnr_db);
+  EXPECT_GT(fine.quality.jumped_pixels, 0);
 }
 
 }  // namespace
