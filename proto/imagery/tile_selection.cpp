@@ -29,43 +29,6 @@ class Selection {
       planar_axes_ = axesAt({0, 0, 0}, frame.toScene(LatticePosition{0, 0, 0}));
   }
 
-  // The largest size on the screen of a texel of the tile; nothing if no part of it can be in view.
-  std::optional<double> texelSize(const TileId& tile, const TileBounds& bounds) const {
-    const Ground ground(*this, layer_.boxOf(tile), bounds.lowest_m, bounds.highest_m);
-    if (!isInView(ground)) return std::nullopt;
-    return texelSize(tile.level, ground, largestFacing(bounds, ground));
-  }
-  // Of those in a part of a tile of a level. If it is not larger than `enough_px`, it may not be the least bound, and
-  // of a part that is out of view.
-  std::optional<double> texelSize(uint8_t level, const TilePart& part, double enough_px) const {
-    const Ground ground(*this, part.box, part.lowest_m, part.highest_m);
-    const double most_px = levelTexelSize(level, ground) * largest_stretch_ * std::sqrt(kMostFacing);
-    if (most_px <= enough_px) return most_px;
-    if (!isInView(ground)) return std::nullopt;
-    return texelSize(level, ground, largestFacing(part, ground));
-  }
-
-  // Pixels of a part of a tile that the tile makes finer, as SelectedTile counts them.
-  // Source: IMAGERY, "Metric", half the sum of both axes of a texel's image; but texels go on to gain something below a
-  // pixel, for a pixel is the mean of what it shows: all from 2 px on, a quarter at 1 px, nothing at half a pixel.
-  double finerPixels(uint8_t level, const TilePart& part) const {
-    const Ground ground(*this, part.box, part.lowest_m, part.highest_m);
-    if (!(ground.distance > 0) || frustum_.sideDistance(ground.in_view) < 0) return 0;
-    const Axes& axes = ground.axes;
-    const glm::dvec3 v = -ground.from_eye / ground.distance;
-    const double facing = glm::dot(v, axes.up) -
-                          0.5 * (part.least_rise_m[0] + part.largest_rise_m[0]) / axes.spacing.x * glm::dot(v, axes.x) -
-                          0.5 * (part.least_rise_m[1] + part.largest_rise_m[1]) / axes.spacing.y * glm::dot(v, axes.y);
-    if (facing <= 0) return 0;
-    const double texel = layer_.texelAt(level);
-    const double across_px = std::sqrt(axes.spacing.x * axes.spacing.y) * texel * focal_px_ / ground.distance;
-    const auto gain = [](double size_px) { return std::pow(std::clamp(0.5 + 0.5 * std::log2(size_px), 0.0, 1.0), 2); };
-    const glm::dvec2 texels = (part.box.high - part.box.low) / texel;
-    return texels.x * texels.y * across_px * across_px * facing * 0.5 *
-           (gain(2 * across_px) + gain(2 * across_px * facing));
-  }
-
- private:
   // Unit vectors along the lattice at a point, and up; metres between samples.
   struct Axes {
     glm::dvec3 x{0}, y{0}, up{0};
@@ -93,6 +56,8 @@ class Selection {
           if (!selection.planar_axes_) include(highest);
         }
       radius = std::sqrt(square) + selection.view_.region_radius_m;
+      level_spacing_px = std::sqrt(axes.spacing.x * selection.widening(box) * axes.spacing.y) * selection.focal_px_ /
+                         selection.nearestDistance(*this);
       from_eye = centre - selection.view_.pose.eye;
       distance = glm::length(from_eye);
       in_view = selection.frustum_.toView(from_eye.x, from_eye.y, from_eye.z);
@@ -104,13 +69,50 @@ class Selection {
     LatticeBox box;
     double lowest_m, highest_m;
     glm::dvec3 centre{0}, from_eye{0};
-    Axes axes;                              // at the centre
+    Axes axes;  // at the centre
+    // Of a sample interval on the screen, were it level, seen from straight above and in the middle of the screen: the
+    // root of its area, at most.
+    double level_spacing_px = 0;
     double radius = 0;                      // of all of it about the centre, the eye's region taken into account
     double distance = 0;                    // from the eye to the centre
     double sin_spread = 0, cos_spread = 0;  // of half the angle that it fills; a right angle if the eye may be in it
     ViewPosition in_view{};                 // of the centre
   };
 
+  // The largest size on the screen of a texel of a level on some ground, whose slopes are bounded by those of a tile or
+  // of a part; nothing if no part of it can be in view.
+  template <class Slopes>
+  std::optional<double> texelSize(uint8_t level, const Ground& ground, const Slopes& slopes) const {
+    if (!isInView(ground)) return std::nullopt;
+    const double facing = largestFacing(slopes, ground);
+    if (facing <= 0) return std::nullopt;
+    return levelTexelSize(level, ground) * stretch(ground) * std::sqrt(std::clamp(facing, kLeastFacing, kMostFacing));
+  }
+  // No less than that, and sooner known.
+  double mostTexelSize(uint8_t level, const Ground& ground) const {
+    return levelTexelSize(level, ground) * largest_stretch_ * std::sqrt(kMostFacing);
+  }
+
+  // Pixels of a part of a tile that the tile makes finer, as SelectedTile counts them.
+  // Source: IMAGERY, "Metric", half the sum of both axes of a texel's image; but texels go on to gain something below a
+  // pixel, for a pixel is the mean of what it shows: all from 2 px on, a quarter at 1 px, nothing at half a pixel.
+  double finerPixels(uint8_t level, const Ground& ground, const TilePart& part) const {
+    if (!(ground.distance > 0) || frustum_.sideDistance(ground.in_view) < 0) return 0;
+    const Axes& axes = ground.axes;
+    const glm::dvec3 v = -ground.from_eye / ground.distance;
+    const double facing = glm::dot(v, axes.up) -
+                          0.5 * (part.least_rise_m[0] + part.largest_rise_m[0]) / axes.spacing.x * glm::dot(v, axes.x) -
+                          0.5 * (part.least_rise_m[1] + part.largest_rise_m[1]) / axes.spacing.y * glm::dot(v, axes.y);
+    if (facing <= 0) return 0;
+    const double texel = layer_.texelAt(level);
+    const double across_px = std::sqrt(axes.spacing.x * axes.spacing.y) * texel * focal_px_ / ground.distance;
+    const auto gain = [](double size_px) { return std::pow(std::clamp(0.5 + 0.5 * std::log2(size_px), 0.0, 1.0), 2); };
+    const glm::dvec2 texels = (part.box.high - part.box.low) / texel;
+    return texels.x * texels.y * across_px * across_px * facing * 0.5 *
+           (gain(2 * across_px) + gain(2 * across_px * facing));
+  }
+
+ private:
   Axes axesAt(const LatticePosition& at, const glm::dvec3& scene) const {
     const glm::dvec3 x = frame_.toScene(LatticePosition{at.x + 1, at.y, at.height_m}) - scene,
                      y = frame_.toScene(LatticePosition{at.x, at.y + 1, at.height_m}) - scene,
@@ -121,24 +123,15 @@ class Selection {
 
   bool isInView(const Ground& g) const { return g.isAround() || frustum_.sideDistance(g.in_view) >= -g.radius; }
 
-  // Of level ground that is seen from straight above, in the middle of the screen.
-  double levelTexelSize(uint8_t level, const Ground& g) const {
-    return std::sqrt(g.axes.spacing.x * widening(g) * g.axes.spacing.y) * layer_.texelAt(level) * focal_px_ /
-           nearestDistance(g);
-  }
+  double levelTexelSize(uint8_t level, const Ground& g) const { return g.level_spacing_px * layer_.texelAt(level); }
   // How much farther apart along x samples are where some ground is next to the equator than in its middle, at most.
-  double widening(const Ground& g) const {
+  double widening(const LatticeBox& box) const {
     if (planar_axes_) return 1;
     const Frame& frame = frame_.frame();
-    const double south = frame.latitude0_rad + g.box.low.y * frame.latitude_step_rad,
-                 north = frame.latitude0_rad + g.box.high.y * frame.latitude_step_rad;
+    const double south = frame.latitude0_rad + box.low.y * frame.latitude_step_rad,
+                 north = frame.latitude0_rad + box.high.y * frame.latitude_step_rad;
     return std::cos(std::clamp(0.0, south, north)) / std::max(1e-9, std::cos(0.5 * (south + north)));
   }
-  std::optional<double> texelSize(uint8_t level, const Ground& ground, double facing) const {
-    if (facing <= 0) return std::nullopt;
-    return levelTexelSize(level, ground) * stretch(ground) * std::sqrt(std::clamp(facing, kLeastFacing, kMostFacing));
-  }
-
   // From anywhere that the eye may be to the box of the ground.
   double nearestDistance(const Ground& g) const {
     const LatticePosition nearest{std::clamp(eye_.x, g.box.low.x, g.box.high.x),
@@ -196,8 +189,8 @@ class Selection {
                            frame_.toScene(LatticePosition{x + 1, y, height_m}));
     };
     const double south = spacingAt(g.box.low.y), north = spacingAt(g.box.high.y);
-    constexpr double kSmallestRadius_m = 6.3e6;
-    return g.radius / kSmallestRadius_m + std::fabs(std::log(std::max(south, 1e-9) / std::max(north, 1e-9)));
+    return g.radius / frame_.frame().leastRadius_m() +
+           std::fabs(std::log(std::max(south, 1e-9) / std::max(north, 1e-9)));
   }
 
   // How much larger things are on a plane screen at an angle from its middle, at the tile's visible point where that is
@@ -238,8 +231,11 @@ class PartSearch {
     if (!ground_.parts(tile.tile, parts_)) return;
     sized_.clear();
     small_px_ = -1;
-    for (const TilePart& part : parts_)
-      if (add(tile.tile.level, part, enough_px)) tile.finer_px += selection_.finerPixels(tile.tile.level, part);
+    for (const TilePart& part : parts_) {
+      const Selection::Ground ground(selection_, part.box, part.lowest_m, part.highest_m);
+      if (add(tile.tile.level, ground, part, enough_px))
+        tile.finer_px += selection_.finerPixels(tile.tile.level, ground, part);
+    }
     double largest_px = small_px_;
     // The largest first: what is left when that cannot be split is no larger.
     while (!sized_.empty()) {
@@ -251,7 +247,8 @@ class PartSearch {
         largest_px = next.size_px;
         break;
       }
-      for (const TilePart& part : parts_) add(tile.tile.level, part, enough_px);
+      for (const TilePart& part : parts_)
+        add(tile.tile.level, {selection_, part.box, part.lowest_m, part.highest_m}, part, enough_px);
       largest_px = small_px_;
     }
     tile.texel_px = std::min(tile.texel_px, static_cast<float>(largest_px));
@@ -264,8 +261,9 @@ class PartSearch {
     bool operator<(const Sized& other) const { return size_px < other.size_px; }
   };
   // False if the part is small, hidden or out of view.
-  bool add(uint8_t level, const TilePart& part, double enough_px) {
-    const auto size_px = selection_.texelSize(level, part, enough_px);
+  bool add(uint8_t level, const Selection::Ground& ground, const TilePart& part, double enough_px) {
+    const double most_px = selection_.mostTexelSize(level, ground);
+    const auto size_px = most_px <= enough_px ? most_px : selection_.texelSize(level, ground, part);
     if (!size_px) return false;
     if (*size_px <= enough_px) {
       small_px_ = std::max(small_px_, *size_px);
@@ -298,7 +296,8 @@ void selectTiles(const TileLayer& layer, uint8_t layer_index, const FrameTransfo
     if (!layer.has(tile)) return;
     const auto bounds = lookup(tile);
     if (!bounds) return;
-    const auto size_px = selection.texelSize(tile, *bounds);
+    const Selection::Ground area(selection, layer.boxOf(tile), bounds->lowest_m, bounds->highest_m);
+    const auto size_px = selection.texelSize(tile.level, area, *bounds);
     SelectedTile selected{tile, static_cast<float>(size_px.value_or(0))};
     if (layer.isCoarsest(tile)) return out.push_back(selected);
     if (search && 2 * selected.texel_px > tau_texel_px) search->look(selected, 0.5 * tau_texel_px);

@@ -13,10 +13,9 @@ namespace foreland::server {
 
 namespace {
 
-constexpr uint32_t kFewestVertices = 17;   // along the shorter side, of a level
-constexpr double kEarthRadius_m = 6.35e6;  // at least
-constexpr double kMostBend = 0.6;          // of a square of the size over the radius: an eighth of it upward, and that
-                                           // times the tangent of the latitude sideways, 3.7 at most
+constexpr uint32_t kFewestVertices = 17;  // along the shorter side, of a level
+constexpr double kMostBend = 0.6;         // of a square of the size over the radius: an eighth of it upward, and that
+                                          // times the tangent of the latitude sideways, 3.7 at most
 
 class Samples {
  public:
@@ -155,7 +154,7 @@ HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::LatticeBox& box, double l
     }
   }
   const glm::dvec2 size(high - low);
-  const double bend_m = kMostBend * glm::dot(size, size) / kEarthRadius_m;
+  const double bend_m = kMostBend * glm::dot(size, size) / frame.leastRadius_m();
   return {toGrid(glm::dvec2(low) - bend_m), toGrid(glm::dvec2(high) + bend_m), high.z + bend_m};
 }
 

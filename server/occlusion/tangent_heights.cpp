@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kMostExtent_m = 200e3;    // from the origin
 constexpr double kMostLatitude_rad = 1.3;  // 75 degrees
-constexpr double kEarthRadius_m = 6.35e6;  // at least
 constexpr double kFinest = 0.25;           // of the samples' spacing
 constexpr double kCoarse = 1.2;            // the same, from which on corners will do
 constexpr double kRounding_m = 0.01;       // of heights as floats
@@ -169,7 +168,7 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
     south.swap(north);
   }
   // The ground between samples bends below their triangles where the scene is not level.
-  const double bend_m = glm::dot(cell, cell) / kEarthRadius_m;
+  const double bend_m = glm::dot(cell, cell) / frame.leastRadius_m();
   heights.heights_m.reserve(size_t{heights.columns} * heights.rows);
   for (uint32_t j = 0; j < heights.rows; ++j)
     for (uint32_t i = 0; i < heights.columns; ++i)

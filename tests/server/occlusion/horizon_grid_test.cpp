@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -70,14 +71,26 @@ TEST(Grid, PlacesTheScenesPositions) {
   EXPECT_GT(longest, 0.99 * grid.stepsOfMetre());
 }
 
+// Of the earth, of Mars or of the moon.
+struct Body {
+  double semi_major_m, flattening;
+};
+Body someBody(Rng& rng) {
+  constexpr std::array<Body, 3> kBodies{{{6378137, 1 / 298.257223563}, {3396190, 1 / 169.8}, {1737400, 0}}};
+  return kBodies[rng.below(kBodies.size())];
+}
+
 // Anywhere between the latitudes that have grids.
 std::shared_ptr<const terrain::Scene> geographicScene(uint64_t seed, double step_rad) {
   Rng rng(seed);
   const double a = rng.uniform(5, 9), b = rng.uniform(5, 9);
+  const Body body = someBody(rng);
+  const double most_m = 900 * body.semi_major_m / 6378137;  // as steep everywhere
   test::FormulaSource source(
-      129, 97, [=](uint32_t x, uint32_t y) { return 1500 + 900 * std::sin(x / a) * std::cos(y / b) + 7 * (x % 3); },
+      129, 97, [=](uint32_t x, uint32_t y) { return 1500 + most_m * std::sin(x / a) * std::cos(y / b) + 7 * (x % 3); },
       proto::FrameKind::kGeographic);
   proto::Frame& frame = source.info().frame;
+  frame.semi_major_m = body.semi_major_m, frame.flattening = body.flattening;
   frame.longitude_step_rad = step_rad, frame.latitude_step_rad = step_rad;
   frame.latitude0_rad = rng.uniform(-1.2, 1.1), frame.longitude0_rad = rng.uniform(-3, 3);
   frame.origin = {frame.latitude0_rad + 48 * step_rad, frame.longitude0_rad + 64 * step_rad, 0};
@@ -95,7 +108,7 @@ TEST_P(GeographicGrids, LieBelowTheTerrain) {
   ASSERT_NE(grid, nullptr);
   const proto::FrameTransform& frame = hierarchy.frame().transform();
   const test::HeightField field(hierarchy);
-  const double sample_m = GetParam() * 6.37e6;
+  const double sample_m = GetParam() * frame.frame().semi_major_m;
   for (size_t l = 0; l < grid->levels().size(); ++l) {
     const HorizonGrid::Level& level = grid->levels()[l];
     std::vector<double> clearances;
