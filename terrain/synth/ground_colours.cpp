@@ -11,8 +11,9 @@ namespace {
 
 using Shade = std::array<double, 3>;  // sRGB, 0 to 255
 
-constexpr Shade kForest{52, 70, 42}, kMeadow{104, 118, 62}, kDry{150, 138, 94}, kRock{122, 114, 106},
-    kScree{156, 148, 136}, kSnow{238, 242, 247};
+constexpr Shade kForest{58, 76, 46}, kBroadleaf{84, 98, 50}, kGap{34, 42, 30}, kMeadow{112, 124, 66},
+    kDry{150, 138, 94}, kRock{122, 114, 106}, kScree{156, 148, 136}, kSnow{238, 242, 247};
+constexpr double kCrown_m = 9;  // across
 
 double step(double low, double high, double value) {
   const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);
@@ -63,10 +64,16 @@ GroundColours::Colour GroundColours::colour(const Point& point, const glm::dvec2
   const auto grain = [&](double size_m, uint32_t salt) {
     return fractalNoise(p.x / size_m, p.y / size_m, seed_ + salt, {.count = octavesDown(size_m, texel_m), .gain = 0.6});
   };
-  const double patches = grain(300, 0), tufts = grain(24, 20);
+  const double patches = grain(300, 0), tufts = grain(24, 20), stands = grain(900, 40);
   const double high = (point.height - lowest_m_) / range_m_ + 0.12 * patches;
   const double steep = point.slope + 0.15 * tufts;
-  Shade shade = mix(kForest, kMeadow, step(0.3, 0.5, high + 0.1 * tufts));
+  // Crowns with dark gaps between them, where texels are smaller than trees.
+  const double crowns = fractalNoise(p.x / kCrown_m, p.y / kCrown_m, seed_ + 60, {.count = 2, .gain = 0.5}) *
+                        step(0, 1, kCrown_m / texel_m - 2);
+  Shade forest = mix(kForest, kBroadleaf, step(0.0, 0.35, stands + 0.4 * patches + 0.5 * crowns));
+  forest = mix(forest, kGap, step(0.05, 0.6, -crowns));
+  const double is_open = step(0.18, 0.3, 0.6 * patches - 0.5 * stands + 0.35 * tufts);
+  Shade shade = mix(forest, kMeadow, std::max(is_open, step(0.3, 0.5, high + 0.1 * tufts)));
   shade = mix(shade, kDry, step(0.45, 0.65, high));
   const double strata = 0.5 + 0.5 * std::sin(point.height / 7 + 5 * patches);
   shade = mix(shade, mix(kScree, kRock, step(0.6, 0.9, steep)), std::max(step(0.6, 0.9, steep), step(0.6, 0.72, high)));

@@ -38,8 +38,28 @@ TEST(GroundColours, AreGreenInTheValleyGreyOnCliffsAndWhiteOnTop) {
   EXPECT_GT(valley[1], valley[0] + 8);
   EXPECT_GT(valley[1], valley[2] + 8);
   EXPECT_LT(rock[0] - rock[2], 40);
-  EXPECT_GT(rock[0], valley[0] + 20);
+  EXPECT_LT(rock[1] - rock[2], (valley[1] - valley[2]) / 2) << "grey";
   EXPECT_GT(top[2], 200);
+}
+
+// Trees are told apart where texels are smaller than they.
+TEST(GroundColours, HaveTreesWhereTexelsAreSmallEnough) {
+  const std::vector<float> plain(size_t{400} * 400, 100);
+  std::vector<float> metres = plain;
+  metres[0] = 2000;  // elsewhere is low
+  const GroundColours ground({metres, 400, 400, {10, 10}}, 3);
+  // From texel to texel, mean over a square of 1.8 km of plain.
+  const auto contrast = [&](double step) {
+    std::vector<Colour> row(static_cast<size_t>(180 / step));
+    double sum = 0;
+    for (int y = 100; y < 280; ++y) {
+      ground.row(100, y, step, row);
+      for (size_t i = 1; i < row.size(); ++i) sum += std::abs(row[i][1] - row[i - 1][1]);
+    }
+    return sum / (180.0 * static_cast<double>(row.size() - 1));
+  };
+  EXPECT_GT(contrast(0.1), 3) << "texels of 1 m";
+  EXPECT_LT(contrast(0.01), contrast(0.1)) << "each tree has many texels";
 }
 
 TEST(GroundColours, AreTheSameForTheSameSeedAndAnyWindow) {
