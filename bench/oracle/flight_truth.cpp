@@ -37,6 +37,7 @@ class Measurement {
     const client::FrameView& view = player.view();
     if (!view.mesh) return true;
     if (frames_ == 0) chooseStride(player);
+    takeChoices(player.viewer());
     truth_.seconds = (now - player.path().start).toSeconds();
     const bool is_new = std::exchange(measured_version_, view.mesh_version) != view.mesh_version;
     if (is_new) measureMesh(player);
@@ -52,6 +53,13 @@ class Measurement {
     last_frame_ = now;
     last_weight_ = view.weight;
     return true;
+  }
+
+  // Who steers may change them on the way.
+  void takeChoices(const client::Viewer& viewer) {
+    strategy_ = viewer.request().strategy;
+    lens_ = viewer.request().lens;
+    blend_ = viewer.blend();
   }
 
   FlightTruth finish() {

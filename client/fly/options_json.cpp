@@ -31,6 +31,10 @@ Json toJson(const proto::ViewRequest& r) {
           {"tile_bytes", r.tile_bytes}};
 }
 
+Json toJson(const ViewChoice& choice) { return {{"request", toJson(choice.request)}, {"blend", name(choice.blend)}}; }
+
+std::string textOf(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 Json toJson(const Track& track) {
   Json fixes = Json::array();
   for (const Fix& fix : track.fixes) fixes.push_back({fix.time_s, fix.latitude_rad, fix.longitude_rad, fix.height_m});
@@ -179,9 +183,23 @@ TrackOptions trackOptionsFrom(Members json) {
   return o;
 }
 
+ViewChoice choiceFrom(Members json) {
+  return {requestFrom(json.object("request")), json.named("blend", blendNamed, Blend::kKeyframe)};
+}
+
+Error wrongly(const std::string& member) {
+  return {ErrorCode::kMalformed, "what was flown is said wrongly: '" + member + "'"};
+}
+Error noObject() { return {ErrorCode::kMalformed, "what was flown is no JSON object"}; }
+
 }  // namespace
 
 std::string optionsToJson(const PlayerOptions& o) {
+  if (o.is_steered) {
+    Json json = toJson(ViewChoice{o.request, o.blend});
+    json["steered"] = true;
+    return textOf(json);
+  }
   Json json = {{"request", toJson(o.request)},
                {"blend", name(o.blend)},
                {"announces_path", o.knowledge == PathKnowledge::kAnnounced},
@@ -192,18 +210,26 @@ std::string optionsToJson(const PlayerOptions& o) {
                {"track_options", toJson(o.track_options)}};
   if (o.track) json["track"] = toJson(*o.track);
   if (o.scene) json["scene"] = {{"from_us", o.scene->scene_time.us}, {"rate", o.scene->rate}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return textOf(json);
 }
+
+std::string choiceToJson(const ViewChoice& choice) { return textOf(toJson(choice)); }
 
 Result<PlayerOptions> optionsFromJson(const std::string& text) {
   constexpr int64_t kLongest_us = 86'400'000'000;
   const Json parsed = Json::parse(text, nullptr, false);
-  if (!parsed.is_object()) return Error{ErrorCode::kMalformed, "what was flown is no JSON object"};
+  if (!parsed.is_object()) return noObject();
   std::string wrong;
   Members json(parsed, wrong);
   PlayerOptions o;
-  o.request = requestFrom(json.object("request"));
-  o.blend = json.named("blend", blendNamed, o.blend);
+  const ViewChoice choice = choiceFrom(json);
+  o.request = choice.request;
+  o.blend = choice.blend;
+  o.is_steered = json.has("steered") && json.flag("steered");
+  if (o.is_steered) {
+    if (!wrong.empty()) return wrongly(wrong);
+    return o;
+  }
   o.knowledge = json.flag("announces_path") ? PathKnowledge::kAnnounced : PathKnowledge::kPrivate;
   o.tour = json.text("tour");
   o.seconds = json.number("seconds", 0, kMost);
@@ -218,8 +244,17 @@ Result<PlayerOptions> optionsFromJson(const std::string& text) {
                Time{scene.integer<int64_t>("from_us", -kMost_us, kMost_us)},
                scene.number("rate", -proto::SceneClock::kMostRate, proto::SceneClock::kMostRate)};
   }
-  if (!wrong.empty()) return Error{ErrorCode::kMalformed, "what was flown is said wrongly: '" + wrong + "'"};
+  if (!wrong.empty()) return wrongly(wrong);
   return o;
+}
+
+Result<ViewChoice> choiceFromJson(const std::string& text) {
+  const Json parsed = Json::parse(text, nullptr, false);
+  if (!parsed.is_object()) return noObject();
+  std::string wrong;
+  ViewChoice choice = choiceFrom(Members(parsed, wrong));
+  if (!wrong.empty()) return wrongly(wrong);
+  return choice;
 }
 
 }  // namespace foreland::client

@@ -10,7 +10,9 @@
 namespace foreland::client {
 
 std::string optionsToJson(const PlayerOptions& options);
+std::string choiceToJson(const ViewChoice& choice);
 // Any text ends in options that a player can be made with, or in an Error that names the member that is wrong.
 Result<PlayerOptions> optionsFromJson(const std::string& text);
+Result<ViewChoice> choiceFromJson(const std::string& text);
 
 }  // namespace foreland::client

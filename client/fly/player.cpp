@@ -1,7 +1,9 @@
 #include "client/fly/player.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 namespace foreland::client {
 
@@ -18,15 +20,37 @@ const char* waitedFor(Player::Phase phase) {
   }
 }
 
+// Where the camera was, between the frames that were drawn and at even steps.
+proto::Path steeredPath(const FlightLog& log) {
+  std::vector<const FlightLog::Entry*> frames;
+  for (const FlightLog::Entry& entry : log.entries)
+    if (entry.what == FlightLog::What::kSteered) frames.push_back(&entry);
+  if (frames.empty()) return {};
+  proto::Path path{.start = frames.front()->time, .step = Duration{16'667}, .poses = {}};
+  const Duration flown = frames.back()->time - path.start;
+  path.step = std::max(path.step, Duration{flown.us / static_cast<int64_t>(proto::Path::kMaxPoses - 2) + 1});
+  size_t next = 0;
+  for (Time at = path.start; path.poses.size() < 2 || path.end() < frames.back()->time; at = at + path.step) {
+    while (next + 1 < frames.size() && frames[next]->time < at) ++next;
+    const FlightLog::Entry &to = *frames[next], &from = *frames[next > 0 ? next - 1 : 0];
+    const double between = static_cast<double>((to.time - from.time).us);
+    const double share = between > 0 ? std::clamp(static_cast<double>((at - from.time).us) / between, 0.0, 1.0) : 1;
+    path.poses.push_back({glm::mix(from.pose.eye, to.pose.eye, share),
+                          glm::normalize(glm::slerp(from.pose.orientation, to.pose.orientation, share))});
+  }
+  return path;
+}
+
 }  // namespace
 
-Player::Player(PlayerOptions options)
-    : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request) {
+Player::Player(PlayerOptions options, proto::Path flown)
+    : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request), path_(std::move(flown)) {
   viewer_.setBlend(log_.options.blend);
 }
 
 Status Player::receive(ByteSpan message, Time now) {
-  log_.entries.push_back({now, FlightLog::What::kMessage, Bytes(message.begin(), message.end())});
+  log_.entries.push_back(
+      {.time = now, .what = FlightLog::What::kMessage, .message = Bytes(message.begin(), message.end())});
   const uint32_t before = viewer_.statistics().keyframes;
   const Status status = viewer_.receive(message, now);
   countGap(now, before);
@@ -42,7 +66,7 @@ void Player::countGap(Time now, uint32_t keyframes_before) {
 
 void Player::reconnect(Time now) {
   if (phase_ == Phase::kDone) return;
-  log_.entries.push_back({now, FlightLog::What::kReconnect, {}});
+  log_.entries.push_back({.time = now, .what = FlightLog::What::kReconnect});
   viewer_.reconnect(now);
   if (phase_ == Phase::kStanding || phase_ == Phase::kFlying) return;
   ground_m_.clear();
@@ -50,7 +74,7 @@ void Player::reconnect(Time now) {
 }
 
 Status Player::frame(Time now) {
-  log_.entries.push_back({now, FlightLog::What::kFrame, {}});
+  log_.entries.push_back({.time = now, .what = FlightLog::What::kFrame});
   if (!phase_start_) phase_start_ = now;
   if (phase_ == Phase::kGreeting && viewer_.isGreeted()) {
     enter(Phase::kPlanning, now);
@@ -64,10 +88,32 @@ Status Player::frame(Time now) {
       before_flight_ = viewer_.statistics();
       enter(Phase::kFlying, now);
     }
-    if (phase_ == Phase::kFlying) countFrame(now);
+    if (phase_ == Phase::kFlying) {
+      if (jumps_) countJump(now);
+      report_.seconds = std::max(0.0, (std::min(now, path_.end()) - path_.start).toSeconds());
+      countFrame();
+    }
     if (now >= path_.end()) enter(Phase::kDone, now);
   }
   return checkTimeout(now);
+}
+
+void Player::steer(Time now, const proto::Pose& pose) {
+  log_.entries.push_back({.time = now, .what = FlightLog::What::kSteered, .pose = pose});
+  if (phase_ == Phase::kGreeting) {
+    if (!viewer_.isGreeted()) return;
+    enter(Phase::kFlying, now);
+  }
+  view_ = viewer_.frame(now, pose);
+  report_.seconds = (now - *phase_start_).toSeconds();
+  countFrame();
+}
+
+void Player::choose(Time now, const ViewChoice& choice) {
+  log_.entries.push_back(
+      {.time = now, .what = FlightLog::What::kChoice, .choice = std::make_shared<const ViewChoice>(choice)});
+  viewer_.setRequest(choice.request);
+  viewer_.setBlend(choice.blend);
 }
 
 void Player::enter(Phase phase, Time now) {
@@ -175,10 +221,8 @@ Status Player::setPath(proto::Path path, Time now) {
   return {};
 }
 
-void Player::countFrame(Time now) {
+void Player::countFrame() {
   ++report_.frames;
-  if (jumps_) countJump(now);
-  report_.seconds = std::max(0.0, (std::min(now, path_.end()) - path_.start).toSeconds());
   if (!view_.mesh) {
     ++report_.frames_without_mesh;
     return;
@@ -209,16 +253,19 @@ FlightReport Player::report() const {
 }
 
 Replayed replay(const FlightLog& log, const std::function<bool(const Player&, Time)>& on_frame) {
-  Replayed replayed{Player(log.options), {}};
+  Replayed replayed{Player(log.options, log.options.is_steered ? steeredPath(log) : proto::Path{}), {}};
   Player& player = replayed.player;
   Bytes unsent;
   for (const FlightLog::Entry& entry : log.entries) {
     if (entry.what == FlightLog::What::kMessage) replayed.status = player.receive(entry.message, entry.time);
     if (entry.what == FlightLog::What::kReconnect) player.reconnect(entry.time);
+    const bool is_steered = entry.what == FlightLog::What::kSteered;
     if (entry.what == FlightLog::What::kFrame) replayed.status = player.frame(entry.time);
+    if (is_steered) player.steer(entry.time, entry.pose);
+    if (entry.what == FlightLog::What::kChoice) player.choose(entry.time, *entry.choice);
     while (player.takeOutgoing(unsent)) continue;
     if (!replayed.status.ok()) break;  // the recorded flight ended here, too
-    if (entry.what == FlightLog::What::kFrame && !on_frame(player, entry.time)) break;
+    if ((is_steered || entry.what == FlightLog::What::kFrame) && !on_frame(player, entry.time)) break;
   }
   return replayed;
 }

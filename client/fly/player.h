@@ -30,6 +30,8 @@ struct PlayerOptions {
   proto::ViewRequest request;
   Blend blend = Blend::kKeyframe;
   PathKnowledge knowledge = PathKnowledge::kPrivate;
+  // A person steers: there is no plan, and each frame brings its camera (Player::steer).
+  bool is_steered = false;
   std::string tour = "survey";  // used if there is no track; `jumps` is planned here, others by the server
   std::shared_ptr<const Track> track;
   TrackOptions track_options;
@@ -41,13 +43,21 @@ struct PlayerOptions {
   Duration timeout = Duration::milliseconds(10'000);  // longest wait for a reply, or for the first section
 };
 
+// What the one who steers a flight may change on the way.
+struct ViewChoice {
+  proto::ViewRequest request;
+  Blend blend = Blend::kKeyframe;
+};
+
 // A player's input, in order.
 struct FlightLog {
-  enum class What : uint8_t { kFrame, kMessage, kReconnect };
+  enum class What : uint8_t { kFrame, kMessage, kReconnect, kSteered, kChoice };
   struct Entry {
     Time time;
     What what = What::kFrame;
-    Bytes message;
+    Bytes message{};                             // of kMessage
+    proto::Pose pose{};                          // of kSteered
+    std::shared_ptr<const ViewChoice> choice{};  // of kChoice
   };
   PlayerOptions options;
   std::vector<Entry> entries;
@@ -72,7 +82,8 @@ class Player {
  public:
   enum class Phase : uint8_t { kGreeting, kPlanning, kStanding, kFlying, kDone };
 
-  explicit Player(PlayerOptions options);
+  // `flown`: in a replay of a flight that was steered, where the camera was.
+  explicit Player(PlayerOptions options, proto::Path flown = {});
 
   // Takes a message from the server. An Error ends the flight: show it to the user and disconnect. The report stays
   // valid.
@@ -81,13 +92,17 @@ class Player {
   void reconnect(Time now);
   // Draws one frame. Times must not decrease; 60 frames a second are customary.
   Status frame(Time now);
+  // The same of a flight that is steered, with the camera at `pose`. It flies from the welcome on, until the log ends.
+  void steer(Time now, const proto::Pose& pose);
+  // What a steered flight asks for from now on.
+  void choose(Time now, const ViewChoice& choice);
   bool takeOutgoing(Bytes& message) { return viewer_.takeOutgoing(message); }
 
   Phase phase() const { return phase_; }
   // What the last frame showed; valid until the next frame. Its mesh may be nullptr.
   const FrameView& view() const { return view_; }
   // The camera's planned path on the client's clock; valid from kStanding on. Of a tour of jumps, its beginning and end
-  // only.
+  // only; of a flight that is steered, only in a replay.
   const proto::Path& path() const { return path_; }
   const Viewer& viewer() const { return viewer_; }
   FlightReport report() const;
@@ -110,7 +125,7 @@ class Player {
   void note(const std::vector<std::string>& notes) { notes_.insert(notes_.end(), notes.begin(), notes.end()); }
   void enter(Phase phase, Time now);
   Status checkTimeout(Time now) const;
-  void countFrame(Time now);
+  void countFrame();
   void countGap(Time now, uint32_t keyframes_before);
 
   FlightLog log_;

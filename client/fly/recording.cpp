@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <string_view>
 
 #include "client/fly/options_json.h"
@@ -13,7 +16,18 @@ namespace {
 // The file: this line; the options as JSON; then what came in, each as its kind (1 byte), time (8 bytes, microseconds),
 // size (4 bytes) and bytes; all numbers little-endian. The last one is kEnd.
 constexpr std::string_view kFirstLine = "foreland flight 1\n";
-enum Kind : uint8_t { kOptions = 'o', kFrame = 'f', kMessage = 'm', kReconnect = 'r', kEnd = 'e' };
+// client/web/src/core/recording.ts writes the same, of flights that are steered.
+enum Kind : uint8_t {
+  kOptions = 'o',
+  kFrame = 'f',
+  kMessage = 'm',
+  kReconnect = 'r',
+  kSteered = 's',  // eye: x, y, z; orientation: x, y, z, w; as doubles
+  kChoice = 'c',   // as JSON
+  kEnd = 'e'
+};
+constexpr size_t kPoseBytes = 7 * sizeof(double), kEndBytes = 24;
+constexpr double kFarthest_m = 1e9;
 constexpr size_t kHeadBytes = 13;
 constexpr size_t kMostOptionsBytes = 512u << 20;  // a track of Track::kMaxFixes fits
 constexpr int64_t kMostTime_us = int64_t{1} << 60;
@@ -33,10 +47,20 @@ std::array<char, kSize> littleEndian(uint64_t value) {
   return bytes;
 }
 
-FlightLog::What whatOf(uint8_t kind) {
-  return kind == kMessage     ? FlightLog::What::kMessage
-         : kind == kReconnect ? FlightLog::What::kReconnect
-                              : FlightLog::What::kFrame;
+std::array<double, 7> numbersOf(const proto::Pose& pose) {
+  const auto& [eye, q] = pose;
+  return {eye.x, eye.y, eye.z, q.x, q.y, q.z, q.w};
+}
+
+// nullopt if it is none that a camera can have.
+std::optional<proto::Pose> poseFrom(ByteSpan bytes) {
+  std::array<double, 7> n{};
+  for (size_t i = 0; i < n.size(); ++i) n[i] = std::bit_cast<double>(readNumber(bytes.subspan(8 * i, 8)));
+  const proto::Pose pose{{n[0], n[1], n[2]}, glm::dquat(n[6], n[3], n[4], n[5])};
+  const double far_m = std::max({std::fabs(n[0]), std::fabs(n[1]), std::fabs(n[2])});
+  if (!(far_m <= kFarthest_m) || !std::isfinite(n[0] + n[1] + n[2])) return std::nullopt;
+  if (!(std::fabs(glm::length(pose.orientation) - 1) < 1e-3)) return std::nullopt;
+  return pose;
 }
 
 FlightDigest::Value digestFrom(ByteSpan bytes) {
@@ -61,13 +85,37 @@ std::optional<Record> takeRecord(ByteSpan& file) {
 }
 
 Status check(const Record& record, Time last) {
-  if (std::string_view("fmre").find(static_cast<char>(record.kind)) == std::string_view::npos)
+  if (std::string_view("fmrsce").find(static_cast<char>(record.kind)) == std::string_view::npos)
     return invalid("a record of a kind that this version does not know");
   if (record.time < last || record.time.us > kMostTime_us) return invalid("times that go back");
-  const bool is_empty = record.bytes.empty();
-  if (record.kind == kEnd ? record.bytes.size() != 24 : record.kind != kMessage && !is_empty)
-    return invalid("a record of the wrong size");
+  if (record.kind == kMessage || record.kind == kChoice) return {};
+  const size_t size = record.kind == kEnd ? kEndBytes : record.kind == kSteered ? kPoseBytes : 0;
+  if (record.bytes.size() != size) return invalid("a record of the wrong size");
   return {};
+}
+
+Result<FlightLog::Entry> entryFrom(const Record& record, bool is_steered) {
+  FlightLog::Entry entry{.time = record.time};
+  const bool is_of_steered = record.kind == kSteered || record.kind == kChoice;
+  if (is_of_steered ? !is_steered : is_steered && record.kind == kFrame)
+    return invalid("a record of a flight that was steered, in one that was planned, or the other way round");
+  if (record.kind == kMessage) {
+    entry.what = FlightLog::What::kMessage;
+    entry.message.assign(record.bytes.begin(), record.bytes.end());
+  } else if (record.kind == kReconnect) {
+    entry.what = FlightLog::What::kReconnect;
+  } else if (record.kind == kSteered) {
+    const auto pose = poseFrom(record.bytes);
+    if (!pose) return invalid("a camera that is nowhere, or looks nowhere");
+    entry.what = FlightLog::What::kSteered;
+    entry.pose = *pose;
+  } else if (record.kind == kChoice) {
+    auto choice = choiceFromJson({record.bytes.begin(), record.bytes.end()});
+    if (!choice) return choice.error();
+    entry.what = FlightLog::What::kChoice;
+    entry.choice = std::make_shared<const ViewChoice>(std::move(*choice));
+  }
+  return entry;
 }
 
 Result<Recording> parse(ByteSpan file) {
@@ -85,7 +133,9 @@ Result<Recording> parse(ByteSpan file) {
     if (Status s = check(*record, last); !s.ok()) return s.error();
     last = record->time;
     if (record->kind != kEnd) {
-      recording.log.entries.push_back({last, whatOf(record->kind), {record->bytes.begin(), record->bytes.end()}});
+      auto entry = entryFrom(*record, recording.log.options.is_steered);
+      if (!entry) return entry.error();
+      recording.log.entries.push_back(std::move(*entry));
       continue;
     }
     recording.shown = digestFrom(record->bytes);
@@ -107,9 +157,19 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
 }
 
 Status RecordingWriter::append(std::span<const FlightLog::Entry> entries) {
-  constexpr std::array<uint8_t, 3> kKinds{kFrame, kMessage, kReconnect};  // by FlightLog::What
-  for (const FlightLog::Entry& entry : entries.subspan(std::min(appended_, entries.size())))
-    put(kKinds[static_cast<size_t>(entry.what)], entry.time, entry.message);
+  constexpr std::array<uint8_t, 5> kKinds{kFrame, kMessage, kReconnect, kSteered, kChoice};  // by FlightLog::What
+  for (const FlightLog::Entry& entry : entries.subspan(std::min(appended_, entries.size()))) {
+    Bytes bytes = entry.message;
+    if (entry.what == FlightLog::What::kSteered)
+      for (const double number : numbersOf(entry.pose))
+        for (const char byte : littleEndian<8>(std::bit_cast<uint64_t>(number)))
+          bytes.push_back(static_cast<uint8_t>(byte));
+    if (entry.what == FlightLog::What::kChoice) {
+      const std::string text = choiceToJson(*entry.choice);
+      bytes.assign(text.begin(), text.end());
+    }
+    put(kKinds[static_cast<size_t>(entry.what)], entry.time, bytes);
+  }
   appended_ = entries.size();
   return flush();
 }

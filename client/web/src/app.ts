@@ -19,6 +19,7 @@ import { ShadeProbe } from './draw/shade_probe';
 import { Sky } from './draw/sky';
 import { Stage } from './draw/stage';
 import { sunDirection } from './ui/sun';
+import { saveFile } from './ui/save_file';
 import { startView } from './ui/start_view';
 import { ObjectMesh } from './draw/object_mesh';
 import { TerrainMesh } from './draw/terrain_mesh';
@@ -106,19 +107,22 @@ export class App {
         this.drape.add(update);
       },
       onLines: (version, terrain, objects) => this.addLines(version, terrain, objects),
+      onRecording: (file) => saveFile(file, 'flight.rec'),
       onFailure: (reason) => this.fail(reason),
     });
     const { server, token } = address;
     this.session.tell({
       kind: 'start', module: core.module, server: token === null ? server : `${server}?token=${encodeURIComponent(token)}`,
       request: this.request(), blend: this.settings.blend, wants_lines: this.settings.wireframe,
-      texture_layers: kTextureLayers, clock_origin_ms: performance.timeOrigin,
+      texture_layers: kTextureLayers, clock_origin_ms: performance.timeOrigin, is_recorded: address.is_recorded,
     });
     this.sent_request = JSON.stringify(this.request());
     this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
     const file = document.createElement('input');
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.applySettings());
     takeFiles(file, (name, text) => this.addColours(name, text), (reason) => this.refuseColours(reason));
+    if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => this.session.tell({ kind: 'save recording' }));
+    else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.resize());
     this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to continue.'));
   }
@@ -235,6 +239,16 @@ export class App {
   }
 
   // ---- what the user chooses
+
+  // A recording begins with its session, so the page begins anew where the camera is.
+  private recordFromHere(): void {
+    const query = new URLSearchParams(window.location.search);
+    const { heading, pitch } = this.controls.look;
+    const degrees = [heading, pitch].map((angle) => ((angle * 180) / Math.PI).toFixed(2));
+    query.set('view', [...this.controls.eye.toArray().map((metres) => metres.toFixed(1)), ...degrees].join(','));
+    query.set('record', '1');
+    window.location.search = query.toString();
+  }
 
   private request(): Request {
     const { strategy, predictor, tau_px, keyframe_ms, adaptive, occlusion } = this.settings;

@@ -25,6 +25,11 @@ function need(path, how) {
   if (!existsSync(path)) throw new Error(`${path} is missing: ${how}`);
 }
 
+// What a command prints.
+export async function runForeland(...args) {
+  return (await run(join(bin, 'foreland'), args)).stdout;
+}
+
 export async function makeFolder() {
   const folder = await mkdtemp(join(tmpdir(), 'foreland-web-'));
   return { folder, remove: () => rm(folder, { recursive: true, force: true }) };

@@ -6,7 +6,7 @@ import { after, before, test } from 'node:test';
 import { serveMessage } from './socket.mjs';
 import { readHeights } from './heights.mjs';
 import {
-  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, startServer, status, until, untilTerrain,
+  changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain,
 } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
@@ -229,6 +229,35 @@ for (const tour of ['survey', 'canyon', 'spin', 'orbit']) {
       await until(page, (s) => !s.touring && s.connected);
     }));
 }
+
+// Its frames keep the tolerance when they are judged on a replay, so what was recorded is what was flown.
+test('a flight by hand is recorded, and replayed', kTest, () =>
+  visit('record=1', async (page) => {
+    const { keyframes } = await status(page);
+    await page.keyboard.down('w');
+    await page.locator('[name=tau_px]').fill('1'); // 2 px
+    await until(page, (s, n) => s.keyframes > n + 12, keyframes);
+    await page.keyboard.up('w');
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'Save the recording' }).click();
+    const file = join(folder.folder, 'flight.rec');
+    await (await download).saveAs(file);
+    const report = JSON.parse(await runForeland('replay', file, '--truth', scene, '--truth-every', '20', '--json'));
+    assert.ok(report.frames > 5, `${report.frames} frames`);
+    assert.ok(report.keyframes > 12, `${report.keyframes} keyframes`);
+    assert.ok(report.max_error_px_frames > 0 && report.max_error_px_frames <= 2, `${report.max_error_px_frames} px`);
+  }));
+
+test('a flight can be recorded from where the camera is', kTest, () =>
+  visit('view=100,-1500,3000,30,-20', async (page) => {
+    const { eye } = await status(page);
+    await page.getByRole('button', { name: 'Record a flight from here' }).click();
+    await page.waitForURL(/record=1/);
+    await untilTerrain(page);
+    const there = await status(page);
+    eye.forEach((metres, i) => assert.ok(Math.abs(metres - there.eye[i]) < 1, `${eye}, then ${there.eye}`));
+    await page.getByRole('button', { name: 'Save the recording' }).waitFor();
+  }));
 
 test('a lost server is told of, and found again', kTest, () =>
   visit('', async (page) => {

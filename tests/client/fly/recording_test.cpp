@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/gtc/quaternion.hpp>
 #include <iterator>
 
 #include "base/rng.h"
@@ -37,6 +38,8 @@ PlayerOptions anyOptions(Rng& rng) {
   o.request.memory_bytes = static_cast<uint32_t>(rng.next());
   o.request.occlusion = rng.below(2) == 0;
   o.blend = rng.below(2) == 0 ? Blend::kKeyframe : Blend::kGeomorph;
+  o.is_steered = rng.below(2) == 0;
+  if (o.is_steered) return o;
   o.knowledge = rng.below(2) == 0 ? PathKnowledge::kAnnounced : PathKnowledge::kPrivate;
   o.tour = rng.below(2) == 0 ? "canyon" : "\"\\\xff";
   o.seconds = rng.uniform(1, 100);
@@ -55,17 +58,30 @@ FlightLog anyLog(Rng& rng) {
   Time now{static_cast<int64_t>(rng.below(1000)) - 500};
   for (uint64_t i = rng.below(60); i-- > 0;) {
     now.us += static_cast<int64_t>(rng.below(20'000));
-    const auto what = static_cast<FlightLog::What>(rng.below(3));
-    Bytes message;
-    if (what == FlightLog::What::kMessage)
-      for (uint64_t k = rng.below(300); k-- > 0;) message.push_back(static_cast<uint8_t>(rng.next()));
-    log.entries.push_back({now, what, std::move(message)});
+    FlightLog::Entry entry{.time = now,
+                           .what = static_cast<FlightLog::What>(rng.below(log.options.is_steered ? 5 : 3))};
+    if (log.options.is_steered && entry.what == FlightLog::What::kFrame) entry.what = FlightLog::What::kSteered;
+    if (entry.what == FlightLog::What::kMessage)
+      for (uint64_t k = rng.below(300); k-- > 0;) entry.message.push_back(static_cast<uint8_t>(rng.next()));
+    if (entry.what == FlightLog::What::kSteered)
+      entry.pose = {{rng.uniform(-1e5, 1e5), rng.uniform(-1e5, 1e5), rng.uniform(0, 1e4)},
+                    glm::angleAxis(rng.uniform(0, 6), glm::dvec3(0, 0, 1))};
+    if (entry.what == FlightLog::What::kChoice) {
+      ViewChoice choice;
+      choice.request.tau_px = rng.uniform(0.1, 9);
+      choice.blend = rng.below(2) == 0 ? Blend::kKeyframe : Blend::kGeomorph;
+      entry.choice = std::make_shared<const ViewChoice>(choice);
+    }
+    log.entries.push_back(std::move(entry));
   }
   return log;
 }
 
 bool isSame(const FlightLog::Entry& a, const FlightLog::Entry& b) {
-  return a.time == b.time && a.what == b.what && a.message == b.message;
+  if (!a.choice != !b.choice) return false;
+  if (a.choice && choiceToJson(*a.choice) != choiceToJson(*b.choice)) return false;
+  return a.time == b.time && a.what == b.what && a.message == b.message && a.pose.eye == b.pose.eye &&
+         a.pose.orientation == b.pose.orientation;
 }
 
 // Whether `read` is the beginning of `written`.
@@ -129,6 +145,28 @@ TEST(Recording, OfAnyBytesCanBeReplayedOrIsRefused) {
   EXPECT_GT(sound, 8);
 }
 
+// A straight flight with frames at uneven times, turning about the vertical.
+TEST(Recording, OfASteeredFlightTellsWhereTheCameraWas) {
+  Rng rng(test::randomSeed());
+  FlightLog log;
+  log.options.is_steered = true;
+  const auto poseAt = [](Time t) {
+    return proto::Pose{{10 * t.us / 1e6, 5, 100}, glm::angleAxis(0.2 * double(t.us) / 1e6, glm::dvec3(0, 0, 1))};
+  };
+  for (Time now = Time::seconds(3); now < Time::seconds(9); now.us += 1000 + static_cast<int64_t>(rng.below(90'000)))
+    log.entries.push_back({.time = now, .what = FlightLog::What::kSteered, .pose = poseAt(now)});
+  const Replayed replayed = replay(log, [](const Player&, Time) { return true; });
+  EXPECT_TRUE(replayed.status.ok());
+  const proto::Path& path = replayed.player.path();
+  EXPECT_EQ(path.start, log.entries.front().time);
+  EXPECT_GE(path.end(), log.entries.back().time);
+  for (Time t = path.start; t < log.entries.back().time - Duration::milliseconds(20); t.us += 7'777) {
+    const proto::Pose pose = path.at(t), expected = poseAt(t);
+    EXPECT_NEAR(glm::distance(pose.eye, expected.eye), 0, 0.03) << t.us;  // at the ends the path eases
+    EXPECT_LT(proto::angleBetween(pose.orientation, expected.orientation), 1e-3) << t.us;
+  }
+}
+
 TEST(Recording, NamesWhatIsWrongWithItsOptions) {
   const std::string sound = optionsToJson({});
   ASSERT_TRUE(optionsFromJson(sound).ok());
@@ -146,6 +184,9 @@ TEST(Recording, NamesWhatIsWrongWithItsOptions) {
     ASSERT_FALSE(options.ok()) << text;
     EXPECT_NE(options.error().message.find(name), std::string::npos) << options.error().message;
   }
+  EXPECT_FALSE(choiceFromJson("{}").ok());
+  EXPECT_FALSE(choiceFromJson("").ok());
+  EXPECT_FALSE(optionsFromJson(R"({"steered": true})").ok());
   EXPECT_FALSE(optionsFromJson("[]").ok());
   EXPECT_FALSE(optionsFromJson("{").ok());
 }

@@ -6,7 +6,7 @@ import type { MeshUpdate, PartLines } from './mesh_update';
 export type ToWorker =
   // First, and once. `clock_origin_ms` is performance.timeOrigin of the drawing thread.
   | { kind: 'start'; module: WebAssembly.Module; server: string; request: Request; blend: Blend; wants_lines: boolean;
-      texture_layers: TextureLayers; clock_origin_ms: number }
+      texture_layers: TextureLayers; clock_origin_ms: number; is_recorded: boolean }
   // A frame has been drawn from `pose`; meshes up to `staged_version` are on the graphics card. Ground is wanted about `eye`.
   | { kind: 'frame'; now_ms: number; pose: Pose; eye: readonly number[]; ground_reach: number; staged_version: number }
   | { kind: 'request'; request: Request }
@@ -18,6 +18,7 @@ export type ToWorker =
   | { kind: 'sun'; towards: readonly number[] | null } // that casts shadows
   | { kind: 'hidden'; is_hidden: boolean } // the page is not seen
   | { kind: 'reopen' } // connects anew, and resumes
+  | { kind: 'save recording' }
   | { kind: 'close' };
 
 export type FromWorker =
@@ -28,4 +29,5 @@ export type FromWorker =
   | { kind: 'tour'; message: Uint8Array } // has come
   | { kind: 'mesh'; update: MeshUpdate }
   | { kind: 'lines'; version: number; terrain: PartLines; objects: PartLines } // of a mesh that was sent without
+  | { kind: 'recording'; file: Blob } // so far
   | { kind: 'state'; statistics: Statistics; is_open: boolean; ground: Uint8Array | null };

@@ -11,6 +11,7 @@ export interface SessionEvents {
   onWelcome(message: Uint8Array): void;
   onMesh(update: MeshUpdate): void;
   onLines(version: number, terrain: PartLines, objects: PartLines): void;
+  onRecording(file: Blob): void;
   onFailure(reason: string): void; // of the worker
 }
 
@@ -70,6 +71,7 @@ export class Session {
         this.screen.add(message.update.interval, message.update.oldest_version);
         return this.events.onMesh(message.update);
       case 'lines': return this.events.onLines(message.version, message.terrain, message.objects);
+      case 'recording': return this.events.onRecording(message.file);
       case 'state':
         this.statistics = message.statistics;
         this.is_open = message.is_open;

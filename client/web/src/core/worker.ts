@@ -2,6 +2,7 @@
 // soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMostUnstaged).
 import { Connection } from './connection';
 import { Core, Viewer, type Blend, type Request } from './core';
+import { Recording } from './recording';
 import { Tiles } from './tiles';
 import { linesOf, memoryOf, updateOf } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
@@ -18,6 +19,7 @@ class Session {
   private readonly connection: Connection;
   private viewer: Viewer;
   private tiles: Tiles;
+  private recording: Recording | null = null;
   private request: Request;
   private blend: Blend;
   private wants_lines: boolean;
@@ -48,10 +50,12 @@ class Session {
       case 'request':
         this.request = message.request;
         this.viewer.setRequest(message.request);
+        this.recordChoice();
         break;
       case 'blend':
         this.blend = message.blend;
         this.viewer.setBlend(message.blend);
+        this.recordChoice();
         break;
       case 'lines': return this.setLines(message.wants_lines);
       case 'scene clock':
@@ -72,6 +76,9 @@ class Session {
         break;
       case 'reopen':
         if (this.connection.isOpen()) this.connection.open();
+        break;
+      case 'save recording':
+        if (this.recording) this.post({ kind: 'recording', file: this.recording.file() });
         break;
       case 'close':
         this.connection.close();
@@ -102,8 +109,11 @@ class Session {
   private begin(): void {
     this.is_greeted = false;
     if (this.was_greeted) {
-      this.viewer.reconnect(this.now());
+      const now_ms = this.now();
+      this.viewer.reconnect(now_ms);
+      this.recording?.reconnect(now_ms);
     } else {
+      this.recording = this.start.is_recorded ? new Recording(this.request, this.blend) : null;
       this.tiles.stop();
       this.viewer.destroy();
       this.viewer = this.newViewer();
@@ -119,8 +129,14 @@ class Session {
     if (this.connection.isOpen()) this.viewer.requestTour(name, seconds);
   }
 
+  private recordChoice(): void {
+    this.recording?.choose(this.now(), this.request, this.blend);
+  }
+
   private receive(message: Uint8Array): void {
-    const refusal = this.viewer.receive(message, this.now());
+    const now_ms = this.now();
+    this.recording?.message(now_ms, message);
+    const refusal = this.viewer.receive(message, now_ms);
     if (refusal !== null) {
       this.connection.close();
       this.post({ kind: 'refused', reason: refusal });
@@ -140,6 +156,7 @@ class Session {
   private frame({ now_ms, pose, eye, ground_reach, staged_version }: ToWorker & { kind: 'frame' }): void {
     this.sent = this.sent.filter((version) => version > staged_version);
     this.viewer.frame(now_ms, pose);
+    this.recording?.frame(now_ms, pose);
     this.sendOutgoing();
     this.sendMesh();
     const ground = this.is_greeted ? this.viewer.ground(eye, ground_reach) : null;

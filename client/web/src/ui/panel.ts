@@ -74,6 +74,14 @@ export class Panel {
     this.changed();
   }
 
+  // A button below the rest.
+  addButton(title: string, name: string, run: () => void): void {
+    const button = Object.assign(document.createElement('button'), { type: 'button', name, textContent: title });
+    button.onclick = run;
+    const row = element('div', 'row');
+    row.append(button);
+    this.body.append(row);
+  }
   // Another colour map, which can be chosen from now on.
   addColours(name: string): void {
     if ([...this.colours.options].every((option) => option.value !== name)) this.colours.add(new Option(titleOf(name), name));
