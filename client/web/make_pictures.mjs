@@ -1,7 +1,7 @@
 // Makes the pictures of relief and imagery in the documents: a valley, the summit and the whole scene with imagery and without, and a strip
 // of hours, by the page in headless Chromium. The programs are those of FORELAND_BIN (default build/release/bin), the page is dist/.
 //
-//   foreland synth --imagery msh.tif --over msh_base_utm10_10m.tif --imagery-detail 4
+//   foreland synth --imagery msh.tif --over msh_base_utm10_10m.tif --imagery-detail 10
 //   foreland build msh_base_utm10_10m.tif --imagery msh.tif -o msh.fls
 //   node make_pictures.mjs msh.fls [NAME...]         writes docs/images/msh-NAME.jpg: valley, summit, scene, relief, hours
 //
