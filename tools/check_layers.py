@@ -71,10 +71,12 @@ BENCH_ROOMS = ["bench/programs", "bench/wire/peers", "bench"]
 SEES["bench"] = [*LIBRARIES, *BENCH_ROOMS[:-1]]  # the oracle too: it judges frames in measurements, in the player and in tests
 # Experiments: the world in virtual time, what is flown and scheduled in it, and the pages that show the results.
 SEES["bench/world"] = [*LIBRARIES, *BENCH_ROOMS]
+SEES["bench/proxy"] = [*SEES["bench/world"], "bench/world"]  # the links of that world, for real connections
 for room in ("bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles"):
     SEES[room] = [*SEES["bench/world"], "bench/world"]
+SEES["bench/load"] = [*SEES["bench/load"], "bench/proxy"]
 SEES["bench/report"] = ["base", "bench/programs", "bench"]  # knows the tables alone
-BENCH_ROOMS += ["bench/world", "bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles", "bench/report"]
+BENCH_ROOMS += ["bench/world", "bench/proxy", "bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles", "bench/report"]
 SEES["apps"] = [*LIBRARIES, *BENCH_ROOMS]
 SEES["tests/support"] = [*LIBRARIES, *BENCH_ROOMS]
 SEES["tests"] = [*LIBRARIES, *BENCH_ROOMS, "apps", "tests/support"]
@@ -90,7 +92,7 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
-    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", *EDGES]),
+    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", "bench/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
     (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "bench/wire/peers", *TESTS]),
     (r"(zlib\.h$|brotli/)", "zlib or brotli", ["bench/wire/peers", "server/net", *TESTS]),

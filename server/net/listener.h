@@ -1,4 +1,5 @@
-// A port that takes connections. Private to server/net; I/O thread, except open().
+// A port that takes connections. For server/net, and for the proxy of experiments (bench/proxy/proxy.h). I/O thread,
+// except open().
 #pragma once
 
 #include <boost/asio/io_context.hpp>

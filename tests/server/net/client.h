@@ -48,7 +48,18 @@ class Socket {
   Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)), is_connected_(other.is_connected_) {}
   Socket& operator=(Socket&&) = delete;
 
+  // A connection that was accepted.
+  static Socket of(int fd) { return Socket(Accepted{fd}); }
+
   bool isConnected() const { return is_connected_; }
+  // The peer gets what was sent before, then the end.
+  void endSending() { ::shutdown(fd_, SHUT_WR); }
+  // The peer's next read or write fails.
+  void reset() {
+    const linger at_once{1, 0};
+    ::setsockopt(fd_, SOL_SOCKET, SO_LINGER, &at_once, sizeof(at_once));
+    ::close(std::exchange(fd_, -1));
+  }
 
   // False if the peer is gone.
   bool send(std::string_view bytes) {
@@ -93,6 +104,11 @@ class Socket {
   }
 
  private:
+  struct Accepted {
+    int fd;
+  };
+  explicit Socket(Accepted accepted) : fd_(accepted.fd), is_connected_(fd_ >= 0) {}
+
   int fd_;
   bool is_connected_ = false;
 };
