@@ -31,6 +31,7 @@ constexpr std::array kSubcommands{
     Subcommand{"verify", "check a file's checksums and invariants"},
     Subcommand{"serve", "serve a scene to viewers, and the page that shows it"},
     Subcommand{"token", "make a token with which viewers may connect"},
+    Subcommand{"link", "let connections to a server be as slow as over a real network"},
     Subcommand{"fly", "fly through a served scene without a screen, and report"},
     Subcommand{"replay", "fly a recorded flight again, and report"},
     Subcommand{"render", "make reference pictures by ray casting"},
