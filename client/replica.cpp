@@ -239,10 +239,14 @@ KeyframeMesh Replica::buildMesh() const {
   return mesh;
 }
 
-void Replica::makePatch(MeshPatch& out) {
+void Replica::makeEmptyPatch(MeshPatch& out) const {
   out.clear();
   out.from = from_, out.to = to_;
   out.origin = origin_;
+}
+
+void Replica::makePatch(MeshPatch& out) {
+  makeEmptyPatch(out);
   const EndHeights heights = this->heights();
   const TerrainStep step{nodes_, morphs_, heights, from_.scene_time, to_.scene_time, origin_};
   const bool follows = patcher_ && patched_ + 1 == meshes_,

@@ -52,6 +52,8 @@ class Replica {
   // The same mesh as changes of the one that was made so last: O(changes). The first one is whole, and so is one before
   // which a mesh was left out. Reuses the vectors of `out`.
   void makePatch(MeshPatch& out);
+  // The same of a mesh without vertices and triangles.
+  void makeEmptyPatch(MeshPatch& out) const;
   // Memory that makePatch() keeps.
   size_t patcherBytes() const;
   // Positions are floats, so that far from their origin they are coarse: a millimetre at 8 to 16 km.

@@ -110,7 +110,7 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
 
 std::shared_ptr<const MeshPatch> Viewer::makePatch() {
   auto patch = std::make_shared<MeshPatch>();
-  replica_->makePatch(*patch);
+  has_meshes_ ? replica_->makePatch(*patch) : replica_->makeEmptyPatch(*patch);
   return patch;
 }
 

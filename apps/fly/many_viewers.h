@@ -10,6 +10,6 @@
 namespace foreland::apps {
 
 // The exit code: 0 if every viewer has flown to the end of its flight, 2 otherwise. Prints the report.
-int flyMany(const FlyOptions& o, const client::PlayerOptions& options);
+int flyMany(const FlyOptions& o, client::PlayerOptions options);
 
 }  // namespace foreland::apps

@@ -46,6 +46,7 @@ proto::Path steeredPath(const FlightLog& log) {
 Player::Player(PlayerOptions options, proto::Path flown)
     : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request), path_(std::move(flown)) {
   viewer_.setBlend(log_.options.blend);
+  if (!log_.options.has_meshes) viewer_.leaveMeshesEmpty();
 }
 
 Status Player::receive(ByteSpan message, Time now) {

@@ -38,8 +38,9 @@ struct PlayerOptions {
   // In scenes with epochs: from which scene time and at which rate the flight goes through scene time, from its
   // beginning; SceneClock::at does not count.
   std::optional<proto::SceneClock> scene{};
-  double seconds = 60;                               // of the flight; on a track, track_options.seconds is used instead
-  Duration standing = Duration::milliseconds(1000);  // least time at the first pose
+  bool has_meshes = true;  // false: flown for keyframes alone, as by many viewers at once; nothing is drawn
+  double seconds = 60;     // of the flight; on a track, track_options.seconds is used instead
+  Duration standing = Duration::milliseconds(1000);   // least time at the first pose
   Duration timeout = Duration::milliseconds(10'000);  // longest wait for a reply, or for the first section
 };
 

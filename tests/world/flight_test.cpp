@@ -46,6 +46,45 @@ void PrintTo(const Case& c, std::ostream* out) {
   *out << proto::name(c.strategy) << ' ' << proto::name(c.predictor) << ' ' << c.tour;
 }
 
+// A viewer that draws nothing differs in nothing that the server sees, nor in what it holds.
+TEST(Flight, IsTheSameWithEmptyMeshes) {
+  const auto scene = alps();
+  struct Flown {
+    uint64_t bytes;
+    client::ViewerStatistics statistics;
+    proto::Section section;
+    size_t most_triangles = 0;
+  };
+  const auto fly = [&](bool has_meshes) {
+    World world(scene, {}, Duration::milliseconds(4), 1);
+    ClientOptions client = flying(*scene, "canyon", Strategy::kPredict, Predictor::kConstantVelocity);
+    if (!has_meshes) client.at_frame = [](client::Viewer& viewer, Time) { viewer.leaveMeshesEmpty(); };
+    world.addClient(client);
+    Flown flown{};
+    world.on_frame = [&](size_t, const client::FrameView& view, Time) {
+      if (view.mesh) flown.most_triangles = std::max(flown.most_triangles, view.mesh->triangleCount());
+    };
+    world.run(Time::seconds(3));
+    world.loseConnection(0);
+    world.connectAgain(0);
+    world.run(Time::seconds(6));
+    flown.bytes = world.bytesHash(0);
+    flown.statistics = world.viewer(0).statistics();
+    flown.section = world.viewer(0).replica()->section();
+    return flown;
+  };
+  const Flown drawn = fly(true), empty = fly(false);
+  EXPECT_GT(drawn.most_triangles, 1000u);
+  EXPECT_EQ(empty.most_triangles, 0u);
+  EXPECT_EQ(empty.bytes, drawn.bytes);
+  EXPECT_EQ(empty.section.slots, drawn.section.slots);
+  EXPECT_EQ(empty.statistics.resumed, 1u);
+  EXPECT_EQ(empty.statistics.keyframes, drawn.statistics.keyframes);
+  EXPECT_EQ(empty.statistics.late_keyframes, drawn.statistics.late_keyframes);
+  EXPECT_EQ(empty.statistics.frames, drawn.statistics.frames);
+  EXPECT_EQ(empty.statistics.frames_outside, drawn.statistics.frames_outside);
+}
+
 class EveryStrategy : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryStrategy, KeepsTheLawsOnAGoodLink) {
