@@ -79,7 +79,7 @@ void SectionSender::restart(proto::Remembered remembered) {
   remembered_ = remembered;
   adapter_.restart(remembered);
   if (remembered == proto::Remembered::kNothing) {
-    model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+    model_.reset();
     if (epochs_) epochs_->restart();
   }
   makeObjects();
@@ -132,7 +132,8 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
 
   Bytes delta;
   const proto::DenseNodes table = hierarchy_->table();
-  proto::DeltaEncoder encoder(hierarchy_->domain(), table, model_, delta, visibility);
+  if (!model_) model_ = std::make_unique<proto::DeltaModel>(proto::DeltaModel::forConnection(tells_blocks_));
+  proto::DeltaEncoder encoder(hierarchy_->domain(), table, *model_, delta, visibility);
   if (keyframe_.base_index == 0) encoder.codeRestart(remembered_);
   if (visibility) visibility->begin(proto::viewOf(keyframe_));
   if (!adapter_.adapt(proto::viewOf(keyframe_), max_nodes, encoder, scratch.adapt, scratch.delta) ||

@@ -41,7 +41,7 @@ class SectionSender {
   [[nodiscard]] bool resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
 
   // Makes deltas tell hidden blocks, as the viewer's welcome says they do. Nothing has been sent yet.
-  void tellBlocks() { model_.tells_blocks = true; }
+  void tellBlocks() { tells_blocks_ = true; }
   // Remembers what the viewer has been sent as long as the viewer does, which has so many bytes for it. At first
   // proto::kDefaultMemoryBytes.
   void setMemory(uint32_t bytes);
@@ -102,7 +102,9 @@ class SectionSender {
 
   const Hierarchy* hierarchy_;
   proto::TerrainAdapter adapter_;
-  proto::DeltaModel model_;  // adapts over all deltas sent
+  bool tells_blocks_ = false;
+  // Adapts over all deltas sent. Null before the first one, for it is large, and many viewers only look on.
+  std::unique_ptr<proto::DeltaModel> model_;
   std::vector<proto::SurfaceAdapter> objects_;
   std::unique_ptr<proto::ObjectStream> stream_;  // null without objects, for it is large
   std::unique_ptr<proto::EpochStream> epochs_;   // null without epochs
