@@ -22,6 +22,7 @@
 #include "server/net/drain.h"
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
+#include "server/net/memory_return.h"
 #include "server/net/tls.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
@@ -183,6 +184,9 @@ class Server::Impl {
       const Time now = clock_();
       guarded([&] {
         for (const auto& viewer : everyViewer()) viewer->check(now);
+        if (memory_return_.isDue(context_.viewers.size(), now))
+          pool_.submit({.release = now, .deadline = now + Duration::seconds(10), .is_costly = true},
+                       [](size_t) { MemoryReturn::run(); });
       });
       watch();
     });
@@ -249,6 +253,7 @@ class Server::Impl {
   Listener metrics_listener_{io_, eventsOf([this](tcp::socket socket) { admitOperator(std::move(socket)); })};
   net::steady_timer watch_timer_{io_};
   net::steady_timer drain_timer_{io_};
+  MemoryReturn memory_return_;  // I/O thread
   std::optional<Drain> drain_;  // I/O thread
   std::promise<void> drained_;
   std::chrono::steady_clock::time_point stop_by_;

@@ -1,0 +1,23 @@
+#include "server/net/memory_return.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+
+namespace foreland::server {
+
+bool MemoryReturn::isDue(size_t viewers, Time now) {
+  most_ = std::max(most_, viewers);
+  if (4 * viewers > 3 * most_ || most_ == 0 || now - last_ < kLeastInterval) return false;
+  most_ = viewers;
+  last_ = now;
+  return true;
+}
+
+void MemoryReturn::run() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
+}  // namespace foreland::server

@@ -1,0 +1,26 @@
+// Memory that viewers leave behind goes back to the system: the allocator would keep it for those who may come. Not
+// often, for that takes milliseconds, and who comes next takes as long to get it. One owner.
+#pragma once
+
+#include <cstddef>
+
+#include "base/time.h"
+
+namespace foreland::server {
+
+class MemoryReturn {
+ public:
+  static constexpr Duration kLeastInterval = Duration::seconds(2);
+
+  // To be asked from time to time. True if so many viewers are fewer by a quarter than there have been since the last
+  // time that it was true.
+  bool isDue(size_t viewers, Time now);
+  // Any thread. Some 10 ms for 100 MB.
+  static void run();
+
+ private:
+  size_t most_ = 0;  // viewers
+  Time last_;
+};
+
+}  // namespace foreland::server
