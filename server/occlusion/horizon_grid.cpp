@@ -154,7 +154,7 @@ HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::LatticeBox& box, double l
     }
   }
   const glm::dvec2 size(high - low);
-  const double bend_m = kMostBend * glm::dot(size, size) / frame.leastRadius_m();
+  const double bend_m = kMostBend * glm::dot(size, size) / frame.leastRadius();
   return {toGrid(glm::dvec2(low) - bend_m), toGrid(glm::dvec2(high) + bend_m), high.z + bend_m};
 }
 

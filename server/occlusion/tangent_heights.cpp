@@ -168,7 +168,7 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
     south.swap(north);
   }
   // The ground between samples bends below their triangles where the scene is not level.
-  const double bend_m = glm::dot(cell, cell) / frame.leastRadius_m();
+  const double bend_m = glm::dot(cell, cell) / frame.leastRadius();
   heights.heights_m.reserve(size_t{heights.columns} * heights.rows);
   for (uint32_t j = 0; j < heights.rows; ++j)
     for (uint32_t i = 0; i < heights.columns; ++i)
