@@ -93,6 +93,18 @@ TEST(LinkStream, EndsBehindAllThatIsOnTheWay) {
   EXPECT_FALSE(stream.nextChange(Time::seconds(0.52)));
 }
 
+TEST(LinkStream, ReadsOnAsSoonAsItsSenderIsRidOfAllBefore) {
+  LinkOptions slow;
+  slow.bytes_per_second = 1000;
+  slow.latency = Duration::milliseconds(500);
+  LinkStream stream(slow, 1);
+  stream.take(Bytes(500), Time{});
+  EXPECT_FALSE(stream.mayRead(Time::seconds(0.499)));
+  EXPECT_EQ(stream.nextChange(Time{}), Time::seconds(0.5));
+  EXPECT_TRUE(stream.mayRead(Time::seconds(0.5)));
+  EXPECT_EQ(stream.nextChange(Time::seconds(0.5)), Time::seconds(1));
+}
+
 // A receiver that does not fetch holds the sender up, so that memory is bounded where no rate does it.
 TEST(LinkStream, ReadsNoMoreThanItHolds) {
   LinkStream stream(LinkOptions{}, 1);
