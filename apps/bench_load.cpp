@@ -4,6 +4,8 @@
 
 #include "apps/bench_flight.h"
 #include "apps/options.h"
+#include "bench/load/real_load.h"
+#include "bench/tables.h"
 
 namespace foreland::apps {
 
@@ -38,6 +40,63 @@ void search(const std::shared_ptr<const server::World>& world, std::vector<bench
   for (bench::LoadOptions& run : runs) run.viewers = std::max<size_t>(1, bench::mostViewers(world, run));
 }
 
+// Both worlds and their differences, a line or an object for each figure.
+nlohmann::ordered_json rowsOf(const std::vector<bench::Agreement>& all, bench::ReportFormat format) {
+  auto rows = nlohmann::ordered_json::array();
+  for (const bench::Agreement& a : all) {
+    nlohmann::ordered_json row{{"figure", a.name},
+                               {"virtual", bench::rounded(a.virtual_time)},
+                               {"real", bench::rounded(a.real_time)},
+                               {"difference", bench::rounded(a.difference())},
+                               {"ratio", nullptr}};
+    if (a.virtual_time != 0) row["ratio"] = bench::rounded(a.real_time / a.virtual_time);
+    char line[200];
+    std::snprintf(line, sizeof line, "%-22s virtual %10.2f, real %10.2f, difference %+9.2f", a.name, a.virtual_time,
+                  a.real_time, a.difference());
+    rows.push_back(format == bench::ReportFormat::kJson ? row : nlohmann::ordered_json(line));
+  }
+  return rows;
+}
+
+// What each viewer got in either.
+nlohmann::ordered_json viewersOf(const bench::LoadRun& virtual_time, const bench::RealLoad& real_time) {
+  auto viewers = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < real_time.viewers.size(); ++i) {
+    const bench::ViewerTally &a = virtual_time.viewers[i], &b = real_time.viewers[i];
+    viewers.push_back({{"virtual_keyframes", a.keyframes},
+                       {"real_keyframes", b.keyframes},
+                       {"virtual_bytes", a.bytes},
+                       {"real_bytes", b.bytes}});
+  }
+  return viewers;
+}
+
+std::filesystem::path besideThisProgram(const char* name) {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / name;
+}
+
+// The one run, in virtual and in real time.
+Result<nlohmann::ordered_json> loadInBoth(const std::shared_ptr<const server::World>& world, const LoadArguments& args,
+                                          const bench::LoadOptions& run, nlohmann::ordered_json about) {
+  const bench::LoadRun virtual_time = bench::runLoad(world, run);
+  const auto real_time =
+      bench::runRealLoad(world->hierarchy.scene(), run, besideThisProgram("foreland-serve"), args.scene);
+  if (!real_time) return real_time.error();
+  const auto all = bench::agreementOf(virtual_time, *real_time);
+  about.update(bench::askedBy(run));
+  about["largest_byte_difference"] = bench::rounded(bench::largestByteDifference(virtual_time, *real_time));
+  if (!args.experiment.out.empty()) {
+    nlohmann::ordered_json kept = about;
+    kept["agreement"] = rowsOf(all, bench::ReportFormat::kJson);
+    kept["viewers"] = viewersOf(virtual_time, *real_time);
+    if (Status s = bench::writeFile(args.experiment.out, "agreement.json", kept.dump(2) + "\n"); !s.ok())
+      return s.error();
+  }
+  about["agreement"] = rowsOf(all, args.format);
+  return about;
+}
+
 void addClusterOptions(CLI::App& sub, bench::LoadRequest& request) {
   sub.add_option("--servers", request.base.cluster.servers, "with so many --workers each")
       ->check(CLI::Range(1, 64))
@@ -61,6 +120,9 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
       ->capture_default_str();
   sub->add_option("--workers", request.base.workers, "of the server")->check(CLI::Range(1, 64))->capture_default_str();
   sub->add_option("--mix", args.mix, "mixed or survey")->capture_default_str();
+  sub->add_option("--predictor", args.predictor,
+                  "of viewers who do not jump: velocity, path, or another of `foreland fly`")
+      ->capture_default_str();
   sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
   sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
   sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
@@ -78,6 +140,11 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
       "--most-viewers", [&args] { args.search = Search::kMostViewers; },
       "find the largest number of viewers with under 0.1 % missed, for each run");
   sub->add_flag_callback(
+      "--real", [&args] { args.in_time = InTime::kBoth; },
+      "run it in real time as well, with `foreland serve` on loopback, and say by how much the two differ (fair, "
+      "early; "
+      "staggered if no --phases is given)");
+  sub->add_flag_callback(
       "--json", [&args] { args.format = bench::ReportFormat::kJson; }, "print JSON");
   addExperimentOptions(*sub, args.experiment);
   return sub;
@@ -92,10 +159,33 @@ Result<bench::LoadRequest> requestOf(const LoadArguments& args) {
   if (!mix) return mix.error();
   const auto prices = pricesOf(args.experiment);
   if (!prices) return prices.error();
+  const auto predictor = proto::predictorNamed(args.predictor);
+  if (!predictor)
+    return Error{ErrorCode::kInvalidArgument,
+                 "--predictor '" + args.predictor + "': choose one of " + proto::predictorNames()};
+  if (*predictor == proto::Predictor::kKnownPath && request.base.cluster.servers > 1)
+    return Error{ErrorCode::kInvalidArgument, "--predictor path: viewers of several servers announce no path"};
+  if (args.in_time == InTime::kBoth) {
+    if (request.policies.empty()) request.policies = {"fair"};
+    if (request.phases.empty()) request.phases = {"staggered"};
+    if (request.starts.empty()) request.starts = {"early"};
+  }
+  request.base.predictor = *predictor;
   request.base.mix = *mix;
   request.base.prices = *prices;
   request.base.seed = args.experiment.seed;
   return request;
+}
+
+Status checkBoth(const LoadArguments& args, const std::vector<bench::LoadOptions>& runs) {
+  if (args.in_time == InTime::kVirtual) return {};
+  if (args.search == Search::kMostViewers)
+    return Error{ErrorCode::kInvalidArgument, "--real runs one load; --most-viewers would run many"};
+  for (const bench::LoadOptions& run : runs)
+    if (Status s = bench::checkReal(run); !s.ok()) return Error{s.error().code, "--real: " + s.error().message};
+  if (runs.size() == 1) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               "--real runs one load, not " + std::to_string(runs.size()) + "; give one of --phases"};
 }
 
 }  // namespace
@@ -103,8 +193,8 @@ Result<bench::LoadRequest> requestOf(const LoadArguments& args) {
 Status checkArguments(const LoadArguments& args) {
   const auto request = requestOf(args);
   if (!request) return request.error();
-  if (const auto runs = bench::runsOf(*request); !runs) return runs.error();
-  return {};
+  const auto runs = bench::runsOf(*request);
+  return runs ? checkBoth(args, *runs) : runs.error();
 }
 
 Result<nlohmann::ordered_json> load(const LoadArguments& args) {
@@ -113,6 +203,7 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   const bench::LoadRequest& request = *asked;
   auto runs = bench::runsOf(request);
   if (!runs) return runs.error();
+  if (Status s = checkBoth(args, *runs); !s.ok()) return s.error();
   const auto scene = terrain::Scene::open(args.scene);
   if (!scene) return scene.error();
   auto objects = server::objectsOf(*scene);
@@ -126,6 +217,7 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                 {"viewers", request.base.viewers},
                 {"workers", request.base.workers},
                 {"mix", args.mix},
+                {"predictor", args.predictor},
                 {"seconds", request.base.seconds},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
@@ -134,6 +226,7 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                   {"fail", request.fails},
                   {"drain", request.drains},
                   {"join", request.joins}});
+  if (args.in_time == InTime::kBoth) return loadInBoth(world, args, runs->front(), about);
   const Progress progress(runs->size());
   const auto tables = bench::runAll(world, *runs, askedOf(about, **scene), bench::KeptCells(args.experiment.cells),
                                     args.experiment.threads, [&](size_t done) { progress.show(done); });

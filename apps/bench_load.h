@@ -12,12 +12,14 @@
 namespace foreland::apps {
 
 enum class Search : uint8_t { kNone, kMostViewers };
+enum class InTime : uint8_t { kVirtual, kBoth };  // virtual time alone, or real time as well
 
 struct LoadArguments {
-  std::string scene, mix = "mixed";
+  std::string scene, mix = "mixed", predictor = "velocity";
   ExperimentArguments experiment;
   bench::LoadRequest request;
   Search search = Search::kNone;
+  InTime in_time = InTime::kVirtual;
   bench::ReportFormat format = bench::ReportFormat::kText;
 };
 

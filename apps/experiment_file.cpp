@@ -13,8 +13,10 @@ namespace foreland::apps {
 
 namespace {
 
-// Options of the commands that the whole experiment has, or that would not change its results.
-constexpr std::array<std::string_view, 7> kNotOfRuns{"out", "threads", "seed", "json", "most-viewers", "help", "cells"};
+// Options of the commands that the whole experiment has, that would not change its results, or whose results differ
+// from run to run.
+constexpr std::array<std::string_view, 8> kNotOfRuns{"out",          "threads", "seed", "json",
+                                                     "most-viewers", "real",    "help", "cells"};
 
 // Reads one file; the first thing that is wrong is kept, and what is read after it counts for nothing.
 class Reader {

@@ -92,7 +92,7 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
-    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", "bench/proxy", *EDGES]),
+    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", "bench/load", "bench/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
     (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "bench/wire/peers", *TESTS]),
     (r"(zlib\.h$|brotli/)", "zlib or brotli", ["bench/wire/peers", "server/net", *TESTS]),
@@ -108,7 +108,7 @@ THIRD_PARTY = [
 ]
 
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
-CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", *EDGES]
+CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", "bench/load", *EDGES]  # bench/load: for its runs in real time
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 

@@ -8,6 +8,7 @@ namespace foreland::bench {
 
 // Forwards and back again, so that the path's end is no jump.
 proto::Pose LightViewer::at(Time now) const {
+  if (announced_) return announced_->at(now);
   const int64_t length = (flight_.path->end() - flight_.path->start).us;
   int64_t into = now.us + flight_.offset.us;
   if (flight_.jump_every.us > 0) into += now.us / flight_.jump_every.us * (length * 5 / 13);
@@ -21,6 +22,14 @@ Bytes LightViewer::connect() {
   keyframes_taken_ = {};
   received_ = 0;
   return proto::encode(request_);
+}
+
+std::optional<Bytes> LightViewer::announce(Time from, Time to) {
+  if (request_.predictor != proto::Predictor::kKnownPath) return std::nullopt;
+  proto::Path path{.start = from, .poses = {}};
+  for (Time t = from; t < to + path.step; t = t + path.step) path.poses.push_back(at(t));
+  announced_ = std::move(path);
+  return proto::encode(*announced_);
 }
 
 std::optional<Bytes> LightViewer::pose(Time now) {
@@ -48,6 +57,7 @@ LightViewer::Received LightViewer::receive(ByteSpan message, Time now) {
   received_at_ = now;
   return {.is_keyframe = true,
           .is_resumed = keyframe->header.base_index > 0,
+          .time = keyframe->header.time,
           .lateness = now - (keyframe->header.time - request_.keyframe_interval)};
 }
 

@@ -29,12 +29,16 @@ class LightViewer {
 
   // The first message of a connection, the first one or another.
   Bytes connect();
+  // With the predictor kKnownPath: the message that announces the path, which the camera then flies exactly, from
+  // `from` until `to`, the viewer's time. Nothing with other predictors. To be sent after the first message.
+  std::optional<Bytes> announce(Time from, Time to);
   // A pose; nothing while what is held must wait for the welcome, since it is presented before the first pose.
   std::optional<Bytes> pose(Time now);
 
   struct Received {
     bool is_keyframe = false;
     bool is_resumed = false;        // a keyframe that starts from another
+    Time time{};                    // that a keyframe is for, the viewer's clock
     Duration lateness{};            // of a keyframe, to be shown; negative is early
     std::optional<Bytes> resume{};  // to be sent: what is held
   };
@@ -48,6 +52,7 @@ class LightViewer {
   proto::ViewRequest request_;
   Flight flight_;
   Holds holds_;
+  std::optional<proto::Path> announced_;
   bool is_greeted_ = false;
   std::optional<client::Replica> replica_;  // of Holds::kSections, after the first welcome
   proto::PoseMemory poses_sent_;

@@ -1,6 +1,9 @@
 // The viewers of a load: what each flies, asks for and is linked by. Pure; any thread.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "base/rng.h"
 #include "bench/load/light_viewer.h"
 #include "bench/load/load_run.h"
@@ -22,5 +25,15 @@ struct LoadCast {
 
 // The role with this number, of those that Mix lists.
 LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance);
+
+// One of all viewers: they come one after another within a second; when their keyframes are due follows from their
+// clocks. The same in virtual and in real time.
+struct LoadViewer {
+  LoadCast cast;
+  uint64_t link_seed;
+  Time comes;
+  Duration clock;  // the viewer's less the server's
+};
+std::vector<LoadViewer> viewersOf(const LoadTours& tours, const LoadOptions& options, std::span<const size_t> roles);
 
 }  // namespace foreland::bench

@@ -48,6 +48,7 @@ void LoadSimulation::connect(size_t i) {
   Bytes request = v.light.connect();
   v.move.up = request.size();
   send(i, std::move(request), now_);
+  if (auto path = v.light.announce(now_ + v.clock, end_ + v.clock)) send(i, std::move(*path), now_);
 }
 
 // With `migrate` those who resume wait their turn; others find a server if there is one.

@@ -46,7 +46,9 @@ double LoadSimulation::fairness() const {
 }
 
 LoadRun LoadSimulation::result() const {
-  LoadRun run{.options = options_, .figures = figures_, .used = {}, .lateness_ms = lateness_ms_, .cluster = {}};
+  LoadRun run{
+      .options = options_, .figures = figures_, .viewers = {}, .used = {}, .lateness_ms = lateness_ms_, .cluster = {}};
+  for (const auto& v : viewers_) run.viewers.push_back(v->tally);
   LoadFigures& f = run.figures;
   std::sort(run.lateness_ms.begin(), run.lateness_ms.end());
   const double n = static_cast<double>(std::max<uint64_t>(f.keyframes, 1));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/load/cluster.h"
+#include "bench/load/viewer_tally.h"
 #include "bench/world/compute_cost.h"
 #include "server/session/world.h"
 
@@ -39,12 +40,15 @@ struct LoadOptions {
   size_t viewers = 40, workers = 1;
   double seconds = 10;  // measured, after kLoadRunIn
   double tau_px = 2, keyframe_ms = 200;
+  proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
   ComputePrices prices{};
   uint64_t seed = 1;
   ClusterOptions cluster{};
 };
 // In which viewers come and get their first sections.
 inline constexpr Duration kLoadRunIn = Duration::milliseconds(3000);
+// From when a viewer asks until it sends its first pose.
+inline constexpr Duration kFirstPose = Duration::milliseconds(1);
 inline constexpr Duration kUtilisationBin = Duration::milliseconds(20);
 
 struct LoadFigures {
@@ -84,6 +88,7 @@ struct LoadFigures {
 struct LoadRun {
   LoadOptions options;
   LoadFigures figures;
+  std::vector<ViewerTally> viewers;
   std::vector<double> used;           // share of the workers' time, bin by bin
   std::vector<double> lateness_ms;    // of all keyframes, ascending
   std::optional<ClusterRun> cluster;  // of several servers

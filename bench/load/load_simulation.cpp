@@ -21,12 +21,13 @@ server::JobOrder orderOf(LoadPolicy policy) {
 LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
     : queue(options.workers, orderOf(options.policy)), free_workers(options.workers), busy_us(bins) {}
 
-LoadSimulation::Viewer::Viewer(const LoadCast& cast, uint64_t link_seed, LightViewer::Holds holds)
-    : light(cast.request, cast.flight, holds),
-      links(cast.links),
-      up(links.up, link_seed),
-      down(links.down, link_seed + 1),
-      seeds(link_seed) {}
+LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds holds)
+    : light(viewer.cast.request, viewer.cast.flight, holds),
+      links(viewer.cast.links),
+      up(links.up, viewer.link_seed),
+      down(links.down, viewer.link_seed + 1),
+      seeds(viewer.link_seed),
+      clock(viewer.clock) {}
 
 LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options)
     : world_(std::move(world)),
@@ -47,24 +48,13 @@ void LoadSimulation::addViewers(const std::shared_ptr<const server::World>& worl
   std::vector<size_t> roles;
   for (size_t i = 0; i < options_.viewers; ++i) roles.push_back(i);
   for (size_t i = roles.size(); isCluster() && i > 1; --i) std::swap(roles[i - 1], roles[balancing_.below(i)]);
-  Rng chance(options_.seed);
   const auto holds = isCluster() ? LightViewer::Holds::kSections : LightViewer::Holds::kNothing;
-  for (const size_t role : roles) {
-    const uint64_t link_seed = chance.next();
-    viewers_.push_back(std::make_unique<Viewer>(castOf(tours, options_, role, chance), link_seed, holds));
+  for (const LoadViewer& viewer : viewersOf(tours, options_, roles)) {
+    const size_t i = viewers_.size();
+    viewers_.push_back(std::make_unique<Viewer>(viewer, holds));
+    at(viewer.comes, What::kConnect, i);
+    at(viewer.comes + kFirstPose, What::kPose, i);
   }
-  for (size_t i = 0; i < options_.viewers; ++i) begin(i, chance);
-}
-
-// Viewers come one after another within a second; their phases follow from their clocks.
-void LoadSimulation::begin(size_t i, Rng& chance) {
-  Viewer& v = *viewers_[i];
-  const auto interval_us = static_cast<double>(v.light.request().keyframe_interval.us);
-  const double share = static_cast<double>(i) / static_cast<double>(options_.viewers);
-  if (options_.phases == Phases::kRandom) v.clock = Duration{static_cast<int64_t>(chance.uniform(0, interval_us))};
-  if (options_.phases == Phases::kStaggered) v.clock = Duration{static_cast<int64_t>(share * interval_us)};
-  at(Time::seconds(share), What::kConnect, i);
-  at(Time::seconds(share) + Duration{1000}, What::kPose, i);
 }
 
 void LoadSimulation::run() {
@@ -128,6 +118,8 @@ void LoadSimulation::receive(size_t i) {
     v.move.up += received.resume->size();
     if (!v.closing) send(i, std::move(*received.resume), now_);
   }
+  const Duration interval = v.light.request().keyframe_interval;
+  v.tally.add(received, message.size(), begin_ + v.clock + interval, end_ + v.clock - interval);
   if (!received.is_keyframe) v.move.down += message.size();
   if (!received.is_keyframe) return;
   if (received.lateness > Duration{} && isMeasured()) ++figures_.late_at_viewers;

@@ -40,12 +40,13 @@ class LoadSimulation {
     std::vector<int64_t> busy_us;  // by bin
   };
   struct Viewer {
-    Viewer(const LoadCast& cast, uint64_t link_seed, LightViewer::Holds holds);
+    Viewer(const LoadViewer& viewer, LightViewer::Holds holds);
     LightViewer light;
     LinkPair links;
     Link up, down;
     Rng seeds;
     Duration clock;  // the viewer's less the server's
+    ViewerTally tally;
 
     // Of the connection; `session` is null while there is none.
     size_t server = 0;
@@ -101,7 +102,6 @@ class LoadSimulation {
   }
   void addViewers(const std::shared_ptr<const server::World>& world);
   void addClusterEvents();
-  void begin(size_t i, Rng& chance);
   void send(size_t i, Bytes message, Time t);
 
   void handle(const Event& event);

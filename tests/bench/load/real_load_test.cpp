@@ -1,0 +1,112 @@
+// A load in real time: what is asked of it, what is read from its server, and one short run on loopback. Times are not
+// judged: the machine may be busy. That bytes arrive when the link says so is tested in tests/bench/proxy.
+#include "bench/load/real_load.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "bench/load/server_counts.h"
+#include "tests/apps/expect_refusal.h"
+#include "tests/support/program.h"
+#include "tests/support/scene.h"
+
+namespace foreland::bench {
+namespace {
+
+LoadOptions realOptions() {
+  LoadOptions options;
+  options.policy = LoadPolicy::kFair;
+  options.start = LoadStart::kEarly;
+  return options;
+}
+
+TEST(RealLoad, RunsAsServersDoAndAsNothingElse) {
+  EXPECT_TRUE(checkReal(realOptions()).ok());
+  LoadOptions edf = realOptions(), late = realOptions(), many = realOptions();
+  edf.policy = LoadPolicy::kEdf;
+  late.start = LoadStart::kLate;
+  many.cluster.servers = 2;
+  EXPECT_NE(checkReal(edf).error().message.find("the policy is fair"), std::string::npos);
+  EXPECT_NE(checkReal(late).error().message.find("starts are early"), std::string::npos);
+  EXPECT_NE(checkReal(many).error().message.find("one server"), std::string::npos);
+}
+
+TEST(RealLoad, ReadsWhatTheServerCounts) {
+  const std::string page =
+      "# TYPE foreland_keyframes_total counter\nforeland_keyframes_total 50\nforeland_late_keyframes_total 3\n"
+      "process_cpu_seconds_total 1.5\n";
+  const auto counts = parseCounts(page);
+  ASSERT_TRUE(counts.ok()) << counts.error().message;
+  EXPECT_EQ(counts->keyframes, 50);
+  EXPECT_EQ(counts->late_keyframes, 3);
+  EXPECT_EQ(counts->cpu_s, 1.5);
+  EXPECT_NE(parseCounts("nothing").error().message.find("foreland_keyframes_total"), std::string::npos);
+}
+
+TEST(RealLoad, ComparesTheSameKeyframesOfBothWorlds) {
+  ViewerTally tally;
+  LightViewer::Received keyframe;
+  keyframe.is_keyframe = true;
+  for (const int64_t at_us : {-1, 0, 10, 20}) {  // of these two are for times of the window
+    keyframe.time = Time{at_us};
+    keyframe.lateness = Duration{at_us * 1000 - 5000};
+    tally.add(keyframe, 100, Time{0}, Time{20});
+  }
+  EXPECT_EQ(tally.keyframes, 2u);
+  EXPECT_EQ(tally.late, 1u);
+  EXPECT_EQ(tally.bytes, 200u);
+  LoadRun virtual_time;
+  virtual_time.viewers = {tally, tally};
+  virtual_time.figures.missed = 3, virtual_time.figures.at_once = 2;
+  RealLoad real;
+  real.viewers = {tally, {}};
+  real.server_missed = 7;
+  std::map<std::string, Agreement> by_name;
+  for (const Agreement& a : agreementOf(virtual_time, real)) by_name.emplace(a.name, a);
+  EXPECT_EQ(by_name.at("keyframes").difference(), -2);
+  EXPECT_EQ(by_name.at("late").real_time, 1);
+  EXPECT_EQ(by_name.at("lateness_max_ms").real_time, 5);
+  EXPECT_EQ(by_name.at("bytes_per_viewer").virtual_time, 200);
+  EXPECT_EQ(by_name.at("bytes_per_viewer").real_time, 100);
+  EXPECT_EQ(by_name.at("server_missed").difference(), 2);  // those after jumps count in both
+  EXPECT_EQ(largestByteDifference(virtual_time, real), 1);
+}
+
+// Whatever the machine does, the server serves the viewers that fly over its links.
+TEST(RealLoad, FliesOverLoopbackAndReportsBothWorlds) {
+  const test::TemporaryFolder folder;
+  const std::string scene = folder / "land.fls", out = folder / "out";
+  test::FormulaSource source(129, 129, test::hills(8));
+  ASSERT_TRUE(terrain::buildScene(source, {scene, 0.1, 1}).ok());
+  const test::ProgramResult run =
+      test::runProgram("bench",
+                       {"load", scene, "--viewers", "3", "--mix", "survey", "--tau", "20", "--predictor", "path",
+                        "--seconds", "1", "--real", "--out", out, "--json"},
+                       {.streams = test::Streams::kOutputOnly});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const auto report = nlohmann::json::parse(run.output, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << run.output;
+  EXPECT_EQ(report["policy"], "fair");
+  for (const char* key : {"keyframes", "bytes_per_viewer", "server_keyframes", "used"}) {
+    bool is_there = false;
+    for (const auto& row : report["agreement"])
+      if (row["figure"] == key) is_there = row["virtual"] > 0 && row["real"] > 0;
+    EXPECT_TRUE(is_there) << key << run.output;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/agreement.json"));
+}
+
+TEST(RealLoad, RefusesWhatServersDoNotByName) {
+  using test::expectRefusal;
+  expectRefusal("bench", {"load", "none.fls", "--real", "--policies", "edf"}, {"--real", "the policy is fair"});
+  expectRefusal("bench", {"load", "none.fls", "--real", "--phases", "random,staggered"}, {"--real", "2", "--phases"});
+  expectRefusal("bench", {"load", "none.fls", "--real", "--most-viewers"}, {"--real", "--most-viewers"});
+  expectRefusal("bench", {"load", "none.fls", "--real", "--servers", "2"}, {"--real"});
+  expectRefusal("bench", {"load", "none.fls", "--predictor", "luck"}, {"--predictor", "'luck'", "velocity"});
+  expectRefusal("bench", {"load", "none.fls", "--predictor", "path", "--servers", "2"}, {"--predictor path"});
+}
+
+}  // namespace
+}  // namespace foreland::bench
