@@ -37,6 +37,7 @@ struct Arguments {
   std::optional<double> vertical_step_m;
   unsigned threads = 0;
   std::vector<std::string> objects, epochs;
+  proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
   std::vector<std::filesystem::path> imagery;
   int imagery_quality = terrain::kDefaultImageryQuality;
   std::string attribution;
@@ -118,6 +119,14 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "file has the samples of INPUT or a window of them; outside, and where it has no data, the ground is as "
          "at the date before. The first is laid over INPUT; repeatable")
       ->allow_extra_args(false);
+  static const std::map<std::string, proto::EpochBlend> blends{{"linear", proto::EpochBlend::kLinear},
+                                                               {"catmull-rom", proto::EpochBlend::kCatmullRom},
+                                                               {"b-spline", proto::EpochBlend::kBSpline}};
+  app.add_option_function<std::string>(
+         "--epoch-blend", [&](const std::string& name) { arguments.epoch_blend = blends.at(name); },
+         "How the ground moves from date to date: linear; catmull-rom, smoothly through every date's; b-spline, more "
+         "smoothly and past all but the first and the last")
+      ->check(CLI::IsMember(std::vector<std::string>{"linear", "catmull-rom", "b-spline"}));
   CLI::Option* imagery = app.add_option(
       "--imagery", arguments.imagery,
       "Pictures to lay over the terrain: whatever GDAL reads, grey, palette, RGB or RGBA of 8 bits, in any reference "
@@ -239,6 +248,7 @@ int build(const Arguments& arguments) {
   auto epochs = openEpochs(arguments);
   if (!epochs.ok()) return fail(epochs.error());
   options.epochs = epochs->requests;
+  options.epoch_blend = arguments.epoch_blend;
   std::unique_ptr<terrain::PictureSource> picture;
   if (!arguments.imagery.empty()) {
     const terrain::ElevationInfo& info = (*source)->info();

@@ -34,7 +34,8 @@ Replica::Replica(const proto::Welcome& welcome)
   model_.tells_blocks = welcome.occlusion;
   if (!welcome.epochs.empty())
     epochs_ = std::make_unique<proto::EpochStream>(
-        domain_->grid, std::move(proto::Epochs::create(welcome.shape, welcome.epochs)).value(), welcome.base_offsets);
+        domain_->grid, std::move(proto::Epochs::create(welcome.shape, welcome.epochs, welcome.epoch_blend)).value(),
+        welcome.base_offsets);
   makeObjects();
   setMemory(welcome.memory_bytes);
 }
@@ -69,8 +70,16 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend
   const bool is_first = to_.index == 0;
   from_ = is_first ? header : to_;
   to_ = header;
-  if (epochs_) to_.scene_time = epochs_->sceneTime();
-  if (is_first) from_.scene_time = to_.scene_time;
+  if (epochs_) {
+    to_.scene_time = epochs_->sceneTime();
+    to_.is_scene_step = epochs_->isStep();
+    to_.motion_px =
+        static_cast<float>(proto::frameTolerance(epochs_->offsets().epochs().blend(), to_.tau_px)) - to_.tau_px;
+  }
+  if (is_first) {
+    from_.scene_time = to_.scene_time;
+    from_.motion_px = to_.motion_px;
+  }
   const Duration interval = to_.time - from_.time;
   motion_ = Motion::between(proto::viewOf(from_), proto::viewOf(to_), interval);
   this->blend({blend, proto::viewOf(from_), motion_, interval.toSeconds(), is_first}, delta_);

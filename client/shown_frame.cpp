@@ -23,8 +23,8 @@ float toleranceOf(const Interval& interval, float weight, const proto::Pose& cam
   const proto::KeyframeHeader& from = interval.from;
   const proto::KeyframeHeader& to = interval.to;
   float tolerance_px = 0;
-  if (weight < 1) tolerance_px = covers(from, camera) ? from.tau_px : kNone;
-  if (weight > 0) tolerance_px = std::max(tolerance_px, covers(to, camera) ? to.tau_px : kNone);
+  if (weight < 1) tolerance_px = covers(from, camera) ? from.frameTolerance() : kNone;
+  if (weight > 0) tolerance_px = std::max(tolerance_px, covers(to, camera) ? to.frameTolerance() : kNone);
   return tolerance_px;
 }
 

@@ -78,6 +78,8 @@ ordered_json describeEpochs(const terrain::EpochTable& table) {
 }
 
 void printEpochs(const terrain::EpochTable& table) {
+  if (!table.epochs().empty())
+    std::printf("blend      %s, from epoch to epoch\n", std::string(proto::name(table.epochs().blend())).c_str());
   for (uint32_t i = 0; i < table.epochs().size(); ++i) {
     const proto::Epoch& epoch = table.epochs()[i];
     const proto::LatticeWindow& w = epoch.moved;
@@ -106,7 +108,10 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["frame"] = describeFrame(scene);
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
-  if (!scene.epochs().epochs().empty()) about["epochs"] = describeEpochs(scene.epochs());
+  if (const proto::Epochs& epochs = scene.epochs().epochs(); !epochs.empty()) {
+    about["epoch_blend"] = proto::name(epochs.blend());
+    about["epochs"] = describeEpochs(scene.epochs());
+  }
   about["tiles"] = apps::describeTiles(scene.tiles());
   return about;
 }

@@ -106,7 +106,7 @@ class Measurement {
     truth_.weights_judged.add(view.weight);
     addObjects(d);
     truth_.uncovered_samples += d.uncovered;
-    truth_.frames_over_tau += d.max_px > view.mesh->to.tau_px + kSlack_px;
+    truth_.frames_over_tau += d.max_px > view.mesh->to.frameTolerance() + kSlack_px;
     if (options_.section_at) measureTerms(player, now, drawn);
     if (options_.on_progress) options_.on_progress(truth_);
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "bench/oracle/block_raster.h"
+#include "bench/oracle/epoch_shares.h"
 
 namespace foreland::bench {
 
@@ -106,15 +107,9 @@ struct Oracle::Impl {
     }
   }
 
-  // Adds the shares of the epochs around a time.
   void addEpochs(Time at, double share) {
-    size_t before = 0;
-    while (before + 1 < truth.epochs.size() && truth.epochs[before + 1] <= at) ++before;
-    double passed = 0;
-    if (before + 1 < truth.epochs.size() && at > truth.epochs[before])
-      passed = (at - truth.epochs[before]).toSeconds() / (truth.epochs[before + 1] - truth.epochs[before]).toSeconds();
-    epoch_shares[before] += share * (1 - passed);
-    if (passed > 0) epoch_shares[before + 1] += share * passed;
+    const std::vector<double> shares = epochShares(truth.epochs, truth.blend, at);
+    for (size_t i = 0; i < shares.size(); ++i) epoch_shares[i] += share * shares[i];
   }
 
   void showAt(const TruthTime& wanted) {
@@ -122,9 +117,11 @@ struct Oracle::Impl {
     time = wanted;
     epoch_shares.assign(truth.epochs.size(), 0);
     const Time first = std::min(wanted.from, wanted.to), last = std::max(wanted.from, wanted.to);
-    const bool is_linear =
-        std::none_of(truth.epochs.begin(), truth.epochs.end(), [&](Time t) { return first < t && t < last; });
-    if (is_linear) {
+    const bool is_step =
+        truth.blend == proto::EpochBlend::kLinear
+            ? std::none_of(truth.epochs.begin(), truth.epochs.end(), [&](Time t) { return first < t && t < last; })
+            : wanted.is_step;
+    if (is_step) {
       addEpochs({wanted.from.us + std::llround(wanted.weight * static_cast<double>((wanted.to - wanted.from).us))}, 1);
     } else {
       addEpochs(wanted.from, 1 - wanted.weight);

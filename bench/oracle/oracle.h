@@ -35,17 +35,19 @@ struct Truth {
   // Writes the heights (quanta) of samples (x .. x + out.size() - 1, y); called only inside the data.
   std::function<void(uint32_t x, uint32_t y, std::span<int32_t> out)> heights;
   // Of ground that moves in time: the times at which it is given, ascending, and by how many quanta it lies above
-  // `heights` then; between them it moves linearly. Outside of `moved` it does not. Otherwise empty.
+  // `heights` then, and how it moves between them. Outside of `moved` it does not. Otherwise empty.
   std::vector<Time> epochs{};
+  proto::EpochBlend blend = proto::EpochBlend::kLinear;
   proto::LatticeWindow moved{};
   std::function<void(size_t epoch, uint32_t x, uint32_t y, std::span<double> out)> offsets{};
 };
 
-// The time of a truth: a mix of two, for frames of a mesh that leads from one time to another. Where the ground moves
-// linearly between them, that is the truth at the mixed time.
+// The time of a truth, for frames of a mesh that leads from one time to another: the mixed time after a step, else a
+// mix of the ground at both times. With a linear blend any way that passes no epoch is a step.
 struct TruthTime {
   Time from, to;
   double weight = 0;
+  bool is_step = false;
   bool operator==(const TruthTime&) const = default;
 };
 

@@ -19,7 +19,7 @@ std::vector<glm::dvec3> SceneOracle::carried() const {
 SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
                                   const proto::Lens& lens) {
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
-  terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight});
+  terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight, mesh.to.is_scene_step});
   SceneDeviation all{terrain_.error({&drawn, 1}, pose, lens)};
   const SurfaceJudgement objects = objects_.judge(mesh, weight, pose, lens, carried());
   all.silhouette_px = objects.silhouette.max_px;

@@ -21,6 +21,7 @@ inline Truth truthOf(std::shared_ptr<const terrain::Scene> scene) {
                   out[i] = scene->height(proto::NodeId::at(x + static_cast<uint32_t>(i), y));
               },
           .epochs = std::move(times),
+          .blend = epochs.blend(),
           .moved = epochs.empty() ? proto::LatticeWindow{} : epochs[epochs.size() - 1].moved,
           .offsets =
               [scene](size_t epoch, uint32_t x, uint32_t y, std::span<double> out) {

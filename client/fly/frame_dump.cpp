@@ -101,8 +101,8 @@ Status FrameDump::write(const Frame& frame, const FrameView& view, const proto::
       format("\"orientation_wxyz\":[%.17g,%.17g,%.17g,%.17g],\"vertical_fov_rad\":%.17g,\"viewport_px\":[%u,%u],", q.w,
              q.x, q.y, q.z, request.lens.vertical_fov_rad, request.lens.width_px, request.lens.height_px) +
       format("\"strategy\":\"%s\",\"tolerance_px\":%.9g,\"weight\":%.9g,\"keyframes\":[%u,%u]}\n",
-             proto::name(request.strategy), static_cast<double>(view.mesh->to.tau_px), static_cast<double>(view.weight),
-             view.mesh->from.index, view.mesh->to.index);
+             proto::name(request.strategy), static_cast<double>(view.mesh->to.frameTolerance()),
+             static_cast<double>(view.weight), view.mesh->from.index, view.mesh->to.index);
   if (Status s = writeAll(directory_ / "frames.jsonl", bytesOf(line), "ab"); !s.ok()) return s;
   ++written_;
   return {};

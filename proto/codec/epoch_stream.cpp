@@ -86,11 +86,12 @@ void EpochStream::forget(const EpochWeights& next) {
 }
 
 template <class Coder, class ValueOf>
-bool EpochStream::code(Time wanted, const TerrainAdapter& adapter, std::span<const Slot> added, Coder& coder,
-                       const ValueOf& valueOf) {
+bool EpochStream::code(Time wanted, bool is_step, const TerrainAdapter& adapter, std::span<const Slot> added,
+                       Coder& coder, const ValueOf& valueOf) {
   const Epochs& epochs = offsets_.epochs();
   const Time scene_time = codeTime(coder, wanted);
   if (scene_time < epochs.first() || scene_time > epochs.last()) return false;
+  is_step_ = epochs.blend() != EpochBlend::kLinear && coder.code(model_.is_step, is_step);
   const EpochWeights next = epochs.weightsAt(scene_time);
   const bool has_same = !is_first_ && std::ranges::equal(next.epochs(), blended_.epochs());
   if (has_same) {
@@ -109,17 +110,17 @@ bool EpochStream::code(Time wanted, const TerrainAdapter& adapter, std::span<con
   return true;
 }
 
-void EpochStream::encode(Time scene_time, const TerrainAdapter& adapter, std::span<const Slot> added,
+void EpochStream::encode(Time scene_time, bool is_step, const TerrainAdapter& adapter, std::span<const Slot> added,
                          const OffsetSource& source, RangeEncoder& coder, EpochBits& bits) {
   const double before = coder.bits();
   const uint64_t coded = coded_;
-  CHECK_TRUE(code(scene_time, adapter, added, coder,
+  CHECK_TRUE(code(scene_time, is_step, adapter, added, coder,
                   [&](uint32_t epoch, Slot slot) { return int64_t{source.offset(epoch, slot)}; }));
   bits = {coder.bits() - before, coded_ - coded};
 }
 
 bool EpochStream::decode(const TerrainAdapter& adapter, std::span<const Slot> added, RangeDecoder& coder) {
-  return code({}, adapter, added, coder, [](uint32_t, Slot) { return int64_t{0}; });
+  return code({}, false, adapter, added, coder, [](uint32_t, Slot) { return int64_t{0}; });
 }
 
 }  // namespace foreland::proto

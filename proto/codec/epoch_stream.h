@@ -1,7 +1,8 @@
 // What keyframes say of the ground's motion in time (section/epochs.h), in scenes that have epochs: the scene time, and
 // the offsets of nodes of the section at the epochs that are blended at this time, as far as the client does not know
 // them. An offset is sent once, however often the scene time passes its epoch. They follow the terrain and the objects
-// in a delta, on the same range coder.
+// in a delta, on the same range coder. Where the blend is not linear they also say whether the scene time has come here
+// by a step, in which the ground moves nearly linearly, or by a jump.
 //
 // An offset is coded as its difference from what its node's offset at the nearest known epoch and the motion of its
 // edge's endpoints since then make of it, so ground that does not move costs next to nothing.
@@ -37,6 +38,8 @@ class EpochStream {
 
   const EpochOffsets& offsets() const { return offsets_; }
   Time sceneTime() const { return scene_time_; }
+  // Whether the last keyframe's scene time was reached by a step. Of a linear blend never.
+  bool isStep() const { return is_step_; }
   // Nothing is known any more: after the client may have lost what it had.
   void restart();
   // The same at a client that resumes on a new connection; it goes on drawing what it holds.
@@ -44,8 +47,8 @@ class EpochStream {
 
   // A keyframe, after its terrain: `adapter` has its section, to which `added` came. Cost: O(added) look-ups, and
   // O(section) once other epochs are blended.
-  void encode(Time scene_time, const TerrainAdapter& adapter, std::span<const Slot> added, const OffsetSource& source,
-              RangeEncoder& coder, EpochBits& bits);
+  void encode(Time scene_time, bool is_step, const TerrainAdapter& adapter, std::span<const Slot> added,
+              const OffsetSource& source, RangeEncoder& coder, EpochBits& bits);
   // False if the bytes were none: this is then of no more use.
   [[nodiscard]] bool decode(const TerrainAdapter& adapter, std::span<const Slot> added, RangeDecoder& coder);
 
@@ -53,11 +56,12 @@ class EpochStream {
   struct Model {
     static constexpr size_t kActivities = 10, kBefore = 5;
     std::array<AdaptiveBit, 2> time;
+    AdaptiveBit is_step;
     std::array<NumberModel, kActivities * kBefore> offset;
     EscapeModel escape;
   };
   template <class Coder, class ValueOf>
-  bool code(Time scene_time, const TerrainAdapter& adapter, std::span<const Slot> added, Coder& coder,
+  bool code(Time scene_time, bool is_step, const TerrainAdapter& adapter, std::span<const Slot> added, Coder& coder,
             const ValueOf& valueOf);
   template <class Coder>
   Time codeTime(Coder& coder, Time scene_time);
@@ -70,6 +74,7 @@ class EpochStream {
   EpochOffsets offsets_;
   Model model_;
   Time scene_time_;
+  bool is_step_ = false;
   Duration step_;         // of the scene time, from keyframe to keyframe
   bool is_first_ = true;  // nothing was coded since restart()
   EpochWeights blended_;  // at scene_time_

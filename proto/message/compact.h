@@ -68,6 +68,13 @@ struct KeyframeHeader {
   uint32_t fingerprint = 0;                // of the section that results
   uint32_t fingerprint_mask = 0xffffffff;  // which of its bits the message carried
   Time scene_time{};                       // whose ground it shows, in scenes with epochs; it is in the delta
+  // The same where the blend of epochs is not linear: frames since the keyframe before show the ground at the scene
+  // time between, not a mix of the ground at two times; and what the motion takes of the tolerance of frames.
+  bool is_scene_step = false;
+  float motion_px = 0;
+
+  // That frames keep which show its section.
+  float frameTolerance() const { return tau_px + motion_px; }
 };
 
 struct KeyframeMessage {

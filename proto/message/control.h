@@ -22,7 +22,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 10;
+inline constexpr uint32_t kProtocolVersion = 11;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
@@ -102,6 +102,7 @@ struct Welcome {
   bool occlusion = false;                // deltas on this connection carry hidden blocks (codec/block_coder.h)
   uint32_t memory_bytes = 0;             // that the client remembers, at most what it asked for
   std::vector<Epoch> epochs;             // what Epochs::create accepts; empty: the scene does not change in time
+  EpochBlend epoch_blend = EpochBlend::kLinear;
   std::vector<BaseOffset> base_offsets;  // those that are not zero
   uint32_t most_offset = 0;              // the largest either way, of all vertices and epochs; at most kMaxOffset
   std::vector<TileLayer> tile_layers;    // at most one of each content

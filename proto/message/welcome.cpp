@@ -116,7 +116,10 @@ Status readEpochs(const fb::Welcome& m, Welcome& out) {
       out.epochs.push_back({Time{e.time_us()}, {e.x(), e.y(), e.width(), e.height()}});
     }
   }
-  if (auto epochs = Epochs::create(out.shape, out.epochs); !epochs) return epochs.error();
+  const auto blend = epochBlendOf(m.epoch_blend());
+  if (!blend) return malformed("its epochs are blended in an unknown way; reload or update");
+  out.epoch_blend = *blend;
+  if (auto epochs = Epochs::create(out.shape, out.epochs, *blend); !epochs) return epochs.error();
   out.most_offset = m.most_offset();
   if (out.most_offset > uint32_t{kMaxOffset}) return malformed("the largest offset is absurd");
   if (!m.base_offsets()) return {};
@@ -144,8 +147,10 @@ Status readRises(const fb::Welcome& m, Welcome& out) {
     quanta[r.object()].resize(out.epochs.size());
     quanta[r.object()][r.epoch()] = r.quanta();
   }
+  const Epochs epochs = Epochs::create(out.shape, out.epochs, out.epoch_blend).value();
   for (size_t i = 0; i < quanta.size(); ++i)
-    if (!quanta[i].empty()) out.objects[i].rise = GroundRise(std::move(quanta[i]), out.frame, out.objects[i].position);
+    if (!quanta[i].empty())
+      out.objects[i].rise = GroundRise(std::move(quanta[i]), epochs, out.frame, out.objects[i].position);
   return {};
 }
 
@@ -266,7 +271,8 @@ Bytes encode(const Welcome& m) {
   const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
                                       corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,
                                       objects, m.occlusion, m.memory_bytes, epochs, base_offsets, layers, m.tile_bytes,
-                                      static_cast<uint32_t>(m.longest_interval.us), m.most_offset, object_rises);
+                                      static_cast<uint32_t>(m.longest_interval.us), m.most_offset, object_rises,
+                                      static_cast<uint32_t>(m.epoch_blend));
   return finish(b, fb::Body_Welcome, body.Union());
 }
 

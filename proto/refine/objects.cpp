@@ -32,8 +32,10 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
 
 }  // namespace
 
-GroundRise::GroundRise(std::vector<int32_t> rises, const Frame& frame, const glm::dvec3& position)
-    : quanta(std::move(rises)), quantum(FrameTransform(frame).upAt(position) * frame.height_quantum_m) {}
+GroundRise::GroundRise(std::vector<int32_t> rises, const Epochs& epochs, const Frame& frame, const glm::dvec3& position)
+    : quanta(std::move(rises)),
+      quantum(FrameTransform(frame).upAt(position) * frame.height_quantum_m),
+      range(epochs.range(quanta)) {}
 
 glm::dvec3 GroundRise::at(const EpochWeights& weights) const {
   if (isStill()) return glm::dvec3(0);
@@ -53,10 +55,10 @@ View ObjectPlacement::toObject(const View& view) const {
 
 View ObjectPlacement::toCarriedObject(const View& view) const {
   if (rise.isStill()) return toObject(view);
-  const auto [lowest, highest] = std::minmax_element(rise.quanta.begin(), rise.quanta.end());
+  const auto [lowest, highest] = rise.range;
   View seen = view;
-  seen.pose.eye -= 0.5 * (double(*lowest) + double(*highest)) * rise.quantum;
-  seen.region_radius_m += 0.5 * (double(*highest) - double(*lowest)) * glm::length(rise.quantum);
+  seen.pose.eye -= 0.5 * (lowest + highest) * rise.quantum;
+  seen.region_radius_m += 0.5 * (highest - lowest) * glm::length(rise.quantum);
   return toObject(seen);
 }
 

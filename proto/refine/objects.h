@@ -29,12 +29,13 @@ struct ObjectModel {
 // How the ground carries what stands on it, in a scene that changes in time: straight up and down with the ground at
 // one point.
 struct GroundRise {
-  std::vector<int32_t> quanta;  // by epoch, since the first one; empty: it never moves
-  glm::dvec3 quantum{0};        // scene frame, metres
+  std::vector<int32_t> quanta;    // by epoch, since the first one; empty: it never moves
+  glm::dvec3 quantum{0};          // scene frame, metres
+  std::array<double, 2> range{};  // quanta, at all scene times (Epochs::range)
 
   GroundRise() = default;
   // Of what stands at `position`, scene frame.
-  GroundRise(std::vector<int32_t> quanta, const Frame& frame, const glm::dvec3& position);
+  GroundRise(std::vector<int32_t> quanta, const Epochs& epochs, const Frame& frame, const glm::dvec3& position);
   bool isStill() const { return quanta.empty(); }
   // Where it has been carried to at a scene time, scene frame, metres.
   glm::dvec3 at(const EpochWeights& weights) const;

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -56,15 +57,58 @@ void sortBaseOffsets(std::vector<BaseOffset>& offsets);
 int32_t baseOffsetAt(std::span<const BaseOffset> sorted, uint32_t epoch, uint32_t vertex);
 // The number of a base vertex in a BaseOffset.
 uint32_t baseVertexNumber(const GridTopology& grid, NodeId base);
+// The base vertex of a number.
+NodeId baseVertex(const GridTopology& grid, uint32_t number);
 
-// The epochs whose blend is the ground at a scene time; weights are positive and add to 1.
+// How the ground between epochs follows from theirs: a property of a scene. With t the dates and e the heights at them,
+//
+//   linear       straight from each epoch to the next; the motion's speed jumps at every date
+//   Catmull-Rom  through every epoch, with a speed that does not jump: cubic from t_i to t_i+1 (Hermite's), with the
+//                speed (e_i+1 - e_i-1) / (t_i+1 - t_i-1) at t_i, and at the first and last date that of the only
+//                neighbour's difference. May overshoot: weights outside of [t_i, t_i+1] are negative
+//   B-spline     the cubic B-spline whose knots are the dates, the first and the last four times, and whose control
+//                heights are the epochs', the first and the last twice. Begins at the first epoch and ends at the last,
+//                at rest, passes near the others; no weight is negative, and neither speed nor acceleration jumps
+//
+// Numbers as in scene files and in the welcome.
+enum class EpochBlend : uint8_t { kLinear, kCatmullRom, kBSpline };
+inline constexpr std::array<std::string_view, 3> kEpochBlendNames{"linear", "catmull-rom", "b-spline"};
+// Of any number; nothing if it is none's.
+std::optional<EpochBlend> epochBlendOf(uint32_t number);
+inline std::string_view name(EpochBlend blend) { return kEpochBlendNames[static_cast<size_t>(blend)]; }
+
+// Ground that does not move linearly moves nearly so from one keyframe to the next: as far as it does not, it takes
+// this share of the tolerance that frames keep, and sections are refined to the rest.
+inline constexpr double kMotionShare = 0.25;
+// To which a section is refined for frames to keep `tau_px`.
+inline double sectionTolerance(EpochBlend blend, double tau_px) {
+  return blend == EpochBlend::kLinear ? tau_px : (1 - kMotionShare) * tau_px;
+}
+// Which frames keep between sections that are refined to `section_px`.
+inline double frameTolerance(EpochBlend blend, double section_px) {
+  return blend == EpochBlend::kLinear ? section_px : section_px / (1 - kMotionShare);
+}
+
+// The epochs whose blend is the ground at a scene time, ascending; weights add to 1.
 struct EpochWeights {
-  std::array<uint32_t, 2> epoch{};
-  std::array<double, 2> weight{1, 0};
+  std::array<uint32_t, 4> epoch{};
+  std::array<double, 4> weight{1, 0, 0, 0};
   uint32_t count = 1;
 
   std::span<const uint32_t> epochs() const { return std::span(epoch).first(count); }
   bool operator==(const EpochWeights&) const = default;
+};
+
+// A cubic blend from one epoch to the next as a Bezier curve: with u from 0 to 1, heights are the sum of Bernstein's
+// polynomials (1-u)^3, 3 u (1-u)^2, 3 u^2 (1-u), u^3 times four control heights, which are blends of epochs
+// themselves. So heights lie between the control heights, and errors are no larger than the largest of the four grounds
+// that these make.
+struct EpochCurve {
+  uint32_t first = 0, count = 0;                    // the epochs blended: `count` from `first` on
+  std::array<std::array<double, 4>, 4> controls{};  // weights of these epochs, by control height
+
+  // Weights of the epochs' heights in the acceleration at either end, by u. It is linear between.
+  std::array<std::array<double, 4>, 2> accelerations() const;
 };
 
 class Epochs {
@@ -76,21 +120,28 @@ class Epochs {
   Epochs() = default;
   // An Error names the first epoch that is out of order, or whose window reaches beyond the data. The first one's is
   // empty.
-  static Result<Epochs> create(const GridShape& shape, std::vector<Epoch> epochs);
+  static Result<Epochs> create(const GridShape& shape, std::vector<Epoch> epochs,
+                               EpochBlend blend = EpochBlend::kLinear);
 
   bool empty() const { return epochs_.empty(); }
   size_t size() const { return epochs_.size(); }
   const Epoch& operator[](size_t i) const { return epochs_[i]; }
   std::span<const Epoch> all() const { return epochs_; }
+  EpochBlend blend() const { return blend_; }
   // Not of a scene that does not change, like all below.
   Time first() const { return epochs_.front().time; }
   Time last() const { return epochs_.back().time; }
   Time clamp(double us) const;
 
-  // Linear between neighbouring epochs. O(log epochs).
+  // O(log epochs).
   EpochWeights weightsAt(Time scene_time) const;
-  // The scene time nearest to `wanted` such that between `from` and it there is no epoch, so the ground moves linearly
-  // from the one to the other.
+  // Of a cubic blend, from an epoch to the next; not of the last epoch. O(1).
+  EpochCurve curveAfter(uint32_t epoch) const;
+  // Two numbers that hold a quantity at all scene times, which has `values` at the epochs: the least and the largest of
+  // the values and, of Catmull-Rom, of the control heights. O(epochs).
+  std::array<double, 2> range(std::span<const int32_t> values) const;
+  // The scene time nearest to `wanted` such that between `from` and it there is no epoch, so linearly blended ground
+  // moves linearly from the one to the other.
   Time towards(Time from, Time wanted) const;
 
   // Whether the vertex's offset at the epoch may differ from zero. Beyond the data heights are those of the nearest
@@ -100,7 +151,14 @@ class Epochs {
   }
 
  private:
+  // The date of an epoch, of the nearest one beyond the ends; seconds since the first.
+  double date(int64_t epoch) const;
+  EpochCurve neighbours(uint32_t epoch) const;
+  EpochCurve catmullRom(uint32_t epoch) const;
+  EpochCurve bSpline(uint32_t epoch) const;
+
   std::vector<Epoch> epochs_;
+  EpochBlend blend_ = EpochBlend::kLinear;
   uint32_t last_x_ = 0, last_y_ = 0;  // of the data
 };
 

@@ -129,6 +129,7 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
   keyframe_.region_angle_rad = proto::shortAtLeast(view.region_angle_rad);
   keyframe_.pose = proto::asSentInHeader(view.pose);  // what the viewer decodes, and steps to
   keyframe_.scene_time = scene_time_;
+  keyframe_.is_scene_step = is_scene_step_;
 
   Bytes delta;
   const proto::DenseNodes table = hierarchy_->table();
@@ -143,7 +144,8 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
     return false;
   }
   if (epochs_)
-    epochs_->encode(scene_time_, adapter_, scratch.delta.added, hierarchy_->epochs(), encoder.coder(), epoch_bits_);
+    epochs_->encode(scene_time_, is_scene_step_, adapter_, scratch.delta.added, hierarchy_->epochs(), encoder.coder(),
+                    epoch_bits_);
   bits_ = encoder.bits();
   keyframe_.fingerprint += proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed);
   encoder.finish();

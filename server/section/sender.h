@@ -46,8 +46,12 @@ class SectionSender {
   // proto::kDefaultMemoryBytes.
   void setMemory(uint32_t bytes);
 
-  // The scene time of the keyframes from now on, in a scene with epochs: within them.
-  void showAt(Time scene_time) { scene_time_ = scene_time; }
+  // The scene time of the keyframes from now on, in a scene with epochs: within them. The next one's may be a step from
+  // the last one's (KeyframeHeader::is_scene_step).
+  void showAt(Time scene_time, bool is_step = false) {
+    scene_time_ = scene_time;
+    is_scene_step_ = is_step;
+  }
 
   // Makes the next keyframe start from the empty section, whatever the viewer holds. What it knows it remembers.
   void restart();
@@ -109,6 +113,7 @@ class SectionSender {
   std::unique_ptr<proto::ObjectStream> stream_;  // null without objects, for it is large
   std::unique_ptr<proto::EpochStream> epochs_;   // null without epochs
   Time scene_time_;
+  bool is_scene_step_ = false;
   proto::KeyframeHeader keyframe_;
   proto::KeyframeMemory headers_sent_;
   proto::DeltaBits bits_;

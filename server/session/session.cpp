@@ -299,7 +299,7 @@ Time Session::shownFrom(Time t) const {
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
 proto::View Session::viewFor(Time t, Duration until_next) const {
   const ExpectedMotion motion = motion_.expected(*request_);
-  proto::View view{motion.at(t), request_->lens, request_->tau_px};
+  proto::View view{motion.at(t), request_->lens, sectionTolerance()};
   const Time end = t + until_next;
   const Duration unknown = jumped_ ? request_->keyframe_interval * kShownAfterJump : end - motion_.newest().time;
   const Region region =
@@ -346,7 +346,7 @@ double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
 void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
   const Budget budget{request_->max_triangles, request_->max_bytes_per_second, processors_};
   const double before_px = tolerance_.tolerance();
-  const double wanted_px = static_cast<float>(tolerance_.next(request_->tau_px, budget));
+  const double wanted_px = static_cast<float>(tolerance_.next(sectionTolerance(), budget));
   view.tau_px = wanted_px;
   if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, mostNodes())) return tolerance_.force(wanted_px);
   const auto load = [&](double tau_px) {
@@ -376,6 +376,24 @@ bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes,
   return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
 }
 
+// Chooses the scene time of the keyframe for `view`.
+void Session::moveGround(Time t, const proto::View& view) {
+  const proto::Epochs& epochs = world_->hierarchy.epochs().epochs();
+  if (epochs.empty()) return;
+  // As the viewer decodes it, and with the finest tolerance that frames may keep.
+  const proto::View seen{proto::asSentInHeader(view.pose), view.lens, request_->tau_px,
+                         proto::shortAtLeast(view.region_radius_m), proto::shortAtLeast(view.region_angle_rad)};
+  const auto next = scene_time_.next(epochs, t, [&](Time from, Time wanted) {
+    return world_->motion ? world_->motion->towards(from, wanted, seen) : epochs.towards(from, wanted);
+  });
+  sender_.showAt(next.scene_time, next.is_step);
+}
+
+// That the viewer's frames are to keep, less what the ground's motion takes of it.
+double Session::sectionTolerance() const {
+  return proto::sectionTolerance(world_->hierarchy.epochs().epochs().blend(), request_->tau_px);
+}
+
 void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
   const double interval_s =
       isFirst() || jumped_ ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
@@ -385,8 +403,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   }
   plan.until_next = adaptive_interval_.next(bounds(), interval_);
   const proto::View view = viewFor(plan.time_client, plan.until_next);
-  if (const proto::Epochs& epochs = world_->hierarchy.epochs().epochs(); !epochs.empty())
-    sender_.showAt(scene_time_.next(epochs, plan.time_client));
+  moveGround(plan.time_client, view);
   Bytes message;
   // The second one starts from nothing, and so is as large as it was measured.
   if (!sendKeyframe(view, plan, mostNodes(), scratch, message))
@@ -414,7 +431,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   statistics_.nodes_added += scratch.send.delta.added.size();
   statistics_.nodes_removed += scratch.send.delta.removed.size();
   statistics_.tau_px = keyframe().tau_px;
-  statistics_.is_coarse = keyframe().tau_px > 1.001 * request_->tau_px;  // it is a float
+  statistics_.is_coarse = keyframe().tau_px > 1.001 * sectionTolerance();  // it is a float
   statistics_.nodes_tested = sender_.adapter().testCount();
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();

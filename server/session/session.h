@@ -152,6 +152,8 @@ class Session {
   Time gridAtOrAfter(Time t_client) const;
   Time shownFrom(Time t) const;
   // For a keyframe that is shown until the next one, which is `until_next` later.
+  void moveGround(Time t_client, const proto::View& view);
+  double sectionTolerance() const;
   proto::View viewFor(Time t_client, Duration until_next) const;
   size_t mostNodes() const;
   std::optional<Due> requestDue() const;

@@ -4,6 +4,8 @@ namespace foreland::server {
 
 World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
     : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)) {
+  if (hierarchy.epochs().epochs().blend() != proto::EpochBlend::kLinear)
+    motion = std::make_unique<const GroundMotion>(hierarchy);
   if (hierarchy.scene().tiles().layers().empty() || !hierarchy.epochs().epochs().empty()) return;
   ground = std::make_shared<const SceneGround>(SceneGround{GroundSquares(hierarchy), HorizonGrid::of(hierarchy)});
 }
@@ -25,6 +27,7 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   w.objects = hierarchy.objects().set.placements();
   const terrain::EpochTable& epochs = hierarchy.epochs();
   w.epochs.assign(epochs.epochs().all().begin(), epochs.epochs().all().end());
+  w.epoch_blend = epochs.epochs().blend();
   w.base_offsets.assign(epochs.baseOffsets().begin(), epochs.baseOffsets().end());
   w.most_offset = hierarchy.mostOffset();
   w.tile_layers.assign(scene.tiles().layers().begin(), scene.tiles().layers().end());

@@ -6,6 +6,7 @@
 #include "proto/message/message.h"
 #include "server/imagery/visible_ground.h"
 #include "server/occlusion/viewer_occlusion.h"
+#include "server/section/ground_motion.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::server {
@@ -14,6 +15,7 @@ struct World {
   // O(samples) for a scene with tiles.
   explicit World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects = {});
   Hierarchy hierarchy;
+  std::unique_ptr<const GroundMotion> motion;  // null unless the blend of its epochs is cubic
   // By which tiles are chosen; null if the scene has none, or its ground moves.
   std::shared_ptr<const SceneGround> ground;
   std::shared_ptr<const SceneOcclusion> occlusion;  // of the hierarchy; null: nothing is left out as hidden

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "terrain/store/bilinear.h"
 
@@ -11,10 +12,12 @@ namespace {
 
 int32_t highestAt(const terrain::Scene& scene, proto::NodeId v) {
   const terrain::EpochTable& table = scene.epochs();
-  int32_t most = 0;
-  for (uint32_t epoch = 0; epoch < table.epochs().size(); ++epoch)
-    if (table.epochs().mayMove(epoch, v)) most = std::max(most, table.offset(epoch, scene.grid(), v));
-  return scene.height(v) + most;
+  const proto::Epochs& epochs = table.epochs();
+  if (epochs.empty()) return scene.height(v);
+  std::vector<int32_t> quanta;
+  for (uint32_t epoch = 0; epoch < epochs.size(); ++epoch)
+    quanta.push_back(epochs.mayMove(epoch, v) ? table.offset(epoch, scene.grid(), v) : 0);
+  return scene.height(v) + static_cast<int32_t>(std::ceil(epochs.range(quanta)[1]));
 }
 
 }  // namespace

@@ -159,11 +159,12 @@ class BoundsPass {
       NodeRecord* record = &band.records[slot - band.first];
       for (uint32_t end = i + count; i < end; ++i, record += row.slot_step) {
         const int32_t height = positions_.quanta(row.first_x + i * row.step_x, row.y);
-        *record = NodeRecord::of(
-            height, height - positions_.middleQuanta(row.node(i)),
-            std::max({proto::QuantisedError::roundUp(band.errors_m[i]), proto::QuantisedError{band.child_errors[i]},
-                      leastError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
-            levels_.roundUp(level, band.radii_m[i] + kPad_m));
+        *record =
+            NodeRecord::of(height, height - positions_.middleQuanta(row.node(i)),
+                           std::max({proto::QuantisedError::roundUp(band.errors_m[i] + job_.rounding_m),
+                                     proto::QuantisedError{band.child_errors[i]},
+                                     leastError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
+                           levels_.roundUp(level, band.radii_m[i] + kPad_m));
       }
     });
   }

@@ -28,6 +28,8 @@ struct BoundsJob {
   Heights lowest{}, highest{};
   // By slot, errors that the nodes' must not be below; empty: none.
   std::span<const proto::QuantisedError> least_errors{};
+  // What heights were rounded by makes of an error at most; errors are larger by as much. Metres.
+  double rounding_m = 0;
   // Only nodes whose supports reach a lattice row from first_row to last_row get errors; the others' are zero.
   uint32_t first_row = 0, last_row = 0xffffffff;
   std::span<const NodeRecord> nodes;  // slotCount() records, in which what `store` is given appears

@@ -130,6 +130,13 @@ Result<std::vector<EpochSamples>> readEpochs(const BuildOptions& options, const 
   return epochs;
 }
 
+// The epochs that are asked for, with nothing in their windows.
+Result<proto::Epochs> datesOf(const BuildOptions& options, const proto::GridShape& shape) {
+  std::vector<proto::Epoch> dates;
+  for (const EpochRequest& request : options.epochs) dates.push_back({request.time, {}});
+  return proto::Epochs::create(shape, std::move(dates), options.epoch_blend);
+}
+
 void layOver(const EpochSamples& epoch, uint32_t width, std::span<float> metres) {
   epoch.forEach([&](uint32_t x, uint32_t y, float height) { metres[static_cast<size_t>(y) * width + x] = height; });
 }
@@ -247,6 +254,8 @@ std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame
 Status checkOptions(const BuildOptions& options) {
   if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
+  if (options.epochs.empty() && options.epoch_blend != proto::EpochBlend::kLinear)
+    return Error{ErrorCode::kInvalidArgument, "there are no epochs to blend"};
   return {};
 }
 
@@ -284,7 +293,9 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   if (!objects.ok()) return objects.error();
   std::optional<EpochLayers> layers;
   if (!epochs->empty()) {
-    layers.emplace(*grid, frame, heights, options.threads);
+    auto dates = datesOf(options, grid->shape());
+    if (!dates) return dates.error();
+    layers.emplace(*grid, frame, heights, std::move(*dates), options.threads);
     if (Status s = addEpochs(*epochs, *layers, progress); !s.ok()) return s.error();
     range = layers->range();
   }
@@ -304,6 +315,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .origin = origin,
                                                      .objects = std::move(*objects),
                                                      .epochs = layers ? layers->section() : Bytes{},
+                                                     .epoch_blend = options.epoch_blend,
                                                      .tiles = &*tiles});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);

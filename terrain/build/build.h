@@ -1,7 +1,7 @@
 // Elevation data in, one scene file out: read in windows, fill voids, quantise, bound, write. The file appears whole or
 // not at all (terrain/store/scene_writer.h). Memory: four bytes a sample, and what the source, the filling of voids
-// or the relief (5/4 bytes a sample) need; with epochs, another 12 bytes a sample and 9 a node. One caller; uses
-// threads of its own while it runs.
+// or the relief (5/4 bytes a sample) need; with epochs, another 12 bytes a sample (24 with a Catmull-Rom blend) and 9 a
+// node. One caller; uses threads of its own while it runs.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +32,7 @@ struct BuildOptions {
   std::vector<ObjectRequest> objects{};  // to place on the terrain
   // The ground at other times, for scenes that change; the first is laid over the source. In the order of their dates.
   std::vector<EpochRequest> epochs{};
+  proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
   // Imagery, on the source's lattice; null for none.
   PictureSource* picture = nullptr;
   int imagery_quality = kDefaultImageryQuality;  // of WebP, 1 to 100

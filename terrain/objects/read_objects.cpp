@@ -56,7 +56,7 @@ proto::GroundRise riseAt(const Scene& scene, const glm::dvec3& position) {
     quanta.push_back(static_cast<int32_t>(std::lround(bilinear(shape.samples_x, shape.samples_y, x, y, at))));
   }
   if (std::all_of(quanta.begin(), quanta.end(), [](int32_t q) { return q == 0; })) return {};
-  return {std::move(quanta), scene.frame(), position};
+  return {std::move(quanta), table.epochs(), scene.frame(), position};
 }
 
 Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {

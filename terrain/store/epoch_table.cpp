@@ -24,7 +24,7 @@ const BlockEntry* find(std::span<const BlockEntry> entries, uint32_t key) {
 
 }  // namespace
 
-Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan bytes) {
+Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan bytes, proto::EpochBlend blend) {
   const auto malformed = [](const char* what) { return Error{ErrorCode::kMalformed, what}; };
   EpochTable table;
   if (bytes.empty()) return table;
@@ -45,7 +45,7 @@ Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan by
     if (uint64_t{e.first_entry} + e.entry_count > start.entries) return malformed("an epoch's offsets are missing");
     epochs.push_back({Time{e.time_us}, {e.x, e.y, e.width, e.height}});
   }
-  auto checked = proto::Epochs::create(grid.shape(), std::move(epochs));
+  auto checked = proto::Epochs::create(grid.shape(), std::move(epochs), blend);
   if (!checked) return checked.error();
   table.epochs_ = std::move(*checked);
   const proto::GridShape& s = grid.shape();
@@ -61,9 +61,13 @@ Result<EpochTable> EpochTable::read(const proto::GridTopology& grid, ByteSpan by
 
 // What a damaged file says is kept within bounds; verify finds the damage.
 int32_t EpochTable::offset(uint32_t epoch, proto::Slot slot) const {
-  const BlockEntry* at = find(entriesOf(epoch), slot / 64);
-  if (!at || at->block >= blocks_.size()) return 0;
-  return std::clamp(blocks_[at->block][slot % 64], -proto::kMaxOffset, proto::kMaxOffset);
+  const OffsetBlock* block = blockOf(epoch, slot / 64);
+  return block ? clamped((*block)[slot % 64]) : 0;
+}
+
+const OffsetBlock* EpochTable::blockOf(uint32_t epoch, uint32_t key) const {
+  const BlockEntry* at = find(entriesOf(epoch), key);
+  return at && at->block < blocks_.size() ? &blocks_[at->block] : nullptr;
 }
 
 int32_t EpochTable::offset(uint32_t epoch, const proto::GridTopology& grid, proto::NodeId v) const {

@@ -2,7 +2,9 @@
 // epoch. A view of the file's bytes; immutable; any thread. A node's offset takes a binary search.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -19,7 +21,8 @@ class EpochTable final : public proto::OffsetSource {
   EpochTable() = default;
   // The section's bytes, which must outlive it and be aligned to 8; no epochs if there are none. An Error says what is
   // damaged. Costs the same for any number of offsets.
-  static Result<EpochTable> read(const proto::GridTopology& grid, ByteSpan bytes);
+  static Result<EpochTable> read(const proto::GridTopology& grid, ByteSpan bytes,
+                                 proto::EpochBlend blend = proto::EpochBlend::kLinear);
 
   const proto::Epochs& epochs() const { return epochs_; }
   std::span<const proto::BaseOffset> baseOffsets() const { return base_; }
@@ -32,6 +35,10 @@ class EpochTable final : public proto::OffsetSource {
   // Calls visit(i, what is wrong) for every fault in the entries and offsets of epoch i. O(offsets).
   template <class Visit>
   void check(const proto::GridTopology& grid, const Visit& visit) const;
+  // Calls visit(vertex, its offset at each epoch) for every node that is in a block of any, and for base vertices that
+  // move. O(offsets).
+  template <class Visit>
+  void forEachMoving(const proto::GridTopology& grid, const Visit& visit) const;
   // How many blocks an epoch has that the one before it has not.
   size_t newBlocks(uint32_t epoch) const;
 
@@ -39,6 +46,10 @@ class EpochTable final : public proto::OffsetSource {
   std::span<const BlockEntry> entriesOf(uint32_t epoch) const {
     return entries_.subspan(stored_[epoch].first_entry, stored_[epoch].entry_count);
   }
+
+  // The offsets of 64 slots at an epoch; null if they are zeros, or missing.
+  const OffsetBlock* blockOf(uint32_t epoch, uint32_t key) const;
+  static int32_t clamped(int32_t quanta) { return std::clamp(quanta, -proto::kMaxOffset, proto::kMaxOffset); }
 
   proto::Epochs epochs_;
   std::span<const StoredEpoch> stored_;
@@ -66,6 +77,31 @@ void EpochTable::check(const proto::GridTopology& grid, const Visit& visit) cons
         if (std::abs(quanta) > proto::kMaxOffset) visit(epoch, "an offset is absurd");
       }
     }
+  }
+}
+
+template <class Visit>
+void EpochTable::forEachMoving(const proto::GridTopology& grid, const Visit& visit) const {
+  std::set<uint32_t> keys;
+  for (const BlockEntry& entry : entries_) keys.insert(entry.key);
+  std::vector<int32_t> quanta(epochs_.size());
+  for (const uint32_t key : keys) {
+    std::vector<const OffsetBlock*> blocks;
+    for (uint32_t epoch = 0; epoch < epochs_.size(); ++epoch) blocks.push_back(blockOf(epoch, key));
+    for (uint32_t low = 0; low < std::tuple_size_v<OffsetBlock>; ++low) {
+      const uint64_t slot = uint64_t{key} * 64 + low;
+      const proto::NodeId n = slot < grid.slotCount() ? grid.node(static_cast<proto::Slot>(slot)) : proto::NodeId{};
+      if (n == proto::NodeId{}) continue;
+      for (size_t epoch = 0; epoch < blocks.size(); ++epoch)
+        quanta[epoch] = blocks[epoch] ? clamped((*blocks[epoch])[low]) : 0;
+      visit(n, std::span<const int32_t>(quanta));
+    }
+  }
+  std::set<uint32_t> vertices;
+  for (const proto::BaseOffset& b : base_) vertices.insert(b.vertex);
+  for (const uint32_t vertex : vertices) {
+    for (uint32_t epoch = 0; epoch < epochs_.size(); ++epoch) quanta[epoch] = proto::baseOffsetAt(base_, epoch, vertex);
+    visit(proto::baseVertex(grid, vertex), std::span<const int32_t>(quanta));
   }
 }
 

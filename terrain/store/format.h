@@ -17,13 +17,14 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 4;
+inline constexpr uint32_t kFormatVersion = 5;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
 
 // The start of the file's first page; the rest of the page is zero.
 struct FileHeader {
   static constexpr uint32_t kOldestVersion = 3;  // had no tiles; the reader still takes it
+  static constexpr uint32_t kLinearVersion = 4;  // epochs were blended linearly; written for scenes whose are
 
   std::array<char, 8> magic = kSceneMagic;
   uint32_t version = kFormatVersion;
@@ -42,10 +43,12 @@ struct FileHeader {
   uint64_t voids_filled = 0;
   uint64_t slot_count = 0;
   SectionRange sections[kSectionCount];
-  SectionRange epochs;  // after the objects (epoch_section.h); zeros in scenes without epochs
-  SectionRange tiles;   // after the epochs (tile_section.h); zeros in scenes without tiles
+  SectionRange epochs;       // after the objects (epoch_section.h); zeros in scenes without epochs
+  SectionRange tiles;        // after the epochs (tile_section.h); zeros in scenes without tiles
+  uint32_t epoch_blend = 0;  // proto::EpochBlend
+  uint32_t unused = 0;
 };
-static_assert(sizeof(FileHeader) == 360 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 368 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 

@@ -59,7 +59,11 @@ Status MappedScene::adopt() {
   corners_ = section<int32_t>(kCorners);
   centres_ = section<int32_t>(kCentres);
   objects_ = section<uint8_t>(kObjects);
-  auto epochs = EpochTable::read(grid_, sectionOf<uint8_t>(bytes_, header_.epochs));
+  const auto blend = proto::epochBlendOf(header_.epoch_blend);
+  if (!blend) return malformed("its epochs are blended in an unknown way");
+  if (header_.version <= FileHeader::kLinearVersion && *blend != proto::EpochBlend::kLinear)
+    return malformed("it is too old to blend epochs but linearly");
+  auto epochs = EpochTable::read(grid_, sectionOf<uint8_t>(bytes_, header_.epochs), *blend);
   if (!epochs) return epochs.error();
   epochs_ = std::move(*epochs);
   auto tiles = TileTable::read(sectionOf<uint8_t>(bytes_, header_.tiles));

@@ -30,6 +30,8 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   for (uint32_t kind = 0; kind < kSectionCount; ++kind) h.sections[kind] = layout.sections[kind];
   h.epochs = layout.epochs;
   h.tiles = layout.tiles;
+  h.epoch_blend = static_cast<uint32_t>(about.epoch_blend);
+  if (about.epoch_blend == proto::EpochBlend::kLinear) h.version = FileHeader::kLinearVersion;
 
   auto file = NewFile::create(target, layout.file_bytes);
   if (!file.ok()) return file.error();

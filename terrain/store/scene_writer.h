@@ -25,6 +25,7 @@ class SceneWriter {
     SceneOrigin origin;
     Bytes objects{};  // the section of objects (terrain/objects)
     Bytes epochs{};   // the section of epochs (epoch_section.h)
+    proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
     const TileSection* tiles = nullptr;
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);

@@ -25,7 +25,14 @@ std::string name(NodeId n) { return "node (" + std::to_string(n.x()) + ", " + st
 class NodeCheck {
  public:
   NodeCheck(const Scene& scene, Faults& faults)
-      : scene_(scene), grid_(scene.grid()), positions_(scene.frame(), grid_.maxX(), grid_.maxY()), faults_(faults) {}
+      : scene_(scene), grid_(scene.grid()), positions_(scene.frame(), grid_.maxX(), grid_.maxY()), faults_(faults) {
+    const proto::Epochs& epochs = scene.epochs().epochs();
+    for (size_t i = 0; i < std::max<size_t>(epochs.size(), 1); ++i) {
+      moments_.push_back({{static_cast<uint32_t>(i)}, {1}, 1});
+      if (epochs.blend() != proto::EpochBlend::kLinear && i + 1 < epochs.size())
+        moments_.push_back(epochs.weightsAt(epochs[i].time + Duration{(epochs[i + 1].time - epochs[i].time).us / 2}));
+    }
+  }
 
   // Whether the slot holds a node; otherwise it is padding.
   bool check(proto::Slot slot) const {
@@ -45,8 +52,8 @@ class NodeCheck {
       fault(name(n) + " has another radius than its page");
     const glm::dvec3 centre = centreOf(n, record);
     const double radius = radiusOf(n, record);
-    for (uint32_t epoch = 0; epoch < std::max<size_t>(scene_.epochs().epochs().size(), 1); ++epoch)
-      if (epoch == 0 || mayMove(epoch, n)) checkBounds(n, record, centre, radius, epoch);
+    for (size_t i = 0; i < moments_.size(); ++i)
+      if (i == 0 || mayMove(moments_[i], n)) checkBounds(n, record, centre, radius, moments_[i]);
     for (NodeId child : grid_.children(n)) {
       const NodeRecord& below = scene_.node(child);
       if (below.error() > record.error()) fault(name(n) + " has a smaller error than its child " + name(child));
@@ -65,32 +72,45 @@ class NodeCheck {
     return height >= scene_.heightRange().lowest && height <= scene_.heightRange().highest;
   }
   // Whether one of the vertices that a node's bounds are checked against may move by an epoch.
-  bool mayMove(uint32_t epoch, NodeId n) const {
-    const auto moves = [&](NodeId v) { return scene_.epochs().epochs().mayMove(epoch, v); };
+  bool mayMove(const proto::EpochWeights& moment, NodeId n) const {
+    const auto moves = [&](NodeId v) {
+      return std::ranges::any_of(moment.epochs(),
+                                 [&](uint32_t epoch) { return scene_.epochs().epochs().mayMove(epoch, v); });
+    };
     return moves(n) || std::ranges::any_of(grid_.endpoints(n), moves) || std::ranges::any_of(grid_.apexes(n), moves);
   }
-  int32_t heightAt(uint32_t epoch, NodeId v) const {
-    return scene_.height(v) + (epoch == 0 ? 0 : scene_.epochs().offset(epoch, grid_, v));
+  double heightAt(const proto::EpochWeights& moment, NodeId v) const {
+    double height = scene_.height(v);
+    for (uint32_t i = 0; i < moment.count; ++i)
+      if (moment.epoch[i] > 0) height += moment.weight[i] * scene_.epochs().offset(moment.epoch[i], grid_, v);
+    return height;
   }
-  // Errors and spheres hold at all epochs.
-  void checkBounds(NodeId n, const NodeRecord& record, const glm::dvec3& centre, double radius, uint32_t epoch) const {
+  // Errors and spheres hold at all epochs, and between them.
+  void checkBounds(NodeId n, const NodeRecord& record, const glm::dvec3& centre, double radius,
+                   const proto::EpochWeights& moment) const {
     const auto checkCorner = [&](NodeId corner) {
-      if (glm::distance(centre, positions_.position(corner, heightAt(epoch, corner))) > radius)
-        faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners" + atEpoch(epoch));
+      if (glm::distance(centre, positions_.position(corner, heightAt(moment, corner))) > radius)
+        faults_.add(grid_.slot(n), name(n) + " has a sphere that does not hold its corners" + atMoment(moment));
     };
     std::ranges::for_each(grid_.endpoints(n), checkCorner);
     std::ranges::for_each(grid_.apexes(n), checkCorner);
-    if (holdsItself(n) && record.error().metres() < displacement(n, epoch))
-      faults_.add(grid_.slot(n), name(n) + " has an error below its own displacement" + atEpoch(epoch));
+    const double rounding_m = moment.count > 1 ? 1e-9 : 0;  // of weights, on heights of 10^5 m
+    if (holdsItself(n) && record.error().metres() + rounding_m < displacement(n, moment))
+      faults_.add(grid_.slot(n), name(n) + " has an error below its own displacement" + atMoment(moment));
   }
-  static std::string atEpoch(uint32_t epoch) { return epoch == 0 ? "" : " at epoch " + std::to_string(epoch + 1); }
+  static std::string atMoment(const proto::EpochWeights& moment) {
+    if (moment.count > 1)
+      return " between the epochs " + std::to_string(moment.epoch[0] + 1) + " and " +
+             std::to_string(moment.epoch[moment.count - 1] + 1);
+    return moment.epoch[0] == 0 ? "" : " at epoch " + std::to_string(moment.epoch[0] + 1);
+  }
   bool holdsItself(NodeId n) const { return n.x() < grid_.shape().samples_x && n.y() < grid_.shape().samples_y; }
   // Distance of a node from the middle of its edge; in planar frames along the vertical, where it is exact.
-  double displacement(NodeId n, uint32_t epoch) const {
+  double displacement(NodeId n, const proto::EpochWeights& moment) const {
     const auto ends = grid_.endpoints(n);
-    const int32_t a = heightAt(epoch, ends[0]), b = heightAt(epoch, ends[1]), own = heightAt(epoch, n);
+    const double a = heightAt(moment, ends[0]), b = heightAt(moment, ends[1]), own = heightAt(moment, n);
     if (scene_.frame().kind == proto::FrameKind::kPlanar)
-      return std::fabs(own - 0.5 * (static_cast<double>(a) + b)) * scene_.frame().height_quantum_m;
+      return std::fabs(own - 0.5 * (a + b)) * scene_.frame().height_quantum_m;
     const glm::dvec3 middle = 0.5 * (positions_.position(ends[0], a) + positions_.position(ends[1], b));
     return glm::distance(positions_.position(n, own), middle);
   }
@@ -98,6 +118,7 @@ class NodeCheck {
   const Scene& scene_;
   const proto::GridTopology& grid_;
   proto::FrameGrid positions_;
+  std::vector<proto::EpochWeights> moments_;  // the first is the first epoch
   Faults& faults_;
 };
 

@@ -113,7 +113,8 @@ class Session:
         if self.scene_id != fields["scene_id"]:  # else the client may resume from those that it holds
             self.section = None
             self.objects = Objects(fields["models"] or [], placements)
-            self.epochs = Epochs(grid, shape, fields["epochs"] or [], fields["base_offsets"] or [], len(corners))
+            self.epochs = Epochs(grid, shape, fields["epochs"] or [], fields["base_offsets"] or [], len(corners),
+                                 fields["epoch_blend"])
         self.scene_id, self.is_welcome = fields["scene_id"], True
 
     def take(self, keyframe):

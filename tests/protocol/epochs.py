@@ -7,12 +7,15 @@ from wire import require
 
 MOST_OFFSET = 2 * ((1 << 22) - 1)
 MOST_BLOCKS = 16384
+LINEAR, CATMULL_ROM, B_SPLINE = range(3)
 
 
 class Epochs:
     """What is known of the offsets of a scene's vertices; nothing happens in a scene without epochs."""
 
-    def __init__(self, grid, shape, epochs, base_offsets, corners):
+    def __init__(self, grid, shape, epochs, base_offsets, corners, blend):
+        require(blend in (LINEAR, CATMULL_ROM, B_SPLINE), "an unknown blend")
+        self.blend = blend
         self.grid, self.last = grid, (shape["samples_x"] - 1, shape["samples_y"] - 1)
         self.times = [e[0] for e in epochs]
         self.windows = [e[1:] for e in epochs]
@@ -24,7 +27,7 @@ class Epochs:
 
     def begin_anew(self):
         self.known = [{} for _ in self.times]  # offsets by slot
-        self.bits, self.escape = contexts(2), contexts(32)
+        self.bits, self.escape = contexts(3), contexts(32)
         self.numbers = [[Number() for _ in range(5)] for _ in range(10)]
         self.time = self.step_us = 0
         self.blended = None
@@ -57,8 +60,12 @@ class Epochs:
 
     def blend_at(self, time):
         require(self.times[0] <= time <= self.times[-1], "a time of no epoch")
-        before = max(i for i, t in enumerate(self.times) if t <= time)
-        return [before] if self.times[before] == time else [before, before + 1]
+        before, last = max(i for i, t in enumerate(self.times) if t <= time), len(self.times) - 1
+        if self.times[before] == time:
+            is_between = self.blend == B_SPLINE and 0 < before < last
+            return [before - 1, before, before + 1] if is_between else [before]
+        more = 0 if self.blend == LINEAR else 1
+        return list(range(max(0, before - more), min(last, before + 1 + more) + 1))
 
     def take(self, nodes, coder):
         """`nodes` of the section, by ascending slot: (slot, node)."""
@@ -72,6 +79,8 @@ class Epochs:
                 for _ in range(4):
                     time = time << 16 | coder.even(16)
                 time -= (time >> 63) << 64
+        if self.blend != LINEAR:
+            coder.bit(self.bits[2])  # a step or a jump: it matters to what is said of frames only
         blended = self.blend_at(time)
         if blended != self.blended:
             self.forget(blended)

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdio>
 
+#include "bench/oracle/epoch_shares.h"
 #include "proto/refine/node_positions.h"
 
 namespace foreland::test {
@@ -141,13 +142,11 @@ std::string epochColumns(const server::Hierarchy& hierarchy, Time scene_time, co
   Crc crc;
   crc.add(static_cast<uint32_t>(scene_time.us));
   crc.add(static_cast<uint32_t>(static_cast<uint64_t>(scene_time.us) >> 32));
-  for (uint32_t epoch = 0; epoch < table.epochs().size(); ++epoch) {
-    const Time own = table.epochs()[epoch].time;
-    const bool is_blended =
-        own == scene_time ||
-        (own < scene_time && epoch + 1 < table.epochs().size() && scene_time < table.epochs()[epoch + 1].time) ||
-        (own > scene_time && epoch > 0 && table.epochs()[epoch - 1].time < scene_time);
-    if (!is_blended) continue;
+  std::vector<Time> dates;
+  for (const proto::Epoch& epoch : table.epochs().all()) dates.push_back(epoch.time);
+  const std::vector<double> shares = bench::epochShares(dates, table.epochs().blend(), scene_time);
+  for (uint32_t epoch = 0; epoch < shares.size(); ++epoch) {
+    if (shares[epoch] == 0) continue;
     for (proto::Slot slot : section.slots) crc.add(static_cast<uint32_t>(table.offset(epoch, slot)));
   }
   char text[16];

@@ -152,7 +152,7 @@ Script objectsScript() {
 }
 
 // Ground that changes three times, in windows that overlap; the last reaches the border of the data.
-std::shared_ptr<const server::World> worldThatMoves() {
+std::shared_ptr<const server::World> worldThatMoves(proto::EpochBlend blend) {
   constexpr int64_t kDay_us = 86'400'000'000;
   FormulaSource source(100, 90, [](uint32_t x, uint32_t y) { return country(x, y, 0); });
   source.info().title = "moving";
@@ -165,14 +165,14 @@ std::shared_ptr<const server::World> worldThatMoves() {
   std::vector<terrain::EpochRequest> epochs;
   for (uint32_t i = 0; i < 4; ++i)
     epochs.push_back({Time{(12'000 + i * i * 30) * kDay_us}, std::to_string(i), &sources[i]});
-  return std::make_shared<server::World>(makeScene(source, 0.1, 1, std::move(epochs)));
+  return std::make_shared<server::World>(makeScene(source, 0.1, 1, std::move(epochs), blend));
 }
 
 // Scene time stands, runs, is dragged backwards, runs backwards; a lost connection is resumed in mid-time.
-Script movingScript() {
+Script movingScript(const char* name, proto::EpochBlend blend) {
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
   constexpr double kDay = 86'400;
-  Script s{"moving", worldThatMoves(), {}, {}, at(20)};
+  Script s{name, worldThatMoves(blend), {}, {}, at(20)};
   s.route = {{at(0), {-450, -500, 700}, {1, 0.9, -0.6}},
              {at(3), {-200, -250, 600}, {0.7, 0.9, -0.7}},
              {at(6), {100, -200, 650}, {-0.2, 0.9, -0.7}}};
@@ -198,6 +198,13 @@ proto::Pose Script::poseAt(Duration t) const {
   return {a.eye + (b.eye - a.eye) * u, proto::lookAlong(a.ahead + (b.ahead - a.ahead) * u, {0, 0, 1})};
 }
 
-std::vector<Script> goldenScripts() { return {planarScript(), geographicScript(), objectsScript(), movingScript()}; }
+std::vector<Script> goldenScripts() {
+  return {planarScript(),
+          geographicScript(),
+          objectsScript(),
+          movingScript("moving", proto::EpochBlend::kLinear),
+          movingScript("moving-catmull-rom", proto::EpochBlend::kCatmullRom),
+          movingScript("moving-b-spline", proto::EpochBlend::kBSpline)};
+}
 
 }  // namespace foreland::test

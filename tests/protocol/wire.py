@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 10
+VERSION = 11
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 TILE = 7
@@ -90,7 +90,7 @@ TABLES = {
                 ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint"), ("epochs", "[Epoch]"),
                 ("base_offsets", "[BaseOffset]"), ("tile_layers", "[TileLayer]"), ("tile_bytes", "uint"),
                 ("longest_interval_us", "uint"), ("most_offset", "uint"),
-                ("object_rises", "[ObjectRise]")],
+                ("object_rises", "[ObjectRise]"), ("epoch_blend", "uint")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
     "Refusal": [("message", "string")],

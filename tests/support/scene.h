@@ -92,12 +92,14 @@ inline HeightFunction noise(uint64_t seed, double metres) {
 // failure.
 inline std::shared_ptr<const terrain::Scene> makeScene(terrain::ElevationSource& source, double height_quantum_m = 0.1,
                                                        unsigned threads = 1,
-                                                       std::vector<terrain::EpochRequest> epochs = {}) {
+                                                       std::vector<terrain::EpochRequest> epochs = {},
+                                                       proto::EpochBlend blend = proto::EpochBlend::kLinear) {
   const TemporaryFolder folder;
   const auto report = terrain::buildScene(source, {.output = folder / "scene.fls",
                                                    .height_quantum_m = height_quantum_m,
                                                    .threads = threads,
-                                                   .epochs = std::move(epochs)});
+                                                   .epochs = std::move(epochs),
+                                                   .epoch_blend = blend});
   if (!report.ok()) std::fprintf(stderr, "makeScene: %s\n", report.error().message.c_str());
   CHECK_TRUE(report.ok());
   const auto scene = terrain::Scene::open(folder / "scene.fls");
@@ -128,10 +130,12 @@ inline FormulaSource windowSource(const FormulaSource& whole, const proto::Latti
   return source;
 }
 
-// Hills of which some windows change by bumps, from epoch to epoch, a hundred days apart; the same for the same seed.
+// Hills of which some windows change by bumps, from epoch to epoch, a hundred days apart, or unless the blend is linear
+// 20 to 180; the same for the same seed.
 inline std::shared_ptr<const terrain::Scene> makeMovingScene(uint32_t width, uint32_t height, uint64_t seed,
                                                              size_t epochs,
-                                                             proto::FrameKind kind = proto::FrameKind::kPlanar) {
+                                                             proto::FrameKind kind = proto::FrameKind::kPlanar,
+                                                             proto::EpochBlend blend = proto::EpochBlend::kLinear) {
   Rng rng(seed);
   FormulaSource whole(width, height, hills(seed), kind);
   std::vector<FormulaSource> sources;
@@ -150,9 +154,13 @@ inline std::shared_ptr<const terrain::Scene> makeMovingScene(uint32_t width, uin
                        (i == 0 ? 0 : Rng(seed ^ at_x << 20 ^ at_y ^ i << 40).uniform(-rough, rough));
     }));
   }
-  for (size_t i = 0; i < epochs; ++i)
-    requests.push_back({Time{static_cast<int64_t>(i) * 100 * 86'400'000'000}, std::to_string(i), &sources[i]});
-  return makeScene(whole, 0.1, 1, std::move(requests));
+  Time date;
+  for (size_t i = 0; i < epochs; ++i) {
+    requests.push_back({date, std::to_string(i), &sources[i]});
+    const int64_t days = blend == proto::EpochBlend::kLinear ? 100 : 20 + static_cast<int64_t>(rng.below(161));
+    date = date + Duration{days * 86'400'000'000};
+  }
+  return makeScene(whole, 0.1, 1, std::move(requests), blend);
 }
 
 }  // namespace foreland::test

@@ -2,10 +2,12 @@
 // guarantee against the ground at that time.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 
 #include "bench/oracle/crack_checker.h"
+#include "bench/oracle/epoch_shares.h"
 #include "bench/oracle/scene_truth.h"
 #include "bench/world/world.h"
 #include "tests/support/scene.h"
@@ -21,8 +23,9 @@ using bench::World;
 
 constexpr double kDay = 86'400;
 
-std::shared_ptr<const terrain::Scene> movingScene(uint64_t seed, proto::FrameKind kind = proto::FrameKind::kPlanar) {
-  return makeMovingScene(201, 173, seed, 6, kind);
+std::shared_ptr<const terrain::Scene> movingScene(uint64_t seed, proto::FrameKind kind = proto::FrameKind::kPlanar,
+                                                  proto::EpochBlend blend = proto::EpochBlend::kLinear) {
+  return makeMovingScene(201, 173, seed, 6, kind, blend);
 }
 
 // Judges what a world's client shows.
@@ -38,6 +41,9 @@ class Judge {
       cracks_ += bench::findCracks(mesh, scene_->grid().shape()).cracks;
       checkHeights(mesh);
       scene_times_.push_back(mesh.to.scene_time);
+      const bool moves = mesh.from.scene_time != mesh.to.scene_time;
+      steps_ += moves && mesh.to.is_scene_step ? 1 : 0;
+      jumps_ += moves && !mesh.to.is_scene_step ? 1 : 0;
     }
     if (frames_++ % 7 != 0 || std::isinf(view.tolerance_px)) return;
     const bench::SceneDeviation d = oracle_.error(mesh, view.weight, view.pose, lens);
@@ -60,6 +66,8 @@ class Judge {
     EXPECT_GT(worst_, 0.2) << "an oracle that sees nothing moves nobody";
   }
   uint64_t objectVertices() const { return object_vertices_; }
+  uint64_t steps() const { return steps_; }
+  uint64_t jumps() const { return jumps_; }
   const std::vector<Time>& sceneTimes() const { return scene_times_; }
 
  private:
@@ -68,20 +76,17 @@ class Judge {
   void checkHeights(const client::KeyframeMesh& mesh) {
     const proto::GridTopology& grid = scene_->grid();
     const proto::Section& section = sections_[mesh.to.index];
-    const auto& epochs = scene_->epochs().epochs();
-    size_t before = 0;
-    while (before + 1 < epochs.size() && epochs[before + 1].time <= mesh.to.scene_time) ++before;
-    const size_t after = std::min(before + 1, epochs.size() - 1);
-    const double span = (epochs[after].time - epochs[before].time).toSeconds(),
-                 passed = span > 0 ? (mesh.to.scene_time - epochs[before].time).toSeconds() / span : 0;
+    std::vector<Time> dates;
+    for (const proto::Epoch& epoch : scene_->epochs().epochs().all()) dates.push_back(epoch.time);
+    const std::vector<double> shares = bench::epochShares(dates, scene_->epochs().epochs().blend(), mesh.to.scene_time);
     for (uint32_t i : mesh.indices) {
       const glm::vec2 p = mesh.parameters[i];
       const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y));
       if (glm::vec2(v.x(), v.y()) != p) continue;  // where a triangle was cut at the data's border
       if (!grid.isBase(v) && !proto::contains(section, grid.slot(v))) continue;
-      const double quanta = scene_->height(v) +
-                            (1 - passed) * scene_->epochs().offset(static_cast<uint32_t>(before), grid, v) +
-                            passed * scene_->epochs().offset(static_cast<uint32_t>(after), grid, v);
+      double quanta = scene_->height(v);
+      for (uint32_t epoch = 0; epoch < shares.size(); ++epoch)
+        if (shares[epoch] != 0) quanta += shares[epoch] * scene_->epochs().offset(epoch, grid, v);
       const double metres = quanta * scene_->frame().height_quantum_m;
       if (std::fabs(mesh.to_positions[i].w - metres) > 1e-3) ++wrong_heights_;
     }
@@ -92,7 +97,7 @@ class Judge {
   std::map<uint32_t, proto::Section> sections_;  // by keyframe
   uint32_t version_ = 0;
   uint64_t frames_ = 0, cracks_ = 0, uncovered_ = 0, samples_ = 0, wrong_heights_ = 0, moving_ = 0,
-           object_vertices_ = 0;
+           object_vertices_ = 0, steps_ = 0, jumps_ = 0;
   double worst_ = 0;
   std::vector<Time> scene_times_;
 };
@@ -104,16 +109,27 @@ void attach(World& world, Judge& judge, const ClientOptions& options) {
   world.on_keyframe = [&](size_t i, const bench::ArrivedKeyframe&) { judge.keep(*world.viewer(i).replica()); };
 }
 
-class MovingGround : public ::testing::TestWithParam<proto::FrameKind> {};
+std::string blendName(proto::EpochBlend blend) {
+  constexpr std::array kNames{"Linear", "CatmullRom", "BSpline"};
+  return kNames[static_cast<size_t>(blend)];
+}
+
+struct Ground {
+  proto::FrameKind kind;
+  proto::EpochBlend blend;
+};
+
+class MovingGround : public ::testing::TestWithParam<Ground> {};
 
 // Scene time stops, runs, runs backwards, is dragged and jumps; objects are carried by the ground.
 TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
   const uint64_t seed = randomSeed();
   SCOPED_TRACE(seed);
   Rng rng(seed);
-  const auto scene = movingScene(seed, GetParam());
+  const auto scene = movingScene(seed, GetParam().kind, GetParam().blend);
   const proto::Epochs& epochs = scene->epochs().epochs();
   const server::SceneObjects objects = objectsIn(*scene, 3);
+  uint64_t clocks = 0;
   World world(scene, {}, Duration::milliseconds(4), seed, objectsIn(*scene, 3));
   ClientOptions options = onKnownTour(*scene, rng.below(2) == 0 ? "orbit" : "survey", 30);
   options.at_frame = [&](client::Viewer& viewer, Time now) {
@@ -123,6 +139,7 @@ TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
     if (rng.below(4) != 0) clock.rate = rng.uniform(-60, 120) * kDay;
     if (viewer.replica() && rng.below(2) != 0) clock.scene_time = viewer.replica()->newest().scene_time;
     viewer.setSceneClock(clock);
+    ++clocks;
   };
   Judge judge(scene, objects);
   attach(world, judge, options);
@@ -130,12 +147,22 @@ TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
   world.run(Time::seconds(12));
   EXPECT_EQ(world.report(), "");
   judge.expectSound();
+  if (GetParam().blend == proto::EpochBlend::kLinear) return;
+  EXPECT_GT(judge.steps(), 3u);
+  EXPECT_LE(judge.jumps(), clocks) << "only the first keyframe by a clock jumps";
 }
 
 INSTANTIATE_TEST_SUITE_P(Frames, MovingGround,
-                         ::testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic),
+                         ::testing::Values(Ground{proto::FrameKind::kPlanar, proto::EpochBlend::kLinear},
+                                           Ground{proto::FrameKind::kGeographic, proto::EpochBlend::kLinear},
+                                           Ground{proto::FrameKind::kPlanar, proto::EpochBlend::kCatmullRom},
+                                           Ground{proto::FrameKind::kGeographic, proto::EpochBlend::kCatmullRom},
+                                           Ground{proto::FrameKind::kPlanar, proto::EpochBlend::kBSpline},
+                                           Ground{proto::FrameKind::kGeographic, proto::EpochBlend::kBSpline}),
                          [](const auto& instance) {
-                           return std::string(instance.param == proto::FrameKind::kPlanar ? "Planar" : "Geographic");
+                           const std::string frame =
+                               instance.param.kind == proto::FrameKind::kPlanar ? "Planar" : "Geographic";
+                           return frame + blendName(instance.param.blend);
                          });
 
 // As far up and down as the ground under each of them moves, and no farther.
@@ -173,7 +200,8 @@ TEST(MovingGroundLost, IsResumedInMidTime) {
   const uint64_t seed = randomSeed();
   SCOPED_TRACE(seed);
   Rng rng(seed);
-  const auto scene = movingScene(seed);
+  const auto scene =
+      movingScene(seed, proto::FrameKind::kPlanar, proto::epochBlendOf(static_cast<uint32_t>(rng.below(3))).value());
   World world(scene, {}, Duration::milliseconds(4), seed);
   ClientOptions options = onKnownTour(*scene, "orbit", 30);
   bool is_set = false;
@@ -226,11 +254,14 @@ TEST(SceneTime, StopsAtEveryEpochOnItsWay) {
 }
 
 // What was sent of an epoch is not sent again: there and back costs the bytes of there.
-TEST(SceneTime, IsSentOnceThereAndBack) {
-  const auto scene = movingScene(6);
+class SceneTimeOfAnyBlend : public ::testing::TestWithParam<proto::EpochBlend> {};
+
+TEST_P(SceneTimeOfAnyBlend, IsSentOnceThereAndBack) {
+  const auto scene = movingScene(6, proto::FrameKind::kPlanar, GetParam());
   const proto::Epochs& epochs = scene->epochs().epochs();
   World world(scene, {}, Duration::milliseconds(4), 6);
   ClientOptions options = onKnownTour(*scene, "orbit", 60);
+  if (GetParam() != proto::EpochBlend::kLinear) options.request.tau_px = 16;
   const proto::Pose still = options.path.poses.front();
   options.camera = [still](Time) { return still; };
   std::optional<proto::SceneClock> next;
@@ -244,17 +275,28 @@ TEST(SceneTime, IsSentOnceThereAndBack) {
   world.run(Time::seconds(2));
   const auto bytes = [&] { return world.viewer(0).statistics().bytes_down; };
   const uint64_t begun = bytes();
+  double now_s = 2;
+  const auto runUntil = [&](Time scene_time) {
+    const auto shown = [&] { return world.viewer(0).replica()->newest().scene_time; };
+    for (const double last_s = now_s + 300; now_s < last_s && shown() != scene_time;)
+      world.run(Time::seconds(now_s += 5));
+    EXPECT_EQ(shown(), scene_time);
+  };
   next = {Time{}, epochs.first(), 150 * kDay};
-  world.run(Time::seconds(7));
-  EXPECT_EQ(world.viewer(0).replica()->newest().scene_time, epochs.last());
+  runUntil(epochs.last());
   const uint64_t there = bytes() - begun;
   next = {Time{}, epochs.last(), -150 * kDay};
-  world.run(Time::seconds(12));
-  EXPECT_EQ(world.viewer(0).replica()->newest().scene_time, epochs.first());
+  runUntil(epochs.first());
   const uint64_t back = bytes() - begun - there;
-  EXPECT_GT(there, 4 * back);
+  // Steps of cubic blends are shorter, so there are more headers.
+  EXPECT_GT(there, (GetParam() == proto::EpochBlend::kLinear ? 4 : 2) * back);
   EXPECT_EQ(world.report(), "");
 }
+
+INSTANTIATE_TEST_SUITE_P(Blends, SceneTimeOfAnyBlend,
+                         ::testing::Values(proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom,
+                                           proto::EpochBlend::kBSpline),
+                         [](const auto& instance) { return blendName(instance.param); });
 
 }  // namespace
 }  // namespace foreland::test

@@ -142,11 +142,19 @@ TEST(Message, AWelcomeTellsHowObjectsRise) {
   sent.models[0].base = {{0, 0, 0}, {4, 0, 0}, {0, -4, 2}};
   for (int64_t t : {0, 5, 9}) sent.epochs.push_back({Time{t}, t == 0 ? LatticeWindow{} : LatticeWindow{0, 0, 3, 3}});
   sent.objects.resize(3);
-  sent.objects[0].rise = GroundRise({0, -20, 7}, sent.frame, {});
-  sent.objects[2].rise = GroundRise({0, 0, kMaxOffset}, sent.frame, {});
+  sent.epoch_blend = EpochBlend::kCatmullRom;
+  const Epochs epochs = Epochs::create(sent.shape, sent.epochs, sent.epoch_blend).value();
+  sent.objects[0].rise = GroundRise({0, -20, 7}, epochs, sent.frame, {});
+  sent.objects[2].rise = GroundRise({0, 0, kMaxOffset}, epochs, sent.frame, {});
   const auto message = decodeServerMessage(encode(sent));
   ASSERT_TRUE(message.ok()) << message.error().message;
+  EXPECT_EQ(std::get<Welcome>(*message).epoch_blend, sent.epoch_blend);
   for (size_t i = 0; i < 3; ++i) EXPECT_EQ(std::get<Welcome>(*message).objects[i].rise, sent.objects[i].rise);
+  Welcome unknown = sent;
+  unknown.epoch_blend = static_cast<EpochBlend>(3);
+  const auto refused = decodeServerMessage(encode(unknown));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("blended in an unknown way"), std::string::npos);
   for (const std::vector<int32_t>& absurd : {std::vector<int32_t>{0, 0, kMaxOffset + 1}, {0, 0, 0, 1}}) {
     Welcome wrong = sent;
     wrong.objects[1].rise.quanta = absurd;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/rng.h"
 #include "proto/section/epoch_offsets.h"
 #include "tests/support/seed.h"
@@ -11,14 +13,29 @@ namespace {
 
 constexpr GridShape kShape{2, 1, 4, 30, 17};
 
-Epochs anyEpochs(Rng& rng, size_t count) {
+Epochs anyEpochs(Rng& rng, size_t count, EpochBlend blend = EpochBlend::kLinear) {
   std::vector<Epoch> epochs;
   int64_t t = static_cast<int64_t>(rng.below(1000)) - 500;
   for (size_t i = 0; i < count; ++i) {
     t += 1 + static_cast<int64_t>(rng.below(1000));
     epochs.push_back({Time{t}, i == 0 ? LatticeWindow{} : LatticeWindow{2, 3, 20, 14}});
   }
-  return Epochs::create(kShape, epochs).value();
+  return Epochs::create(kShape, epochs, blend).value();
+}
+
+constexpr EpochBlend kCubic[] = {EpochBlend::kCatmullRom, EpochBlend::kBSpline};
+
+std::vector<int32_t> anyValues(Rng& rng, size_t count) {
+  std::vector<int32_t> values;
+  for (size_t i = 0; i < count; ++i) values.push_back(static_cast<int32_t>(rng.below(20'001)) - 10'000);
+  return values;
+}
+
+double blended(const Epochs& epochs, std::span<const int32_t> values, Time t) {
+  const EpochWeights w = epochs.weightsAt(t);
+  double sum = 0;
+  for (uint32_t i = 0; i < w.count; ++i) sum += w.weight[i] * values[w.epoch[i]];
+  return sum;
 }
 
 // A quantity that is linear between epochs: by brute force.
@@ -51,6 +68,137 @@ TEST(Epochs, BlendLinearly) {
       EXPECT_NEAR(value, valueAt(epochs, values, Time{us}), 1e-12);
     }
   }
+}
+
+// Weights add to 1; a B-spline's are not negative, and of Catmull-Rom's no more than a quarter is.
+TEST(Epochs, BlendWithWeightsThatAddToOne) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (int trial = 0; trial < 50; ++trial)
+    for (const EpochBlend blend : kCubic) {
+      const Epochs epochs = anyEpochs(rng, 1 + rng.below(7), blend);
+      for (int64_t us = epochs.first().us; us <= epochs.last().us; ++us) {
+        const EpochWeights w = epochs.weightsAt(Time{us});
+        double sum = 0, negative = 0;
+        for (uint32_t i = 0; i < w.count; ++i) {
+          sum += w.weight[i];
+          negative -= std::min(w.weight[i], 0.0);
+          EXPECT_LT(w.epoch[i], epochs.size());
+          if (i > 0) { EXPECT_EQ(w.epoch[i], w.epoch[i - 1] + 1); }
+        }
+        EXPECT_NEAR(sum, 1, 1e-14);
+        EXPECT_LE(negative, blend == EpochBlend::kBSpline ? 0 : 0.25 + 1e-14);
+      }
+    }
+}
+
+// Catmull-Rom at every date, the B-spline at the first and the last.
+TEST(Epochs, AreShownAloneAtTheirDates) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (int trial = 0; trial < 50; ++trial)
+    for (const EpochBlend blend : kCubic) {
+      const Epochs epochs = anyEpochs(rng, 1 + rng.below(7), blend);
+      for (uint32_t i = 0; i < epochs.size(); ++i) {
+        if (blend == EpochBlend::kBSpline && i > 0 && i + 1 < epochs.size()) continue;
+        EXPECT_EQ(epochs.weightsAt(epochs[i].time), (EpochWeights{{i}, {1}, 1}));
+      }
+    }
+}
+
+// The value and its slope come to the same at a date from either side; the B-spline's second slope, too.
+TEST(Epochs, AreJoinedSmoothly) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (int trial = 0; trial < 200; ++trial)
+    for (const EpochBlend blend : kCubic) {
+      const Epochs epochs = anyEpochs(rng, 3 + rng.below(6), blend);
+      const std::vector<int32_t> values = anyValues(rng, epochs.size());
+      const auto control = [&](const EpochCurve& curve, size_t k) {
+        double sum = 0;
+        for (uint32_t i = 0; i < curve.count; ++i) sum += curve.controls[k][i] * values[curve.first + i];
+        return sum;
+      };
+      for (uint32_t i = 1; i + 1 < epochs.size(); ++i) {
+        const EpochCurve before = epochs.curveAfter(i - 1), after = epochs.curveAfter(i);
+        const double rest = static_cast<double>((epochs[i].time - epochs[i - 1].time).us),
+                     next = static_cast<double>((epochs[i + 1].time - epochs[i].time).us);
+        EXPECT_NEAR(control(before, 3), control(after, 0), 1e-8);
+        EXPECT_NEAR(control(after, 0), blended(epochs, values, epochs[i].time), 1e-8);
+        EXPECT_NEAR((control(before, 3) - control(before, 2)) / rest, (control(after, 1) - control(after, 0)) / next,
+                    1e-7);
+        if (blend == EpochBlend::kCatmullRom) {
+          EXPECT_NEAR(3 * (control(after, 1) - control(after, 0)) / next,
+                      (values[i + 1] - values[i - 1]) / (rest + next), 1e-7);
+          continue;
+        }
+        EXPECT_NEAR((control(before, 3) - 2 * control(before, 2) + control(before, 1)) / (rest * rest),
+                    (control(after, 2) - 2 * control(after, 1) + control(after, 0)) / (next * next), 1e-7);
+      }
+    }
+}
+
+// What bounds are made by: range() holds the quantity at all times, a curve's accelerations are at its ends, and a
+// quantity differs from the line between two times by no more than the largest of them times the square of the way.
+TEST(Epochs, HoldWhatTheyBlend) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (int trial = 0; trial < 50; ++trial)
+    for (const EpochBlend blend : kCubic) {
+      const Epochs epochs = anyEpochs(rng, 2 + rng.below(6), blend);
+      const std::vector<int32_t> values = anyValues(rng, epochs.size());
+      const auto [least, most] = epochs.range(values);
+      for (int64_t us = epochs.first().us; us <= epochs.last().us; ++us) {
+        EXPECT_GE(blended(epochs, values, Time{us}), least - 1e-8);
+        EXPECT_LE(blended(epochs, values, Time{us}), most + 1e-8);
+      }
+      double steepest = 0;  // by microseconds
+      for (uint32_t i = 0; i + 1 < epochs.size(); ++i) {
+        const EpochCurve curve = epochs.curveAfter(i);
+        const double span = static_cast<double>((epochs[i + 1].time - epochs[i].time).us);
+        for (const auto& weights : curve.accelerations()) {
+          double sum = 0;
+          for (uint32_t k = 0; k < curve.count; ++k) sum += weights[k] * values[curve.first + k];
+          steepest = std::max(steepest, std::fabs(sum) / (span * span));
+        }
+      }
+      const auto any = [&] { return rng.below(static_cast<uint64_t>((epochs.last() - epochs.first()).us) + 1); };
+      for (int i = 0; i < 100; ++i) {
+        const Time a = epochs.first() + Duration{static_cast<int64_t>(any())},
+                   b = epochs.first() + Duration{static_cast<int64_t>(any())};
+        const Time middle{(a.us + b.us) / 2};
+        if ((b - a).us % 2 != 0) continue;
+        const double way = static_cast<double>((b - a).us);
+        const double line = 0.5 * (blended(epochs, values, a) + blended(epochs, values, b));
+        EXPECT_LE(std::fabs(blended(epochs, values, middle) - line), steepest * way * way / 8 + 1e-7);
+      }
+    }
+}
+
+// Motion that is steady is drawn so by Catmull-Rom, whatever the dates.
+TEST(Epochs, KeepSteadyMotionSteady) {
+  const Epochs epochs =
+      Epochs::create(kShape, {{Time{0}, {}}, {Time{30}, {}}, {Time{40}, {}}, {Time{100}, {}}}, EpochBlend::kCatmullRom)
+          .value();
+  const std::vector<int32_t> values{0, 300, 400, 1000};
+  for (int64_t us = 0; us <= 100; ++us)
+    EXPECT_NEAR(blended(epochs, values, Time{us}), 10.0 * static_cast<double>(us), 1e-10);
+}
+
+TEST(Epochs, AreBlendedInKnownWaysOnly) {
+  for (uint32_t i = 0; i < 3; ++i) EXPECT_EQ(static_cast<uint32_t>(epochBlendOf(i).value()), i);
+  EXPECT_FALSE(epochBlendOf(3).has_value());
+  EXPECT_FALSE(epochBlendOf(0xffffffff).has_value());
+}
+
+TEST(Epochs, NumberBaseVertices) {
+  const GridTopology grid = GridTopology::create({3, 2, 4, 48, 32}).value();
+  for (uint32_t number = 0; number < 4 * 3 + 3 * 2; ++number)
+    EXPECT_EQ(baseVertexNumber(grid, baseVertex(grid, number)), number);
 }
 
 // Steps towards a time come to it, and pass no epoch without stopping at it.

@@ -2,6 +2,11 @@
 // hold at all of them.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstring>
+
+#include "terrain/store/format.h"
+#include "terrain/store/sections.h"
 #include "terrain/store/verify.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
@@ -36,7 +41,8 @@ struct Story {
     return s;
   }
 
-  std::shared_ptr<const Scene> scene(proto::FrameKind kind) const {
+  std::shared_ptr<const Scene> scene(proto::FrameKind kind,
+                                     proto::EpochBlend blend = proto::EpochBlend::kLinear) const {
     test::FormulaSource base(width, height, ground[0], kind);
     std::vector<test::FormulaSource> sources;
     for (size_t i = 0; i < ground.size(); ++i) sources.push_back(test::windowSource(base, windows[i], ground[i]));
@@ -44,7 +50,8 @@ struct Story {
     for (size_t i = 0; i < ground.size(); ++i)
       requests.push_back({Time{static_cast<int64_t>(i) * kDay_us}, std::to_string(i), &sources[i]});
     const test::TemporaryFolder folder;
-    const auto built = buildScene(base, {.output = folder / "scene.fls", .threads = 2, .epochs = requests});
+    const auto built =
+        buildScene(base, {.output = folder / "scene.fls", .threads = 2, .epochs = requests, .epoch_blend = blend});
     EXPECT_TRUE(built.ok()) << built.error().message;
     const auto verified = verifyScene(folder / "scene.fls");
     EXPECT_TRUE(verified.ok() && verified->sound()) << verified->first_faults.front();
@@ -86,6 +93,90 @@ INSTANTIATE_TEST_SUITE_P(Frames, EpochScenes,
                          [](const auto& instance) {
                            return std::string(instance.param == proto::FrameKind::kPlanar ? "Planar" : "Geographic");
                          });
+
+// At any scene time a node's error is at least that of a scene that was built of the ground then, as far as heights are
+// rounded to quanta there.
+TEST_P(EpochScenes, HaveBoundsThatHoldBetweenEpochs) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (const proto::EpochBlend blend : {proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline})
+    for (int trial = 0; trial < 3; ++trial) {
+      const Story story = Story::any(rng, 2 + rng.below(5));
+      const auto scene = story.scene(GetParam(), blend);
+      const proto::GridTopology& grid = scene->grid();
+      const proto::Epochs& epochs = scene->epochs().epochs();
+      EXPECT_EQ(epochs.blend(), blend);
+      for (int i = 0; i < 6; ++i) {
+        const proto::EpochWeights weights = epochs.weightsAt(
+            epochs.first() + Duration{static_cast<int64_t>(rng.uniform(0, static_cast<double>(epochs.last().us)))});
+        const auto quanta = [&](NodeId v) {
+          double sum = scene->height(v);
+          for (uint32_t k = 0; k < weights.count; ++k)
+            sum += weights.weight[k] * scene->epochs().offset(weights.epoch[k], grid, v);
+          return sum;
+        };
+        constexpr double kFine = 256;  // steps to a quantum
+        test::FormulaSource source(
+            story.width, story.height,
+            [&](uint32_t x, uint32_t y) { return quanta(NodeId::at(x, y)) * scene->frame().height_quantum_m; },
+            GetParam());
+        const double quantum_m = scene->frame().height_quantum_m;
+        const auto alone = test::makeScene(source, quantum_m / kFine);
+        uint64_t loose = 0;
+        for (uint32_t y = 0; y <= grid.maxY(); ++y)
+          for (uint32_t x = 0; x <= grid.maxX(); ++x) {
+            const NodeId v = NodeId::at(x, y);
+            if (grid.isBase(v)) continue;
+            // The other's is rounded up, by less than a step of half an octave.
+            const double least_m = alone->node(v).error().metres() / std::sqrt(2.0) - 2 * quantum_m / kFine;
+            loose += scene->node(v).error().metres() < least_m ? 1 : 0;
+            const double height = quanta(v), rounding = 1e-6;
+            loose +=
+                height < scene->heightRange().lowest - rounding || height > scene->heightRange().highest + rounding;
+          }
+        EXPECT_EQ(loose, 0u) << proto::name(blend);
+      }
+    }
+}
+
+// A linear scene has the bytes that it had before there were other blends; one of another blend is of a later version,
+// and an unknown one is refused by what is wrong with it.
+TEST(Epochs, HaveABlendInTheFile) {
+  test::FormulaSource base(40, 30, test::hills(1)), other = test::windowSource(base, {5, 5, 20, 20}, test::hills(2));
+  const test::TemporaryFolder folder;
+  const auto built = [&](proto::EpochBlend blend) {
+    EXPECT_TRUE(buildScene(base, {.output = folder / "a.fls",
+                                  .epochs = {{Time{0}, "a", &base}, {Time{kDay_us}, "b", &other}},
+                                  .epoch_blend = blend})
+                    .ok());
+    return test::slurp(folder / "a.fls");
+  };
+  const auto opened = [&](std::vector<char> bytes, uint32_t version, uint32_t blend) {
+    FileHeader header;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    EXPECT_EQ(header.version, header.epoch_blend == 0 ? 4u : 5u);
+    header.version = version;
+    header.epoch_blend = blend;
+    const SectionRange sums = header.sections[kChecksums];
+    header.scene_id = contentId(header, {reinterpret_cast<const uint8_t*>(bytes.data()) + sums.offset, sums.bytes});
+    header.header_checksum = headerChecksum(header);
+    std::memcpy(bytes.data(), &header, sizeof(header));
+    test::spit(folder / "b.fls", bytes);
+    const auto scene = Scene::open(folder / "b.fls");
+    return scene.ok() ? std::string(proto::name((*scene)->epochs().epochs().blend())) : scene.error().message;
+  };
+  for (uint32_t i = 0; i < 3; ++i) {
+    const proto::EpochBlend blend = proto::epochBlendOf(i).value();
+    const std::vector<char> bytes = built(blend);
+    EXPECT_EQ(opened(bytes, i == 0 ? 4 : 5, i), proto::name(blend));
+    EXPECT_NE(opened(bytes, 5, 3).find("blended in an unknown way"), std::string::npos);
+    EXPECT_NE(opened(bytes, 4, 1).find("too old to blend"), std::string::npos);
+  }
+  const auto refused = buildScene(base, {.output = folder / "c.fls", .epoch_blend = proto::EpochBlend::kBSpline});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("no epochs to blend"), std::string::npos);
+}
 
 // Outside of the windows bounds are those of a scene without epochs.
 TEST(Epochs, CostNothingWhereNothingMoves) {
