@@ -92,11 +92,6 @@ Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& f
   auto objects = server::objectsOf(scene);
   if (!objects) return objects.error();
   auto world = std::make_shared<server::World>(std::move(scene), std::move(*objects));
-  if (flags.occlusion == "on" && !world->hierarchy.epochs().epochs().empty())
-    return Error{
-        ErrorCode::kUnsupported,
-        "--occlusion on: this scene changes in time, and what hides what is known of still ground only; serve it "
-        "with --occlusion off"};
   if (flags.occlusion == "on") {
     auto occlusion = server::SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
     if (!occlusion) return occlusion.error();

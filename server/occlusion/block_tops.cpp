@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/section/height_bounds.h"
+
 namespace foreland::server {
 
 namespace {
@@ -10,8 +12,8 @@ namespace {
 using proto::NodeId;
 
 // Reads the heights of a square, its borders included.
-BlockTops::Square squareAt(const proto::DenseNodes& table, uint32_t x0, uint32_t y0, uint32_t side) {
-  const auto height = [&](uint32_t x, uint32_t y) { return table.height(NodeId::at(x0 + x, y0 + y)); };
+BlockTops::Square squareAt(const HeightBounds& bounds, uint32_t x0, uint32_t y0, uint32_t side) {
+  const auto height = [&](uint32_t x, uint32_t y) { return bounds.highest(NodeId::at(x0 + x, y0 + y)); };
   const auto corner = [&](uint32_t x, uint32_t y) { return static_cast<float>(height(x * side, y * side)); };
   BlockTops::Square s{height(0, 0), height(0, 0), std::numeric_limits<float>::lowest(),
                       0.25f * (corner(1, 0) + corner(1, 1) - corner(0, 0) - corner(0, 1)),
@@ -21,7 +23,7 @@ BlockTops::Square squareAt(const proto::DenseNodes& table, uint32_t x0, uint32_t
     for (uint32_t x = 0; x <= side; ++x) {
       const int32_t h = height(x, y);
       s.top = std::max(s.top, h);
-      s.bottom = std::min(s.bottom, h);
+      s.bottom = std::min(s.bottom, bounds.lowest(NodeId::at(x0 + x, y0 + y)));
       s.height = std::max(s.height, static_cast<float>(h) - s.tilt_x * (static_cast<float>(x) * per_sample - 1) -
                                         s.tilt_y * (static_cast<float>(y) * per_sample - 1));
     }
@@ -32,7 +34,7 @@ BlockTops::Square squareAt(const proto::DenseNodes& table, uint32_t x0, uint32_t
 
 BlockTops::BlockTops(const Hierarchy& hierarchy, size_t max_squares) {
   const proto::GridTopology& grid = hierarchy.grid();
-  const proto::DenseNodes table = hierarchy.table();
+  const HeightBounds bounds(hierarchy);
   const uint32_t scales = grid.shape().root_log2;
   while (finest_ + 1 < scales && size_t{grid.maxX() >> (finest_ + 1)} * (grid.maxY() >> (finest_ + 1)) > max_squares)
     ++finest_;
@@ -41,7 +43,7 @@ BlockTops::BlockTops(const Hierarchy& hierarchy, size_t max_squares) {
     Level level{grid.maxX() / side, grid.maxY() / side, {}};
     level.squares.reserve(size_t{level.columns} * level.rows);
     for (uint32_t j = 0; j < level.rows; ++j)
-      for (uint32_t i = 0; i < level.columns; ++i) level.squares.push_back(squareAt(table, i * side, j * side, side));
+      for (uint32_t i = 0; i < level.columns; ++i) level.squares.push_back(squareAt(bounds, i * side, j * side, side));
     levels_.push_back(std::move(level));
   }
 }

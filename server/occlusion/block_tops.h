@@ -1,10 +1,10 @@
-// How high the terrain stands at most, square by square of the lattice and scale by scale: what a line of sight must
-// pass under for nothing of the square to be seen.
+// How high the terrain stands at most, at any scene time, square by square of the lattice and scale by scale: what a
+// line of sight must pass under for nothing of the square to be seen.
 //
 // At scale t, with s = 2^t, squares have a side of 2 s, and a square's top is the largest height in it, its border
 // included. That bounds the true surface, and what is drawn where a node of scale s is the first that is left out: the
 // triangle drawn there is half of the node's support, and lies in one such square with its corners at their true
-// heights.
+// heights, or between two of these.
 //
 // Scales whose squares would be more than `max_squares` are not there. Immutable after creation; any thread. Memory:
 // four bytes a square, a third more than those of the finest scale.

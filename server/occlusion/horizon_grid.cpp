@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "server/section/height_bounds.h"
 
 namespace foreland::server {
 
@@ -21,12 +22,12 @@ class Samples {
  public:
   explicit Samples(const Hierarchy& hierarchy)
       : columns(hierarchy.grid().shape().samples_x), rows(hierarchy.grid().shape().samples_y) {
-    const proto::DenseNodes table = hierarchy.table();
+    const HeightBounds bounds(hierarchy);
     const double quantum_m = hierarchy.frame().transform().frame().height_quantum_m;
     heights_.reserve(size_t{columns} * rows);
     for (uint32_t y = 0; y < rows; ++y)
       for (uint32_t x = 0; x < columns; ++x)
-        heights_.push_back(static_cast<float>(table.height(proto::NodeId::at(x, y)) * quantum_m));
+        heights_.push_back(static_cast<float>(bounds.lowest(proto::NodeId::at(x, y)) * quantum_m));
   }
   explicit Samples(const TangentHeights& heights)
       : columns(heights.columns), rows(heights.rows), heights_(heights.heights_m) {}

@@ -1,5 +1,6 @@
-// The terrain's heights along the lines of its lattice, for horizons (horizon.h): between two neighbouring vertices of
-// a line, the straight line from one to the other lies nowhere above the terrain at full resolution.
+// The terrain's least heights at any scene time along the lines of its lattice, for horizons (horizon.h): between two
+// neighbouring vertices of a line, the straight line from one to the other lies nowhere above the terrain at full
+// resolution.
 //
 // Level l has lines and vertices 2^l steps of the finest level apart. The finest level's vertices are the samples
 // themselves if there are no more of them than allowed; where samples are left out, vertices are lowered until the

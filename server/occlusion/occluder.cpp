@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "server/section/height_bounds.h"
+
 namespace foreland::server {
 
 namespace {
@@ -23,8 +25,7 @@ constexpr uint32_t kGridSquares = 128;  // of an Embree grid, a side
 // Vertices of the surface, row by row; as many as fit between the data's borders.
 class Vertices {
  public:
-  Vertices(const Hierarchy& hierarchy, uint32_t stride)
-      : hierarchy_(hierarchy), table_(hierarchy.table()), stride_(stride) {
+  Vertices(const Hierarchy& hierarchy, uint32_t stride) : hierarchy_(hierarchy), bounds_(hierarchy), stride_(stride) {
     const proto::GridShape& shape = hierarchy.grid().shape();
     columns_ = (shape.samples_x - 1) / stride + 1;
     rows_ = (shape.samples_y - 1) / stride + 1;
@@ -64,7 +65,7 @@ class Vertices {
   size_t at(uint32_t i, uint32_t j) const { return size_t{j} * columns_ + i; }
   glm::dvec3 sample(uint32_t x, uint32_t y) const {
     const NodeId v = NodeId::at(x, y);
-    return hierarchy_.frame().position(v, table_.height(v));
+    return hierarchy_.frame().position(v, bounds_.lowest(v));
   }
 
   // How far the square's two triangles, whichever way it is cut, rise above the terrain at most. Both surfaces are
@@ -110,7 +111,7 @@ class Vertices {
   }
 
   const Hierarchy& hierarchy_;
-  proto::DenseNodes table_;
+  HeightBounds bounds_;
   uint32_t stride_, columns_ = 0, rows_ = 0;
   std::vector<glm::dvec3> points_;
 };

@@ -1,5 +1,5 @@
-// A surface that lies below the terrain everywhere and is nowhere steep, for asking Embree whether it blocks a line of
-// sight. The only wrapper of Embree in the server.
+// A surface that lies below the terrain everywhere, at every scene time, and is nowhere steep, for asking Embree
+// whether it blocks a line of sight. The only wrapper of Embree in the server.
 //
 // Its vertices are lattice points `stride` samples apart, lowered until
 //   * its triangles lie below the terrain at full resolution (by kBelow_m at least), and

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "proto/space/geographic_tables.h"
+#include "server/section/height_bounds.h"
 
 namespace foreland::server {
 
@@ -26,18 +27,18 @@ class Ground {
   explicit Ground(const Hierarchy& hierarchy)
       : columns(hierarchy.grid().shape().samples_x),
         rows(hierarchy.grid().shape().samples_y),
-        table_(hierarchy.table()),
+        bounds_(hierarchy),
         transform_(hierarchy.frame().transform()),
         tables_(transform_, columns - 1, rows - 1) {}
   glm::dvec3 at(uint32_t x, uint32_t y) const {
     return transform_.fromTables(tables_.rows[y], tables_.columns[x],
-                                 table_.height(proto::NodeId::at(x, y)) * transform_.frame().height_quantum_m);
+                                 bounds_.lowest(proto::NodeId::at(x, y)) * transform_.frame().height_quantum_m);
   }
 
   const uint32_t columns, rows;
 
  private:
-  proto::DenseNodes table_;
+  HeightBounds bounds_;
   proto::FrameTransform transform_;
   proto::GeographicTables tables_;
 };

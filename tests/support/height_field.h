@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
+#include <vector>
 
 #include "server/section/hierarchy.h"
 
@@ -12,6 +14,9 @@ namespace foreland::test {
 class HeightField {
  public:
   explicit HeightField(const server::Hierarchy& hierarchy) : hierarchy_(hierarchy), table_(hierarchy.table()) {}
+  // At a scene time: `shares` of the ground at each epoch.
+  HeightField(const server::Hierarchy& hierarchy, std::vector<double> shares)
+      : hierarchy_(hierarchy), table_(hierarchy.table()), shares_(std::move(shares)) {}
 
   // Metres at a lattice position inside the data: squares of two samples are cut into eight triangles about their
   // middles.
@@ -49,11 +54,16 @@ class HeightField {
 
  private:
   double sample(uint32_t x, uint32_t y) const {
-    return table_.height(proto::NodeId::at(x, y)) * hierarchy_.frame().transform().frame().height_quantum_m;
+    const proto::NodeId v = proto::NodeId::at(x, y);
+    double quanta = table_.height(v);
+    for (uint32_t epoch = 0; epoch < shares_.size(); ++epoch)
+      if (shares_[epoch] != 0) quanta += shares_[epoch] * hierarchy_.epochs().offset(epoch, hierarchy_.grid(), v);
+    return quanta * hierarchy_.frame().transform().frame().height_quantum_m;
   }
 
   const server::Hierarchy& hierarchy_;
   proto::DenseNodes table_;
+  std::vector<double> shares_;
 };
 
 }  // namespace foreland::test

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
+#include "bench/oracle/epoch_shares.h"
 #include "tests/support/height_field.h"
 #include "tests/support/scene.h"
+#include "tests/support/seed.h"
 #include "tests/support/wanderer.h"
 
 namespace foreland::server {
@@ -138,6 +142,54 @@ TEST_P(Hidden, BlocksOnTheSlopeBehindCannotBeSeenEither) {
   const auto rising = [](uint32_t x, uint32_t y) { return std::max(ridge(x, y), 2.5 * (x - 150.0)); };
   Ground ground(test::makeScene(257, 257, rising, GetParam().frame), GetParam().behind);
   lookFromTheMostTellingEyes(ground);
+}
+
+// A ridge that sinks and goes to and fro between two plains, of which the farther one rises.
+std::shared_ptr<const terrain::Scene> movingRidge(proto::FrameKind kind, proto::EpochBlend blend) {
+  constexpr std::array<double, 5> kSunk{0, 10, 25, 25, 5}, kAlong{0, 4, 2, -4, 0}, kRisen{0, 0, 45, 10, 60};
+  const auto ground = [=](size_t epoch) {
+    return [=](uint32_t x, uint32_t y) {
+      const double ridge = 110 - kSunk[epoch] - 4 * std::abs(x - 131.0 - kAlong[epoch]) + 12 * std::sin(0.21 * y);
+      return std::max({0.0, ridge, std::min(kRisen[epoch], x - 150.0)});
+    };
+  };
+  test::FormulaSource base(257, 257, ground(0), kind);
+  std::vector<test::FormulaSource> sources;
+  std::vector<terrain::EpochRequest> epochs;
+  for (size_t i = 0; i < kSunk.size(); ++i) sources.push_back(test::windowSource(base, {90, 0, 160, 257}, ground(i)));
+  for (size_t i = 0; i < sources.size(); ++i)
+    epochs.push_back({Time::seconds(static_cast<double>(100 * i + 60 * (i % 2))), std::to_string(i), &sources[i]});
+  return test::makeScene(base, 0.1, 1, std::move(epochs), blend);
+}
+
+TEST_P(Hidden, BlocksOfMovingGroundCannotBeSeenAtAnyTime) {
+  const uint64_t seed = test::randomSeed();
+  SCOPED_TRACE(seed);
+  Rng rng(seed);
+  for (const auto blend : {proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline}) {
+    Ground ground(movingRidge(GetParam().frame, blend), GetParam().behind);
+    const proto::Epochs& epochs = ground.hierarchy.epochs().epochs();
+    std::vector<Time> dates;
+    for (const proto::Epoch& epoch : epochs.all()) dates.push_back(epoch.time);
+    int hidden = 0;
+    for (int i = 0; i < 200; ++i) {
+      const double x = rng.uniform(20, 70), y = rng.uniform(60, 196);
+      const BlockId block{0, static_cast<uint32_t>(36 + rng.below(20)), static_cast<uint32_t>(rng.below(64))};
+      const proto::View view = test::viewAt(ground.hierarchy, x, y, rng.uniform(30, 110), 0, 0);
+      if (!ground.isHidden(block, view, EyeSweep{view.pose.eye})) continue;
+      ++hidden;
+      for (int sample = 0; sample < 12; ++sample) {
+        const Time at{static_cast<int64_t>(rng.uniform(0, static_cast<double>(epochs.last().us)))};
+        const foreland::test::HeightField field(ground.hierarchy, bench::epochShares(dates, blend, at));
+        const double sx = BlockId::kSide * (block.x + rng.uniform()), sy = BlockId::kSide * (block.y + rng.uniform());
+        const glm::dvec3 point =
+            ground.hierarchy.frame().transform().toScene(proto::LatticePosition{sx, sy, field.at(sx, sy)});
+        EXPECT_FALSE(field.isClear(view.pose.eye, point, 0.3))
+            << proto::name(blend) << " block " << block.x << " " << block.y << " at " << at.us;
+      }
+    }
+    EXPECT_GT(hidden, 15) << proto::name(blend);
+  }
 }
 
 // A ridge between two plains: what lies behind it is hidden as far as geometry says.
