@@ -13,6 +13,7 @@ namespace {
 
 constexpr uint32_t kMostSquares = 64;  // of ground, a side
 constexpr uint32_t kLeastSide = 4;     // samples
+constexpr double kMost = std::numeric_limits<float>::max();
 constexpr double kRoundUp = 1 + 1e-6;  // of floats, and of a limit that is found up to rounding
 
 }  // namespace
@@ -61,7 +62,7 @@ void GroundMotion::raise(Mover& mover, std::span<const int32_t> quanta, double o
         off += std::fabs(weights[k]) * off_quanta;
       }
       const double most = (std::fabs(sum) + off) * hierarchy_.scene().frame().height_quantum_m / (seconds * seconds);
-      mover.acceleration[i] = std::max(mover.acceleration[i], static_cast<float>(kRoundUp * most));
+      mover.acceleration[i] = std::max(mover.acceleration[i], static_cast<float>(std::min(kRoundUp * most, kMost)));
     }
   }
 }

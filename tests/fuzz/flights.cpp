@@ -3,9 +3,11 @@
 // hold the same closed sections, or the client notices within four keyframes and refuses (displacements that do not
 // follow from the heights mislead the coder's contexts, which differ then).
 #include <algorithm>
+#include <optional>
 
 #include "base/check.h"
 #include "client/replica.h"
+#include "server/section/ground_motion.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "server/view/ground.h"
@@ -30,6 +32,13 @@ proto::View viewAt(uint8_t how, int step, double ground) {
   return view;
 }
 
+// However fast the ground moves, a step comes nearer to where it leads, and not past it.
+Time stepTowards(const server::GroundMotion& motion, Time from, Time wanted, const proto::View& view) {
+  const Time to = motion.towards(from, wanted, view);
+  CHECK_TRUE(wanted == from ? to == wanted : wanted > from ? to > from && to <= wanted : to < from && to >= wanted);
+  return to;
+}
+
 void fly(const server::Hierarchy& hierarchy, uint8_t how) {
   static server::SendScratch scratch;
   server::SectionSender sender(hierarchy);
@@ -43,13 +52,19 @@ void fly(const server::Hierarchy& hierarchy, uint8_t how) {
       std::clamp<double>(server::groundHeight(hierarchy.scene(), 0, 0).value_or(0), -kHighest, kHighest);
   int different = 0;  // keyframes on end after which the sections were not the same
   const proto::Epochs& epochs = hierarchy.epochs().epochs();
+  std::optional<server::GroundMotion> motion;
+  if (epochs.blend() != proto::EpochBlend::kLinear) motion.emplace(hierarchy);
+  Time shown;
   for (int step = 0; step < kToySteps; ++step) {
+    const proto::View view = viewAt(how, step, ground);
     if (!epochs.empty()) {
       const double span = static_cast<double>(epochs.last().us) - static_cast<double>(epochs.first().us);
-      sender.showAt(epochs.clamp(static_cast<double>(epochs.first().us) + span * ((how + 3 * step) % 8) / 7));
+      const Time wanted = epochs.clamp(static_cast<double>(epochs.first().us) + span * ((how + 3 * step) % 8) / 7);
+      shown = motion && step % 3 != 0 ? stepTowards(*motion, shown, wanted, view) : wanted;
+      sender.showAt(shown, step % 3 != 0);
     }
     Bytes message;
-    if (!sender.send(viewAt(how, step, ground), Time{step * 200'000}, kMostNodes, scratch, message)) return;
+    if (!sender.send(view, Time{step * 200'000}, kMostNodes, scratch, message)) return;
     auto decoded = proto::decodeServerMessage(message, memory);
     CHECK_TRUE(decoded.ok());
     const auto& keyframe = std::get<proto::KeyframeMessage>(*decoded);

@@ -41,7 +41,7 @@ SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::O
   return SoundFile(readWhole(folder / "scene.fls"));
 }
 
-SoundFile movingSceneFile() {
+SoundFile movingSceneFile(proto::EpochBlend blend) {
   const TemporaryFolder folder;
   FormulaSource source(9, 9, hills(1));
   FormulaSource first = windowSource(source, {0, 0, 2, 2}, hills(1)),
@@ -50,7 +50,8 @@ SoundFile movingSceneFile() {
   const auto built = terrain::buildScene(
       source, {.output = folder / "scene.fls",
                .threads = 1,
-               .epochs = {{Time{0}, "first", &first}, {Time{1000}, "second", &second}, {Time{3000}, "third", &third}}});
+               .epochs = {{Time{0}, "first", &first}, {Time{1000}, "second", &second}, {Time{3000}, "third", &third}},
+               .epoch_blend = blend});
   CHECK_TRUE(built.ok());
   return SoundFile(readWhole(folder / "scene.fls"));
 }
@@ -69,7 +70,8 @@ std::vector<SoundFile> makeScenes() {
   scenes.push_back(sceneFile(6, proto::FrameKind::kPlanar, {}));
   scenes.push_back(sceneFile(9, proto::FrameKind::kGeographic, {}));
   scenes.push_back(sceneFile(9, proto::FrameKind::kPlanar, {{model, {10, 20}}, {model, {-20, 10}, 1, 30, 2}}));
-  scenes.push_back(movingSceneFile());
+  for (const auto blend : {proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline})
+    scenes.push_back(movingSceneFile(blend));
   return scenes;
 }
 
