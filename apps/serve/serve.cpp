@@ -19,6 +19,7 @@
 #include "apps/stop_signal.h"
 #include "base/result.h"
 #include "server/net/listen_address.h"
+#include "server/net/memory_return.h"
 #include "server/net/server.h"
 #include "server/net/steady_clock.h"
 #include "server/session/session.h"
@@ -134,6 +135,7 @@ void run(server::Server& running, const server::Log& log, double drain_seconds, 
 int main(int argc, char** argv) {
   const auto [flags, exit_code] = apps::parseServeFlags(argc, argv);
   if (exit_code) return *exit_code;
+  server::MemoryReturn::prepare();
   const sigset_t stop_signals = apps::blockStopSignals();
   startLog(flags);
   auto options = apps::serveOptions(flags);

@@ -14,6 +14,14 @@ bool MemoryReturn::isDue(size_t viewers, Time now) {
   return true;
 }
 
+void MemoryReturn::prepare() {
+#ifdef __GLIBC__
+  // The least size of a large block. Unless it is set, glibc raises it to that of any large block that is given up.
+  constexpr int kLargeBlock = 128 << 10;
+  ::mallopt(M_MMAP_THRESHOLD, kLargeBlock);
+#endif
+}
+
 void MemoryReturn::run() {
 #ifdef __GLIBC__
   ::malloc_trim(0);

@@ -15,6 +15,9 @@ class MemoryReturn {
   // To be asked from time to time. True if so many viewers are fewer by a quarter than there have been since the last
   // time that it was true.
   bool isDue(size_t viewers, Time now);
+  // To be called once, before there are other threads. Large blocks, those of sections above all, lie by themselves
+  // from then on and go back as soon as they are given up; a section that grows leaves no hole behind.
+  static void prepare();
   // Any thread. Some 10 ms for 100 MB.
   static void run();
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,6 +14,7 @@
 #include "terrain/build/build.h"
 #include "tests/server/net/client.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scene.h"
 
 namespace foreland::test {
@@ -78,6 +80,41 @@ TEST_F(ServeProgram, EndsAtOnceOnASecondSignal) {
   EXPECT_EQ(viewer.receiveClose(), 1012);
   program.signal(SIGTERM);
   EXPECT_EQ(program.wait(), -1);
+}
+
+double residentBytes(uint16_t port) {
+  const std::string page = httpGet(port, "/metrics"), name = "\nprocess_resident_memory_bytes ";
+  const size_t at = page.find(name);
+  return at == std::string::npos ? 0 : std::stod(page.substr(at + name.size()));
+}
+
+// Flies so many viewers at once. The most memory that the server took meanwhile.
+double visit(uint16_t port, int viewers) {
+  Program flights("fly", {"ws://127.0.0.1:" + std::to_string(port), "--viewers", std::to_string(viewers), "--tour",
+                          "survey", "--tau", "0.1", "--seconds", "2"});
+  double most = 0;
+  bool have_come = false;
+  EXPECT_TRUE(eventually([&] {
+    most = std::max(most, residentBytes(port));
+    const double sessions = metric(port, "sessions");
+    have_come = have_come || sessions == viewers;
+    return have_come && sessions == 0;
+  })) << flights.readToEnd();
+  return most;
+}
+
+TEST_F(ServeProgram, GivesMemoryBackWhenViewersLeave) {
+  if (kIsSanitized) GTEST_SKIP() << "a sanitizer keeps what is given up";
+  FormulaSource source(513, 513, hills(2));
+  ASSERT_TRUE(terrain::buildScene(source, {folder_ / "scene.fls", 0.1, 1}).ok());
+  Program server("serve", arguments());
+  const uint16_t port = portOf(server.readLine());
+  visit(port, 2);  // for what a server keeps: the scene's pages, the workers' scratch
+  const double before = residentBytes(port), most = visit(port, 40);
+  EXPECT_GT(most, before + (16 << 20));
+  double after = 0;
+  EXPECT_TRUE(eventually([&] { return (after = residentBytes(port)) < before + 0.25 * (most - before); }))
+      << before << " bytes, then " << most << ", then " << after;
 }
 
 TEST_F(ServeProgram, RefusesScenesThatAreNone) {
