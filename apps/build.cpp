@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,7 @@
 #include "terrain/dem/open.h"
 #include "terrain/dem/pictures/open_pictures.h"
 #include "terrain/geo/geodesy.h"
+#include "terrain/surface_store/mapped_surface.h"
 
 namespace {
 
@@ -111,7 +113,8 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
   app.add_option(
          "--object", arguments.objects,
          "A surface made by `foreland remesh` that stands on the terrain: "
-         "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable")
+         "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable. The "
+         "dates of its poses are the scene's epochs, unless there is --epoch: then each is one of these")
       ->allow_extra_args(false);
   app.add_option(
          "--epoch", arguments.epochs,
@@ -211,6 +214,19 @@ struct OpenedEpochs {
   std::vector<terrain::EpochRequest> requests;
 };
 
+// Epochs at which the ground stays as it is, for the poses of the objects.
+Result<std::vector<terrain::EpochRequest>> epochsOfPoses(const std::vector<terrain::ObjectRequest>& objects) {
+  std::set<Time> times;
+  for (const terrain::ObjectRequest& object : objects) {
+    const auto surface = terrain::MappedSurface::open(object.model);
+    if (!surface.ok()) return surface.error();
+    times.insert((*surface)->poseTimes().begin(), (*surface)->poseTimes().end());
+  }
+  std::vector<terrain::EpochRequest> epochs;
+  for (const Time& time : times) epochs.push_back({time, apps::dateText(time), nullptr});
+  return epochs;
+}
+
 Result<OpenedEpochs> openEpochs(const Arguments& arguments) {
   OpenedEpochs epochs;
   for (const std::string& text : arguments.epochs) {
@@ -248,6 +264,11 @@ int build(const Arguments& arguments) {
   auto epochs = openEpochs(arguments);
   if (!epochs.ok()) return fail(epochs.error());
   options.epochs = epochs->requests;
+  if (options.epochs.empty()) {
+    auto of_poses = epochsOfPoses(options.objects);
+    if (!of_poses.ok()) return fail(of_poses.error());
+    options.epochs = std::move(*of_poses);
+  }
   options.epoch_blend = arguments.epoch_blend;
   std::unique_ptr<terrain::PictureSource> picture;
   if (!arguments.imagery.empty()) {

@@ -18,7 +18,10 @@ bool ObjectReplica::step(proto::ObjectStream& stream, proto::RangeDecoder& coder
   delta_.added.clear();
   delta_.removed.clear();
   if (!stream.decode(object_, coder, delta_)) return false;
-  for (Slot slot : delta_.removed) removed_[slot] = stream.position(object_, slot);
+  for (Slot slot : delta_.removed) {
+    const std::span<const glm::ivec3> moves = stream.moves(object_, slot);
+    removed_[slot] = {stream.position(object_, slot), {moves.begin(), moves.end()}};
+  }
   fingerprint += proto::fingerprintOf(object_, delta_);
   is_stale_ = is_stale_ || !delta_.added.empty() || !delta_.removed.empty();
   return true;
@@ -28,7 +31,11 @@ bool ObjectReplica::step(proto::ObjectStream& stream, proto::RangeDecoder& coder
 void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& stream) {
   const proto::ObjectPlacement& placement = objects_->placement(object_);
   const ObjectPatcher::Carried carried{placement.rise.at(span.ground[0]), placement.rise.at(span.ground[1])};
-  if (!std::exchange(is_stale_, false) && is_still_) {
+  const proto::PoseBlend& poses = objects_->posesOf(object_);
+  PoseWeights weights{poses.weightsAt(span.ground[0]), poses.weightsAt(span.ground[1])};
+  const bool is_same = weights == pose_weights_;
+  pose_weights_ = std::move(weights);
+  if (!std::exchange(is_stale_, false) && is_still_ && is_same) {
     has_changed_ = has_changed_ || carried != mesh_.carried();
     return mesh_.rest(carried);
   }
@@ -43,7 +50,7 @@ void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& strea
   from_ = proto::apply(to_, morphs_.jumped());
   to_ = proto::apply(from_, morphs_.drawn());
   mesh_.step(positions(stream), morphs_, carried);
-  is_still_ = morphs_.all().empty();
+  is_still_ = morphs_.all().empty() && pose_weights_[0] == pose_weights_[1];
   has_changed_ = true;
   std::erase_if(removed_, [this](const auto& node) { return !mesh_.isDrawn(node.first); });
 }
@@ -57,22 +64,17 @@ void ObjectReplica::buildMesh(const proto::ObjectStream& stream, KeyframeMesh& m
 double ObjectReplica::intervals(const MorphTiming& timing, const ObjectPositions& positions, Slot slot) const {
   if (timing.isUniform()) return timing.intervals({}, 0);
   const proto::MeshTopology& mesh = objects_->domain(object_).topology();
-  const proto::ObjectModel& model = objects_->modelOf(object_);
-  const auto positionOf = [&](NodeId v) {
-    const glm::ivec3& quanta = mesh.isBase(v) ? model.base[proto::baseVertexOf(v)] : positions.at(mesh.slot(v));
-    return glm::dvec3(quanta) * model.quantum_m;
-  };
   const auto [a, b] = mesh.endpoints(mesh.node(slot));
-  return timing.intervals(positionOf(mesh.node(slot)), 2 * glm::distance(positionOf(a), positionOf(b)));
+  return timing.intervals(positions.at(mesh.node(slot), 1), 2 * glm::distance(positions.at(a, 1), positions.at(b, 1)));
 }
 
 // Whether the surface around the node faces away from the eye (`from`, in the scene's frame), by the normals that the
 // last mesh ends with at the endpoints of the node's edge, with 30 degrees to spare for the triangles around it. Closed
-// surfaces only.
+// surfaces only, and none that moves in itself.
 bool ObjectReplica::facesAway(const proto::View& from, Slot slot) const {
   constexpr double kSineToSpare = 0.5;
   const proto::SurfaceDomain& domain = objects_->domain(object_);
-  if (!domain.is_closed) return false;
+  if (!domain.is_closed || !objects_->posesOf(object_).isStill()) return false;
   for (NodeId end : domain.topology().endpoints(domain.topology().node(slot))) {
     glm::dvec3 position;
     uint32_t normal = 0;

@@ -39,14 +39,17 @@ class ObjectReplica {
   const Morphs& morphs() const { return morphs_; }
 
  private:
-  ObjectPositions positions(const proto::ObjectStream& stream) const { return {stream, object_, removed_}; }
+  ObjectPositions positions(const proto::ObjectStream& stream) const {
+    return {*objects_, stream, object_, removed_, pose_weights_};
+  }
   double intervals(const MorphTiming& timing, const ObjectPositions& positions, proto::Slot slot) const;
   bool facesAway(const proto::View& from, proto::Slot slot) const;
 
   const proto::ObjectSet* objects_;
   size_t object_;
-  // Positions (quanta) of nodes that were removed from the section and may still be drawn.
-  std::unordered_map<proto::Slot, glm::ivec3> removed_;
+  // Nodes that were removed from the section and may still be drawn.
+  std::unordered_map<proto::Slot, RemovedNode> removed_;
+  PoseWeights pose_weights_;  // of the last mesh
   proto::Section section_;    // the newest that blend() has seen
   proto::Section from_, to_;  // drawn at the mesh's ends
   Morphs morphs_;

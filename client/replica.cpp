@@ -20,6 +20,10 @@ Error refused(const std::string& why) {
   return {ErrorCode::kMalformed, "keyframe: " + why + "; this connection cannot continue, reconnect"};
 }
 
+proto::Epochs epochsOf(const proto::Welcome& welcome) {
+  return std::move(proto::Epochs::create(welcome.shape, welcome.epochs, welcome.epoch_blend)).value();
+}
+
 }  // namespace
 
 Replica::Replica(const proto::Welcome& welcome)
@@ -30,12 +34,10 @@ Replica::Replica(const proto::Welcome& welcome)
       adapter_(*domain_),
       nodes_(domain_->grid, {*corner_heights_, *centre_heights_}),
       object_set_(std::make_unique<proto::ObjectSet>(
-          std::move(proto::ObjectSet::create(welcome.models, welcome.objects)).value())) {
+          std::move(proto::ObjectSet::create(welcome.models, welcome.objects, epochsOf(welcome))).value())) {
   model_.tells_blocks = welcome.occlusion;
   if (!welcome.epochs.empty())
-    epochs_ = std::make_unique<proto::EpochStream>(
-        domain_->grid, std::move(proto::Epochs::create(welcome.shape, welcome.epochs, welcome.epoch_blend)).value(),
-        welcome.base_offsets);
+    epochs_ = std::make_unique<proto::EpochStream>(domain_->grid, epochsOf(welcome), welcome.base_offsets);
   makeObjects();
   setMemory(welcome.memory_bytes);
 }

@@ -3,6 +3,7 @@
 #include <cinttypes>
 #include <cstdio>
 
+#include "apps/date.h"
 #include "terrain/surface/surface.h"
 
 namespace foreland::apps {
@@ -57,6 +58,8 @@ ordered_json describeSurface(const terrain::MappedSurface& surface) {
   about["image"] = {{"width", surface.atlas().width()},
                     {"height", surface.atlas().height()},
                     {"texels_per_base_edge", surface.atlas().side}};
+  about["poses"] = ordered_json::array();
+  for (const Time& time : surface.poseTimes()) about["poses"].push_back(dateText(time));
   about["notes"] = surface.about().notes;
   return about;
 }
@@ -76,6 +79,7 @@ void printSurface(const std::string& path, const terrain::MappedSurface& surface
   if (surface.atlas().side > 0)
     std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),
                 surface.atlas().height(), surface.atlas().side);
+  for (const Time& time : surface.poseTimes()) std::printf("pose       %s\n", dateText(time).c_str());
   for (const std::string& note : surface.about().notes) std::printf("note       %s\n", note.c_str());
 }
 

@@ -11,6 +11,7 @@
 
 #include "apps/options.h"
 #include "apps/output_file.h"
+#include "apps/remesh/remesh_poses.h"
 #include "apps/remesh/remesh_report.h"
 #include "apps/stop_signal.h"
 #include "terrain/model/image.h"
@@ -35,6 +36,7 @@ struct Arguments {
   std::optional<uint32_t> texels;
   proto::MeshRule rule = proto::MeshRule::kQuadrisection;
   std::optional<terrain::UpAxis> up;
+  std::vector<std::string> poses;
   bool json = false, strict = false;
 };
 
@@ -82,6 +84,11 @@ void describeOptions(CLI::App& app, Arguments& arguments) {
          "Intervals of colour along a base edge, rounded up to a multiple of four; by default as fine as the model's "
          "colours; 0 for none")
       ->check(CLI::Range(0u, proto::AtlasLayout::kMaxPixels));
+  app.add_option("--pose", arguments.poses,
+                 "The model at a date, YYYY-MM-DD=FILE: the surface changes in time from the first date to the last. "
+                 "FILE has the faces and vertices of MODEL, whose positions only decide where the base mesh lies; "
+                 "repeatable")
+      ->allow_extra_args(false);
   app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one per processor")
       ->check(CLI::Range(0u, 1024u));
   app.add_flag("--strict", arguments.strict,
@@ -150,6 +157,8 @@ int remesh(Arguments& arguments) {
   const auto original =
       terrain::makeOriginal(*model, arguments.strict ? terrain::OnDefect::kRefuse : terrain::OnDefect::kRepair);
   if (!original.ok()) return fail(original.error());
+  const auto poses = apps::readPoses(arguments.poses, arguments.up, *model, *original);
+  if (!poses.ok()) return fail(poses.error());
   const double finest = arguments.step.value_or(terrain::finestQuantum(original->positions));
   if (Status s = terrain::checkQuantum(original->positions, finest); !s.ok()) return fail(s.error());
   arguments.remesh.keep_going = [](int) { return !apps::isStopRequested(); };
@@ -157,7 +166,7 @@ int remesh(Arguments& arguments) {
   if (!remeshed.ok()) return fail(remeshed.error());
 
   const double step = arguments.step.value_or(terrain::defaultQuantum(*remeshed));
-  const auto surface = terrain::toSurface(*remeshed, arguments.rule, step);
+  auto surface = terrain::toSurface(*remeshed, arguments.rule, step);
   if (!surface.ok()) return fail(surface.error());
   Finished finished;
   finished.about.title = arguments.input.filename().string();
@@ -168,10 +177,19 @@ int remesh(Arguments& arguments) {
   apps::RemeshReport report = apps::judgeRemesh(*model, *original, *surface, arguments.remesh.threads);
   report.atlas = finished.painted.atlas;
   finished.about.notes.push_back(apps::sentence(report));
+  std::vector<Time> pose_times;
+  if (!poses->empty()) {
+    auto posed = apps::makePosed(*poses, *original, *remeshed, arguments.rule, step, arguments.remesh.threads);
+    if (!posed.ok()) return fail(posed.error());
+    surface = std::move(posed->surface);
+    report.poses = std::move(posed->reports);
+    for (const apps::Pose& pose : *poses) pose_times.push_back(pose.time);
+  }
   const auto records = terrain::computeBounds(
       *surface, {.threads = arguments.remesh.threads, .onProgress = [](double) { return !apps::isStopRequested(); }});
   if (apps::isStopRequested()) return fail({ErrorCode::kInvalidArgument, "stopped; nothing was written"});
   const auto id = terrain::writeSurface(arguments.output, {.surface = *surface,
+                                                           .pose_times = pose_times,
                                                            .records = records,
                                                            .atlas = finished.painted.atlas,
                                                            .texels = finished.painted.texels,

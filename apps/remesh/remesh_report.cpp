@@ -103,6 +103,8 @@ void printReport(const RemeshReport& r, const std::filesystem::path& output, uin
                 " triangles; %.4f %% of the diagonal off, %" PRIu64 " flipped; image %u x %u; %.1f s\n",
                 output.c_str(), r.base_triangles, r.levels, r.full_triangles, 100 * r.hausdorff(), r.flipped,
                 r.atlas.width(), r.atlas.height(), r.seconds);
+    for (const PoseReport& pose : r.poses)
+      std::printf("  pose %s: %.4f %% of the diagonal off\n", pose.date.c_str(), 100 * pose.hausdorff);
     return;
   }
   char name[17];
@@ -129,6 +131,9 @@ void printReport(const RemeshReport& r, const std::filesystem::path& output, uin
                      {"turned_faces", r.turned}};
   json["notes"] = r.notes;
   json["step"] = r.step;
+  json["poses"] = nlohmann::ordered_json::array();
+  for (const PoseReport& pose : r.poses)
+    json["poses"].push_back({{"date", pose.date}, {"share_of_diagonal", pose.hausdorff}});
   json["image"] = {{"width", r.atlas.width()}, {"height", r.atlas.height()}, {"texels_per_base_edge", r.atlas.side}};
   json["seconds"] = r.seconds;
   std::printf("%s\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());

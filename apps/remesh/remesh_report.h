@@ -12,6 +12,11 @@
 
 namespace foreland::apps {
 
+struct PoseReport {
+  std::string date;
+  double hausdorff = 0;  // as RemeshReport's
+};
+
 struct RemeshReport {
   uint64_t original_vertices = 0, original_triangles = 0;
   uint64_t base_vertices = 0, base_triangles = 0, full_triangles = 0;
@@ -26,6 +31,7 @@ struct RemeshReport {
   terrain::Repairs repairs;
   std::vector<std::string> notes;  // printed elsewhere, but for JSON
   double step = 0;
+  std::vector<PoseReport> poses;
   proto::AtlasLayout atlas;
   double seconds = 0;
 
@@ -36,7 +42,7 @@ struct RemeshReport {
 std::vector<std::string> repairNotes(const terrain::Original& original);
 
 // Compares the surface, with its rounded positions, with the model as given: faces without area, which the original
-// lacks, count as lines. The caller fills in atlas, notes and seconds.
+// lacks, count as lines. The caller fills in atlas, notes, poses and seconds.
 RemeshReport judgeRemesh(const terrain::Model& model, const terrain::Original& original,
                          const terrain::TrueSurface& surface, unsigned threads);
 

@@ -273,6 +273,10 @@ Oracle::Oracle(Oracle&&) noexcept = default;
 
 void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
 
+std::span<const double> Oracle::sharesShown() const { return impl_->epoch_shares; }
+
+std::span<const Time> Oracle::epochs() const { return impl_->truth.epochs; }
+
 double Oracle::carriedAt(double x, double y) const {
   const Truth& truth = impl_->truth;
   x = std::clamp(x, 0.0, truth.shape.samples_x - 1.0), y = std::clamp(y, 0.0, truth.shape.samples_y - 1.0);

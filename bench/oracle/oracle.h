@@ -91,6 +91,10 @@ class Oracle {
   // the first epoch: between samples bilinearly, at each epoch by whole quanta. Quanta.
   double carriedAt(double x, double y) const;
 
+  // At the time shown, of a truth that has epochs: how much each contributes; and their dates.
+  std::span<const double> sharesShown() const;
+  std::span<const Time> epochs() const;
+
   // The drawn surface against the truth.
   Deviation error(Surface drawn, const proto::Pose& pose, const proto::Lens& lens);
   // Two drawn surfaces against each other, over the samples whose true position is seen.

@@ -36,6 +36,8 @@ class SceneOracle {
  private:
   // By object: how far the ground has carried it at the time shown, scene frame.
   std::vector<glm::dvec3> carried() const;
+  // By model: how much each of its poses contributes at the time shown; empty if it has one.
+  std::vector<std::vector<double>> poseShares() const;
 
   proto::FrameTransform frame_;
   Oracle terrain_;

@@ -35,9 +35,9 @@ inline Truth truthOf(std::shared_ptr<const terrain::Scene> scene) {
 inline Result<SceneOracle> sceneOracle(const std::shared_ptr<const terrain::Scene>& scene) {
   const auto objects = terrain::readObjects(scene);
   if (!objects) return objects.error();
-  std::vector<std::span<const proto::SurfaceRecord>> records;
-  for (const auto& model : objects->models) records.push_back(model->nodes());
-  return SceneOracle(truthOf(scene), objectsTruth(objects->set, records));
+  std::vector<proto::ModelNodes> nodes;
+  for (const auto& model : objects->models) nodes.push_back({model->nodes(), model->nodeMoves(), model->movesEach()});
+  return SceneOracle(truthOf(scene), objectsTruth(objects->set, nodes));
 }
 
 }  // namespace foreland::bench

@@ -17,7 +17,7 @@ SceneOracle oracleOf(const server::Hierarchy& hierarchy) {
   // The scene outlives the oracle.
   std::shared_ptr<const terrain::Scene> scene(&hierarchy.scene(), [](const terrain::Scene*) {});
   const server::SceneObjects& objects = hierarchy.objects();
-  return SceneOracle(truthOf(std::move(scene)), objectsTruth(objects.set, objects.records));
+  return SceneOracle(truthOf(std::move(scene)), objectsTruth(objects.set, objects.nodes));
 }
 
 class Replay {

@@ -72,10 +72,6 @@ class Builder {
   }
 
  private:
-  glm::dvec3 truePosition(NodeId v) const {
-    if (mesh_.isBase(v)) return glm::dvec3(model_.base[proto::baseVertexOf(v)]) * model_.quantum_m;
-    return glm::dvec3(positions_.at(mesh_.slot(v))) * model_.quantum_m;
-  }
   std::array<double, 2> weights(NodeId n) const {
     if (const Morph* m = findMorph(sections_.morphs, mesh_.slot(n))) return {m->from, m->to};
     const double weight = proto::contains(sections_.newest, mesh_.slot(n)) ? 1 : 0;
@@ -84,7 +80,8 @@ class Builder {
 
   uint32_t vertex(NodeId v) {
     if (const auto it = vertex_of_.find(v); it != vertex_of_.end()) return it->second;
-    if (mesh_.isBase(v)) return add(v, {kNoVertex, kNoVertex}, {{{truePosition(v), true}, {truePosition(v), true}}});
+    if (mesh_.isBase(v))
+      return add(v, {kNoVertex, kNoVertex}, {{{positions_.at(v, 0), true}, {positions_.at(v, 1), true}}});
     const std::array<NodeId, 2> names = mesh_.endpoints(v);
     const std::array<uint32_t, 2> endpoints{vertex(names[0]), vertex(names[1])};
     const std::array<double, 2> weight = weights(v);
@@ -94,8 +91,8 @@ class Builder {
         return DrawnPosition<glm::dvec3>{out_.position[s][end], is_true_[s][end] != 0};
       };
       drawn[s] = blendPosition(
-          drawnAt(endpoints[0]), drawnAt(endpoints[1]), weight[s], [&] { return truePosition(v); },
-          [&] { return truePosition(v) - 0.5 * (truePosition(names[0]) + truePosition(names[1])); });
+          drawnAt(endpoints[0]), drawnAt(endpoints[1]), weight[s], [&] { return positions_.at(v, s); },
+          [&] { return positions_.at(v, s) - 0.5 * (positions_.at(names[0], s) + positions_.at(names[1], s)); });
     }
     return add(v, endpoints, drawn);
   }
@@ -162,10 +159,31 @@ class Builder {
 
 }  // namespace
 
-// Edges are no longer than the model's box, twice over for what nodes add to it.
+glm::dvec3 ObjectPositions::at(NodeId v, size_t end) const {
+  const proto::MeshTopology& mesh = objects.domain(object).topology();
+  const proto::ObjectModel& model = objects.modelOf(object);
+  const size_t moves_each = objects.posesOf(object).poses() - 1;
+  if (mesh.isBase(v)) {
+    const uint32_t base = proto::baseVertexOf(v);
+    const auto moves = std::span(model.base_moves).subspan(base * moves_each, moves_each);
+    return proto::posed(model.base[base], moves, weights[end]) * model.quantum_m;
+  }
+  const Slot slot = mesh.slot(v);
+  if (const auto it = removed.find(slot); it != removed.end())
+    return proto::posed(it->second.position, it->second.moves, weights[end]) * model.quantum_m;
+  const glm::ivec3& position = stream.position(object, slot);
+  if (moves_each == 0) return glm::dvec3(position) * model.quantum_m;
+  return proto::posed(position, stream.moves(object, slot), weights[end]) * model.quantum_m;
+}
+
+// Edges are no longer than the model's box in all poses, twice over for what nodes add to it.
 FaceNormal objectFaceNormal(const proto::ObjectModel& model) {
   glm::dvec3 low(0), high(0);
-  for (const glm::ivec3& p : model.base) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
+  const auto include = [&](const glm::dvec3& p) { low = glm::min(low, p), high = glm::max(high, p); };
+  for (const glm::ivec3& p : model.base) include(glm::dvec3(p));
+  for (size_t i = 0; i < model.base_moves.size(); ++i)
+    include(glm::dvec3(model.base[i / (model.base_moves.size() / model.base.size())]) +
+            glm::dvec3(model.base_moves[i]));
   return FaceNormal(2 * glm::distance(low, high) * model.quantum_m);
 }
 

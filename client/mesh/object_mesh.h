@@ -17,17 +17,26 @@
 
 namespace foreland::client {
 
-// The positions of an object's nodes, in quanta of its model: those of the newest section, from the stream, and those
-// of removed nodes that may still be drawn. A view.
+// What is kept of a removed node that may still be drawn: quanta of its model.
+struct RemovedNode {
+  glm::ivec3 position;
+  std::vector<glm::ivec3> moves;  // in each pose but the first
+};
+
+// By pose but for the first (proto::PoseBlend), at a mesh's two ends; empty if the object is still.
+using PoseWeights = std::array<std::vector<double>, 2>;
+
+// Where an object's vertices truly are at a mesh's two ends: those of the newest section, from the stream, and removed
+// nodes that may still be drawn. A view.
 struct ObjectPositions {
+  const proto::ObjectSet& objects;
   const proto::ObjectStream& stream;
   size_t object;
-  const std::unordered_map<proto::Slot, glm::ivec3>& removed;
+  const std::unordered_map<proto::Slot, RemovedNode>& removed;
+  const PoseWeights& weights;
 
-  const glm::ivec3& at(proto::Slot slot) const {
-    const auto it = removed.find(slot);
-    return it != removed.end() ? it->second : stream.position(object, slot);
-  }
+  // Object's frame, metres.
+  glm::dvec3 at(proto::NodeId v, size_t end) const;
 };
 
 // What of an object is drawn: the sections at the mesh's two ends, its nodes in transition, and where the ground has

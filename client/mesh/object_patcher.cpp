@@ -40,6 +40,8 @@ void ObjectPatcher::step(const ObjectPositions& positions, const Morphs& morphs,
   carry(carried);
   ++steps_;
   positions_ = &positions, morphs_ = morphs.all();
+  is_posed_ = poses_ != positions.weights || poses_[0] != poses_[1];
+  poses_ = positions.weights;
   collectFaces(morphs);
   for (const ChangingFace& c : changing_) addNormals(c.face, -1);
   stepSections(morphs);
@@ -91,14 +93,17 @@ void ObjectPatcher::addBase() {
   const proto::MeshTopology& mesh = objects_->domain(object_).topology();
   faces_.resize(mesh.base().faceCount());
   for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) {
-    const glm::dvec3 p = truePosition(proto::baseVertexId(v));
-    vertices_.push_back({.id = proto::baseVertexId(v), .position = {p, p}, .is_true = {true, true}});
+    const proto::NodeId id = proto::baseVertexId(v);
+    vertices_.push_back(
+        {.id = id, .position = {positions_->at(id, 0), positions_->at(id, 1)}, .is_true = {true, true}});
   }
   for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back({face, kJumps});
 }
 
 void ObjectPatcher::collectFaces(const Morphs& morphs) {
   if (faces_.empty()) addBase();
+  if (is_posed_)
+    for (uint32_t face = 0; face < faces_.size(); ++face) changing_.push_back({face, kMoves});
   collectFaces(in_transition_, kMoves);
   in_transition_.clear();
   for (const Morph& m : morphs_) in_transition_.push_back(m.slot);
@@ -273,17 +278,11 @@ void ObjectPatcher::see(uint32_t v) {
   seen_.push_back({v, vertex.position[1], vertex.packed[1]});
 }
 
-glm::dvec3 ObjectPatcher::truePosition(NodeId v) const {
-  const proto::MeshTopology& mesh = objects_->domain(object_).topology();
-  const proto::ObjectModel& model = objects_->modelOf(object_);
-  const glm::ivec3& quanta = mesh.isBase(v) ? model.base[proto::baseVertexOf(v)] : positions_->at(mesh.slot(v));
-  return glm::dvec3(quanta) * model.quantum_m;
-}
-
 // To where it is drawn at the mesh's ends, its endpoints first.
 void ObjectPatcher::move(uint32_t v) {
   const Vertex& vertex = vertices_[v];
-  if (vertex.moved == steps_ || vertex.endpoints[0] == kNoVertex) return;
+  if (vertex.moved == steps_) return;
+  if (vertex.endpoints[0] == kNoVertex) return moveBase(v);
   for (uint32_t end : vertex.endpoints) move(end);
   const Morph* m = findMorph(morphs_, vertex.slot);
   const std::array<double, 2> weights = m ? std::array{m->from, m->to} : weightsOf(vertex.in);
@@ -291,10 +290,12 @@ void ObjectPatcher::move(uint32_t v) {
     const auto drawn = [&](uint32_t u) {
       return DrawnPosition<glm::dvec3>{vertices_[u].position[s], vertices_[u].is_true[s]};
     };
-    const auto own = [&] { return vertex.is_true[1] ? vertex.position[1] : truePosition(vertex.id); };
+    const auto own = [&] {
+      return vertex.is_true[1] && !is_posed_ ? vertex.position[1] : positions_->at(vertex.id, s);
+    };
     const auto displacement = [&] {
       const auto [a, b] = vertex.endpoints;
-      return own() - 0.5 * (truePosition(vertices_[a].id) + truePosition(vertices_[b].id));
+      return own() - 0.5 * (positions_->at(vertices_[a].id, s) + positions_->at(vertices_[b].id, s));
     };
     const DrawnPosition<glm::dvec3> p =
         blendPosition(drawn(vertex.endpoints[0]), drawn(vertex.endpoints[1]), weights[s], own, displacement);
@@ -302,6 +303,13 @@ void ObjectPatcher::move(uint32_t v) {
     vertices_[v].is_true[s] = p.is_true;
   }
   vertices_[v].moved = steps_;
+}
+
+void ObjectPatcher::moveBase(uint32_t v) {
+  Vertex& vertex = vertices_[v];
+  if (is_posed_)
+    for (size_t s = 0; s < 2; ++s) vertex.position[s] = positions_->at(vertex.id, s);
+  vertex.moved = steps_;
 }
 
 // The face's triangles join the sums of their vertices, or leave them.

@@ -2,7 +2,7 @@
 // for the order of vertices and triangles. A base face is the unit: what a step changes lies in the faces that hold a
 // node in transition, now or in the step before, and only these are cut into triangles again. Of those the triangles
 // that were there before keep their places, and a vertex's normal is an exact sum (face_normal.h) that these faces
-// leave and join.
+// leave and join. While a model goes from pose to pose, all faces change.
 //
 // Numbers of vertices and triangles are the object's own, from 0; client/object_patches.h places objects in one mesh.
 // One owner. step(): O(triangles of the faces that change).
@@ -125,6 +125,7 @@ class ObjectPatcher {
   void dropCorners();
   void see(uint32_t v);
   void move(uint32_t v);
+  void moveBase(uint32_t v);
   void addNormals(uint32_t face, double sign);
   glm::dvec3 unitNormalOf(uint32_t v, size_t end) const;
   void note(const Seen& seen);
@@ -133,7 +134,6 @@ class ObjectPatcher {
   void compact();
   void clearChanges();
   void carry(const Carried& carried);
-  glm::dvec3 truePosition(proto::NodeId v) const;
   // Of its place in the scene, at an end.
   glm::dvec3 sceneAt(const Vertex& vertex, size_t end) const {
     return objects_->placement(object_).toScene(vertex.position[end]) + carried_[end];
@@ -161,12 +161,14 @@ class ObjectPatcher {
   std::vector<uint32_t> moved_, turned_, added_;  // corners that the last step changed
   BlendPatch changed_;                            // the triangles
   bool is_whole_ = true;
+  PoseWeights poses_;  // in the last step
   Carried carried_{};
   bool is_carried_ = false;  // elsewhere than in the mesh before
   static constexpr size_t kFewCorners = 256;
 
   // During a step only.
   const ObjectPositions* positions_ = nullptr;
+  bool is_posed_ = false;  // its poses move all vertices
   std::span<const Morph> morphs_;
   std::vector<ChangingFace> changing_;
   std::vector<Seen> seen_;

@@ -7,6 +7,17 @@
 
 namespace foreland::proto {
 
+namespace {
+
+std::shared_ptr<const glm::ivec3[]> movesWithin(const glm::ivec3& position, std::span<const glm::ivec3> moves) {
+  if (moves.empty()) return nullptr;
+  auto within = std::make_shared<glm::ivec3[]>(moves.size());
+  for (size_t k = 0; k < moves.size(); ++k) within[k] = moveWithin(position, moves[k]);
+  return within;
+}
+
+}  // namespace
+
 ObjectStream::ObjectStream(const ObjectSet& objects)
     : objects_(&objects), has_changed_(objects.size()), known_(objects.models().size()) {
   for (size_t i = 0; i < objects.size(); ++i) cuts_.emplace_back(objects.domain(i).topology());
@@ -29,15 +40,16 @@ void ObjectStream::restart() {
   view_.reset();
 }
 
-void ObjectStream::hold(size_t object, const Section& section, std::span<const SurfaceRecord> records) {
+void ObjectStream::hold(size_t object, const Section& section, const ModelNodes& nodes) {
   cuts_[object].hold(section);
   const MeshTopology& mesh = objects_->domain(object).topology();
   const std::span<const glm::ivec3> base = objects_->modelOf(object).base;
   KnownPositions& known = known_[objects_->placement(object).model];
   for (Slot slot : section.slots) {
-    const glm::ivec3& position = records[slot].position;
+    const glm::ivec3& position = nodes.records[slot].position;
     if (known.find(slot) == nullptr)
-      known.learn(slot, {position, position - middleOfEdge(mesh, base, known, mesh.node(slot)), 0});
+      known.learn(slot, {position, position - middleOfEdge(mesh, base, known, mesh.node(slot)), 0,
+                         movesWithin(position, nodes.movesOf(slot))});
     known.use(slot);
   }
 }
@@ -47,6 +59,8 @@ SurfaceCodecState ObjectStream::endOf(size_t object) {
   std::optional<View> last;
   if (last_) last = placement.toObject(*last_);
   return {.base = objects_->modelOf(object).base,
+          .base_moves = objects_->modelOf(object).base_moves,
+          .moves_each = objects_->posesOf(object).poses() - 1,
           .quantum_m = objects_->modelOf(object).quantum_m,
           .view = placement.toObject(*view_),
           .last = last,
@@ -56,9 +70,9 @@ SurfaceCodecState ObjectStream::endOf(size_t object) {
           .model = model_};
 }
 
-void ObjectStream::encode(size_t object, const CutDelta& delta, std::span<const SurfaceRecord> records,
-                          RangeEncoder& coder, SurfaceBits& bits) {
-  encodeSurface(endOf(object), delta, records, coder, bits);
+void ObjectStream::encode(size_t object, const CutDelta& delta, const ModelNodes& nodes, RangeEncoder& coder,
+                          SurfaceBits& bits) {
+  encodeSurface(endOf(object), delta, nodes, coder, bits);
 }
 
 bool ObjectStream::decode(size_t object, RangeDecoder& coder, CutDelta& delta) {
@@ -72,6 +86,12 @@ const glm::ivec3& ObjectStream::position(size_t object, Slot slot) const {
   const KnownPositions::Node* node = known_[objects_->placement(object).model].find(slot);
   CHECK_TRUE(node != nullptr);
   return node->position;
+}
+
+std::span<const glm::ivec3> ObjectStream::moves(size_t object, Slot slot) const {
+  const KnownPositions::Node* node = known_[objects_->placement(object).model].find(slot);
+  CHECK_TRUE(node != nullptr);
+  return {node->moves.get(), objects_->posesOf(object).poses() - 1};
 }
 
 }  // namespace foreland::proto

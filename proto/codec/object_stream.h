@@ -30,14 +30,13 @@ class ObjectStream {
 
   // At the client, when it resumes on a new connection.
   void restart();
-  // At the server, when it resumes: one object's. `records` of its model, by slot.
-  void hold(size_t object, const Section& section, std::span<const SurfaceRecord> records);
+  // At the server, when it resumes: one object's. `nodes` of its model.
+  void hold(size_t object, const Section& section, const ModelNodes& nodes);
 
   // A keyframe; then each object's change follows, in their order.
   void begin(const View& view);
-  // What the object's section becomes by `delta`; `records` of its model, by slot.
-  void encode(size_t object, const CutDelta& delta, std::span<const SurfaceRecord> records, RangeEncoder& coder,
-              SurfaceBits& bits);
+  // What the object's section becomes by `delta`; `nodes` of its model.
+  void encode(size_t object, const CutDelta& delta, const ModelNodes& nodes, RangeEncoder& coder, SurfaceBits& bits);
   // Reads a change into `delta`, ascending. False if the bytes were none: this is then of no more use.
   [[nodiscard]] bool decode(size_t object, RangeDecoder& coder, CutDelta& delta);
 
@@ -45,6 +44,7 @@ class ObjectStream {
   Section section(size_t object) const { return cuts_[object].section(); }
   // Of a node of the object's section, or of the one before it; quanta of its model.
   const glm::ivec3& position(size_t object, Slot slot) const;
+  std::span<const glm::ivec3> moves(size_t object, Slot slot) const;
 
  private:
   SurfaceCodecState endOf(size_t object);

@@ -11,6 +11,13 @@ namespace foreland::proto {
 
 namespace {
 
+glm::ivec3 middleOf(const glm::ivec3& a, const glm::ivec3& b) {
+  const glm::ivec3 sum = a + b;
+  return {sum.x >> 1, sum.y >> 1, sum.z >> 1};
+}
+
+constexpr int64_t kMostMove = 2 * int64_t{kMaxObjectQuanta};
+
 size_t scaleOf(int64_t size) {
   return std::min<size_t>(static_cast<size_t>(std::bit_width(static_cast<uint64_t>(size))), SurfaceModel::kScales - 1);
 }
@@ -138,7 +145,7 @@ class Transcoder {
     if (end_.known.find(slot) == nullptr) {
       changes_.beginPosition(coder_);
       const glm::ivec3 position = codePosition(n, level, changes_.position(slot));
-      end_.known.learn(slot, {position, position - middleOfEdge(n), 0});
+      end_.known.learn(slot, {position, position - middleOfEdge(n), 0, codeMoves(n, slot, position)});
       changes_.endPosition(coder_);
     }
     end_.known.use(slot);
@@ -212,6 +219,36 @@ class Transcoder {
     return got;
   }
 
+  std::span<const glm::ivec3> movesOf(NodeId v) const {
+    return proto::movesOf(mesh_, end_.base_moves, end_.moves_each, end_.known, v);
+  }
+  // A node's moves. In each pose it is expected to move as the middle of its edge does, and as much beside that as in
+  // the pose before.
+  std::shared_ptr<const glm::ivec3[]> codeMoves(NodeId n, Slot slot, const glm::ivec3& position) {
+    if (end_.moves_each == 0) return nullptr;
+    auto moves = std::make_shared<glm::ivec3[]>(end_.moves_each);
+    const auto ends = mesh_.endpoints(n);
+    const std::span<const glm::ivec3> a = movesOf(ends[0]), b = movesOf(ends[1]);
+    glm::ivec3 beside(0);
+    for (size_t k = 0; k < end_.moves_each; ++k) {
+      const glm::ivec3 middle = middleOf(a[k], b[k]);
+      const glm::ivec3 wanted = changes_.move(slot, k, position);
+      int64_t like = 0, most = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        like += 4 * std::abs(int64_t{beside[axis]}) + std::abs(int64_t{a[k][axis]} - b[k][axis]);
+      for (int axis = 0; axis < 3; ++axis) {
+        const int64_t guess = std::clamp<int64_t>(int64_t{middle[axis]} + beside[axis], -kMostMove, kMostMove);
+        const size_t prior = axis == 0 ? 0 : most == 0 ? 1 : most * 8 < like ? 2 : 3;
+        auto& model = end_.model.move[prior * SurfaceModel::kScales + scaleOf(like)];
+        const int64_t off = symbols_.number(model, 0, static_cast<int32_t>(wanted[axis] - guess));
+        most = std::max(most, std::abs(off));
+        moves[k][axis] = changes_.withinReach(position[axis], guess + off);
+      }
+      beside = moves[k] - middle;
+    }
+    return moves;
+  }
+
   AdaptiveBit& blockContext(Change change, int candidates, size_t before) {
     const auto width = static_cast<size_t>(std::bit_width(static_cast<unsigned>(candidates)));
     return end_.model.blocks[static_cast<size_t>(change)][width * 4 + before];
@@ -235,14 +272,18 @@ class Transcoder {
 
 class ChangeSource {
  public:
-  ChangeSource(const CutDelta& delta, std::span<const SurfaceRecord> records, SurfaceBits& bits)
-      : delta_(delta), records_(records), bits_(bits) {}
+  ChangeSource(const CutDelta& delta, const ModelNodes& nodes, SurfaceBits& bits)
+      : delta_(delta), nodes_(nodes), bits_(bits) {}
   bool wantsAny() const { return !delta_.added.empty() || !delta_.removed.empty(); }
   bool wants(Change change, Slot slot) const {
     const auto& slots = change == Change::kRemoved ? delta_.removed : delta_.added;
     return std::binary_search(slots.begin(), slots.end(), slot);
   }
-  const glm::ivec3& position(Slot slot) const { return records_[slot].position; }
+  const glm::ivec3& position(Slot slot) const { return nodes_.records[slot].position; }
+  glm::ivec3 move(Slot slot, size_t k, const glm::ivec3& position) const {
+    return moveWithin(position, nodes_.movesOf(slot)[k]);
+  }
+  int32_t withinReach(int32_t, int64_t move) const { return static_cast<int32_t>(move); }
   void beginPosition(const RangeEncoder& coder) { bits_.positions -= coder.bits(); }
   void endPosition(const RangeEncoder& coder) {
     bits_.positions += coder.bits();
@@ -256,7 +297,7 @@ class ChangeSource {
 
  private:
   const CutDelta& delta_;
-  std::span<const SurfaceRecord> records_;
+  const ModelNodes& nodes_;
   SurfaceBits& bits_;
   size_t changed_ = 0;
 };
@@ -268,6 +309,12 @@ class ChangeSink {
   bool wantsAny() const { return false; }
   bool wants(Change, Slot) const { return false; }
   glm::ivec3 position(Slot) const { return glm::ivec3(0); }
+  glm::ivec3 move(Slot, size_t, const glm::ivec3&) const { return glm::ivec3(0); }
+  int32_t withinReach(int32_t position, int64_t move) {
+    const int64_t least = -int64_t{kMaxObjectQuanta} - position, most = int64_t{kMaxObjectQuanta} - position;
+    if (move < least || move > most) fail();
+    return static_cast<int32_t>(std::clamp(move, least, most));
+  }
   void beginPosition(const RangeDecoder&) {}
   void endPosition(const RangeDecoder&) {}
   void onRemoved(Slot slot) { delta_.removed.push_back(slot); }
@@ -294,14 +341,19 @@ glm::ivec3 middleOfEdge(const MeshTopology& mesh, std::span<const glm::ivec3> ba
     return mesh.isBase(v) ? base[baseVertexOf(v)] : known.find(mesh.slot(v))->position;
   };
   const auto [a, b] = mesh.endpoints(n);
-  const glm::ivec3 sum = positionOf(a) + positionOf(b);
-  return {sum.x >> 1, sum.y >> 1, sum.z >> 1};
+  return middleOf(positionOf(a), positionOf(b));
 }
 
-void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, std::span<const SurfaceRecord> records,
-                   RangeEncoder& coder, SurfaceBits& bits) {
+std::span<const glm::ivec3> movesOf(const MeshTopology& mesh, std::span<const glm::ivec3> base_moves, size_t each,
+                                    const KnownPositions& known, NodeId v) {
+  return mesh.isBase(v) ? base_moves.subspan(baseVertexOf(v) * each, each)
+                        : std::span<const glm::ivec3>(known.find(mesh.slot(v))->moves.get(), each);
+}
+
+void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, const ModelNodes& nodes, RangeEncoder& coder,
+                   SurfaceBits& bits) {
   const double before = coder.bits() - bits.positions;
-  ChangeSource changes(delta, records, bits);
+  ChangeSource changes(delta, nodes, bits);
   CHECK_TRUE(Transcoder(end, coder, changes).run());
   CHECK_TRUE(changes.isDone());
   bits.structure += coder.bits() - bits.positions - before;

@@ -80,9 +80,20 @@ Result<ObjectModel> modelOf(const fb::Model& m) {
     model.base.emplace_back(m.base()->Get(i), m.base()->Get(i + 1), m.base()->Get(i + 2));
   model.quantum_m = m.quantum_m();
   model.atlas_side = m.atlas_side();
+  if (m.pose_epochs()) {
+    if (m.pose_epochs()->size() > kMostPoses) return malformed("a model has too many poses");
+    model.pose_epochs.assign(m.pose_epochs()->begin(), m.pose_epochs()->end());
+  }
+  if (m.base_moves()) {
+    if (m.base_moves()->size() % 3 != 0 || m.base_moves()->size() > kMostPoses * m.base()->size())
+      return malformed("the moves of a model's base vertices are not in threes, or too many");
+    for (uint32_t i = 0; i < m.base_moves()->size(); i += 3)
+      model.base_moves.emplace_back(m.base_moves()->Get(i), m.base_moves()->Get(i + 1), m.base_moves()->Get(i + 2));
+  }
   return model;
 }
 
+// After epochs.
 Status readObjects(const fb::Welcome& m, Welcome& out) {
   if (m.models()) {
     if (m.models()->size() > ObjectSet::kMaxModels) return malformed("too many models");
@@ -104,7 +115,8 @@ Status readObjects(const fb::Welcome& m, Welcome& out) {
                              {}});
     }
   }
-  if (auto set = ObjectSet::create(out.models, out.objects); !set) return set.error();
+  const Epochs epochs = Epochs::create(out.shape, out.epochs, out.epoch_blend).value();
+  if (auto set = ObjectSet::create(out.models, out.objects, epochs); !set) return set.error();
   return {};
 }
 
@@ -183,8 +195,8 @@ Result<Welcome> readWelcome(const fb::Welcome& m) {
   out.memory_bytes = m.memory_bytes();
   if (!(out.tau_px > 0) || out.keyframe_interval.us <= 0)
     return malformed("the welcome's tolerance or interval is not positive");
-  if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
   if (Status epochs = readEpochs(m, out); !epochs.ok()) return epochs.error();
+  if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
   if (Status rises = readRises(m, out); !rises.ok()) return rises.error();
   if (Status tiles = readTiles(m, out); !tiles.ok()) return tiles.error();
   return out;
@@ -223,8 +235,16 @@ flatbuffers::Offset<fb::Model> putModel(Builder& b, const ObjectModel& m) {
   for (const glm::ivec3& p : m.base) base.insert(base.end(), {p.x, p.y, p.z});
   const auto faces_at = b.CreateVector(faces);
   const auto base_at = b.CreateVector(base);
+  flatbuffers::Offset<flatbuffers::Vector<uint32_t>> epochs_at;
+  flatbuffers::Offset<flatbuffers::Vector<int32_t>> moves_at;
+  if (!m.pose_epochs.empty()) {
+    std::vector<int32_t> moves;
+    for (const glm::ivec3& move : m.base_moves) moves.insert(moves.end(), {move.x, move.y, move.z});
+    epochs_at = b.CreateVector(m.pose_epochs);
+    moves_at = b.CreateVector(moves);
+  }
   return fb::CreateModel(b, static_cast<uint8_t>(m.shape.rule), m.shape.halvings, m.shape.vertex_count, faces_at,
-                         base_at, m.quantum_m, m.atlas_side);
+                         base_at, m.quantum_m, m.atlas_side, epochs_at, moves_at);
 }
 
 fb::Placement toFb(const ObjectPlacement& p) {

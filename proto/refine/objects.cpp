@@ -15,6 +15,12 @@ bool isPosition(const glm::ivec3& p) {
   return fine(p.x) && fine(p.y) && fine(p.z);
 }
 
+bool isMove(const glm::ivec3& from, const glm::ivec3& move) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(int64_t{from[axis]} + move[axis]) > kMaxObjectQuanta) return false;
+  return true;
+}
+
 Status check(const ObjectModel& model, const MeshTopology& topology) {
   const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, what}; };
   if (topology.slotCount() > ObjectSet::kMaxSlots)
@@ -27,6 +33,13 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
   if (model.atlas_side > AtlasLayout::kMaxPixels) return refuse("an image that is too large");
   for (size_t v = 0; v < model.base.size(); ++v)
     if (!isPosition(model.base[v])) return refuse("base vertex " + std::to_string(v) + " is too far away");
+  const size_t moves = model.pose_epochs.empty() ? 0 : model.pose_epochs.size() - 1;
+  if (model.base_moves.size() != moves * model.base.size())
+    return refuse(std::to_string(model.base_moves.size()) + " moves of base vertices for " +
+                  std::to_string(model.pose_epochs.size()) + " poses");
+  for (size_t i = 0; i < model.base_moves.size(); ++i)
+    if (!isMove(model.base[i / moves], model.base_moves[i]))
+      return refuse("base vertex " + std::to_string(i / moves) + " moves too far away");
   return {};
 }
 
@@ -62,7 +75,8 @@ View ObjectPlacement::toCarriedObject(const View& view) const {
   return toObject(seen);
 }
 
-Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements) {
+Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements,
+                                    const Epochs& epochs) {
   const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, "objects: " + what}; };
   if (models.size() > kMaxModels || placements.size() > kMaxObjects)
     return refuse("more than " + std::to_string(kMaxModels) + " models or " + std::to_string(kMaxObjects) + " objects");
@@ -72,6 +86,9 @@ Result<ObjectSet> ObjectSet::create(std::vector<ObjectModel> models, std::vector
     if (!topology) return refuse("model " + std::to_string(i) + ": " + topology.error().message);
     if (Status s = check(models[i], *topology); !s.ok())
       return refuse("model " + std::to_string(i) + ": " + s.error().message);
+    Result<PoseBlend> poses = PoseBlend::create(epochs, models[i].pose_epochs);
+    if (!poses) return refuse("model " + std::to_string(i) + ": " + poses.error().message);
+    set.poses_.push_back(std::move(*poses));
     set.topologies_.push_back(std::make_unique<const MeshTopology>(std::move(*topology)));
   }
   for (size_t i = 0; i < placements.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "proto/refine/surface_domain.h"
 #include "proto/section/epochs.h"
+#include "proto/section/poses.h"
 #include "proto/section/section.h"
 #include "proto/space/frame.h"
 #include "proto/topology/atlas_layout.h"
@@ -23,6 +24,10 @@ struct ObjectModel {
   double quantum_m = 0.001;
   std::vector<glm::ivec3> base;  // quanta; of all vertices that precede the nodes
   uint32_t atlas_side = 0;       // of the image of its colours (atlas_layout.h); 0: there is none
+  // The epochs of its poses (section/poses.h); none: it has one and does not change. The moves of `base`: of a vertex
+  // one after another.
+  std::vector<uint32_t> pose_epochs{};
+  std::vector<glm::ivec3> base_moves{};
   bool operator==(const ObjectModel&) const = default;
 };
 
@@ -64,9 +69,10 @@ class ObjectSet {
   static constexpr Slot kMaxSlots = 1u << 26;  // of one model
 
   ObjectSet() = default;
-  // Refuses shapes that MeshTopology refuses, positions and placements that are out of bounds or do not fit: by the
-  // number of the model or object.
-  static Result<ObjectSet> create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements);
+  // Refuses shapes that MeshTopology refuses, poses that PoseBlend refuses for a scene of these epochs, positions and
+  // placements that are out of bounds or do not fit: by the number of the model or object.
+  static Result<ObjectSet> create(std::vector<ObjectModel> models, std::vector<ObjectPlacement> placements,
+                                  const Epochs& epochs = {});
 
   size_t size() const { return placements_.size(); }
   const std::vector<ObjectModel>& models() const { return models_; }
@@ -74,10 +80,12 @@ class ObjectSet {
   const ObjectPlacement& placement(size_t object) const { return placements_[object]; }
   const ObjectModel& modelOf(size_t object) const { return models_[placements_[object].model]; }
   const SurfaceDomain& domain(size_t object) const { return domains_[object]; }
+  const PoseBlend& posesOf(size_t object) const { return poses_[placements_[object].model]; }
 
  private:
   std::vector<ObjectModel> models_;
   std::vector<std::unique_ptr<const MeshTopology>> topologies_;  // behind pointers, for domains refer to them
+  std::vector<PoseBlend> poses_;                                 // of each model
   std::vector<ObjectPlacement> placements_;
   std::vector<SurfaceDomain> domains_;
 };

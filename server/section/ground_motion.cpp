@@ -16,6 +16,17 @@ constexpr uint32_t kLeastSide = 4;     // samples
 constexpr double kMost = std::numeric_limits<float>::max();
 constexpr double kRoundUp = 1 + 1e-6;  // of floats, and of a limit that is found up to rounding
 
+// Calls visit(position in the first pose, moves) for all vertices of the object's model.
+template <class Visit>
+void forEachVertex(const SceneObjects& objects, size_t object, const Visit& visit) {
+  const proto::ObjectModel& model = objects.set.modelOf(object);
+  const proto::ModelNodes& nodes = objects.nodesOf(object);
+  for (size_t v = 0; v < model.base.size(); ++v)
+    visit(model.base[v], std::span(model.base_moves).subspan(v * nodes.moves_each, nodes.moves_each));
+  for (proto::Slot slot = 0; slot < nodes.records.size(); ++slot)
+    visit(nodes.records[slot].position, nodes.movesOf(slot));
+}
+
 }  // namespace
 
 GroundMotion::GroundMotion(const Hierarchy& hierarchy) : hierarchy_(hierarchy) {
@@ -72,17 +83,41 @@ void GroundMotion::addObjects() {
   const SceneObjects& objects = hierarchy_.objects();
   for (size_t i = 0; i < objects.set.size(); ++i) {
     const proto::ObjectPlacement& p = objects.set.placement(i);
-    if (p.rise.isStill()) continue;
-    Mover mover{p.position, 0, {}};
-    const auto reach = [&](const glm::ivec3& q) {
-      mover.radius_m = std::max(mover.radius_m, glm::length(glm::dvec3(q)));
-    };
-    for (const glm::ivec3& q : objects.set.modelOf(i).base) reach(q);
-    for (const proto::SurfaceRecord& record : objects.recordsOf(i)) reach(record.position);
+    if (p.rise.isStill() && objects.set.posesOf(i).isStill()) continue;
+    Mover mover{p.position, 0, std::vector<float>(curves_.size())};
+    forEachVertex(objects, i, [&](const glm::ivec3& position, std::span<const glm::ivec3> moves) {
+      mover.radius_m = std::max(mover.radius_m, glm::length(glm::dvec3(position)));
+      for (const glm::ivec3& move : moves)
+        mover.radius_m = std::max(mover.radius_m, glm::length(glm::dvec3(position) + glm::dvec3(move)));
+    });
     mover.radius_m *= objects.set.modelOf(i).quantum_m * p.scale;
     mover.radius_m += std::max(-p.rise.range[0], p.rise.range[1]) * glm::length(p.rise.quantum);
-    raise(mover, p.rise.quanta, 0.5);
+    if (!p.rise.isStill()) raise(mover, p.rise.quanta, 0.5);
+    if (!objects.set.posesOf(i).isStill()) addPoses(mover, i);
     movers_.push_back(std::move(mover));
+  }
+}
+
+// Accelerates by the most that the object's own motion does, beside that of what carries it.
+void GroundMotion::addPoses(Mover& mover, size_t object) const {
+  const proto::Epochs& epochs = hierarchy_.epochs().epochs();
+  const SceneObjects& objects = hierarchy_.objects();
+  std::vector<std::vector<double>> weights;  // of the poses, by epoch
+  for (uint32_t epoch = 0; epoch < epochs.size(); ++epoch)
+    weights.push_back(objects.set.posesOf(object).weightsAt({.epoch = {epoch}}));
+  const double metres = objects.set.modelOf(object).quantum_m * objects.set.placement(object).scale;
+  for (size_t i = 0; i < curves_.size(); ++i) {
+    const double seconds = (epochs[i + 1].time - epochs[i].time).toSeconds();
+    double most = 0;
+    for (const auto& acceleration : curves_[i].accelerations())
+      forEachVertex(objects, object, [&](const glm::ivec3&, std::span<const glm::ivec3> moves) {
+        glm::dvec3 sum(0);
+        for (uint32_t k = 0; k < curves_[i].count; ++k)
+          sum += acceleration[k] * proto::posed(glm::ivec3(0), moves, weights[curves_[i].first + k]);
+        most = std::max(most, glm::length(sum));
+      });
+    const double all = kRoundUp * (double{mover.acceleration[i]} + most * metres / (seconds * seconds));
+    mover.acceleration[i] = static_cast<float>(std::min(all, kMost));
   }
 }
 

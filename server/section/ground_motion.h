@@ -5,8 +5,9 @@
 // proto::kMotionShare of the tolerance from anywhere in the keyframe's region. The rest of the tolerance is the
 // section's (proto::sectionTolerance).
 //
-// Ground and objects that move are put together to some thousand spheres, each with the accelerations of what it
-// holds, by the interval between two epochs. Immutable; any thread. Construction is O(offsets).
+// Ground and objects that move, by it or in themselves, are put together to some thousand spheres, each with the
+// accelerations of what it holds, by the interval between two epochs. Immutable; any thread. Construction is
+// O(offsets).
 #pragma once
 
 #include <vector>
@@ -34,6 +35,7 @@ class GroundMotion {
   Mover& moverOf(proto::NodeId v);
   void add(proto::NodeId v, std::span<const int32_t> quanta);
   void addObjects();
+  void addPoses(Mover& mover, size_t object) const;
   void raise(Mover& mover, std::span<const int32_t> quanta, double off_quanta) const;
   // The longest steps between an epoch and the next, seconds.
   std::vector<double> longestSteps(const proto::View& view) const;

@@ -9,7 +9,7 @@ Result<SceneObjects> objectsOf(const std::shared_ptr<const terrain::Scene>& scen
   if (!placed.ok()) return placed.error();
   SceneObjects objects;
   for (const auto& model : placed->models) {
-    objects.records.push_back(model->nodes());
+    objects.nodes.push_back({model->nodes(), model->nodeMoves(), model->movesEach()});
     objects.texels.push_back(model->texels());
   }
   objects.owner =

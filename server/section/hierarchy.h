@@ -14,14 +14,15 @@
 
 namespace foreland::server {
 
-// The objects of a scene, with the records of their models' nodes by slot.
+// The objects of a scene, with their models' nodes.
 struct SceneObjects {
   proto::ObjectSet set;
-  std::vector<std::span<const proto::SurfaceRecord>> records;  // of each model
+  std::vector<proto::ModelNodes> nodes;           // of each model
   std::vector<std::span<const uint32_t>> texels;  // of each model's image (proto::AtlasLayout); empty without an image
   std::shared_ptr<const void> owner;              // of the memory that the spans point into
 
-  std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return records[set.placement(object).model]; }
+  const proto::ModelNodes& nodesOf(size_t object) const { return nodes[set.placement(object).model]; }
+  std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return nodesOf(object).records; }
 };
 
 // The objects in the scene's file; an Error if they are damaged.

@@ -63,7 +63,7 @@ bool SectionSender::resume(const proto::HeldSections& sections, uint32_t keyfram
   const SceneObjects& objects = hierarchy_->objects();
   for (size_t i = 0; i < objects_.size(); ++i) {
     objects_[i] = proto::SurfaceAdapter(objects.set.domain(i), sections.objects[i].slots, objects.recordsOf(i));
-    stream_->hold(i, sections.objects[i], objects.recordsOf(i));
+    stream_->hold(i, sections.objects[i], objects.nodesOf(i));
   }
   keyframe_.index = keyframe;
   keyframe_.time = time;
@@ -177,7 +177,7 @@ bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, SendS
                                                  records, scratch.adapt, delta))
       return false;
     others += objects_[i].nodeCount();
-    stream_->encode(i, delta, records, coder, object_bits_);
+    stream_->encode(i, delta, objects.nodesOf(i), coder, object_bits_);
     keyframe_.fingerprint += proto::fingerprintOf(i, delta);
   }
   return others <= max_nodes;

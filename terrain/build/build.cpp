@@ -123,6 +123,10 @@ Result<std::vector<EpochSamples>> readEpochs(const BuildOptions& options, const 
   if (Status s = checkDates(options.epochs); !s.ok()) return s.error();
   for (const EpochRequest& request : options.epochs) {
     if (!progress.keepGoing()) return stopped();
+    if (!request.source) {
+      epochs.push_back({request.time, request.date, {}, {}});
+      continue;
+    }
     auto epoch = readEpoch(request, info);
     if (!epoch) return epoch.error();
     epochs.push_back(std::move(*epoch));
@@ -288,13 +292,13 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
   const Heights heights{raster.quanta(), info.width, info.height};
   proto::Frame frame = info.frame;
   frame.height_quantum_m = height_quantum_m;
-  auto objects =
-      makeObjectSection(options.objects, frame, [&](double x, double y) { return groundAt(heights, frame, x, y); });
+  auto dates = datesOf(options, grid->shape());
+  if (!dates) return dates.error();
+  auto objects = makeObjectSection(options.objects, frame, *dates,
+                                   [&](double x, double y) { return groundAt(heights, frame, x, y); });
   if (!objects.ok()) return objects.error();
   std::optional<EpochLayers> layers;
   if (!epochs->empty()) {
-    auto dates = datesOf(options, grid->shape());
-    if (!dates) return dates.error();
     layers.emplace(*grid, frame, heights, std::move(*dates), options.threads);
     if (Status s = addEpochs(*epochs, *layers, progress); !s.ok()) return s.error();
     range = layers->range();

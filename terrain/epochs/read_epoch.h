@@ -14,9 +14,9 @@
 namespace foreland::terrain {
 
 struct EpochRequest {
-  Time time;         // since 1970, UTC
-  std::string date;  // as the user wrote it
-  ElevationSource* source = nullptr;
+  Time time;                          // since 1970, UTC
+  std::string date;                   // as the user wrote it
+  ElevationSource* source = nullptr;  // null: the ground is as at the epoch before
 };
 
 struct EpochSamples {

@@ -65,6 +65,7 @@ void put(Bytes& out, uint64_t offset, const void* what, uint64_t bytes) {
 }  // namespace
 
 Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
+                                const proto::Epochs& epochs,
                                 const std::function<std::optional<double>(double x, double y)>& groundAt) {
   if (requests.empty()) return Bytes();
   if (requests.size() > proto::ObjectSet::kMaxObjects)
@@ -72,6 +73,7 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
                                         std::to_string(proto::ObjectSet::kMaxObjects)};
   const proto::FrameTransform transform(frame);
   std::vector<std::shared_ptr<const MappedSurface>> models;
+  std::vector<proto::ObjectModel> shapes;
   std::vector<proto::ObjectPlacement> placements;
   for (const ObjectRequest& request : requests) {
     auto surface = MappedSurface::open(request.model);
@@ -83,12 +85,17 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
     auto placement = place(request, **surface, transform, groundAt);
     if (!placement.ok()) return placement.error();
     placement->model = static_cast<uint32_t>(same - models.begin());
-    if (same == models.end()) models.push_back(*surface);
+    if (same == models.end()) {
+      auto shape = modelOf(**surface, epochs);
+      if (!shape.ok())
+        return refused(request,
+                       shape.error().message + "; give --epoch for the date of each pose, or no --epoch at all");
+      models.push_back(*surface);
+      shapes.push_back(std::move(*shape));
+    }
     placements.push_back(*placement);
   }
-  std::vector<proto::ObjectModel> shapes;
-  for (const auto& m : models) shapes.push_back(modelOf(*m));
-  if (auto set = proto::ObjectSet::create(std::move(shapes), placements); !set.ok()) return set.error();
+  if (auto set = proto::ObjectSet::create(std::move(shapes), placements, epochs); !set.ok()) return set.error();
 
   uint64_t at =
       sizeof(ObjectSectionStart) + placements.size() * sizeof(StoredPlacement) + models.size() * sizeof(StoredModel);

@@ -32,14 +32,17 @@ struct ObjectRequest {
 [[nodiscard]] Result<ObjectRequest> parseObject(const std::string& text);
 
 // The section's bytes, empty without requests. `groundAt` tells the ground's height above the zero surface (m) at a
-// lattice position, and is empty outside the data. Errors name the object and the remedy.
+// lattice position, and is empty outside the data. `epochs` are the scene's, whatever their windows. Errors name the
+// object and the remedy.
 [[nodiscard]] Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, const proto::Frame& frame,
+                                              const proto::Epochs& epochs,
                                               const std::function<std::optional<double>(double x, double y)>& groundAt);
 
 // Whether sessions can stream a surface: its bounds are spheroids, its image is laid out as AtlasLayout::of does.
 [[nodiscard]] Status checkModel(const MappedSurface& surface);
-// What a session is told of a surface before any of its nodes.
-[[nodiscard]] proto::ObjectModel modelOf(const MappedSurface& surface);
+// What a session is told of a surface before any of its nodes, in a scene of these epochs. An Error if one of its poses
+// is at none of them.
+[[nodiscard]] Result<proto::ObjectModel> modelOf(const MappedSurface& surface, const proto::Epochs& epochs);
 
 // How the ground of a scene carries what stands at a point of its frame: as it moves there, or at the data's border
 // next to it, by whole quanta.

@@ -33,11 +33,22 @@ Status checkModel(const MappedSurface& surface) {
   return {};
 }
 
-proto::ObjectModel modelOf(const MappedSurface& surface) {
-  return {surface.topology().shape(),
-          surface.quantumMetres(),
-          {surface.basePositions().begin(), surface.basePositions().end()},
-          surface.atlas().side};
+Result<proto::ObjectModel> modelOf(const MappedSurface& surface, const proto::Epochs& epochs) {
+  proto::ObjectModel model{surface.topology().shape(),
+                           surface.quantumMetres(),
+                           {surface.basePositions().begin(), surface.basePositions().end()},
+                           surface.atlas().side};
+  for (const Time& time : surface.poseTimes()) {
+    const auto isThen = [&](const proto::Epoch& epoch) { return epoch.time == time; };
+    const auto epoch = std::ranges::find_if(epochs.all(), isThen);
+    if (epoch == epochs.all().end())
+      return Error{ErrorCode::kInvalidArgument, "its pose " + std::to_string(model.pose_epochs.size() + 1) + " of " +
+                                                    std::to_string(surface.poseTimes().size()) +
+                                                    " is at none of the scene's epochs"};
+    model.pose_epochs.push_back(static_cast<uint32_t>(epoch - epochs.all().begin()));
+  }
+  model.base_moves.assign(surface.baseMoves().begin(), surface.baseMoves().end());
+  return model;
 }
 
 proto::GroundRise riseAt(const Scene& scene, const glm::dvec3& position) {
@@ -78,7 +89,9 @@ Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
     if (!surface.ok()) return surface.error();
     if (Status s = checkModel(**surface); !s.ok())
       return damaged("model " + std::to_string(i) + ": " + s.error().message);
-    models.push_back(modelOf(**surface));
+    auto model = modelOf(**surface, scene->epochs().epochs());
+    if (!model.ok()) return damaged("model " + std::to_string(i) + ": " + model.error().message);
+    models.push_back(std::move(*model));
     objects.models.push_back(std::move(*surface));
   }
   std::vector<proto::ObjectPlacement> placements;
@@ -89,7 +102,7 @@ Result<PlacedObjects> readObjects(const std::shared_ptr<const Scene>& scene) {
                           glm::dquat(p.orientation[0], p.orientation[1], p.orientation[2], p.orientation[3]), p.scale,
                           riseAt(*scene, position)});
   }
-  auto set = proto::ObjectSet::create(std::move(models), std::move(placements));
+  auto set = proto::ObjectSet::create(std::move(models), std::move(placements), scene->epochs().epochs());
   if (!set.ok()) return damaged(set.error().message);
   objects.set = std::move(*set);
   return objects;

@@ -110,6 +110,14 @@ class Attempt {
 
 }  // namespace
 
+Remeshed posedAs(const Remeshed& remeshed, const Original& original, const std::vector<dvec3>& positions) {
+  Remeshed posed = remeshed;
+  for (size_t v = 0; v < posed.points.size(); ++v)
+    posed.positions[v] = positionOf(posed.points[v], positions, original.faces);
+  std::copy_n(posed.positions.begin(), posed.base_vertices.size(), posed.base_vertices.begin());
+  return posed;
+}
+
 Result<Remeshed> remesh(const Original& original, const RemeshOptions& options) {
   const EdgeFlags creases = findCreases(original, kCreaseCosine);
   const std::vector<SurfacePoint> at_vertices = pointsOfVertices(original);

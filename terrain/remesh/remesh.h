@@ -38,6 +38,10 @@ struct Remeshed {
   std::vector<glm::dvec3> positions;  // the same points in space
 };
 
+// The positions of the same vertices in another pose of the original: `positions` of its vertices.
+[[nodiscard]] Remeshed posedAs(const Remeshed& remeshed, const Original& original,
+                               const std::vector<glm::dvec3>& positions);
+
 inline constexpr uint64_t kMaxLatticeVertices = 1u << 27;
 
 // The base may have more triangles than asked for, where the topology or the borders need them. Error: more than

@@ -55,14 +55,11 @@ class BoundsPass {
  public:
   BoundsPass(const TrueSurface& surface, const SurfaceBoundsJob& job)
       : surface_(surface), mesh_(surface.topology), full_(surface), job_(job), records_(mesh_.slotCount()) {
-    displacements_.resize(mesh_.slotCount());
-    double reach = 0;
-    forEachNode(mesh_, [&](NodeId n, Slot slot) {
-      const auto [a, b] = mesh_.endpoints(n);
-      displacements_[slot] = surface.position(n) - 0.5 * (surface.position(a) + surface.position(b));
-    });
-    for (uint32_t v = 0; v < mesh_.baseVertexCount(); ++v) reach = std::max(reach, glm::length(full_.position(v)));
-    pad_m_ = 1e-6 * std::max(reach, surface.quantum_m);
+    addPose(surface);
+    for (const SurfacePose& pose : surface.poses) {
+      moved_.push_back({mesh_, surface.quantum_m, pose.base, pose.nodes});
+      addPose(moved_.back());
+    }
   }
 
   std::vector<SurfaceRecord> run() {
@@ -96,23 +93,63 @@ class BoundsPass {
     all.least_cosine = 1;
     all.errors.clear();
     if (mesh_.rule() == proto::MeshRule::kQuadrisection)
-      gather<AnyOf>(n, all);
+      gatherAll<AnyOf>(n, all);
     else
-      gather<AllOf>(n, all);
+      gatherAll<AllOf>(n, all);
     all.cone_rad = std::acos(std::clamp(all.least_cosine, -1.0, 1.0)) + kPad_rad;
+    if (!surface_.poses.empty()) all.cone_rad = kAnyAngle_rad;
     for (NodeId child : mesh_.children(n)) includeSphereAndCone(records_[mesh_.slot(child)], all);
     const Extent error = errorShape(n, all);
     record.radius = proto::CompactBound::roundUp(all.radius + pad_m_);
     record.cone_sine = proto::CompactShare::roundUp(all.cone_rad < kRightAngle_rad ? std::sin(all.cone_rad) : 1);
-    record.bulge = proto::CompactShare::roundUp((all.bulge + pad_m_) / record.radius.metres());
+    const bool is_posed = !surface_.poses.empty();
+    record.bulge = proto::CompactShare::roundUp(is_posed ? 1 : (all.bulge + pad_m_) / record.radius.metres());
     record.error_along = proto::CompactBound::roundUp(error.along);
     record.error_across = proto::CompactBound::roundUp(error.across);
     return record;
   }
 
+  void addPose(const TrueSurface& pose) {
+    std::vector<glm::dvec3>& displacements = displacements_.emplace_back(mesh_.slotCount());
+    double reach = 0;
+    forEachNode(mesh_, [&](NodeId n, Slot slot) {
+      const auto [a, b] = mesh_.endpoints(n);
+      displacements[slot] = pose.position(n) - 0.5 * (pose.position(a) + pose.position(b));
+    });
+    for (uint32_t v = 0; v < mesh_.baseVertexCount(); ++v)
+      reach = std::max(reach, glm::length(pose.position(proto::baseVertexId(v))));
+    pad_m_ = std::max(pad_m_, 1e-6 * std::max(reach, pose.quantum_m));
+  }
+
+  template <class Missing>
+  void gatherAll(NodeId n, Gathered& all) const {
+    gather<Missing>(n, all);
+    for (size_t pose = 1; pose < displacements_.size(); ++pose) gatherPose<Missing>(n, pose, all);
+  }
+  // Spheres and errors in another pose.
+  template <class Missing>
+  void gatherPose(NodeId n, size_t pose, Gathered& all) const {
+    const TrueSurface& moved = moved_[pose - 1];
+    const auto coefficient = [&](NodeId m) { return Missing::one(displacements_[pose][mesh_.slot(m)], all.normal); };
+    const auto visit = [&](NodeId v, const Missing& missing) {
+      const Extent error = missing.extent(all.normal);
+      all.errors.push_back(error);
+      const double drawn = std::hypot(error.along, error.across);
+      for (uint32_t t : full_.trianglesAt(full_.vertex(v)))
+        for (uint32_t corner : full_.triangles()[t])
+          all.radius = std::max(all.radius, glm::length(positionOf(moved, corner) - all.position) + drawn);
+    };
+    SupportWalk<Missing, decltype(coefficient), decltype(visit)>(mesh_, coefficient, visit).run(n);
+  }
+  // By number in the full mesh.
+  glm::dvec3 positionOf(const TrueSurface& pose, uint32_t vertex) const {
+    const uint32_t base = mesh_.baseVertexCount();
+    return glm::dvec3(vertex < base ? pose.base[vertex] : pose.nodes[vertex - base]) * pose.quantum_m;
+  }
+
   template <class Missing>
   void gather(NodeId n, Gathered& all) const {
-    const auto coefficient = [&](NodeId m) { return Missing::one(displacements_[mesh_.slot(m)], all.normal); };
+    const auto coefficient = [&](NodeId m) { return Missing::one(displacements_[0][mesh_.slot(m)], all.normal); };
     const auto visit = [&](NodeId v, const Missing& missing) {
       const size_t vertex = full_.vertex(v);
       const Extent error = missing.extent(all.normal);
@@ -136,7 +173,7 @@ class BoundsPass {
     const double distance = glm::length(aside), radius = child.radius.metres();
     all.radius = std::max(all.radius, distance + radius);
     if (child.cone_sine.isFull()) {
-      all.cone_rad = 4;
+      all.cone_rad = kAnyAngle_rad;
       return;
     }
     const double half_angle = std::asin(child.cone_sine.value());
@@ -170,14 +207,15 @@ class BoundsPass {
     return {shape.along * growth, shape.across * growth};
   }
 
-  static constexpr double kPad_rad = 1e-6, kRightAngle_rad = std::numbers::pi / 2;
+  static constexpr double kPad_rad = 1e-6, kRightAngle_rad = std::numbers::pi / 2, kAnyAngle_rad = 4;
 
   const TrueSurface& surface_;
   const proto::MeshTopology& mesh_;
   const FullMesh full_;
   const SurfaceBoundsJob& job_;
   double pad_m_ = 0;
-  std::vector<glm::dvec3> displacements_;
+  std::vector<TrueSurface> moved_;                      // the poses but the first
+  std::vector<std::vector<glm::dvec3>> displacements_;  // by pose
   std::vector<SurfaceRecord> records_;
 };
 

@@ -17,6 +17,11 @@
 // same way, as on the sphere, this is equation 2. By bisection the triangle that is drawn instead has true corners, and
 // equation 2 is exact.
 //
+// A surface with several poses is never at rest, so that what its triangles' normals are is not followed: cones are
+// full and planes pass anywhere. A sphere is about the node in the first pose and holds the support in all of them; an
+// error shape holds the errors in each pose. Between poses, positions and errors are means of theirs, which these hold,
+// too.
+//
 // So every vertex's error is held by the shape of some missing node whose support holds the vertex. A point of a
 // triangle is off by a mean of the errors of its three vertices; three missing nodes hold those, and their spheres the
 // triangle, so what the screen tests (proto/refine/surface_metric.h) say of each error at that point holds for the

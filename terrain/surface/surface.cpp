@@ -34,6 +34,26 @@ class Quantiser {
 
 }  // namespace
 
+namespace {
+
+std::vector<glm::ivec3> movesOf(const TrueSurface& surface, const std::vector<glm::ivec3>& first,
+                                std::vector<glm::ivec3> SurfacePose::*of) {
+  std::vector<glm::ivec3> moves;
+  moves.reserve(first.size() * surface.poses.size());
+  for (size_t i = 0; i < first.size(); ++i)
+    for (const SurfacePose& pose : surface.poses) moves.push_back((pose.*of)[i] - first[i]);
+  return moves;
+}
+
+}  // namespace
+
+std::vector<glm::ivec3> baseMoves(const TrueSurface& surface) {
+  return movesOf(surface, surface.base, &SurfacePose::base);
+}
+std::vector<glm::ivec3> nodeMoves(const TrueSurface& surface) {
+  return movesOf(surface, surface.nodes, &SurfacePose::nodes);
+}
+
 Result<TrueSurface> makeSurface(proto::MeshTopology topology, double quantum_m, const std::vector<glm::dvec3>& corners,
                                 const TruePosition& truePosition) {
   if (!(quantum_m > 0) || !std::isfinite(quantum_m))

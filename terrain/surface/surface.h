@@ -1,6 +1,6 @@
-// A surface of any topology: a base mesh, its rule of refinement, and the true position of every vertex. Positions are
-// whole quanta in the object's own frame, so that both ends compute the same ones and bounds are exact for what is
-// drawn. Plain data; any thread.
+// A surface of any topology: a base mesh, its rule of refinement, and the true position of every vertex, in one pose or
+// several. Positions are whole quanta in the object's own frame, so that both ends compute the same ones and bounds are
+// exact for what is drawn. Plain data; any thread.
 #pragma once
 
 #include <functional>
@@ -14,17 +14,27 @@ namespace foreland::terrain {
 
 inline constexpr int32_t kMaxQuanta = 1 << 30;  // of a coordinate, so that sums of two fit
 
+// The same vertices elsewhere.
+struct SurfacePose {
+  std::vector<glm::ivec3> base, nodes;
+};
+
 struct TrueSurface {
   proto::MeshTopology topology;
   double quantum_m = 0.001;
-  std::vector<glm::ivec3> base;   // topology.baseVertexCount() of them
-  std::vector<glm::ivec3> nodes;  // by slot, topology.slotCount() of them; zeros in the padding
+  std::vector<glm::ivec3> base;      // topology.baseVertexCount() of them
+  std::vector<glm::ivec3> nodes;     // by slot, topology.slotCount() of them; zeros in the padding
+  std::vector<SurfacePose> poses{};  // but the first, which is above (proto/section/poses.h)
 
   const glm::ivec3& quanta(proto::NodeId v) const {
     return topology.isBase(v) ? base[proto::baseVertexOf(v)] : nodes[topology.slot(v)];
   }
   glm::dvec3 position(proto::NodeId v) const { return glm::dvec3(quanta(v)) * quantum_m; }
 };
+
+// The moves of base vertices, and of nodes by slot: of a vertex one after another.
+std::vector<glm::ivec3> baseMoves(const TrueSurface& surface);
+std::vector<glm::ivec3> nodeMoves(const TrueSurface& surface);
 
 // The true position of a vertex in metres, given the middle of its endpoints' true positions (for a face's centre, of
 // the face's corners).

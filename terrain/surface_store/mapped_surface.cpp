@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
+#include "proto/section/poses.h"
 #include "terrain/store/format.h"
 
 namespace foreland::terrain {
@@ -22,8 +25,9 @@ Status checkNumbers(const SurfaceHeader& h) {
     return malformed("its rule of refinement is unknown");
   if (h.base_faces == 0 || h.base_faces > kMostFaces || h.base_vertices > proto::BaseMesh::kMaxVertices)
     return malformed("its base mesh has too many or no faces");
-  if (h.error_shape > static_cast<uint32_t>(proto::ErrorShape::kHoppe) || h.reserved != 0)
-    return malformed("its error shape is unknown");
+  if (h.error_shape > static_cast<uint32_t>(proto::ErrorShape::kHoppe)) return malformed("its error shape is unknown");
+  if (h.poses == 1 || h.poses > proto::kMostPoses || (h.poses > 0) != (h.version == kSurfaceVersion))
+    return malformed("its number of poses is impossible");
   if (!(h.quantum_m > 0) || !std::isfinite(h.quantum_m)) return malformed("its step is no positive number");
   for (int axis = 0; axis < 3; ++axis)
     if (h.low[axis] > h.high[axis]) return malformed("its box is empty");
@@ -48,6 +52,19 @@ Status checkPlaces(const SurfaceHeader& header) {
 }
 
 }  // namespace
+
+Status MappedSurface::readPoseTimes() {
+  const ByteSpan vertices = section<uint8_t>(kSurfaceVertices);
+  const size_t begin = vertices.size() - sizeof(int64_t) * header_.poses;
+  for (uint32_t pose = 0; pose < header_.poses; ++pose) {
+    Time time;
+    std::memcpy(&time.us, vertices.data() + begin + sizeof(time.us) * pose, sizeof(time.us));
+    if (std::abs(time.us) > proto::Epochs::kMostTime_us || (pose > 0 && time <= pose_times_.back()))
+      return malformed("the dates of its poses are out of order");
+    pose_times_.push_back(time);
+  }
+  return {};
+}
 
 bool isSurfaceFile(const std::filesystem::path& path) {
   std::array<char, 8> magic{};
@@ -77,6 +94,7 @@ Result<std::shared_ptr<const MappedSurface>> MappedSurface::of(ByteSpan bytes, c
   if (topology->slotCount() != header->slot_count) return damagedFile(path, "its sizes contradict each other");
   std::shared_ptr<MappedSurface> surface(
       new MappedSurface(bytes, std::move(owner), *header, std::move(topology).value()));
+  if (const Status times = surface->readPoseTimes(); !times.ok()) return damagedFile(path, times.error().message);
   if (contentId(*header, surface->section<uint8_t>(kSurfaceChecksums)) != header->scene_id)
     return damagedFile(path, "its table of checksums is damaged");
   if (Status text = decodeText(surface->section<uint8_t>(kSurfaceText), surface->about_); !text.ok())

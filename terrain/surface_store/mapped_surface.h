@@ -8,8 +8,10 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/result.h"
+#include "base/time.h"
 #include "proto/topology/mesh_topology.h"
 #include "terrain/store/mapped_file.h"
 #include "terrain/store/scene.h"
@@ -36,8 +38,22 @@ class MappedSurface {
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
   // Positions in quanta, by base vertex (under bisection, centres of faces after them), and nodes by slot with zeros as
   // padding.
-  std::span<const glm::ivec3> basePositions() const { return section<glm::ivec3>(kSurfaceVertices); }
-  std::span<const proto::SurfaceRecord> nodes() const { return section<proto::SurfaceRecord>(kSurfaceNodes); }
+  std::span<const glm::ivec3> basePositions() const {
+    return section<glm::ivec3>(kSurfaceVertices).first(storedVertices(header_));
+  }
+  std::span<const proto::SurfaceRecord> nodes() const {
+    return section<proto::SurfaceRecord>(kSurfaceNodes).first(header_.slot_count);
+  }
+  // Of the poses, ascending; none if there is one.
+  const std::vector<Time>& poseTimes() const { return pose_times_; }
+  size_t movesEach() const { return terrain::movesEach(header_); }
+  // In each pose but the first: of a vertex one after another.
+  std::span<const glm::ivec3> baseMoves() const {
+    return movesAfter<glm::ivec3>(kSurfaceVertices, storedVertices(header_));
+  }
+  std::span<const glm::ivec3> nodeMoves() const {
+    return movesAfter<proto::SurfaceRecord>(kSurfaceNodes, header_.slot_count);
+  }
   const glm::ivec3& quanta(proto::NodeId v) const {
     return topology_.isBase(v) ? basePositions()[proto::baseVertexOf(v)] : nodes()[topology_.slot(v)].position;
   }
@@ -54,11 +70,20 @@ class MappedSurface {
     return sectionOf<T>(bytes_, header_.sections[kind]);
   }
 
+  // The moves that follow `count` things in a section.
+  template <class T>
+  std::span<const glm::ivec3> movesAfter(SurfaceSection kind, uint64_t count) const {
+    const uint8_t* begin = bytes_.data() + header_.sections[kind].offset + sizeof(T) * count;
+    return {reinterpret_cast<const glm::ivec3*>(begin), count * movesEach()};
+  }
+  Status readPoseTimes();
+
   ByteSpan bytes_;
   std::shared_ptr<const void> owner_;  // of the bytes
   SurfaceHeader header_;
   proto::MeshTopology topology_;
   SceneOrigin about_;
+  std::vector<Time> pose_times_;
 };
 
 // Whether the file begins like a surface file. False if it cannot be read.

@@ -16,7 +16,7 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSurfaceMagic{'F', 'O', 'R', 'E', 'S', 'U', 'R', 'F'};
-inline constexpr uint32_t kSurfaceVersion = 2;
+inline constexpr uint32_t kSurfaceVersion = 3;
 
 using Texel = uint32_t;  // red, green, blue, alpha, from the lowest byte; sRGB
 
@@ -31,6 +31,8 @@ enum SurfaceSection : uint32_t {
 };
 
 struct SurfaceHeader {
+  static constexpr uint32_t kOldestVersion = 2;  // had no poses; written for surfaces that have none
+
   std::array<char, 8> magic = kSurfaceMagic;
   uint32_t version = kSurfaceVersion;
   uint32_t byte_order = kByteOrderMark;
@@ -39,9 +41,10 @@ struct SurfaceHeader {
   uint64_t header_checksum = 0;
   uint32_t rule = 0, halvings = 0, base_vertices = 0, base_faces = 0;
   uint32_t atlas_side = 0, atlas_columns = 0;
-  uint32_t error_shape = 0, reserved = 0;
+  uint32_t error_shape = 0;
+  uint32_t poses = 0;  // of vertices and nodes; 0: one, without a date
   double quantum_m = 0;
-  int32_t low[3]{}, high[3]{};  // of all positions
+  int32_t low[3]{}, high[3]{};  // of all positions, in the first pose
   uint64_t slot_count = 0;
   SectionRange sections[kSurfaceSectionCount];
 };
@@ -50,6 +53,8 @@ static_assert(offsetof(SurfaceHeader, quantum_m) == 72 && offsetof(SurfaceHeader
 
 // Base vertices with a position: those of the base mesh and, by bisection, the faces' centres.
 uint64_t storedVertices(const SurfaceHeader& header);
+// Moves of each vertex (proto/section/poses.h).
+inline uint64_t movesEach(const SurfaceHeader& header) { return header.poses == 0 ? 0 : header.poses - 1; }
 
 // Writes the sections' positions and the size of the file into the header, from its other numbers and the size of the
 // text.

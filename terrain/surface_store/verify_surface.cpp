@@ -4,6 +4,7 @@
 #include <glm/vector_relational.hpp>
 #include <string>
 
+#include "proto/section/poses.h"
 #include "terrain/store/check_slots.h"
 #include "terrain/store/faults.h"
 #include "terrain/surface/error_shape.h"
@@ -34,10 +35,13 @@ class SurfaceCheck {
     const proto::SurfaceRecord& record = surface_.nodes()[slot];
     const NodeId n = topology_.node(slot);
     if (topology_.isBase(n)) {
-      if (!isZero(record)) fault(slot, "is padding but not zero");
+      if (!isZero(record) || moves(slot, [](const glm::ivec3& move) { return move != glm::ivec3(0); }))
+        fault(slot, "is padding but not zero");
       return false;
     }
     if (!isInBox(record.position)) fault(slot, "lies outside the surface's box");
+    if (moves(slot, [&](const glm::ivec3& move) { return proto::moveWithin(record.position, move) != move; }))
+      fault(slot, "moves too far");
     const auto bounds = proto::SurfaceBounds::of(record, surface_.quantumMetres());
     if (!std::isfinite(bounds.radius) || !std::isfinite(bounds.along) || !std::isfinite(bounds.across)) {
       fault(slot, "has a bound that is no number");
@@ -48,6 +52,11 @@ class SurfaceCheck {
   }
 
  private:
+  template <class Is>
+  bool moves(proto::Slot slot, const Is& is) const {
+    const proto::ModelNodes nodes{surface_.nodes(), surface_.nodeMoves(), surface_.movesEach()};
+    return std::ranges::any_of(nodes.movesOf(slot), is);
+  }
   void fault(proto::Slot slot, const std::string& what) const {
     faults_.add(slot, "slot " + std::to_string(slot) + ' ' + what);
   }

@@ -27,6 +27,8 @@ SurfaceHeader headerOf(const SurfaceContent& content) {
   header.base_vertices = topology.base().vertexCount(), header.base_faces = topology.base().faceCount();
   header.atlas_side = content.atlas.side, header.atlas_columns = content.atlas.columns;
   header.error_shape = static_cast<uint32_t>(content.error_shape);
+  header.poses = static_cast<uint32_t>(content.pose_times.size());
+  if (header.poses == 0) header.version = SurfaceHeader::kOldestVersion;
   header.quantum_m = content.surface.quantum_m;
   header.slot_count = topology.slotCount();
   measure(content.surface, header);
@@ -35,8 +37,23 @@ SurfaceHeader headerOf(const SurfaceContent& content) {
 
 template <class T>
 void fill(const NewFile& file, const SectionRange& place, std::span<const T> from) {
-  CHECK_EQ(place.bytes, from.size_bytes());
+  CHECK_LE(from.size_bytes(), place.bytes);
   if (!from.empty()) std::memcpy(file.data() + place.offset, from.data(), from.size_bytes());
+}
+
+// Puts the moves behind the first pose, and the dates behind those of base vertices.
+void fillPoses(const NewFile& file, const SurfaceHeader& header, const SurfaceContent& content) {
+  CHECK_EQ(content.surface.poses.size(), movesEach(header));
+  const auto put = [](uint8_t* to, const auto& values) {
+    const auto bytes = values.size() * sizeof(values[0]);
+    if (bytes > 0) std::memcpy(to, values.data(), bytes);
+    return to + bytes;
+  };
+  std::vector<int64_t> times;
+  for (const Time& time : content.pose_times) times.push_back(time.us);
+  uint8_t* const vertices = file.data() + header.sections[kSurfaceVertices].offset;
+  put(put(vertices + content.surface.base.size() * sizeof(glm::ivec3), baseMoves(content.surface)), times);
+  put(file.data() + header.sections[kSurfaceNodes].offset + content.records.size_bytes(), nodeMoves(content.surface));
 }
 
 }  // namespace
@@ -54,6 +71,7 @@ Result<uint64_t> writeSurface(const std::filesystem::path& target, const Surface
   fill<proto::BaseFace>(*file, header.sections[kSurfaceFaces], surface.topology.base().faces());
   fill<glm::ivec3>(*file, header.sections[kSurfaceVertices], surface.base);
   fill<proto::SurfaceRecord>(*file, header.sections[kSurfaceNodes], content.records);
+  fillPoses(*file, header, content);
   fill<Texel>(*file, header.sections[kSurfaceTexels], content.texels);
   return sealFile(*file, header.sections[kSurfaceChecksums], header);
 }

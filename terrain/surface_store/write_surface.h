@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <span>
+#include <vector>
 
 #include "base/result.h"
+#include "base/time.h"
 #include "proto/section/surface_bounds.h"
 #include "terrain/store/scene.h"
 #include "terrain/surface/surface.h"
@@ -15,6 +17,7 @@ namespace foreland::terrain {
 // The content of a file; the caller keeps it alive.
 struct SurfaceContent {
   const TrueSurface& surface;
+  std::vector<Time> pose_times{};                 // of its poses, ascending, if it has more than one
   std::span<const proto::SurfaceRecord> records;  // by slot (terrain/surface/bounds.h)
   proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
   proto::AtlasLayout atlas{};       // without an image if there are no colours

@@ -54,6 +54,62 @@ TEST_F(RemeshProgram, AModelBecomesAFileThatInfoAndVerifyKnow) {
   EXPECT_NE(verified.output.find(output() + ": sound"), std::string::npos) << verified.output;
 }
 
+// A torus that grows and leans over.
+terrain::Model leaning(double by) {
+  terrain::Model model = makeTorus(40, 20);
+  for (glm::dvec3& p : model.positions) p = {p.x + by * p.z, p.y, p.z * (1 + by)};
+  return model;
+}
+
+TEST_F(RemeshProgram, PosesBecomeOneSurface) {
+  std::vector<std::string> arguments{write("torus.obj", toObj(leaning(0.1))),
+                                     "-o",
+                                     output(),
+                                     "--levels",
+                                     "3",
+                                     "--base-triangles",
+                                     "80",
+                                     "--attempts",
+                                     "3",
+                                     "--json"};
+  for (const auto& [date, by] : {std::pair("2001-01-01", 0.0), {"2001-02-01", 0.4}, {"2002-02-01", 0.5}}) {
+    arguments.emplace_back("--pose");
+    arguments.push_back(std::string(date) + "=" + write(std::string(date) + ".obj", toObj(leaning(by))));
+  }
+  const ProgramResult made = runProgram("remesh", arguments, {.streams = Streams::kOutputOnly});
+  ASSERT_EQ(made.exit_code, 0);
+  const auto report = nlohmann::json::parse(made.output, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << made.output;
+  ASSERT_EQ(report["poses"].size(), 3u);
+  EXPECT_EQ(report["poses"][1]["date"], "2001-02-01");
+  for (const auto& pose : report["poses"]) EXPECT_LT(pose["share_of_diagonal"], 0.01);
+  const ProgramResult info = runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly});
+  const auto about = nlohmann::json::parse(info.output, nullptr, false);
+  ASSERT_FALSE(about.is_discarded()) << info.output;
+  EXPECT_EQ(about["poses"], (std::vector<std::string>{"2001-01-01", "2001-02-01", "2002-02-01"}));
+  const ProgramResult verified = runProgram("verify", {output()});
+  EXPECT_EQ(verified.exit_code, 0) << verified.output;
+}
+
+TEST_F(RemeshProgram, RefusesWhatAreNoPoses) {
+  const std::string model = write("torus.obj", toObj(makeTorus(40, 20)));
+  const std::string other = write("other.obj", toObj(makeTorus(20, 40))),
+                    fewer = write("fewer.obj", toObj(makeTorus(39, 20)));
+  const auto refuses = [&](const std::vector<std::string>& poses, const std::vector<std::string>& named) {
+    std::vector<std::string> arguments{model, "-o", output(), "--attempts", "1"};
+    for (const std::string& pose : poses) arguments.insert(arguments.end(), {"--pose", pose});
+    expectRefusal("remesh", arguments, named);
+  };
+  const std::string first = "2001-01-01=" + model;
+  refuses({first}, {"1 times"});
+  refuses({first, "2001-01-01=" + model}, {"must ascend"});
+  refuses({first, "2000-12-31=" + model}, {"must ascend"});
+  refuses({first, "2001-13-01=" + model}, {"2001-13-01", "YYYY-MM-DD=FILE"});
+  refuses({first, "2001-02-01=" + other}, {"other.obj"});
+  refuses({first, "2001-02-01=" + fewer}, {"fewer.obj", "vertices"});
+  refuses({first, "2001-02-01=missing.obj"}, {"missing.obj"});
+}
+
 TEST_F(RemeshProgram, VerifyFindsAFlippedByteAnywhere) {
   ASSERT_EQ(runProgram("remesh", {write("a.obj", toObj(makeSphere(3))), "-o", output(), "--levels", "3",
                                   "--base-triangles", "20", "--attempts", "1"})

@@ -28,7 +28,7 @@ class ObjectsOracleTest : public testing::Test {
   ObjectsOracleTest()
       : hierarchy_(scene(), proto::ErrorBound::kSpheroid, test::objectsIn(*scene(), 8)),
         path_(*server::planTour(*scene(), "orbit", 10)),
-        oracle_(objectsTruth(hierarchy_.objects().set, hierarchy_.objects().records)) {}
+        oracle_(objectsTruth(hierarchy_.objects().set, hierarchy_.objects().nodes)) {}
 
   // The mesh between the keyframes at two seconds and a little later.
   client::KeyframeMesh drawnMesh() {
@@ -85,7 +85,7 @@ TEST_F(ObjectsOracleTest, FindsNoCrackAndNoHoleInWhatAClientDraws) {
 }
 
 TEST_F(ObjectsOracleTest, KnowsEveryVertexByItsTextureCoordinates) {
-  const ObjectsTruth truth = objectsTruth(hierarchy_.objects().set, hierarchy_.objects().records);
+  const ObjectsTruth truth = objectsTruth(hierarchy_.objects().set, hierarchy_.objects().nodes);
   for (const ModelTruth& model : truth.models)
     for (const SurfacePoint& p : model.surface.points) {
       const double v = p.weights[0], w = p.weights[1], sum = model.weight_sum;
@@ -116,7 +116,7 @@ TEST_F(ObjectsOracleTest, KeepsTheTolerancesAtEveryWeightOfAFlight) {
 TEST_F(ObjectsOracleTest, AMovedVertexRaisesTheErrorOfTheWholeScene) {
   client::KeyframeMesh mesh = drawnMesh();
   const proto::Pose pose = path_.at(Time::seconds(2.2));
-  SceneOracle whole(truthOf(scene()), objectsTruth(hierarchy_.objects().set, hierarchy_.objects().records));
+  SceneOracle whole(truthOf(scene()), objectsTruth(hierarchy_.objects().set, hierarchy_.objects().nodes));
   const SceneDeviation before = whole.error(mesh, 1, pose, kLens);
   EXPECT_LE(before.max_px, 1.0);
   const glm::dvec3 aside = 20.0 * pose.right();

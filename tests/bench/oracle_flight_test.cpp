@@ -73,7 +73,7 @@ Flight flown(const client::PlayerOptions& options, server::SceneObjects objects 
 }
 
 FlightTruth measured(const client::Player& player, const server::SceneObjects& objects = {}) {
-  SceneOracle oracle(truthOf(alps()), objectsTruth(objects.set, objects.records));
+  SceneOracle oracle(truthOf(alps()), objectsTruth(objects.set, objects.nodes));
   return measureFlight(player.log(), oracle,
                        {.frame_every = 20, .section_at = apps::exactSections(alps()), .on_progress = {}});
 }

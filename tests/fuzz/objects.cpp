@@ -11,7 +11,11 @@ void validate(const ObjectStream& stream, size_t object) {
   stream.cut(object).validate();
   for (const Slot slot : stream.section(object).slots) {
     const glm::ivec3& at = stream.position(object, slot);
-    for (int axis = 0; axis < 3; ++axis) CHECK_LE(std::abs(at[axis]), kMaxObjectQuanta);
+    for (int axis = 0; axis < 3; ++axis) {
+      CHECK_LE(std::abs(at[axis]), kMaxObjectQuanta);
+      for (const glm::ivec3& move : stream.moves(object, slot))
+        CHECK_LE(std::abs(int64_t{at[axis]} + move[axis]), int64_t{kMaxObjectQuanta});
+    }
   }
 }
 

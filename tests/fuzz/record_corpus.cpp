@@ -1,6 +1,7 @@
 // Writes anew the corpora that follow from the code, after a change of a codec: record_corpus FOLDER
 // (tests/fuzz/corpus). What fuzzers found, and what is no codec's (models, changes of files), stays.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -91,6 +92,10 @@ Bytes recordObjects(uint8_t how) {
   std::vector<std::vector<proto::SurfaceRecord>> records(2);
   for (size_t object = 0; object < 2; ++object)  // one of each model
     records[set.placement(object).model] = anyRecords(set.domain(object).topology(), rng);
+  std::vector<glm::ivec3> moves;  // of the second model's poses but the first
+  for (size_t i = 0; i < 2 * records[1].size(); ++i)
+    moves.emplace_back(static_cast<int>(rng.below(200)), static_cast<int>(rng.below(2)), -90);
+  const std::array<proto::ModelNodes, 2> nodes{{{records[0], {}, 0}, {records[1], moves, 2}}};
   Bytes input{how};
   for (int step = 0; step < kToySteps; ++step) {
     Bytes bytes;
@@ -101,7 +106,7 @@ Bytes recordObjects(uint8_t how) {
       const proto::Section before = stream.section(object);
       proto::CutDelta delta;
       proto::diff(before, rng.below(3) == 0 ? before : anySection(set.domain(object).topology(), rng), delta);
-      stream.encode(object, delta, records[set.placement(object).model], coder, bits);
+      stream.encode(object, delta, nodes[set.placement(object).model], coder, bits);
     }
     coder.finish();
     appendToyDelta(bytes, input);

@@ -8,6 +8,7 @@
 #include "tests/fuzz/changed_file.h"
 #include "tests/support/files.h"
 #include "tests/support/scene.h"
+#include "tests/support/surfaces.h"
 
 namespace foreland::test {
 
@@ -18,12 +19,16 @@ Bytes readWhole(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-void writeSurface(const std::filesystem::path& path, proto::MeshRule rule, uint32_t texels_a_side) {
-  const terrain::TrueSurface sphere = *terrain::makeSphere(2, {rule, 2, 1e-3});
+// With `pose_times`, of three poses.
+void writeSurface(const std::filesystem::path& path, proto::MeshRule rule, uint32_t texels_a_side,
+                  const std::vector<Time>& pose_times = {}) {
+  terrain::TrueSurface sphere = *terrain::makeSphere(2, {rule, 2, 1e-3});
+  if (!pose_times.empty()) addPoses(sphere, pose_times.size() - 1, 0.3, 0.1, 1);
   const auto records = terrain::computeBounds(sphere, {.threads = 1});
   const auto atlas = proto::AtlasLayout::of(sphere.topology.base().faceCount(), texels_a_side);
   const std::vector<terrain::Texel> texels(uint64_t{atlas.width()} * atlas.height(), 0xff808080);
   const auto written = terrain::writeSurface(path, {.surface = sphere,
+                                                    .pose_times = pose_times,
                                                     .records = records,
                                                     .atlas = texels_a_side > 0 ? atlas : proto::AtlasLayout{},
                                                     .texels = texels,
@@ -43,6 +48,12 @@ SoundFile sceneFile(uint32_t side, proto::FrameKind kind, std::vector<terrain::O
 
 SoundFile movingSceneFile(proto::EpochBlend blend) {
   const TemporaryFolder folder;
+  std::vector<terrain::ObjectRequest> objects;
+  if (blend != proto::EpochBlend::kCatmullRom) {
+    const auto model = folder / "model.fls";
+    writeSurface(model, proto::MeshRule::kBisection, 0, {Time{0}, Time{1000}, Time{3000}});
+    objects = {{model, {10, 20}}, {model, {-20, 10}, 1, 30, 2}};
+  }
   FormulaSource source(9, 9, hills(1));
   FormulaSource first = windowSource(source, {0, 0, 2, 2}, hills(1)),
                 second = windowSource(source, {1, 2, 6, 5}, hills(2)),
@@ -50,15 +61,16 @@ SoundFile movingSceneFile(proto::EpochBlend blend) {
   const auto built = terrain::buildScene(
       source, {.output = folder / "scene.fls",
                .threads = 1,
+               .objects = std::move(objects),
                .epochs = {{Time{0}, "first", &first}, {Time{1000}, "second", &second}, {Time{3000}, "third", &third}},
                .epoch_blend = blend});
   CHECK_TRUE(built.ok());
   return SoundFile(readWhole(folder / "scene.fls"));
 }
 
-SoundFile surfaceFile(proto::MeshRule rule, uint32_t texels_a_side) {
+SoundFile surfaceFile(proto::MeshRule rule, uint32_t texels_a_side, const std::vector<Time>& pose_times = {}) {
   const TemporaryFolder folder;
-  writeSurface(folder / "surface.fls", rule, texels_a_side);
+  writeSurface(folder / "surface.fls", rule, texels_a_side, pose_times);
   return SoundFile(readWhole(folder / "surface.fls"));
 }
 
@@ -79,6 +91,7 @@ std::vector<SoundFile> makeSurfaces() {
   std::vector<SoundFile> surfaces;
   for (const auto rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection})
     for (const uint32_t texels_a_side : {0u, 4u}) surfaces.push_back(surfaceFile(rule, texels_a_side));
+  surfaces.push_back(surfaceFile(proto::MeshRule::kQuadrisection, 0, {Time{-5}, Time{0}, Time{70}}));
   return surfaces;
 }
 

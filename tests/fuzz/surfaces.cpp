@@ -12,6 +12,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   int64_t sum = 0;
   for (const glm::ivec3& p : (*surface)->basePositions()) sum += p.x;
   for (const proto::SurfaceRecord& node : (*surface)->nodes()) sum += node.position.y;
+  for (const auto& moves : {(*surface)->baseMoves(), (*surface)->nodeMoves()})
+    for (const glm::ivec3& move : moves) sum += move.z;
   for (terrain::Texel texel : (*surface)->texels()) sum += texel;
   const volatile int64_t keep = sum;
   static_cast<void>(keep);

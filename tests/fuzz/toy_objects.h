@@ -7,7 +7,13 @@
 
 namespace foreland::test {
 
-// Tetrahedra by either rule; two objects share a model.
+inline proto::Epochs toyEpochs() {
+  std::vector<proto::Epoch> epochs;
+  for (const int64_t time : {0, 3, 10, 11}) epochs.push_back({Time{time}, {}});
+  return proto::Epochs::create({1, 1, 1, 3, 3}, std::move(epochs)).value();
+}
+
+// Tetrahedra by either rule; two objects share a model, the other one has three poses.
 inline const proto::ObjectSet& toyObjects() {
   static const proto::ObjectSet set = [] {
     std::vector<proto::ObjectModel> models;
@@ -19,11 +25,18 @@ inline const proto::ObjectSet& toyObjects() {
       if (rule == proto::MeshRule::kBisection)  // the centres of its faces
         for (const glm::ivec3 centre : {glm::ivec3(300, 300, 0), {0, 300, 300}, {300, 0, 300}, {300, 300, 300}})
           model.base.push_back(centre);
+      if (rule == proto::MeshRule::kBisection) {
+        model.pose_epochs = {0, 1, 3};
+        for (size_t move = 0; move < 2 * model.base.size(); ++move)
+          model.base_moves.emplace_back(7 * static_cast<int>(move), -90, 0);
+      }
       models.push_back(model);
     }
-    return proto::ObjectSet::create(std::move(models), {{.model = 0, .position = {150, 110, 240}},
-                                                        {.model = 1, .position = {170, 120, 250}},
-                                                        {.model = 0, .position = {190, 140, 220}}})
+    return proto::ObjectSet::create(std::move(models),
+                                    {{.model = 0, .position = {150, 110, 240}},
+                                     {.model = 1, .position = {170, 120, 250}},
+                                     {.model = 0, .position = {190, 140, 220}}},
+                                    toyEpochs())
         .value();
   }();
   return set;

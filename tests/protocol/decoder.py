@@ -112,7 +112,7 @@ class Session:
         placements = [dict(zip(keys, (p[:3], p[3:7], p[7], p[8]))) for p in fields["objects"] or []]
         if self.scene_id != fields["scene_id"]:  # else the client may resume from those that it holds
             self.section = None
-            self.objects = Objects(fields["models"] or [], placements)
+            self.objects = Objects(fields["models"] or [], placements, len(fields["epochs"] or []), fields["epoch_blend"])
             self.epochs = Epochs(grid, shape, fields["epochs"] or [], fields["base_offsets"] or [], len(corners),
                                  fields["epoch_blend"])
         self.scene_id, self.is_welcome = fields["scene_id"], True

@@ -129,6 +129,8 @@ std::string objectColumns(const server::Hierarchy& hierarchy, const proto::HeldS
     for (proto::Slot slot : section.slots) {
       slots.add(slot);
       for (int axis = 0; axis < 3; ++axis) positions.add(static_cast<uint32_t>(records[slot].position[axis]));
+      for (const glm::ivec3& move : hierarchy.objects().nodesOf(i).movesOf(slot))
+        for (int axis = 0; axis < 3; ++axis) positions.add(static_cast<uint32_t>(move[axis]));
     }
   }
   char text[120];

@@ -24,7 +24,7 @@ class ObjectModel:
         self.blocks = [[contexts(4) for _ in range(8)] for _ in range(2)]
         self.removed = self.of_nodes()
         self.added = [[self.of_nodes() for _ in range(4)] for _ in range(2)]
-        self.position = [[Number() for _ in range(16)] for _ in range(4)]
+        self.position, self.move = [[[Number() for _ in range(16)] for _ in range(4)] for _ in range(2)]
         self.escape = contexts(32)
 
     @staticmethod
@@ -68,7 +68,7 @@ class ViewContext(Test):
 
 
 class KnownNodes:
-    """Of one model: (position, displacement) by slot, and in how many sections each is."""
+    """Of one model: (position, displacement, moves) by slot, and in how many sections each is."""
 
     def __init__(self):
         self.nodes, self.uses = {}, {}
@@ -98,6 +98,11 @@ class ObjectSection:
         if isinstance(vertex, tuple):
             return self.known.nodes[self.surface.slot(vertex)][0]
         return self.surface.base[vertex]
+
+    def moves(self, vertex):
+        if isinstance(vertex, tuple):
+            return self.known.nodes[self.surface.slot(vertex)][2]
+        return self.surface.base_moves[vertex]
 
     def middle(self, slot):
         return [(a + b) >> 1 for a, b in zip(*(self.position(v) for v in self.surface.nodes[slot].endpoints))]
@@ -186,15 +191,33 @@ class ObjectSection:
             most = max(most, abs(off))
             require(abs(guess + off) <= MOST_STEPS, "an absurd position")
             position.append(guess + off)
-        return tuple(position), tuple(a - b for a, b in zip(position, middle))
+        return tuple(position), tuple(a - b for a, b in zip(position, middle)), self.read_moves(slot, position)
+
+    def read_moves(self, slot, position):
+        moves, beside = [], (0, 0, 0)
+        for a, b in zip(*(self.moves(v) for v in self.surface.nodes[slot].endpoints)):
+            middle = [(x + y) >> 1 for x, y in zip(a, b)]
+            like = sum(4 * abs(d) for d in beside) + sum(abs(x - y) for x, y in zip(a, b))
+            most, move = 0, []
+            for axis in range(3):
+                guess = max(-2 * MOST_STEPS, min(2 * MOST_STEPS, middle[axis] + beside[axis]))
+                prior = 0 if axis == 0 else 1 if most == 0 else 2 if most * 8 < like else 3
+                off = read_number(self.coder, self.model.move[prior][min(like.bit_length(), 15)], 0, self.model.escape)
+                most = max(most, abs(off))
+                require(abs(position[axis] + guess + off) <= MOST_STEPS, "an absurd move")
+                move.append(guess + off)
+            moves.append(tuple(move))
+            beside = tuple(x - y for x, y in zip(move, middle))
+        return moves
 
 
 class Objects:
     """All objects of a scene, from the welcome on."""
 
-    def __init__(self, models, placements):
+    def __init__(self, models, placements, epochs, blend):
+        """In a scene of so many epochs, which are blended so."""
         require(len(models) <= 1024 and len(placements) <= 4096, "too many models, or objects")
-        surfaces = [Surface(m) for m in models]
+        surfaces = [Surface(m, epochs, blend) for m in models]
         for p in placements:
             require(p["model"] < len(surfaces) and Pose(p["position"], p["orientation"]).is_usable() and 1e-6 <= p["scale"] <= 1e6,
                     "an object of no model, or nowhere")
@@ -232,6 +255,7 @@ class Objects:
         return sum(len(s.slots) for s in self.sections), *(sum(change) for change in zip(*self.changes))
 
     def packed(self):
-        """Slots and positions of all, as bytes."""
+        """Slots, and positions and moves of all, as bytes."""
         slots = b"".join(struct.pack(f"<{1 + len(s.slots)}I", len(s.slots), *sorted(s.slots)) for s in self.sections)
-        return slots, b"".join(struct.pack("<iii", *s.known.nodes[slot][0]) for s in self.sections for slot in sorted(s.slots))
+        nodes = [s.known.nodes[slot] for s in self.sections for slot in sorted(s.slots)]
+        return slots, b"".join(struct.pack("<iii", *v) for position, _, moves in nodes for v in (position, *moves))

@@ -49,33 +49,66 @@ std::shared_ptr<const server::World> worldOf(proto::FrameKind kind) {
 struct Models {
   std::vector<terrain::TrueSurface> surfaces;
   std::vector<std::vector<proto::SurfaceRecord>> records;
+  std::vector<std::vector<glm::ivec3>> moves;
 
-  Models() {
+  // With so many poses besides the first.
+  explicit Models(size_t poses) {
     surfaces.push_back(*terrain::makeSphere(1, {proto::MeshRule::kQuadrisection, 4, 1e-6}));
     for (const NamedBase& b : baseMeshes())
       if (b.name == "ShuffledTube") surfaces.push_back(roughSurface(b, proto::MeshRule::kBisection, 3, 0.02, 7));
-    for (const terrain::TrueSurface& s : surfaces) records.push_back(terrain::computeBounds(s, {.threads = 1}));
+    for (terrain::TrueSurface& s : surfaces) {
+      addPoses(s, poses, 0.3, 0.05, surfaces.size());
+      records.push_back(terrain::computeBounds(s, {.threads = 1}));
+      moves.push_back(terrain::nodeMoves(s));
+    }
   }
 };
 
-// Two objects of the first model and one of the second, over low hills.
-std::shared_ptr<const server::World> worldWithObjects() {
-  FormulaSource source(65, 65, [](uint32_t x, uint32_t y) { return 0.15 * country(x, y, 0); });
-  source.info().title = "objects";
-  const auto models = std::make_shared<Models>();
+// Two objects of the first model and one of the second.
+server::SceneObjects threeObjects(size_t poses, const proto::Epochs& epochs) {
+  const auto models = std::make_shared<Models>(poses);
   server::SceneObjects objects;
   std::vector<proto::ObjectModel> shapes;
   for (size_t i = 0; i < models->surfaces.size(); ++i) {
     const terrain::TrueSurface& s = models->surfaces[i];
     shapes.push_back({s.topology.shape(), s.quantum_m, s.base});
-    objects.records.emplace_back(models->records[i]);
+    for (uint32_t pose = 0; pose <= poses && poses > 0; ++pose) shapes.back().pose_epochs.push_back(pose);
+    shapes.back().base_moves = terrain::baseMoves(s);
+    objects.nodes.push_back({models->records[i], models->moves[i], poses});
   }
-  objects.set = proto::ObjectSet::create(std::move(shapes), {{0, {40, 30, 200}, {0.5, 0.5, -0.1, 0.7}, 30},
-                                                             {0, {-20, 160, 230}, {1, 0, 0, 0}, 50},
-                                                             {1, {-110, -10, 235}, {0.1, -0.7, 0.5, 0.5}, 40}})
+  objects.set = proto::ObjectSet::create(std::move(shapes),
+                                         {{0, {40, 30, 200}, {0.5, 0.5, -0.1, 0.7}, 30},
+                                          {0, {-20, 160, 230}, {1, 0, 0, 0}, 50},
+                                          {1, {-110, -10, 235}, {0.1, -0.7, 0.5, 0.5}, 40}},
+                                         epochs)
                     .value();
   objects.owner = models;
-  return std::make_shared<server::World>(makeScene(source), std::move(objects));
+  return objects;
+}
+
+// Over low hills.
+std::shared_ptr<const server::World> worldWithObjects() {
+  FormulaSource source(65, 65, [](uint32_t x, uint32_t y) { return 0.15 * country(x, y, 0); });
+  source.info().title = "objects";
+  return std::make_shared<server::World>(makeScene(source), threeObjects(0, {}));
+}
+
+constexpr int64_t kDay_us = 86'400'000'000;
+
+// The same while a corner of the ground sinks, and each object goes through three poses.
+std::shared_ptr<const server::World> worldWithPoses() {
+  FormulaSource source(65, 65, [](uint32_t x, uint32_t y) { return 0.15 * country(x, y, 0); });
+  source.info().title = "poses";
+  std::vector<FormulaSource> sources;
+  for (uint32_t i = 0; i < 3; ++i)
+    sources.push_back(windowSource(source, {30, 20, 20, 15}, [i](uint32_t x, uint32_t y) {
+      return 0.15 * country(x, y, 0) - 20 * i * zigzag(x, 20) * zigzag(y, 15);
+    }));
+  std::vector<terrain::EpochRequest> epochs;
+  for (uint32_t i = 0; i < 3; ++i)
+    epochs.push_back({Time{(12'000 + i * i * 40) * kDay_us}, std::to_string(i), &sources[i]});
+  const auto scene = makeScene(source, 0.1, 1, std::move(epochs));
+  return std::make_shared<server::World>(scene, threeObjects(2, scene->epochs().epochs()));
 }
 
 proto::ViewRequest request(const proto::Lens& lens, double tau_px, proto::Strategy strategy, proto::Predictor predictor,
@@ -134,10 +167,10 @@ Script geographicScript() {
 
 // Past objects and around them, with another tolerance, a lost connection after which all sections are resumed from,
 // and another lens.
-Script objectsScript() {
+Script objectsScript(const char* name, std::shared_ptr<const server::World> world) {
   constexpr auto kVelocity = proto::Predictor::kConstantVelocity;
   constexpr auto kPredict = proto::Strategy::kPredict;
-  Script s{"objects", worldWithObjects(), {}, {}, at(50)};
+  Script s{name, std::move(world), {}, {}, at(50)};
   s.route = {{at(0), {-300, -260, 320}, {1, 0.9, -0.3}},
              {at(2), {-100, -80, 260}, {1, 0.8, -0.3}},
              {at(3), {-30, -20, 230}, {1, 0.4, -0.2}},
@@ -153,7 +186,6 @@ Script objectsScript() {
 
 // Ground that changes three times, in windows that overlap; the last reaches the border of the data.
 std::shared_ptr<const server::World> worldThatMoves(proto::EpochBlend blend) {
-  constexpr int64_t kDay_us = 86'400'000'000;
   FormulaSource source(100, 90, [](uint32_t x, uint32_t y) { return country(x, y, 0); });
   source.info().title = "moving";
   std::vector<FormulaSource> sources;
@@ -166,6 +198,15 @@ std::shared_ptr<const server::World> worldThatMoves(proto::EpochBlend blend) {
   for (uint32_t i = 0; i < 4; ++i)
     epochs.push_back({Time{(12'000 + i * i * 30) * kDay_us}, std::to_string(i), &sources[i]});
   return std::make_shared<server::World>(makeScene(source, 0.1, 1, std::move(epochs), blend));
+}
+
+// The same while scene time runs.
+Script posesScript() {
+  Script s = objectsScript("poses", worldWithPoses());
+  const proto::SceneClock clock{Time{} + s.clock_offset + at(0.4), Time{12'000 * kDay_us}, 50 * 86'400.0};
+  s.cues.push_back({at(0.4), proto::encode(clock)});
+  std::ranges::stable_sort(s.cues, {}, &Cue::at);
+  return s;
 }
 
 // Scene time stands, runs, is dragged backwards, runs backwards; a lost connection is resumed in mid-time.
@@ -201,7 +242,8 @@ proto::Pose Script::poseAt(Duration t) const {
 std::vector<Script> goldenScripts() {
   return {planarScript(),
           geographicScript(),
-          objectsScript(),
+          objectsScript("objects", worldWithObjects()),
+          posesScript(),
           movingScript("moving", proto::EpochBlend::kLinear),
           movingScript("moving-catmull-rom", proto::EpochBlend::kCatmullRom),
           movingScript("moving-b-spline", proto::EpochBlend::kBSpline)};

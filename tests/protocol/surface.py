@@ -1,6 +1,7 @@
 """Models: how the vertices of a surface are named and numbered: section 15 of
 docs/PROTOCOL.md. A vertex is the number of a base vertex, or the name (patch, x, y) of a node."""
 
+from epochs import CATMULL_ROM
 from wire import require
 
 
@@ -238,7 +239,7 @@ class Node:
 class Surface:
     """Of a welcome's model: what is known before any node."""
 
-    def __init__(self, model):
+    def __init__(self, model, epochs, blend):
         k = model["halvings"]
         require(model["rule"] in (0, 1) and 1 <= k <= 15, "a rule that is unknown, or no halvings")
         require(0 < model["quantum_m"] <= 1e6 and model["atlas_side"] <= 1 << 14, "a step or an image of no size")
@@ -248,6 +249,15 @@ class Surface:
         require(len(numbers) == 3 * self.rule.base_vertices and all(abs(v) <= 1 << 28 for v in numbers),
                 "base vertices that do not fit")
         self.base = [tuple(numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+        poses, moves = model["pose_epochs"] or [], model["base_moves"] or []
+        self.moves = max(len(poses) - 1, 0)
+        require(not poses or 2 <= len(poses) <= 64 and poses == sorted(set(poses)) and poses[-1] < epochs and blend != CATMULL_ROM,
+                "poses of no epochs, or of a scene that overshoots")
+        require(len(moves) == self.moves * len(numbers), "moves that do not fit")
+        each = [tuple(moves[i:i + 3]) for i in range(0, len(moves), 3)]
+        self.base_moves = [each[v * self.moves:(v + 1) * self.moves] for v in range(len(self.base))]
+        require(all(abs(p + m) <= 1 << 28 for v, of in zip(self.base, self.base_moves) for move in of for p, m in zip(v, move)),
+                "base vertices that move too far")
         self.quantum_m, self.is_closed, self.last_level = model["quantum_m"], self.mesh.is_closed, self.rule.last_level
         self.offset = [0, 0]
         for level in range(1, self.last_level + 1):

@@ -28,7 +28,7 @@ def surface_of(corners, rule, halvings):
     vertices, faces = max(corners) + 1, len(corners) // 3
     base = [0] * 3 * (vertices + (faces if rule else 0))
     return Surface({"rule": rule, "halvings": halvings, "vertices": vertices, "faces": corners, "base": base, "quantum_m": 1.0,
-                    "atlas_side": 0})
+                    "atlas_side": 0, "pose_epochs": None, "base_moves": None}, 0, 0)
 
 
 def all_slots(surface):

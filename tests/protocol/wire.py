@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 11
+VERSION = 12
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 TILE = 7
@@ -83,7 +83,7 @@ TABLES = {
     "TileLayer": [("content", "ubyte"), ("coding", "ubyte"), ("width", "uint"), ("height", "uint"), ("origin", "Vec2"),
                   ("texel", "double"), ("step_m", "double"), ("attribution", "string")],
     "Model": [("rule", "ubyte"), ("halvings", "uint"), ("vertices", "uint"), ("faces", "[uint]"), ("base", "[int]"),
-              ("quantum_m", "double"), ("atlas_side", "uint")],
+              ("quantum_m", "double"), ("atlas_side", "uint"), ("pose_epochs", "[uint]"), ("base_moves", "[int]")],
     "Welcome": [("protocol", "uint"), ("scene_id", "ulong"), ("title", "string"), ("crs", "string"), ("frame", "Frame"),
                 ("shape", "Shape"), ("lowest", "int"), ("highest", "int"), ("corner_heights", "[int]"),
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),

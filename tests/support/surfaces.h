@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
@@ -43,6 +44,26 @@ inline terrain::TrueSurface roughSurface(const NamedBase& base, proto::MeshRule 
            anyPoint(rng) * (rough * std::exp2(-mesh.level(v) * (rule == proto::MeshRule::kBisection ? 0.5 : 1.0)));
   };
   return *terrain::makeSurface(std::move(topology), 1e-6, corners, position);
+}
+
+// Adds poses: the surface stretched and sheared by up to `far` of its size, each vertex apart from that by up to
+// `rough` of its edge's length.
+inline void addPoses(terrain::TrueSurface& surface, size_t count, double far, double rough, uint64_t seed) {
+  Rng rng(seed);
+  const proto::MeshTopology& mesh = surface.topology;
+  for (size_t pose = 0; pose < count; ++pose) {
+    const glm::dvec3 x = anyPoint(rng), y = anyPoint(rng), z = anyPoint(rng), to = anyPoint(rng);
+    const auto moved = [&](proto::NodeId v) {
+      const glm::dvec3 p = surface.position(v);
+      const double edge = std::exp2(-mesh.level(v) * (mesh.rule() == proto::MeshRule::kBisection ? 0.5 : 1.0));
+      const glm::dvec3 off = far * (x * p.x + y * p.y + z * p.z + to) + rough * edge * anyPoint(rng);
+      return glm::ivec3(glm::round((p + off) / surface.quantum_m));
+    };
+    terrain::SurfacePose made{{}, std::vector<glm::ivec3>(surface.nodes.size())};
+    for (uint32_t v = 0; v < mesh.baseVertexCount(); ++v) made.base.push_back(moved(proto::baseVertexId(v)));
+    terrain::forEachNode(mesh, [&](proto::NodeId n, proto::Slot slot) { made.nodes[slot] = moved(n); });
+    surface.poses.push_back(std::move(made));
+  }
 }
 
 inline std::vector<NamedSurface> surfaces(proto::MeshRule rule, uint32_t halvings) {

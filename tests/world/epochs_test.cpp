@@ -32,7 +32,7 @@ std::shared_ptr<const terrain::Scene> movingScene(uint64_t seed, proto::FrameKin
 class Judge {
  public:
   explicit Judge(std::shared_ptr<const terrain::Scene> scene, const server::SceneObjects& objects = {})
-      : scene_(scene), oracle_(bench::truthOf(scene), bench::objectsTruth(objects.set, objects.records)) {}
+      : scene_(scene), oracle_(bench::truthOf(scene), bench::objectsTruth(objects.set, objects.nodes)) {}
 
   // Every mesh for cracks and for the heights of its vertices, and every seventh frame against the truth.
   void judge(const client::FrameView& view, const proto::Lens& lens) {

@@ -12,15 +12,24 @@ namespace foreland::bench {
 
 namespace {
 
-ModelTruth modelTruth(const proto::ObjectModel& model, std::span<const proto::SurfaceRecord> records) {
+ModelTruth modelTruth(const proto::ObjectModel& model, const proto::ModelNodes& nodes) {
   terrain::TrueSurface surface{proto::MeshTopology::create(model.shape).value(), model.quantum_m, model.base, {}};
-  surface.nodes.reserve(records.size());
-  for (const proto::SurfaceRecord& record : records) surface.nodes.push_back(record.position);
+  surface.nodes.reserve(nodes.records.size());
+  for (const proto::SurfaceRecord& record : nodes.records) surface.nodes.push_back(record.position);
   const auto faces = static_cast<uint32_t>(model.shape.faces.size());
+  std::vector<std::vector<glm::dvec3>> poses;
+  for (size_t k = 0; k < nodes.moves_each; ++k) {
+    terrain::TrueSurface moved = surface;
+    for (size_t v = 0; v < moved.base.size(); ++v) moved.base[v] += model.base_moves[v * nodes.moves_each + k];
+    for (size_t n = 0; n < moved.nodes.size(); ++n) moved.nodes[n] += nodes.moves[n * nodes.moves_each + k];
+    poses.push_back(truthOf(moved).positions);
+  }
   return {.surface = truthOf(surface),
           .faces = model.shape.faces,
           .weight_sum = static_cast<int32_t>(surface.topology.weightScale()),
-          .layout = client::parameterLayout(faces, model.atlas_side)};
+          .layout = client::parameterLayout(faces, model.atlas_side),
+          .pose_epochs = model.pose_epochs,
+          .poses = std::move(poses)};
 }
 
 glm::dvec3 toModel(const proto::ObjectPlacement& placement, const glm::dvec3& p) {
@@ -33,11 +42,10 @@ proto::Pose toModel(const proto::ObjectPlacement& placement, const proto::Pose& 
 
 }  // namespace
 
-ObjectsTruth objectsTruth(const proto::ObjectSet& objects,
-                          std::span<const std::span<const proto::SurfaceRecord>> records) {
+ObjectsTruth objectsTruth(const proto::ObjectSet& objects, std::span<const proto::ModelNodes> nodes) {
   ObjectsTruth truth;
   for (size_t i = 0; i < objects.models().size(); ++i)
-    truth.models.push_back(modelTruth(objects.models()[i], records[i]));
+    truth.models.push_back(modelTruth(objects.models()[i], nodes[i]));
   for (size_t i = 0; i < objects.size(); ++i) {
     truth.objects.push_back({objects.placement(i).model, objects.placement(i), objects.domain(i).nearest_m});
     truth.interior_per_tau = objects.domain(i).interior_per_tau;
@@ -62,14 +70,22 @@ std::optional<SurfacePoint> pointAt(const ModelTruth& model, const glm::vec2& co
 }
 
 ObjectsOracle::ObjectsOracle(ObjectsTruth truth) : truth_(std::move(truth)) {
-  for (const ModelTruth& model : truth_.models) {
-    glm::dvec3 low(1e300), high(-1e300);
-    for (const glm::dvec3& p : model.surface.positions) low = glm::min(low, p), high = glm::max(high, p);
-    const glm::dvec3 centre = 0.5 * (low + high);
-    double radius = 0;
-    for (const glm::dvec3& p : model.surface.positions) radius = std::max(radius, glm::distance(p, centre));
-    models_.push_back({SurfaceOracle(model.surface), centre, radius});
+  for (const ModelTruth& model : truth_.models) models_.push_back(posedModel(model, {}));
+}
+
+// `shares` of all poses; none: the first one.
+ObjectsOracle::Model ObjectsOracle::posedModel(const ModelTruth& truth, std::span<const double> shares) {
+  SurfaceTruth surface = truth.surface;
+  for (size_t v = 0; v < surface.positions.size() && !shares.empty(); ++v) {
+    surface.positions[v] *= shares[0];
+    for (size_t pose = 1; pose < shares.size(); ++pose) surface.positions[v] += shares[pose] * truth.poses[pose - 1][v];
   }
+  glm::dvec3 low(1e300), high(-1e300);
+  for (const glm::dvec3& p : surface.positions) low = glm::min(low, p), high = glm::max(high, p);
+  const glm::dvec3 centre = 0.5 * (low + high);
+  double radius = 0;
+  for (const glm::dvec3& p : surface.positions) radius = std::max(radius, glm::distance(p, centre));
+  return {SurfaceOracle(std::move(surface)), centre, radius};
 }
 
 std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeMesh& mesh, size_t object,
@@ -98,13 +114,17 @@ std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeM
 }
 
 SurfaceJudgement ObjectsOracle::judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
-                                      const proto::Lens& lens, std::span<const glm::dvec3> carried) const {
+                                      const proto::Lens& lens, std::span<const glm::dvec3> carried,
+                                      std::span<const std::vector<double>> pose_shares) const {
   SurfaceJudgement all;
+  std::vector<std::optional<Model>> posed(models_.size());
+  for (size_t i = 0; i < pose_shares.size(); ++i)
+    if (!pose_shares[i].empty()) posed[i] = posedModel(truth_.models[i], pose_shares[i]);
   for (size_t i = 0; i < truth_.objects.size(); ++i) {
     const ObjectTruth& object = truth_.objects[i];
     proto::ObjectPlacement placement = object.placement;
     if (!carried.empty()) placement.position += carried[i];
-    const Model& model = models_[object.model];
+    const Model& model = posed[object.model] ? *posed[object.model] : models_[object.model];
     const proto::Pose seen_from = toModel(placement, pose);
     if (!OracleEye(seen_from, lens).maySee(model.centre, model.radius)) continue;
     const bool is_drawn = i < mesh.object_parts.size();

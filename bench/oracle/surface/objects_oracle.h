@@ -15,7 +15,7 @@
 #include "bench/oracle/surface/surface_oracle.h"
 #include "client/mesh/keyframe_mesh.h"
 #include "proto/refine/objects.h"
-#include "proto/section/surface_bounds.h"
+#include "proto/section/poses.h"
 
 namespace foreland::bench {
 
@@ -25,6 +25,9 @@ struct ModelTruth {
   std::vector<std::array<uint32_t, 3>> faces;  // of the base: vertices that faces share have one number
   int32_t weight_sum = 1;                      // of SurfacePoint's three weights
   proto::AtlasLayout layout;                   // by which texture coordinates follow from face and weights
+  // Its poses but the first: the epochs of all, and positions as in `surface`.
+  std::vector<uint32_t> pose_epochs;
+  std::vector<std::vector<glm::dvec3>> poses;
 };
 
 struct ObjectTruth {
@@ -39,9 +42,8 @@ struct ObjectsTruth {
   double interior_per_tau = 1;  // tolerance where there is no silhouette, as a multiple of tau
 };
 
-// `records` of each model's nodes, by slot; they are not needed afterwards.
-ObjectsTruth objectsTruth(const proto::ObjectSet& objects,
-                          std::span<const std::span<const proto::SurfaceRecord>> records);
+// `nodes` of each model; they are not needed afterwards.
+ObjectsTruth objectsTruth(const proto::ObjectSet& objects, std::span<const proto::ModelNodes> nodes);
 
 // Which point of the surface a vertex with these texture coordinates is; nothing if it is no vertex of a refinement.
 std::optional<SurfacePoint> pointAt(const ModelTruth& model, const glm::vec2& coordinates);
@@ -52,9 +54,10 @@ class ObjectsOracle {
 
   // Over all objects. `max_m` is in the scene's metres, over the objects that may be in view. The camera is in the
   // scene's frame; what is drawn is mix(from, to, weight). `carried`: where each object ought to be by then, from where
-  // it was placed; none: there.
+  // it was placed; none: there. `pose_shares`: by model with poses, how much each contributes; none: the first alone.
   SurfaceJudgement judge(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
-                         const proto::Lens& lens, std::span<const glm::dvec3> carried = {}) const;
+                         const proto::Lens& lens, std::span<const glm::dvec3> carried = {},
+                         std::span<const std::vector<double>> pose_shares = {}) const;
   // Of all objects; object_cracks.h says what is found.
   CrackReport findCracks(const client::KeyframeMesh& mesh) const;
 
@@ -68,6 +71,7 @@ class ObjectsOracle {
     glm::dvec3 centre;
     double radius;  // of a sphere around all vertices
   };
+  static Model posedModel(const ModelTruth& truth, std::span<const double> shares);
   std::vector<DrawnTriangle> drawnTriangles(const client::KeyframeMesh& mesh, size_t object,
                                             const proto::ObjectPlacement& placement, double weight) const;
 

@@ -234,4 +234,26 @@ std::vector<Triangle> facesAsGiven(const Original& original) {
   return faces;
 }
 
+Result<std::vector<glm::dvec3>> positionsInPose(const Original& original, const Model& model, const Model& pose) {
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, pose.name + " is no pose of " + model.name + ": " + what};
+  };
+  if (pose.positions.size() != model.positions.size() || pose.face_ends != model.face_ends)
+    return refuse("it has " + std::to_string(pose.positions.size()) + " vertices and " +
+                  std::to_string(pose.faceCount()) + " faces, not " + std::to_string(model.positions.size()) + " and " +
+                  std::to_string(model.faceCount()) + ", or faces of other sizes");
+  for (size_t face = 0; face < model.faceCount(); ++face)
+    for (uint64_t c = model.faceBegin(face); c < model.face_ends[face]; ++c)
+      if (pose.corners[c].vertex != model.corners[c].vertex) return refuse(pose.faceName(face) + " has other vertices");
+  std::vector<glm::dvec3> positions;
+  for (uint32_t source : original.source_vertices) positions.push_back(pose.positions[source]);
+  for (size_t face = 0; face < original.faces.size(); ++face)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t source = model.corners[original.source_corners[face][k]].vertex;
+      if (pose.positions[source] != positions[original.faces[face][k]])
+        return refuse(pose.vertexName(source) + " has left one that it lies on in " + model.name);
+    }
+  return positions;
+}
+
 }  // namespace foreland::terrain

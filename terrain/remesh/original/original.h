@@ -54,6 +54,11 @@ struct Original {
 // The triangles with the orientation that the model's file gives them.
 [[nodiscard]] std::vector<Triangle> facesAsGiven(const Original& original);
 
+// The positions of the original's vertices in another pose of its model. Error, naming the pose's file, unless it has
+// the same faces of the same vertices, and those that were welded lie together in it as well.
+[[nodiscard]] Result<std::vector<glm::dvec3>> positionsInPose(const Original& original, const Model& model,
+                                                              const Model& pose);
+
 // The table of Original::twins for any triangles, or the first face that is the third at one of its edges.
 struct Adjacency {
   std::vector<Triangle> twins;

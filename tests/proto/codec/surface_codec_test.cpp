@@ -2,6 +2,7 @@
 // the server has it; and the sections that a server decodes to resume from are those that the client held.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "proto/codec/object_stream.h"
@@ -19,14 +20,40 @@ const GridTopology& smallGrid() {
   return grid;
 }
 
+Epochs fourEpochs() {
+  std::vector<Epoch> epochs;
+  for (const int64_t time : {0, 3, 10, 11}) epochs.push_back({Time{time}, {}});
+  return Epochs::create(smallGrid().shape(), std::move(epochs)).value();
+}
+
+ObjectModel modelOf(const terrain::TrueSurface& surface) {
+  ObjectModel model{surface.topology.shape(), surface.quantum_m, surface.base, 0};
+  for (uint32_t pose = 0; pose <= surface.poses.size() && !surface.poses.empty(); ++pose)
+    model.pose_epochs.push_back(pose);
+  model.base_moves = terrain::baseMoves(surface);
+  return model;
+}
+
+// Those of test::surfaces, and one that has poses.
+std::vector<test::NamedSurface> surfacesOf(MeshRule rule) {
+  const uint32_t halvings = rule == MeshRule::kBisection ? 2 : 3;
+  std::vector<test::NamedSurface> all = test::surfaces(rule, halvings);
+  all.push_back({"Posed", test::roughSurface(test::baseMeshes().front(), rule, halvings, 0.2, 4)});
+  test::addPoses(all.back().surface, 3, 0.5, 0.1, 6);
+  return all;
+}
+
 // Three objects of one model, so that what is sent of one is known of the others; and both ends.
 struct Ends {
   explicit Ends(const test::NamedSurface& named)
       : records(terrain::computeBounds(named.surface, {.threads = 1})),
-        set(ObjectSet::create({{named.surface.topology.shape(), named.surface.quantum_m, named.surface.base, 0}},
+        moves(terrain::nodeMoves(named.surface)),
+        nodes{records, moves, named.surface.poses.size()},
+        set(ObjectSet::create({modelOf(named.surface)},
                               {{0, {0, 0, 0}, {1, 0, 0, 0}, 1},
                                {0, {3, 0, 0}, glm::angleAxis(2.0, glm::dvec3(0.6, 0, 0.8)), 1.5},
-                               {0, {-1, 2, 0.5}, glm::angleAxis(-0.7, glm::dvec3(0, 1, 0)), 0.3}})
+                               {0, {-1, 2, 0.5}, glm::angleAxis(-0.7, glm::dvec3(0, 1, 0)), 0.3}},
+                              fourEpochs())
                 .value()),
         server(set),
         client(set) {
@@ -42,7 +69,7 @@ struct Ends {
     for (size_t i = 0; i < set.size(); ++i) {
       EXPECT_TRUE(adapters[i].adapt(set.placement(i).toObject(view), set.domain(i).topology().slotCount(), records,
                                     scratch, sent[i]));
-      server.encode(i, sent[i], records, out, bits);
+      server.encode(i, sent[i], nodes, out, bits);
     }
     out.finish();
     return bytes;
@@ -66,7 +93,8 @@ struct Ends {
       if (got[i] != sent[i] || section != adapters[i].section() || section != server.section(i))
         return testing::AssertionFailure() << "object " << i << " has another section";
       for (Slot slot : section.slots)
-        if (client.position(i, slot) != records[slot].position)
+        if (client.position(i, slot) != records[slot].position ||
+            !std::ranges::equal(client.moves(i, slot), nodes.movesOf(slot)))
           return testing::AssertionFailure() << "object " << i << " has slot " << slot << " elsewhere";
     }
     return testing::AssertionSuccess();
@@ -87,11 +115,13 @@ struct Ends {
     server = ObjectStream(set);
     for (size_t i = 0; i < set.size(); ++i) {
       adapters[i] = SurfaceAdapter(set.domain(i), decoded->objects[i].slots, records);
-      server.hold(i, decoded->objects[i], records);
+      server.hold(i, decoded->objects[i], nodes);
     }
   }
 
   std::vector<SurfaceRecord> records;
+  std::vector<glm::ivec3> moves;
+  ModelNodes nodes;
   ObjectSet set;
   std::vector<SurfaceAdapter> adapters;
   ObjectStream server, client;
@@ -110,7 +140,7 @@ class SurfaceCodec : public testing::TestWithParam<MeshRule> {};
 
 TEST_P(SurfaceCodec, GivesTheClientTheServersSectionsAndPositions) {
   const uint64_t seed = newSeed();
-  for (const test::NamedSurface& named : test::surfaces(GetParam(), GetParam() == MeshRule::kBisection ? 2 : 3)) {
+  for (const test::NamedSurface& named : surfacesOf(GetParam())) {
     Ends ends(named);
     test::SurfaceWanderer wanderer(seed);
     for (int i = 0; i < 150; ++i) {
@@ -122,7 +152,7 @@ TEST_P(SurfaceCodec, GivesTheClientTheServersSectionsAndPositions) {
 
 TEST_P(SurfaceCodec, ResumesFromTheSectionsThatWereHeld) {
   const uint64_t seed = newSeed();
-  for (const test::NamedSurface& named : test::surfaces(GetParam(), GetParam() == MeshRule::kBisection ? 2 : 3)) {
+  for (const test::NamedSurface& named : surfacesOf(GetParam())) {
     Ends ends(named);
     test::SurfaceWanderer wanderer(seed);
     for (int i = 0; i < 100; ++i) {

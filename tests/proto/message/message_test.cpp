@@ -128,7 +128,8 @@ TEST(Message, AWelcomeTellsAsManyModelsAndObjectsAsASceneHolds) {
   EXPECT_FALSE(decodeServerMessage(encode(sent)).ok());
 }
 
-TEST(Message, AWelcomeTellsHowObjectsRise) {
+// Of a scene that changes in time, with three objects of one model.
+Welcome movingWelcome() {
   Welcome sent;
   sent.shape = {1, 1, 1, 3, 3};
   sent.frame.axis_x_m = {1, 0};
@@ -142,6 +143,36 @@ TEST(Message, AWelcomeTellsHowObjectsRise) {
   sent.models[0].base = {{0, 0, 0}, {4, 0, 0}, {0, -4, 2}};
   for (int64_t t : {0, 5, 9}) sent.epochs.push_back({Time{t}, t == 0 ? LatticeWindow{} : LatticeWindow{0, 0, 3, 3}});
   sent.objects.resize(3);
+  return sent;
+}
+
+TEST(Message, AWelcomeTellsThePosesOfModels) {
+  Welcome sent = movingWelcome();
+  sent.models.push_back(sent.models[0]);
+  ObjectModel& posed = sent.models[1];
+  posed.pose_epochs = {0, 2};
+  posed.base_moves = {{1, 2, -3}, {0, 0, 0}, {kMaxObjectQuanta, 0, 7}};
+  sent.objects[1].model = 1;
+  const auto message = decodeServerMessage(encode(sent));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  EXPECT_EQ(std::get<Welcome>(*message).models, sent.models);
+  const auto isRefused = [&](const auto& spoil) {
+    Welcome wrong = sent;
+    spoil(wrong);
+    return !decodeServerMessage(encode(wrong)).ok();
+  };
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.models[1].pose_epochs = {0, 3}; })) << "no such epoch";
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.models[1].pose_epochs = {2, 0}; })) << "out of order";
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.models[1].pose_epochs = {1, 1}; })) << "twice";
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.models[1].pose_epochs = {0, 1, 2}; })) << "too few moves";
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.models[1].base_moves.pop_back(); }));
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.models[1].base_moves[0] = glm::ivec3(-kMaxObjectQuanta - 1); }));
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.epoch_blend = EpochBlend::kCatmullRom; })) << "which overshoots";
+  EXPECT_TRUE(isRefused([](Welcome& w) { w.epochs.clear(); }));
+}
+
+TEST(Message, AWelcomeTellsHowObjectsRise) {
+  Welcome sent = movingWelcome();
   sent.epoch_blend = EpochBlend::kCatmullRom;
   const Epochs epochs = Epochs::create(sent.shape, sent.epochs, sent.epoch_blend).value();
   sent.objects[0].rise = GroundRise({0, -20, 7}, epochs, sent.frame, {});

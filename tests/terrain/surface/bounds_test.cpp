@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -182,6 +183,42 @@ TEST_P(SurfaceBoundsOf, ParentsHoldTheirChildren) {
     SCOPED_TRACE(named.name);
     Checker(named.surface, kind, computeBounds(named.surface, {.shape = kind, .fit = fit, .threads = 1}))
         .expectNested();
+  }
+}
+
+// A mix of the poses, exactly: in quanta that are smaller by kShares, by weights that are multiples of 1 / kShares.
+constexpr int32_t kShares = 64;
+TrueSurface mixed(const TrueSurface& surface, Rng& rng) {
+  const auto first = static_cast<int32_t>(rng.below(kShares + 1)),
+             second = static_cast<int32_t>(rng.below(kShares + 1 - static_cast<uint64_t>(first)));
+  const std::array<int32_t, 3> weights{first, second, kShares - first - second};
+  TrueSurface mix = surface;
+  mix.quantum_m /= kShares;
+  for (size_t v = 0; v < mix.base.size(); ++v)
+    mix.base[v] =
+        weights[0] * surface.base[v] + weights[1] * surface.poses[0].base[v] + weights[2] * surface.poses[1].base[v];
+  for (size_t n = 0; n < mix.nodes.size(); ++n)
+    mix.nodes[n] =
+        weights[0] * surface.nodes[n] + weights[1] * surface.poses[0].nodes[n] + weights[2] * surface.poses[1].nodes[n];
+  mix.poses.clear();
+  return mix;
+}
+
+TEST_P(SurfaceBoundsOf, HoldInEveryMixOfPoses) {
+  const auto& [rule, kind, fit] = GetParam();
+  for (test::NamedSurface& named : test::surfaces(rule, 3)) {
+    SCOPED_TRACE(named.name);
+    test::addPoses(named.surface, 2, 0.4, 0.1, 5);
+    auto records = computeBounds(named.surface, {.shape = kind, .fit = fit, .threads = 1});
+    for (SurfaceRecord& record : records) record.position *= kShares;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      Rng rng(seed);
+      const TrueSurface mix = mixed(named.surface, rng);
+      Checker checker(mix, kind, records);
+      checker.expectHolds(checker.randomSection(1 + rng.below(40), rng));
+      if (seed == 1) checker.expectNested();
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include "terrain/surface_store/write_surface.h"
 #include "tests/support/base_meshes.h"
 #include "tests/support/files.h"
+#include "tests/support/surfaces.h"
 
 namespace foreland::terrain {
 namespace {
@@ -24,12 +25,19 @@ struct Made {
   std::vector<Texel> texels;
   SceneOrigin about{"made", {}, {"one", "two"}, 0};
 
+  std::vector<Time> pose_times{};
+
   SurfaceContent content() const {
-    return {.surface = surface, .records = records, .atlas = atlas, .texels = texels, .about = about};
+    return {.surface = surface,
+            .pose_times = pose_times,
+            .records = records,
+            .atlas = atlas,
+            .texels = texels,
+            .about = about};
   }
 };
 
-Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t halvings) {
+Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t halvings, size_t poses = 0) {
   Rng rng(7);
   std::vector<glm::dvec3> corners;
   for (uint32_t v = 0; v < base.vertices; ++v)
@@ -39,6 +47,9 @@ Made makeContent(const test::NamedBase& base, proto::MeshRule rule, uint32_t hal
                                return middle + 0.02 * glm::dvec3(rng.uniform(), rng.uniform(), rng.uniform());
                              });
   Made made{std::move(surface).value(), {}, proto::AtlasLayout::of(static_cast<uint32_t>(base.faces.size()), 6), {}};
+  test::addPoses(made.surface, poses, 0.3, 0.1, 8);
+  for (size_t pose = 0; pose <= poses && poses > 0; ++pose)
+    made.pose_times.push_back(Time{1'000'000 + 7 * static_cast<int64_t>(pose)});
   made.records = computeBounds(made.surface, {.threads = 1});
   made.texels.resize(uint64_t{made.atlas.width()} * made.atlas.height());
   for (Texel& texel : made.texels) texel = static_cast<Texel>(rng.next());
@@ -53,7 +64,7 @@ class SurfaceFile : public testing::Test {
   std::vector<char> bytes;
 
   void SetUp() override {
-    const Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2);
+    const Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2, 3);
     ASSERT_TRUE(writeSurface(path, made.content()).ok());
     bytes = test::slurp(path);
   }
@@ -66,6 +77,9 @@ class SurfaceFile : public testing::Test {
       if (!surface.topology().isBase(n)) sum += int64_t{surface.quanta(n).y} + surface.nodes()[slot].radius.bits;
     }
     for (const Texel texel : surface.texels()) sum += texel;
+    for (const auto& moves : {surface.baseMoves(), surface.nodeMoves()})
+      for (const glm::ivec3& move : moves) sum += move.z;
+    for (const Time& time : surface.poseTimes()) sum += time.us;
     volatile int64_t kept = sum;
     (void)kept;
   }
@@ -76,7 +90,7 @@ TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
     for (const proto::MeshRule rule : {proto::MeshRule::kQuadrisection, proto::MeshRule::kBisection})
       for (const uint32_t halvings : {1u, 4u}) {
         SCOPED_TRACE(base.name);
-        const Made made = makeContent(base, rule, halvings);
+        const Made made = makeContent(base, rule, halvings, halvings == 1 ? 3 : 0);
         const auto id = writeSurface(path, made.content());
         ASSERT_TRUE(id.ok()) << id.error().message;
         const auto read = MappedSurface::open(path);
@@ -91,6 +105,9 @@ TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
         ASSERT_EQ((*read)->nodes().size(), made.records.size());
         EXPECT_EQ(std::memcmp((*read)->nodes().data(), made.records.data(), (*read)->nodes().size_bytes()), 0);
         EXPECT_TRUE(std::ranges::equal((*read)->texels(), made.texels));
+        EXPECT_EQ((*read)->poseTimes(), made.pose_times);
+        EXPECT_TRUE(std::ranges::equal((*read)->baseMoves(), baseMoves(made.surface)));
+        EXPECT_TRUE(std::ranges::equal((*read)->nodeMoves(), nodeMoves(made.surface)));
         EXPECT_EQ((*read)->atlas(), made.atlas);
         EXPECT_EQ((*read)->about().notes, made.about.notes);
         const auto found = verifySurface(path);
