@@ -27,11 +27,12 @@ std::string lineOf(const nlohmann::ordered_json& row) {
   }
   std::snprintf(
       text, sizeof text,
-      "%-12s %-12s %-5s %4.0f viewers: %6.2f %% of %.0f missed, lateness p99 %7.2f ms, used %.2f (peak %.2f), "
+      "%-12s %-12s %-5s %-8s %4.0f viewers: %6.2f %% of %.0f missed, lateness p99 %7.2f ms, used %.2f (peak %.2f), "
       "Jain %.3f",
       row["policy"].get<std::string>().c_str(), row["phases"].get<std::string>().c_str(),
-      row["start"].get<std::string>().c_str(), number("viewers"), 100 * number("missed_share"), number("keyframes"),
-      number("lateness_p99_ms"), number("utilisation"), number("utilisation_peak"), number("jain"));
+      row["start"].get<std::string>().c_str(), row["queues"].get<std::string>().c_str(), number("viewers"),
+      100 * number("missed_share"), number("keyframes"), number("lateness_p99_ms"), number("utilisation"),
+      number("utilisation_peak"), number("jain"));
   return text;
 }
 
@@ -126,6 +127,10 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
   sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
   sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
+  sub->add_option("--queues", request.queues,
+                  "shared,stealing: one queue for all workers, or one for each, from which idle workers steal "
+                  "(default: shared)")
+      ->delimiter(',');
   addClusterOptions(*sub, request);
   sub->add_option("--seconds", request.base.seconds, "measured")
       ->check(CLI::Range(1.0, 3600.0) & isFinite())

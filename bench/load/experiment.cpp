@@ -138,7 +138,13 @@ Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
         options.policy = *policy;
         options.phases = *phases;
         options.start = start_name == "late" ? LoadStart::kLate : LoadStart::kEarly;
-        if (Status s = addBalances(request, options, runs); !s.ok()) return s.error();
+        for (const std::string& queues_name :
+             request.queues.empty() ? std::vector<std::string>{"shared"} : request.queues) {
+          const auto queues = queuesNamed(queues_name);
+          if (!queues) return queues.error();
+          options.queues = *queues;
+          if (Status s = addBalances(request, options, runs); !s.ok()) return s.error();
+        }
       }
   return runs;
 }
@@ -185,6 +191,7 @@ nlohmann::ordered_json askedBy(const LoadOptions& options) {
   nlohmann::ordered_json asked{{"policy", name(options.policy)},
                                {"phases", name(options.phases)},
                                {"start", name(options.start)},
+                               {"queues", name(options.queues)},
                                {"viewers", options.viewers}};
   if (options.cluster.servers > 1) asked["balance"] = name(options.cluster.balance);
   return asked;

@@ -14,6 +14,7 @@ struct LoadRequest {
   LoadOptions base;
   // Empty: all; with several servers edf, random and early, which is how `foreland serve` runs.
   std::vector<std::string> policies{}, phases{}, starts{};
+  std::vector<std::string> queues{};                                // empty: shared
   std::vector<std::string> balances{}, fails{}, drains{}, joins{};  // of several servers; the last three SERVER@SECONDS
 };
 

@@ -108,7 +108,7 @@ void LoadSimulation::leave(size_t i, MoveCause cause) {
 void LoadSimulation::close(size_t i) {
   Viewer& v = *viewers_[i];
   v.moving = v.closing = std::exchange(v.leaving, std::nullopt);
-  if (std::exchange(v.is_queued, false)) (void)servers_[v.server].queue.cancel(v.ticket);
+  if (std::exchange(v.is_queued, false)) servers_[v.server].queues.cancel(v.ticket);
   v.resume_work = resumeWork(v);
   v.session.reset();
   v.inbox.clear();
@@ -156,7 +156,7 @@ void LoadSimulation::change(const ServerEvent& event) {
   Server& server = servers_[event.server];
   if (event.what == ServerEvent::What::kDrain) return drain(event.server);
   if (event.what == ServerEvent::What::kJoin) {
-    if (!server.is_up) server.free_workers = options_.workers, server.costly_running = 0;
+    if (!server.is_up) server.is_free.assign(options_.workers, true), server.costly_running = 0;
     server.is_up = server.is_open = true;
     server.resumes = {};
     return;
@@ -166,7 +166,7 @@ void LoadSimulation::change(const ServerEvent& event) {
   for (size_t i = 0; i < viewers_.size(); ++i) {
     Viewer& v = *viewers_[i];
     if (!v.session || v.server != event.server) continue;
-    if (v.is_queued) (void)server.queue.cancel(v.ticket);
+    if (v.is_queued) server.queues.cancel(v.ticket);
     lose(i);
   }
 }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::array<const char*, 4> kPolicies{"fifo", "edf", "least-laxity", "fair"};
 constexpr std::array<const char*, 3> kPhases{"synchronised", "random", "staggered"};
+constexpr std::array<const char*, 2> kQueues{"shared", "stealing"};
 constexpr std::array<const char*, 2> kMixes{"mixed", "survey"};
 
 std::array<double, 6> sharesOf(const StepWork& work, const ComputePrices& p) {
@@ -32,6 +33,8 @@ const char* name(Phases phases) { return kPhases[static_cast<size_t>(phases)]; }
 const char* name(LoadStart start) { return start == LoadStart::kLate ? "late" : "early"; }
 Result<LoadPolicy> policyNamed(const std::string& name) { return named<LoadPolicy>(name, "policy", kPolicies); }
 Result<Phases> phasesNamed(const std::string& name) { return named<Phases>(name, "phases", kPhases); }
+const char* name(LoadQueues queues) { return kQueues[static_cast<size_t>(queues)]; }
+Result<LoadQueues> queuesNamed(const std::string& name) { return named<LoadQueues>(name, "kind of queues", kQueues); }
 Result<Mix> mixNamed(const std::string& name) { return named<Mix>(name, "mix of viewers", kMixes); }
 
 // Jain, Chiu, Hawe: a quantitative measure of fairness (DEC-TR-301, 1984).

@@ -10,6 +10,7 @@
 
 #include "bench/load/cluster.h"
 #include "bench/load/viewer_tally.h"
+#include "bench/load/worker_queues.h"
 #include "bench/world/compute_cost.h"
 #include "server/session/world.h"
 
@@ -28,14 +29,17 @@ enum class Mix : uint8_t { kMixed, kSurvey };
 const char* name(LoadPolicy policy);
 const char* name(Phases phases);
 const char* name(LoadStart start);
+const char* name(LoadQueues queues);
 Result<LoadPolicy> policyNamed(const std::string& name);
 Result<Phases> phasesNamed(const std::string& name);
+Result<LoadQueues> queuesNamed(const std::string& name);
 Result<Mix> mixNamed(const std::string& name);
 
 struct LoadOptions {
   LoadPolicy policy = LoadPolicy::kEdf;
   Phases phases = Phases::kRandom;
   LoadStart start = LoadStart::kLate;
+  LoadQueues queues = LoadQueues::kShared;
   Mix mix = Mix::kMixed;
   size_t viewers = 40, workers = 1;
   double seconds = 10;  // measured, after kLoadRunIn

@@ -19,7 +19,7 @@ server::JobOrder orderOf(LoadPolicy policy) {
 }  // namespace
 
 LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
-    : queue(options.workers, orderOf(options.policy)), free_workers(options.workers), busy_us(bins) {}
+    : queues(options.queues, options.workers, orderOf(options.policy)), is_free(options.workers, true), busy_us(bins) {}
 
 LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds holds)
     : light(viewer.cast.request, viewer.cast.flight, holds),
@@ -136,52 +136,59 @@ void LoadSimulation::take(size_t i) {
 
 void LoadSimulation::schedule(size_t i) {
   Viewer& v = *viewers_[i];
-  server::DeadlineQueue& queue = servers_[v.server].queue;
-  if (v.is_queued) (void)queue.cancel(v.ticket);
+  WorkerQueues& queues = servers_[v.server].queues;
+  if (v.is_queued) queues.cancel(v.ticket);
   v.is_queued = false;
   const auto due = v.session->due();
   if (!due) return;
   server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
   if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.debt.wait(share());
-  v.ticket = queue.add(job, [this, i](size_t) { step(i); });
+  v.ticket = queues.add(i, job, [this, i](size_t worker) { step(i, worker); });
   v.is_queued = true;
 }
 
-// As Pool: of several workers one takes no costly jobs.
-std::optional<server::DeadlineQueue::Entry> LoadSimulation::nextJob(Server& server) {
-  using Take = server::DeadlineQueue::Take;
+// Every free worker looks into its own queue before one looks into another's. As Pool: of several workers one takes no
+// costly jobs.
+bool LoadSimulation::startJob(Server& server) {
+  using Take = WorkerQueues::Take;
   const size_t most_costly = std::max<size_t>(1, options_.workers - 1);
-  return server.queue.take(now_, server.costly_running < most_costly ? Take::kAny : Take::kCheap);
+  const Take which = server.costly_running < most_costly ? Take::kAny : Take::kCheap;
+  for (const bool is_own : {true, false})
+    for (size_t worker = 0; worker < options_.workers; ++worker) {
+      if (!server.is_free[worker]) continue;
+      auto entry = is_own ? server.queues.takeOwn(now_, worker, which) : server.queues.steal(now_, worker, which);
+      if (!entry) continue;
+      entry->job(worker);
+      return true;
+    }
+  return false;
 }
 
 void LoadSimulation::startJobs(size_t s) {
   Server& server = servers_[s];
   if (!server.is_up) return;
-  while (server.free_workers > 0) {
-    auto entry = nextJob(server);
-    if (!entry) break;
-    entry->job(0);
-  }
-  if (server.free_workers == 0) return;
-  const auto next = server.queue.nextRelease();
+  while (startJob(server)) {}
+  if (std::ranges::find(server.is_free, true) == server.is_free.end()) return;
+  const auto next = server.queues.nextRelease();
   if (!next || (server.wake && *server.wake <= *next)) return;
   server.wake = std::max(*next, now_ + Duration{1});
   at(*server.wake, What::kWake, s);
 }
 
-void LoadSimulation::step(size_t i) {
+void LoadSimulation::step(size_t i, size_t worker) {
   Viewer& v = *viewers_[i];
   Server& server = servers_[v.server];
   v.is_queued = false;
   v.is_running = true;
-  --server.free_workers;
+  v.worker = worker;
+  server.is_free[worker] = false;
   const auto due = v.session->due();
   v.deadline = due ? due->deadline : now_;
   v.has_deadline = due && due->deadline > due->release;
-  v.is_costly = v.ticket.due.is_costly;
+  v.is_costly = v.ticket.job.due.is_costly;
   server.costly_running += v.is_costly;
   const server::SessionStatistics before = v.session->statistics();
-  const auto start = v.ticket.due.release > now_ ? Session::Start::kEarly : Session::Start::kWhenDue;
+  const auto start = v.ticket.job.due.release > now_ ? Session::Start::kEarly : Session::Start::kWhenDue;
   v.session->step(now_, scratch_, v.out, start);
   uint64_t bytes = 0;
   for (const Bytes& message : v.out) bytes += message.size();
@@ -201,7 +208,7 @@ void LoadSimulation::step(size_t i) {
 void LoadSimulation::done(size_t i) {
   Viewer& v = *viewers_[i];
   Server& server = servers_[v.server];
-  ++server.free_workers;
+  server.is_free[v.worker] = true;
   server.costly_running -= v.is_costly;
   v.is_running = false;
   v.session->noteComputeTime(v.work);

@@ -12,8 +12,8 @@
 #include "bench/load/light_viewer.h"
 #include "bench/load/load_cast.h"
 #include "bench/load/load_run.h"
+#include "bench/load/worker_queues.h"
 #include "bench/world/link.h"
-#include "server/sched/deadline_queue.h"
 #include "server/sched/debt.h"
 #include "server/session/session.h"
 
@@ -32,8 +32,9 @@ class LoadSimulation {
  private:
   struct Server {
     Server(const LoadOptions& options, size_t bins);
-    server::DeadlineQueue queue;
-    size_t free_workers, costly_running = 0;
+    WorkerQueues queues;
+    std::vector<bool> is_free;  // by worker
+    size_t costly_running = 0;
     bool is_up = true, is_open = true;  // open: takes viewers
     std::optional<Time> wake;
     ResumePace resumes;
@@ -54,13 +55,14 @@ class LoadSimulation {
     std::unique_ptr<server::Session> session;
     std::deque<Bytes> inbox;
     bool is_running = false, is_queued = false, waits_for_drain = false;
-    server::DeadlineQueue::Ticket ticket;
+    WorkerQueues::Ticket ticket;
     server::Debt debt;
 
     // Of the step that runs.
     std::vector<Bytes> out;
     Duration work;
     Time deadline;
+    size_t worker = 0;
     bool is_keyframe = false, has_deadline = false, is_costly = false;
     uint64_t in_time = 0;  // keyframes
 
@@ -110,8 +112,8 @@ class LoadSimulation {
   void take(size_t i);
   void schedule(size_t i);
   void startJobs(size_t server);
-  std::optional<server::DeadlineQueue::Entry> nextJob(Server& server);
-  void step(size_t i);
+  bool startJob(Server& server);
+  void step(size_t i, size_t worker);
   void done(size_t i);
   void count(Viewer& v);
   void use(Server& server, Time from, Time to);

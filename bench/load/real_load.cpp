@@ -123,6 +123,7 @@ Status checkReal(const LoadOptions& options) {
   if (options.cluster.servers > 1) return refuse("there is one server");
   if (options.policy != LoadPolicy::kFair) return refuse("the policy is fair");
   if (options.start != LoadStart::kEarly) return refuse("starts are early");
+  if (options.queues != LoadQueues::kShared) return refuse("the queue is shared");
   return {};
 }
 

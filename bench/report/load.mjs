@@ -2,7 +2,7 @@
 import { drawCluster } from './cluster.mjs';
 import { coloursOf, legend, Plot, svgOf } from './plot.mjs';
 
-const howOf = (run) => `${run.policy}, ${run.phases}, ${run.start}`;
+const howOf = (run) => `${run.policy}, ${run.phases}, ${run.start}${run.queues === 'stealing' ? ', stealing' : ''}`;
 
 // Utilisation and lateness are drawn for one policy, since policies differ by less than phases and starts do.
 function ofOnePolicy(runs) {

@@ -65,6 +65,34 @@ TEST(Load, CountsWhatIsDueAtOnceApart) {
   EXPECT_LE(f.at_once, 4u);
 }
 
+// A worker of its own has a queue of its own, of one kind or the other.
+TEST(Load, OneWorkerHasNobodyToStealFrom) {
+  LoadOptions options = smallLoad(52);
+  options.start = LoadStart::kEarly;
+  const LoadRun shared = runLoad(smallWorld(), options);
+  options.queues = LoadQueues::kStealing;
+  const LoadRun stealing = runLoad(smallWorld(), options);
+  EXPECT_GT(shared.figures.missed, 0u);
+  EXPECT_EQ(shared.lateness_ms, stealing.lateness_ms);
+  EXPECT_EQ(shared.used, stealing.used);
+}
+
+// Idle workers help, so stealing serves nearly as much; that it knows less of what is due shows where much is.
+TEST(Load, StealingUsesAllWorkers) {
+  for (const uint64_t seed : {1, 2, 3}) {
+    LoadOptions options = smallLoad(170);
+    options.workers = 4;
+    options.seed = seed;
+    options.start = LoadStart::kEarly;
+    const LoadFigures shared = run(options);
+    options.queues = LoadQueues::kStealing;
+    const LoadFigures stealing = run(options);
+    EXPECT_NEAR(stealing.utilisation, shared.utilisation, 0.02);
+    EXPECT_GT(stealing.keyframes, shared.keyframes * 95 / 100);
+    EXPECT_GE(stealing.missed, shared.missed);
+  }
+}
+
 TEST(Load, FindsTheMostViewersThatAreServed) {
   LoadOptions options = smallLoad(8);
   options.phases = Phases::kStaggered;
@@ -105,6 +133,8 @@ TEST(Load, RefusesWhatIsUnknownByName) {
             "there is no policy 'luck'; choose one of fifo, edf, least-laxity, fair");
   EXPECT_NE(refusal({.base = {}, .phases = {"moon"}}).find("'moon'"), std::string::npos);
   EXPECT_NE(refusal({.base = {}, .starts = {"never"}}).find("'never'"), std::string::npos);
+  EXPECT_EQ(refusal({.base = {}, .queues = {"stack"}}),
+            "there is no kind of queues 'stack'; choose one of shared, stealing");
   EXPECT_NE(mixNamed("cocktail").error().message.find("'cocktail'"), std::string::npos);
 }
 
