@@ -204,8 +204,7 @@ std::shared_ptr<const server::World> worldThatMoves(proto::EpochBlend blend) {
 Script posesScript() {
   Script s = objectsScript("poses", worldWithPoses());
   const proto::SceneClock clock{Time{} + s.clock_offset + at(0.4), Time{12'000 * kDay_us}, 50 * 86'400.0};
-  s.cues.push_back({at(0.4), proto::encode(clock)});
-  std::ranges::stable_sort(s.cues, {}, &Cue::at);
+  s.cues.insert(std::ranges::upper_bound(s.cues, at(0.4), {}, &Cue::at), {at(0.4), proto::encode(clock)});
   return s;
 }
 

