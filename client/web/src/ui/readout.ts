@@ -97,7 +97,7 @@ export class Readout {
       ? `${degreesText(across, 'N', 'S')}  ${degreesText(along, 'E', 'W')}`
       : `${along.toFixed(0)} E  ${across.toFixed(0)} N`;
     const above = m.position.ground_m === null ? '' : ` \u00b7 ${metresText(m.position.height_m - m.position.ground_m)} above ground`;
-    const slope = m.position.slope_rad === null ? '' : `, which slopes ${((m.position.slope_rad * 180) / Math.PI).toFixed(0)}\u00b0`;
+    const slope = m.position.slope_rad === null ? '' : `, slope ${((m.position.slope_rad * 180) / Math.PI).toFixed(0)}\u00b0`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
     const lines = [at, `${metresText(m.position.height_m)} high${above}${slope}`];
     const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
