@@ -103,6 +103,9 @@ MUTATIONS = [
     of("mesh: crack at the border", "client", "from + u * (to - from)", "from + 0.9 * u * (to - from)", "client_test:MeshAtTheBorder*"),
     of("mesh: first blends from nothing", "client", "span_.is_first ? 0 : 1", "1", "client_test:MorphTiming*"),
     of("object: both ends alike", "client/mesh/object_mesh", "weight[s]", "weight[1]", "world_test:Objects.AreDrawn*"),
+    of("poses: both ends alike", "client/mesh/object_mesh", "stream.moves(object, slot), weights[end]", "stream.moves(object, slot), weights[0]",
+       "world_test:MovingGroundWithObjects*"),
+    of("poses: only the first bounded", "terrain/surface/bounds", "pose < displacements_.size()", "pose < 1", "terrain_surface_test:*Mix*"),
     of("morph: off by one", "client", "m.from + left / steps", "m.from + left / (steps + 1)", "client_test"),
     of("morph: region ignored", "client", "radius_m + region_radius_", "radius_m - region_radius_", "client_test"),
 ]
