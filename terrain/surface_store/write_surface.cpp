@@ -35,25 +35,16 @@ SurfaceHeader headerOf(const SurfaceContent& content) {
   return header;
 }
 
-template <class T>
-void fill(const NewFile& file, const SectionRange& place, std::span<const T> from) {
-  CHECK_LE(from.size_bytes(), place.bytes);
-  if (!from.empty()) std::memcpy(file.data() + place.offset, from.data(), from.size_bytes());
-}
-
-// Puts the moves behind the first pose, and the dates behind those of base vertices.
-void fillPoses(const NewFile& file, const SurfaceHeader& header, const SurfaceContent& content) {
-  CHECK_EQ(content.surface.poses.size(), movesEach(header));
-  const auto put = [](uint8_t* to, const auto& values) {
-    const auto bytes = values.size() * sizeof(values[0]);
-    if (bytes > 0) std::memcpy(to, values.data(), bytes);
-    return to + bytes;
+// Puts the parts one after another; together they are the whole section.
+template <class... Parts>
+void fill(const NewFile& file, const SectionRange& place, const Parts&... parts) {
+  CHECK_EQ(place.bytes, (std::span(parts).size_bytes() + ...));
+  uint8_t* to = file.data() + place.offset;
+  const auto put = [&](const auto part) {
+    if (!part.empty()) std::memcpy(to, part.data(), part.size_bytes());
+    to += part.size_bytes();
   };
-  std::vector<int64_t> times;
-  for (const Time& time : content.pose_times) times.push_back(time.us);
-  uint8_t* const vertices = file.data() + header.sections[kSurfaceVertices].offset;
-  put(put(vertices + content.surface.base.size() * sizeof(glm::ivec3), baseMoves(content.surface)), times);
-  put(file.data() + header.sections[kSurfaceNodes].offset + content.records.size_bytes(), nodeMoves(content.surface));
+  (put(std::span(parts)), ...);
 }
 
 }  // namespace
@@ -67,12 +58,13 @@ Result<uint64_t> writeSurface(const std::filesystem::path& target, const Surface
   header.file_bytes = placeSurface(header, text.size());
   auto file = NewFile::create(target, header.file_bytes);
   if (!file.ok()) return file.error();
-  fill<uint8_t>(*file, header.sections[kSurfaceText], text);
-  fill<proto::BaseFace>(*file, header.sections[kSurfaceFaces], surface.topology.base().faces());
-  fill<glm::ivec3>(*file, header.sections[kSurfaceVertices], surface.base);
-  fill<proto::SurfaceRecord>(*file, header.sections[kSurfaceNodes], content.records);
-  fillPoses(*file, header, content);
-  fill<Texel>(*file, header.sections[kSurfaceTexels], content.texels);
+  std::vector<int64_t> times;
+  for (const Time& time : content.pose_times) times.push_back(time.us);
+  fill(*file, header.sections[kSurfaceText], text);
+  fill(*file, header.sections[kSurfaceFaces], surface.topology.base().faces());
+  fill(*file, header.sections[kSurfaceVertices], surface.base, baseMoves(surface), times);
+  fill(*file, header.sections[kSurfaceNodes], content.records, nodeMoves(surface));
+  fill(*file, header.sections[kSurfaceTexels], content.texels);
   return sealFile(*file, header.sections[kSurfaceChecksums], header);
 }
 
