@@ -46,7 +46,7 @@ void ObjectStream::hold(size_t object, const Section& section, const ModelNodes&
   const std::span<const glm::ivec3> base = objects_->modelOf(object).base;
   KnownPositions& known = known_[objects_->placement(object).model];
   for (Slot slot : section.slots) {
-    const glm::ivec3& position = nodes.records[slot].position;
+    const glm::ivec3 position = positionWithin(nodes.records[slot].position);
     if (known.find(slot) == nullptr)
       known.learn(slot, {position, position - middleOfEdge(mesh, base, known, mesh.node(slot)), 0,
                          movesWithin(position, nodes.movesOf(slot))});

@@ -279,7 +279,7 @@ class ChangeSource {
     const auto& slots = change == Change::kRemoved ? delta_.removed : delta_.added;
     return std::binary_search(slots.begin(), slots.end(), slot);
   }
-  const glm::ivec3& position(Slot slot) const { return nodes_.records[slot].position; }
+  glm::ivec3 position(Slot slot) const { return positionWithin(nodes_.records[slot].position); }
   glm::ivec3 move(Slot slot, size_t k, const glm::ivec3& position) const {
     return moveWithin(position, nodes_.movesOf(slot)[k]);
   }

@@ -16,6 +16,8 @@
 #pragma once
 
 #include <array>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,6 +29,12 @@
 #include "proto/space/view.h"
 
 namespace foreland::proto {
+
+// The position nearest to this one within kMaxObjectQuanta: what is in files is not trusted, and a message cannot tell
+// of others.
+inline glm::ivec3 positionWithin(const glm::ivec3& position) {
+  return glm::clamp(position, glm::ivec3(-kMaxObjectQuanta), glm::ivec3(kMaxObjectQuanta));
+}
 
 // What both ends have learnt.
 struct SurfaceModel {
