@@ -59,7 +59,8 @@ Status MappedSurface::readPoseTimes() {
   for (uint32_t pose = 0; pose < header_.poses; ++pose) {
     Time time;
     std::memcpy(&time.us, vertices.data() + begin + sizeof(time.us) * pose, sizeof(time.us));
-    if (std::abs(time.us) > proto::Epochs::kMostTime_us || (pose > 0 && time <= pose_times_.back()))
+    const bool is_absurd = time.us < -proto::Epochs::kMostTime_us || time.us > proto::Epochs::kMostTime_us;
+    if (is_absurd || (pose > 0 && time <= pose_times_.back()))
       return malformed("the dates of its poses are out of order");
     pose_times_.push_back(time);
   }
