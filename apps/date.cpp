@@ -48,4 +48,22 @@ std::optional<double> parseSceneSpeed(const std::string& text) {
   return rate;
 }
 
+Result<std::optional<proto::SceneClock>> parseSceneClock(const std::optional<std::string>& from,
+                                                         const std::optional<std::string>& speed) {
+  if (!from && !speed) return std::optional<proto::SceneClock>();
+  const auto invalid = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
+  proto::SceneClock clock{.at = {}, .scene_time = {-proto::Epochs::kMostTime_us}, .rate = 0};
+  if (from) {
+    const auto date = parseDate(*from);
+    if (!date) return invalid("--scene-from " + *from + ": write a date as YYYY-MM-DD");
+    clock.scene_time = *date;
+  }
+  if (speed) {
+    const auto rate = parseSceneSpeed(*speed);
+    if (!rate) return invalid("--scene-speed " + *speed + ": write for example 90d/s, -12h/s or 1y/s");
+    clock.rate = *rate;
+  }
+  return std::optional(clock);
+}
+
 }  // namespace foreland::apps

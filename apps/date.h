@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "base/time.h"
+#include "proto/section/epochs.h"
 
 namespace foreland::apps {
 
@@ -15,5 +17,10 @@ std::string dateText(Time time);
 
 // Scene seconds a second, of a text like 90d/s; units are s, h, d and y (of 365.25 days).
 std::optional<double> parseSceneSpeed(const std::string& text);
+
+// What --scene-from and --scene-speed ask for, at the flight's own time 0: without the first from before all dates,
+// without the second at rest. Nothing if neither is given; an Error that names the option.
+Result<std::optional<proto::SceneClock>> parseSceneClock(const std::optional<std::string>& from,
+                                                         const std::optional<std::string>& speed);
 
 }  // namespace foreland::apps

@@ -29,7 +29,8 @@ int fail(const Error& error) {
   return 2;
 }
 
-// What all pictures of a scene share. Full resolution is built only if it is drawn or measured against.
+// What all pictures of a scene share. Full resolution is built only if it is drawn or measured against, anew for each
+// scene time.
 class Studio {
  public:
   static Result<Studio> open(const RenderOptions& options) {
@@ -39,28 +40,27 @@ class Studio {
     if (!shading.ok()) return shading.error();
     auto objects = server::objectsOf(*scene);
     if (!objects.ok()) return objects.error();
+    if (options.scene_clock && (*scene)->epochs().epochs().empty())
+      return Error{ErrorCode::kInvalidArgument,
+                   options.scene.string() + ": does not change in time, so there is no --scene-from or --scene-speed"};
     return Studio(options, *scene, std::move(*shading), exactSections(*scene, std::move(*objects)));
   }
 
   const terrain::Scene& scene() const { return *scene_; }
 
-  Status buildFull() {
-    if (options_->drawn == Drawn::kSection && options_->errors == Errors::kNone) return {};
-    auto full = terrain::RayCaster::ofScene(scene_);
-    if (!full.ok()) return full.error();
-    full_ = std::move(*full);
-    return {};
-  }
-
   struct Shot {
     terrain::Picture picture;
     terrain::ErrorSummary errors;
   };
-  Result<Shot> take(const proto::Pose& pose) const {
+  // `time` is since the flight's beginning.
+  Result<Shot> take(const proto::Pose& pose, Time time) {
+    if (Status s = showAt(time); !s.ok()) return s.error();
     const terrain::Camera camera{pose, options_->lens};
     std::optional<terrain::DrawnSurface> drawn;
     if (options_->drawn == Drawn::kSection || options_->errors == Errors::kMeasured)
-      drawn = bench::drawnSurface(*section_at_({.pose = pose, .lens = options_->lens, .tau_px = options_->tau_px}), 1);
+      drawn = bench::drawnSurface(
+          *section_at_({.pose = pose, .lens = options_->lens, .tau_px = options_->tau_px, .scene_time = scene_time_}),
+          1);
     auto picture = options_->drawn == Drawn::kFull ? full(camera) : section(camera, *drawn);
     if (!picture.ok()) return picture.error();
     if (options_->errors == Errors::kNone) return Shot{std::move(*picture), {}};
@@ -80,6 +80,20 @@ class Studio {
         shading_(std::move(shading)),
         section_at_(std::move(section_at)) {}
 
+  Status showAt(Time time) {
+    const proto::Epochs& epochs = scene_->epochs().epochs();
+    const Time before = scene_time_;
+    if (!epochs.empty())
+      scene_time_ = options_->scene_clock ? options_->scene_clock->timeAt(epochs, time) : epochs.first();
+    const bool is_needed = options_->drawn == Drawn::kFull || options_->errors == Errors::kMeasured;
+    if (!is_needed || (full_ && scene_time_ == before)) return {};
+    full_.reset();  // before the next one takes as much memory
+    auto full = terrain::RayCaster::ofScene(scene_, scene_time_);
+    if (!full.ok()) return full.error();
+    full_ = std::move(*full);
+    return {};
+  }
+
   Result<terrain::Picture> full(const terrain::Camera& camera) const {
     return terrain::takePicture(*full_, scene_->grid(), shading_, camera);
   }
@@ -93,7 +107,8 @@ class Studio {
   std::shared_ptr<const terrain::Scene> scene_;
   terrain::Shading shading_;
   bench::SectionAt section_at_;
-  std::optional<terrain::RayCaster> full_;
+  Time scene_time_;
+  std::optional<terrain::RayCaster> full_;  // at scene_time_
 };
 
 Result<Bytes> encode(const terrain::Picture& picture, const std::filesystem::path& output, double tau_px) {
@@ -155,12 +170,12 @@ Status writeAll(const terrain::Picture& picture, const RenderOptions& o, size_t 
   return {};
 }
 
-Result<terrain::ErrorSummary> takeAll(const Studio& studio, const std::vector<proto::Pose>& poses,
-                                      const RenderOptions& o) {
+Result<terrain::ErrorSummary> takeAll(Studio& studio, const std::vector<proto::Pose>& poses, const RenderOptions& o) {
   terrain::ErrorSummary errors;
   const ProgressLine progress(o.progress, poses.size());
   for (size_t i = 0; i < poses.size(); ++i) {
-    const Result<Studio::Shot> shot = studio.take(poses[i]);
+    const Result<Studio::Shot> shot =
+        studio.take(poses[i], Time{} + Duration::seconds(o.every_s * static_cast<double>(i)));
     if (!shot.ok()) return shot.error();
     if (Status s = writeAll(shot->picture, o, i); !s.ok()) return s.error();
     errors.add(shot->errors);
@@ -174,7 +189,6 @@ int render(const RenderOptions& o) {
   if (!studio.ok()) return fail(studio.error());
   const Result<std::vector<proto::Pose>> poses = posesOf(o, studio->scene());
   if (!poses.ok()) return fail(poses.error());
-  if (Status s = studio->buildFull(); !s.ok()) return fail(s.error());
   const Result<terrain::ErrorSummary> errors = takeAll(*studio, *poses, o);
   if (!errors.ok()) return fail(errors.error());
   report(o, poses->size(), *errors);

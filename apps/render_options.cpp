@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <regex>
 
+#include "apps/date.h"
 #include "apps/lens_option.h"
 #include "apps/options.h"
 #include "apps/output_file.h"
@@ -14,7 +15,7 @@ namespace {
 
 constexpr const char* kFooter = R"(
 POSE is LAT,LON,HEIGHT[,HEADING[,PITCH]]: degrees (x and y of the map in metres, if the scene is planar), metres above the
-ground, degrees clockwise from north (0), degrees above the horizon (0).
+ground (of all dates the highest), degrees clockwise from north (0), degrees above the horizon (0).
 
 Channels of an .exr file, one value a pixel, each for the ray through its middle:
   R, G, B               colour, linear
@@ -65,6 +66,10 @@ Status check(RenderOptions& o) {
   return {};
 }
 
+struct SceneTimeTexts {
+  std::optional<std::string> from, speed;
+};
+
 void addPlaces(CLI::App& app, RenderOptions& o) {
   CLI::Option* pose = app.add_option("--pose", o.pose, "one picture from here: LAT,LON,HEIGHT[,HEADING[,PITCH]]");
   CLI::Option* track =
@@ -90,6 +95,14 @@ void addPlaces(CLI::App& app, RenderOptions& o) {
       ->excludes(tour);
 }
 
+void addSceneTime(CLI::App& app, SceneTimeTexts& texts) {
+  app.add_option("--scene-from", texts.from,
+                 "in scenes that change in time: the date of the (first) picture, YYYY-MM-DD (default: the first)");
+  app.add_option("--scene-speed", texts.speed,
+                 "and how fast the scene's time goes along a track or tour, for example 90d/s (default 0d/s)")
+      ->excludes(app.get_option("--pose"));
+}
+
 }  // namespace
 
 ParsedRenderOptions parseRenderOptions(int argc, const char* const* argv) {
@@ -100,6 +113,8 @@ ParsedRenderOptions parseRenderOptions(int argc, const char* const* argv) {
   app.add_option("SCENE", o.scene, "the scene file")->required();
   app.add_option("-o,--output", o.outputs, "the picture, .exr or .png; may be given more than once")->required();
   addPlaces(app, o);
+  SceneTimeTexts scene_time;
+  addSceneTime(app, scene_time);
   CLI::Option* section = app.add_flag("--section", is_section, "draw the section for the pose, as a viewer would");
   app.add_flag("--full", is_full, "draw every sample and all objects in full (default)")->excludes(section);
   app.add_flag("--error", wants_errors, "measure the section for the pose against the full resolution");
@@ -116,8 +131,13 @@ ParsedRenderOptions parseRenderOptions(int argc, const char* const* argv) {
   o.drawn = is_section ? Drawn::kSection : Drawn::kFull;
   o.errors = wants_errors ? Errors::kMeasured : Errors::kNone;
   o.progress = wants_progress ? Progress::kAlways : Progress::kOnTerminals;
-  if (Status s = check(o); !s.ok()) {
-    std::fprintf(stderr, "foreland render: %s\n", s.error().message.c_str());
+  Status checked = check(o);
+  if (auto clock = parseSceneClock(scene_time.from, scene_time.speed); !clock.ok())
+    checked = clock.error();
+  else
+    o.scene_clock = *clock;
+  if (!checked.ok()) {
+    std::fprintf(stderr, "foreland render: %s\n", checked.error().message.c_str());
     return {{}, 2};
   }
   return {std::move(o), std::nullopt};

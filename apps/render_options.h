@@ -8,6 +8,7 @@
 
 #include "base/result.h"
 #include "client/fly/track_path.h"
+#include "proto/section/epochs.h"
 #include "proto/space/pose.h"
 
 namespace foreland::apps {
@@ -25,6 +26,7 @@ struct RenderOptions {
   double every_s = 1;
   std::optional<double> seconds;
   client::TrackOptions track_options;
+  std::optional<proto::SceneClock> scene_clock;  // with the pictures' time in the flight as its own
   Drawn drawn = Drawn::kFull;
   Errors errors = Errors::kNone;
   Progress progress = Progress::kOnTerminals;

@@ -47,23 +47,6 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .imagery = o.imagery};
 }
 
-// What is asked of the scene's time; nothing if nothing is.
-Result<std::optional<proto::SceneClock>> sceneOf(const FlyOptions& o) {
-  if (!o.scene_from && !o.scene_speed) return std::optional<proto::SceneClock>();
-  proto::SceneClock clock{.at = {}, .scene_time = {-proto::Epochs::kMostTime_us}, .rate = 0};
-  if (o.scene_from) {
-    const auto date = parseDate(*o.scene_from);
-    if (!date) return invalid("--scene-from " + *o.scene_from + ": write a date as YYYY-MM-DD");
-    clock.scene_time = *date;
-  }
-  if (o.scene_speed) {
-    const auto rate = parseSceneSpeed(*o.scene_speed);
-    if (!rate) return invalid("--scene-speed " + *o.scene_speed + ": write for example 90d/s, -12h/s or 1y/s");
-    clock.rate = *rate;
-  }
-  return std::optional(clock);
-}
-
 }  // namespace
 
 ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
@@ -146,7 +129,7 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
     return invalid("--predictor path: the tour 'jumps' has no path; choose hold, velocity or acceleration");
   if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
     return invalid("--seconds must be above 0 and at most 86400");
-  const auto scene = sceneOf(o);
+  const auto scene = parseSceneClock(o.scene_from, o.scene_speed);
   if (!scene.ok()) return scene.error();
   client::PlayerOptions player{.request = *request,
                                .blend = *blend,

@@ -80,7 +80,8 @@ class ObjectSet {
   const ObjectPlacement& placement(size_t object) const { return placements_[object]; }
   const ObjectModel& modelOf(size_t object) const { return models_[placements_[object].model]; }
   const SurfaceDomain& domain(size_t object) const { return domains_[object]; }
-  const PoseBlend& posesOf(size_t object) const { return poses_[placements_[object].model]; }
+  const PoseBlend& posesOf(size_t object) const { return posesOfModel(placements_[object].model); }
+  const PoseBlend& posesOfModel(size_t model) const { return poses_[model]; }
 
  private:
   std::vector<ObjectModel> models_;

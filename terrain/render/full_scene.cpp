@@ -30,8 +30,9 @@ std::array<NodeId, 4> cornersOf(uint32_t x, uint32_t y) {
 
 class FullTerrain {
  public:
-  explicit FullTerrain(std::shared_ptr<const Scene> scene)
+  FullTerrain(std::shared_ptr<const Scene> scene, const proto::EpochWeights& ground)
       : scene_(std::move(scene)),
+        ground_(ground),
         columns_(scene_->grid().shape().samples_x),
         rows_(scene_->grid().shape().samples_y),
         frame_(scene_->frame(), columns_ - 1, rows_ - 1) {}
@@ -57,22 +58,34 @@ class FullTerrain {
 
  private:
   uint32_t number(NodeId v) const { return v.y() * columns_ + v.x(); }
-  glm::dvec3 position(NodeId v) const { return frame_.position(v, scene_->height(v)); }
+  // Quanta.
+  double height(NodeId v) const {
+    double height = scene_->height(v);
+    const EpochTable& table = scene_->epochs();
+    for (uint32_t k = 0; k < (table.epochs().empty() ? 0 : ground_.count); ++k)
+      if (const uint32_t epoch = ground_.epoch[k]; table.epochs().mayMove(epoch, v))
+        height += ground_.weight[k] * table.offset(epoch, scene_->grid(), v);
+    return height;
+  }
+  glm::dvec3 position(NodeId v) const { return frame_.position(v, height(v)); }
   TriangleCorner corner(NodeId v) const {
-    const int32_t height = scene_->height(v);
+    const double height = this->height(v);
     return {frame_.position(v, height), {v.x(), v.y()}, height * scene_->frame().height_quantum_m};
   }
 
   std::shared_ptr<const Scene> scene_;
+  proto::EpochWeights ground_;
   uint32_t columns_, rows_;
   proto::FrameGrid frame_;
 };
 
-// A model's every triangle, in its own frame. Vertices are numbered base vertices first, then nodes by slot.
+// A model's every triangle, in its own frame, mixed from its poses. Vertices are numbered base vertices first, then
+// nodes by slot.
 class FullModel {
  public:
-  FullModel(std::shared_ptr<const MappedSurface> surface, const EmbreeScene& whole)
-      : surface_(std::move(surface)), embree_(EmbreeScene::partOf(whole)) {
+  // `poses` are the weights of all poses but the first.
+  FullModel(std::shared_ptr<const MappedSurface> surface, std::vector<double> poses, const EmbreeScene& whole)
+      : surface_(std::move(surface)), poses_(std::move(poses)), embree_(EmbreeScene::partOf(whole)) {
     const auto everywhere = [](NodeId) { return true; };
     const proto::MeshTopology& mesh = surface_->topology();
     for (uint32_t face = 0; face < mesh.base().faceCount(); ++face) {
@@ -85,10 +98,9 @@ class FullModel {
 
   Status commit() {
     std::vector<glm::vec3> vertices;
-    for (const glm::ivec3& steps : surface_->basePositions())
-      vertices.emplace_back(glm::dvec3(steps) * surface_->quantumMetres());
-    for (const proto::SurfaceRecord& node : surface_->nodes())
-      vertices.emplace_back(glm::dvec3(node.position) * surface_->quantumMetres());
+    const size_t count = surface_->basePositions().size();
+    for (size_t v = 0; v < count; ++v) vertices.emplace_back(basePosition(v));
+    for (size_t slot = 0; slot < surface_->nodes().size(); ++slot) vertices.emplace_back(nodePosition(slot));
     embree_.addTriangles(vertices, indices_);
     return embree_.commit();
   }
@@ -98,10 +110,20 @@ class FullModel {
     const proto::MeshTopology& mesh = surface_->topology();
     const uint32_t v = indices_[3 * size_t{triangle} + i], nodes = v - mesh.baseVertexCount();
     const NodeId id = v < mesh.baseVertexCount() ? proto::baseVertexId(v) : mesh.node(nodes);
-    return {glm::dvec3(surface_->quanta(id)) * surface_->quantumMetres(), textureCoordinates(triangle, id), 0};
+    return {mesh.isBase(id) ? basePosition(proto::baseVertexOf(id)) : nodePosition(mesh.slot(id)),
+            textureCoordinates(triangle, id), 0};
   }
 
  private:
+  glm::dvec3 basePosition(size_t v) const { return position(surface_->basePositions()[v], surface_->baseMoves(), v); }
+  glm::dvec3 nodePosition(size_t slot) const {
+    return position(surface_->nodes()[slot].position, surface_->nodeMoves(), slot);
+  }
+  glm::dvec3 position(const glm::ivec3& first, std::span<const glm::ivec3> moves, size_t i) const {
+    if (poses_.empty()) return glm::dvec3(first) * surface_->quantumMetres();
+    const size_t each = surface_->movesEach();
+    return proto::posed(first, moves.subspan(i * each, each), poses_) * surface_->quantumMetres();
+  }
   uint32_t number(NodeId v) const {
     const proto::MeshTopology& mesh = surface_->topology();
     return mesh.isBase(v) ? proto::baseVertexOf(v) : mesh.baseVertexCount() + mesh.slot(v);
@@ -118,6 +140,7 @@ class FullModel {
   }
 
   std::shared_ptr<const MappedSurface> surface_;
+  std::vector<double> poses_;
   std::vector<uint32_t> indices_, face_end_;  // triangles of the faces up to each
   EmbreeScene embree_;
 };
@@ -125,18 +148,24 @@ class FullModel {
 // Geometry 0 is the terrain, geometry 1 + i object i.
 class FullTriangles final : public TriangleSource {
  public:
-  FullTriangles(std::shared_ptr<const Scene> scene, PlacedObjects objects)
-      : terrain_(std::move(scene)), objects_(std::move(objects)) {}
+  FullTriangles(std::shared_ptr<const Scene> scene, const proto::EpochWeights& ground, PlacedObjects objects)
+      : terrain_(std::move(scene), ground), ground_(ground), objects_(std::move(objects)) {
+    for (const proto::ObjectPlacement& p : objects_.set.placements()) {
+      placements_.push_back(p);
+      if (!p.rise.isStill()) placements_.back().position += p.rise.at(ground_);
+    }
+  }
 
   glm::dvec3 middle() const { return terrain_.middle(); }
 
   Status addTo(EmbreeScene& embree, const glm::dvec3& origin) {
     terrain_.addTo(embree, origin);
-    for (const auto& surface : objects_.models) {
-      models_.push_back(std::make_unique<FullModel>(surface, embree));
+    for (size_t i = 0; i < objects_.models.size(); ++i) {
+      models_.push_back(
+          std::make_unique<FullModel>(objects_.models[i], objects_.set.posesOfModel(i).weightsAt(ground_), embree));
       if (Status s = models_.back()->commit(); !s.ok()) return s;
     }
-    for (const proto::ObjectPlacement& p : objects_.set.placements()) {
+    for (const proto::ObjectPlacement& p : placements_) {
       const glm::dmat3 turn = glm::mat3_cast(p.orientation);
       embree.addInstance(models_[p.model]->embree(), glm::mat3(turn * p.scale), glm::vec3(p.position - origin));
     }
@@ -145,7 +174,7 @@ class FullTriangles final : public TriangleSource {
 
   std::array<TriangleCorner, 3> corners(const EmbreeHit& hit) const override {
     if (hit.instance == EmbreeHit::kNone) return terrain_.corners(hit);
-    const proto::ObjectPlacement& placement = objects_.set.placement(static_cast<size_t>(object(hit)));
+    const proto::ObjectPlacement& placement = placements_[static_cast<size_t>(object(hit))];
     std::array<TriangleCorner, 3> corners;
     for (size_t i = 0; i < 3; ++i) {
       corners[i] = models_[placement.model]->corner(hit.primitive, i);
@@ -159,20 +188,24 @@ class FullTriangles final : public TriangleSource {
 
  private:
   FullTerrain terrain_;
+  proto::EpochWeights ground_;
   PlacedObjects objects_;
+  std::vector<proto::ObjectPlacement> placements_;  // carried by the ground
   std::vector<std::unique_ptr<FullModel>> models_;
 };
 
 }  // namespace
 
-Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene) {
+Result<RayCaster> RayCaster::ofScene(std::shared_ptr<const Scene> scene, Time scene_time) {
   const proto::GridShape& shape = scene->grid().shape();
   if (uint64_t{shape.samples_x} * shape.samples_y > kMaxSamples)
     return Error{ErrorCode::kLimit, "ray casting: the scene has " + std::to_string(shape.samples_x) + " x " +
                                         std::to_string(shape.samples_y) + " samples, 2^28 are the most"};
   Result<PlacedObjects> objects = readObjects(scene);
   if (!objects.ok()) return objects.error();
-  auto triangles = std::make_unique<FullTriangles>(std::move(scene), std::move(*objects));
+  const proto::Epochs& epochs = scene->epochs().epochs();
+  const proto::EpochWeights ground = epochs.empty() ? proto::EpochWeights{} : epochs.weightsAt(scene_time);
+  auto triangles = std::make_unique<FullTriangles>(std::move(scene), ground, std::move(*objects));
   auto impl = std::make_unique<Impl>();
   impl->origin = glm::round(triangles->middle());
   if (Status s = triangles->addTo(impl->embree, impl->origin); !s.ok()) return s.error();

@@ -26,6 +26,8 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/time.h"
+#include "proto/section/epochs.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {
@@ -64,9 +66,11 @@ struct DrawnSurface {
 
 class RayCaster {
  public:
-  // All that the scene file holds, at full resolution. An Error if its objects are damaged, or if it does not fit into
-  // memory (more than 2^28 samples are refused at once).
-  static Result<RayCaster> ofScene(std::shared_ptr<const Scene> scene);
+  // All that the scene file holds, at full resolution; in scenes that change in time as it is at `scene_time`, before
+  // the first epoch as at it. An Error if its objects are damaged, or if it does not fit into memory (more than 2^28
+  // samples are refused at once).
+  static Result<RayCaster> ofScene(std::shared_ptr<const Scene> scene,
+                                   Time scene_time = {-proto::Epochs::kMostTime_us});
   static Result<RayCaster> ofSurface(DrawnSurface surface);
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;

@@ -3,6 +3,7 @@
 
 #include "terrain/model/png.h"
 #include "tests/apps/expect_refusal.h"
+#include "tests/support/exr_channel.h"
 #include "tests/support/scene.h"
 
 namespace foreland::test {
@@ -21,6 +22,12 @@ const std::vector<std::string> kSmall{"--viewport", "64x48"};
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more = kSmall) {
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
+}
+
+// Of a picture of kSmall's size.
+float middleDepth(const std::string& exr) {
+  const std::vector<float> depth = readChannel(exr, "depth.Z");
+  return depth.size() == 64 * 48 ? depth[24 * 64 + 32] : 0;
 }
 
 TEST(RenderProgram, WritesOnePictureInAllFormatsAskedFor) {
@@ -51,6 +58,38 @@ TEST(RenderProgram, NumbersASequenceAndTellsTheTimeLeft) {
   EXPECT_EQ(filesIn(folder.path()), 4u);
 }
 
+// The ground rises by 100 m in a hundred days, under a camera that looks straight down from 300 m above the highest.
+TEST(RenderProgram, DrawsTheGroundOfTheDateAskedFor) {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "land.fls";
+  const Time first{}, last{100 * 86'400'000'000};
+  FormulaSource source(65, 65, [](uint32_t, uint32_t) { return 0.0; });
+  FormulaSource later(65, 65, [](uint32_t, uint32_t) { return 100.0; });
+  ASSERT_TRUE(terrain::buildScene(source, {.output = scene,
+                                           .height_quantum_m = 0.1,
+                                           .epochs = {{first, "first", &source}, {last, "later", &later}}})
+                  .ok());
+  const auto depthAt = [&](const std::vector<std::string>& options) {
+    const std::string exr = folder / "a.exr";
+    const ProgramResult result =
+        runProgram("render", with(with({scene, "--pose", "0,0,300,0,-90", "-o", exr}), options));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return middleDepth(exr);
+  };
+  EXPECT_NEAR(depthAt({}), 400, 0.01);
+  EXPECT_NEAR(depthAt({"--section"}), 400, 0.01);
+  EXPECT_NEAR(depthAt({"--scene-from", "1970-02-20"}), 350, 0.01);
+  EXPECT_NEAR(depthAt({"--scene-from", "1970-02-20", "--section", "--error"}), 350, 0.01);
+  EXPECT_NEAR(depthAt({"--scene-from", "2026-01-01"}), 300, 0.01);
+
+  const std::string pattern = folder / "frame_%d.exr";
+  const ProgramResult result = runProgram("render", with({scene, "--tour", "survey", "--seconds", "2", "--scene-speed",
+                                                          "50d/s", "--error", "-o", pattern}));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("3 pictures"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("0 of the terrain"), std::string::npos) << result.output;
+}
+
 TEST(RenderProgram, RefusesWhatItCannotDoByName) {
   const TemporaryFolder folder;
   const std::string scene = writeScene(folder), png = folder / "a.png";
@@ -73,6 +112,10 @@ TEST(RenderProgram, RefusesWhatItCannotDoByName) {
   expectRefusal("render", {scene, "-o", folder / "%d.png", "--tour", "loop"}, {"loop", "survey"});
   expectRefusal("render", {scene, "-o", folder / "%d.png", "--track", folder / "none.igc"}, {"none.igc"});
   expectRefusal("render", {scene, "-o", folder / "%d.png", "--tour", "survey", "--every", "0"}, {"--every"});
+  expectRefusal("render", with({scene, "-o", png, "--scene-from", "yesterday"}, here), {"yesterday", "YYYY-MM-DD"});
+  expectRefusal("render", with({scene, "-o", png, "--scene-from", "2000-01-01"}, here),
+                {"land.fls", "does not change in time"});
+  expectRefusal("render", with({scene, "-o", png, "--scene-speed", "1d/s"}, here), {"--scene-speed"});
   EXPECT_EQ(filesIn(folder.path()), 1u) << "nothing but the scene";
 }
 

@@ -18,4 +18,18 @@ inline void writeSphere(const std::string& path) {
   EXPECT_TRUE(terrain::writeSurface(path, {.surface = sphere, .records = records, .about = {"sphere", {}, {}}}).ok());
 }
 
+// The same, twice as large at the last time.
+inline void writeGrowingSphere(const std::string& path, Time first, Time last) {
+  terrain::TrueSurface sphere = *terrain::makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+  terrain::SurfacePose large{sphere.base, sphere.nodes};
+  for (glm::ivec3& quanta : large.base) quanta *= 2;
+  for (glm::ivec3& quanta : large.nodes) quanta *= 2;
+  sphere.poses.push_back(std::move(large));
+  const auto records = terrain::computeBounds(sphere, {.threads = 1});
+  EXPECT_TRUE(
+      terrain::writeSurface(
+          path, {.surface = sphere, .pose_times = {first, last}, .records = records, .about = {"sphere", {}, {}}})
+          .ok());
+}
+
 }  // namespace foreland::test

@@ -10,6 +10,8 @@
 
 #include "base/rng.h"
 #include "bench/oracle/drawn_surface.h"
+#include "bench/oracle/epoch_shares.h"
+#include "bench/oracle/scene_truth.h"
 #include "proto/space/frame_grid.h"
 #include "terrain/render/parameter_lookup.h"
 #include "tests/support/hand_mesh.h"
@@ -29,8 +31,14 @@ struct ReferenceTriangle {
 };
 
 // Each square of 2 x 2 cells is a fan about its centre: the finest triangles of a bisection hierarchy. A square that
-// the data does not fill has only the triangles inside.
-std::vector<ReferenceTriangle> finestTriangles(const terrain::Scene& scene) {
+// the data does not fill has only the triangles inside. The ground is `shares` of the epochs.
+std::vector<ReferenceTriangle> finestTriangles(const terrain::Scene& scene, const std::vector<double>& shares = {}) {
+  const auto height = [&](proto::NodeId sample) {
+    double quanta = scene.height(sample);
+    for (size_t e = 0; e < shares.size(); ++e)
+      quanta += shares[e] * scene.epochs().offset(static_cast<uint32_t>(e), scene.grid(), sample);
+    return quanta * scene.frame().height_quantum_m;
+  };
   static constexpr int kAround[9][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}, {0, 0}};
   const proto::GridShape& shape = scene.grid().shape();
   const proto::FrameTransform transform(scene.frame());
@@ -47,8 +55,7 @@ std::vector<ReferenceTriangle> finestTriangles(const terrain::Scene& scene) {
           if (!is_inside) break;
           t.lattice[i] = {cx, cy};
           t.at[i] = transform.toScene(
-              proto::LatticePosition{t.lattice[i].x, t.lattice[i].y,
-                                     scene.height(proto::NodeId::at(cx, cy)) * scene.frame().height_quantum_m});
+              proto::LatticePosition{t.lattice[i].x, t.lattice[i].y, height(proto::NodeId::at(cx, cy))});
         }
         if (is_inside) triangles.push_back(t);
       }
@@ -59,6 +66,7 @@ struct ReferenceHit {
   double distance_m = std::numeric_limits<double>::infinity();
   double border = 0;  // least weight of a corner: how far inside the triangle
   glm::dvec2 lattice{0};
+  const ReferenceTriangle* triangle = nullptr;
 };
 
 // Moeller and Trumbore 1997.
@@ -71,7 +79,8 @@ ReferenceHit tryAll(const std::vector<ReferenceTriangle>& triangles, const Ray& 
     const double a = glm::dot(from, p) / determinant, b = glm::dot(ray.direction, q) / determinant;
     const double distance = glm::dot(v, q) / determinant;
     if (!(a >= 0 && b >= 0 && a + b <= 1 && distance >= 0 && distance < best.distance_m)) continue;
-    best = {distance, std::min({a, b, 1 - a - b}), (1 - a - b) * t.lattice[0] + a * t.lattice[1] + b * t.lattice[2]};
+    best = {distance, std::min({a, b, 1 - a - b}), (1 - a - b) * t.lattice[0] + a * t.lattice[1] + b * t.lattice[2],
+            &t};
   }
   return best;
 }
@@ -81,34 +90,70 @@ glm::dvec3 anyDirection(Rng& rng) {
   return {std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z};
 }
 
-class RayCasterFrames : public testing::TestWithParam<proto::FrameKind> {};
+// How much farther from the point the corner is than the triangle's nearest one; infinite if it is none of its corners.
+double fartherThanNearest(const ReferenceTriangle& t, const glm::dvec3& point, const glm::dvec2& corner) {
+  double nearest = std::numeric_limits<double>::infinity(), found = nearest;
+  for (size_t i = 0; i < 3; ++i) {
+    const double distance = glm::distance(t.at[i], point);
+    nearest = std::min(nearest, distance);
+    if (t.lattice[i] == corner) found = distance;
+  }
+  return found - nearest;
+}
 
-// Rays that pass within the floats' error of a border may choose a neighbour, so they are compared by position only.
-TEST_P(RayCasterFrames, FindsWhatTryingEveryTriangleFinds) {
-  const uint64_t seed = 11;
-  const auto scene = makeScene(70, 53, hills(seed), GetParam());
-  const auto caster = RayCaster::ofScene(scene);
-  ASSERT_TRUE(caster.ok());
-  const std::vector<ReferenceTriangle> triangles = finestTriangles(*scene);
-  const proto::FrameTransform transform(scene->frame());
+// Rays from above the ground, in all directions. Those that pass within the floats' error of a border may choose a
+// neighbour, so they are compared by position only.
+void expectWhatTryingEveryTriangleFinds(const terrain::Scene& scene, const RayCaster& caster,
+                                        const std::vector<ReferenceTriangle>& triangles, uint64_t seed, int rays) {
+  const proto::FrameTransform transform(scene.frame());
   Rng rng(seed);
   int hits = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < rays; ++i) {
     const Ray ray{
         transform.toScene(proto::LatticePosition{rng.uniform(5, 60), rng.uniform(5, 45), rng.uniform(200, 1400)}),
         anyDirection(rng)};
     const ReferenceHit expected = tryAll(triangles, ray);
-    const std::optional<RayHit> hit = caster->hit(ray);
+    const std::optional<RayHit> hit = caster.hit(ray);
     ASSERT_EQ(hit.has_value(), std::isfinite(expected.distance_m)) << "seed " << seed << " ray " << i;
     if (!hit) continue;
     ++hits;
     ASSERT_NEAR(hit->distance_m, expected.distance_m, expected.border > 1e-4 ? 1e-6 : 0.1) << i;
     ASSERT_NEAR(glm::distance(hit->parameter, expected.lattice), 0, expected.border > 1e-4 ? 1e-6 : 0.01) << i;
     ASSERT_NEAR(glm::distance(hit->position, ray.origin + hit->distance_m * ray.direction), 0, 1e-3) << i;
-    ASSERT_LE(glm::distance(hit->parameter, hit->corner), 1.0) << i;
+    const bool is_inside = expected.border > 1e-4;
+    ASSERT_LE(is_inside ? fartherThanNearest(*expected.triangle, hit->position, hit->corner) : 0, 1e-3) << i;
     ASSERT_EQ(hit->object, RayHit::kTerrain);
   }
-  EXPECT_GT(hits, 200);
+  EXPECT_GT(hits, rays / 10);
+}
+
+class RayCasterFrames : public testing::TestWithParam<proto::FrameKind> {};
+
+TEST_P(RayCasterFrames, FindsWhatTryingEveryTriangleFinds) {
+  const auto scene = makeScene(70, 53, hills(11), GetParam());
+  const auto caster = RayCaster::ofScene(scene);
+  ASSERT_TRUE(caster.ok());
+  expectWhatTryingEveryTriangleFinds(*scene, *caster, finestTriangles(*scene), 11, 2000);
+}
+
+// At dates, between them, and before and after all.
+TEST_P(RayCasterFrames, FindsTheGroundOfASceneTime) {
+  for (const proto::EpochBlend blend :
+       {proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline}) {
+    const auto scene = makeMovingScene(70, 53, 11, 4, GetParam(), blend);
+    const bench::Truth truth = bench::truthOf(scene);
+    for (const double at : {-0.1, 0.0, 0.13, 0.5, 0.71, 1.0, 1.2}) {
+      const Time time =
+          truth.epochs.front() +
+          Duration{static_cast<int64_t>(at * static_cast<double>((truth.epochs.back() - truth.epochs.front()).us))};
+      const auto caster = RayCaster::ofScene(scene, time);
+      ASSERT_TRUE(caster.ok());
+      SCOPED_TRACE(testing::Message() << "blend " << static_cast<int>(blend) << ", " << at << " of the time");
+      expectWhatTryingEveryTriangleFinds(
+          *scene, *caster, finestTriangles(*scene, bench::epochShares(truth.epochs, truth.blend, time)), 12, 300);
+      if (HasFatalFailure()) return;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, RayCasterFrames,
@@ -183,6 +228,34 @@ TEST(RayCaster, MeetsObjectsWhereTheyStand) {
   EXPECT_NEAR(small->distance_m, 100 - 4, 0.01);
   EXPECT_NEAR(large->distance_m, 100 - (10 + 20), 0.01);
   EXPECT_NEAR(between->distance_m, 100, 1e-9);
+}
+
+// A sphere that doubles while the ground under it rises by 100 m: half way it has one and a half times its radius,
+// about a centre that has risen by 50 m.
+TEST(RayCaster, MeetsObjectsThatMoveWhereTheyAreThen) {
+  const TemporaryFolder folder;
+  const std::string model = folder / "sphere.fls", path = folder / "land.fls";
+  const Time first{}, last{100 * 86'400'000'000};
+  writeGrowingSphere(model, first, last);
+  FormulaSource source(33, 33, [](uint32_t, uint32_t) { return 0.0; });
+  FormulaSource later(33, 33, [](uint32_t, uint32_t) { return 100.0; });
+  ASSERT_TRUE(terrain::buildScene(source, {.output = path,
+                                           .height_quantum_m = 0.1,
+                                           .objects = {{model, {0, 0}, 0, 0, 1}},
+                                           .epochs = {{first, "first", &source}, {last, "later", &later}}})
+                  .ok());
+  const auto scene = *terrain::Scene::open(path);
+  double centre_m = 0;
+  for (const double at : {0.0, 0.5, 0.8, 1.0}) {
+    const auto caster =
+        RayCaster::ofScene(scene, first + Duration{static_cast<int64_t>(at * static_cast<double>(last.us))});
+    ASSERT_TRUE(caster.ok());
+    const auto top = caster->hit({{0, 0, 1000}, {0, 0, -1}});
+    ASSERT_TRUE(top);
+    EXPECT_EQ(top->object, 0);
+    if (at == 0) centre_m = top->position.z - 2;
+    EXPECT_NEAR(top->position.z, centre_m + 100 * at + 2 * (1 + at), 0.01) << at;
+  }
 }
 
 // A square of two triangles, lifted at one end: drawn at a weight, positions are the mix and parameters stay.
