@@ -5,6 +5,7 @@
 
 #include "bench/drape/drape_flight.h"
 #include "bench/report.h"
+#include "bench/tables.h"
 
 namespace foreland::apps {
 
@@ -99,9 +100,7 @@ Result<nlohmann::ordered_json> drape(const DrapeArguments& args) {
   report["lateness_p99_more_ms"] = with.lateness_p99_ms - without.lateness_p99_ms;
   report["with_tiles"] = bench::toJson(with);
   report["without_tiles"] = bench::toJson(without);
-  nlohmann::ordered_json ways = nlohmann::ordered_json::array();
-  for (const bench::DrapeFigures& way : all) ways.push_back(bench::toJson(way));
-  report["ways"] = std::move(ways);
+  if (Status s = bench::reportWays(all, args.experiment.out, report); !s.ok()) return s.error();
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "apps/options.h"
+#include "client/fly/recorded_path.h"
 #include "client/fly/track.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
@@ -15,7 +16,9 @@ namespace {
 void addTrackOptions(CLI::App& app, FlightArguments& args) {
   CLI::Option* tour = app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
   CLI::Option* track =
-      app.add_option("--track", args.track, "fly this recorded track: an IGC or GPX file, or camera frames")
+      app.add_option(
+             "--track", args.track,
+             "fly this recorded track: an IGC or GPX file, camera frames, or what `foreland fly --record` wrote")
           ->excludes(tour);
   app.add_option("--from", args.track_options.from_s, "begin so many seconds into the track")
       ->check(isFinite())
@@ -29,11 +32,22 @@ void addTrackOptions(CLI::App& app, FlightArguments& args) {
       ->needs(track);
 }
 
+Result<proto::Path> planRecording(const terrain::Scene& scene, const FlightArguments& args,
+                                  const client::TrackOptions& options) {
+  auto recorded = client::readRecordedPath(args.track, options);
+  if (!recorded) return recorded.error();
+  if (recorded->scene_id != scene.id())
+    return Error{ErrorCode::kInvalidArgument, args.track.string() + " was recorded over another scene than " +
+                                                  args.scene + "; name that one's file"};
+  return std::move(recorded->path);
+}
+
 Result<proto::Path> planTrack(const terrain::Scene& scene, const FlightArguments& args) {
-  const auto track = client::readTrack(args.track);
-  if (!track) return track.error();
   client::TrackOptions options = args.track_options;
   options.seconds = args.flight.seconds + 1;
+  if (client::isRecording(args.track)) return planRecording(scene, args, options);
+  const auto track = client::readTrack(args.track);
+  if (!track) return track.error();
   const proto::FrameTransform frame(scene.frame());
   const auto plan = client::planTrack(*track, frame, scene.grid().shape(), options);
   if (!plan) return plan.error();

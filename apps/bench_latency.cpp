@@ -157,10 +157,12 @@ Result<nlohmann::ordered_json> latency(const LatencyArguments& args) {
   if (!tables) return tables.error();
   nlohmann::ordered_json summary = about;
   summary.update(summaryOf(*cells, *tables));
-  if (args.experiment.out.empty()) return summary;
-  if (Status s = bench::writeCells(args.experiment.out, about, bench::kLatencyNames, *tables); !s.ok())
-    return s.error();
-  summary["out"] = args.experiment.out.string();
+  if (!args.experiment.out.empty()) {
+    if (Status s = bench::writeCells(args.experiment.out, about, bench::kLatencyNames, *tables); !s.ok())
+      return s.error();
+    summary["out"] = args.experiment.out.string();
+  }
+  if (Status s = bench::checkBound(*tables); !s.ok()) return s.error();
   return summary;
 }
 

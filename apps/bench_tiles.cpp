@@ -81,17 +81,7 @@ Result<nlohmann::ordered_json> tiles(const TilesArguments& args) {
   report.update(flightReport(args.flight, *planned));
   report["link"] = args.link;
   report["jump"] = args.camera == Camera::kJumps;
-  bench::CsvTable table;
-  nlohmann::ordered_json ways = nlohmann::ordered_json::array();
-  for (const bench::RivalFigures& way : *figures) {
-    table.add(way);
-    ways.push_back(bench::toJson(way));
-  }
-  report["ways"] = std::move(ways);
-  if (args.experiment.out.empty()) return report;
-  if (Status s = bench::writeFile(args.experiment.out, "results.csv", table.text()); !s.ok()) return s.error();
-  if (Status s = bench::writeFile(args.experiment.out, "results.json", report.dump(1) + "\n"); !s.ok())
-    return s.error();
+  if (Status s = bench::reportWays(*figures, args.experiment.out, report); !s.ok()) return s.error();
   return report;
 }
 

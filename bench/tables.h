@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "bench/report.h"
 
 namespace foreland::bench {
 
@@ -47,6 +48,22 @@ double rounded(double value);
 // Makes the folder and writes the file, or names what the system refused. Whoever reads the file finds what was there
 // before or all of the text, never a part of it.
 Status writeFile(const std::filesystem::path& folder, const std::string& name, const std::string& text);
+
+// Lists the ways of one flight in its report. With a folder, results.csv has a row for each, and results.json the
+// report.
+template <class Figures>
+Status reportWays(const std::vector<Figures>& ways, const std::filesystem::path& folder,
+                  nlohmann::ordered_json& report) {
+  CsvTable table;
+  report["ways"] = nlohmann::ordered_json::array();
+  for (const Figures& way : ways) {
+    table.add(way);
+    report["ways"].push_back(toJson(way));
+  }
+  if (folder.empty()) return {};
+  if (Status s = writeFile(folder, "results.csv", table.text()); !s.ok()) return s;
+  return writeFile(folder, "results.json", report.dump(1) + "\n");
+}
 
 // Reads a JSON document of an experiment; errors name the file.
 Result<nlohmann::ordered_json> readJson(const std::filesystem::path& path);

@@ -70,4 +70,13 @@ Result<std::vector<CellTables>> flyGrid(const LatencyFlight& flight, const std::
   return runCells({cells.size(), askedOf, compute, on_progress}, kept, threads);
 }
 
+Status checkBound(const std::vector<CellTables>& tables) {
+  for (size_t i = 0; i < tables.size(); ++i)
+    if (const auto violations = tables[i].row["bound_violations"].get<uint64_t>(); violations > 0)
+      return Error{ErrorCode::kMalformed, "flight " + std::to_string(i) + ": in " + std::to_string(violations) +
+                                              " frames the total error is above the sum of its terms, so they were "
+                                              "not measured over the same samples; report this, with the command"};
+  return {};
+}
+
 }  // namespace foreland::bench

@@ -20,4 +20,7 @@ Result<std::vector<CellTables>> flyGrid(const LatencyFlight& flight, const std::
                                         const nlohmann::ordered_json& asked, const KeptCells& kept, unsigned threads,
                                         const std::function<void(size_t done)>& on_progress);
 
+// An Error that names the first flight in which a frame's total error is above the sum of its terms (P, section 4).
+Status checkBound(const std::vector<CellTables>& tables);
+
 }  // namespace foreland::bench

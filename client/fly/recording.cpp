@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
-#include <string_view>
 
 #include "client/fly/options_json.h"
 
@@ -13,9 +12,8 @@ namespace foreland::client {
 
 namespace {
 
-// The file: this line; the options as JSON; then what came in, each as its kind (1 byte), time (8 bytes, microseconds),
-// size (4 bytes) and bytes; all numbers little-endian. The last one is kEnd.
-constexpr std::string_view kFirstLine = "foreland flight 1\n";
+// The file: kRecordingLine; the options as JSON; then what came in, each as its kind (1 byte), time (8 bytes,
+// microseconds), size (4 bytes) and bytes; all numbers little-endian. The last one is kEnd.
 // client/web/src/core/recording.ts writes the same, of flights that are steered.
 enum Kind : uint8_t {
   kOptions = 'o',
@@ -119,9 +117,9 @@ Result<FlightLog::Entry> entryFrom(const Record& record, bool is_steered) {
 }
 
 Result<Recording> parse(ByteSpan file) {
-  if (file.size() < kFirstLine.size() || !std::equal(kFirstLine.begin(), kFirstLine.end(), file.begin()))
+  if (file.size() < kRecordingLine.size() || !std::equal(kRecordingLine.begin(), kRecordingLine.end(), file.begin()))
     return invalid("it does not begin as recordings of `foreland fly --record` do");
-  file = file.subspan(kFirstLine.size());
+  file = file.subspan(kRecordingLine.size());
   const auto first = takeRecord(file);
   if (!first || first->kind != kOptions || first->bytes.size() > kMostOptionsBytes)
     return invalid("it ends before it says what is flown");
@@ -148,7 +146,7 @@ Result<Recording> parse(ByteSpan file) {
 
 Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& path, const PlayerOptions& options) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(kFirstLine.data(), kFirstLine.size());
+  file.write(kRecordingLine.data(), kRecordingLine.size());
   RecordingWriter writer(path, std::move(file));
   const std::string text = optionsToJson(options);
   writer.put(kOptions, {}, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});

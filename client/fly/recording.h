@@ -9,12 +9,15 @@
 #include <fstream>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "base/result.h"
 #include "client/fly/flight_digest.h"
 #include "client/fly/player.h"
 
 namespace foreland::client {
+
+inline constexpr std::string_view kRecordingLine = "foreland flight 1\n";  // the first of every recording
 
 class RecordingWriter {
  public:

@@ -194,5 +194,19 @@ TEST_F(ExperimentProgram, SaysWhatAReportLacks) {
   expectRefusal("bench", {"report", folder_.path(), "--sources", folder_.path()}, {"npm ci --prefix"});
 }
 
+TEST_F(ExperimentProgram, KeepsTheTableOfAFlightOverTiles) {
+  const auto table = [&](const std::string& out) {
+    const ProgramResult result =
+        runProgram("bench", {"drape", scene(), "--layer", "relief", "--tour", "orbit", "--seconds", "1",
+                             "--judge-every", "1", "--width", "160", "--height", "90", "--out", folder_ / out});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_TRUE(std::filesystem::exists(folder_ / (out + "/results.json")));
+    return slurp(folder_ / (out + "/results.csv"));
+  };
+  const std::vector<char> first = table("one");
+  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 7) << "a header and six ways";
+  EXPECT_EQ(first, table("two"));
+}
+
 }  // namespace
 }  // namespace foreland::test

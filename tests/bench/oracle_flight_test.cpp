@@ -7,8 +7,11 @@
 #include "bench/oracle/flight_truth.h"
 #include "bench/oracle/scene_truth.h"
 #include "client/fly/player.h"
+#include "client/fly/recorded_path.h"
+#include "client/fly/recording.h"
 #include "client/mesh/morph_timing.h"
 #include "server/session/session.h"
+#include "tests/support/files.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
 
@@ -197,6 +200,77 @@ TEST(Flight, GivesUpOnASilentServer) {
   const Status status = player.frame(Time::seconds(12));
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.error().message.find("waited 10 s for a welcome"), std::string::npos);
+}
+
+void record(const std::filesystem::path& file, const client::FlightLog& log) {
+  auto writer = client::RecordingWriter::create(file, log.options);
+  ASSERT_TRUE(writer.ok());
+  ASSERT_TRUE(writer->append(log.entries).ok());
+}
+
+// The same flight as if a person had steered it.
+client::FlightLog steered(const client::Player& player) {
+  client::FlightLog log = player.log();
+  log.options.is_steered = true;
+  for (client::FlightLog::Entry& entry : log.entries)
+    if (entry.what == client::FlightLog::What::kFrame) {
+      entry.what = client::FlightLog::What::kSteered;
+      entry.pose = player.path().at(entry.time);
+    }
+  return log;
+}
+
+TEST(RecordedFlight, GivesThePathThatWasFlown) {
+  const test::TemporaryFolder folder;
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  ASSERT_TRUE(flight.status.ok());
+  const proto::Path& path = flight.player.path();
+  record(folder / "planned.rec", flight.player.log());
+  record(folder / "steered.rec", steered(flight.player));
+  const double length_s = (path.end() - path.start).toSeconds();
+  for (const char* name : {"planned.rec", "steered.rec"}) {
+    ASSERT_TRUE(client::isRecording(folder / name));
+    const Time began = std::string(name) == "planned.rec" ? path.start : flight.player.log().entries.front().time;
+    const double from_s = (path.start - began).toSeconds() + 1, speed = 2;
+    const auto recorded = client::readRecordedPath(folder / name, {.speed = speed, .from_s = from_s});
+    ASSERT_TRUE(recorded.ok()) << recorded.error().message;
+    EXPECT_EQ(recorded->scene_id, alps()->id());
+    EXPECT_TRUE(recorded->path.validate().ok());
+    EXPECT_NEAR((recorded->path.end() - recorded->path.start).toSeconds(), (length_s - 1) / speed, 0.11) << name;
+    // Paths are smooth between their poses but for the ends, where they hold still.
+    const double margin_s = recorded->path.step.toSeconds();
+    int compared = 0;
+    for (double t = margin_s; t < (length_s - 1) / speed - 0.1 - margin_s; t += 0.0137, ++compared) {
+      const proto::Pose expected = path.at(path.start + Duration::seconds(1 + speed * t)),
+                        pose = recorded->path.at(Time{} + Duration::seconds(t));
+      ASSERT_NEAR(glm::distance(pose.eye, expected.eye), 0, 0.05) << name << " at " << t;
+      ASSERT_NEAR(proto::angleBetween(pose.orientation, expected.orientation), 0, 1e-3) << name << " at " << t;
+    }
+    EXPECT_GT(compared, 50);
+  }
+}
+
+TEST(RecordedFlight, IsRefusedWhereItHasNoPath) {
+  const test::TemporaryFolder folder;
+  client::PlayerOptions jumps = tourOptions(proto::Strategy::kCurrent);
+  jumps.tour = "jumps";
+  record(folder / "jumps.rec", {jumps, {}});
+  record(folder / "short.rec", {tourOptions(proto::Strategy::kCurrent), {}});
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  record(folder / "whole.rec", flight.player.log());
+  const auto expectRefusal = [&](const char* name, const client::TrackOptions& options, const std::string& words) {
+    const auto recorded = client::readRecordedPath(folder / name, options);
+    ASSERT_FALSE(recorded.ok()) << name;
+    EXPECT_NE(recorded.error().message.find(words), std::string::npos) << recorded.error().message;
+  };
+  expectRefusal("jumps.rec", {}, "jumps");
+  expectRefusal("short.rec", {}, "before the flight began");
+  expectRefusal("none.rec", {}, "none.rec");
+  expectRefusal("whole.rec", {.from_s = 1e6}, "--from");
+  expectRefusal("whole.rec", {.from_s = -1}, "--from");
+  expectRefusal("whole.rec", {.speed = 0}, "--speed");
+  expectRefusal("whole.rec", {.agl_m = 50}, "--agl");
+  EXPECT_FALSE(client::isRecording(folder / "none.rec"));
 }
 
 }  // namespace

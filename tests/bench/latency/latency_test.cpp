@@ -153,5 +153,14 @@ TEST(LatencyExperiment, LeavesTheSameFilesForAnyNumberOfThreads) {
   EXPECT_EQ(one, filesOf(3));
 }
 
+TEST(Bound, IsCheckedOfAllFlights) {
+  const auto row = [](uint64_t violations) { return CellTables{.row = {{"bound_violations", violations}}}; };
+  EXPECT_TRUE(checkBound({}).ok());
+  EXPECT_TRUE(checkBound({row(0), row(0)}).ok());
+  const Status refused = checkBound({row(0), row(3), row(0)});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("flight 1: in 3 frames"), std::string::npos) << refused.error().message;
+}
+
 }  // namespace
 }  // namespace foreland::bench
