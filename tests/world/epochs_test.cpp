@@ -10,6 +10,8 @@
 #include "bench/oracle/epoch_shares.h"
 #include "bench/oracle/scene_truth.h"
 #include "bench/world/world.h"
+#include "terrain/dem/open.h"
+#include "tests/support/data.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 #include "tests/world/ring_of_objects.h"
@@ -193,6 +195,48 @@ TEST(MovingGroundWithObjects, CarriesThem) {
     judge.expectSound();
     EXPECT_GT(judge.objectVertices(), 1'000u);
   }
+}
+
+// All samples, row by row from the south; NaN where there are none.
+std::vector<float> samplesOf(terrain::ElevationSource& source) {
+  std::vector<float> all(size_t{source.info().width} * source.info().height);
+  CHECK_TRUE(source.readRows(0, source.info().height, all).ok());
+  return all;
+}
+
+// A real landslide, a day long: its valley before, and with the difference that was measured after it.
+TEST(Landslide, KeepsTheToleranceWhileItFalls) {
+  FORELAND_DATA_OR_SKIP(before_file, "dem/misc/pre_runout_DEM.asc");
+  FORELAND_DATA_OR_SKIP(difference_file, "dem/misc/DEM_of_Difference.asc");
+  const auto before = terrain::openElevation({before_file}, {}),
+             difference = terrain::openElevation({difference_file}, {});
+  ASSERT_TRUE(before.ok() && difference.ok());
+  const std::vector<float> heights = samplesOf(**before), changes = samplesOf(**difference);
+  const terrain::ElevationInfo& info = (*before)->info();
+  FormulaSource after(info.width, info.height, [&](uint32_t x, uint32_t y) {
+    const size_t i = size_t{y} * info.width + x;
+    return double{heights[i]} + double{changes[i]};
+  });
+  after.info() = info;
+  const Time first{}, last = first + Duration::seconds(kDay);
+  const auto scene = makeScene(**before, 0.1, 1, {{first, "before", nullptr}, {last, "after", &after}});
+  double most_m = 0;
+  for (const float change : changes) most_m = std::max(most_m, std::isnan(change) ? 0.0 : std::fabs(double{change}));
+  EXPECT_GT(most_m, 1);
+
+  World world(scene, {}, Duration::milliseconds(4), 1);
+  ClientOptions options = onKnownTour(*scene, "orbit", 20);
+  bool is_set = false;
+  options.at_frame = [&](client::Viewer& viewer, Time now) {
+    if (!std::exchange(is_set, true)) viewer.setSceneClock({now, first, 0.2 * kDay});
+  };
+  Judge judge(scene);
+  attach(world, judge, options);
+  world.addClient(options);
+  world.run(Time::seconds(8));
+  EXPECT_EQ(world.report(), "");
+  EXPECT_EQ(judge.sceneTimes().back(), last);
+  judge.expectSound();
 }
 
 // Resumed on another server in mid-time, again and again.
