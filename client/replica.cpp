@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/sort.h"
 #include "client/mesh/mesh_builder.h"
 #include "proto/codec/section_codec.h"
 
@@ -178,7 +179,8 @@ std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, siz
   for (size_t count = remembered.size();; count /= 2) {
     held.known = adapter_.livePages();
     held.known.insert(held.known.end(), remembered.begin(), remembered.begin() + static_cast<std::ptrdiff_t>(count));
-    std::sort(held.known.begin(), held.known.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    foreland::sort(held.known.begin(), held.known.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
     out.clear();
     known = proto::encodeSections(domain_->grid, *object_set_, held, out);
     if (out.size() <= most_bytes || count == 0) break;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "base/sort.h"
 #include "proto/imagery/relief_codec.h"
 
 namespace foreland::client {
@@ -67,7 +68,7 @@ std::vector<proto::TileId> reliefAbout(const TileStore& tiles, glm::dvec2 at, do
     const proto::LatticeBox box = layer.boxOf(tile);
     return glm::distance(at, glm::clamp(at, box.low, glm::max(box.low, box.high)));
   };
-  std::sort(out.begin(), out.end(), [&](const proto::TileId& a, const proto::TileId& b) {
+  foreland::sort(out.begin(), out.end(), [&](const proto::TileId& a, const proto::TileId& b) {
     const double da = distance(a), db = distance(b);
     return da != db ? da < db : a.key() < b.key();
   });

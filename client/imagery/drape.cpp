@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/sort.h"
 #include "client/imagery/slopes.h"
 #include "proto/imagery/relief_codec.h"
 
@@ -53,7 +54,7 @@ void Drape::relight() {
   for (const Residency::Arrival& arrival : relief->arrivals()) relief_.at(arrival.tile.key()).handed = suns_;
   for (const Residency::Shown& shown : relief->shown())
     if (relief_.at(shown.tile.key()).handed != suns_) relit_.push_back(shown);
-  std::sort(relit_.begin(), relit_.end(), [](const Residency::Shown& a, const Residency::Shown& b) {
+  foreland::sort(relit_.begin(), relit_.end(), [](const Residency::Shown& a, const Residency::Shown& b) {
     return a.tile.level != b.tile.level ? a.tile.level > b.tile.level : a.tile.key() < b.tile.key();
   });
   if (relit_.size() > kMostRelit) relit_.resize(kMostRelit);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/sort.h"
 
 namespace foreland::client {
 
@@ -77,9 +78,10 @@ void Residency::select(const proto::FrameTransform& frame, const proto::View& vi
 // page.
 void Residency::keepLargest(size_t most) {
   if (selected_.empty()) return;
-  std::sort(selected_.begin() + 1, selected_.end(), [](const proto::SelectedTile& a, const proto::SelectedTile& b) {
-    return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() > b.tile.key();
-  });
+  foreland::sort(selected_.begin() + 1, selected_.end(),
+                 [](const proto::SelectedTile& a, const proto::SelectedTile& b) {
+                   return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() > b.tile.key();
+                 });
   std::unordered_set<uint64_t> kept;
   std::unordered_set<size_t> pages;
   std::erase_if(selected_, [&](const proto::SelectedTile& s) {

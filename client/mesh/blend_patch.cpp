@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/sort.h"
 
 namespace foreland::client {
 
@@ -14,7 +15,7 @@ constexpr size_t kTriangleBytes = 3 * sizeof(uint32_t);
 
 // Makes ranges of the elements, joining those that are less than `gap` elements apart. Sorts `elements`.
 void rangesOf(std::vector<uint32_t>& elements, size_t gap, size_t count, std::vector<Range>& out) {
-  std::sort(elements.begin(), elements.end());
+  foreland::sort(elements.begin(), elements.end());
   out.clear();
   for (uint32_t e : elements) {
     if (e >= count) break;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/sort.h"
+
 namespace foreland::client {
 
 uint32_t HeldNodes::changedBlock(proto::Slot slot) {
@@ -23,8 +25,8 @@ std::vector<uint32_t> HeldNodes::blocksInOrder() const {
   std::vector<uint32_t> blocks;
   for (uint32_t block = 1; block < memberships_.size(); ++block)
     if ((memberships_[block].from | memberships_[block].to) != 0) blocks.push_back(block);
-  std::sort(blocks.begin(), blocks.end(),
-            [this](uint32_t a, uint32_t b) { return records_.first(a) < records_.first(b); });
+  foreland::sort(blocks.begin(), blocks.end(),
+                 [this](uint32_t a, uint32_t b) { return records_.first(a) < records_.first(b); });
   return blocks;
 }
 

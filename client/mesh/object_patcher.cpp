@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/sort.h"
 #include "client/mesh/blend_position.h"
 #include "client/mesh/pack_normal.h"
 #include "proto/topology/mesh_triangles.h"
@@ -111,7 +112,7 @@ void ObjectPatcher::collectFaces(const Morphs& morphs) {
   collectFaces(morphs.drawn().added, kGrows);
   collectFaces(morphs.drawn().removed, kShrinks);
   for (const auto* slots : {&morphs.jumped().added, &morphs.jumped().removed}) collectFaces(*slots, kJumps);
-  std::sort(changing_.begin(), changing_.end(), [](const auto& a, const auto& b) { return a.face < b.face; });
+  foreland::sort(changing_.begin(), changing_.end(), [](const auto& a, const auto& b) { return a.face < b.face; });
   size_t kept = 0;
   for (const ChangingFace& c : changing_) {
     if (kept > 0 && changing_[kept - 1].face == c.face)
@@ -203,7 +204,7 @@ void ObjectPatcher::cut(uint32_t face, uint8_t sections, std::vector<Corners>& o
 
 // Triangles that the face had before keep their places.
 void ObjectPatcher::replace(uint32_t face) {
-  std::sort(now_.begin(), now_.end());
+  foreland::sort(now_.begin(), now_.end());
   was_.swap(faces_[face]);
   std::vector<Triangle>& triangles = faces_[face];
   triangles.clear();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/sort.h"
 #include "client/mesh/mesh_builder.h"
 
 namespace foreland::client {
@@ -25,7 +26,7 @@ proto::Section unionOf(std::span<const BlendedKeyframe> keyframes) {
   proto::Section all;
   for (const BlendedKeyframe& keyframe : keyframes)
     all.slots.insert(all.slots.end(), keyframe.section.slots.begin(), keyframe.section.slots.end());
-  std::sort(all.slots.begin(), all.slots.end());
+  foreland::sort(all.slots.begin(), all.slots.end());
   all.slots.erase(std::unique(all.slots.begin(), all.slots.end()), all.slots.end());
   return all;
 }

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstdlib>
 
+#include "base/sort.h"
+
 namespace foreland::proto {
 
 namespace {
@@ -96,7 +98,7 @@ bool EpochStream::code(Time wanted, bool is_step, const TerrainAdapter& adapter,
   const bool has_same = !is_first_ && std::ranges::equal(next.epochs(), blended_.epochs());
   if (has_same) {
     slots_.assign(added.begin(), added.end());
-    std::sort(slots_.begin(), slots_.end());
+    foreland::sort(slots_.begin(), slots_.end());
   } else {
     forget(next);
     slots_ = adapter.section().slots;

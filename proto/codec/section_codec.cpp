@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/sort.h"
 #include "proto/codec/range_coder.h"
 #include "proto/codec/symbols.h"
 #include "proto/refine/paged_nodes.h"
@@ -44,7 +45,7 @@ class Candidates {
   }
   // Ascending from now on, until one is added.
   std::span<const Page> sorted() {
-    std::sort(pages_.begin() + 1, pages_.end(), [](const Page& a, const Page& b) { return a.key < b.key; });
+    foreland::sort(pages_.begin() + 1, pages_.end(), [](const Page& a, const Page& b) { return a.key < b.key; });
     return std::span(pages_).subspan(1);
   }
 

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/check.h"
+#include "base/sort.h"
 
 namespace foreland::proto {
 
@@ -363,7 +364,7 @@ void encodeSurface(const SurfaceCodecState& end, const CutDelta& delta, const Mo
 bool decodeSurface(const SurfaceCodecState& end, RangeDecoder& coder, size_t max_nodes, CutDelta& delta) {
   ChangeSink changes(coder, max_nodes, delta);
   if (!Transcoder(end, coder, changes).run()) return false;
-  std::sort(delta.removed.begin(), delta.removed.end());
+  foreland::sort(delta.removed.begin(), delta.removed.end());
   return true;
 }
 

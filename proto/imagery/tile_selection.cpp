@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/sort.h"
 #include "proto/refine/frustum.h"
 
 namespace foreland::proto {
@@ -312,9 +313,10 @@ void selectTiles(const TileLayer& layer, uint8_t layer_index, const FrameTransfo
       for (uint32_t k = 0; k < 4; ++k) consider(t.child(k));
     }
     from = end;
-    std::sort(out.begin() + static_cast<ptrdiff_t>(from), out.end(), [](const SelectedTile& a, const SelectedTile& b) {
-      return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() < b.tile.key();
-    });
+    foreland::sort(out.begin() + static_cast<ptrdiff_t>(from), out.end(),
+                   [](const SelectedTile& a, const SelectedTile& b) {
+                     return a.texel_px != b.texel_px ? a.texel_px > b.texel_px : a.tile.key() < b.tile.key();
+                   });
   }
   if (out.size() > most) out.resize(most);
 }

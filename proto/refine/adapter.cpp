@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/sort.h"
 #include "proto/refine/slack.h"
 
 namespace foreland::proto {
@@ -242,7 +243,7 @@ class Adapter<Tester>::Step {
       for (NodeId child : topology_.children(n))
         if (hasParentsInSection(child, below)) considerAddable(topology_.slot(child, below), scratch_.initial);
     });
-    std::sort(scratch_.initial.begin(), scratch_.initial.end(), std::greater<>());
+    foreland::sort(scratch_.initial.begin(), scratch_.initial.end(), std::greater<>());
   }
   // Takes a node whose parents are in the section as undecided, unless it is known; `pending` if its page does not
   // exist.
@@ -292,7 +293,7 @@ class Adapter<Tester>::Step {
         pages.push_back(slot);
       else
         pages.back() = std::min(pages.back(), slot);
-    std::sort(pages.begin(), pages.end());
+    foreland::sort(pages.begin(), pages.end());
     pages.erase(std::unique(pages.begin(), pages.end(), arePageMates), pages.end());
     for (Slot slot : pages)
       if (nodes_.find(slot) == Frontier::Nodes::kNone)
@@ -381,7 +382,7 @@ template <class Tester>
 std::vector<KnownPage> Adapter<Tester>::knownPages() const {
   std::vector<KnownPage> pages = livePages();
   memory_.forEach([&](Slot first, const PageKnowledge& knowledge) { pages.push_back({first, knowledge}); });
-  std::sort(pages.begin(), pages.end(), [](const KnownPage& a, const KnownPage& b) { return a.first < b.first; });
+  foreland::sort(pages.begin(), pages.end(), [](const KnownPage& a, const KnownPage& b) { return a.first < b.first; });
   return pages;
 }
 

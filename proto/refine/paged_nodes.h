@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/sort.h"
 #include "proto/refine/slot_bits.h"
 #include "proto/section/index_table.h"
 #include "proto/topology/node.h"
@@ -77,7 +78,7 @@ class PagedNodes {
   };
   // Sorts new pages in among the others, in place from the back.
   void orderPages() {
-    std::sort(fresh_.begin(), fresh_.end(), isBefore);
+    foreland::sort(fresh_.begin(), fresh_.end(), isBefore);
     size_t left = order_.size();
     reserveMore(order_, fresh_.size());
     order_.resize(left + fresh_.size());

@@ -4,6 +4,8 @@
 #include <string>
 #include <tuple>
 
+#include "base/sort.h"
+
 namespace foreland::proto {
 
 LatticeWindow LatticeWindow::hull(const LatticeWindow& a, const LatticeWindow& b) {
@@ -21,7 +23,7 @@ bool isBefore(const BaseOffset& a, const BaseOffset& b) {
 
 }  // namespace
 
-void sortBaseOffsets(std::vector<BaseOffset>& offsets) { std::sort(offsets.begin(), offsets.end(), isBefore); }
+void sortBaseOffsets(std::vector<BaseOffset>& offsets) { foreland::sort(offsets.begin(), offsets.end(), isBefore); }
 
 int32_t baseOffsetAt(std::span<const BaseOffset> sorted, uint32_t epoch, uint32_t vertex) {
   const auto at = std::lower_bound(sorted.begin(), sorted.end(), BaseOffset{epoch, vertex, 0}, isBefore);

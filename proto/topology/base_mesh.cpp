@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "base/sort.h"
+
 namespace foreland::proto {
 
 namespace {
@@ -54,7 +56,7 @@ Status BaseMesh::findTwins() {
     const auto [low, high] = std::minmax({vertex(h), vertex(next(h))});
     by_ends[h] = {static_cast<uint64_t>(low) << 32 | high, h};
   }
-  std::sort(by_ends.begin(), by_ends.end());
+  foreland::sort(by_ends.begin(), by_ends.end());
   twin_.assign(count, kNoHalfEdge);
   HalfEdge wrong = kNoHalfEdge, beside = kNoHalfEdge;  // the lowest that may not be where it is, and an earlier one
   for (size_t i = 1; i < count; ++i) {
