@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <string_view>
 
@@ -40,11 +39,11 @@ inline bool isControl(uint32_t code) {
          (code >= 0x2028 && code <= 0x202e) || (code >= 0x2060 && code <= 0x206f) || code == 0xfeff;
 }
 
-template <class... Args>
-std::string formatted(const char* format, Args... args) {
-  char buffer[16];
-  std::snprintf(buffer, sizeof(buffer), format, args...);
-  return buffer;
+inline std::string hexadecimal(uint32_t value, size_t least_digits) {
+  std::string digits;
+  for (; value > 0 || digits.size() < least_digits; value >>= 4)
+    digits.insert(digits.begin(), "0123456789abcdef"[value & 15]);
+  return digits;
 }
 
 }  // namespace printable_detail
@@ -66,9 +65,9 @@ inline std::string printable(std::string_view text, size_t most_bytes = 80) {
     const Character c = characterAt(text);
     std::string next;
     if (c.bytes == 0)
-      next = formatted("\\x%02x", static_cast<unsigned>(static_cast<uint8_t>(text[0])));
+      next = "\\x" + hexadecimal(static_cast<uint8_t>(text[0]), 2);
     else if (isControl(c.code))
-      next = formatted("\\u{%x}", static_cast<unsigned>(c.code));
+      next = "\\u{" + hexadecimal(c.code, 1) + "}";
     else
       next = text.substr(0, c.bytes);
     if (out.size() + next.size() > most_bytes) return out + "...";

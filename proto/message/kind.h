@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "base/bytes.h"
 #include "base/result.h"
@@ -32,6 +33,7 @@ inline MessageKind kindOf(ByteSpan bytes) {
   return bytes[0] < (1 << kKindBits) ? kind : MessageKind::kNone;
 }
 
-inline Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "message: " + what}; }
+// Takes no string, which each of its many callers would make.
+inline Error malformed(std::string_view what) { return {ErrorCode::kMalformed, std::string("message: ").append(what)}; }
 
 }  // namespace foreland::proto

@@ -26,7 +26,7 @@ Status check(const ObjectModel& model, const MeshTopology& topology) {
   if (topology.slotCount() > ObjectSet::kMaxSlots)
     return refuse("more than " + std::to_string(ObjectSet::kMaxSlots) + " nodes");
   if (!(model.quantum_m > 0 && model.quantum_m <= 1e6))
-    return refuse("a step of " + std::to_string(model.quantum_m) + " m");
+    return refuse("a step that is not above 0 and at most 1,000,000 m");
   if (model.base.size() != topology.baseVertexCount())
     return refuse(std::to_string(model.base.size()) + " positions for " + std::to_string(topology.baseVertexCount()) +
                   " base vertices");

@@ -18,7 +18,7 @@ bool allFinite(std::initializer_list<double> values) {
   return true;
 }
 
-Error malformed(const std::string& what) { return {ErrorCode::kMalformed, "frame: " + what}; }
+Error malformed(std::string_view what) { return {ErrorCode::kMalformed, std::string("frame: ").append(what)}; }
 
 }  // namespace
 
