@@ -65,17 +65,18 @@ function(foreland_quick_under_sanitizers)
   endif()
 endfunction()
 
-# Sources that take a client's time. In WebAssembly these are compiled for speed, and everything else for size (cmake/wasm32-wasi.cmake).
+# Sources that take a client's time. In WebAssembly these are compiled for speed that costs little size, and everything else for size
+# (cmake/wasm32-wasi.cmake): decision 0053 has the figures.
 function(foreland_fast_in_wasm)
   if(CMAKE_SYSTEM_NAME STREQUAL "WASI")
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O2")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-Os")
   endif()
 endfunction()
 
-# The inner loops of adaptation and decoding, for speed everywhere. By themselves compilers leave most of the adapter's small functions as calls.
+# The inner loops of adaptation and decoding, for speed everywhere. By itself g++ leaves most of the adapter's small functions as calls.
 function(foreland_inline_deeply)
   if(CMAKE_SYSTEM_NAME STREQUAL "WASI")
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O3;-mllvm;-inline-threshold=1000")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O2")
   elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS
       "--param=inline-unit-growth=400;--param=max-inline-insns-auto=200;--param=max-inline-insns-single=1000;--param=large-function-growth=1000;--param=large-stack-frame-growth=10000")

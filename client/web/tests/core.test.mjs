@@ -5,6 +5,7 @@ import { randomInt } from 'node:crypto';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { setImmediate } from 'node:timers/promises';
+import { gzipSync } from 'node:zlib';
 import { createServer } from 'vite';
 import { openSocket } from './socket.mjs';
 import { makeFolder, makeScene, root, startServer } from './support.mjs';
@@ -73,6 +74,23 @@ test('the module asks for nothing but WASI', kTest, async () => {
   const imports = WebAssembly.Module.imports(module);
   assert.ok(imports.length <= 3, imports.map((i) => i.name).join(' '));
   assert.ok(imports.every((i) => i.module === 'wasi_snapshot_preview1' && i.kind === 'function'));
+});
+
+// What a viewer waits for. It takes 194 kB, and grows unnoticed: docs/decisions/0053-a-small-module.md tells what is in it.
+const kMostModuleBytes = 200_000;
+
+test('the module is small', kTest, async () => {
+  const { length } = gzipSync(Buffer.from(await (await fetch(wasm_url)).arrayBuffer()), { level: 9 });
+  assert.ok(length <= kMostModuleBytes, `${length} bytes compressed by gzip`);
+});
+
+test('a failed check of the module says what failed where', kTest, async (t) => {
+  const said = t.mock.method(console, 'error', () => {}).mock;
+  const viewer = await fly((_, frame) => frame.mesh_version > 0);
+  viewer.setTextureLayers({ relief: 7, imagery: 7 }); // too few
+  assert.throws(() => viewer.takeNewest(), WebAssembly.RuntimeError);
+  assert.equal(said.callCount(), 1);
+  assert.match(said.calls[0].arguments[0], /\bclient\/imagery\/residency\.cpp:\d+: CHECK failed: texture_layers >= 8u \(left 7, right 8\)$/);
 });
 
 test('a session gives meshes without cracks', kTest, async () => {
