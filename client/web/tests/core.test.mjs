@@ -1,4 +1,4 @@
-// The client core as WebAssembly without a browser: the module that the server sends, through the page's core/core.ts, in a session
+// The client core as WebAssembly without a browser: the module that the server sends, through the page's src/core, in a session
 // with the real server. Every wait is for a condition.
 import assert from 'node:assert/strict';
 import { randomInt } from 'node:crypto';
@@ -22,7 +22,8 @@ before(async () => {
     root: join(root, 'client/web'), configFile: false, appType: 'custom', logLevel: 'error',
     server: { middlewareMode: true, hmr: false, ws: false, watch: null },
   });
-  ({ Core, Viewer } = await vite.ssrLoadModule('/src/core/core.ts'));
+  ({ Core } = await vite.ssrLoadModule('/src/core/core.ts'));
+  ({ Viewer } = await vite.ssrLoadModule('/src/core/viewer.ts'));
 }, kTest);
 
 after(async () => {

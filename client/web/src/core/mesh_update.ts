@@ -1,5 +1,5 @@
 // What changes in the mesh from one version to the next, in one block of memory that can be handed to another thread.
-import type { Changes, Content, Mesh, ObjectArrays, Pose } from './core';
+import type { Changes, Content, Mesh, ObjectArrays, Pose } from './values';
 import { tileMemoryOf, type TileUpdate } from './tiles';
 
 // The order of a part's channels. `line` is there only where edges are to be drawn, `from_moved` and `to_moved` where ground moves.

@@ -1,6 +1,6 @@
 // What the page's two threads say to each other. The worker has the connection, the client core's viewer and the meshes; the drawing
 // thread has the camera, the graphics card and what a person chooses. Times are milliseconds of the drawing thread's clock.
-import type { Blend, Pose, Request, Statistics, TextureLayers } from './core';
+import type { Blend, Pose, Request, Statistics, TextureLayers } from './values';
 import type { MeshUpdate, PartLines } from './mesh_update';
 
 export type ToWorker =

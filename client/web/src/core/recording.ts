@@ -1,6 +1,6 @@
 // A flight by hand as a file that `foreland replay` flies again: all that came in, and where the camera was, with times. The format is that
 // of client/fly/recording.cpp. It begins with a session; one that has gone on for a while cannot be replayed.
-import type { Blend, Pose, Request } from './core';
+import type { Blend, Pose, Request } from './values';
 
 const kFirstLine = 'foreland flight 1\n';
 const kHead_bytes = 13; // kind, time, size

@@ -1,8 +1,9 @@
 // The drawing thread's end of a session: what comes from the worker, and what it is told.
-import type { Core, Pose, Statistics } from './core';
-import { Screen } from './core';
+import type { Core } from './core';
 import type { PartLines, MeshUpdate } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
+import { Screen } from './screen';
+import type { Pose, Statistics } from './values';
 
 export interface SessionEvents {
   onOpen(): void;

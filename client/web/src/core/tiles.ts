@@ -1,6 +1,7 @@
 // The worker's end of relief and imagery: tiles are decoded a few at a time, between messages, and those that come with a mesh are
 // handed over with it. The client core decides which (client/imagery/residency.h).
-import { kContents, type Content, type TileArrival, type TileSelection, type Viewer } from './core';
+import { kContents, type Content, type TileArrival, type TileSelection } from './values';
+import type { Viewer } from './viewer';
 
 // Of one tile: slopes and ground texels (client/imagery/shadows.h) with those of the half-size image, or an image, whose half-size
 // image is copied from the parent's layer. A tile whose shadows have changed has ground texels alone.

@@ -1,11 +1,13 @@
 // The page's worker: the connection, the client core's viewer, and the meshes, out of the way of what draws. It sends each mesh as
 // soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMostUnstaged).
 import { Connection } from './connection';
-import { Core, Viewer, type Blend, type Request } from './core';
+import { Core } from './core';
 import { Recording } from './recording';
 import { Tiles } from './tiles';
 import { linesOf, memoryOf, updateOf } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
+import type { Blend, Request } from './values';
+import { Viewer } from './viewer';
 
 const thread = self as unknown as { postMessage(message: FromWorker, memory: Transferable[]): void; onmessage: ((event: MessageEvent) => void) | null };
 

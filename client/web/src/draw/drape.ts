@@ -1,7 +1,7 @@
 // What is laid over the terrain: relief, which it is shaded and coloured by, and imagery. Their textures, and the uniforms by which the terrain's
 // shader finds the texels of a lattice position.
 import * as THREE from 'three';
-import { kContents, type Content, type Layer, type SlopeFrame, type TextureLayers } from '../core/core';
+import { kContents, type Content, type Layer, type SlopeFrame, type TextureLayers } from '../core/values';
 import type { MeshUpdate } from '../core/mesh_update';
 import { TileTextures } from './tile_textures';
 

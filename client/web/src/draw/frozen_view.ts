@@ -1,6 +1,6 @@
 // The pose whose section is frozen: the outline of what it sees, for a look from outside.
 import * as THREE from 'three';
-import type { Pose } from '../core/core';
+import type { Pose } from '../core/values';
 
 export class FrozenView {
   readonly object: THREE.LineSegments;

@@ -1,7 +1,7 @@
 // The keyframe mesh of the terrain, drawn from one of its two buffer sets. Between keyframes only one number changes, the weight.
 import * as THREE from 'three';
 import { BufferSet, shader } from './blend_buffers';
-import type { Welcome } from '../core/core';
+import type { Welcome } from '../core/values';
 import type { MeshUpdate } from '../core/mesh_update';
 import { kGrounds, kTerrainFragment, kTerrainVertex, type Ground } from './shaders';
 import { WireLines } from './wire_lines';

@@ -1,7 +1,7 @@
 // The tiles of a content on the graphics card: a texture array with a layer for each tile, and the page table that says where each is.
 // Tiles are uploaded ahead of the mesh that draws them, in slices, and the page table changes with the mesh.
 import * as THREE from 'three';
-import { kTileSide, type Content } from '../core/core';
+import { kTileSide, type Content } from '../core/values';
 import type { TileUpdate, TileUpload } from '../core/tiles';
 
 export const kPageSide = 32; // of the page table in each level; client/imagery/residency.h

@@ -2,7 +2,7 @@
 // Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. Motion ends at the ground; nothing else moves the eye.
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
-import type { Pose } from '../core/core';
+import type { Pose } from '../core/values';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
   KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],

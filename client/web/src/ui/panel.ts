@@ -1,5 +1,5 @@
 // The settings panel. It changes the Settings that it is given and calls onChange.
-import { kBlends, kPredictors, kStrategies } from '../core/core';
+import { kBlends, kPredictors, kStrategies } from '../core/values';
 import { kGrounds } from '../draw/shaders';
 import type { Settings } from './settings';
 import { kSunModes } from './sun';

@@ -1,5 +1,5 @@
 // The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
-import type { MapPosition, Statistics, Welcome } from '../core/core';
+import type { MapPosition, Statistics, Welcome } from '../core/values';
 
 const kWindow_ms = 2000; // over which rates are averaged
 const kRefresh_ms = 250;

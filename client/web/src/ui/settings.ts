@@ -1,5 +1,5 @@
 // What the user can set, and its initial values from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
-import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/core';
+import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/values';
 import { kGrounds, type Ground } from '../draw/shaders';
 import { kSunModes, type SunSettings } from './sun';
 

@@ -1,6 +1,6 @@
 // The first view of a scene: from above the relief across the most prominent ground among the welcome's landmarks.
 import type { Look } from './camera';
-import type { Welcome } from '../core/core';
+import type { Welcome } from '../core/values';
 
 const kHeadings = 16;
 

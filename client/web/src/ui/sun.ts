@@ -1,5 +1,5 @@
 // Where the sun is: as maps are lit by custom, by the time of day and the date where a scene is on the earth, or as chosen.
-import type { SlopeFrame } from '../core/core';
+import type { SlopeFrame } from '../core/values';
 
 export const kSunModes = ['map', 'clock', 'free'] as const;
 export type SunMode = (typeof kSunModes)[number];

@@ -1,5 +1,5 @@
 // The tours: the server plans a path, and the page flies it. A button for each starts and stops it.
-import type { Pose } from '../core/core';
+import type { Pose } from '../core/values';
 import type { Session } from '../core/session';
 import { kTours, type Tour } from './settings';
 
