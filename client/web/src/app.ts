@@ -1,29 +1,23 @@
-// The page's parts and what flows between them, frame by frame: camera -> what is shown -> graphics card -> readout. It owns the
-// drawing thread's state: the session's end here, the settings and the camera. Connection, decoding and meshes are in the worker.
+// The page's parts and what flows between them, frame by frame: camera -> what is shown -> picture -> readout. It owns the drawing
+// thread's state: the session's end here, the settings and the camera; the picture has what is drawn. Connection, decoding and meshes
+// are in the worker.
 import * as THREE from 'three';
 import { lookOf } from './ui/camera';
 import { ColourMaps, takeFiles } from './ui/colour_maps';
 import { Controls } from './ui/controls';
 import type { Core } from './core/core';
-import type { PartLines } from './core/mesh_update';
 import { Session } from './core/session';
 import type { MapPosition, Pose, Request, ScreenFrame, Welcome } from './core/values';
-import { cheapAnisotropy, Drape } from './draw/drape';
-import { FrozenView } from './draw/frozen_view';
+import { Picture, type Shot } from './draw/picture';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './core/prediction_check';
 import { Readout } from './ui/readout';
 import { kAdaptive_ms, kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
-import { ShadeProbe } from './draw/shade_probe';
-import { Sky } from './draw/sky';
-import { Stage } from './draw/stage';
 import { sunDirection } from './ui/sun';
 import { saveFile } from './ui/save_file';
 import { startView } from './ui/start_view';
-import { ObjectMesh } from './draw/object_mesh';
-import { TerrainMesh } from './draw/terrain_mesh';
 import { Tours } from './ui/tours';
 
 const kResizeQuiet_ms = 200; // a new lens is requested when resizing has paused
@@ -35,9 +29,6 @@ const kMemoryBytes = (kIsPhone ? 6 : 16) << 20; // for terrain that was flown ov
 const kTileBytes = (kIsPhone ? 32 : 64) << 20; // of coded tiles
 const kTextureLayers = kIsPhone ? { relief: 32, imagery: 96 } : { relief: 64, imagery: 192 };
 
-// Of the next mesh, in a frame, in bytes; a call counts as some (draw/blend_buffers.ts).
-const kLeastSlice = 128 << 10;
-const kLargestSlice = 2 << 20; // at 60 frames a second
 const kGroundFrames = 8; // so many frames ahead the ground is known
 
 function byId(id: string): HTMLElement {
@@ -46,17 +37,8 @@ function byId(id: string): HTMLElement {
 
 export class App {
   private readonly canvas = byId('scene') as HTMLCanvasElement;
-  private readonly renderer: THREE.WebGLRenderer;
-  private readonly scene = new THREE.Scene();
-  private readonly camera = new THREE.PerspectiveCamera();
-  private readonly up = new THREE.Vector3(0, 0, 1); // at the eye
-  private readonly sun = new THREE.Vector3(); // towards it
-  private readonly sky = new Sky(this.sun, this.up);
-  private readonly frozen_view = new FrozenView();
+  private readonly picture: Picture;
   private may_occlude = false; // this connection's deltas can tell hidden blocks
-  private readonly drape: Drape;
-  private readonly terrain: TerrainMesh;
-  private readonly objects: ObjectMesh;
   private readonly controls = new Controls(this.canvas);
   private readonly readout = new Readout(byId('readout'));
   private readonly prediction = new PredictionCheck();
@@ -64,7 +46,6 @@ export class App {
   private readonly scene_time = new SceneTime(byId('time'), (scene_ms, rate) =>
     this.session.tell({ kind: 'scene clock', now_ms: performance.now(), scene_ms, rate }));
   private readonly session: Session;
-  private readonly stage: Stage;
   private readonly panel: Panel;
   private readonly settings: Settings;
   private readonly colour_maps = new ColourMaps();
@@ -73,41 +54,29 @@ export class App {
   private sent_request = ''; // the last one, as JSON
   private shown_colours = '';
   private sent_sun: readonly number[] | null = null; // the last one
-  private uploaded = 0; // bytes, in the last frame
-  private upload_limit = kLargestSlice; // of that frame
-  private largest_upload = 0; // as a share of its frame's limit, since the first picture
   private lens_timer = 0;
   private above_ground_m: number | null = null; // where it is known
   private scene_time_ms = 0; // of the last frame
   private last_ms = 0;
-  private last_view: { pose: Pose; frame: ScreenFrame; position: MapPosition | null } | null = null;
   private next_ms = 0; // when the next mesh is to be shown
   private readonly last_eye = new THREE.Vector3();
-  private frames = 0;
 
   // The worker is to be core/worker.ts; nothing has been said to it.
   constructor(core: Core, worker: Worker, private readonly address: Address) {
     this.settings = address.settings;
-    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
-    this.renderer.autoClear = false;
-    this.drape = new Drape(this.renderer, kTextureLayers, address.anisotropy ?? cheapAnisotropy(this.renderer));
-    this.terrain = new TerrainMesh(this.renderer, this.sun, this.up, this.drape.uniforms);
-    this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, modelsOf(address.server));
-    this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
+    this.picture = new Picture(this.canvas, { layers: kTextureLayers, anisotropy: address.anisotropy, models: modelsOf(address.server) });
     this.resize();
-    const [sets, object_sets] = [this.terrain.sets, this.objects.sets];
-    this.stage = new Stage({ terrain: sets[0], objects: object_sets[0] }, { terrain: sets[1], objects: object_sets[1] });
     this.tours = new Tours(byId('tours'), (tour) => this.chooseTour(tour));
     this.session = new Session(core, worker, {
       onOpen: () => (this.may_occlude = this.settings.occlusion),
       onWaiting: (seconds, reason) => this.showWaiting(seconds, reason),
       onRefused: (reason) => this.stop('The session ended.', reason),
       onWelcome: (message) => this.enterScene(this.session.screen.enter(message)),
-      onMesh: (update) => {
-        this.stage.add(update);
-        this.drape.add(update);
+      onMesh: (update) => this.picture.add(update),
+      onLines: (version, terrain, objects) => {
+        this.picture.addLines(version, terrain, objects);
+        this.picture.show(this.settings);
       },
-      onLines: (version, terrain, objects) => this.addLines(version, terrain, objects),
       onRecording: (file) => saveFile(file, 'flight.rec'),
       onFailure: (reason) => this.fail(reason),
     });
@@ -131,7 +100,7 @@ export class App {
   start(): void {
     showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
     if (this.address.tour) this.chooseTour(this.address.tour);
-    this.renderer.setAnimationLoop(() => this.drawOrStop(performance.now()));
+    this.picture.renderer.setAnimationLoop(() => this.drawOrStop(performance.now()));
     byId('hint').textContent = window.matchMedia('(pointer: coarse)').matches
       ? 'One finger looks, two fingers fly'
       : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed';
@@ -142,57 +111,27 @@ export class App {
   status(): Record<string, unknown> {
     return {
       connected: this.session.is_open,
-      frames: this.frames,
-      mesh_version: this.terrain.version,
-      triangles: this.terrain.triangles,
-      object_triangles: this.objects.triangles,
-      object_images: this.objects.images,
+      ...this.picture.status(),
       nodes: this.mesh?.to_nodes ?? 0,
       tau_px: this.mesh?.tau_px ?? 0,
       blend: this.settings.blend,
       touring: this.tours.isFlying,
-      frozen: this.frozen_view.pose !== null,
+      frozen: this.picture.frozen_view.pose !== null,
       eye: this.controls.eye.toArray(),
       heading: this.controls.look.heading,
       above_ground_m: this.above_ground_m,
       title: this.welcome?.title ?? null,
       scene_time_ms: this.scene_time_ms,
-      relief_shown: this.drape.tilesShown('relief'),
-      imagery_shown: this.drape.tilesShown('imagery'),
-      largest_upload: this.largest_upload,
       ...this.session.statistics,
     };
   }
 
-  // For tests: how many pixels of the last frame's view differ between the end of the mesh that is drawn and the beginning of the
-  // next one, and how many by more than kVisible; and how many between the beginning and the end of the one that is drawn. Null if
-  // it is not known yet.
-  compareEnds(): { differing: number; visible: number; moved: number; pixels: number } | null {
-    this.stage.upload(this.session.screen.next(), Infinity);
-    this.drape.upload(this.session.screen.next(), Infinity);
-    if (!this.stage.isNextReady || !this.last_view) return null;
-    const [begin, end] = [this.pixelsAt(0), this.pixelsAt(1)];
-    this.showNext();
-    const next = this.pixelsAt(0);
-    this.showNext();
-    const [moved, seam] = [differencesOf(begin, end), differencesOf(end, next)];
-    return { differing: seam.differing, visible: seam.visible, moved: moved.differing, pixels: end.length / 4 };
+  // For tests: Picture.compareEnds() and Picture.shadeAt().
+  compareEnds(): ReturnType<Picture['compareEnds']> {
+    return this.picture.compareEnds(this.session.screen.next(), () => this.showNext());
   }
-
-  // For tests: ShadeProbe.read with what the last frame drew, at a weight.
   shadeAt(positions: readonly number[], footprint: number, weight: number): number[] | null {
-    if (!this.last_view) return null;
-    this.pixelsAt(weight);
-    return new ShadeProbe(this.renderer, this.terrain.uniforms).read(positions, footprint);
-  }
-
-  private pixelsAt(weight: number): Uint8Array {
-    const { pose, frame, position } = this.last_view!;
-    this.render(pose, { ...frame, weight }, position);
-    const gl = this.renderer.getContext();
-    const pixels = new Uint8Array(4 * this.canvas.width * this.canvas.height);
-    gl.readPixels(0, 0, this.canvas.width, this.canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-    return pixels;
+    return this.picture.shadeAt(positions, footprint, weight);
   }
 
   // ---- session
@@ -201,12 +140,7 @@ export class App {
     const is_first = this.welcome === null;
     showNotice(byId('notice'), null);
     this.welcome = welcome;
-    this.terrain.setScene(welcome);
-    this.objects.setScene(welcome);
-    const { screen } = this.session;
-    const frame = screen.slopeFrame();
-    this.drape.setScene({ relief: screen.layer('relief'), imagery: screen.layer('imagery') }, frame);
-    this.terrain.setNorth(frame?.is_geographic ? [0, Math.cos(frame.origin_latitude), Math.sin(frame.origin_latitude)] : [0, 1, 0]);
+    this.picture.setScene(welcome, this.session.screen);
     this.showColours();
     this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.most_moved_m, welcome.is_geographic);
     this.applyLook();
@@ -219,12 +153,6 @@ export class App {
     this.controls.eye.fromArray(this.address.view?.slice(0, 3) ?? eye);
     const [heading, pitch] = (this.address.view?.slice(3) ?? []).map((degrees) => (degrees * Math.PI) / 180);
     this.controls.look = heading === undefined ? look : { heading, pitch: pitch! };
-  }
-
-  private addLines(version: number, terrain: PartLines, objects: PartLines): void {
-    this.stage.addLines(version, terrain, objects);
-    this.terrain.show(this.settings);
-    this.objects.show(this.settings);
   }
 
   private showWaiting(seconds: number, reason: string): void {
@@ -274,11 +202,9 @@ export class App {
   private applyLook(): void {
     if (this.settings.colours !== this.shown_colours) this.showColours();
     this.shown_colours = this.settings.colours;
-    this.terrain.show(this.settings);
-    this.drape.show(this.settings);
-    this.objects.show(this.settings);
-    this.sun.set(...sunDirection(this.settings, this.session.screen.slopeFrame()));
-    const towards = this.settings.shadows && this.settings.relief ? this.sun.toArray() : null;
+    this.picture.show(this.settings);
+    this.picture.sun.set(...sunDirection(this.settings, this.session.screen.slopeFrame()));
+    const towards = this.settings.shadows && this.settings.relief ? this.picture.sun.toArray() : null;
     if (JSON.stringify(towards) === JSON.stringify(this.sent_sun)) return;
     this.sent_sun = towards;
     this.session.tell({ kind: 'sun', towards });
@@ -304,14 +230,14 @@ export class App {
   private showColours(): void {
     if (!this.welcome) return;
     const tints = this.colour_maps.tints(this.settings.colours, this.welcome.lowest_m, this.welcome.highest_m);
-    this.terrain.setTints(tints);
+    this.picture.setTints(tints);
     this.panel?.setHeightsLegend(tints.legend);
   }
 
   private applySettings(): void {
     this.applyLook();
-    if (this.settings.frozen && !this.frozen_view.pose) this.freeze();
-    if (!this.settings.frozen) this.frozen_view.thaw();
+    if (this.settings.frozen && !this.picture.frozen_view.pose) this.freeze();
+    if (!this.settings.frozen) this.picture.frozen_view.thaw();
     this.session.tell({ kind: 'blend', blend: this.settings.blend });
     this.session.tell({ kind: 'lines', wants_lines: this.settings.wireframe });
     this.sendRequest();
@@ -336,16 +262,11 @@ export class App {
     if (!this.welcome) return;
     const { low, high } = this.welcome;
     const length_m = 0.3 * Math.hypot(high[0] - low[0], high[1] - low[1]);
-    this.frozen_view.freeze(this.controls.pose(this.up), kLens.fov_rad, this.camera.aspect, length_m);
+    this.picture.frozen_view.freeze(this.controls.pose(this.picture.up), kLens.fov_rad, this.picture.aspect, length_m);
   }
 
   private resize(): void {
-    const [width, height] = [window.innerWidth, window.innerHeight];
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, this.address.sharpness));
-    this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.fov = (kLens.fov_rad * 180) / Math.PI;
-    this.terrain.setLens(kLens.fov_rad, this.canvas.height);
+    this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     window.clearTimeout(this.lens_timer);
     this.lens_timer = window.setTimeout(() => this.sendRequest(), kResizeQuiet_ms);
   }
@@ -362,7 +283,7 @@ export class App {
   }
 
   private fail(reason: string): void {
-    this.renderer.setAnimationLoop(null);
+    this.picture.renderer.setAnimationLoop(null);
     this.session.tell({ kind: 'close' });
     this.stop('The page failed.', reason);
   }
@@ -370,53 +291,36 @@ export class App {
   private draw(now_ms: number): void {
     const frame_ms = now_ms - this.last_ms;
     this.last_ms = now_ms;
+    const { picture } = this;
+    const { screen } = this.session;
     const position = this.welcome ? this.moveCamera(now_ms, Math.min(frame_ms / 1000, 0.25)) : null;
-    const own = this.controls.pose(this.up);
-    const sent = this.frozen_view.pose ?? own; // the server keeps the section of the frozen view
-    this.upload(now_ms, frame_ms);
-    const { stage } = this;
-    const is_ready = this.drape.isReady(stage.readyVersion);
-    const [ready, coming] = is_ready ? [stage.readyVersion, stage.comingVersion] : [stage.shownVersion, stage.readyVersion];
-    const frame = this.session.screen.frame(now_ms, sent, this.settings.strategy, ready, coming);
+    const own = this.controls.pose(picture.up);
+    const sent = picture.frozen_view.pose ?? own; // the server keeps the section of the frozen view
+    picture.upload(screen.next(), this.next_ms - now_ms, frame_ms);
+    const { ready, coming } = picture.versions();
+    const frame = screen.frame(now_ms, sent, this.settings.strategy, ready, coming);
     const had_mesh = this.mesh !== null;
     this.takeMesh(frame, now_ms, sent);
-    if (had_mesh) this.largest_upload = Math.max(this.largest_upload, this.uploaded / this.upload_limit);
-    this.session.frame(now_ms, sent, own.eye, this.groundReach(), this.stage.stagedVersion);
-    const shown = this.frozen_view.pose ? own : frame.pose;
-    if (this.welcome) this.render(shown, frame, position);
-    this.last_view = { pose: shown, frame, position };
+    if (had_mesh) picture.noteUpload();
+    this.session.frame(now_ms, sent, own.eye, this.groundReach(), picture.stagedVersion);
+    const pose = picture.frozen_view.pose ? own : frame.pose;
+    const shot: Shot = { pose, frame, position, camera_eye: this.controls.eye, above_ground_m: this.above_ground_m };
+    picture.take(shot);
     this.measure(now_ms, frame, position);
     this.showCredits();
-  }
-
-  // Of the mesh that comes next, so much that it is there in time. Of the first one all.
-  private upload(now_ms: number, frame_ms: number): void {
-    const next = Math.max(this.session.screen.next(), this.stage.shownVersion);
-    this.upload_limit = Math.max(kLargestSlice, kLargestSlice * (frame_ms / 16));
-    this.uploaded = 0;
-    if (this.stage.shownVersion === 0) {
-      this.drape.upload(next, Infinity);
-      this.stage.upload(next, Infinity);
-      return;
-    }
-    const frames = Math.max(1, Math.floor((this.next_ms - now_ms) / Math.max(frame_ms, 4)) - 1);
-    const cost = this.stage.costTo(next) + this.drape.costTo(next);
-    const budget = Math.min(Math.max(kLeastSlice, cost / frames), this.upload_limit);
-    this.uploaded = this.drape.upload(next, budget);
-    this.uploaded += this.stage.upload(next, budget - this.uploaded);
   }
 
   private moveCamera(now_ms: number, seconds: number): MapPosition | null {
     const mapPositionOf = (eye: readonly number[]) => this.session.screen.mapPosition(eye);
     const touring = this.tours.pose(this.session, now_ms);
-    if (touring && !this.frozen_view.pose) {
+    if (touring && !this.picture.frozen_view.pose) {
       this.controls.eye.fromArray(touring.eye);
-      this.controls.look = lookOf(touring.orientation, this.up);
+      this.controls.look = lookOf(touring.orientation, this.picture.up);
     } else {
-      this.controls.step(seconds, this.up, (from, to) => this.session.screen.sweep(from, to, this.controls.clearance_m));
+      this.controls.step(seconds, this.picture.up, (from, to) => this.session.screen.sweep(from, to, this.controls.clearance_m));
     }
     const position = mapPositionOf(this.controls.eye.toArray());
-    if (position) this.up.fromArray(position.up);
+    if (position) this.picture.up.fromArray(position.up);
     this.above_ground_m = position && position.ground_m !== null ? position.height_m - position.ground_m : null;
     if (this.above_ground_m !== null) this.controls.ground_distance_m = Math.max(this.above_ground_m, this.controls.clearance_m);
     return position;
@@ -437,48 +341,18 @@ export class App {
     this.next_ms = frame.end_ms;
     if (frame.mesh_version > 0) this.scene_time.show(frame.scene_time_ms);
     this.scene_time_ms = frame.scene_time_ms;
-    if (frame.mesh_version !== 0 && frame.mesh_version !== this.stage.shownVersion) this.showNext();
+    if (frame.mesh_version !== 0 && frame.mesh_version !== this.picture.shownVersion) this.showNext();
     if (this.mesh) this.mesh.tau_px = frame.tau_px;
   }
 
   private showNext(): void {
-    const { update, set } = this.stage.swap();
-    this.terrain.draw(update, set.terrain);
-    this.uploaded += this.drape.draw(update.version);
-    this.objects.draw(update, set.objects);
+    const { update, triangles } = this.picture.showNext();
     this.prediction.expect(update.to_time_ms, update.to_pose.eye);
-    this.mesh = { triangles: set.terrain.triangles, to_nodes: update.to_nodes, to_time_ms: update.to_time_ms, tau_px: Infinity };
-  }
-
-  private render(pose: Pose, frame: ScreenFrame, position: MapPosition | null): void {
-    this.camera.quaternion.fromArray(pose.orientation);
-    this.camera.position.set(0, 0, 0);
-    this.setDepthRange();
-    this.camera.updateMatrixWorld();
-    this.sky.update(this.camera);
-    this.terrain.place(frame.weight, pose.eye, position?.height_m ?? pose.eye[2]);
-    this.objects.placeFrom(pose.eye);
-    if (this.welcome && position) this.drape.place(position.lattice, this.welcome.samples);
-    this.frozen_view.place(pose.eye);
-    this.renderer.clear();
-    this.renderer.render(this.scene, this.camera);
-    ++this.frames;
-  }
-
-  // Near enough not to cut into the ground, far enough to keep depths apart to the edge of the scene.
-  private setDepthRange(): void {
-    const { low, high } = this.welcome!;
-    const across_m = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-    const eye = this.controls.eye;
-    const outside_m = Math.hypot(eye.x - 0.5 * (low[0] + high[0]), eye.y - 0.5 * (low[1] + high[1]), eye.z - low[2]);
-    const clearance_m = Math.max(this.above_ground_m ?? 0.002 * across_m, 0);
-    this.camera.near = Math.max(0.06 * clearance_m, 1e-5 * across_m);
-    this.camera.far = across_m + outside_m;
-    this.camera.updateProjectionMatrix();
+    this.mesh = { triangles, to_nodes: update.to_nodes, to_time_ms: update.to_time_ms, tau_px: Infinity };
   }
 
   private showCredits(): void {
-    const credits = this.drape.attributions().join(' \u00b7 ');
+    const credits = this.picture.attributions().join(' \u00b7 ');
     if (byId('credits').textContent !== credits) byId('credits').textContent = credits;
   }
 
@@ -503,17 +377,4 @@ export class App {
 // The address of a server's model images: beside the address that viewers connect to.
 function modelsOf(server: string): URL {
   return new URL('models/', server.replace(/^ws/, 'http'));
-}
-
-const kVisible = 8; // of 255
-
-function differencesOf(one: Uint8Array, other: Uint8Array): { differing: number; visible: number } {
-  let [differing, visible] = [0, 0];
-  for (let i = 0; i < one.length; i += 4) {
-    let most = 0;
-    for (let k = 0; k < 3; ++k) most = Math.max(most, Math.abs(one[i + k]! - other[i + k]!));
-    if (most > 0) ++differing;
-    if (most > kVisible) ++visible;
-  }
-  return { differing, visible };
 }
