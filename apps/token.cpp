@@ -8,6 +8,7 @@
 #include <string>
 
 #include "apps/options.h"
+#include "base/printable.h"
 #include "server/net/token.h"
 
 int main(int argc, char** argv) {
@@ -18,8 +19,12 @@ int main(int argc, char** argv) {
   CLI::App app("Make a token with which viewers may connect to servers that ask for one.", "foreland token");
   app.add_option("--secret", secret_file, "file of the servers' secret (--token-secret)")->required();
   app.add_option("--name", token.name, "whose it is; limits hold for all tokens of one name together")
-      ->check(
-          CLI::Validator([](std::string& name) { return name.size() > 200 ? "at most 200 bytes" : ""; }, "", "name"))
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            return if (name.size() > 200) return "at most 200 bytes";
+            return isUtf8(name) ? "" : "must be UTF-8";
+          },
+          "", "name"))
       ->capture_default_str();
   app.add_option("--hours", hours, "until it expires")
       ->check(CLI::Range(0.001, 876'000.0) & apps::isFinite())

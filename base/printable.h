@@ -48,6 +48,16 @@ inline std::string hexadecimal(uint32_t value, size_t least_digits) {
 
 }  // namespace printable_detail
 
+// Whether all of it is well-formed.
+inline bool isUtf8(std::string_view text) {
+  while (!text.empty()) {
+    const size_t bytes = printable_detail::characterAt(text).bytes;
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
+  }
+  return true;
+}
+
 // The longest beginning of `text` that has at most `most_bytes` and does not end within a character of UTF-8.
 inline std::string_view cutText(std::string_view text, size_t most_bytes) {
   if (text.size() <= most_bytes) return text;

@@ -103,6 +103,17 @@ Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& f
   return std::shared_ptr<const server::World>(std::move(world));
 }
 
+// For as many connections as are to be taken, those of operators, and files.
+void prepareDescriptors(const server::ServeOptions& options) {
+  constexpr size_t kOthers = 200;
+  const size_t wanted = options.max_connections + kOthers, allowed = apps::allowDescriptors(wanted);
+  if (allowed < wanted)
+    options.log(server::Severity::kWarning,
+                fmt::format("the system lets this program open {} files and sockets, too few for --max-connections {}; "
+                            "raise its limit (ulimit -n, or LimitNOFILE of systemd)",
+                            allowed, options.max_connections));
+}
+
 // Tells people and systemd where the server is.
 void announce(const server::Server& running, server::ServeOptions options, const std::string& title) {
   options.listen.port = running.port();
@@ -142,6 +153,7 @@ int main(int argc, char** argv) {
   if (!options) return fail(options.error());
   options->log = logIn(flags.log_format);
   options->web = findPage(flags.web);
+  prepareDescriptors(*options);
   terrain::endWhenAFileIsLost();
   auto scene = terrain::openVerified(flags.scene);
   if (!scene) return fail(scene.error());

@@ -39,7 +39,7 @@ struct ServerContext {
   SessionHost& host;
   Metrics& metrics;
   Gate& gate;
-  std::map<std::string, size_t>& connections_from;   // open ones, by address
+  std::map<std::string, size_t>& connections_from;   // open ones, by household
   std::shared_ptr<boost::asio::ssl::context> tls{};  // null: the public port is in the clear
   std::set<std::shared_ptr<ViewerConnection>> viewers{};
   bool is_draining = false;  // takes no further viewers
@@ -53,11 +53,11 @@ struct ServerContext {
 inline std::string addressOf(const boost::asio::ip::tcp::socket& socket) {
   boost::system::error_code error;
   const auto endpoint = socket.remote_endpoint(error);
-  return error ? std::string() : endpoint.address().to_string();
+  return error ? std::string() : addressText(endpoint.address());
 }
 
-// Counts one open socket, in the metrics and for its address, as long as this object lives, whichever protocol the
-// socket speaks. I/O thread.
+// Counts one open socket, in the metrics and for its household (gate.h), as long as this object lives, whichever
+// protocol the socket speaks. I/O thread.
 class ConnectionCount {
  public:
   ConnectionCount(ServerContext& context, Admission admission, const boost::asio::ip::tcp::socket& socket)
@@ -65,7 +65,7 @@ class ConnectionCount {
         from_(&context.connections_from),
         address_(admission == Admission::kMetrics ? std::string() : addressOf(socket)) {
     ++*open_;
-    ++(*from_)[address_];
+    ++(*from_)[householdOf(address_)];
   }
   ConnectionCount(ConnectionCount&& other) noexcept
       : open_(std::exchange(other.open_, nullptr)), from_(other.from_), address_(std::move(other.address_)) {}
@@ -76,17 +76,17 @@ class ConnectionCount {
     forget();
   }
 
-  // A proxy has said whom the connection is for. Returns how many others there are of that address.
+  // A proxy has said whom the connection is for. Returns how many others there are of that household.
   size_t countFor(const std::string& address) {
     forget();
     address_ = address;
-    return (*from_)[address_]++;
+    return (*from_)[householdOf(address_)]++;
   }
   const std::string& address() const { return address_; }
 
  private:
   void forget() {
-    const auto at = from_->find(address_);
+    const auto at = from_->find(householdOf(address_));
     if (at != from_->end() && --at->second == 0) from_->erase(at);
   }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/network_v4.hpp>
 #include <boost/asio/ip/network_v6.hpp>
 #include <charconv>
@@ -69,6 +68,18 @@ std::string_view tokenOf(const Visitor& visitor) {
 
 }  // namespace
 
+std::string addressText(const ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address.to_string();
+  return ip::make_address_v4(ip::v4_mapped, address.to_v6()).to_string();
+}
+
+std::string householdOf(const std::string& address) {
+  boost::system::error_code error;
+  const ip::address parsed = ip::make_address(address, error);
+  if (error || !parsed.is_v6()) return address;
+  return ip::network_v6(parsed.to_v6(), 64).canonical().to_string();
+}
+
 Status check(const GateOptions& options) {
   for (const std::string& origin : options.allowed_origins)
     if (!isOrigin(origin))
@@ -125,7 +136,7 @@ std::string Gate::clientOf(const std::string& from, std::string_view forwarded_f
     boost::system::error_code error;
     const ip::address address = ip::make_address(std::string(last), error);
     if (error) break;
-    client = address.to_string();
+    client = addressText(address);
     forwarded_for = comma == std::string_view::npos ? std::string_view() : forwarded_for.substr(0, comma);
   }
   return client;

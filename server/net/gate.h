@@ -2,6 +2,7 @@
 // sockets are elsewhere. I/O thread, which owns what is counted.
 #pragma once
 
+#include <boost/asio/ip/address.hpp>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -16,6 +17,12 @@
 #include "server/net/token.h"
 
 namespace foreland::server {
+
+// An address as it is written and compared here: that of IPv4 which IPv6 has mapped (::ffff:192.0.2.1) as IPv4.
+std::string addressText(const boost::asio::ip::address& address);
+// Of whom connections are counted together: an address of IPv4, or the network of 64 bits that a provider gives to one
+// customer of IPv6. The text itself if it is no address.
+std::string householdOf(const std::string& address);
 
 struct GateOptions {
   std::vector<std::string> allowed_origins{};  // beside the server's own; empty: any

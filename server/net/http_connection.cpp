@@ -39,6 +39,14 @@ constexpr std::pair<const char*, const char*> kPageRules[] = {
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
+// All lines of that name as one list, in their order: a proxy may add a line of its own below what a client made up.
+std::string listOf(const http::request<http::string_body>& request, beast::string_view name) {
+  std::string list;
+  const auto [begin, end] = request.equal_range(name);
+  for (auto line = begin; line != end; ++line) list.append(list.empty() ? "" : ",").append(view(line->value()));
+  return list;
+}
+
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::asio::ip::tcp::socket socket, Admission admission, ServerContext& context)
@@ -95,7 +103,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   // Whether there are as many connections from the address that a trusted proxy names as may be.
   bool isFullFor(const http::request<http::string_body>& request) {
     if (admission_ == Admission::kMetrics || !context_.gate.isTrusted(from_)) return false;
-    const std::string client = context_.gate.clientOf(from_, view(request["X-Forwarded-For"]));
+    const std::string client = context_.gate.clientOf(from_, listOf(request, "X-Forwarded-For"));
     return client != from_ && count_.countFor(client) >= context_.options.max_connections_per_address;
   }
 

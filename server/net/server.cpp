@@ -138,8 +138,9 @@ class Server::Impl {
     const auto most = static_cast<int64_t>(options_.max_connections);
     if (metrics_.connections >= most + kReserve)
       return turnAway(std::move(socket), RefusedFor::kFull, fmt::format("there are {} connections already", most));
-    const auto from = context_.connections_from.find(addressOf(socket));
-    if (from != context_.connections_from.end() && !context_.gate.isTrusted(from->first) &&
+    const std::string address = addressOf(socket);
+    const auto from = context_.connections_from.find(householdOf(address));
+    if (from != context_.connections_from.end() && !context_.gate.isTrusted(address) &&
         from->second >= options_.max_connections_per_address)
       return turnAway(std::move(socket), RefusedFor::kAddress,
                       fmt::format("there are {} connections from its address already", from->second));
@@ -159,13 +160,14 @@ class Server::Impl {
     metrics_.count(reason);
     context_.log(Severity::kDebug, "turned a connection away: " + why);
     if (context_.tls) return;  // it would not be understood
-    static constexpr std::string_view kReply =
+    static constexpr std::string_view kBody = "The server is full. Try again in a while\n";
+    static const std::string reply = fmt::format(
         "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n"
-        "Content-Type: text/plain; charset=utf-8\r\nContent-Length: 40\r\n\r\nThe server is full. Try again in a "
-        "while\n";
+        "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\n\r\n{}",
+        kBody.size(), kBody);
     ErrorOf ignored;
     socket.non_blocking(true, ignored);
-    socket.write_some(net::buffer(kReply), ignored);
+    socket.write_some(net::buffer(reply), ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
   }
 

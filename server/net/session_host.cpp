@@ -98,7 +98,7 @@ void SessionActor::enqueue(Event event) {
     if (ticket_.due.release <= now) return;
     if (!host_.pool_.cancel(ticket_)) return;  // a worker is about to take the lease
   }
-  schedule({now, now + kMessageTimeout});
+  schedule(fairly({now, now + kMessageTimeout}));
 }
 
 void SessionActor::schedule(Due due) {
@@ -178,7 +178,7 @@ void SessionActor::returnLease() {
   const auto due = session_.due();
   const Time now = host_.clock_();
   if (!inbox_.empty())
-    return schedule({now, due ? std::min(due->deadline, now + kMessageTimeout) : now + kMessageTimeout});
+    return schedule(fairly({now, due ? std::min(due->deadline, now + kMessageTimeout) : now + kMessageTimeout}));
   if (due) schedule(fairly(jobFor(*due)));
 }
 

@@ -211,7 +211,7 @@ TEST_F(Hostile, ProcessorHogs) {
 TEST_F(Hostile, HalfOpen) {
   std::vector<Socket> sockets;
   under(1, [&](size_t) {
-    for (int i = 0; i < 100 && sockets.size() < 800; ++i) {
+    for (int i = 0; i < 100 && sockets.size() < 1024; ++i) {
       sockets.emplace_back(port_);
       sockets.back().send("GET /fly HTTP/1.1\r\nHost");
     }

@@ -121,6 +121,22 @@ TEST_F(GateTest, BelievesProxiesThatItTrustsAndNobodyElse) {
   EXPECT_EQ(gate.clientOf("127.0.0.1", "bogus\x01"), "127.0.0.1");
 }
 
+TEST_F(GateTest, ComparesAddressesHoweverTheyAreWritten) {
+  const Gate gate({.trusted_proxies = {"10.0.0.0/8"}});
+  const auto text = [](const char* address) { return addressText(boost::asio::ip::make_address(address)); };
+  EXPECT_EQ(text("::ffff:10.1.2.3"), "10.1.2.3");
+  EXPECT_EQ(text("10.1.2.3"), "10.1.2.3");
+  EXPECT_EQ(text("2001:db8::1"), "2001:db8::1");
+  EXPECT_EQ(gate.clientOf("10.1.2.3", "198.51.100.7, ::ffff:10.9.9.9"), "198.51.100.7");
+}
+
+TEST_F(GateTest, CountsACustomerOfIpv6Once) {
+  EXPECT_EQ(householdOf("198.51.100.7"), "198.51.100.7");
+  EXPECT_EQ(householdOf("2001:db8:1:2:3:4:5:6"), householdOf("2001:db8:1:2::"));
+  EXPECT_NE(householdOf("2001:db8:1:2::1"), householdOf("2001:db8:1:3::1"));
+  EXPECT_EQ(householdOf(""), "");
+}
+
 TEST_F(GateTest, NamesFlagsWithBadValues) {
   for (const char* origin : {"example.org", "https://", "https://a/b", ""})
     EXPECT_NE(check({.allowed_origins = {origin}}).error().message.find("--allow-origin"), std::string::npos);

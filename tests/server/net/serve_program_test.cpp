@@ -2,6 +2,7 @@
 // will not do.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -172,6 +173,22 @@ TEST_F(ServeProgram, RefusesAddressesAndPagesThatWillNotDo) {
   const std::string port = std::to_string(portOf(first.readLine()));
   expectRefusal({scene, "--listen", "127.0.0.1:" + port}, {port, "--listen"});
   expectRefusal(arguments({"--metrics-listen", "127.0.0.1:" + port}), {port, "--metrics-listen"});
+}
+
+// Started where few files may be open, as by a shell, it may still take as many connections as it says.
+TEST_F(ServeProgram, AllowsItselfAsManyDescriptorsAsItsConnectionsNeed) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  ASSERT_GE(before.rlim_max, 1200u);
+  const rlimit few{200, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  Program program("serve", arguments({"--max-connections", "1000"}));
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  const uint16_t port = portOf(program.readLine());
+  const std::string page = httpGet(port, "/metrics"), name = "\nprocess_max_fds ";
+  const size_t at = page.find(name);
+  ASSERT_NE(at, std::string::npos) << page;
+  EXPECT_GE(std::stod(page.substr(at + name.size())), 1000);
 }
 
 }  // namespace

@@ -242,6 +242,26 @@ TEST(Server, AdmitsNoMoreFromAnAddressThanItsLimit) {
   EXPECT_GE(metric(server->port(), "refusals_total{reason=\"address\"}"), 1);
 }
 
+// Who makes up a first line of the header is not believed: the proxy's own is the last one.
+TEST(Server, CountsForTheAddressThatItsProxyNames) {
+  ServeOptions options = testOptions();
+  options.max_connections_per_address = 1;
+  options.gate.trusted_proxies = {"127.0.0.1"};
+  const auto server = serve(options);
+  const auto ask = [&](const std::string& lines) {
+    Socket socket(server->port());
+    socket.send("GET /livez HTTP/1.1\r\nHost: a\r\n" + lines + "\r\n");
+    return socket;
+  };
+  const auto status = [](Socket& socket) { return socket.receiveSome(12).substr(9); };
+  Socket first = ask("X-Forwarded-For: 192.0.2.1\r\nX-Forwarded-For: 198.51.100.7\r\n");
+  EXPECT_EQ(status(first), "200");
+  Socket same = ask("X-Forwarded-For: 192.0.2.2\r\nX-Forwarded-For: 198.51.100.7\r\n");
+  EXPECT_EQ(status(same), "503");
+  Socket victim = ask("X-Forwarded-For: 192.0.2.1\r\n");
+  EXPECT_EQ(status(victim), "200") << "the name that the first made up";
+}
+
 TEST(Server, ClosesAViewerThatNeverGreetsAndOneWhoseMessageDoesNotEnd) {
   ServeOptions options = testOptions();
   options.idle_timeout = Duration::milliseconds(400);  // how often viewers are looked at follows from it
