@@ -41,19 +41,34 @@ bool BlockTest::isBehind(const proto::BlockId& block, const Tolerance& tolerance
 
 bool BlockTest::isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const {
   const HorizonGrid& grid = *scene_.grid;
-  const EyeSweep& eyes = horizon.eyes();
-  const BlockTops::Square& square = scene_.tops.square(scale, i, j);
-  const double side = (2u << scale) * grid.stepsOfSample(), quantum_m = grid.heightQuantum();
-  const glm::dvec2 low(i * side, j * side);
-  const double spread = horizon.extent() + grid.metresOfStep() * side,
-               distance_m = glm::length(grid.toScene(low - horizon.begin())), top_m = square.top * quantum_m;
+  Horizon::Square s = squareIn(scale, i, j);
+  const glm::dvec2 size = s.high - s.low;
+  const double spread = horizon.extent() + grid.metresOfStep() * std::max(size.x, size.y),
+               distance_m = glm::length(grid.toScene(s.low - horizon.begin()));
   if (distance_m < 2 * spread) return false;
   // A vertical error e is seen as f e h / d^2 at the horizontal distance h and the distance d.
-  const double drop = std::fabs(top_m - eyes.eye.z) + spread,
+  const double drop = std::fabs(s.top_m - horizon.eyes().eye.z) + spread,
                raise = tolerance.tau_px / tolerance.lens.focalPx() *
                        (distance_m + spread + drop * drop / (distance_m - spread));
-  return horizon.hides({low, low + side, top_m + raise, square.height * quantum_m + raise,
-                        glm::dvec2(square.tilt_x, square.tilt_y) * quantum_m});
+  s.top_m += raise;
+  s.height_m += raise;
+  return horizon.hides(s);
+}
+
+// In geographic scenes a square is not one of the grid, nor is what is plane in the lattice plane in the scene.
+Horizon::Square BlockTest::squareIn(uint32_t scale, uint32_t i, uint32_t j) const {
+  const HorizonGrid& grid = *scene_.grid;
+  const BlockTops::Square& square = scene_.tops.square(scale, i, j);
+  if (grid.isLattice()) {
+    const double side = (2u << scale) * grid.stepsOfSample(), quantum_m = grid.heightQuantum();
+    const glm::dvec2 low(i * side, j * side);
+    return {low, low + side, square.top * quantum_m, square.height * quantum_m,
+            glm::dvec2(square.tilt_x, square.tilt_y) * quantum_m};
+  }
+  const uint32_t side = 2u << scale;
+  const HorizonGrid::Bounds bounds = grid.boundsOf(hierarchy_.frame(), {i * side, j * side},
+                                                   {(i + 1) * side, (j + 1) * side}, square.bottom, square.top);
+  return {bounds.low, bounds.high, bounds.top_m, bounds.top_m, glm::dvec2(0)};
 }
 
 bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& eye) {

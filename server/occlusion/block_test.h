@@ -11,8 +11,8 @@
 // Behind a horizon (horizon.h) each square is hidden or not. The surface may be drawn lower than it is, by what is seen
 // as tau, where the horizon is: tops are raised by as much as that is at their own distance.
 //
-// Otherwise lines of sight are sampled by rays; that nothing is missed between the samples follows from the occluder's
-// steepness k (occluder.h):
+// Without one lines of sight are sampled by rays; that nothing is missed between the samples follows from the
+// occluder's steepness k (occluder.h):
 //
 //   from the ball   Let the line from the raised eye E + (0, 0, b sqrt(1 + k^2)) to a point p be blocked at the share l of its way.
 //                   The line from any eye within b of E to p passes there within (1 - l) b of the first, not counting
@@ -78,6 +78,7 @@ class BlockTest {
   };
 
   bool isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const;
+  Horizon::Square squareIn(uint32_t scale, uint32_t i, uint32_t j) const;  // tops as they are
   bool collectSquares(const proto::BlockId& block, const glm::dvec3& eye);
   bool raiseEye(const Tolerance& tolerance, const EyeSweep& eyes);
   bool isCovered(double low, double high, int halvings);

@@ -138,8 +138,6 @@ void HorizonGrid::setAxes(const glm::dmat2& step, const glm::dvec2& origin_m) {
   metres_of_step_ = largestStretch(step);
 }
 
-// Between the corners of a box the ground bends: upward by what its diagonal does on a sphere, and sideways as
-// parallels do, more towards the poles; lower ground lies farther inward along its vertical.
 HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::LatticeBox& box, double lowest_m, double highest_m) const {
   if (!geographic_) return {box.low * stepsOfSample(), box.high * stepsOfSample(), highest_m};
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
@@ -154,8 +152,26 @@ HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::LatticeBox& box, double l
       }
     }
   }
+  return boundsAbout(low, high);
+}
+
+HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::FrameGrid& frame, const glm::uvec2& low, const glm::uvec2& high,
+                                          int32_t lowest, int32_t highest) const {
+  glm::dvec3 least(std::numeric_limits<double>::infinity()), most = -least;
+  for (const uint32_t y : {low.y, high.y})
+    for (const uint32_t x : {low.x, high.x})
+      for (const int32_t height : {lowest, highest}) {
+        const glm::dvec3 p = frame.position(proto::NodeId::at(x, y), height);
+        least = glm::min(least, p), most = glm::max(most, p);
+      }
+  return boundsAbout(least, most);
+}
+
+// Between the corners of a box, whose bounds these are, the ground bends: upward by what its diagonal does on a sphere,
+// and sideways as parallels do, more towards the poles; lower ground lies farther inward along its vertical.
+HorizonGrid::Bounds HorizonGrid::boundsAbout(const glm::dvec3& low, const glm::dvec3& high) const {
   const glm::dvec2 size(high - low);
-  const double bend_m = kMostBend * glm::dot(size, size) / frame.leastRadius();
+  const double bend_m = kMostBend * glm::dot(size, size) / geographic_->frame().leastRadius();
   return {toGrid(glm::dvec2(low) - bend_m), toGrid(glm::dvec2(high) + bend_m), high.z + bend_m};
 }
 

@@ -54,13 +54,17 @@ class HorizonGrid {
   glm::dvec2 toGrid(const glm::dvec2& scene_m) const { return to_grid_ * (scene_m - origin_m_); }
   glm::dvec2 directionToGrid(const glm::dvec2& scene_m) const { return to_grid_ * scene_m; }
   glm::dvec2 toScene(const glm::dvec2& direction) const { return to_scene_ * direction; }
-  double stepsOfSample() const { return 1.0 / stride_; }  // in planar frames
+  bool isLattice() const { return !geographic_; }         // its lines are the lattice's
+  double stepsOfSample() const { return 1.0 / stride_; }  // of a lattice
   // What holds all ground of a box of the lattice between two heights: in steps, and up to a height of the scene.
   struct Bounds {
     glm::dvec2 low, high;
     double top_m;
   };
   Bounds boundsOf(const proto::LatticeBox& box, double lowest_m, double highest_m) const;
+  // The same of a square of a geographic scene's lattice, between two heights in quanta, by the tables of its frame.
+  Bounds boundsOf(const proto::FrameGrid& frame, const glm::uvec2& low, const glm::uvec2& high, int32_t lowest,
+                  int32_t highest) const;
   // Of a circle of one metre on the ground, as steps, at most; and of a circle of one step, in metres.
   double stepsOfMetre() const { return steps_of_metre_; }
   double metresOfStep() const { return metres_of_step_; }
@@ -71,6 +75,7 @@ class HorizonGrid {
  private:
   HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heights);
   void setAxes(const glm::dmat2& step, const glm::dvec2& origin_m);
+  Bounds boundsAbout(const glm::dvec3& low, const glm::dvec3& high) const;
 
   std::optional<proto::FrameTransform> geographic_;  // of geographic frames
   uint32_t stride_ = 1;                              // samples a step

@@ -7,10 +7,8 @@ namespace foreland::server {
 Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hierarchy& hierarchy,
                                                                      std::shared_ptr<const HorizonGrid> grid) {
   SceneOcclusion scene{BlockTops(hierarchy), std::move(grid), nullptr};
-  if (scene.grid) return std::make_shared<const SceneOcclusion>(std::move(scene));
-  if (HorizonGrid::supports(hierarchy)) {
-    scene.grid = std::make_shared<const HorizonGrid>(hierarchy);
-  } else {
+  if (!scene.grid) scene.grid = HorizonGrid::of(hierarchy);
+  if (!scene.grid) {
     auto occluder = Occluder::create(hierarchy);
     if (!occluder) return occluder.error();
     scene.occluder = std::move(*occluder);

@@ -11,8 +11,8 @@ namespace foreland::server {
 
 struct SceneOcclusion {
   BlockTops tops;
-  std::shared_ptr<const HorizonGrid> grid;   // of a planar scene
-  std::shared_ptr<const Occluder> occluder;  // of another; null if there is a grid
+  std::shared_ptr<const HorizonGrid> grid;   // null if the scene extends too far over the earth for one
+  std::shared_ptr<const Occluder> occluder;  // of such a scene; null if there is a grid
 
   // As Occluder::create; takes `grid` if there is one already. O(samples).
   static Result<std::shared_ptr<const SceneOcclusion>> create(const Hierarchy& hierarchy,

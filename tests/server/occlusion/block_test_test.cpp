@@ -34,7 +34,7 @@ struct Ways {
 // A scene, and all that a test of its blocks needs.
 struct Ground {
   Ground(std::shared_ptr<const terrain::Scene> scene, Behind behind) : hierarchy(std::move(scene)) {
-    if (behind == Behind::kHorizons) shared.grid = std::make_shared<const HorizonGrid>(hierarchy);
+    if (behind == Behind::kHorizons) shared.grid = HorizonGrid::of(hierarchy);
     if (behind == Behind::kRays) shared.occluder = Occluder::create(hierarchy).value();
   }
   bool isHidden(const BlockId& block, const proto::View& view, const EyeSweep& eyes, uint64_t max_rays = 1000) {
@@ -231,6 +231,7 @@ TEST_P(Hidden, BehindAWallOnAllSides) {
 INSTANTIATE_TEST_SUITE_P(Ways, Hidden,
                          testing::Values(Ways{proto::FrameKind::kPlanar, Behind::kHorizons},
                                          Ways{proto::FrameKind::kPlanar, Behind::kRays},
+                                         Ways{proto::FrameKind::kGeographic, Behind::kHorizons},
                                          Ways{proto::FrameKind::kGeographic, Behind::kRays}));
 
 TEST(Tops, BoundTheHeightsOfTheirSquares) {
