@@ -1,9 +1,10 @@
 // What a viewer's server remembers of blocks of which it has said whether they are hidden (viewer_occlusion.h): by
-// tiles, as HiddenBlocks keeps them. One owner. Memory: 200 bytes a tile, in chunks of 16 that are freed once unused.
+// tiles, as HiddenBlocks keeps them. One owner. Memory: 400 bytes a tile, in chunks of 16 that are freed once unused.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -16,13 +17,19 @@ struct BlockProof {
   int32_t until = 0;      // the last interval for which it is known to be hidden, if it is
   int32_t next = 0;       // the interval of the next review
   uint32_t keyframe = 0;  // when that was found out
-  uint8_t length = 1;
+  // The last interval in which no stretch hides it, as these are at a revision.
+  int32_t open_until = std::numeric_limits<int32_t>::min();
+  uint32_t revision = 0;
+  uint8_t length = 1;    // of the stretch that was the last proof
+  uint8_t lengths = 0;   // of all stretches that are a part of the proof (Stretches::Lengths)
+  uint8_t failures = 0;  // tries in a row to prove it hidden
 };
 
 struct TileProofs {
   static constexpr uint32_t kBlocks = proto::HiddenBlocks::kTileBlocks;
   std::array<BlockProof, kBlocks> blocks;
-  int32_t next = 0;  // the first of its blocks' next reviews; at most
+  int32_t next = 0;       // the first of its blocks' next reviews; at most
+  uint32_t revision = 0;  // of the stretches, at the last review
 };
 
 class BlockProofs {

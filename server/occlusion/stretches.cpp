@@ -1,58 +1,130 @@
 #include "server/occlusion/stretches.h"
 
 #include <algorithm>
-#include <span>
 
 namespace foreland::server {
 
 namespace {
 
 constexpr size_t kMostSpare = 1;
+constexpr double kMostLoose = 4, kLoose_m = 2;  // room that is kept, over what is needed
 
-// Whether what is found for some eyes is found for all parts of a stretch, and not for a far larger room.
-bool holds(const EyeSweep& known, std::span<const EyeSweep> parts, double radius_m) {
-  constexpr double kMostLoose = 3, kLoose_m = 1;
-  return known.radius_m <= kMostLoose * radius_m + kLoose_m &&
-         std::all_of(parts.begin(), parts.end(), [&](const EyeSweep& part) { return known.contains(part); });
+// Whether a sweep is for far more eyes than another one.
+bool isLoose(const EyeSweep& known, const EyeSweep& wanted) {
+  return known.radius_m > kMostLoose * wanted.radius_m + kLoose_m;
 }
 
 }  // namespace
 
-Stretch* Stretches::at(size_t length, int64_t interval, uint32_t keyframe) {
-  const uint32_t log2 = kLengthLog2[length];
-  const int64_t number = interval >> log2, begin = std::max(number << log2, intervals_.first()),
-                end = (number + 1) << log2;
+void Stretches::revise(uint32_t keyframe) {
+  // Without that, no interval is shown again once it is past, nor means another time, nor have stretches other lengths.
+  if (intervals_.interval() != interval_ || intervals_.isPredicted() != is_predicted_ || intervals_.first() < first_) {
+    clear();
+    invalidate(keyframe);
+    interval_ = intervals_.interval();
+    is_predicted_ = intervals_.isPredicted();
+  }
+  if (now_.is_made && !now_.eyes.contains(intervals_.shownEyes())) {
+    now_.is_made = false;
+    dropHorizon(now_);
+  }
+  for (auto& held : held_)
+    for (Stretch& stretch : held) revise(stretch, keyframe);
+  collectChanges(keyframe);
+  first_ = intervals_.first();
+  last_ = intervals_.last();
+}
+
+// What was proved for more eyes holds for fewer, but less could be proved: so a loose stretch is made anew, if that
+// needs no other eyes.
+void Stretches::revise(Stretch& stretch, uint32_t keyframe) {
+  if (stretch.end <= intervals_.first()) {
+    dropHorizon(stretch);
+    stretch = {};
+    return;
+  }
+  if (!stretch.is_made) return;
+  const auto parts = intervals_.eyes(stretch.begin, stretch.end);
+  const bool holds =
+      std::all_of(parts.begin(), parts.end(), [&](const EyeSweep& part) { return stretch.eyes.contains(part); });
+  if (!holds) stretch.changed_at = keyframe;
+  if (holds && stretch.end <= intervals_.end() && isLoose(stretch.eyes, roomyEyes(stretch)))
+    stretch.is_made = !stretch.eyes.contains(roomyEyes(stretch));
+  stretch.is_made = stretch.is_made && holds;
+  if (!stretch.is_made) dropHorizon(stretch);
+}
+
+void Stretches::collectChanges(uint32_t keyframe) {
+  changes_.clear();
+  bool concerns_shown = false;
+  for (size_t length = 0; length < kLengths; ++length)
+    for (const Stretch& stretch : held_[length]) {
+      if (stretch.changed_at == 0) continue;
+      changes_.push_back({stretch.changed_at, stretch.begin, static_cast<Lengths>(1u << length)});
+      concerns_shown = concerns_shown || (stretch.begin <= intervals_.last() &&
+                                          (stretch.changed_at == keyframe || stretch.begin > last_));
+    }
+  if (concerns_shown) ++revision_;
+}
+
+void Stretches::invalidate(uint32_t keyframe) {
+  valid_since_ = keyframe;
+  ++revision_;
+}
+
+int64_t Stretches::firstChangedAfter(uint32_t keyframe, Lengths lengths) const {
+  if (keyframe < valid_since_) return intervals_.first();
+  int64_t first = intervals_.end();
+  for (const Change& change : changes_)
+    if (change.keyframe > keyframe && (change.lengths & lengths) != 0) first = std::min(first, change.begin);
+  return first;
+}
+
+EyeSweep Stretches::roomyEyes(const Stretch& stretch) const {
+  EyeSweep eyes = hullOf(intervals_.eyes(stretch.begin, stretch.end));
+  eyes.radius_m += intervals_.room_m(stretch.end - 1);
+  return eyes;
+}
+
+int64_t Stretches::lastCoveredUpTo(int64_t interval) const {
+  return std::min(interval, (intervals_.end() & -shortest()) - 1);
+}
+
+Stretch* Stretches::at(size_t length, int64_t interval) {
+  const uint32_t log2 = intervalsLog2(length);
+  const int64_t number = interval >> log2, begin = number << log2, end = (number + 1) << log2;
   if (end > intervals_.end()) return nullptr;
   Stretch& stretch = held_[length][static_cast<size_t>(number) % kHeld];
-  if (stretch.end == end && stretch.keyframe == keyframe) return &stretch;
-  const auto parts = std::span(parts_).first(collect(begin, end));
-  const EyeSweep eyes = hullOf(parts);
-  if (stretch.end == end && holds(stretch.eyes, parts, eyes.radius_m)) {
-    stretch.keyframe = keyframe;
-    return &stretch;
+  const bool is_same = stretch.begin == begin && stretch.end == end;
+  if (is_same && stretch.is_made) return &stretch;
+  if (!is_same) {
+    dropHorizon(stretch);
+    stretch = {.begin = begin, .end = end, .is_made = false, .changed_at = 0, .eyes = {}, .horizon = nullptr};
   }
-  std::shared_ptr<Horizon> horizon = sightOf(parts, eyes.radius_m, length);
-  drop(stretch);
-  stretch = {begin, end, keyframe, eyes, std::move(horizon)};
+  stretch.eyes = roomyEyes(stretch);
+  stretch.horizon = sightOf(stretch.eyes);
+  stretch.is_made = true;
   return &stretch;
 }
 
-Stretch& Stretches::now(uint32_t keyframe) {
-  if (now_.keyframe == keyframe) return now_;
-  drop(now_);
-  now_ = {intervals_.first(), intervals_.last() + 1, keyframe, intervals_.shownEyes(), nullptr};
+Stretch& Stretches::now() {
+  if (now_.is_made) return now_;
+  now_ = {.begin = intervals_.first(),
+          .end = intervals_.last() + 2,
+          .is_made = true,
+          .changed_at = 0,
+          .eyes = hullOf(intervals_.eyes(intervals_.first(), intervals_.last() + 2)),
+          .horizon = nullptr};
+  now_.eyes.radius_m += 0.5 * intervals_.room_m(intervals_.last());
   return now_;
 }
 
-size_t Stretches::collect(int64_t begin, int64_t end) {
-  for (int64_t i = begin; i < end; ++i) parts_[static_cast<size_t>(i - begin)] = intervals_.eyes(i);
-  return static_cast<size_t>(end - begin);
-}
-
 // A horizon that is there already, of all of these eyes and perhaps others: an eye at rest needs but one.
-std::shared_ptr<Horizon> Stretches::sightOf(std::span<const EyeSweep> parts, double radius_m, size_t length) const {
-  for (const Stretch& other : held_[length])
-    if (other.horizon && holds(other.horizon->eyes(), parts, radius_m)) return other.horizon;
+std::shared_ptr<Horizon> Stretches::sightOf(const EyeSweep& eyes) const {
+  for (const auto& held : held_)
+    for (const Stretch& other : held)
+      if (other.horizon && other.horizon->eyes().contains(eyes) && !isLoose(other.horizon->eyes(), eyes))
+        return other.horizon;
   return nullptr;
 }
 
@@ -68,22 +140,20 @@ Horizon& Stretches::horizonOf(Stretch& stretch, double bin) {
   return *stretch.horizon;
 }
 
-void Stretches::drop(Stretch& stretch) {
+void Stretches::dropHorizon(Stretch& stretch) {
   if (stretch.horizon && stretch.horizon.use_count() == 1 && spare_.size() < kMostSpare)
     spare_.push_back(std::move(stretch.horizon));
-  stretch = {};
-}
-
-void Stretches::dropPast() {
-  for (auto& held : held_)
-    for (Stretch& stretch : held)
-      if (stretch.end <= intervals_.first()) drop(stretch);
+  stretch.horizon.reset();
 }
 
 void Stretches::clear() {
   for (auto& held : held_)
-    for (Stretch& stretch : held) drop(stretch);
-  drop(now_);
+    for (Stretch& stretch : held) {
+      dropHorizon(stretch);
+      stretch = {};
+    }
+  dropHorizon(now_);
+  now_ = {};
 }
 
 // A horizon that several stretches share counts once.

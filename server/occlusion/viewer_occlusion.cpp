@@ -18,6 +18,7 @@ constexpr int64_t kWorth = 11;             // intervals after a keyframe's for w
 constexpr int64_t kSpread = 8;             // intervals over which proofs that end together are renewed
 constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer stretch
 constexpr int64_t kRayRest = 48;           // intervals more until rays try a visible block again
+constexpr uint8_t kMostFailures = 2;       // in a row that prolong the rest of a visible block, to twice as much each
 constexpr double kSpareTau = 1.25;         // a tolerance that rises is taken to be larger by this
 constexpr uint32_t kUnusedKeyframes = 32;  // until proofs are dropped
 constexpr uint32_t kTileMask = (1u << HiddenBlocks::kTileLog2) - 1;
@@ -50,14 +51,14 @@ void ViewerOcclusion::begin(const proto::View& view) {
   view_ = view;
   frustum_.emplace(view, 0);
   last_ray_ = statistics_.rays + options_.rays;
-  intervals_.expect(outlook_ ? *outlook_ : restingIn(view, keyframe_), keyframe_);
+  intervals_.expect(outlook_ ? std::move(*outlook_) : restingIn(view, keyframe_));
   outlook_.reset();
   if (has_new_lens) stretches_.clear();
+  stretches_.revise(keyframe_);
   if (has_new_lens || view.tau_px > tau_px_) {
     tau_px_ = (tau_px_ > 0 ? kSpareTau : 1) * view.tau_px;
-    intervals_.invalidate(keyframe_);
+    stretches_.invalidate(keyframe_);
   }
-  stretches_.dropPast();
   if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
 }
 
@@ -86,10 +87,10 @@ int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, in
     if (length > 0 && (phaseOf(block) + static_cast<uint64_t>(first)) % kUpgradePeriod == 0) --length;
     const Stretch* found = nullptr;
     for (; length < Stretches::kLengths && !found; ++length)
-      if (Stretch* const stretch = stretches_.at(length, first, keyframe_);
-          stretch && hides(*stretch, block, towards)) {
+      if (Stretch* const stretch = stretches_.at(length, first); stretch && hides(*stretch, block, towards)) {
         found = stretch;
         proof.length = static_cast<uint8_t>(length);
+        proof.lengths |= static_cast<uint8_t>(1u << length);
       }
     if (!found) break;
     first = found->end;
@@ -97,35 +98,51 @@ int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, in
   return first - 1;
 }
 
-// The last interval is tried first: a block that is visible in it need not be tried again before it is past.
+// The last interval is tried first. Where a stretch shows the block, it need not be tried again before that is past;
+// and less and less often as long as it stays visible.
 bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof) {
-  const int64_t last = intervals_.last() + kWorth, shown = intervals_.last() - intervals_.first();
-  Stretch* const farthest = stretches_.at(Stretches::kLengths - 1, last, keyframe_);
-  const bool may_be = !farthest || !scene_.grid || hides(*farthest, block, Towards::kHidden);
-  const int64_t until = may_be ? hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden) : last - 1;
-  const bool is_hidden = may_be && until >= last;
-  proof.until = static_cast<int32_t>(until);
-  const int64_t rest = scene_.grid ? 0 : kRayRest;
-  proof.next = static_cast<int32_t>(is_hidden ? until + 1 : std::max(until + 1, intervals_.last()) + shown + 1 + rest);
+  const int64_t last = std::max(stretches_.lastCoveredUpTo(intervals_.last() + kWorth), intervals_.last()),
+                shown = intervals_.last() - intervals_.first();
   proof.keyframe = keyframe_;
-  return is_hidden;
+  proof.lengths = 0;
+  Stretch* const far = scene_.grid ? stretches_.at(Stretches::kLengths - 1, last) : nullptr;
+  const bool may_be = !far || hides(*far, block, Towards::kHidden);
+  if (may_be) proof.until = static_cast<int32_t>(hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden));
+  if (may_be && proof.until >= last) {
+    proof.next = proof.until + 1;
+    proof.failures = 0;
+    return true;
+  }
+  const int64_t shortest_end = stretches_.shortestEnd(int64_t{proof.until} + 1), length = stretches_.shortest(),
+                past = may_be ? shortest_end + shown : far->end - (last - intervals_.last()),
+                rest = length * ((1 << proof.failures) - 1) + (scene_.grid ? 0 : kRayRest);
+  proof.next = static_cast<int32_t>(std::max(past, intervals_.last() + 1) + phaseOf(block) % kSpread + rest);
+  proof.failures = std::min<uint8_t>(proof.failures + 1, kMostFailures);
+  return false;
 }
 
 bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof) {
-  const int64_t last = intervals_.last(),
-                known = std::min<int64_t>(proof.until, intervals_.firstChangedAfter(proof.keyframe) - 1);
+  const int64_t first = intervals_.first(), last = intervals_.last(),
+                known = std::min<int64_t>(proof.until, stretches_.firstChangedAfter(proof.keyframe, proof.lengths) - 1);
   if (known >= last && proof.next > last) return true;
-  int64_t until =
-      hiddenUntil(block, proof, std::max(known + 1, intervals_.first()), std::max(last, known + 1), Towards::kVisible);
-  // A prediction's error is less for the keyframe itself than for all of a stretch.
-  if (until < last && intervals_.isPredicted() && hides(stretches_.now(keyframe_), block, Towards::kVisible))
-    until = last;
-  if (until < last) return false;
-  const int64_t spare = until - last;
+  if (known < first) proof.lengths = 0;
+  // Where no stretch has hidden it none will, unless one is made anew.
+  const bool is_known_open = proof.until < last && last <= proof.open_until && proof.revision == stretches_.revision();
+  const int64_t until = is_known_open ? known
+                                      : hiddenUntil(block, proof, std::max(known + 1, first), std::max(last, known + 1),
+                                                    Towards::kVisible);
+  proof.keyframe = keyframe_;
   proof.until = static_cast<int32_t>(until);
+  if (until < last) {
+    // A prediction's error is less for the keyframe itself than for all of a stretch.
+    proof.open_until = static_cast<int32_t>(stretches_.shortestEnd(std::max(until + 1, first)) - 1);
+    proof.revision = stretches_.revision();
+    proof.next = static_cast<int32_t>(last);
+    return intervals_.isPredicted() && hides(stretches_.now(), block, Towards::kVisible);
+  }
+  const int64_t spare = until - last;
   proof.next =
       static_cast<int32_t>(until + 1 - (until > known && spare > 0 ? phaseOf(block) % std::min(spare, kSpread) : 0));
-  proof.keyframe = keyframe_;
   return true;
 }
 
@@ -139,30 +156,36 @@ bool ViewerOcclusion::isHidden(const BlockId& block) {
 
 // Whether a block is hidden from now on. Out of view it makes no difference, and need not be tried before it comes into
 // view.
-bool ViewerOcclusion::review(const BlockId& block, BlockProof& proof, bool was_hidden) {
+bool ViewerOcclusion::review(const BlockId& block, BlockProof& proof, bool was_hidden, bool is_revised) {
   ++statistics_.reviews;
-  const bool is_due = proof.next <= intervals_.last() || (was_hidden && intervals_.hasChanged());
-  if (!is_due || !meetsFrustum(block.scale + 1u, block.x, block.y)) return was_hidden;
+  const int64_t last = intervals_.last();
+  if (proof.next > last && !(was_hidden && is_revised)) return was_hidden;
+  if (!meetsFrustum(block.scale + 1u, block.x, block.y)) {
+    proof.next = static_cast<int32_t>(std::min<int64_t>(proof.next, last));
+    return was_hidden;
+  }
   if (!was_hidden) return turnsHidden(block, proof);
   if (staysHidden(block, proof)) return true;
-  proof.next = static_cast<int32_t>(intervals_.last() + kWorth);
+  proof.next = static_cast<int32_t>(last + kWorth);
   return false;
 }
 
 uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
   TileProofs& tile = proofs_.of(lowest, keyframe_);
-  if (tile.next > intervals_.last() && !intervals_.hasChanged()) return 0;
+  const bool is_revised = tile.revision != stretches_.revision();
+  if (tile.next > intervals_.last() && !is_revised) return 0;
   // A tile is a square of a scale whose blocks are eight times as large.
   if (!meetsFrustum(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2))
     return 0;
   uint32_t changed = 0;
   tile.next = std::numeric_limits<int32_t>::max();
+  tile.revision = stretches_.revision();
   for (uint32_t left = known; left != 0; left &= left - 1) {
     const auto bit = static_cast<uint32_t>(std::countr_zero(left));
     const bool was_hidden = (hidden >> bit & 1) != 0;
     BlockProof& proof = tile.blocks[bit];
     const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
-    if (review(block, proof, was_hidden) != was_hidden) changed |= 1u << bit;
+    if (review(block, proof, was_hidden, is_revised) != was_hidden) changed |= 1u << bit;
     tile.next = std::min(tile.next, proof.next);
   }
   return changed;

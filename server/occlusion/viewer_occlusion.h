@@ -2,9 +2,10 @@
 //
 // A block is hidden in a keyframe if that is proved for all eyes of the intervals in which the keyframe is shown
 // (eye_intervals.h). Proofs are for stretches of 16 or 8 intervals (stretches.h): a block deep behind a ridge is tested
-// every 16 keyframes, one near the ridge's edge every eight. A block turns visible with the first keyframe that may
-// show it, or up to seven earlier. One that is visible must be hidden for some intervals ahead, and by some margin, to
-// turn hidden, lest it flicker, and is tried again after the last interval in which it is known to be visible.
+// every 16 keyframes, one near the ridge's edge every eight; half as many where the path is guessed. A block turns
+// visible with the first keyframe that may show it, or up to seven earlier. One that is visible must be hidden for some
+// intervals ahead, and by some margin, to turn hidden, lest it flicker; it is tried again when the stretch that shows
+// it is past, and more and more seldom as long as it stays visible.
 //
 // Blocks are tested behind horizons (horizon.h); by rays (block_test.h), at most so many in a keyframe, in scenes that
 // have no grid for these.
@@ -63,7 +64,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   int64_t hiddenUntil(const proto::BlockId& block, BlockProof& proof, int64_t first, int64_t last, Towards towards);
   bool turnsHidden(const proto::BlockId& block, BlockProof& proof);
   bool staysHidden(const proto::BlockId& block, BlockProof& proof);
-  bool review(const proto::BlockId& block, BlockProof& proof, bool was_hidden);
+  bool review(const proto::BlockId& block, BlockProof& proof, bool was_hidden, bool is_revised);
 
   const Hierarchy& hierarchy_;
   const SceneOcclusion& scene_;

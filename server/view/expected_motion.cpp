@@ -9,6 +9,11 @@ proto::Pose ExpectedMotion::at(Time t) const {
   return t <= history_->newest().time ? history_->at(t) : history_->predict(predictor_, t);
 }
 
+std::optional<Time> ExpectedMotion::guessedUntil() const {
+  if (path_) return std::nullopt;
+  return history_->newest().time + PoseHistory::kHorizon;
+}
+
 std::optional<Time> ExpectedMotion::nextCorner(Time t) const {
   return path_ ? path_->nextPoseTime(t) : history_->nextCorner(t);
 }

@@ -27,6 +27,9 @@ class ExpectedMotion {
   // Continuous in `t`.
   proto::Pose at(Time t) const;
 
+  // Up to which time it is guessed: later the camera is taken to stand still for want of a guess. Never, along a path.
+  std::optional<Time> guessedUntil() const;
+
   // The first time after `t` at which the motion may have a corner; nothing if there is none. Between two neighbouring
   // corners the eye follows a polynomial of time, and the orientation turns about one axis and one way.
   std::optional<Time> nextCorner(Time t) const;
