@@ -38,7 +38,7 @@ bool EyeIntervals::isPredicted() const { return outlook_.error_m > kGuess_m; }
 
 EyeSweep EyeIntervals::shownEyes() const { return hullOf(eyes(first(), last() + 1)); }
 
-double EyeIntervals::room_m(int64_t interval) const {
+double EyeIntervals::room(int64_t interval) const {
   if (!isPredicted()) return kRounding_m;
   const auto ahead = static_cast<double>(std::max<int64_t>(0, interval - last()));
   return kSpare_m + (0.5 + kStray * ahead * ahead) * outlook_.error_m;

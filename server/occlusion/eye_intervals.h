@@ -36,8 +36,8 @@ class EyeIntervals {
   std::span<const EyeSweep> eyes(int64_t begin, int64_t end) const;
   bool isPredicted() const;    // by guess: not along a known path
   EyeSweep shownEyes() const;  // from first() to last()
-  // By how much later predictions are likely to differ for an interval; for the rounding of the same eyes at least.
-  double room_m(int64_t interval) const;
+  // Metres by which later predictions are likely to differ for an interval; for the rounding of the same eyes at least.
+  double room(int64_t interval) const;
 
  private:
   EyeOutlook outlook_{{}, 0, -1, {}, 0};

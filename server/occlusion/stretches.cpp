@@ -82,7 +82,7 @@ int64_t Stretches::firstChangedAfter(uint32_t keyframe, Lengths lengths) const {
 
 EyeSweep Stretches::roomyEyes(const Stretch& stretch) const {
   EyeSweep eyes = hullOf(intervals_.eyes(stretch.begin, stretch.end));
-  eyes.radius_m += intervals_.room_m(stretch.end - 1);
+  eyes.radius_m += intervals_.room(stretch.end - 1);
   return eyes;
 }
 
@@ -115,7 +115,7 @@ Stretch& Stretches::now() {
           .changed_at = 0,
           .eyes = hullOf(intervals_.eyes(intervals_.first(), intervals_.last() + 2)),
           .horizon = nullptr};
-  now_.eyes.radius_m += 0.5 * intervals_.room_m(intervals_.last());
+  now_.eyes.radius_m += 0.5 * intervals_.room(intervals_.last());
   return now_;
 }
 
