@@ -110,6 +110,7 @@ With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is
                                 drawn at its time)
   max_error_px_frames           frames as they were drawn, one in --truth-every; frames_over_tau counts those above tolerance
+  outside_error_p99_px, outside_error_max_px   of measured_frames_outside of these, which were outside of a keyframe's region
   cracks, uncovered_samples     of terrain and objects; must be 0
   measure_every, weights_judged the stride that was taken; how many weights between two keyframes were judged
   object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times

@@ -67,6 +67,9 @@ class Measurement {
                              &truth_.extrapolation, &truth_.lod_motion})
       norms->finish();
     truth_.lod_motion_p99_px = quantile(moved_px_, 0.99);
+    truth_.outside_measured = outside_px_.size();
+    truth_.outside_p99_px = quantile(outside_px_, 0.99);
+    truth_.outside_max_px = quantile(outside_px_, 1);
     truth_.object_interior_per_tau = oracle_.objects().interiorPerTau();
     truth_.delay_mean_ms = delay_sum_ms_ / static_cast<double>(std::max<uint64_t>(frames_, 1));
     return truth_;
@@ -107,6 +110,7 @@ class Measurement {
     addObjects(d);
     truth_.uncovered_samples += d.uncovered;
     truth_.frames_over_tau += d.max_px > view.mesh->to.frameTolerance() + kSlack_px;
+    if (std::isinf(view.tolerance_px)) outside_px_.push_back(d.max_px);
     if (options_.section_at) measureTerms(player, now, drawn);
     if (options_.on_progress) options_.on_progress(truth_);
   }
@@ -178,6 +182,7 @@ class Measurement {
   Time last_frame_;
   double last_weight_ = 0;
   std::vector<double> motions_px_, moved_px_;  // of a frame, and of all
+  std::vector<double> outside_px_;             // errors of frames that no region covers
   uint64_t frames_ = 0;
   double delay_sum_ms_ = 0;
 };

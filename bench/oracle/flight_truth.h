@@ -79,7 +79,9 @@ struct FlightTruth {
   double object_interior_error_px = 0, object_interior_per_tau = 1;  // the same; its tolerance, as a multiple of tau
   uint64_t object_vertices_judged = 0;
   double delay_max_ms = 0, delay_mean_ms = 0;
-  uint64_t frames_over_tau = 0;    // of those measured
+  uint64_t frames_over_tau = 0;                   // of those measured
+  uint64_t outside_measured = 0;                  // of those measured, frames that no region covers
+  double outside_p99_px = 0, outside_max_px = 0;  // their errors
   uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle: samples of the terrain, vertices of objects
   uint64_t cracks = 0;
   std::string first_crack;
@@ -98,6 +100,9 @@ struct FlightTruth {
     visit("measure_every", frame_every);
     visit("weights_judged", weights_judged);
     visit("frames_over_tau", frames_over_tau);
+    visit("measured_frames_outside", outside_measured);
+    visit("outside_error_p99_px", outside_p99_px);
+    visit("outside_error_max_px", outside_max_px);
     visit("cracks", cracks);
     if (!first_crack.empty()) visit("first_crack", first_crack);
     visit("uncovered_samples", uncovered_samples);

@@ -96,10 +96,27 @@ TEST(Flight, KeepsToleranceInEveryFrameWithoutCracksOrExtrapolationErrorOnAKnown
   EXPECT_GT(truth.keyframes.max_px, 0.3);  // a bound that nothing comes near would cost too many triangles
   EXPECT_LT(truth.extrapolation.max_px, 0.01);
   EXPECT_EQ(report.frames_outside, 0u);
+  EXPECT_EQ(truth.outside_measured, 0u);
   EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
   EXPECT_EQ(truth.delay_max_ms, 0);
   EXPECT_GT(truth.lod_motion.max_px, 0);
   EXPECT_LE(truth.lod_motion.max_px, 2.0 / 12 * 1.1);  // 2 tau over the frames of 200 ms
+}
+
+// A camera that turns by more than its region promises: errors above the tolerance are outside of regions alone.
+TEST(Flight, TellsTheErrorsOfFramesOutsideOfRegionsApart) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "spin";
+  options.request.predictor = proto::Predictor::kHold;
+  options.knowledge = client::PathKnowledge::kPrivate;
+  const Flight flight = flown(options);
+  const FlightTruth truth = measured(flight.player);
+  EXPECT_GT(flight.player.report().frames_outside, 20u);
+  EXPECT_GT(truth.outside_measured, 0u);
+  EXPECT_LE(truth.outside_measured, truth.frames.count);
+  EXPECT_GT(truth.outside_max_px, 1);
+  EXPECT_GE(truth.outside_max_px, truth.outside_p99_px);
+  EXPECT_EQ(truth.outside_max_px, truth.frames.max_px);
 }
 
 TEST(Flight, OverASceneWithObjectsKeepsTheirTolerancesToo) {
