@@ -27,6 +27,7 @@ inline constexpr uint32_t kProtocolVersion = 12;
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
 inline constexpr size_t kMaxGroundPoints = 65'536;
+inline constexpr uint32_t kMostOrder = 3;
 
 // P section 4; DESIGN section 4.
 enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
@@ -65,6 +66,9 @@ struct ViewRequest {
   // first request of a connection counts.
   bool relief = false, imagery = false;
   uint32_t tile_bytes = kDefaultTileBytes;
+  // A frame blends one keyframe more, so a keyframe is shown, in part, for order + 1 intervals around its time, and its
+  // region holds for that. 1 to kMostOrder; above 1 keyframes do not adapt.
+  uint32_t order = 1;
 
   bool wants(TileContent content) const { return content == TileContent::kRelief ? relief : imagery; }
 };

@@ -62,6 +62,24 @@ TEST(Message, ALongestIntervalThatIsNoneIsRefused) {
   }
 }
 
+TEST(Message, AnOrderIsOneToThreeAndAboveOneOfAFixedInterval) {
+  const auto asking = [](uint32_t order, int64_t longest_ms) {
+    return decodeClientMessage(encode(ViewRequest{.lens = {0.9, 800, 600},
+                                                  .keyframe_interval = Duration::milliseconds(200),
+                                                  .longest_interval = Duration::milliseconds(longest_ms),
+                                                  .order = order}));
+  };
+  for (uint32_t order = 1; order <= kMostOrder; ++order) {
+    ASSERT_TRUE(asking(order, 0).ok());
+    EXPECT_EQ(std::get<ViewRequest>(*asking(order, 0)).order, order);
+  }
+  EXPECT_TRUE(asking(1, 500).ok());
+  for (const auto& refused : {asking(kMostOrder + 1, 0), asking(2, 500)}) {
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("order"), std::string::npos);
+  }
+}
+
 TEST(Message, ControlMessagesRoundTrip) {
   const ViewRequest request{
       {0.9, 800, 600}, 1.5, Strategy::kCurrent, Predictor::kKnownPath, Duration::milliseconds(250)};
