@@ -49,7 +49,7 @@ Status Session::take(const proto::ViewRequest& request, Time) {
   if (request_->tau_px == 0) request_->tau_px = options_.tau_px;
   if (request_->keyframe_interval == Duration{}) {
     request_->keyframe_interval = options_.keyframe_interval;
-    request_->longest_interval = options_.longest_interval;
+    request_->longest_interval = request_->order == 1 ? options_.longest_interval : Duration{};
   }
   if (first) {
     if (world_->occlusion && request.occlusion) {
@@ -180,8 +180,8 @@ Time Session::nextKeyframe() const {
 void Session::aim() {
   if (!request_ || motion_.empty() || request_->strategy != proto::Strategy::kPredict || jumped_ || resume_) return;
   const Duration T = interval_;
-  // The client needs a keyframe when it reaches the time of the one before it.
-  const auto deadline = [&](Time t) { return clocks_.sendBy(t - T) - options_.safety; };
+  // The client needs a keyframe when it reaches the time of the one before it, or of those that it shows before it.
+  const auto deadline = [&](Time t) { return clocks_.sendBy(t - leadOf(T)) - options_.safety; };
   if (target_ && deadline(*target_) + Duration{T.us / 2} >= now_) return;
   const Time next = nextKeyframe();
   const Duration behind = now_ + compute_time_ - deadline(next);
@@ -221,7 +221,7 @@ std::optional<Session::Plan> Session::plan() const {
 
   if (request_->strategy == proto::Strategy::kPredict) {
     if (!target_) return std::nullopt;
-    const Time deadline = clocks_.sendBy(*target_ - interval_) - options_.safety;
+    const Time deadline = clocks_.sendBy(*target_ - leadOf(interval_)) - options_.safety;
     Due due{deadline - compute_time_, deadline, false, compute_time_};
     if (options_.most_early > Duration{} && !first)
       due.earliest = due.release - std::min(options_.most_early, Duration{T.us / 2});
@@ -293,17 +293,18 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, S
 // When a keyframe for `t` begins to be shown. The first section, and one after a jump, is shown as soon as it arrives.
 Time Session::shownFrom(Time t) const {
   if (jumped_) return motion_.newest().time;
-  return std::min(isFirst() ? motion_.newest().time : keyframe().time, t - request_->keyframe_interval);
+  if (isFirst()) return std::min(motion_.newest().time, t - leadOf(request_->keyframe_interval));
+  return std::min(keyframe().time, t - request_->keyframe_interval) - (leadOf(last_step_) - last_step_);
 }
 
 // The keyframe's pose, and the region around it that the camera stays in while the section is shown.
 proto::View Session::viewFor(Time t, Duration until_next) const {
   const ExpectedMotion motion = motion_.expected(*request_);
   proto::View view{motion.at(t), request_->lens, sectionTolerance()};
-  const Time end = t + until_next;
+  const Time end = t + leadOf(until_next);
   const Duration unknown = jumped_ ? request_->keyframe_interval * kShownAfterJump : end - motion_.newest().time;
   const Region region =
-      motion_.regionAround(view.pose, motion, shownFrom(t), end, std::max(interval_, until_next), unknown);
+      motion_.regionAround(view.pose, motion, shownFrom(t), end, leadOf(std::max(interval_, until_next)), unknown);
   // Floats, as in the keyframe's header.
   view.region_radius_m = static_cast<float>(region.radius_m);
   view.region_angle_rad = static_cast<float>(region.angle_rad);
@@ -371,8 +372,8 @@ bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes,
   ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
   if (visibility)
     visibility->expect(outlookOf(motion_.expected(*request_), shownFrom(plan.time_client),
-                                 plan.time_client + plan.until_next, request_->keyframe_interval,
-                                 motion_.eyeError(std::max(interval_, plan.until_next))));
+                                 plan.time_client + leadOf(plan.until_next), request_->keyframe_interval,
+                                 motion_.eyeError(leadOf(std::max(interval_, plan.until_next)))));
   return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
 }
 
@@ -412,13 +413,18 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   out.push_back(std::move(message));
   sendTiles(plan, view, out);
   observeRegion(scratch);
+  last_step_ = Duration::seconds(interval_s);
 
   unsent_ = true;
   keyframe_before_last_at_ = isFirst() ? now - request_->keyframe_interval : last_keyframe_at_;
   last_keyframe_at_ = now;
   did_ = Did::kKeyframe;
   was_after_jump_ = std::exchange(jumped_, false);
-  motion_.notePrediction({plan.time_client, view.pose}, interval_);
+  motion_.notePrediction({plan.time_client, view.pose}, leadOf(interval_));
+  // What is foreseen with `delay` and `current` is the time after the keyframe, which a higher order makes longer.
+  if (const Time end = plan.time_client + leadOf(plan.until_next);
+      request_->order > 1 && request_->strategy != proto::Strategy::kPredict)
+    motion_.notePrediction({end, motion_.expected(*request_).at(end)}, leadOf(interval_));
   if (keyframe().base_index > 0)
     adaptive_interval_.observe(scratch.send.delta.added.size() + scratch.send.delta.removed.size(),
                                sender_.adapter().nodeCount(), Duration::seconds(interval_s));
@@ -447,7 +453,7 @@ void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<B
   const bool looks_far = tiles_->isShort() || motion_.isOnPath(*request_);
   const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMostSecondsAhead : 1);
   const ExpectedMotion motion = motion_.expected(*request_);
-  const double unknown_m = motion_.eyeError(std::max(interval_, plan.until_next));
+  const double unknown_m = motion_.eyeError(leadOf(std::max(interval_, plan.until_next)));
   const auto eyesOf = [&](Time begin, Time end) {
     EyeSweep eyes = sweepOf(motion, begin, end);
     eyes.radius_m += unknown_m;
@@ -457,7 +463,7 @@ void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<B
   EyeSweep later_eyes = eyesOf(later, later + plan.until_next * kMostSecondsAhead);
   later_eyes.radius_m = kRoom * later_eyes.radius_m + kRoom_m;
   const std::array targets{
-      TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + plan.until_next)},
+      TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + leadOf(plan.until_next))},
       TileSender::Target{{motion.at(later), view.lens, view.tau_px}, later_eyes}};
   tiles_->choose(keyframe().index, targets, *request_);
   tiles_->pace().keyframeSent(keyframe().index, out.back().size(), now_, plan.until_next.toSeconds(),

@@ -6,7 +6,9 @@
 //
 // Keyframes lie on a grid of the client's clock, T apart (DESIGN section 4). With `predict`, the keyframe for t_{i+1}
 // is computed so that it arrives by t_i; with `delay` and `current`, that for t_i is computed when the pose of t_i has
-// arrived. If viewer, link or server cannot keep up, grid points are skipped; no keyframe is sent in part.
+// arrived. A viewer that blends n + 1 keyframes shows what is in the middle of them (leadOf), so with `predict` its
+// keyframes are computed (n - 1) / 2 intervals sooner, and a region holds for so much longer either way. If viewer,
+// link or server cannot keep up, grid points are skipped; no keyframe is sent in part.
 #pragma once
 
 #include <deque>
@@ -150,6 +152,8 @@ class Session {
   void jumpTo(const proto::TimedPose& pose);
   bool isTooFarAhead() const;
   Time gridAtOrAfter(Time t_client) const;
+  // How long before and after its time a keyframe is shown, in part, if keyframes are an interval apart.
+  Duration leadOf(Duration interval) const { return {interval.us * (request_->order + 1) / 2}; }
   Time shownFrom(Time t) const;
   // For a keyframe that is shown until the next one, which is `until_next` later.
   void moveGround(Time t_client, const proto::View& view);
@@ -180,6 +184,7 @@ class Session {
   Time now_;                    // of the last event
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
   Duration interval_;           // from the last keyframe to the next
+  Duration last_step_;          // from the keyframe before the last one to that
   AdaptiveInterval adaptive_interval_;
   std::vector<Bytes> replies_;  // ready
   Requests requests_;
