@@ -19,6 +19,7 @@ void DrawnMesh::apply(const MeshPatch& patch) {
   objects_.apply(patch.objects);
   mesh_.from = patch.from;
   mesh_.to = patch.to;
+  mesh_.earlier = patch.earlier;
   mesh_.origin = patch.origin;
   mesh_.from_nodes = patch.from_nodes;
   mesh_.to_nodes = patch.to_nodes;

@@ -1,6 +1,7 @@
 #include "client/replica.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "base/sort.h"
 #include "client/mesh/mesh_builder.h"
+#include "client/mesh/spline.h"
 #include "proto/codec/section_codec.h"
 
 namespace foreland::client {
@@ -19,6 +21,11 @@ namespace {
 
 Error refused(const std::string& why) {
   return {ErrorCode::kMalformed, "keyframe: " + why + "; this connection cannot continue, reconnect"};
+}
+
+void pushEarlier(const proto::KeyframeHeader& header, EarlierKeyframes& earlier) {
+  std::shift_right(earlier.headers.begin(), earlier.headers.end(), 1);
+  earlier.headers.front() = header;
 }
 
 proto::Epochs epochsOf(const proto::Welcome& welcome) {
@@ -71,6 +78,7 @@ Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend
     return s;
   }
   const bool is_first = to_.index == 0;
+  pushEarlier(from_, earlier_);
   from_ = is_first ? header : to_;
   to_ = header;
   if (epochs_) {
@@ -95,6 +103,7 @@ bool Replica::isInTransition() const {
 }
 
 void Replica::extend(Duration interval, Blend blend) {
+  pushEarlier(from_, earlier_);
   from_ = to_;
   this->blend({blend, proto::viewOf(to_), motion_, interval.toSeconds()}, {});
 }
@@ -105,13 +114,31 @@ void Replica::blend(MeshSpan span, const proto::CutDelta& change) {
     span.ground = {epochs.weightsAt(from_.scene_time), epochs.weightsAt(to_.scene_time)};
   }
   const MorphTiming timing(span, span.from, span.motion.metres_per_s);
-  morphs_.step(domain_->grid, change, [&](Slot slot) { return intervals(timing, slot); });
+  showNext(orderOf(span.blend), span.is_first);
+  morphs_.step(
+      domain_->grid, change, [&](Slot slot) { return intervals(timing, slot); }, order_);
   nodes_.step(morphs_.jumped());
   nodes_.step(morphs_.drawn());
   nodes_.forget([this](Slot first) { return adapter_.knowsBlock(first); });
   for (ObjectReplica& object : objects_) object.blend(span, *stream_);
   if (const glm::dvec3 eye = to_.pose.eye; meshes_++ == 0 || glm::distance(origin_, eye) > kOriginReach_m)
     origin_ = glm::round(eye);
+}
+
+// Which keyframes the mesh blends, and the times that it shows: those of its keyframes, blended as they are, from where
+// the last mesh ended. After a mesh of order 1, only the keyframe counts that was newest.
+void Replica::showNext(uint32_t order, bool is_first) {
+  if (is_first) shown_until_ = to_.time;
+  if (order_ == 1) earlier_.headers.fill(from_);
+  const auto age = [this](uint32_t i) {
+    const Time t = i == 0 ? to_.time : i == 1 ? from_.time : earlier_.headers[i - 2].time;
+    return static_cast<double>((to_.time - t).us);
+  };
+  earlier_.count = std::max(order, order_) - 1;  // what the last mesh ended with is shown, too
+  earlier_.from_age = from_.time - shown_until_;
+  earlier_.to_age = {std::llround(splineEnd(order, age))};
+  shown_until_ = to_.time - earlier_.to_age;
+  order_ = order;
 }
 
 // How many intervals a node's transition takes, by its bounding sphere. The adapter may have forgotten the radii of
@@ -132,6 +159,8 @@ void Replica::reset() {
   morphs_ = {};
   fingerprint_ = 0;
   from_ = to_ = {};
+  earlier_ = {};
+  order_ = 1;
   ++meshes_;  // the next one follows from none
   makeObjects();
   setMemory(static_cast<uint32_t>(memory().budget()));
@@ -246,8 +275,9 @@ KeyframeMesh Replica::buildMesh() const {
   KeyframeMesh mesh;
   mesh.from = from_;
   mesh.to = to_;
+  mesh.earlier = earlier_;
   mesh.origin = origin_;
-  MeshBuilder(*domain_, nodes_, morphs_.all(), heights(), mesh).run();
+  MeshBuilder(*domain_, nodes_, morphs_.all(), heights(), mesh, order_).run();
   for (const ObjectReplica& object : objects_) object.buildMesh(*stream_, mesh);
   return mesh;
 }
@@ -255,13 +285,14 @@ KeyframeMesh Replica::buildMesh() const {
 void Replica::makeEmptyPatch(MeshPatch& out) const {
   out.clear();
   out.from = from_, out.to = to_;
+  out.earlier = earlier_;
   out.origin = origin_;
 }
 
 void Replica::makePatch(MeshPatch& out) {
   makeEmptyPatch(out);
   const EndHeights heights = this->heights();
-  const TerrainStep step{nodes_, morphs_, heights, from_.scene_time, to_.scene_time, origin_};
+  const TerrainStep step{nodes_, morphs_, heights, from_.scene_time, to_.scene_time, origin_, order_};
   const bool follows = patcher_ && patched_ + 1 == meshes_,
              has_new_origin = std::exchange(patched_origin_, origin_) != origin_;
   if (!patcher_) patcher_ = std::make_unique<TerrainPatcher>(*domain_);

@@ -92,6 +92,7 @@ class Replica {
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);
   bool adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& decoder);
   void blend(MeshSpan span, const proto::CutDelta& change);
+  void showNext(uint32_t order, bool is_first);
   double intervals(const MorphTiming& timing, proto::Slot slot) const;
 
   // Behind pointers, because the adapter refers to them and replicas are moved.
@@ -113,6 +114,9 @@ class Replica {
   std::unique_ptr<proto::EpochStream> epochs_;   // null in scenes without epochs
   uint32_t fingerprint_ = 0;                     // of the newest sections
   proto::KeyframeHeader from_, to_;              // index 0 before the first keyframe
+  EarlierKeyframes earlier_;                     // that are blended with them; all of the headers are known
+  uint32_t order_ = 1;                           // of the last mesh
+  Time shown_until_;                             // by the last mesh, on the path
   proto::CutDelta delta_;
   proto::AdaptScratch scratch_;
   bool is_broken_ = false;  // after an Error

@@ -58,8 +58,8 @@ Schedule::Shown Schedule::at(Time now, uint32_t ready, uint32_t coming) {
   shown_ = i.version;
   const double span = static_cast<double>((i.end - i.begin).us);
   const double weight = span <= 0 ? 1.0 : std::clamp(static_cast<double>((now - i.begin).us) / span, 0.0, 1.0);
-  const Duration covered = i.to.time - i.from.time;
-  const Time scene = i.from.time + Duration{static_cast<int64_t>(weight * static_cast<double>(covered.us))};
+  const Duration covered = i.shownTo() - i.shownFrom();
+  const Time scene = i.shownFrom() + Duration{static_cast<int64_t>(weight * static_cast<double>(covered.us))};
   return {&i, weight, scene, intervals_.size() == 1 && now >= i.end};
 }
 

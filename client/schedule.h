@@ -11,15 +11,21 @@
 #include <type_traits>
 
 #include "base/time.h"
+#include "client/mesh/keyframe_mesh.h"
 #include "proto/message/compact.h"
 
 namespace foreland::client {
 
-// What is shown from `begin` to `end`: the mesh between two keyframes.
+// What is shown from `begin` to `end`: the mesh between two keyframes, or of more.
 struct Interval {
   uint32_t version = 0;  // of the mesh; ascends, never 0
   Time begin, end;
   proto::KeyframeHeader from, to;
+  EarlierKeyframes earlier{};
+
+  // The times on the path that it shows at its beginning and its end.
+  Time shownFrom() const { return from.time - earlier.from_age; }
+  Time shownTo() const { return to.time - earlier.to_age; }
 };
 static_assert(std::is_trivially_copyable_v<Interval>);
 

@@ -17,14 +17,19 @@ bool covers(const proto::KeyframeHeader& k, const proto::Pose& camera) {
          proto::angleBetween(k.pose.orientation, camera.orientation) <= k.region_angle_rad;
 }
 
-// At weight 0 or 1 one of the two sections is not shown, and its guarantee does not matter.
+// At weight 0 the newest section is not shown, and at 1 the oldest one, and its guarantee does not matter.
 float toleranceOf(const Interval& interval, float weight, const proto::Pose& camera) {
   constexpr float kNone = std::numeric_limits<float>::infinity();
   const proto::KeyframeHeader& from = interval.from;
   const proto::KeyframeHeader& to = interval.to;
   float tolerance_px = 0;
-  if (weight < 1) tolerance_px = covers(from, camera) ? from.frameTolerance() : kNone;
+  if (weight < 1 || interval.earlier.count > 0) tolerance_px = covers(from, camera) ? from.frameTolerance() : kNone;
   if (weight > 0) tolerance_px = std::max(tolerance_px, covers(to, camera) ? to.frameTolerance() : kNone);
+  for (uint32_t i = 0; i < interval.earlier.count; ++i) {
+    const proto::KeyframeHeader& earlier = interval.earlier.headers[i];
+    const bool is_shown = i + 1 < interval.earlier.count || weight < 1;
+    if (is_shown) tolerance_px = std::max(tolerance_px, covers(earlier, camera) ? earlier.frameTolerance() : kNone);
+  }
   return tolerance_px;
 }
 

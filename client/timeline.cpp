@@ -18,6 +18,11 @@ constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, p
 // cannot be waited for.
 bool startsAnew(const MeshPatch& mesh) { return mesh.from.index == mesh.to.index || mesh.to.time < mesh.from.time; }
 
+// Of n + 1 keyframes the last one must be there (n + 1) / 2 intervals before what is in the middle of them is shown.
+Duration leadOf(const EarlierKeyframes& earlier, Duration interval) {
+  return interval + Duration{interval.us * earlier.count / 2};
+}
+
 }  // namespace
 
 Duration Timeline::intervalOf(const MeshPatch& mesh) {
@@ -48,7 +53,7 @@ void Timeline::restart() {
 }
 
 void Timeline::push(std::shared_ptr<const MeshPatch> mesh, Time begin, Time end) {
-  schedule_.add({next_version_++, begin, end, mesh->from, mesh->to});
+  schedule_.add({next_version_++, begin, end, mesh->from, mesh->to, mesh->earlier});
   meshes_.push_back(std::move(mesh));
 }
 
@@ -56,22 +61,23 @@ Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, prot
   const bool still = startsAnew(*mesh), predicted = strategy == proto::Strategy::kPredict;
   if (still) restart();
   const bool first = meshes_.empty();
-  const Duration interval = intervalOf(*mesh);
+  const Duration lead = leadOf(mesh->earlier, intervalOf(*mesh));
+  const Time shown_from = mesh->from.time - mesh->earlier.from_age, shown_to = mesh->to.time - mesh->earlier.to_age;
   // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
-  const Duration lateness = arrival - (mesh->from.time + (predicted ? Duration{} : interval + playout_delay_));
+  const Duration lateness = arrival - (shown_from + (predicted ? Duration{} : lead + playout_delay_));
   if (predicted) {
     latencies_.clear();
     playout_delay_ = {};
   } else {
     updatePlayoutDelay(*mesh, arrival);
   }
-  const Duration delay = predicted ? Duration{} : interval + playout_delay_;
-  Time begin = std::max(arrival, mesh->from.time + delay);
+  const Duration delay = predicted ? Duration{} : lead + playout_delay_;
+  Time begin = std::max(arrival, shown_from + delay);
   if (first)
     begin = arrival;
   else
     begin = std::max(begin, schedule_.back().end);
-  const Time end = first ? begin : std::max(mesh->to.time + delay, begin + kShortestBlend);
+  const Time end = first ? begin : std::max(shown_to + delay, begin + kShortestBlend);
   push(std::move(mesh), begin, end);
   ++undrawn_;
   while (meshes_.size() > (undrawn_ > kMaxUndrawn ? kMaxUndrawn : kMaxMeshes)) {

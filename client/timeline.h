@@ -7,12 +7,14 @@
 //                   one). T counts for at most kLongestDelay (base/latency.h) more than the shortest recent interval, so
 //                   after an outage the display catches up at once instead of replaying it. Where intervals adapt, T is
 //                   the longest that there may be, lest the display stand still before each long one
-// A mesh that does not move shows a section that was sent whole: it is the first one, or the camera has jumped, or a
-// new server could not resume. It is shown on arrival, and the meshes before it are dropped, for what they guarantee is
-// about elsewhere. A mesh that arrives late begins on arrival and still ends in time, but lasts at least
-// kShortestBlend. When no keyframe has arrived for kTimeout, the host extends the transitions that are not over, by
-// kExtension at a time. It does not do so sooner because an extension costs as much as a keyframe's mesh, and must not
-// make a client that is late for keyframes later still. One owner; times are the client's clock.
+// A mesh of n + 1 keyframes shows what is in the middle of them, the times that its keyframes blend to
+// (EarlierKeyframes), and T counts (n + 1) / 2 times. A mesh that does not move shows a section that was sent whole: it
+// is the first one, or the camera has jumped, or a new server could not resume. It is shown on arrival, and the meshes
+// before it are dropped, for what they guarantee is about elsewhere. A mesh that arrives late begins on arrival and
+// still ends in time, but lasts at least kShortestBlend. When no keyframe has arrived for kTimeout, the host extends
+// the transitions that are not over, by kExtension at a time. It does not do so sooner because an extension costs as
+// much as a keyframe's mesh, and must not make a client that is late for keyframes later still. One owner; times are
+// the client's clock.
 #pragma once
 
 #include <deque>

@@ -5,9 +5,17 @@
 
 namespace foreland::client {
 
-Viewer::Viewer(const proto::ViewRequest& request, Duration pose_interval)
-    : request_(request), pose_interval_(pose_interval) {
-  send(proto::encode(request_));
+Viewer::Viewer(const proto::ViewRequest& request, Blend blend, Duration pose_interval)
+    : request_(request), pose_interval_(pose_interval), blend_(blend) {
+  send(proto::encode(asked()));
+}
+
+// Of the server. A spline of several keyframes needs equal intervals.
+proto::ViewRequest Viewer::asked() const {
+  proto::ViewRequest request = request_;
+  request.order = orderOf(blend_);
+  if (request.order > 1) request.longest_interval = {};
+  return request;
 }
 
 void Viewer::send(Bytes message) {
@@ -48,7 +56,7 @@ void Viewer::reconnect(Time now) {
   poses_sent_ = {};
   keyframes_taken_ = {};
   last_pose_sent_.reset();
-  send(proto::encode(request_));
+  send(proto::encode(asked()));
 }
 
 Status Viewer::onWelcome(proto::Welcome welcome) {
@@ -93,8 +101,8 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   received_keyframe_ = message.header.index;
   received_at_ = now;
   std::shared_ptr<const MeshPatch> patch = makePatch();
-  const bool has_own = request_.keyframe_interval != Duration{};  // else the server's own is in force
-  timeline_.setLongestInterval(has_own ? request_.longest_interval : welcome_->longest_interval);
+  const bool has_own = request_.keyframe_interval != Duration{} || asked().order > 1;  // else the server's is in force
+  timeline_.setLongestInterval(has_own ? asked().longest_interval : welcome_->longest_interval);
   const Duration lateness = timeline_.add(patch, now, request_.strategy);
   addToDrawn(std::move(patch));
   drawn_->skipTo(timeline_.oldestVersion());
@@ -158,7 +166,12 @@ FrameView Viewer::frame(Time now, const proto::Pose& pose) {
 
 void Viewer::setRequest(const proto::ViewRequest& request) {
   request_ = request;
-  send(proto::encode(request_));
+  send(proto::encode(asked()));
+}
+
+void Viewer::setBlend(Blend blend) {
+  const uint32_t before = orderOf(std::exchange(blend_, blend));
+  if (orderOf(blend) != before) send(proto::encode(asked()));
 }
 
 void Viewer::announcePath(const proto::Path& path) {

@@ -54,7 +54,8 @@ struct FrameView {
 
 class Viewer {
  public:
-  Viewer(const proto::ViewRequest& request, Duration pose_interval = Duration::milliseconds(50));
+  explicit Viewer(const proto::ViewRequest& request, Blend blend = Blend::kKeyframe,
+                  Duration pose_interval = Duration::milliseconds(50));
 
   // Handles one message from the server. An Error ends the session: show it and disconnect. What is drawn stays.
   Status receive(ByteSpan message, Time now);
@@ -68,11 +69,12 @@ class Viewer {
   // times that do not decrease.
   FrameView frame(Time now, const proto::Pose& pose);
 
-  // Changes strategy, predictor, tolerance or lens during the session.
+  // Changes strategy, predictor, tolerance or lens during the session. The order is the blend's.
   void setRequest(const proto::ViewRequest& request);
   const proto::ViewRequest& request() const { return request_; }
   // Changes the blend, from the next keyframe on. Nodes in transition continue from the weights that they have.
-  void setBlend(Blend blend) { blend_ = blend; }
+  // Tells the server if its order is another. Keyframes do not adapt while it is above 1.
+  void setBlend(Blend blend);
   Blend blend() const { return blend_; }
   // Announces a planned path, on the client's clock, for the predictor kKnownPath.
   void announcePath(const proto::Path& path);
@@ -116,6 +118,7 @@ class Viewer {
   Status onTile(proto::TileMessage message);
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
+  proto::ViewRequest asked() const;
   std::shared_ptr<const MeshPatch> makePatch();
   void addToDrawn(std::shared_ptr<const MeshPatch> patch);
   void sendPose(Time now, const proto::Pose& pose);
@@ -123,7 +126,7 @@ class Viewer {
 
   proto::ViewRequest request_;
   Duration pose_interval_;
-  Blend blend_ = Blend::kKeyframe;
+  Blend blend_;
   std::optional<proto::Welcome> welcome_;
   bool is_greeted_ = false;
   std::optional<Time> reconnected_at_;  // until the first keyframe after it

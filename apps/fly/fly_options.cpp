@@ -80,8 +80,8 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
   app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
   app.add_option("--blend", o.blend,
                  "keyframe (default): all detail changes from keyframe to keyframe, within the tolerance in every "
-                 "frame; geomorph: "
-                 "each node changes at a time of its own");
+                 "frame; b-spline-2 and b-spline-3: likewise, but of the last three or four keyframes, so that nothing "
+                 "changes its velocity at once; geomorph: each node changes at a time of its own");
   app.add_option("--occlusion", o.occlusion,
                  "on: ask for sections without what ridges hide, of a server with --occlusion on (default off)")
       ->check(CLI::IsMember({"on", "off"}));
@@ -124,7 +124,10 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
   const Result<proto::ViewRequest> request = requestOf(o);
   if (!request.ok()) return request.error();
   const std::optional<client::Blend> blend = client::blendNamed(o.blend);
-  if (!blend) return invalid("--blend '" + o.blend + "': choose keyframe or geomorph");
+  if (!blend) return invalid("--blend '" + o.blend + "': choose keyframe, geomorph, b-spline-2 or b-spline-3");
+  if (client::orderOf(*blend) > 1 && request->longest_interval != Duration{})
+    return invalid("--blend " + o.blend + " with --keyframe-ms " + o.keyframe_ms +
+                   ": a spline of several keyframes needs equal intervals; name one, for example 200");
   if (o.tour == "jumps" && request->predictor == proto::Predictor::kKnownPath)
     return invalid("--predictor path: the tour 'jumps' has no path; choose hold, velocity or acceleration");
   if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))

@@ -30,8 +30,8 @@ struct Corner {
 };
 
 Corner corner(const client::KeyframeMesh& mesh, uint32_t vertex, double weight, double share) {
-  const glm::dvec3 from(mesh.from_positions[vertex]), to(mesh.to_positions[vertex]);
-  return {mesh.parameters[vertex].x, mesh.parameters[vertex].y, share * (mesh.origin + from + weight * (to - from))};
+  return {mesh.parameters[vertex].x, mesh.parameters[vertex].y,
+          share * (mesh.origin + glm::dvec3(mesh.at(vertex, weight)))};
 }
 
 // Where the horizontal line at y enters and leaves the triangle.

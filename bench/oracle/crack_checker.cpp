@@ -40,7 +40,8 @@ class Checker {
 
   bool checkSizes() {
     const size_t n = mesh_.parameters.size();
-    if (mesh_.from_positions.size() != n || mesh_.to_positions.size() != n)
+    if (mesh_.from_positions.size() != n || mesh_.to_positions.size() != n ||
+        mesh_.from_bends.size() != mesh_.to_bends.size() || (!mesh_.from_bends.empty() && mesh_.from_bends.size() != n))
       found("positions and places differ in number");
     if (mesh_.indices.size() % 3 != 0) found("indices are not a multiple of three");
     if (std::ranges::any_of(mesh_.indices, [n](uint32_t i) { return i >= n; }))
@@ -60,7 +61,9 @@ class Checker {
       const uint32_t i = order[k];
       name_[i] = k > 0 && key(order[k - 1]) == key(i) ? name_[order[k - 1]] : i;
       if (mesh_.from_positions[i] != mesh_.from_positions[name_[i]] ||
-          mesh_.to_positions[i] != mesh_.to_positions[name_[i]])
+          mesh_.to_positions[i] != mesh_.to_positions[name_[i]] ||
+          (!mesh_.from_bends.empty() &&
+           (mesh_.from_bends[i] != mesh_.from_bends[name_[i]] || mesh_.to_bends[i] != mesh_.to_bends[name_[i]])))
         found("two vertices at " + text(mesh_.parameters[i]) + " are apart");
     }
   }

@@ -36,7 +36,7 @@ inline terrain::DrawnSurface::Triangles drawnTriangles(const client::BlendMesh& 
   out.positions.reserve(mesh.from_positions.size());
   out.heights_m.reserve(mesh.from_positions.size());
   for (size_t v = 0; v < mesh.from_positions.size(); ++v) {
-    const glm::vec4 at(glm::mix(glm::dvec4(mesh.from_positions[v]), glm::dvec4(mesh.to_positions[v]), weight));
+    const glm::vec4 at(mesh.at(v, weight));
     out.positions.emplace_back(at);
     out.heights_m.push_back(at.w);
   }

@@ -18,6 +18,7 @@ uint64_t hashOf(const std::vector<T>& values, uint64_t before) {
 
 uint64_t hashOf(const BlendMesh& mesh, uint64_t before) {
   before = hashOf(mesh.from_positions, hashOf(mesh.to_positions, before));
+  if (!mesh.from_bends.empty()) before = hashOf(mesh.from_bends, hashOf(mesh.to_bends, before));
   before = hashOf(mesh.from_normals, hashOf(mesh.to_normals, before));
   return hashOf(mesh.indices, hashOf(mesh.parameters, before));
 }

@@ -53,8 +53,7 @@ Bytes encodePly(const KeyframeMesh& mesh, double weight) {
   ByteWriter writer(out);
   writer.putBytes(bytesOf(header));
   for (size_t i = 0; i < mesh.parameters.size(); ++i) {
-    const glm::dvec3 from(mesh.from_positions[i]), to(mesh.to_positions[i]);
-    const glm::dvec3 p = mesh.origin + from + weight * (to - from);
+    const glm::dvec3 p = mesh.origin + glm::dvec3(mesh.at(i, weight));
     writer.put(p.x), writer.put(p.y), writer.put(p.z);
   }
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

@@ -44,8 +44,9 @@ proto::Path steeredPath(const FlightLog& log) {
 }  // namespace
 
 Player::Player(PlayerOptions options, proto::Path flown)
-    : log_{.options = std::move(options), .entries = {}}, viewer_(log_.options.request), path_(std::move(flown)) {
-  viewer_.setBlend(log_.options.blend);
+    : log_{.options = std::move(options), .entries = {}},
+      viewer_(log_.options.request, log_.options.blend),
+      path_(std::move(flown)) {
   if (!log_.options.has_meshes) viewer_.leaveMeshesEmpty();
 }
 

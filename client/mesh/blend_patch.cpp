@@ -45,35 +45,39 @@ size_t countOf(const std::vector<Range>& ranges) {
 }  // namespace
 
 void ChangedRanges::clear() {
-  for (auto* ranges : {&from_positions, &to_positions, &from_normals, &to_normals, &parameters, &triangles})
+  for (auto* ranges : {&from_positions, &to_positions, &bends, &from_normals, &to_normals, &parameters, &triangles})
     ranges->clear();
   tells_moved = false;
 }
 
 size_t ChangedRanges::bytes() const {
   return (countOf(from_positions) + countOf(to_positions)) * (sizeof(glm::vec4) + (tells_moved ? sizeof(float) : 0)) +
-         (countOf(from_normals) + countOf(to_normals)) * sizeof(uint32_t) + countOf(parameters) * sizeof(glm::vec2) +
-         countOf(triangles) * kTriangleBytes;
+         countOf(bends) * sizeof(BlendPatch::Bend) + (countOf(from_normals) + countOf(to_normals)) * sizeof(uint32_t) +
+         countOf(parameters) * sizeof(glm::vec2) + countOf(triangles) * kTriangleBytes;
 }
 
 size_t ChangedRanges::count() const {
-  return from_positions.size() + to_positions.size() + from_normals.size() + to_normals.size() + parameters.size() +
-         triangles.size();
+  return from_positions.size() + to_positions.size() + bends.size() + from_normals.size() + to_normals.size() +
+         parameters.size() + triangles.size();
 }
 
 size_t bytesOf(const BlendMesh& mesh) {
   const auto of = [](const auto& array) { return array.size() * sizeof(array[0]); };
   return of(mesh.from_positions) + of(mesh.to_positions) + of(mesh.from_moved) + of(mesh.to_moved) +
-         of(mesh.from_normals) + of(mesh.to_normals) + of(mesh.parameters) + of(mesh.indices);
+         of(mesh.from_bends) + of(mesh.to_bends) + of(mesh.from_normals) + of(mesh.to_normals) + of(mesh.parameters) +
+         of(mesh.indices);
 }
 
 void PatchedMesh::resize(const BlendPatch& patch) {
   if (patch.is_whole) {
     *mesh_ = {};
-    moving_.clear();
-    turning_.clear();
+    for (auto* resting : {&moving_, &turning_, &bending_}) resting->clear();
     is_all_changed_ = true;
   }
+  const size_t bends = patch.tells_bends ? patch.vertex_count : 0;
+  if (mesh_->from_bends.empty() != (bends == 0)) is_all_changed_ = true;
+  mesh_->from_bends.resize(bends);
+  mesh_->to_bends.resize(bends);
   mesh_->from_positions.resize(patch.vertex_count);
   mesh_->to_positions.resize(patch.vertex_count);
   mesh_->from_moved.resize(patch.tells_moved ? patch.vertex_count : 0);
@@ -90,12 +94,14 @@ void PatchedMesh::settle() {
   if (!mesh_->from_moved.empty())
     for (uint32_t v : moving_) mesh_->from_moved[v] = mesh_->to_moved[v];
   for (uint32_t v : turning_) mesh_->from_normals[v] = mesh_->to_normals[v];
+  if (!mesh_->from_bends.empty())
+    for (uint32_t v : bending_) mesh_->from_bends[v] = mesh_->to_bends[v] = glm::vec3(0);
   if (!is_all_changed_) {
     from_positions_.insert(from_positions_.end(), moving_.begin(), moving_.end());
     from_normals_.insert(from_normals_.end(), turning_.begin(), turning_.end());
+    bends_.insert(bends_.end(), bending_.begin(), bending_.end());
   }
-  moving_.clear();
-  turning_.clear();
+  for (auto* resting : {&moving_, &turning_, &bending_}) resting->clear();
 }
 
 void PatchedMesh::apply(const BlendPatch& patch) {
@@ -117,6 +123,7 @@ void PatchedMesh::apply(const BlendPatch& patch) {
         to_positions[p.vertex] = p.to;
       });
   applyMoved(patch);
+  applyBends(patch);
   uint32_t *from_normals = mesh_->from_normals.data(), *to_normals = mesh_->to_normals.data();
   forEach(
       patch.normals,
@@ -157,8 +164,19 @@ void PatchedMesh::applyMoved(const BlendPatch& patch) {
   }
 }
 
+void PatchedMesh::applyBends(const BlendPatch& patch) {
+  for (size_t i = 0; i < patch.bends.size(); ++i) {
+    const uint32_t v = patch.positions[i].vertex;
+    const BlendPatch::Bend& bend = patch.bends[i];
+    if (!is_all_changed_ && (mesh_->from_bends[v] != bend.from || mesh_->to_bends[v] != bend.to)) bends_.push_back(v);
+    mesh_->from_bends[v] = bend.from;
+    mesh_->to_bends[v] = bend.to;
+    if (bend.from != glm::vec3(0) || bend.to != glm::vec3(0)) bending_.push_back(v);
+  }
+}
+
 size_t PatchedMesh::noted() const {
-  return from_positions_.size() + to_positions_.size() + from_normals_.size() + to_normals_.size() +
+  return from_positions_.size() + to_positions_.size() + bends_.size() + from_normals_.size() + to_normals_.size() +
          parameters_.size() + triangles_.size();
 }
 
@@ -169,6 +187,7 @@ void PatchedMesh::collectChanges(size_t gap, ChangedRanges& out) {
   out.tells_moved = !mesh_->from_moved.empty();
   rangesOf(from_positions_, gap / sizeof(glm::vec4), vertices, out.from_positions);
   rangesOf(to_positions_, gap / sizeof(glm::vec4), vertices, out.to_positions);
+  rangesOf(bends_, gap / sizeof(glm::vec3), mesh_->from_bends.size(), out.bends);
   rangesOf(from_normals_, gap / sizeof(uint32_t), vertices, out.from_normals);
   rangesOf(to_normals_, gap / sizeof(uint32_t), vertices, out.to_normals);
   rangesOf(parameters_, gap / sizeof(glm::vec2), vertices, out.parameters);
@@ -176,7 +195,8 @@ void PatchedMesh::collectChanges(size_t gap, ChangedRanges& out) {
 }
 
 void PatchedMesh::clearChanges() {
-  for (auto* elements : {&from_positions_, &to_positions_, &from_normals_, &to_normals_, &parameters_, &triangles_})
+  for (auto* elements :
+       {&from_positions_, &to_positions_, &bends_, &from_normals_, &to_normals_, &parameters_, &triangles_})
     elements->clear();
   is_all_changed_ = false;
 }

@@ -25,6 +25,9 @@ struct BlendPatch {
   struct Moved {
     float from, to;
   };
+  struct Bend {
+    glm::vec3 from{0}, to{0};
+  };
   struct Normal {
     uint32_t vertex;
     uint32_t from, to;
@@ -43,21 +46,24 @@ struct BlendPatch {
   std::vector<Position> positions;
   bool tells_moved = false;  // the ground moves (BlendMesh::from_moved)
   std::vector<Moved> moved;  // of `positions`, if it does
+  bool tells_bends = false;  // vertices move on curves (BlendMesh::from_bends)
+  std::vector<Bend> bends;   // of `positions`, if they do
   std::vector<Normal> normals;
   std::vector<Parameter> parameters;  // of vertices that are new
   std::vector<Triangle> triangles;
 
   // Nothing changes; memory is kept.
   void clear() {
-    is_whole = tells_moved = false;
+    is_whole = tells_moved = tells_bends = false;
     vertex_count = triangle_count = 0;
-    positions.clear(), moved.clear(), normals.clear(), parameters.clear(), triangles.clear();
+    positions.clear(), moved.clear(), bends.clear(), normals.clear(), parameters.clear(), triangles.clear();
   }
 };
 
 // The next mesh of the terrain and all objects.
 struct MeshPatch {
   proto::KeyframeHeader from, to;
+  EarlierKeyframes earlier{};
   glm::dvec3 origin{0};
   uint32_t from_nodes = 0, to_nodes = 0;
   BlendPatch terrain{}, objects{};
@@ -77,7 +83,7 @@ struct Range {
 
 // Which elements of a mesh's arrays have changed: vertices, and triangles. Ascending, disjoint.
 struct ChangedRanges {
-  std::vector<Range> from_positions, to_positions, from_normals, to_normals, parameters, triangles;
+  std::vector<Range> from_positions, to_positions, bends, from_normals, to_normals, parameters, triangles;
   bool tells_moved = false;  // the ranges of positions are also those of BlendMesh::from_moved and to_moved
 
   void clear();
@@ -109,12 +115,14 @@ class PatchedMesh {
   void resize(const BlendPatch& patch);
   void settle();
   void applyMoved(const BlendPatch& patch);
+  void applyBends(const BlendPatch& patch);
   size_t noted() const;
 
   BlendMesh* mesh_;
-  std::vector<uint32_t> moving_, turning_;  // vertices whose ends differ since the last patch: positions, normals
+  // Vertices that are not at rest since the last patch: whose positions, or normals, differ at the ends, or which bend.
+  std::vector<uint32_t> moving_, turning_, bending_;
   // Since clearChanges(), in no order and perhaps more than once; of all channels of a vertex.
-  std::vector<uint32_t> from_positions_, to_positions_, from_normals_, to_normals_, parameters_, triangles_;
+  std::vector<uint32_t> from_positions_, to_positions_, bends_, from_normals_, to_normals_, parameters_, triangles_;
   bool is_all_changed_ = true;
 };
 

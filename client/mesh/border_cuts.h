@@ -39,6 +39,13 @@ class BorderCuts {
   }
   // Brings the vertices on cuts to where the ends of their edges are now, if these were touched.
   void refresh(const Mesh& mesh);
+  // Calls visit(vertex, inside, outside, share) for each vertex on a cut, which is that share of the way from the one
+  // to the other; after those that it lies between.
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    for (const auto& cuts : cuts_)
+      for (const auto& [key, cut] : cuts) visit(cut.vertex, key[0], key[1], cut.at);
+  }
 
  private:
   using Key = std::array<uint32_t, 2>;  // the edge's vertex inside, and the one outside

@@ -55,9 +55,4 @@ HeldNodes::Index::Index(const HeldNodes& nodes, std::span<const Morph> morphs)
   }
 }
 
-std::array<double, 2> HeldNodes::Index::transitionWeight(proto::Slot slot) const {
-  const Morph& m = *findMorph(morphs_, slot);
-  return {m.from, m.to};
-}
-
 }  // namespace foreland::client

@@ -113,8 +113,13 @@ class HeldNodes::Index {
   // The height of a node that was found, in quanta, and its weights at the two ends.
   int32_t height(const Found& node) const { return heights_[node.position]; }
   std::array<double, 2> weight(const Found& node) const {
+    const Morph* m = morph(node);
+    return m ? std::array{m->from, m->to} : weightsOf(node.in);
+  }
+  // Null if it is in no transition.
+  const Morph* morph(const Found& node) const {
     const bool is_between = blocks_[node.block].in_transition >> (node.slot % proto::SparseNodes::kBlockSlots) & 1;
-    return is_between ? transitionWeight(node.slot) : weightsOf(node.in);
+    return is_between ? findMorph(morphs_, node.slot) : nullptr;
   }
 
  private:
@@ -124,7 +129,6 @@ class HeldNodes::Index {
     uint64_t in_transition = 0;  // nodes whose weights are not those of their sections, a bit each
     uint32_t begin = 0;          // the position of its first node
   };
-  std::array<double, 2> transitionWeight(proto::Slot slot) const;
 
   const HeldNodes& nodes_;
   std::span<const Morph> morphs_;

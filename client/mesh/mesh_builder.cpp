@@ -8,7 +8,7 @@
 namespace foreland::client {
 
 MeshBuilder::MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
-                         const EndHeights& heights, KeyframeMesh& mesh)
+                         const EndHeights& heights, KeyframeMesh& mesh, uint32_t order)
     : domain_(domain),
       grid_(domain.grid),
       held_(nodes),
@@ -16,6 +16,7 @@ MeshBuilder::MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& no
       heights_(heights),
       face_normal_(terrainFaceNormal(domain)),
       mesh_(mesh),
+      order_(order),
       limit_(static_cast<float>(grid_.shape().samples_x - 1), static_cast<float>(grid_.shape().samples_y - 1)) {}
 
 void MeshBuilder::run() {
@@ -81,15 +82,18 @@ uint32_t MeshBuilder::vertexOf(const Triangle& t, const HeldNodes::Index::Found&
   Vertex vertex{.drawn = {}, .endpoints = {t.a, t.b}, .in = node.in};
   mesh_.parameters.emplace_back(static_cast<float>(t.m.x), static_cast<float>(t.m.y));
   const std::array<double, 2> weight = nodes_.weight(node);
-  for (size_t s = 0; s < 2; ++s) {
-    const auto position = [&] { return positionAt(t.m, nodes_.height(node), s); };
-    const auto displacement = [&] {
-      return position() -
-             0.5 * (truePosition({t.m.x - t.d.x, t.m.y - t.d.y}, s) + truePosition({t.m.x + t.d.x, t.m.y + t.d.y}, s));
-    };
-    vertex.drawn[s] =
-        blendPosition(vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], position, displacement);
-  }
+  const auto position = [&](size_t s) { return positionAt(t.m, nodes_.height(node), s); };
+  const auto displacement = [&](size_t s) {
+    return position(s) -
+           0.5 * (truePosition({t.m.x - t.d.x, t.m.y - t.d.y}, s) + truePosition({t.m.x + t.d.x, t.m.y + t.d.y}, s));
+  };
+  for (size_t s = 0; s < 2; ++s)
+    vertex.drawn[s] = blendPosition(
+        vertices_[t.a].drawn[s], vertices_[t.b].drawn[s], weight[s], [&] { return position(s); },
+        [&] { return displacement(s); });
+  if (const Morph* m = order_ > 1 ? nodes_.morph(node) : nullptr)
+    vertex.bend = bendOf(vertices_[t.a].bend, vertices_[t.b].bend, *m, order_, displacement(0).position,
+                         displacement(1).position);
   vertices_.push_back(vertex);
   return index;
 }
@@ -160,6 +164,7 @@ uint32_t MeshBuilder::cutEdge(uint32_t inside, uint32_t outside, int axis) {
     const GroundPoint from = vertices_[inside].drawn[s].position, to = vertices_[outside].drawn[s].position;
     vertex.drawn[s] = {from + u * (to - from), false};
   }
+  vertex.bend = mixOf(vertices_[inside].bend, vertices_[outside].bend, u);
   vertices_.push_back(vertex);
   return it->second;
 }
@@ -187,6 +192,9 @@ void MeshBuilder::writePositions() {
       if (heights_.isMoving()) moved.push_back(static_cast<float>(p.moved_m));
     }
   }
+  if (order_ > 1)
+    for (const Vertex& v : vertices_)
+      mesh_.from_bends.emplace_back(v.bend.from), mesh_.to_bends.emplace_back(v.bend.to);
   mesh_.from_nodes = nodes_.fromCount();
   mesh_.to_nodes = nodes_.toCount();
 }

@@ -14,6 +14,7 @@
 
 #include "client/mesh/blend_position.h"
 #include "client/mesh/complete_normals.h"
+#include "client/mesh/curve_bend.h"
 #include "client/mesh/face_normal.h"
 #include "client/mesh/ground_point.h"
 #include "client/mesh/held_nodes.h"
@@ -25,9 +26,9 @@ namespace foreland::client {
 class MeshBuilder {
  public:
   // Fills the terrain's part of `mesh`, whose keyframe headers and origin are set. `morphs` are those of the terrain's
-  // nodes.
+  // nodes. One keyframe more than the `order` is blended.
   MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
-              const EndHeights& heights, KeyframeMesh& mesh);
+              const EndHeights& heights, KeyframeMesh& mesh, uint32_t order = 1);
   void run();
 
  private:
@@ -48,6 +49,7 @@ class MeshBuilder {
     std::array<uint32_t, 2> endpoints{kNoVertex, kNoVertex};
     std::array<glm::dvec3, 2> normal{};
     uint8_t in = kInFrom | kInTo;  // the sections (HeldNodes::in) of which it is a vertex
+    CurveBend bend{};
   };
 
   void addBaseVertices();
@@ -71,6 +73,7 @@ class MeshBuilder {
   const EndHeights heights_;
   const FaceNormal face_normal_;
   KeyframeMesh& mesh_;
+  const uint32_t order_;
   glm::vec2 limit_;                       // the data's last samples
   std::vector<Vertex> vertices_;          // in the order of the descent, so that it finds recent ones in the cache
   std::vector<uint32_t> vertex_of_node_;  // by the node's position in the index; kNoVertex until it is reached

@@ -5,7 +5,7 @@
 // For the first mesh, and the first one after a restart from nothing, every change is a jump: both ends show the whole
 // section. Later,
 //
-//   keyframe   one interval for every node
+//   keyframe   one interval for every node; b-splines likewise, from each section to the next
 //   geomorph   a time that shrinks with how fast the node moves before the eye. Its rate is that of a change at rest, plus
 //              shares for the speed at which the eye nears it and turns,
 //                  1 / seconds = 1 / kAtRest_s + v / (kMoved r) + angular_speed / kTurned_rad
@@ -66,7 +66,7 @@ class MorphTiming {
         frustum_(from, 0) {}
 
   // Whether every node takes equally long, so that intervals() ignores its arguments.
-  bool isUniform() const { return span_.is_first || span_.blend == Blend::kKeyframe; }
+  bool isUniform() const { return span_.is_first || span_.blend != Blend::kGeomorph; }
   // How many intervals a node takes whose support lies within the sphere; 0 for a jump.
   double intervals(const glm::dvec3& centre, double radius_m) const {
     if (isUniform()) return span_.is_first ? 0 : 1;

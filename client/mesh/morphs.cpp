@@ -4,6 +4,13 @@ namespace foreland::client {
 
 using proto::Slot;
 
+namespace {
+
+// Of a node that has always been in the section, or never.
+uint8_t historyOf(bool is_in) { return is_in ? 0xff : 0; }
+
+}  // namespace
+
 // Merges the nodes still in transition with those that the change starts or reverses, by ascending slot. Nodes whose
 // transition is over are dropped.
 void Morphs::begin(const proto::CutDelta& change) {
@@ -16,7 +23,7 @@ void Morphs::begin(const proto::CutDelta& change) {
           added != change.added.end() && *added < before && (removed == change.removed.end() || *added < *removed);
       if (!is_added && (removed == change.removed.end() || *removed >= before)) return;
       const double at = is_added ? 0 : 1;
-      merged_.push_back({is_added ? *added++ : *removed++, is_added, 0, at, at});
+      merged_.push_back({is_added ? *added++ : *removed++, is_added, 0, at, at, historyOf(!is_added)});
       if (!is_added) was_drawn_.push_back(merged_.back().slot);
     }
   };
@@ -29,18 +36,25 @@ void Morphs::begin(const proto::CutDelta& change) {
     DCHECK_TRUE(m.is_added ? !in_added : !in_removed);
     const bool is_added = m.is_added != (in_added || in_removed), was_drawn = (m.in & kInTo) != 0;
     if (m.to == (is_added ? 1 : 0) && was_drawn == is_added) continue;
-    merged_.push_back({m.slot, is_added, 0, m.to, m.to});
+    merged_.push_back({m.slot, is_added, 0, m.to, m.to, m.history});
     if (was_drawn) was_drawn_.push_back(m.slot);
   }
   start(~Slot{0});
   all_.swap(merged_);
 }
 
-// What is left of the way, in equal steps over the intervals that are left for it.
-void Morphs::advance(Morph& m, double intervals) {
+// What is left of the way, in equal steps over the intervals that are left for it; or the spline's next part.
+void Morphs::advance(Morph& m, double intervals, uint32_t order) {
   const double left = m.goal() - m.from;
+  const uint8_t before = m.history;
+  m.history = historyOf(m.is_added);
   if (!(intervals > 0)) {
     m.from = m.to = m.goal();
+    return;
+  }
+  if (order > 1) {
+    m.history = static_cast<uint8_t>(before << 1 | (m.is_added ? 1 : 0));
+    m.to = splineEnd(order, [&m](uint32_t i) { return m.wasIn(i) ? 1.0 : 0.0; });
     return;
   }
   const double steps = std::max(1.0, std::round(std::fabs(left) * intervals));

@@ -6,7 +6,8 @@
 // meshes meet. A transition takes a whole number of intervals, which per-node morph timing chooses; if that is one for
 // every node, this is the blend of two keyframes. A transition that starts or reverses starts from the weight that the
 // node has, so a mesh begins with the surface that the last one ended with: what is drawn depends on the weights alone.
-// A transition of no length is a jump at the mesh's beginning, for what is not seen.
+// A transition of no length is a jump at the mesh's beginning, for what is not seen. Where n + 1 keyframes are blended
+// (blend.h), the weight at a mesh's end is the spline's, and it comes to rest n intervals after the last change.
 //
 // The nodes drawn at either end are those with a weight above 0 and all their ancestors: parent-closed, so they are
 // sections like others, and a removed node is drawn until its children's transitions are over. One owner; a step costs
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "client/mesh/spline.h"
 #include "proto/section/section.h"
 
 namespace foreland::client {
@@ -33,7 +35,13 @@ struct Morph {
   bool is_added = false;    // it is in the newest section, so its weight grows to 1; otherwise it falls to 0
   uint8_t in = 0;           // kInFrom | kInTo
   double from = 0, to = 0;  // weights at the mesh's ends
+  uint8_t history = 0;      // of which of the last keyframes' sections it is a node; bit 0: of the newest
 
+  bool wasIn(uint32_t keyframes_ago) const { return (history >> keyframes_ago & 1) != 0; }
+  // Where more keyframes are blended: its weight's controls between the mesh's ends (spline.h).
+  std::array<double, 2> controls(uint32_t order) const {
+    return splineControls(order, from, to, [this](uint32_t i) { return wasIn(i) ? 1.0 : 0.0; });
+  }
   double goal() const { return is_added ? 1 : 0; }
   bool isDone() const { return to == goal(); }
 };
@@ -52,13 +60,14 @@ class Morphs {
  public:
   // Steps to the next mesh. `change` is what the section changes by, which is nothing between keyframes.
   // `lengthOf(slot)` is how many intervals the way from 0 to 1 takes, 0 for a jump; it is called once for each node in
-  // transition, which then is in the section or drawn.
+  // transition, which then is in the section or drawn. With an `order` above 1 the way follows from the last sections
+  // that the node was in or out of, and only whether the length is 0 counts.
   template <class Topology, class LengthOf>
-  void step(const Topology& topology, const proto::CutDelta& change, const LengthOf& lengthOf) {
+  void step(const Topology& topology, const proto::CutDelta& change, const LengthOf& lengthOf, uint32_t order = 1) {
     begin(change);
     bool from_before = true, from_after = true, to_after = true;
     for (Morph& m : all_) {
-      advance(m, lengthOf(m.slot));
+      advance(m, lengthOf(m.slot), order);
       from_before = from_before && m.from == 1 - m.goal();
       from_after = from_after && m.from == m.goal();
       to_after = to_after && m.isDone();
@@ -86,7 +95,7 @@ class Morphs {
 
  private:
   void begin(const proto::CutDelta& change);
-  static void advance(Morph& m, double intervals);
+  static void advance(Morph& m, double intervals, uint32_t order);
   void compare();
   // Nodes with a weight are drawn.
   void mark(uint8_t bit, double Morph::*weight) {

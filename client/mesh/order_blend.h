@@ -1,7 +1,8 @@
 // Interpolation of order n (P, theorem 1 and equation 1): frames blend n + 1 keyframes instead of two. The union of the
 // keyframes' sections is a section, with a position for each vertex and keyframe; a frame is the sum of these positions
 // with the weights of a Bernstein or uniform B-spline basis. It uses the builder of two-keyframe meshes, whose nodes
-// have weights of their own: a node of the union that a section lacks has weight 0 there.
+// have weights of their own: a node of the union that a section lacks has weight 0 there. For experiments, and as the
+// reference of what the viewer shows by curves (curve_bend.h).
 //
 // Pure; any thread. O(n * vertices).
 #pragma once

@@ -1,11 +1,12 @@
-// TerrainPatcher's part for vertices that move and stay in the section: nodes in transition by per-node morph timing,
-// nodes with another height, and all that lie between such.
+// TerrainPatcher's part for vertices that move and stay in the section: nodes in transition by per-node morph timing or
+// on curves, nodes with another height, and all that lie between such.
 #include <algorithm>
 #include <array>
 #include <functional>
 #include <iterator>
 
 #include "base/check.h"
+#include "client/mesh/curve_bend.h"
 #include "client/mesh/terrain_patcher.h"
 
 namespace foreland::client {
@@ -137,15 +138,46 @@ DrawnPosition<GroundPoint> TerrainPatcher::willBeAt(uint32_t v) const {
   return {m.point, m.is_true};
 }
 
+GroundPoint TerrainPatcher::displacementOf(uint32_t v, Slot slot, End end) const {
+  const std::array<uint32_t, 2> ends = vertices_[v].endpoints();
+  const proto::SparseNodes& records = now().nodes.records();
+  const auto trueAt = [&](uint32_t u) { return truePosition(vertices_[u].id, records.height(vertices_[u].id), end); };
+  return truePosition(vertices_[v].id, records.at(slot).height(), end) - 0.5 * (trueAt(ends[0]) + trueAt(ends[1]));
+}
+
+// Nodes in transition bend even where both ends have them at the same place.
+void TerrainPatcher::touchCurved() {
+  for (const Morph& m : now().morphs.all())
+    if (const uint32_t v = vertices_.find(m.slot); v != kNoVertex) writer_->touchPosition(v);
+}
+
+// Of the vertices that have been touched, coarse nodes first. Whatever else there is does not bend.
+void TerrainPatcher::writeBends(BlendPatch& out) const {
+  std::vector<CurveBend> bends(out.positions.size());
+  const auto at = [&](uint32_t v) {
+    const uint32_t entry = vertices_[v].position_entry;
+    return entry == kNoVertex ? CurveBend{} : bends[entry];
+  };
+  for (const Morph& m : now().morphs.all()) {
+    const uint32_t v = vertices_.find(m.slot);
+    if (v == kNoVertex) continue;
+    const std::array<uint32_t, 2> ends = vertices_[v].endpoints();
+    bends[vertices_[v].position_entry] =
+        bendOf(at(ends[0]), at(ends[1]), m, now().order, displacementOf(v, m.slot, End::kFrom).position,
+               displacementOf(v, m.slot, End::kTo).position);
+  }
+  cuts_.forEach([&](uint32_t v, uint32_t inside, uint32_t outside, double share) {
+    if (vertices_[v].position_entry != kNoVertex)
+      bends[vertices_[v].position_entry] = mixOf(at(inside), at(outside), share);
+  });
+  for (const CurveBend& bend : bends) out.bends.push_back({glm::vec3(bend.from), glm::vec3(bend.to)});
+}
+
 // As MeshBuilder::vertexOf.
 TerrainPatcher::Move TerrainPatcher::drawnAt(uint32_t v, Slot slot, double weight, End end) const {
   const std::array<uint32_t, 2> ends = vertices_[v].endpoints();
-  const proto::SparseNodes& records = now().nodes.records();
-  const auto own = [&] { return truePosition(vertices_[v].id, records.at(slot).height(), end); };
-  const auto displacement = [&] {
-    const auto trueAt = [&](uint32_t u) { return truePosition(vertices_[u].id, records.height(vertices_[u].id), end); };
-    return own() - 0.5 * (trueAt(ends[0]) + trueAt(ends[1]));
-  };
+  const auto own = [&] { return truePosition(vertices_[v].id, now().nodes.records().at(slot).height(), end); };
+  const auto displacement = [&] { return displacementOf(v, slot, end); };
   const DrawnPosition<GroundPoint> p = blendPosition(willBeAt(ends[0]), willBeAt(ends[1]), weight, own, displacement);
   return {v, p.position, p.is_true};
 }

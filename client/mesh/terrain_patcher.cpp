@@ -97,6 +97,7 @@ void TerrainPatcher::step(const TerrainStep& step, BlendPatch& out) {
 void TerrainPatcher::advance(const TerrainStep& step, BlendPatch& out) {
   const proto::CutDelta& drawn = step.morphs.drawn();
   const Places added = placesOf(drawn.added), removed = placesOf(drawn.removed);
+  if (step.order > 1) touchCurved();
   lieOnEdges(added);
   cuts_.refresh(mesh());
   writer_->beginDone();
@@ -108,6 +109,8 @@ void TerrainPatcher::advance(const TerrainStep& step, BlendPatch& out) {
   enterSection(drawn.added, added, End::kTo);
   lieOnEdges(removed);
   cuts_.refresh(mesh());
+  out.tells_bends = step.order > 1;
+  if (step.order > 1) writeBends(out);
   writer_->endDone();
 
   leaving_ = drawn.removed;

@@ -37,6 +37,7 @@ struct TerrainStep {
   const EndHeights& heights;
   Time scene_from, scene_to;  // in scenes with epochs
   glm::dvec3 origin;          // of the mesh's positions
+  uint32_t order = 1;         // it blends one keyframe more
 };
 
 class TerrainPatcher {
@@ -73,6 +74,8 @@ class TerrainPatcher {
   static constexpr size_t kAhead = 4;  // nodes
 
   void advance(const TerrainStep& step, BlendPatch& out);
+  void touchCurved();
+  void writeBends(BlendPatch& out) const;
   void addBaseVertex(uint32_t x, uint32_t y);
   void addBaseVertices();
   void addRootTriangles(uint32_t root_x, uint32_t root_y);
@@ -116,6 +119,7 @@ class TerrainPatcher {
   void forStarWithin(uint32_t v, uint32_t apex, uint32_t q, const Visit& visit) const;
 
   static double weightAt(const Morph& m, End end) { return end == End::kFrom ? m.from : m.to; }
+  GroundPoint displacementOf(uint32_t v, proto::Slot slot, End end) const;
   Move drawnAt(uint32_t v, proto::Slot slot, double weight, End end) const;
   DrawnPosition<GroundPoint> willBeAt(uint32_t v) const;
   GroundPoint truePosition(proto::NodeId v, int32_t height, End end) const;

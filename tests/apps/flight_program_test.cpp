@@ -100,6 +100,10 @@ TEST(FlightProgram, RefusesWhatCannotBeFlown) {
   expectRefusal("fly", {url, "--dump", text}, {text});
   expectRefusal("fly", {url, "--record", missing + "/flight.rec"}, {missing});
   expectRefusal("fly", {url, "--strategy", "wait"}, {"--strategy", "wait", "predict"});
+  expectRefusal("fly", {url, "--blend", "b-spline-4"}, {"--blend", "b-spline-4", "b-spline-3"});
+  for (const char* interval : {"adaptive", "100-500"})
+    expectRefusal("fly", {url, "--blend", "b-spline-2", "--keyframe-ms", interval},
+                  {"--blend b-spline-2", interval, "equal intervals"});
   for (const char* option : {"--seconds", "--tau", "--fov"})
     for (const char* value : {"nan", "inf", "-1", "x"}) expectRefusal("fly", {url, option, value}, {option});
   expectRefusal("fly", {url, "--track", text, "--speed", "nan"}, {"--speed"});

@@ -148,6 +148,28 @@ TEST(Flight, WithGeomorphsMovesLessAtATimeAndIsNeverFarAboveTheTolerance) {
   EXPECT_NE(geomorphs.frames.rms_px, keyframes.frames.rms_px);
 }
 
+TEST(Flight, WithAHigherOrderKeepsTheToleranceInEveryFrame) {
+  for (proto::Strategy strategy : {proto::Strategy::kPredict, proto::Strategy::kDelay})
+    for (client::Blend blend : {client::Blend::kKeyframe, client::Blend::kSpline2, client::Blend::kSpline3}) {
+      SCOPED_TRACE(std::string(proto::name(strategy)) + ' ' + client::name(blend));
+      client::PlayerOptions options = tourOptions(strategy);
+      options.blend = blend;
+      const Flight flight = flown(options);
+      ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+      const client::FlightReport report = flight.player.report();
+      EXPECT_EQ(report.late_keyframes_flying, 0u);
+      // With delay nothing is known of how the camera will begin to move.
+      EXPECT_LE(report.frames_outside, strategy == proto::Strategy::kPredict ? 0u : 24u);
+      const FlightTruth truth = measured(flight.player);
+      std::printf("%s, %s: %.3f px, %.0f triangles, %lu outside\n", client::name(blend), proto::name(strategy),
+                  truth.frames.max_px, report.mean_triangles, static_cast<unsigned long>(report.frames_outside));
+      EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+      EXPECT_EQ(truth.uncovered_samples, 0u);
+      EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+      EXPECT_GT(truth.frames.max_px, 0.3);
+    }
+}
+
 TEST(Flight, WithDelayShowsThePastWithoutViewError) {
   const FlightTruth truth = measured(flown(tourOptions(proto::Strategy::kDelay)).player);
   EXPECT_LE(truth.keyframes.max_px, 1.0);

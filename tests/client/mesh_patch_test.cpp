@@ -44,6 +44,8 @@ struct Uploaded {
     upload(changes.to_positions, 1, from.to_positions, mesh.to_positions);
     upload(changes.from_positions, 1, from.from_moved, mesh.from_moved);
     upload(changes.to_positions, 1, from.to_moved, mesh.to_moved);
+    upload(changes.bends, 1, from.from_bends, mesh.from_bends);
+    upload(changes.bends, 1, from.to_bends, mesh.to_bends);
     upload(changes.from_normals, 1, from.from_normals, mesh.from_normals);
     upload(changes.to_normals, 1, from.to_normals, mesh.to_normals);
     upload(changes.parameters, 1, from.parameters, mesh.parameters);
@@ -53,6 +55,7 @@ struct Uploaded {
   bool holds(const client::BlendMesh& other) const {
     return mesh.from_positions == other.from_positions && mesh.to_positions == other.to_positions &&
            mesh.from_moved == other.from_moved && mesh.to_moved == other.to_moved &&
+           mesh.from_bends == other.from_bends && mesh.to_bends == other.to_bends &&
            mesh.from_normals == other.from_normals && mesh.to_normals == other.to_normals &&
            mesh.parameters == other.parameters && mesh.indices == other.indices;
   }
@@ -142,16 +145,17 @@ class MeshPatches : public testing::Test {
 
 TEST_F(MeshPatches, MakeTheMeshThatIsMadeAnew) {
   for (proto::FrameKind kind : {proto::FrameKind::kPlanar, proto::FrameKind::kGeographic})
-    for (bool morphs : {false, true}) {
+    for (Blend blend : client::kBlends) {
       begin(kind, rng_.below(2) * 5);
       Wanderer wanderer(*hierarchy_, rng_.below(1u << 30));
+      const auto next_blend = [&] { return rng_.below(8) > 0 ? blend : client::kBlends[rng_.below(4)]; };
       for (int i = 0; i < 60; ++i) {
-        keyframe(wanderer.next(), morphs && rng_.below(8) > 0 ? Blend::kGeomorph : Blend::kKeyframe);
+        keyframe(wanderer.next(), next_blend());
         if (rng_.below(10) == 0) continue;  // nobody takes this mesh
-        ASSERT_NO_FATAL_FAILURE(expectSame()) << "mesh " << i << ", morphs " << morphs;
+        ASSERT_NO_FATAL_FAILURE(expectSame()) << "mesh " << i << ", " << client::name(blend);
         if (rng_.below(3) > 0) continue;
-        replica_->extend(Duration::milliseconds(250), morphs ? Blend::kGeomorph : Blend::kKeyframe);
-        ASSERT_NO_FATAL_FAILURE(expectSame()) << "after mesh " << i << ", morphs " << morphs;
+        replica_->extend(Duration::milliseconds(250), blend);
+        ASSERT_NO_FATAL_FAILURE(expectSame()) << "after mesh " << i << ", " << client::name(blend);
       }
     }
   EXPECT_LT(3 * whole_, all_) << "most meshes should follow from the last one";

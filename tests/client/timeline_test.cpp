@@ -114,6 +114,28 @@ TEST(Timeline, DelayIsThatOfTheLongestIntervalWhereTheyAdapt) {
   }
 }
 
+// Of order 2: three keyframes are blended, and what is in the middle of them is shown.
+std::shared_ptr<MeshPatch> splineMesh(uint32_t index, double from_ms, double to_ms) {
+  auto made = mesh(index, from_ms, to_ms);
+  made->earlier.count = 1;
+  made->earlier.from_age = made->earlier.to_age = at((to_ms - from_ms) / 2) - Time{};
+  return made;
+}
+
+TEST(Timeline, OfAHigherOrderShowsWhatIsInTheMiddleOfItsKeyframes) {
+  Timeline predicted, delayed;
+  predicted.add(stillMesh(0), at(0), Strategy::kPredict);
+  delayed.add(stillMesh(0), at(30), Strategy::kDelay);
+  EXPECT_EQ(predicted.add(splineMesh(1, 200, 400), at(50), Strategy::kPredict), Duration::milliseconds(-50));
+  delayed.add(splineMesh(1, 200, 400), at(430), Strategy::kDelay);
+  for (const double shown : {100.0, 150.0, 275.0}) {
+    EXPECT_EQ(predicted.at(at(shown)).shown_time, at(shown));
+    EXPECT_NEAR(predicted.at(at(shown)).weight, (shown - 100) / 200, 1e-9);
+    // A latency of 30 ms, 10 ms of margin, and an interval and a half.
+    EXPECT_EQ(delayed.at(at(shown + 340)).shown_time, at(shown));
+  }
+}
+
 TEST(Timeline, ALateMeshBeginsOnArrivalEndsInTimeAndLastsTheShortestBlendAtLeast) {
   Timeline timeline;
   timeline.add(stillMesh(0), at(0), Strategy::kPredict);

@@ -32,8 +32,7 @@ class LatticeSurface {
     glm::dvec3 at[3];
     for (size_t k = 0; k < 3; ++k) {
       place[k] = mesh.parameters[corners[k]];
-      const glm::dvec3 from(mesh.from_positions[corners[k]]), to(mesh.to_positions[corners[k]]);
-      at[k] = mesh.origin + from + weight * (to - from);
+      at[k] = mesh.origin + glm::dvec3(mesh.at(corners[k], weight));
     }
     const glm::dvec2 low = glm::ceil(glm::min(place[0], glm::min(place[1], place[2])));
     const glm::dvec2 high = glm::floor(glm::max(place[0], glm::max(place[1], place[2])));

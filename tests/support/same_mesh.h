@@ -9,11 +9,11 @@
 #include <bit>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/blend_patch.h"
 
 namespace foreland::test {
 
-inline constexpr size_t kWords = 14;  // for each corner
+inline constexpr size_t kWords = 20;  // for each corner
 using MeshTriangle = std::array<uint32_t, 3 * kWords>;
 
 inline std::vector<MeshTriangle> trianglesOf(const client::BlendMesh& mesh) {
@@ -25,6 +25,9 @@ inline std::vector<MeshTriangle> trianglesOf(const client::BlendMesh& mesh) {
       const uint32_t v = mesh.indices[i + k];
       const glm::vec4 &p = mesh.from_positions[v], &q = mesh.to_positions[v];
       const glm::vec2& at = mesh.parameters[v];
+      const client::BlendPatch::Bend bend = mesh.from_bends.empty()
+                                                ? client::BlendPatch::Bend{}
+                                                : client::BlendPatch::Bend{mesh.from_bends[v], mesh.to_bends[v]};
       const auto word = [](float value) { return std::bit_cast<uint32_t>(value); };
       const std::array<uint32_t, kWords> corner{word(at.x),
                                                 word(at.y),
@@ -39,7 +42,13 @@ inline std::vector<MeshTriangle> trianglesOf(const client::BlendMesh& mesh) {
                                                 mesh.from_normals[v],
                                                 mesh.to_normals[v],
                                                 word(mesh.from_moved.empty() ? 0 : mesh.from_moved[v]),
-                                                word(mesh.to_moved.empty() ? 0 : mesh.to_moved[v])};
+                                                word(mesh.to_moved.empty() ? 0 : mesh.to_moved[v]),
+                                                word(bend.from.x),
+                                                word(bend.from.y),
+                                                word(bend.from.z),
+                                                word(bend.to.x),
+                                                word(bend.to.y),
+                                                word(bend.to.z)};
       std::copy(corner.begin(), corner.end(), t.begin() + static_cast<std::ptrdiff_t>(kWords * k));
     }
     out.push_back(t);
@@ -56,8 +65,9 @@ inline ::testing::AssertionResult isSameMesh(const client::BlendMesh& mesh, cons
   if (a == all.end() || b == wanted.end()) return result;
   for (size_t k = 0; k < 3 * kWords; ++k)
     if ((*a)[k] != (*b)[k])
-      return result << "; the first difference: word " << k % kWords << " of corner " << k / kWords << " at ("
-                    << std::bit_cast<float>((*a)[kWords * (k / kWords)]) << ", "
+      return result << "; the first difference: " << std::bit_cast<float>((*a)[k]) << " and "
+                    << std::bit_cast<float>((*b)[k]) << " in word " << k % kWords << " of corner " << k / kWords
+                    << " at (" << std::bit_cast<float>((*a)[kWords * (k / kWords)]) << ", "
                     << std::bit_cast<float>((*a)[kWords * (k / kWords) + 1]) << ") and ("
                     << std::bit_cast<float>((*b)[kWords * (k / kWords)]) << ", "
                     << std::bit_cast<float>((*b)[kWords * (k / kWords) + 1]) << ")";

@@ -105,8 +105,7 @@ std::vector<DrawnTriangle> ObjectsOracle::drawnTriangles(const client::KeyframeM
       if (!is_sound) break;
       t.face = point->face;
       t.weights[k] = point->weights;
-      const glm::dvec3 from(drawn.from_positions[v]), to(drawn.to_positions[v]);
-      t.positions[k] = toModel(placement, mesh.origin + glm::mix(from, to, weight));
+      t.positions[k] = toModel(placement, mesh.origin + glm::dvec3(drawn.at(v, weight)));
     }
     if (is_sound) triangles.push_back(t);  // where it is not, nothing is drawn: a hole, and findCracks names it
   }

@@ -59,7 +59,8 @@ proto::Pose poseAt(Time now) {
 // A real client over a real socket.
 class LiveViewer {
  public:
-  explicit LiveViewer(uint16_t port) : socket_(port), viewer_(requestView(), Duration::milliseconds(10)) {}
+  explicit LiveViewer(uint16_t port)
+      : socket_(port), viewer_(requestView(), client::Blend::kKeyframe, Duration::milliseconds(10)) {}
 
   // Sends what is due, then takes what comes within a few milliseconds. False when the server has closed.
   bool advance() {
