@@ -117,6 +117,8 @@ void fillMesh(const KeyframeMesh& mesh, FrameRecord& out) {
   out.lattice_positions = addressOf(mesh.parameters.data());
   out.from_moved = mesh.from_moved.empty() ? 0 : addressOf(mesh.from_moved.data());
   out.to_moved = mesh.to_moved.empty() ? 0 : addressOf(mesh.to_moved.data());
+  out.from_bends = mesh.from_bends.empty() ? 0 : addressOf(mesh.from_bends.data());
+  out.to_bends = mesh.to_bends.empty() ? 0 : addressOf(mesh.to_bends.data());
   out.from_nodes = mesh.from_nodes;
   out.to_nodes = mesh.to_nodes;
   out.from_index = mesh.from.index;
@@ -313,6 +315,7 @@ FORELAND_EXPORT(foreland_take_changes) const ChangesRecord* takeChanges(Host* ho
   tell(changes.to_positions, out.to_positions, out.to_position_ranges);
   tell(changes.from_normals, out.from_normals, out.from_normal_ranges);
   tell(changes.to_normals, out.to_normals, out.to_normal_ranges);
+  tell(changes.bends, out.bends, out.bend_ranges);
   tell(changes.parameters, out.texture_coordinates, out.texture_coordinate_ranges);
   tell(changes.triangles, out.triangles, out.triangle_ranges);
   return &out;
@@ -334,7 +337,7 @@ void setSceneClock(Host* host, double at_ms, double scene_ms, double rate) {
 
 // `blend` is a client::Blend. 1 on success; 0 if there is no such blend.
 FORELAND_EXPORT(foreland_set_blend) uint32_t setBlend(Host* host, uint32_t blend) {
-  if (blend > static_cast<uint32_t>(Blend::kGeomorph)) return 0;
+  if (blend >= std::size(kBlends)) return 0;
   host->viewer.setBlend(static_cast<Blend>(blend));
   return 1;
 }

@@ -85,6 +85,8 @@ inline constexpr RecordField kFrameFields[] = {
     FORELAND_FIELD(FrameRecord, lattice_positions),
     FORELAND_FIELD(FrameRecord, from_moved),
     FORELAND_FIELD(FrameRecord, to_moved),
+    FORELAND_FIELD(FrameRecord, from_bends),
+    FORELAND_FIELD(FrameRecord, to_bends),
 };
 inline constexpr RecordField kScreenFields[] = {
     FORELAND_FIELD(ScreenRecord, pose),          FORELAND_FIELD(ScreenRecord, shown_time_ms),
@@ -107,6 +109,8 @@ inline constexpr RecordField kChangesFields[] = {
     FORELAND_FIELD(ChangesRecord, texture_coordinate_ranges),
     FORELAND_FIELD(ChangesRecord, triangles),
     FORELAND_FIELD(ChangesRecord, triangle_ranges),
+    FORELAND_FIELD(ChangesRecord, bends),
+    FORELAND_FIELD(ChangesRecord, bend_ranges),
 };
 inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, low),

@@ -52,6 +52,8 @@ struct FrameRecord {
   Address lattice_positions;  // float x, y of the terrain's vertices
   Address from_moved;         // float, metres upwards since the first epoch; 0: the ground does not move
   Address to_moved;
+  Address from_bends;  // float x, y, z of the terrain's vertices; 0: they move straight
+  Address to_bends;
 };
 
 // What the drawing thread draws in a frame (screen.cpp).
@@ -84,6 +86,8 @@ struct ChangesRecord {
   uint32_t texture_coordinate_ranges;
   Address triangles;
   uint32_t triangle_ranges;
+  Address bends;  // both, of the terrain
+  uint32_t bend_ranges;
 };
 
 struct WelcomeRecord {

@@ -13,7 +13,7 @@ import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './core/prediction_check';
 import { Readout } from './ui/readout';
-import { kAdaptive_ms, kLens, type Address, type Settings, type Tour } from './ui/settings';
+import { adapts, kAdaptive_ms, kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
 import { sunDirection } from './ui/sun';
 import { saveFile } from './ui/save_file';
@@ -180,7 +180,8 @@ export class App {
   }
 
   private request(): Request {
-    const { strategy, predictor, tau_px, keyframe_ms, adaptive, occlusion } = this.settings;
+    const { strategy, predictor, tau_px, keyframe_ms, occlusion } = this.settings;
+    const adaptive = adapts(this.settings);
     const automatic = this.tours?.current ? 'path' : 'velocity';
     return {
       fov_rad: kLens.fov_rad,

@@ -151,6 +151,22 @@ test('geomorphs are switched to and from in flight', kTest, () =>
     assert.ok(picture.colours > 60, `only ${picture.colours} colours`);
   }));
 
+// Of order 2 and 3, and by way of linear blends, from adaptive keyframes as well.
+test('splines of keyframes are switched to and from in flight', kTest, () =>
+  visit('tour=survey&blend=b-spline-2', async (page) => {
+    await until(page, (s) => s.touring && s.blend === 'b-spline-2' && s.keyframes > 8);
+    for (const blend of ['b-spline-3', 'keyframe', 'b-spline-2']) {
+      await page.locator('.choice label', { has: page.locator(`[value=${blend}]`) }).click();
+      const { keyframes, mesh_version } = await until(page, (s, b) => s.blend === b, blend);
+      if (blend === 'keyframe') await page.locator('[name=adaptive]').check();
+      const now = await until(page, (s, [n, shown]) => s.keyframes >= n && s.mesh_version > shown, [keyframes + 8, mesh_version]);
+      assert.ok(now.connected);
+      assert.equal(await page.locator('[name=adaptive]').isVisible(), blend === 'keyframe');
+    }
+    const picture = await pictureOf(page);
+    assert.ok(picture.colours > 60, `only ${picture.colours} colours`);
+  }));
+
 test('a finer tolerance gives more triangles', kTest, () =>
   visit('tau=8', async (page) => {
     const coarse = await status(page);

@@ -2,8 +2,9 @@
 import type { Changes, Content, Mesh, ObjectArrays, Pose } from './values';
 import { tileMemoryOf, type TileUpdate } from './tiles';
 
-// The order of a part's channels. `line` is there only where edges are to be drawn, `from_moved` and `to_moved` where ground moves.
-export const kChannels = ['from_position', 'to_position', 'from_moved', 'to_moved', 'from_normal', 'to_normal', 'texture_coordinate', 'index', 'line'] as const;
+// The order of a part's channels. `line` is there only where edges are to be drawn, `from_moved` and `to_moved` where ground moves,
+// `from_bend` and `to_bend` where vertices move on curves.
+export const kChannels = ['from_position', 'to_position', 'from_moved', 'to_moved', 'from_bend', 'to_bend', 'from_normal', 'to_normal', 'texture_coordinate', 'index', 'line'] as const;
 export type ChannelName = (typeof kChannels)[number];
 
 export type Elements = Float32Array<ArrayBuffer> | Int8Array<ArrayBuffer> | Uint32Array<ArrayBuffer>;
@@ -39,16 +40,20 @@ export interface MeshUpdate {
   tiles: Record<Content, TileUpdate | null>;
 }
 
-const kItems = { from_position: 4, to_position: 4, from_moved: 1, to_moved: 1, from_normal: 4, to_normal: 4, texture_coordinate: 2, index: 3 } as const;
+const kItems = { from_position: 4, to_position: 4, from_moved: 1, to_moved: 1, from_bend: 3, to_bend: 3, from_normal: 4, to_normal: 4, texture_coordinate: 2, index: 3 } as const;
 
 type Source = Partial<Record<Exclude<ChannelName, 'line'>, { data: Float32Array | Int8Array | Uint32Array; ranges: Uint32Array }>>;
-type Moved = Pick<Mesh, 'from_moved' | 'to_moved'>; // changes where positions do
+type TerrainArrays = Pick<Mesh, 'from_moved' | 'to_moved' | 'from_bends' | 'to_bends'>; // of the terrain; moved changes where positions do
 
-function sourceOf(arrays: Omit<ObjectArrays, 'parts'>, changes: Changes, moved: Moved | null): Source {
+function sourceOf(arrays: Omit<ObjectArrays, 'parts'>, changes: Changes, terrain: TerrainArrays | null): Source {
   return {
-    ...(moved && moved.to_moved.length > 0 ? {
-      from_moved: { data: moved.from_moved, ranges: changes.from_positions },
-      to_moved: { data: moved.to_moved, ranges: changes.to_positions },
+    ...(terrain && terrain.to_moved.length > 0 ? {
+      from_moved: { data: terrain.from_moved, ranges: changes.from_positions },
+      to_moved: { data: terrain.to_moved, ranges: changes.to_positions },
+    } : {}),
+    ...(terrain && terrain.to_bends.length > 0 ? {
+      from_bend: { data: terrain.from_bends, ranges: changes.bends },
+      to_bend: { data: terrain.to_bends, ranges: changes.bends },
     } : {}),
     from_position: { data: arrays.from_positions, ranges: changes.from_positions },
     to_position: { data: arrays.to_positions, ranges: changes.to_positions },

@@ -6,7 +6,7 @@ export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z
 
 export const kStrategies = ['delay', 'current', 'predict'] as const;
 export const kPredictors = ['hold', 'velocity', 'acceleration', 'path', 'double-exponential', 'kalman'] as const;
-export const kBlends = ['keyframe', 'geomorph'] as const; // client/mesh/blend.h
+export const kBlends = ['keyframe', 'geomorph', 'b-spline-2', 'b-spline-3'] as const; // client/mesh/blend.h
 export type Strategy = (typeof kStrategies)[number];
 export type Predictor = (typeof kPredictors)[number];
 export type Blend = (typeof kBlends)[number];
@@ -68,6 +68,8 @@ export interface Mesh {
   to_positions: Float32Array;
   from_moved: Float32Array; // metres upwards since the first epoch; empty if the ground does not move
   to_moved: Float32Array;
+  from_bends: Float32Array; // empty if vertices move straight
+  to_bends: Float32Array;
   from_normals: Int8Array;
   to_normals: Int8Array;
   indices: Uint32Array;
@@ -92,6 +94,7 @@ export interface Changes {
   base_version: number;
   from_positions: Uint32Array;
   to_positions: Uint32Array;
+  bends: Uint32Array;
   from_normals: Uint32Array;
   to_normals: Uint32Array;
   texture_coordinates: Uint32Array;

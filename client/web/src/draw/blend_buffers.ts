@@ -20,7 +20,7 @@ function makeChannel(gl: WebGL2RenderingContext, name: ChannelName): Channel {
   const is_normal = name === 'from_normal' || name === 'to_normal';
   const [type, bytes] = is_index ? [gl.UNSIGNED_INT, 4 as const] : is_normal ? [gl.BYTE, 1 as const] : [gl.FLOAT, 4 as const];
   const is_single = is_index || name === 'from_moved' || name === 'to_moved';
-  const items = is_single ? 1 : name === 'texture_coordinate' ? 2 : 4;
+  const items = is_single ? 1 : name === 'texture_coordinate' ? 2 : name === 'from_bend' || name === 'to_bend' ? 3 : 4;
   const buffer = gl.createBuffer()!;
   // A buffer is of the kind that it is bound to first.
   gl.bindBuffer(is_index ? gl.ELEMENT_ARRAY_BUFFER : gl.ARRAY_BUFFER, buffer);
@@ -51,6 +51,16 @@ export class BufferSet {
     for (const name of ['from_moved', 'to_moved'] as const) {
       if (tells) this.geometry.setAttribute(name, this.attribute(name));
       else this.geometry.deleteAttribute(name);
+    }
+  }
+
+  // Whether vertices move on curves; otherwise shaders read 0.
+  set tells_bends(tells: boolean) {
+    for (const geometry of [this.geometry, this.lines]) {
+      for (const name of ['from_bend', 'to_bend'] as const) {
+        if (tells) geometry.setAttribute(name, this.attribute(name));
+        else geometry.deleteAttribute(name);
+      }
     }
   }
 

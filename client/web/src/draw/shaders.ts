@@ -52,16 +52,25 @@ vec3 toScreen(vec3 colour) {
 }
 `;
 
-// A frame between two keyframes: mix of two positions with one weight (DESIGN section 2).
+// A frame between two keyframes: mix of two positions with one weight (DESIGN section 2). Of more keyframes, a way that bends
+// (BlendMesh::from_bends).
 const kInterpolation = /* glsl */ `
 in vec4 from_position;  // metres from the mesh's origin; w: height above the zero surface
 in vec4 to_position;
+in vec3 from_bend;      // metres; 0 if the mesh has none
+in vec3 to_bend;
 in vec3 from_normal;
 in vec3 to_normal;
 uniform float u_weight;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform vec3 u_origin;  // of the mesh, from the eye
+
+vec4 blended() {
+  vec4 p = mix(from_position, to_position, u_weight);
+  p.xyz += u_weight * (1.0 - u_weight) * mix(from_bend, to_bend, u_weight);
+  return p;
+}
 `;
 
 export const kTerrainVertex = kHead + kInterpolation + /* glsl */ `
@@ -75,7 +84,7 @@ out vec3 v_from_eye;
 out vec3 v_normal;
 out vec3 v_texture_coordinate;  // x, y from the mesh's origin; height
 void main() {
-  vec4 p = mix(from_position, to_position, u_weight);
+  vec4 p = blended();
   v_from_eye = p.xyz + u_origin;
   v_normal = mix(from_normal, to_normal, u_weight);
   v_texture_coordinate = vec3(p.xy, p.w);
@@ -421,7 +430,7 @@ out vec3 v_from_eye;
 out vec3 v_normal;
 out vec2 v_texture_coordinate;
 void main() {
-  vec4 p = mix(from_position, to_position, u_weight);
+  vec4 p = blended();
   v_from_eye = p.xyz + u_origin;
   v_normal = mix(from_normal, to_normal, u_weight);
   v_texture_coordinate = texture_coordinate;
@@ -447,7 +456,7 @@ export const kWireVertex = kHead + kInterpolation + /* glsl */ `
 uniform vec3 u_up;
 out float v_distance;
 void main() {
-  vec4 p = mix(from_position, to_position, u_weight);
+  vec4 p = blended();
   vec4 view = modelViewMatrix * vec4(p.xyz, 1.0);
   v_distance = length(p.xyz + u_origin);
   gl_Position = projectionMatrix * vec4(view.xyz * 0.9995, 1.0);  // a hair nearer than the surface

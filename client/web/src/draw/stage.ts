@@ -42,6 +42,7 @@ class Slices {
     this.set[part].triangles = triangles;
     this.set[part].has_lines = channels.line !== undefined;
     this.set[part].tells_moved = channels.to_moved !== undefined;
+    this.set[part].tells_bends = channels.to_bend !== undefined;
     for (const channel of kChannels) {
       const update = channels[channel];
       if (!update) continue;

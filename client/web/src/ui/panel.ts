@@ -1,11 +1,11 @@
 // The settings panel. It changes the Settings that it is given and calls onChange.
 import { kBlends, kPredictors, kStrategies } from '../core/values';
 import { kGrounds } from '../draw/shaders';
-import type { Settings } from './settings';
+import { adapts, mayAdapt, type Settings } from './settings';
 import { kSunModes } from './sun';
 
 const kNames: Record<string, string> = {
-  delay: 'Delay', current: 'Current', predict: 'Predict', keyframe: 'Keyframes', geomorph: 'Geomorphs',
+  delay: 'Delay', current: 'Current', predict: 'Predict', keyframe: 'Keyframes', geomorph: 'Geomorphs', 'b-spline-2': 'Spline 2', 'b-spline-3': 'Spline 3',
   auto: 'Automatic', hold: 'Hold', velocity: 'Constant velocity', acceleration: 'Constant acceleration', path: 'Known path',
   natural: 'Natural', plain: 'Plain', slope: 'Slope', aspect: 'Aspect', heights: 'Heights', change: 'Change in time', map: 'As on maps', clock: 'Date and time', free: 'Free',
 };
@@ -15,6 +15,8 @@ const kHelp: Record<string, string> = {
   predict: 'Keyframes are computed ahead, for the predicted camera.',
   keyframe: 'All detail blends from one keyframe to the next.',
   geomorph: 'Each vertex blends by its own timing, within a second.',
+  'b-spline-2': 'Detail follows a spline of three keyframes, at no abrupt speed.',
+  'b-spline-3': 'The same of four keyframes: smoother, and further ahead.',
 };
 
 const kLegends: Record<string, string[]> = {
@@ -54,6 +56,7 @@ export class Panel {
   private heights: [number, number] | null = null;
   private most_moved_m = 0;
   private change_row!: HTMLElement;
+  private adaptive_row!: HTMLElement;
   private is_geographic = true;
 
   // `colours` are the names of colour maps; `file` is where another one is opened.
@@ -103,8 +106,8 @@ export class Panel {
     this.addChoice('Blend', 'blend', kBlends);
     this.addSelect('Predictor', 'predictor', ['auto', ...kPredictors]);
     this.addSlider('Tolerance', 'tau_px', [-2, 4, 0.25], (v) => 2 ** v, Math.log2, (v) => `${v.toFixed(v < 1 ? 2 : 1)} px`);
-    this.addSlider('Keyframes every', 'keyframe_ms', [2, 20, 1], (v) => 50 * v, (v) => v / 50, (v) => (this.settings.adaptive ? 'adaptive' : `${v} ms`));
-    this.addSwitch('Adaptive keyframes', 'adaptive');
+    this.addSlider('Keyframes every', 'keyframe_ms', [2, 20, 1], (v) => 50 * v, (v) => v / 50, (v) => (adapts(this.settings) ? 'adaptive' : `${v} ms`));
+    this.adaptive_row = this.addSwitch('Adaptive keyframes', 'adaptive');
     this.addSwitch('Wireframe', 'wireframe');
     this.addSwitch('Relief shading', 'relief');
     this.addSwitch('Cast shadows', 'shadows');
@@ -162,6 +165,7 @@ export class Panel {
 
   private showRows(): void {
     const { sun, ground } = this.settings;
+    this.adaptive_row.hidden = !mayAdapt(this.settings);
     const is_clock = sun === 'clock' && this.is_geographic;
     for (const row of this.sun_rows.clock) row.hidden = !is_clock;
     for (const row of this.sun_rows.free) row.hidden = sun === 'map' || is_clock;
@@ -177,6 +181,7 @@ export class Panel {
   }
 
   private changed(): void {
+    for (const show of this.texts) show();
     this.showRows();
     for (const key of ['strategy', 'blend'] as const) this.help[key].textContent = kHelp[this.settings[key]] ?? '';
     this.onChange();
@@ -232,14 +237,16 @@ export class Panel {
     return row;
   }
 
-  private addSwitch(title: string, key: 'adaptive' | 'wireframe' | 'relief' | 'shadows' | 'imagery' | 'contours' | 'fog' | 'occlusion' | 'frozen'): void {
+  private addSwitch(title: string, key: 'adaptive' | 'wireframe' | 'relief' | 'shadows' | 'imagery' | 'contours' | 'fog' | 'occlusion' | 'frozen'): HTMLElement {
     const input = Object.assign(document.createElement('input'), { type: 'checkbox', name: key });
     input.checked = this.settings[key];
     input.onchange = () => {
       this.settings[key] = input.checked;
       this.changed();
     };
-    this.addRow(title, input).classList.add('switch');
+    const row = this.addRow(title, input);
+    row.classList.add('switch');
+    return row;
   }
 
   private addRow(title: string, control: HTMLElement): HTMLElement {

@@ -38,6 +38,10 @@ export interface Address {
   is_recorded: boolean; // the flight, from its beginning on
 }
 
+// Whether keyframes adapt: a spline of several keyframes needs equal intervals.
+export const mayAdapt = ({ blend }: Settings): boolean => blend === 'keyframe' || blend === 'geomorph';
+export const adapts = (settings: Settings): boolean => settings.adaptive && mayAdapt(settings);
+
 // The bounds of adaptive keyframes, as proto::kAdaptiveInterval has them.
 export const kAdaptive_ms = { shortest: 100, longest: 1000 };
 
