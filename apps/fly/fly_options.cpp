@@ -134,6 +134,11 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
     return invalid("--seconds must be above 0 and at most 86400");
   const auto scene = parseSceneClock(o.scene_from, o.scene_speed);
   if (!scene.ok()) return scene.error();
+  if (client::orderOf(*blend) > 1 && *scene && (*scene)->rate != 0)
+    return invalid(
+        "--blend " + o.blend +
+        " with --scene-speed: a node that leaves a section is drawn for some keyframes more, and where it is "
+        "at the next date is not sent any more; fly with --blend keyframe, or let the scene stand");
   client::PlayerOptions player{.request = *request,
                                .blend = *blend,
                                .knowledge = request->predictor == proto::Predictor::kKnownPath

@@ -101,6 +101,8 @@ TEST(FlightProgram, RefusesWhatCannotBeFlown) {
   expectRefusal("fly", {url, "--record", missing + "/flight.rec"}, {missing});
   expectRefusal("fly", {url, "--strategy", "wait"}, {"--strategy", "wait", "predict"});
   expectRefusal("fly", {url, "--blend", "b-spline-4"}, {"--blend", "b-spline-4", "b-spline-3"});
+  expectRefusal("fly", {url, "--blend", "b-spline-3", "--scene-speed", "90d/s"},
+                {"--blend b-spline-3", "--scene-speed", "keyframe"});
   for (const char* interval : {"adaptive", "100-500"})
     expectRefusal("fly", {url, "--blend", "b-spline-2", "--keyframe-ms", interval},
                   {"--blend b-spline-2", interval, "equal intervals"});
