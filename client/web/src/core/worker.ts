@@ -24,6 +24,7 @@ class Session {
   private recording: Recording | null = null;
   private request: Request;
   private blend: Blend;
+  private is_scene_running = false;
   private wants_lines: boolean;
   private sun: readonly number[] | null = null; // that casts shadows
   private is_greeted = false; // on this connection
@@ -56,12 +57,13 @@ class Session {
         break;
       case 'blend':
         this.blend = message.blend;
-        this.viewer.setBlend(message.blend);
-        this.recordChoice();
+        this.applyBlend();
         break;
       case 'lines': return this.setLines(message.wants_lines);
       case 'scene clock':
         this.viewer.setSceneClock(message.now_ms, message.scene_ms, message.rate);
+        this.is_scene_running = message.rate !== 0;
+        this.applyBlend();
         break;
       case 'request tour':
         this.requestTour(message.name, message.seconds);
@@ -100,7 +102,7 @@ class Session {
 
   private newViewer(): Viewer {
     const viewer = new Viewer(this.core, this.request);
-    viewer.setBlend(this.blend);
+    viewer.setBlend(this.blendInForce());
     viewer.drawAhead();
     viewer.setTextureLayers(this.start.texture_layers);
     viewer.setSun(this.sun);
@@ -131,8 +133,18 @@ class Session {
     if (this.connection.isOpen()) this.viewer.requestTour(name, seconds);
   }
 
+  // Splines do not go with scene time that runs (docs/decisions/0052).
+  private blendInForce(): Blend {
+    const is_spline = this.blend !== 'keyframe' && this.blend !== 'geomorph';
+    return is_spline && this.is_scene_running ? 'keyframe' : this.blend;
+  }
+  private applyBlend(): void {
+    this.viewer.setBlend(this.blendInForce());
+    this.recordChoice();
+  }
+
   private recordChoice(): void {
-    this.recording?.choose(this.now(), this.request, this.blend);
+    this.recording?.choose(this.now(), this.request, this.blendInForce());
   }
 
   private receive(message: Uint8Array): void {
