@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 12
+VERSION = 13
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 TILE = 7
