@@ -20,7 +20,8 @@ target_compile_options(foreland_options INTERFACE -Wall -Wextra -Wpedantic -Wsha
   $<$<CXX_COMPILER_ID:Clang>:-Wreserved-identifier>
   -ffp-contract=off $<$<BOOL:${FORELAND_WARNINGS_AS_ERRORS}>:-Werror>)
 if(FORELAND_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  target_compile_options(foreland_options INTERFACE -march=${FORELAND_ARCH})
+  # Without fused operations: g++ 12 fuses the products and sums of rotations that it makes vectors of, whatever -ffp-contract says.
+  target_compile_options(foreland_options INTERFACE -march=${FORELAND_ARCH} -mno-fma)
 endif()
 if(FORELAND_SANITIZE)
   target_compile_options(foreland_options INTERFACE -fsanitize=${FORELAND_SANITIZE} -fno-sanitize-recover=all

@@ -26,11 +26,9 @@ inline GroundPoint operator-(const GroundPoint& a, const GroundPoint& b) {
 }
 inline GroundPoint operator*(double k, const GroundPoint& a) { return {k * a.position, k * a.height_m, k * a.moved_m}; }
 
-// A vertex at the mesh's beginning (0) or its end (1); `height` is that of its record or of the base, quanta. Not
-// inlined, so that it gives the same bits wherever it is called from: g++ 12 fuses the products and sums of a rotation
-// where it makes vectors of them (vfmaddsub), whatever -ffp-contract says.
-[[gnu::noinline]] inline GroundPoint groundPointAt(const proto::TerrainDomain& domain, const EndHeights& heights,
-                                                   proto::NodeId v, int32_t height, size_t end) {
+// A vertex at the mesh's beginning (0) or its end (1); `height` is that of its record or of the base, quanta.
+inline GroundPoint groundPointAt(const proto::TerrainDomain& domain, const EndHeights& heights, proto::NodeId v,
+                                 int32_t height, size_t end) {
   const double moved = heights.moved(v, end), quanta = height + moved,
                quantum_m = domain.frame.transform().frame().height_quantum_m;
   return {domain.frame.position(v, quanta), quanta * quantum_m, moved * quantum_m};
