@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   app.add_option("--name", token.name, "whose it is; limits hold for all tokens of one name together")
       ->check(CLI::Validator(
           [](std::string& name) {
-            return if (name.size() > 200) return "at most 200 bytes";
+            if (name.size() > 200) return "at most 200 bytes";
             return isUtf8(name) ? "" : "must be UTF-8";
           },
           "", "name"))
