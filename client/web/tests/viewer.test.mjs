@@ -405,8 +405,10 @@ test('the next mesh begins as the last one ends, terrain and objects', kTest, as
         const shareOf = (key) => Math.max(...all.map((one) => one[key] / one.pixels));
         // Light does not move: what is seen to is the ground's outline and height.
         assert.ok(shareOf('moved') > 0.005, `only ${shareOf('moved')} of the pixels change from beginning to end`);
-        // Triangles are divided otherwise, so what lies between their corners is rounded otherwise.
-        assert.ok(shareOf('differing') < 0.015, `${blend}: ${shareOf('differing')} of the pixels differ`);
+        // Triangles are divided otherwise, so what lies between their corners is rounded otherwise: of the more pixels, the more
+        // of the mesh changes, which on a busy machine is much now and then.
+        const differing = all.map((one) => one.differing / one.pixels).sort((a, b) => a - b);
+        assert.ok(differing[Math.floor(differing.length / 2)] < 0.008, `${blend}: ${differing.join(', ')} of the pixels differ`);
         assert.ok(shareOf('visible') < 0.002, `${blend}: ${shareOf('visible')} of the pixels differ visibly`);
       }, { server: crowded, width: 640, height: 360 });
     }
