@@ -1,32 +1,12 @@
 // A layer's channel of an OpenEXR picture, as other programs read it.
 #pragma once
 
-#include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfFrameBuffer.h>
-#include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfInputFile.h>
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <vector>
 
 namespace foreland::test {
 
 // Four bytes a pixel, row by row from the top; none, and a failure, if there is no such channel.
-inline std::vector<float> readChannel(const std::filesystem::path& path, const char* name) {
-  Imf::InputFile file(path.c_str());
-  const Imath::Box2i window = file.header().dataWindow();
-  const int width = window.max.x + 1, height = window.max.y + 1;
-  const Imf::Channel* channel = file.header().channels().findChannel(name);
-  EXPECT_TRUE(channel != nullptr) << name;
-  if (channel == nullptr) return {};
-  std::vector<float> values(static_cast<size_t>(width) * static_cast<size_t>(height));
-  Imf::FrameBuffer buffer;
-  buffer.insert(name,
-                Imf::Slice(channel->type, reinterpret_cast<char*>(values.data()), 4, 4 * static_cast<size_t>(width)));
-  file.setFrameBuffer(buffer);
-  file.readPixels(0, height - 1);
-  return values;
-}
+std::vector<float> readChannel(const std::filesystem::path& path, const char* name);
 
 }  // namespace foreland::test
