@@ -116,7 +116,7 @@ TEST(WorkerQueues, GiveAWorkerItsOwnJobsFirst) {
   SCOPED_TRACE(seed);
   Rng rng(seed);
   constexpr size_t kWorkers = 3;
-  std::vector<Planned> jobs = anyJobs(rng, 300);
+  std::vector<Planned> jobs = anyJobs(rng, 120);
   for (Planned& job : jobs) job.due.earliest.reset(), job.due.is_costly = false;
   const std::vector<Begun> begun = runAll(LoadQueues::kStealing, kWorkers, JobOrder::kDeadline, jobs, expectNothing);
   std::set<size_t> waits;
