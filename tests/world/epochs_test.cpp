@@ -63,10 +63,11 @@ class Judge {
     EXPECT_EQ(uncovered_, 0u);
     EXPECT_EQ(wrong_heights_, 0u);
     EXPECT_GT(samples_, 10'000u);
-    EXPECT_GT(moving_, 20u) << "frames in which the ground moved";
+    EXPECT_TRUE(hasSeenMotion()) << moving_ << " frames in which the ground moved";
     EXPECT_LE(worst_, 1.001) << "of the tolerance";
     EXPECT_GT(worst_, 0.2) << "an oracle that sees nothing moves nobody";
   }
+  bool hasSeenMotion() const { return moving_ > 20; }
   uint64_t objectVertices() const { return object_vertices_; }
   uint64_t steps() const { return steps_; }
   uint64_t jumps() const { return jumps_; }
@@ -146,7 +147,8 @@ TEST_P(MovingGround, KeepsTheToleranceWhicheverWayTimeGoes) {
   Judge judge(scene, objects);
   attach(world, judge, options);
   world.addClient(options);
-  world.run(Time::seconds(12));
+  // The clock may stand at the first or last epoch for long.
+  for (int64_t s = 12; s <= 28 && (s == 12 || !judge.hasSeenMotion()); s += 4) world.run(Time::seconds(s));
   EXPECT_EQ(world.report(), "");
   judge.expectSound();
   if (GetParam().blend == proto::EpochBlend::kLinear) return;
