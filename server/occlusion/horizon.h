@@ -20,7 +20,8 @@
 // series of distances D, rounded down. A segment of 64 bins is built when it is first asked for; as far as a line of
 // the grid is so near that the eyes' lines cross too many bins of it, it is left out.
 //
-// One owner. Cost: some 20 microseconds a segment, 50 ns a square. Memory: 20 KiB a segment.
+// One owner. Cost: some 20 microseconds a segment, 90 if its heights are not in the cache, 50 ns a square. Memory: 20
+// KiB a segment.
 #pragma once
 
 #include <array>

@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "base/check.h"
 #include "server/section/height_bounds.h"
@@ -78,22 +80,52 @@ std::vector<float> lowered(const Samples& samples, uint32_t stride, uint32_t col
   return most;
 }
 
-HorizonGrid::Level levelOf(const Samples& samples, uint32_t stride) {
-  const uint32_t columns = (samples.columns - 1) / stride + 1, rows = (samples.rows - 1) / stride + 1;
-  HorizonGrid::Level level{{rows, columns}, {columns, rows}, {lowered(samples, stride, columns, rows), {}}};
-  std::vector<float>& turned = level.heights[1];
-  turned.resize(level.heights[0].size());
-  for (uint32_t j = 0; j < rows; ++j)
-    for (uint32_t i = 0; i < columns; ++i) turned[size_t{i} * rows + j] = level.heights[0][size_t{j} * columns + i];
-  for (std::vector<float>& heights : level.heights) heights.resize(heights.size() + HorizonGrid::kPadding);
+struct LevelHeights {
+  uint32_t columns, rows;
+  std::vector<float> heights_m;  // row by row
+};
+
+std::vector<LevelHeights> heightsOf(const Samples& samples, uint32_t stride) {
+  std::vector<LevelHeights> levels;
+  for (; (std::min(samples.columns, samples.rows) - 1) / stride + 1 >= kFewestVertices || levels.empty(); stride *= 2) {
+    const uint32_t columns = (samples.columns - 1) / stride + 1, rows = (samples.rows - 1) / stride + 1;
+    levels.push_back({columns, rows, lowered(samples, stride, columns, rows)});
+  }
+  return levels;
+}
+
+HorizonGrid::Steps stepsOf(const std::vector<LevelHeights>& levels) {
+  constexpr double kMost = std::numeric_limits<uint16_t>::max();
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  for (const LevelHeights& level : levels) {
+    const auto [low, high] = std::ranges::minmax(level.heights_m);
+    least = std::min(least, low), most = std::max(most, high);
+  }
+  return {least, std::max(1e-6, (double{most} - least) / kMost)};
+}
+
+// The largest step that is no higher.
+uint16_t roundDown(double height_m, const HorizonGrid::Steps& steps) {
+  auto step = static_cast<int64_t>(std::min<double>(steps.of(height_m), std::numeric_limits<uint16_t>::max()));
+  if (step > 0 && steps.metres(static_cast<double>(step)) > height_m) --step;
+  return static_cast<uint16_t>(step);
+}
+
+HorizonGrid::Level levelOf(const LevelHeights& of, const HorizonGrid::Steps& steps) {
+  HorizonGrid::Level level{{of.rows, of.columns}, {of.columns, of.rows}, {}};
+  for (std::vector<uint16_t>& heights : level.heights) heights.resize(of.heights_m.size() + HorizonGrid::kPadding);
+  for (size_t j = 0, k = 0; j < of.rows; ++j)
+    for (size_t i = 0; i < of.columns; ++i, ++k)
+      level.heights[0][k] = level.heights[1][i * of.rows + j] = roundDown(of.heights_m[k], steps);
   return level;
 }
 
-std::vector<HorizonGrid::Level> levelsOf(const Samples& samples, uint32_t stride) {
+std::pair<HorizonGrid::Steps, std::vector<HorizonGrid::Level>> levelsOf(const Samples& samples, uint32_t stride) {
+  const std::vector<LevelHeights> heights = heightsOf(samples, stride);
+  const HorizonGrid::Steps steps = stepsOf(heights);
   std::vector<HorizonGrid::Level> levels;
-  for (; (std::min(samples.columns, samples.rows) - 1) / stride + 1 >= kFewestVertices || levels.empty(); stride *= 2)
-    levels.push_back(levelOf(samples, stride));
-  return levels;
+  for (const LevelHeights& level : heights) levels.push_back(levelOf(level, steps));
+  return {steps, std::move(levels)};
 }
 
 // The larger singular value.
@@ -109,7 +141,7 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices) {
   const proto::Frame& frame = hierarchy.frame().transform().frame();
   const proto::GridShape& shape = hierarchy.grid().shape();
   while (size_t{shape.samples_x / stride_} * (shape.samples_y / stride_) > max_vertices) stride_ *= 2;
-  levels_ = levelsOf(Samples(hierarchy), stride_);
+  std::tie(steps_, levels_) = levelsOf(Samples(hierarchy), stride_);
   const glm::dmat2 to_scene(frame.axis_x_m, frame.axis_y_m);
   setAxes(to_scene * static_cast<double>(stride_), -(to_scene * frame.anchor));
   quantum_m_ = frame.height_quantum_m;
@@ -118,7 +150,7 @@ HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices) {
 
 HorizonGrid::HorizonGrid(const Hierarchy& hierarchy, const TangentHeights& heights)
     : geographic_(hierarchy.frame().transform()) {
-  levels_ = levelsOf(Samples(heights), 1);
+  std::tie(steps_, levels_) = levelsOf(Samples(heights), 1);
   setAxes(glm::dmat2(heights.spacing_m), heights.low_m);
   quantum_m_ = geographic_->frame().height_quantum_m;
   highest_m_ = *std::max_element(heights.heights_m.begin(), heights.heights_m.end());
@@ -178,7 +210,7 @@ HorizonGrid::Bounds HorizonGrid::boundsAbout(const glm::dvec3& low, const glm::d
 size_t HorizonGrid::bytes() const {
   size_t bytes = 0;
   for (const Level& level : levels_)
-    bytes += (level.heights[0].capacity() + level.heights[1].capacity()) * sizeof(float);
+    bytes += (level.heights[0].capacity() + level.heights[1].capacity()) * sizeof(uint16_t);
   return bytes;
 }
 

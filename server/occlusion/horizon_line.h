@@ -19,9 +19,9 @@ class HorizonLine {
   static constexpr float kNone = -1e30f;  // where there is no terrain
   static constexpr float kMostStep = 1;   // vertices from one border of bins to the next
 
-  // Heights of vertices at 0, 1, ...; eight floats may be read beyond them.
+  // Heights of vertices at 0, 1, ..., in steps of any size; eight more may be read beyond them.
   struct Vertices {
-    const float* heights;
+    const uint16_t* heights;
     int count;
   };
 
@@ -40,10 +40,11 @@ class HorizonLine {
     for (; 2 * width <= halo + 1; width *= 2) lower(width, kBins + halo - 2 * width + 1);
     if (width < halo + 1) lower(halo + 1 - width, kBins);
   }
-  // Then raises the slopes of bins to those of the heights over the eye, times `per_rise` or `per_drop`.
-  void raise(float eye_m, float per_rise, float per_drop, std::array<float, kBins>& slopes) const {
+  // Then raises the slopes of bins to those of the heights over the eye's, all in steps, times `per_rise` or
+  // `per_drop`.
+  void raise(float eye, float per_rise, float per_drop, std::array<float, kBins>& slopes) const {
     for (int k = 0; k < kBins; ++k) {
-      const float rise = least_[k] - eye_m;
+      const float rise = least_[k] - eye;
       slopes[k] = std::max(slopes[k], rise * (rise > 0 ? per_rise : per_drop));
     }
   }
@@ -88,8 +89,11 @@ class HorizonLine {
       const __m256i cell = _mm256_min_epi32(_mm256_cvttps_epi32(inside), _mm256_set1_epi32(last_cell));
       const int begin = _mm256_extract_epi32(cell, 0);
       const __m256i lane = _mm256_sub_epi32(cell, _mm256_set1_epi32(begin));
-      const __m256 left = _mm256_permutevar8x32_ps(_mm256_loadu_ps(vertices.heights + begin), lane),
-                   right = _mm256_permutevar8x32_ps(_mm256_loadu_ps(vertices.heights + begin + 1), lane);
+      const auto eightFrom = [&](int vertex) {
+        const __m128i read = _mm_loadu_si128(reinterpret_cast<const __m128i*>(vertices.heights + vertex));
+        return _mm256_cvtepi32_ps(_mm256_permutevar8x32_epi32(_mm256_cvtepu16_epi32(read), lane));
+      };
+      const __m256 left = eightFrom(begin), right = eightFrom(begin + 1);
       const __m256 share = _mm256_sub_ps(inside, _mm256_cvtepi32_ps(cell));
       const __m256 height = _mm256_add_ps(left, _mm256_mul_ps(share, _mm256_sub_ps(right, left)));
       _mm256_storeu_ps(&height_[k],
@@ -101,7 +105,8 @@ class HorizonLine {
     for (int k = 0; k < count; ++k) {
       const float at = first + static_cast<float>(k) * step, inside = std::min(std::max(at, 0.0f), most);
       const int cell = std::min(static_cast<int>(inside), last_cell);
-      const float left = vertices.heights[cell], right = vertices.heights[cell + 1];
+      const auto left = static_cast<float>(vertices.heights[cell]),
+                 right = static_cast<float>(vertices.heights[cell + 1]);
       height_[k] = inside == at ? left + (inside - static_cast<float>(cell)) * (right - left) : kNone;
       left_[k] = left;
       cell_[k] = cell;

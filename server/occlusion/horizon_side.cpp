@@ -96,14 +96,14 @@ bool HorizonSide::cut(const Line& line, const Reach& reach, HorizonLine& cut) co
 void HorizonSide::prefetch(const Line& line, const Reach& reach) const {
   const HorizonGrid::Level& level = grid_->levels()[line.level];
   const double size = 1u << line.level;
-  const float* const heights = level.line(along_, line.number);
+  const uint16_t* const heights = level.line(along_, line.number);
   const auto vertex = [&](double aside, double tangent) {
     const double v = (reference_.y + aside + line.ahead * tangent) / size;
     return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(level.vertices[static_cast<size_t>(along_)])));
   };
-  constexpr int kFloatsOfLine = 16;
+  constexpr int kHeightsOfCacheLine = 32;
   const int last = vertex(reach.high, reach.last);
-  for (int v = vertex(reach.low, reach.first); v < last; v += kFloatsOfLine) __builtin_prefetch(heights + v);
+  for (int v = vertex(reach.low, reach.first); v < last; v += kHeightsOfCacheLine) __builtin_prefetch(heights + v);
 }
 
 // Whether nothing farther away can be seen.
@@ -126,6 +126,8 @@ void HorizonSide::build(uint32_t number) {
     segment.resize(++kept * kBins);
     HorizonLine::round(slopes, slopes_of_step_, &segment[(kept - 1) * kBins]);
   };
+  const HorizonGrid::Steps& steps = grid_->steps();
+  const auto eye = static_cast<float>(steps.of(eye_m_));
   HorizonLine heights;
   for (size_t i = 0; i < lines_.size(); ++i) {
     const Line& line = lines_[i];
@@ -133,7 +135,8 @@ void HorizonSide::build(uint32_t number) {
     for (; distanceOf(kept) <= line.ahead; keep())
       if (kept % kCloseTests == 0 && isClosed(slopes, line.ahead)) return keep();
     if (cut(line, reach, heights))
-      heights.raise(static_cast<float>(eye_m_), static_cast<float>(1 / (line.ahead + depth_)), 1 / line.ahead, slopes);
+      heights.raise(eye, static_cast<float>(steps.step_m / (line.ahead + depth_)),
+                    static_cast<float>(steps.step_m / line.ahead), slopes);
   }
   keep();
 }

@@ -16,6 +16,13 @@
 namespace foreland::server {
 namespace {
 
+// In steps, between two vertices of a line.
+double heightAt(const uint16_t* heights, double at) {
+  const auto vertex = static_cast<size_t>(at);
+  return std::lerp(static_cast<double>(heights[vertex]), static_cast<double>(heights[vertex + 1]),
+                   at - static_cast<double>(vertex));
+}
+
 class Grids : public testing::TestWithParam<size_t> {};
 
 TEST_P(Grids, LieBelowTheTerrain) {
@@ -34,15 +41,12 @@ TEST_P(Grids, LieBelowTheTerrain) {
       const auto axis = static_cast<size_t>(along);
       const auto line = static_cast<uint32_t>(rng.below(level.lines[axis]));
       const double at = rng.uniform(0, level.vertices[axis] - 1.001);
-      const auto vertex = static_cast<size_t>(at);
-      const float* const heights = level.line(along, line);
-      const double height =
-          heights[vertex] + (at - static_cast<double>(vertex)) * (heights[vertex + 1] - heights[vertex]);
+      const double height = grid.steps().metres(heightAt(level.line(along, line), at));
       const double x = samples * (along == HorizonGrid::Along::kX ? at : line),
                    y = samples * (along == HorizonGrid::Along::kX ? line : at), clearance = field.at(x, y) - height;
       ASSERT_GT(clearance, -1e-3) << "level " << l << " at " << x << " " << y;
       const bool leaves_none_out = l == 0 && grid.stepsOfSample() == 1;
-      ASSERT_TRUE(!leaves_none_out || clearance < 1e-3) << x << " " << y;
+      ASSERT_TRUE(!leaves_none_out || clearance < grid.steps().step_m + 1e-3) << x << " " << y;
       closest = std::min(closest, clearance);
     }
     EXPECT_LT(closest, 1) << "level " << l;
@@ -116,9 +120,8 @@ TEST_P(GeographicGrids, LieBelowTheTerrain) {
       const auto axis = static_cast<size_t>(rng.below(2));
       const auto line = static_cast<uint32_t>(rng.below(level.lines[axis]));
       const double at = rng.uniform(0, level.vertices[axis] - 1.001);
-      const auto vertex = static_cast<size_t>(at);
-      const float* const heights = level.line(axis == 0 ? HorizonGrid::Along::kX : HorizonGrid::Along::kY, line);
-      const double z = std::lerp(heights[vertex], heights[vertex + 1], at - static_cast<double>(vertex));
+      const double z = grid->steps().metres(
+          heightAt(level.line(axis == 0 ? HorizonGrid::Along::kX : HorizonGrid::Along::kY, line), at));
       const glm::dvec2 steps = double(1u << l) * (axis == 0 ? glm::dvec2(at, line) : glm::dvec2(line, at));
       const glm::dvec2 position = grid->toScene(steps - grid->toGrid(glm::dvec2(0)));
       const proto::LatticePosition p = frame.toLattice({position.x, position.y, z});
