@@ -52,17 +52,15 @@ void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass,
 
 ViewerConnection::ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass,
                                    ServerContext& context)
-    : context_(context),
-      metrics_(context.metrics),
-      count_(std::move(count)),
-      pass_(std::move(pass)),
-      stream_(std::move(stream)) {}
+    : context_(context), count_(std::move(count)), pass_(std::move(pass)), stream_(std::move(stream)) {}
 
-ViewerConnection::~ViewerConnection() { metrics_.queue_bytes -= counted_bytes_; }
+ViewerConnection::~ViewerConnection() {
+  if (bytes_) bytes_->add(-counted_bytes_);
+}
 
 void ViewerConnection::countQueues() {
   const auto bytes = static_cast<int64_t>(read_buffer_.size() + outbox_bytes_);
-  context_.metrics.queue_bytes += bytes - counted_bytes_;
+  bytes_->add(bytes - counted_bytes_);
   counted_bytes_ = bytes;
 }
 
@@ -99,6 +97,7 @@ void ViewerConnection::onAccept(beast::error_code error) {
   state_ = State::kOpen;
   heard_at_ = progress_at_ = opened_at_ = message_begun_at_ = context_.clock();
   actor_ = context_.host.open(makeOutlet(), pass_.token.section_nodes);
+  bytes_ = actor_->bytes();
   context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
   read();
   if (close_reason_.code != websocket::close_code::none)
@@ -142,9 +141,8 @@ void ViewerConnection::onRead(beast::error_code error) {
     deliver();
   }
   countQueues();
-  if (context_.metrics.queue_bytes > static_cast<int64_t>(context_.options.limits.queue_bytes) &&
-      read_buffer_.size() > kKeptBufferBytes)
-    refuse(RefusedFor::kQueues, "too much waits for this server already; try again later");
+  if (read_buffer_.size() > kKeptBufferBytes)
+    if (const Status room = bytes_->checkRoomFor(0); !room.ok()) refuse(RefusedFor::kQueues, room.error().message);
   read();  // while closing too, to receive the viewer's close frame
 }
 
@@ -153,6 +151,7 @@ void ViewerConnection::deliver() {
   Bytes message(data, data + read_buffer_.size());
   read_buffer_.clear();
   if (read_buffer_.capacity() > kKeptBufferBytes) read_buffer_.shrink_to_fit();
+  countQueues();
   if (state_ != State::kOpen) return;
   context_.metrics.bytes_up += message.size();
   ++context_.metrics.messages_up;
@@ -198,7 +197,7 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   written_since_ += bytes;
   if (written_of_first_ == outbox_.front().message.size()) {
     if (outbox_.front().ends_batch) ++batches_sent_;
-    outbox_bytes_ -= std::min(outbox_bytes_, outbox_.front().message.size());
+    outbox_bytes_ -= outbox_.front().message.size();
     outbox_.pop_front();
     written_of_first_ = 0;
     countQueues();
@@ -217,6 +216,9 @@ void ViewerConnection::refuse(RefusedFor reason, const std::string& message) {
   context_.log(Severity::kInfo, "viewer " + peer_ + " is refused: " + printable(message, kMaxLoggedBytes));
   if (!outbox_.empty()) outbox_.resize(written_of_first_ > 0 || is_writing_ ? 1 : 0);
   outbox_.push_back({.message = proto::encode(proto::Refusal{.message = message})});
+  outbox_bytes_ = 0;
+  for (const Outgoing& waiting : outbox_) outbox_bytes_ += waiting.message.size();
+  countQueues();
   startClosing(State::kFlushing, reasonOf(websocket::close_code::policy_error, message));
   write();
 }

@@ -70,12 +70,12 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void finish(const std::string& why);
 
   ServerContext& context_;
-  Metrics& metrics_;  // outlives the context
   ConnectionCount count_;
   const Pass pass_;
   boost::beast::websocket::stream<transport::Transport, false> stream_;  // false: no permessage-deflate
   std::string peer_;
   std::shared_ptr<SessionActor> actor_;  // null unless open
+  std::shared_ptr<ViewerBytes> bytes_;   // null until then
   State state_ = State::kAccepting;
   boost::beast::websocket::close_reason close_reason_;
   Time close_by_;  // while flushing or closing
@@ -93,7 +93,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   Time progress_at_;  // when the system last took a piece
   Time busy_since_;   // when the outbox was last empty
   uint64_t written_since_ = 0;
-  int64_t counted_bytes_ = 0;  // of read buffer and outbox, in Metrics::queue_bytes
+  int64_t counted_bytes_ = 0;  // of read buffer and outbox, in bytes_
   uint64_t batches_sent_ = 0;
 };
 

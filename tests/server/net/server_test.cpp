@@ -152,7 +152,7 @@ TEST(Server, RefusesTextAndEmptyMessages) {
 
 TEST(Server, RefusesAViewerThatFloods) {
   ServeOptions options = testOptions();
-  options.limits.inbox_bytes = 1000;
+  options.limits.viewer_bytes = 1000;
   const auto server = serve(options);
   WebSocketClient client(server->port());
   client.send(Bytes(1001));
