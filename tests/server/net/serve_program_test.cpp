@@ -83,6 +83,18 @@ TEST_F(ServeProgram, EndsAtOnceOnASecondSignal) {
   EXPECT_EQ(program.wait(), -1);
 }
 
+// Who reloads certificates every night need not look whether a server stops.
+TEST_F(ServeProgram, HandsItsViewersOverInSpiteOfSighup) {
+  Program program("serve", arguments({"--drain-seconds", "3600"}));
+  WebSocketClient viewer(portOf(program.readLine()));
+  ASSERT_TRUE(viewer.isOpen());
+  program.signal(SIGTERM);
+  EXPECT_EQ(viewer.receiveClose(), 1012);
+  program.signal(SIGHUP);
+  viewer.sendFrame(Opcode::kClose, std::string("\x03\xf4", 2));
+  EXPECT_EQ(program.wait(), 0);
+}
+
 double residentBytes(uint16_t port) {
   const std::string page = httpGet(port, "/metrics"), name = "\nprocess_resident_memory_bytes ";
   const size_t at = page.find(name);
