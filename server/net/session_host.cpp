@@ -99,16 +99,33 @@ void SessionActor::enqueue(Event event) {
   if (lease_ == Lease::kQueued) {
     if (ticket_.due.release <= now) return;
     if (!host_.pool_.cancel(ticket_)) return;  // a worker is about to take the lease
+    lease_ = Lease::kIdle;
   }
   schedule(fairly({now, now + kMessageTimeout}));
 }
 
 void SessionActor::schedule(Due due) {
-  lease_ = Lease::kQueued;
   ticket_ = host_.pool_.submit(due, [self = shared_from_this()](size_t worker) { self->run(worker); });
+  lease_ = Lease::kQueued;
 }
 
 void SessionActor::run(size_t worker) {
+  try {
+    hold(worker);
+  } catch (...) { fail(); }
+}
+
+// Needs no memory.
+void SessionActor::fail() noexcept {
+  ++host_.metrics_.failures;
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  lease_ = Lease::kIdle;
+  forgetInbox();
+  has_failed_ = true;
+}
+
+void SessionActor::hold(size_t worker) {
   std::deque<Event> events;
   if (!takeLease(events)) return;
   const Time begin = host_.clock_();

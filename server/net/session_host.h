@@ -11,6 +11,7 @@
 // owes much, and its tolerance rises.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -82,6 +83,10 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   // To be called when the transport has sent `batches` of the outlet's batches in all.
   void sent(uint64_t batches);
 
+  // Whether the session failed and could not even tell the outlet, for want of memory. It does nothing any more; the
+  // viewer is to be refused.
+  bool hasFailed() const { return has_failed_.load(std::memory_order_relaxed); }
+
   // To be called when the viewer is gone. The session takes no further step; one in progress still ends.
   void close();
 
@@ -96,6 +101,8 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void enqueue(Event event);  // with mutex_ held
   void schedule(Due due);     // with mutex_ held
   void run(size_t worker);
+  void hold(size_t worker);
+  void fail() noexcept;
   void work(SessionScratch& scratch, std::deque<Event>& events);
   static Due jobFor(const Session::Due& due);
   Due fairly(Due due) const;  // with the lease, or with mutex_ held while nobody has it
@@ -119,8 +126,9 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   Lease lease_ = Lease::kIdle;
   Pool::Ticket ticket_;  // while queued
   bool closed_ = false;
-  bool is_lease_costly_ = false;  // the job that took the lease is scheduled as costly
-  bool is_lease_early_ = false;   // and was started before its release
+  std::atomic<bool> has_failed_{false};  // read without mutex_
+  bool is_lease_costly_ = false;         // the job that took the lease is scheduled as costly
+  bool is_lease_early_ = false;          // and was started before its release
 
   // Owned by the lease.
   Session session_;

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -224,6 +225,21 @@ TEST_F(Host, ARequestIsNotAnsweredWhileTooMuchIsHeld) {
   take(other);
   viewers_[hoarder].actor->bytes()->add(-held);
   take(hoarder);
+}
+
+// As when there is no memory to tell the viewer that there is none.
+TEST_F(Host, ASessionThatCannotEvenRefuseEndsAlone) {
+  ASSERT_TRUE(requestView(open()).ok());
+  Outlet outlet;
+  outlet.send = [](const std::vector<Bytes>&) { throw std::bad_alloc(); };
+  outlet.refuse = [](const std::string&) { throw std::bad_alloc(); };
+  const auto failing = host_->open(outlet);
+  ASSERT_TRUE(failing->deliver(proto::encode(proto::ViewRequest{})).ok());
+  EXPECT_TRUE(fly([&] { return failing->hasFailed() && viewers_[0].keyframes >= 3; }, [](size_t) { return true; }));
+  EXPECT_TRUE(failing->deliver(poseUpdate(0)).ok()) << "it is not listened to any more";
+  EXPECT_GE(metrics_.failures, 2u);
+  EXPECT_FALSE(viewers_[0].actor->hasFailed());
+  EXPECT_TRUE(fly([&] { return viewers_[0].keyframes >= 10; }, [](size_t) { return true; }));
 }
 
 // Where the room of all is taken, by a few who hold much.
