@@ -41,7 +41,10 @@ inline int waitForSignal(const sigset_t& signals) {
   return signal;
 }
 
-// From now on another signal ends the process at once.
-inline void endOnFurtherSignals(const sigset_t& signals) { pthread_sigmask(SIG_UNBLOCK, &signals, nullptr); }
+// From now on another signal to stop ends the process at once. SIGHUP, which asks for something else, does nothing.
+inline void endOnFurtherSignals(sigset_t signals) {
+  sigdelset(&signals, SIGHUP);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+}
 
 }  // namespace foreland::apps

@@ -29,6 +29,10 @@ void addScene(CLI::App& app, ServeFlags& flags) {
          "MiB of terrain that a viewer may remember at most; the server needs up to a tenth of that for each viewer")
       ->check(CLI::Range(0.0, 1024.0) & isFinite())
       ->capture_default_str();
+  app.add_option("--max-section-nodes", flags.max_section_nodes,
+                 "nodes that a viewer's section may have; its tolerance rises until it has no more")
+      ->check(CLI::Range(1'000, 100'000'000))
+      ->capture_default_str();
   app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
       ->check(CLI::Range(0.01, 1000.0) & isFinite())
       ->capture_default_str();
@@ -57,6 +61,15 @@ void addPort(CLI::App& app, ServeFlags& flags) {
   app.add_option("--max-per-address", flags.max_per_address,
                  "likewise, of connections from one address (default 0: no limit, as behind a proxy)")
       ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--queue-mib", flags.queue_mib,
+                 "MiB held for a viewer at most: sent by it and not yet read, kept, or not yet sent to it; while it is "
+                 "more, its requests wait, and its longer messages are refused")
+      ->check(CLI::Range(1.0, 4096.0) & isFinite())
+      ->capture_default_str();
+  app.add_option("--idle-seconds", flags.idle_seconds,
+                 "a viewer that sends nothing, or reads nothing of what waits for it, for so long is disconnected")
+      ->check(CLI::Range(1.0, 3600.0) & isFinite())
       ->capture_default_str();
 }
 
@@ -118,6 +131,10 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   options.threads = flags.threads;
   options.max_connections = flags.max_connections;
   if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
+  options.limits.viewer_bytes = static_cast<size_t>(flags.queue_mib * 1048576);
+  options.limits.queue_bytes = std::max(options.limits.queue_bytes, options.limits.viewer_bytes);
+  options.idle_timeout = Duration::seconds(flags.idle_seconds);
+  options.session.max_section_nodes = flags.max_section_nodes;
   options.session.tau_px = flags.tau_px;
   const auto interval = proto::keyframeIntervalFrom(flags.keyframe_ms);
   if (!interval) return Error{interval.error().code, "--keyframe-ms: " + interval.error().message};

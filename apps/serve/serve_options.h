@@ -23,6 +23,9 @@ struct ServeFlags {
   size_t max_connections = server::ServeOptions{}.max_connections;
   size_t max_per_address = 0;  // 0: no limit
   double viewer_memory_mib = 64;
+  size_t max_section_nodes = server::SessionOptions{}.max_section_nodes;
+  double queue_mib = server::HostLimits{}.viewer_bytes / 1048576.0;
+  double idle_seconds = server::ServeOptions{}.idle_timeout.toSeconds();
   double drain_seconds = 10;
   std::filesystem::path tls_cert, tls_key, token_secret;
   std::vector<std::string> allow_origin, trusted_proxy;

@@ -44,12 +44,15 @@ Status Listener::open(const ListenAddress& listen, const std::string& flag) {
 }
 
 void Listener::accept() {
+  if (is_waiting_ || !acceptor_.is_open()) return;
   acceptor_.async_accept([this](ErrorOf error, tcp::socket socket) {
+    is_waiting_ = false;
     if (!acceptor_.is_open()) return;
     if (error) return retry(error);
     events_.on_connection(std::move(socket));
     accept();
   });
+  is_waiting_ = true;
 }
 
 // Usually there are no descriptors left: wait for some connections to close.
@@ -57,8 +60,10 @@ void Listener::retry(const ErrorOf& error) {
   events_.on_trouble("cannot accept a connection: " + error.message());
   retry_timer_.expires_after(std::chrono::milliseconds(100));
   retry_timer_.async_wait([this](ErrorOf cancelled) {
-    if (!cancelled && acceptor_.is_open()) accept();
+    is_waiting_ = false;
+    if (!cancelled) accept();
   });
+  is_waiting_ = true;
 }
 
 void Listener::close() {

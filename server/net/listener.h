@@ -26,7 +26,8 @@ class Listener {
   Status open(const ListenAddress& address, const std::string& flag);
   uint16_t port() const { return port_; }
 
-  // Calls on_connection with one socket after another until close().
+  // Calls on_connection with one socket after another until close(). Does nothing if that goes on already; it ends if
+  // there is no memory to wait for the next one, which leaves a handler as an exception.
   void accept();
   void close();
 
@@ -37,6 +38,7 @@ class Listener {
   boost::asio::steady_timer retry_timer_;
   Events events_;
   uint16_t port_ = 0;
+  bool is_waiting_ = false;  // for a connection, or to try again
 };
 
 }  // namespace foreland::server

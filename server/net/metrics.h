@@ -53,7 +53,7 @@ struct Metrics {
   std::atomic<uint64_t> resumed{0};        // sessions that started from a section that the viewer held
   std::atomic<uint64_t> jumps{0};          // of viewers' cameras
   std::atomic<uint64_t> failures{0};       // exceptions, each of which ended one viewer or request
-  std::atomic<int64_t> queue_bytes{0};     // of messages received and not yet read, and made and not yet sent
+  std::atomic<int64_t> queue_bytes{0};     // that are held for viewers (viewer_bytes.h)
   std::atomic<int64_t> flying{0};          // viewers that have been sent a keyframe
   std::atomic<int64_t> tolerances_mpx{0};  // of all flying viewers, in force, thousandths of a pixel
   std::atomic<int64_t> coarse{0};          // flying viewers whose tolerance is above what they asked for

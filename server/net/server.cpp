@@ -4,10 +4,10 @@
 #include <pthread.h>
 
 #include <algorithm>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
 #include <functional>
@@ -23,6 +23,7 @@
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
 #include "server/net/memory_return.h"
+#include "server/net/repeater.h"
 #include "server/net/tls.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
@@ -101,23 +102,30 @@ class Server::Impl {
   }
 
  private:
+  // Whatever leaves a handler (one connection failed, out of memory, say), the others continue. It may have been the
+  // handler of a loop that could not wait for its next turn.
   void runIo() {
     pthread_setname_np(pthread_self(), "io");
-    while (!io_.stopped()) {
-      try {
+    while (!io_.stopped())
+      guarded([this] {
+        resumeLoops();
         io_.run();
-      } catch (const std::exception& e) {  // one connection failed (out of memory, say); the others continue
-        failed(e.what());
-      }
-    }
+      });
   }
 
-  // Loops go on whatever one turn of theirs throws.
-  template <class Turn>
-  void guarded(const Turn& turn) {
+  void resumeLoops() {
+    listener_.accept();
+    if (options_.metrics_listen) metrics_listener_.accept();
+    for (Repeater* loop : {&watch_, &drain_loop_, &leave_loop_}) loop->resume();
+  }
+
+  template <class Work>
+  void guarded(const Work& work) {
     try {
-      turn();
-    } catch (const std::exception& e) { failed(e.what()); }
+      work();
+    } catch (const std::exception& e) { failed(e.what()); } catch (...) {
+      failed("an unknown exception");
+    }
   }
 
   Listener::Events eventsOf(std::function<void(tcp::socket)> take) {
@@ -129,8 +137,11 @@ class Server::Impl {
   void failed(const char* what) noexcept {
     ++metrics_.failures;
     try {
-      net::post(io_,
-                [this, line = std::string("a connection failed: ") + what] { context_.log(Severity::kWarning, line); });
+      net::post(io_, [this, line = std::string("a connection failed: ") + what] {
+        try {
+          context_.log(Severity::kWarning, line);
+        } catch (...) {}
+      });
     } catch (...) {}  // no memory even for the log
   }
 
@@ -180,50 +191,50 @@ class Server::Impl {
   }
 
   void watch() {
-    watch_timer_.expires_after(chrono(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1))));
-    watch_timer_.async_wait([this](ErrorOf cancelled) {
-      if (cancelled) return;
+    watch_.start(std::min(Duration{options_.idle_timeout.us / 4}, Duration::seconds(1)), [this] {
       const Time now = clock_();
-      guarded([&] {
-        for (const auto& viewer : everyViewer()) viewer->check(now);
-        if (memory_return_.isDue(context_.viewers.size(), now))
-          pool_.submit({.release = now, .deadline = now + Duration::seconds(10), .is_costly = true},
-                       [](size_t) { MemoryReturn::run(); });
-      });
-      watch();
+      for (const auto& viewer : everyViewer()) viewer->check(now);
+      if (memory_return_.isDue(context_.viewers.size(), now))
+        pool_.submit({.release = now, .deadline = now + Duration::seconds(10), .is_costly = true},
+                     [](size_t) { MemoryReturn::run(); });
+      return true;
     });
   }
 
   void beginDrain(Duration most) {
     context_.is_draining = true;
-    context_.log(Severity::kInfo, fmt::format("hands {} viewers over", context_.viewers.size()));
-    drain_.emplace(context_, clock_(), most);
-    continueDrain();
+    drain_loop_.start(Duration::milliseconds(10), [this, most] { return continueDrain(most); });
   }
 
-  void continueDrain() {
-    guarded([&] { drain_->step(clock_()); });
-    if (drain_->isOver(clock_())) return drained_.set_value();
-    drain_timer_.expires_after(std::chrono::milliseconds(10));
-    drain_timer_.async_wait([this](ErrorOf) { continueDrain(); });
+  // Whether it is to go on.
+  bool continueDrain(Duration most) {
+    const Time now = clock_();
+    if (!drain_) {
+      drain_.emplace(context_, now, most);
+      context_.log(Severity::kInfo, fmt::format("hands {} viewers over", context_.viewers.size()));
+    }
+    drain_->step(now);
+    if (!drain_->isOver(now)) return true;
+    drained_.set_value();
+    return false;
   }
 
+  // Polls for their leave, for that happens once only, and no connection has to report that it was the last.
   void takeLeave() {
     is_stopping_ = true;
     listener_.close();
     metrics_listener_.close();
-    watch_timer_.cancel();
-    for (const auto& viewer : everyViewer())
-      viewer->leave(boost::beast::websocket::close_code::going_away, "the server stops");
+    watch_.stop();
+    guarded([this] {
+      for (const auto& viewer : everyViewer())
+        viewer->leave(boost::beast::websocket::close_code::going_away, "the server stops");
+    });
     stop_by_ = std::chrono::steady_clock::now() + chrono(options_.stop_grace);
-    awaitLeave();
-  }
-
-  // Polls, for that happens once only, and no connection has to report that it was the last.
-  void awaitLeave() {
-    if (context_.viewers.empty() || std::chrono::steady_clock::now() >= stop_by_) return io_.stop();
-    watch_timer_.expires_after(std::chrono::milliseconds(5));
-    watch_timer_.async_wait([this](ErrorOf) { awaitLeave(); });
+    leave_loop_.start(Duration::milliseconds(5), [this] {
+      if (!context_.viewers.empty() && std::chrono::steady_clock::now() < stop_by_) return true;
+      io_.stop();
+      return false;
+    });
   }
 
   // Iterates over a copy, because a call may remove its viewer from the set.
@@ -250,11 +261,14 @@ class Server::Impl {
   HttpSite site_, metrics_site_;
   Gate gate_;
   net::io_context io_{1};  // its handlers hold the connections, whose destructors use the members above
+  // It runs until it is stopped, also where a failure left it without anything to wait for.
+  const net::executor_work_guard<net::io_context::executor_type> work_ = net::make_work_guard(io_);
   ServerContext context_;
   Listener listener_{io_, eventsOf([this](tcp::socket socket) { admit(std::move(socket)); })};
   Listener metrics_listener_{io_, eventsOf([this](tcp::socket socket) { admitOperator(std::move(socket)); })};
-  net::steady_timer watch_timer_{io_};
-  net::steady_timer drain_timer_{io_};
+  Repeater watch_{io_, [this](const char* what) { failed(what); }};
+  Repeater drain_loop_{io_, [this](const char* what) { failed(what); }};
+  Repeater leave_loop_{io_, [this](const char* what) { failed(what); }};
   MemoryReturn memory_return_;  // I/O thread
   std::optional<Drain> drain_;  // I/O thread
   std::promise<void> drained_;

@@ -14,6 +14,8 @@ namespace {
 constexpr Duration kMessageTimeout = Duration::milliseconds(20);
 // A message up to this size is taken in however much waits: there are few of them, by the limit of messages.
 constexpr size_t kSmallMessage = 256;
+// Replies that have no room are tried again after this time.
+constexpr Duration kUntilRoom = Duration::milliseconds(100);
 constexpr size_t kLargeSection = 500'000;  // nodes
 
 int64_t milli(double value) { return std::llround(1000 * value); }
@@ -40,7 +42,10 @@ std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t most_nodes
 }
 
 SessionActor::SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet)
-    : host_(host), session_(host.world_, options), outlet_(std::move(outlet)) {
+    : host_(host),
+      bytes_(std::make_shared<ViewerBytes>(host.limits_, host.metrics_)),
+      session_(host.world_, options),
+      outlet_(std::move(outlet)) {
   ++host_.metrics_.sessions;
   ++host_.metrics_.sessions_opened;
 }
@@ -53,20 +58,17 @@ SessionActor::~SessionActor() {
   host_.metrics_.tolerances_mpx -= milli(last.tau_px);
   host_.metrics_.coarse -= last.is_coarse;
   if (last.keyframes > 0) --host_.metrics_.flying;
-  host_.metrics_.queue_bytes -= static_cast<int64_t>(inbox_bytes_);
   --host_.metrics_.sessions;
 }
 
 Status SessionActor::deliver(Bytes message) {
   const std::lock_guard lock(mutex_);
-  const HostLimits& limits = host_.limits_;
-  if (inbox_.size() >= limits.inbox_messages || inbox_bytes_ + message.size() > limits.inbox_bytes)
+  if (inbox_.size() >= host_.limits_.inbox_messages)
     return Error{ErrorCode::kLimit, "you send more than this server can take in; send poses some 20 times a second"};
-  if (message.size() > kSmallMessage &&
-      host_.metrics_.queue_bytes + static_cast<int64_t>(message.size()) > static_cast<int64_t>(limits.queue_bytes))
-    return Error{ErrorCode::kLimit, "too much waits for this server already; try again later"};
+  if (message.size() > kSmallMessage)
+    if (Status room = bytes_->checkRoomFor(message.size()); !room.ok()) return room;
   inbox_bytes_ += message.size();
-  host_.metrics_.queue_bytes += static_cast<int64_t>(message.size());
+  bytes_->add(static_cast<int64_t>(message.size()));
   enqueue({.time = host_.clock_(), .message = std::move(message)});
   return {};
 }
@@ -77,7 +79,7 @@ void SessionActor::sent(uint64_t batches) {
 }
 
 void SessionActor::forgetInbox() {
-  host_.metrics_.queue_bytes -= static_cast<int64_t>(inbox_bytes_);
+  bytes_->add(-static_cast<int64_t>(inbox_bytes_));
   inbox_.clear();
   inbox_bytes_ = 0;
 }
@@ -97,16 +99,33 @@ void SessionActor::enqueue(Event event) {
   if (lease_ == Lease::kQueued) {
     if (ticket_.due.release <= now) return;
     if (!host_.pool_.cancel(ticket_)) return;  // a worker is about to take the lease
+    lease_ = Lease::kIdle;
   }
   schedule(fairly({now, now + kMessageTimeout}));
 }
 
 void SessionActor::schedule(Due due) {
-  lease_ = Lease::kQueued;
   ticket_ = host_.pool_.submit(due, [self = shared_from_this()](size_t worker) { self->run(worker); });
+  lease_ = Lease::kQueued;
 }
 
 void SessionActor::run(size_t worker) {
+  try {
+    hold(worker);
+  } catch (...) { fail(); }
+}
+
+// Needs no memory.
+void SessionActor::fail() noexcept {
+  ++host_.metrics_.failures;
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  lease_ = Lease::kIdle;
+  forgetInbox();
+  has_failed_ = true;
+}
+
+void SessionActor::hold(size_t worker) {
   std::deque<Event> events;
   if (!takeLease(events)) return;
   const Time begin = host_.clock_();
@@ -131,9 +150,18 @@ void SessionActor::work(SessionScratch& scratch, std::deque<Event>& events) {
   }
   events.clear();
   host_.metrics_.messages.add(host_.clock_() - begin);
+  countKept();
+  if (!bytes_->checkRoomFor(0).ok()) session_.postponeReplies(host_.clock_() + kUntilRoom);
   stepIfDue(scratch);
+  countKept();
   // What a large section needs is not kept: other viewers' are smaller.
   if (session_.statistics().section_nodes > kLargeSection) scratch = {};
+}
+
+void SessionActor::countKept() {
+  const auto kept = static_cast<int64_t>(session_.keptBytes());
+  bytes_->add(kept - kept_bytes_);
+  kept_bytes_ = kept;
 }
 
 // Pays the debt at the even share, then adds to it.

@@ -3,13 +3,15 @@
 // outlet.
 //
 // The inbox is bounded by HostLimits; the outbox too, since a Session computes no keyframe and no reply while an
-// earlier one is unsent. No lock is held while a Session works. Whatever a Session throws ends that viewer.
+// earlier one is unsent, and no reply while more is held for the viewer than may be (ViewerBytes). No lock is held
+// while a Session works. Whatever a Session throws ends that viewer.
 //
 // Processor time is shared evenly where it is short. A viewer that has lately used more than its even share owes the
 // rest: its deadlines are later by as long as it takes to pay at that share, its jobs count as costly (Pool) once it
 // owes much, and its tolerance rises.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -21,19 +23,15 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "server/net/host_limits.h"
 #include "server/net/load.h"
 #include "server/net/metrics.h"
+#include "server/net/viewer_bytes.h"
 #include "server/sched/debt.h"
 #include "server/sched/pool.h"
 #include "server/session/session.h"
 
 namespace foreland::server {
-
-struct HostLimits {
-  size_t inbox_messages = 1024;     // at 20 poses a second, most of a minute
-  size_t inbox_bytes = 32u << 20;   // two of the largest messages
-  size_t queue_bytes = 256u << 20;  // of all viewers together, received and not read, or made and not sent
-};
 
 // Where a session's messages are sent to. Workers call it, in order and never two at a time; it must not block. After
 // refuse nothing is called any more.
@@ -75,11 +73,19 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   SessionActor(SessionHost& host, const SessionOptions& options, Outlet outlet);
   ~SessionActor();
 
-  // Takes a whole message from the viewer. An Error means that the inbox is full, and the viewer is to be refused.
+  // Where the connection counts what it holds, too.
+  const std::shared_ptr<ViewerBytes>& bytes() const { return bytes_; }
+
+  // Takes a whole message from the viewer. An Error means that there is no room for it, and the viewer is to be
+  // refused.
   Status deliver(Bytes message);
 
   // To be called when the transport has sent `batches` of the outlet's batches in all.
   void sent(uint64_t batches);
+
+  // Whether the session failed and could not even tell the outlet, for want of memory. It does nothing any more; the
+  // viewer is to be refused.
+  bool hasFailed() const { return has_failed_.load(std::memory_order_relaxed); }
 
   // To be called when the viewer is gone. The session takes no further step; one in progress still ends.
   void close();
@@ -95,11 +101,14 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void enqueue(Event event);  // with mutex_ held
   void schedule(Due due);     // with mutex_ held
   void run(size_t worker);
+  void hold(size_t worker);
+  void fail() noexcept;
   void work(SessionScratch& scratch, std::deque<Event>& events);
   static Due jobFor(const Session::Due& due);
   Due fairly(Due due) const;  // with the lease, or with mutex_ held while nobody has it
   void charge(Duration spent, Time now);
   void forgetInbox();  // with mutex_ held
+  void countKept();
   bool takeLease(std::deque<Event>& events);
   bool isClosed();
   void returnLease();
@@ -109,6 +118,7 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void refuse(const std::string& message);
 
   SessionHost& host_;
+  const std::shared_ptr<ViewerBytes> bytes_;
 
   std::mutex mutex_;  // protects what follows; held for a few instructions, and while submitting to the pool
   std::deque<Event> inbox_;
@@ -116,14 +126,16 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   Lease lease_ = Lease::kIdle;
   Pool::Ticket ticket_;  // while queued
   bool closed_ = false;
-  bool is_lease_costly_ = false;  // the job that took the lease is scheduled as costly
-  bool is_lease_early_ = false;   // and was started before its release
+  std::atomic<bool> has_failed_{false};  // read without mutex_
+  bool is_lease_costly_ = false;         // the job that took the lease is scheduled as costly
+  bool is_lease_early_ = false;          // and was started before its release
 
   // Owned by the lease.
   Session session_;
   Outlet outlet_;
   uint64_t batches_posted_ = 0;
   uint64_t jumps_counted_ = 0;
+  int64_t kept_bytes_ = 0;  // as counted last
   Time charged_at_;
   Debt debt_;        // of processor time used beyond the even share
   double cost_ = 0;  // of one worker's time; smoothed over some seconds

@@ -52,17 +52,15 @@ void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass,
 
 ViewerConnection::ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass,
                                    ServerContext& context)
-    : context_(context),
-      metrics_(context.metrics),
-      count_(std::move(count)),
-      pass_(std::move(pass)),
-      stream_(std::move(stream)) {}
+    : context_(context), count_(std::move(count)), pass_(std::move(pass)), stream_(std::move(stream)) {}
 
-ViewerConnection::~ViewerConnection() { metrics_.queue_bytes -= counted_bytes_; }
+ViewerConnection::~ViewerConnection() {
+  if (bytes_) bytes_->add(-counted_bytes_);
+}
 
 void ViewerConnection::countQueues() {
   const auto bytes = static_cast<int64_t>(read_buffer_.size() + outbox_bytes_);
-  context_.metrics.queue_bytes += bytes - counted_bytes_;
+  bytes_->add(bytes - counted_bytes_);
   counted_bytes_ = bytes;
 }
 
@@ -72,7 +70,30 @@ bool ViewerConnection::drainsTooSlowly(Time now) const {
          static_cast<double>(written_since_) < kLeastBytesPerSecond * busy.toSeconds();
 }
 
+template <class Work>
+void ViewerConnection::orGiveUp(const Work& work) noexcept {
+  try {
+    work();
+  } catch (...) {  // out of memory, say
+    ++context_.metrics.failures;
+    giveUp();
+  }
+}
+
+// Needs no memory. What is pending fails then, and finds the viewer gone.
+void ViewerConnection::giveUp() noexcept {
+  state_ = State::kGone;
+  if (actor_) actor_->close();
+  actor_.reset();
+  cut();  // the outbox stays: a write may still point into it
+  context_.viewers.erase(shared_from_this());
+}
+
 void ViewerConnection::accept(UpgradeRequest request) {
+  orGiveUp([&] { begin(std::move(request)); });
+}
+
+void ViewerConnection::begin(UpgradeRequest request) {
   beast::get_lowest_layer(stream_).expires_never();  // from here on check() enforces the timeouts
   peer_ = peerOf(beast::get_lowest_layer(stream_), count_.address());
   stream_.set_option(
@@ -86,19 +107,17 @@ void ViewerConnection::accept(UpgradeRequest request) {
   stream_.binary(true);
   context_.viewers.insert(shared_from_this());  // before the handshake ends, so that a stop of the server closes it too
   auto shared = std::make_shared<UpgradeRequest>(std::move(request));
-  stream_.async_accept(*shared,
-                       [self = shared_from_this(), shared](beast::error_code error) { self->onAccept(error); });
+  stream_.async_accept(*shared, [self = shared_from_this(), shared](beast::error_code error) {
+    self->orGiveUp([&] { self->onAccept(error); });
+  });
 }
 
 void ViewerConnection::onAccept(beast::error_code error) {
-  if (error) {
-    state_ = State::kGone;
-    context_.viewers.erase(shared_from_this());
-    return;
-  }
+  if (error || state_ == State::kGone) return giveUp();
   state_ = State::kOpen;
   heard_at_ = progress_at_ = opened_at_ = message_begun_at_ = context_.clock();
   actor_ = context_.host.open(makeOutlet(), pass_.token.section_nodes);
+  bytes_ = actor_->bytes();
   context_.log(Severity::kInfo, "viewer " + peer_ + " is here");
   read();
   if (close_reason_.code != websocket::close_code::none)
@@ -110,7 +129,7 @@ Outlet ViewerConnection::makeOutlet() {
   auto& io = context_.io;
   const auto post = [weak, &io](auto action) {
     boost::asio::post(io, [weak, action = std::move(action)]() mutable {
-      if (const auto self = weak.lock()) action(*self);
+      if (const auto self = weak.lock()) self->orGiveUp([&] { action(*self); });
     });
   };
   return {.send =
@@ -126,8 +145,9 @@ Outlet ViewerConnection::makeOutlet() {
 }
 
 void ViewerConnection::read() {
-  stream_.async_read_some(read_buffer_, 0,
-                          [self = shared_from_this()](beast::error_code error, size_t) { self->onRead(error); });
+  stream_.async_read_some(read_buffer_, 0, [self = shared_from_this()](beast::error_code error, size_t) {
+    self->orGiveUp([&] { self->onRead(error); });
+  });
 }
 
 void ViewerConnection::onRead(beast::error_code error) {
@@ -142,9 +162,8 @@ void ViewerConnection::onRead(beast::error_code error) {
     deliver();
   }
   countQueues();
-  if (context_.metrics.queue_bytes > static_cast<int64_t>(context_.options.limits.queue_bytes) &&
-      read_buffer_.size() > kKeptBufferBytes)
-    refuse(RefusedFor::kQueues, "too much waits for this server already; try again later");
+  if (read_buffer_.size() > kKeptBufferBytes)
+    if (const Status room = bytes_->checkRoomFor(0); !room.ok()) refuse(RefusedFor::kQueues, room.error().message);
   read();  // while closing too, to receive the viewer's close frame
 }
 
@@ -153,6 +172,7 @@ void ViewerConnection::deliver() {
   Bytes message(data, data + read_buffer_.size());
   read_buffer_.clear();
   if (read_buffer_.capacity() > kKeptBufferBytes) read_buffer_.shrink_to_fit();
+  countQueues();
   if (state_ != State::kOpen) return;
   context_.metrics.bytes_up += message.size();
   ++context_.metrics.messages_up;
@@ -184,9 +204,10 @@ void ViewerConnection::write() {
   const size_t left = message.size() - written_of_first_, piece = std::min(left, kPieceBytes);
   is_writing_ = true;
   progress_at_ = context_.clock();
-  stream_.async_write_some(
-      piece == left, boost::asio::buffer(message.data() + written_of_first_, piece),
-      [self = shared_from_this(), piece](beast::error_code error, size_t) { self->onWritten(error, piece); });
+  stream_.async_write_some(piece == left, boost::asio::buffer(message.data() + written_of_first_, piece),
+                           [self = shared_from_this(), piece](beast::error_code error, size_t) {
+                             self->orGiveUp([&] { self->onWritten(error, piece); });
+                           });
 }
 
 void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
@@ -198,7 +219,7 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   written_since_ += bytes;
   if (written_of_first_ == outbox_.front().message.size()) {
     if (outbox_.front().ends_batch) ++batches_sent_;
-    outbox_bytes_ -= std::min(outbox_bytes_, outbox_.front().message.size());
+    outbox_bytes_ -= outbox_.front().message.size();
     outbox_.pop_front();
     written_of_first_ = 0;
     countQueues();
@@ -217,21 +238,28 @@ void ViewerConnection::refuse(RefusedFor reason, const std::string& message) {
   context_.log(Severity::kInfo, "viewer " + peer_ + " is refused: " + printable(message, kMaxLoggedBytes));
   if (!outbox_.empty()) outbox_.resize(written_of_first_ > 0 || is_writing_ ? 1 : 0);
   outbox_.push_back({.message = proto::encode(proto::Refusal{.message = message})});
+  outbox_bytes_ = 0;
+  for (const Outgoing& waiting : outbox_) outbox_bytes_ += waiting.message.size();
+  countQueues();
   startClosing(State::kFlushing, reasonOf(websocket::close_code::policy_error, message));
   write();
 }
 
 void ViewerConnection::leave(websocket::close_code code, const std::string& reason) {
-  const websocket::close_reason why = reasonOf(code, reason);
-  if (state_ == State::kAccepting) close_reason_ = why;  // for onAccept
-  if (state_ != State::kOpen) return;
-  startClosing(State::kClosing, why);
-  if (!is_writing_) sendCloseFrame();
+  orGiveUp([&] {
+    const websocket::close_reason why = reasonOf(code, reason);
+    if (state_ == State::kAccepting) close_reason_ = why;  // for onAccept
+    if (state_ != State::kOpen) return;
+    startClosing(State::kClosing, why);
+    if (!is_writing_) sendCloseFrame();
+  });
 }
 
 void ViewerConnection::handOver() {
-  hand_over_at_ = context_.clock();
-  if (!has_greeted_) leaveForAnother();
+  orGiveUp([&] {
+    hand_over_at_ = context_.clock();
+    if (!has_greeted_) leaveForAnother();
+  });
 }
 
 void ViewerConnection::leaveForAnother() {
@@ -252,17 +280,17 @@ void ViewerConnection::sendCloseFrame() {
 }
 
 void ViewerConnection::check(Time now) {
-  if (state_ == State::kAccepting) return;  // the handshake has a timeout of its own
+  if (state_ == State::kOpen) return orGiveUp([&] { checkOpen(now); });
+  if ((state_ == State::kFlushing || state_ == State::kClosing) && now > close_by_)
+    orGiveUp([&] { finish("did not answer"); });
+}
+
+void ViewerConnection::checkOpen(Time now) {
   const Duration timeout = context_.options.idle_timeout;
-  if (state_ == State::kFlushing || state_ == State::kClosing) {
-    if (now > close_by_) cut();
-    return;
-  }
+  if (actor_->hasFailed()) return refuse(RefusedFor::kMessage, "the server failed to serve you; connect again");
   if ((is_writing_ && now - progress_at_ > timeout) || drainsTooSlowly(now)) {
-    context_.log(Severity::kInfo,
-                 fmt::format("viewer {} read nothing, or hardly anything, for {:.0f} s", peer_, timeout.toSeconds()));
     context_.metrics.count(RefusedFor::kUnread);
-    return cut();
+    return finish(fmt::format("read nothing, or hardly anything, for {:.0f} s", timeout.toSeconds()));
   }
   if (hand_over_at_ && now - *hand_over_at_ > kLongestToKeyframe) return leaveForAnother();
   if (hasExpired()) return leave(websocket::close_code::policy_error, "your token has expired");
@@ -283,16 +311,12 @@ bool ViewerConnection::hasExpired() const {
          std::chrono::system_clock::now().time_since_epoch() > std::chrono::seconds(pass_.token.expires_s);
 }
 
-void ViewerConnection::cut() { beast::get_lowest_layer(stream_).close(); }
+void ViewerConnection::cut() noexcept { beast::get_lowest_layer(stream_).close(); }
 
 void ViewerConnection::finish(const std::string& why) {
   if (state_ == State::kGone) return;
-  state_ = State::kGone;
   context_.log(Severity::kInfo, "viewer " + peer_ + " " + why);
-  actor_->close();
-  actor_.reset();
-  cut();  // the outbox stays: a write may still point into it
-  context_.viewers.erase(shared_from_this());
+  giveUp();
 }
 
 }  // namespace foreland::server

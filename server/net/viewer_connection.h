@@ -27,6 +27,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass, ServerContext& context);
   ~ViewerConnection();
 
+  // Whatever one of these and the handlers throw ends this viewer, and nothing else.
   void accept(UpgradeRequest request);
 
   // Completes the message that is being sent, sends a Refusal with `message`, then closes.
@@ -41,7 +42,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   bool isHandingOver() const { return hand_over_at_.has_value(); }
 
   // To be called now and then: closes a viewer that sends nothing, reads nothing, or does not answer a close frame in
-  // time.
+  // time, and one whose session failed. Handshakes have a timeout of their own.
   void check(Time now);
 
  private:
@@ -51,6 +52,11 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   };
   enum class State : uint8_t { kAccepting, kOpen, kFlushing, kClosing, kGone };
 
+  template <class Work>
+  void orGiveUp(const Work& work) noexcept;
+  void giveUp() noexcept;
+  void begin(UpgradeRequest request);
+  void checkOpen(Time now);
   bool hasExpired() const;
   void onAccept(boost::beast::error_code error);
   Outlet makeOutlet();
@@ -64,18 +70,18 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   void sendCloseFrame();
   void leaveForAnother();
   void leaveSilent(const std::string& reason);
-  void cut();
+  void cut() noexcept;
   void countQueues();
   bool drainsTooSlowly(Time now) const;
   void finish(const std::string& why);
 
   ServerContext& context_;
-  Metrics& metrics_;  // outlives the context
   ConnectionCount count_;
   const Pass pass_;
   boost::beast::websocket::stream<transport::Transport, false> stream_;  // false: no permessage-deflate
   std::string peer_;
   std::shared_ptr<SessionActor> actor_;  // null unless open
+  std::shared_ptr<ViewerBytes> bytes_;   // null until then
   State state_ = State::kAccepting;
   boost::beast::websocket::close_reason close_reason_;
   Time close_by_;  // while flushing or closing
@@ -93,7 +99,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   Time progress_at_;  // when the system last took a piece
   Time busy_since_;   // when the outbox was last empty
   uint64_t written_since_ = 0;
-  int64_t counted_bytes_ = 0;  // of read buffer and outbox, in Metrics::queue_bytes
+  int64_t counted_bytes_ = 0;  // of read buffer and outbox, in bytes_
   uint64_t batches_sent_ = 0;
 };
 

@@ -58,19 +58,28 @@ void Pool::stop() {
 
 void Pool::run(size_t worker, std::stop_token stop) {
   pthread_setname_np(pthread_self(), ("worker-" + std::to_string(worker)).c_str());
-  while (auto entry = next(stop)) {
-    runJob(entry->job, worker);
-    lateness_.add(clock_() - entry->due.deadline);
-    if (!entry->due.is_costly) continue;
+  while (!stop.stop_requested())
+    guarded([&] {
+      const auto entry = next(stop);
+      if (!entry) return;
+      guarded([&] { entry->job(worker); });
+      noteEnd(entry->due);
+    });
+}
+
+void Pool::noteEnd(const Due& due) {
+  if (due.is_costly) {
     const std::lock_guard lock(mutex_);
     --costly_running_;
   }
+  lateness_.add(clock_() - due.deadline);
 }
 
-// Out of memory, say. Whoever submitted the job must have put its own affairs in order.
-void Pool::runJob(const Job& job, size_t worker) {
+// Out of memory, say. Whoever submitted a job that throws must have put its own affairs in order.
+template <class Work>
+void Pool::guarded(const Work& work) {
   try {
-    job(worker);
+    work();
   } catch (const std::exception& e) {
     if (on_failure_) on_failure_(e.what());
   } catch (...) {

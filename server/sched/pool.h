@@ -49,7 +49,9 @@ class Pool {
 
  private:
   void run(size_t worker, std::stop_token stop);
-  void runJob(const Job& job, size_t worker);
+  template <class Work>
+  void guarded(const Work& work);
+  void noteEnd(const Due& due);
   size_t mostCostly() const { return worker_count_ > 1 ? worker_count_ - 1 : 1; }
   std::optional<DeadlineQueue::Entry> next(std::stop_token stop);
   void waitForWork(std::unique_lock<std::mutex>& lock, std::stop_token stop);

@@ -25,7 +25,18 @@ Bytes replyTo(const proto::GroundRequest& request, const terrain::Scene& scene) 
   return proto::encode(reply);
 }
 
+size_t bytesOf(const proto::TourRequest& request) { return sizeof(request) + request.name.size(); }
+size_t bytesOf(const proto::GroundRequest& request) {
+  return sizeof(request) + request.positions.size() * sizeof(glm::dvec2);
+}
+
 }  // namespace
+
+size_t Requests::bytes() const {
+  size_t sum = 0;
+  for (const auto& request : waiting_) sum += std::visit([](const auto& r) { return bytesOf(r); }, request);
+  return sum;
+}
 
 Status Requests::checkRoom() const {
   if (waiting_.size() < kMost) return {};
@@ -34,6 +45,7 @@ Status Requests::checkRoom() const {
 
 Status Requests::add(const proto::TourRequest& request) {
   if (Status known = checkTour(request.name); !known.ok()) return known;
+  std::erase_if(waiting_, [](const auto& waits) { return std::holds_alternative<proto::TourRequest>(waits); });
   if (Status room = checkRoom(); !room.ok()) return room;
   waiting_.emplace_back(request);
   return {};

@@ -94,6 +94,12 @@ Status Session::take(const proto::TourRequest& request, Time) { return requests_
 
 Status Session::take(const proto::GroundRequest& request, Time) { return requests_.add(request); }
 
+size_t Session::keptBytes() const {
+  size_t bytes = motion_.pathBytes() + requests_.bytes() + (resume_ ? resume_->section.size() : 0);
+  for (const Bytes& reply : replies_) bytes += reply.size();
+  return bytes;
+}
+
 void Session::answer(std::vector<Bytes>& out) {
   out.push_back(requests_.answer(world_->hierarchy.scene()));
   ++statistics_.replies;

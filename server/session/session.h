@@ -11,6 +11,7 @@
 // link or server cannot keep up, grid points are skipped; no keyframe is sent in part.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -105,6 +106,11 @@ class Session {
   void noteComputeTime(Duration spent);
   // How long a keyframe is expected to take.
   Duration computeTime() const { return compute_time_; }
+  // Answers no request before `until`, since there is no room for the reply.
+  void postponeReplies(Time until) { next_request_ = std::max(next_request_, until); }
+  // What the viewer makes the server keep, as long as it likes: its announced path, requests that wait, a section to
+  // resume from. O(requests).
+  size_t keptBytes() const;
   // What the server's processors can give this viewer from now on.
   void setProcessors(Processors processors) { processors_ = processors; }
 

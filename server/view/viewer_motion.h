@@ -19,6 +19,7 @@ namespace foreland::server {
 class ViewerMotion {
  public:
   void announce(proto::Path path) { path_ = std::move(path); }
+  size_t pathBytes() const { return path_ ? path_->poses.capacity() * sizeof(proto::Pose) : 0; }
   // Takes the camera's next pose. Predictions for times up to it are judged by it.
   void add(const proto::TimedPose& pose);
   // Takes a pose to which the camera jumped. Nothing known of the motion before holds any more, and neither does an

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -148,6 +149,30 @@ TEST_F(PublicPort, RefusesFilesAndFlagsByName) {
     const ProgramResult result = runProgram("serve", arguments(bad));
     EXPECT_EQ(result.exit_code, 2) << bad[0];
     EXPECT_TRUE(says(result, bad[0]) || says(result, bad[1])) << result.output;
+  }
+}
+
+// systemd passes on the default of a credential whose file is missing; nobody can sign tokens with it.
+TEST_F(PublicPort, ItsUnitNeedsNeitherKeyNorSecret) {
+  std::ifstream unit(FORELAND_SOURCE_DIR "/deploy/foreland.service");
+  ASSERT_TRUE(unit);
+  std::map<std::string, std::string> defaults;
+  std::vector<std::string> loaded;
+  for (std::string line; std::getline(unit, line);) {
+    const size_t equals = line.find('='), colon = line.find(':');
+    const std::string id = colon == std::string::npos ? "" : line.substr(equals + 1, colon - equals - 1);
+    if (line.starts_with("LoadCredential=")) loaded.push_back(id);
+    if (line.starts_with("SetCredential=")) defaults[id] = line.substr(colon + 1);
+  }
+  EXPECT_EQ(loaded, (std::vector<std::string>{"key.pem", "secret"}));
+  for (const std::string& id : loaded) {
+    ASSERT_FALSE(defaults[id].empty()) << id;
+    std::ofstream(folder_ / id) << defaults[id];
+  }
+  for (std::vector<std::string> flags : {std::vector<std::string>{"--token-secret", folder_ / "secret"}, tls()}) {
+    flags.insert(flags.end(), {"--log-level", "off"});
+    Program server("serve", arguments(flags));
+    EXPECT_TRUE(server.readLine().starts_with("foreland serve: ")) << flags[0];
   }
 }
 

@@ -83,6 +83,18 @@ TEST_F(ServeProgram, EndsAtOnceOnASecondSignal) {
   EXPECT_EQ(program.wait(), -1);
 }
 
+// Who reloads certificates every night need not look whether a server stops.
+TEST_F(ServeProgram, HandsItsViewersOverInSpiteOfSighup) {
+  Program program("serve", arguments({"--drain-seconds", "3600"}));
+  WebSocketClient viewer(portOf(program.readLine()));
+  ASSERT_TRUE(viewer.isOpen());
+  program.signal(SIGTERM);
+  EXPECT_EQ(viewer.receiveClose(), 1012);
+  program.signal(SIGHUP);
+  viewer.sendFrame(Opcode::kClose, std::string("\x03\xf4", 2));
+  EXPECT_EQ(program.wait(), 0);
+}
+
 double residentBytes(uint16_t port) {
   const std::string page = httpGet(port, "/metrics"), name = "\nprocess_resident_memory_bytes ";
   const size_t at = page.find(name);
@@ -161,7 +173,34 @@ TEST_F(ServeProgram, RefusesFlagsThatItDoesNotKnow) {
   expectRefusal(arguments({"--tau", "nan"}), {"--tau"});
   expectRefusal(arguments({"--keyframe-ms", "0"}), {"--keyframe-ms"});
   expectRefusal(arguments({"--drain-seconds", "-1"}), {"--drain-seconds"});
+  expectRefusal(arguments({"--max-section-nodes", "999"}), {"--max-section-nodes", "1000"});
+  expectRefusal(arguments({"--queue-mib", "0.5"}), {"--queue-mib", "4096"});
+  expectRefusal(arguments({"--idle-seconds", "0"}), {"--idle-seconds", "3600"});
   expectRefusal({}, {"SCENE"});
+}
+
+TEST_F(ServeProgram, KeepsTheLimitsThatItIsGiven) {
+  Program server("serve", arguments({"--max-section-nodes", "1000", "--queue-mib", "1"}));
+  const uint16_t port = portOf(server.readLine());
+  WebSocketClient viewer(port), flood(port);
+  proto::ViewRequest fine;
+  fine.tau_px = 0.01;
+  proto::PoseUpdate update{{Time::seconds(1), {{0, 0, 1500}, proto::lookAlong({0, 0, -1}, {0, 0, 1})}}, 0, {}};
+  viewer.send(proto::encode(fine));
+  viewer.send(proto::encode(update));
+  ASSERT_TRUE(viewer.receive() && viewer.receive()) << "a welcome and a keyframe";
+  EXPECT_GT(metric(port, "section_nodes"), 500);
+  EXPECT_LE(metric(port, "section_nodes"), 1000);
+  flood.send(Bytes((1u << 20) + 1));
+  EXPECT_EQ(flood.receiveClose(), 1008);
+}
+
+// Sooner than the default, which is longer than a test waits.
+TEST_F(ServeProgram, DisconnectsWhoIsIdleForAsLongAsItIsTold) {
+  Program server("serve", arguments({"--idle-seconds", "1"}));
+  WebSocketClient viewer(portOf(server.readLine()));
+  viewer.send(proto::encode(proto::ViewRequest{}));
+  EXPECT_EQ(viewer.receiveClose(), 1008);
 }
 
 TEST_F(ServeProgram, RefusesAddressesAndPagesThatWillNotDo) {

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <deque>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/viewer.h"
 #include "proto/message/message.h"
@@ -152,7 +155,7 @@ TEST(Server, RefusesTextAndEmptyMessages) {
 
 TEST(Server, RefusesAViewerThatFloods) {
   ServeOptions options = testOptions();
-  options.limits.inbox_bytes = 1000;
+  options.limits.viewer_bytes = 1000;
   const auto server = serve(options);
   WebSocketClient client(server->port());
   client.send(Bytes(1001));
@@ -362,6 +365,52 @@ TEST(Server, HandsItsViewersOver) {
   EXPECT_TRUE(eventually([&] { return metric(port, "handed_over_total") == 3; }));
   drain.join();
   server->stop();
+}
+
+// A clock stands for all that may fail anywhere for want of memory: whoever asks it now and then gets an exception.
+class FailingClock {
+ public:
+  Clock clock() {
+    return [this] {
+      if (fails_ && ++calls_ % 5 == 0) throw std::bad_alloc();
+      return steadyNow();
+    };
+  }
+  void fail(bool fails) { fails_ = fails; }
+
+ private:
+  std::atomic<bool> fails_{false};
+  std::atomic<unsigned> calls_{0};
+};
+
+TEST(Server, ServesOnWhateverIsThrown) {
+  FailingClock clock;
+  ServeOptions options = testOptions();
+  options.idle_timeout = Duration::milliseconds(40);  // viewers are watched four times as often
+  auto running = Server::listen(hillWorld(), options, clock.clock());
+  ASSERT_TRUE(running.ok());
+  Server& server = **running;
+  const uint16_t port = server.port();
+  for (int round = 0; round < 30; ++round) {
+    clock.fail(true);
+    std::vector<std::unique_ptr<WebSocketClient>> viewers;
+    for (int i = 0; i < 3; ++i) {
+      viewers.push_back(std::make_unique<WebSocketClient>(port));
+      viewers.back()->send(proto::encode(requestView()));
+      viewers.back()->send(proto::encode(proto::PoseUpdate{{steadyNow(), poseAt(steadyNow())}, 0, {}}));
+      httpGet(port, "/readyz");
+    }
+    for (auto& viewer : viewers) viewer->receiveClose();  // they fail, or are idle
+    clock.fail(false);
+    EXPECT_TRUE(httpGet(port, "/livez").starts_with("HTTP/1.1 200")) << round;
+  }
+  EXPECT_TRUE(eventually([&] { return metric(port, "sessions") == 0; })) << "nobody is forgotten";
+  EXPECT_GT(metric(port, "failures_total"), 0);
+  WebSocketClient last(port);
+  ASSERT_TRUE(last.isOpen());
+  clock.fail(true);
+  server.drain(Duration::seconds(1));
+  server.stop();
 }
 
 // Would wait for an hour if the answer did not end it.

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -169,14 +170,95 @@ TEST_F(Host, RefusesOnceAndThenSaysNothing) {
 }
 
 TEST_F(Host, TheInboxIsBounded) {
-  const HostLimits limits{.inbox_messages = 2, .inbox_bytes = 100};
+  const HostLimits limits{.inbox_messages = 2, .viewer_bytes = 1000};
   const size_t viewer = open(limits);
-  EXPECT_FALSE(viewers_[viewer].actor->deliver(Bytes(101)).ok());
+  EXPECT_FALSE(viewers_[viewer].actor->deliver(Bytes(1001)).ok());
   pool_.stop();  // from here on nobody empties it
-  EXPECT_TRUE(viewers_[viewer].actor->deliver(Bytes(60)).ok());
-  EXPECT_FALSE(viewers_[viewer].actor->deliver(Bytes(60)).ok());
+  EXPECT_TRUE(viewers_[viewer].actor->deliver(Bytes(600)).ok());
+  EXPECT_FALSE(viewers_[viewer].actor->deliver(Bytes(600)).ok());
   EXPECT_TRUE(viewers_[viewer].actor->deliver(Bytes(1)).ok());
   EXPECT_FALSE(viewers_[viewer].actor->deliver(Bytes(1)).ok());
+}
+
+constexpr size_t kPathPoses = 1000, kPathBytes = kPathPoses * sizeof(proto::Pose);
+
+Bytes longPath() { return proto::encode(proto::Path{.start = {}, .poses = std::vector<proto::Pose>(kPathPoses)}); }
+
+TEST_F(Host, WhatASessionKeepsCountsForItsViewer) {
+  const size_t viewer = open({.viewer_bytes = 2 * kPathBytes - 1});
+  SessionActor& actor = *viewers_[viewer].actor;
+  ASSERT_TRUE(requestView(viewer).ok());
+  ASSERT_TRUE(mailbox_.take().has_value());  // the welcome
+  actor.sent(1);
+  ASSERT_TRUE(actor.deliver(longPath()).ok());
+  ASSERT_TRUE(actor.deliver(proto::encode(proto::GroundRequest{1, {{1, 2}}})).ok());
+  ASSERT_TRUE(mailbox_.take().has_value());  // so the path has been read
+  EXPECT_GE(metrics_.queue_bytes, static_cast<int64_t>(kPathBytes));
+  EXPECT_LE(metrics_.queue_bytes, static_cast<int64_t>(kPathBytes) + 1000) << "the messages themselves are gone";
+  EXPECT_FALSE(actor.deliver(longPath()).ok()) << "this one and that which is kept";
+  EXPECT_TRUE(actor.deliver(poseUpdate(0)).ok()) << "small messages are taken";
+  actor.close();
+  pool_.stop();
+  viewers_.clear();
+  EXPECT_EQ(metrics_.queue_bytes, 0);
+}
+
+TEST_F(Host, ARequestIsNotAnsweredWhileTooMuchIsHeld) {
+  const HostLimits limits;
+  const size_t hoarder = open(limits), other = open();
+  const auto take = [&](size_t viewer) {
+    const auto item = mailbox_.take();
+    ASSERT_TRUE(item.has_value());
+    EXPECT_EQ(item->viewer, viewer);
+    viewers_[viewer].actor->sent(++viewers_[viewer].batches);
+  };
+  const auto ask = [&](size_t viewer) {
+    EXPECT_TRUE(viewers_[viewer].actor->deliver(proto::encode(proto::GroundRequest{1, {{1, 2}}})).ok());
+  };
+  for (const size_t viewer : {hoarder, other}) {
+    ASSERT_TRUE(requestView(viewer).ok());
+    take(viewer);
+  }
+  const auto held = static_cast<int64_t>(limits.viewer_bytes) + 1;
+  viewers_[hoarder].actor->bytes()->add(held);  // as the connection counts what is unsent
+  for (int i = 0; i < 3; ++i) ask(hoarder);
+  ask(other);
+  take(other);
+  viewers_[hoarder].actor->bytes()->add(-held);
+  take(hoarder);
+}
+
+// As when there is no memory to tell the viewer that there is none.
+TEST_F(Host, ASessionThatCannotEvenRefuseEndsAlone) {
+  ASSERT_TRUE(requestView(open()).ok());
+  Outlet outlet;
+  outlet.send = [](const std::vector<Bytes>&) { throw std::bad_alloc(); };
+  outlet.refuse = [](const std::string&) { throw std::bad_alloc(); };
+  const auto failing = host_->open(outlet);
+  ASSERT_TRUE(failing->deliver(proto::encode(proto::ViewRequest{})).ok());
+  EXPECT_TRUE(fly([&] { return failing->hasFailed() && viewers_[0].keyframes >= 3; }, [](size_t) { return true; }));
+  EXPECT_TRUE(failing->deliver(poseUpdate(0)).ok()) << "it is not listened to any more";
+  EXPECT_GE(metrics_.failures, 2u);
+  EXPECT_FALSE(viewers_[0].actor->hasFailed());
+  EXPECT_TRUE(fly([&] { return viewers_[0].keyframes >= 10; }, [](size_t) { return true; }));
+}
+
+// Where the room of all is taken, by a few who hold much.
+TEST(ViewerBytes, WhoHoldsLittleIsTakenInHoweverMuchOthersHold) {
+  Metrics metrics;
+  const HostLimits limits{.viewer_bytes = 600, .queue_bytes = 1000};
+  ViewerBytes first(limits, metrics), second(limits, metrics), third(limits, metrics);
+  metrics.sessions = 3;
+  first.add(500);
+  EXPECT_TRUE(first.checkRoomFor(100).ok());
+  EXPECT_FALSE(first.checkRoomFor(101).ok()) << "more than one viewer may hold";
+  EXPECT_TRUE(second.checkRoomFor(500).ok());
+  EXPECT_FALSE(second.checkRoomFor(501).ok()) << "more than all may hold";
+  second.add(500);
+  EXPECT_FALSE(first.checkRoomFor(1).ok());
+  EXPECT_TRUE(third.checkRoomFor(333).ok());
+  EXPECT_FALSE(third.checkRoomFor(334).ok()) << "more than a third";
+  EXPECT_EQ(metrics.queue_bytes, 1000);
 }
 
 TEST_F(Host, ViewersComeAndGoWhileOthersFly) {

@@ -236,9 +236,54 @@ TEST(Session, AnswersRequestsOneAStepAndNoneWhileAReplyIsUnsent) {
 TEST(Session, RefusesMoreRequestsThanMayWait) {
   Session session(smallWorld(), {});
   ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
-  for (uint32_t i = 0; i < Requests::kMost; ++i)
-    ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 3600}), Time{}).ok());
-  EXPECT_FALSE(session.receive(proto::encode(proto::TourRequest{99, "survey", 3600}), Time{}).ok());
+  const auto ask = [&](uint32_t id) {
+    return session.receive(proto::encode(proto::GroundRequest{id, {{1, 2}}}), Time{});
+  };
+  for (uint32_t i = 0; i < Requests::kMost; ++i) ASSERT_TRUE(ask(i).ok());
+  EXPECT_FALSE(ask(99).ok());
+}
+
+TEST(Session, ANewerTourReplacesOneThatWaits) {
+  Session session(smallWorld(), {});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  session.step(Time{}, scratch, out);
+  out.clear();
+  for (uint32_t i = 0; i < 60; ++i)
+    ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 10}), Time{}).ok());
+  ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{60, {{1, 2}}}), Time{}).ok());
+  for (int i = 0; i < 10; ++i) {
+    session.step(Time::seconds(i), scratch, out);
+    session.onDrained(Time::seconds(i));
+  }
+  ASSERT_EQ(out.size(), 2u);
+  const auto tour = proto::decodeServerMessage(out[0]), ground = proto::decodeServerMessage(out[1]);
+  ASSERT_TRUE(tour.ok() && ground.ok());
+  EXPECT_EQ(std::get<proto::TourReply>(*tour).id, 59u);
+  EXPECT_EQ(std::get<proto::GroundReply>(*ground).id, 60u);
+}
+
+TEST(Session, TellsTheBytesThatItKeepsForItsViewer) {
+  Session session(smallWorld(), {});
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  session.step(Time{}, scratch, out);
+  EXPECT_EQ(session.keptBytes(), 0u);
+  proto::Path path{.start = {}, .poses = std::vector<proto::Pose>(1000)};
+  ASSERT_TRUE(session.receive(proto::encode(path), Time{}).ok());
+  const size_t with_path = session.keptBytes();
+  EXPECT_GE(with_path, 1000 * sizeof(proto::Pose));
+  ASSERT_TRUE(session.receive(proto::encode(path), Time{}).ok());
+  EXPECT_EQ(session.keptBytes(), with_path) << "a path replaces the one before";
+  const proto::GroundRequest ground{1, std::vector<glm::dvec2>(100, {1, 2})};
+  ASSERT_TRUE(session.receive(proto::encode(ground), Time{}).ok());
+  EXPECT_GE(session.keptBytes(), with_path + 100 * sizeof(glm::dvec2));
+  ASSERT_TRUE(session.receive(proto::encode(proto::Resume{1, 2, Time{}, 3, Bytes(5000)}), Time{}).ok());
+  EXPECT_GE(session.keptBytes(), with_path + 5000);
+  for (int i = 0; i < 3; ++i) session.step(Time::seconds(i), scratch, out);
+  EXPECT_EQ(session.keptBytes(), with_path) << "the rest is done with";
 }
 
 TEST(Session, ResumesOnceAtMost) {
