@@ -210,3 +210,38 @@ TEST_F(ExperimentProgram, KeepsTheTableOfAFlightOverTiles) {
 
 }  // namespace
 }  // namespace foreland::test
+// Several numbers of viewers, what they come to, and a link and occlusion that are not the usual ones.
+TEST_F(ExperimentProgram, LoadsWithSeveralNumbersOfViewersAlikeInEveryRun) {
+  const auto files = [&](const std::string& out, const std::string& threads) {
+    const ProgramResult result =
+        runProgram("bench", {"load",        scene(),    "--viewers", "3,6,9",       "--seconds", "1",      "--policies",
+                             "edf,fair",    "--phases", "random",    "--starts",    "early",     "--link", "wifi",
+                             "--occlusion", "on",       "--out",     folder_ / out, "--threads", threads});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::vector<std::vector<char>> all;
+    for (const char* name : {"capacity.csv", "results.csv", "results.json", "utilisation.csv", "lateness.csv"})
+      all.push_back(slurp(folder_ / (out + "/" + name)));
+    return all;
+  };
+  const auto first = files("a", "1");
+  EXPECT_EQ(std::count(first[0].begin(), first[0].end(), '\n'), 1 + 2);
+  EXPECT_EQ(std::count(first[1].begin(), first[1].end(), '\n'), 1 + 2 * 3);
+  EXPECT_EQ(first, files("b", "2"));
+}
+
+TEST_F(ExperimentProgram, RefusesLoadsThatMakeNoSenseByName) {
+  const auto refuses = [&](const std::vector<std::string>& more, const std::vector<std::string>& words) {
+    std::vector<std::string> arguments{"load", scene()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expectRefusal("bench", arguments, words);
+  };
+  refuses({"--link", "pigeon"}, {"'pigeon'", "starlink"});
+  refuses({"--link", "trace"}, {"--trace-up", "--trace-down"});
+  refuses({"--trace-up", "none", "--trace-down", "none"}, {"--link trace"});
+  refuses({"--link", "trace", "--trace-up", folder_ / "none", "--trace-down", folder_ / "none"}, {"none"});
+  refuses({"--occlusion", "maybe"}, {"--occlusion", "maybe"});
+  refuses({"--viewers", "4,0"}, {"--viewers", "0"});
+  refuses({"--viewers", "4,8", "--most-viewers"}, {"--most-viewers", "--viewers"});
+  refuses({"--viewers", "4,8", "--real"}, {"--real", "2", "--viewers"});
+}
+
