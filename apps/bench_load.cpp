@@ -180,6 +180,10 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   sub->add_option("--seconds", request.base.seconds, "measured")
       ->check(CLI::Range(1.0, 3600.0) & isFinite())
       ->capture_default_str();
+  sub->add_option("--run-in", request.base.run_in_s,
+                  "seconds before, in which viewers come and get their first sections")
+      ->check(CLI::Range(2.0, 600.0) & isFinite())
+      ->capture_default_str();
   sub->add_option("--tau", request.base.tau_px, "tolerance in pixels")
       ->check(CLI::Range(0.05, 1000.0) & isFinite())
       ->capture_default_str();
@@ -279,6 +283,7 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                 {"link", args.link.link},
                 {"occlusion", args.occlusion},
                 {"seconds", request.base.seconds},
+                {"run_in_s", request.base.run_in_s},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
   if (request.base.cluster.servers > 1)

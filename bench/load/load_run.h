@@ -44,7 +44,8 @@ struct LoadOptions {
   LoadQueues queues = LoadQueues::kShared;
   Mix mix = Mix::kMixed;
   size_t viewers = 40, workers = 1;
-  double seconds = 10;  // measured, after kLoadRunIn
+  double seconds = 10;  // measured, after the run-in
+  double run_in_s = 3;  // in which viewers come and get their first sections
   double tau_px = 2, keyframe_ms = 200;
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
   LinkPair links = fixedLink(Duration::milliseconds(50));            // of all, but that one of 20 is slow
@@ -53,8 +54,6 @@ struct LoadOptions {
   uint64_t seed = 1;
   ClusterOptions cluster{};
 };
-// In which viewers come and get their first sections.
-inline constexpr Duration kLoadRunIn = Duration::milliseconds(3000);
 // From when a viewer asks until it sends its first pose.
 inline constexpr Duration kFirstPose = Duration::milliseconds(1);
 inline constexpr Duration kUtilisationBin = Duration::milliseconds(20);

@@ -32,7 +32,7 @@ LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds hold
 LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options)
     : world_(std::move(world)),
       options_(options),
-      begin_(Time{} + kLoadRunIn),
+      begin_(Time::seconds(options.run_in_s)),
       end_(begin_ + Duration::seconds(options.seconds)),
       balancing_(options.seed + 1) {
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;

@@ -127,7 +127,7 @@ Status checkReal(const LoadOptions& options) {
 
 Result<RealLoad> runRealLoad(const terrain::Scene& scene, const LoadOptions& options,
                              const std::filesystem::path& serve, const std::filesystem::path& scene_file) {
-  const Time begin = Time{} + kLoadRunIn, end = begin + Duration::seconds(options.seconds);
+  const Time begin = Time::seconds(options.run_in_s), end = begin + Duration::seconds(options.seconds);
   Rng chance(options.seed + 1);
   const std::vector<LoadViewer> cast = viewersOf(LoadTours(scene), options, rolesOf(options, chance));
   std::vector<RealServer> servers;

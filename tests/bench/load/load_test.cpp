@@ -82,6 +82,17 @@ TEST(Load, MeetsDeadlinesWithSlackThatCostsFreshness) {
   EXPECT_NEAR(slack.ahead_mean_ms, tight.ahead_mean_ms + 10, 1);
 }
 
+// What is measured does not get longer or shorter with the time before.
+TEST(Load, MeasuresForAsLongAfterAnyRunIn) {
+  for (const double run_in_s : {2.0, 3.0, 12.0}) {
+    LoadOptions options = smallLoad(4);
+    options.run_in_s = run_in_s;
+    const LoadRun result = runLoad(smallWorld(), options);
+    EXPECT_NEAR(static_cast<double>(result.figures.keyframes), 4 * 5 * 2, 4) << run_in_s;
+    EXPECT_EQ(result.used.size(), 100u);
+  }
+}
+
 // What is hidden costs time to find out, and is told apart from the rest.
 TEST(Load, PricesWhatOcclusionTests) {
   const auto hidden = [](bool occlusion) {
