@@ -1,5 +1,6 @@
 #include "apps/bench_calibrate.h"
 
+#include "apps/bench_experiment.h"
 #include "apps/bench_flight.h"
 #include "apps/options.h"
 #include "bench/tables.h"
@@ -22,10 +23,9 @@ CLI::App* addCalibrate(CLI::App& app, CalibrateArguments& args) {
 Result<nlohmann::ordered_json> calibrate(const CalibrateArguments& args) {
   const auto scene = terrain::Scene::open(args.scene);
   if (!scene) return scene.error();
-  auto objects = server::objectsOf(*scene);
-  if (!objects) return objects.error();
-  const auto world = std::make_shared<server::World>(*scene, std::move(*objects));
-  const bench::Calibration found = bench::calibrate(bench::timeSteps(world, args.seconds));
+  const auto world = worldOf(*scene, Occlusion::kOn);
+  if (!world) return world.error();
+  const bench::Calibration found = bench::calibrate(bench::timeSteps(*world, args.seconds));
   const std::filesystem::path folder = args.output.has_parent_path() ? args.output.parent_path() : ".";
   if (Status s = bench::writeFile(folder, args.output.filename().string(), found.prices.toJson()); !s.ok())
     return s.error();

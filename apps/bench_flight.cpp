@@ -1,5 +1,6 @@
 #include "apps/bench_flight.h"
 
+#include <bit>
 #include <cstdio>
 #include <limits>
 
@@ -106,6 +107,14 @@ Result<server::Hierarchy> hierarchyOf(const std::shared_ptr<const terrain::Scene
   auto objects = server::objectsOf(scene);
   if (!objects) return objects.error();
   return server::Hierarchy(scene, proto::ErrorBound::kSpheroid, std::move(*objects));
+}
+
+void addPath(const proto::Path& path, Fnv1a& hash) {
+  const auto add = [&](double value) { hash.add(std::bit_cast<uint64_t>(value)); };
+  for (const proto::Pose& pose : path.poses) {
+    for (int i = 0; i < 3; ++i) add(pose.eye[i]);
+    for (int i = 0; i < 4; ++i) add(pose.orientation[i]);
+  }
 }
 
 nlohmann::ordered_json flightReport(const FlightArguments& args, const PlannedFlight& flight) {

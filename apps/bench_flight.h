@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/fnv1a.h"
 #include "base/result.h"
 #include "bench/report.h"
 #include "bench/sections/flight_views.h"
@@ -43,6 +44,9 @@ Result<PlannedFlight> planFlight(const FlightArguments& args);
 
 // The scene's terrain and objects.
 Result<server::Hierarchy> hierarchyOf(const std::shared_ptr<const terrain::Scene>& scene);
+
+// Adds the path, for the name of a file that it was read from says too little.
+void addPath(const proto::Path& path, Fnv1a& hash);
 
 // What was flown: the first figures of every report.
 nlohmann::ordered_json flightReport(const FlightArguments& args, const PlannedFlight& flight);

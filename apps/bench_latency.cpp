@@ -1,8 +1,8 @@
 #include "apps/bench_latency.h"
 
-#include <bit>
 #include <cstdio>
 
+#include "apps/bench_link.h"
 #include "base/fnv1a.h"
 #include "bench/latency/experiment.h"
 #include "bench/report.h"
@@ -35,13 +35,9 @@ Result<std::optional<bench::LinkPair>> traceOf(const LatencyArguments& args) {
   if (!is_wanted || args.trace_down.empty() || args.trace_up.empty())
     return Error{ErrorCode::kInvalidArgument,
                  "a recorded link takes --links trace, --trace-up FILE and --trace-down FILE"};
-  const auto up = bench::LinkTrace::read(args.trace_up), down = bench::LinkTrace::read(args.trace_down);
-  if (!up) return up.error();
-  if (!down) return down.error();
-  bench::LinkPair pair = bench::fixedLink(Duration::milliseconds(40));
-  pair.up.trace = std::make_shared<bench::LinkTrace>(*up);
-  pair.down.trace = std::make_shared<bench::LinkTrace>(*down);
-  return std::optional(pair);
+  auto pair = recordedLink(args.trace_up, args.trace_down);
+  if (!pair) return pair.error();
+  return std::optional(std::move(*pair));
 }
 
 Result<bench::LatencyFlight> flightOf(const LatencyArguments& args, const PlannedFlight& planned) {
@@ -93,17 +89,8 @@ nlohmann::ordered_json summaryOf(const std::vector<bench::LatencyCell>& cells,
 // Of the files that a path and a link were read from, their names say too little.
 uint64_t digestOf(const bench::LatencyFlight& flight) {
   Fnv1a hash;
-  const auto add = [&](double value) { hash.add(std::bit_cast<uint64_t>(value)); };
-  for (const proto::Pose& pose : flight.path.poses) {
-    for (int i = 0; i < 3; ++i) add(pose.eye[i]);
-    for (int i = 0; i < 4; ++i) add(pose.orientation[i]);
-  }
-  for (const bench::LinkOptions* link :
-       {flight.trace ? &flight.trace->up : nullptr, flight.trace ? &flight.trace->down : nullptr})
-    for (size_t packets = 1; link && packets < 4096; packets *= 2) {
-      bench::LinkTrace::Position at;
-      add(link->trace->transmit(packets * bench::LinkTrace::kPacketBytes, {}, at).toSeconds());
-    }
+  addPath(flight.path, hash);
+  if (flight.trace) addRecordings(*flight.trace, hash);
   return hash.value();
 }
 

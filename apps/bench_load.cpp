@@ -25,20 +25,53 @@ std::string lineOf(const nlohmann::ordered_json& row) {
         1e-3 * number("move_down_mean_bytes"));
     return text;
   }
-  std::snprintf(
-      text, sizeof text,
-      "%-12s %-12s %-5s %-8s %4.0f viewers: %6.2f %% of %.0f missed, lateness p99 %7.2f ms, used %.2f (peak %.2f), "
-      "Jain %.3f",
-      row["policy"].get<std::string>().c_str(), row["phases"].get<std::string>().c_str(),
-      row["start"].get<std::string>().c_str(), row["queues"].get<std::string>().c_str(), number("viewers"),
-      100 * number("missed_share"), number("keyframes"), number("lateness_p99_ms"), number("utilisation"),
-      number("utilisation_peak"), number("jain"));
+  std::snprintf(text, sizeof text,
+                "%-12s %-12s %-5s +%.0f ms %-8s %4.0f viewers: %6.2f %% of %.0f missed, lateness p99 %7.2f ms, used "
+                "%.2f (peak %.2f), "
+                "Jain %.3f",
+                row["policy"].get<std::string>().c_str(), row["phases"].get<std::string>().c_str(),
+                row["start"].get<std::string>().c_str(), number("slack_ms"), row["queues"].get<std::string>().c_str(),
+                number("viewers"), 100 * number("missed_share"), number("keyframes"), number("lateness_p99_ms"),
+                number("utilisation"), number("utilisation_peak"), number("jain"));
   return text;
+}
+
+// How many of the numbers of viewers that were tried are served.
+std::string capacityLine(const nlohmann::ordered_json& way) {
+  std::string text;
+  for (const auto& [key, value] : way.items())
+    if (key != "most_viewers" && key != "fewest_missing")
+      text +=
+          (value.is_string() ? value.get<std::string>() : "+" + bench::numberText(value.get<double>()) + " ms") + " ";
+  return text + std::to_string(way["most_viewers"].get<size_t>()) + " viewers miss under 0.1 % of their deadlines";
 }
 
 // Searches run one after another on each thread, so that the most viewers of each is found on its own.
 void search(const std::shared_ptr<const server::World>& world, std::vector<bench::LoadOptions>& runs) {
   for (bench::LoadOptions& run : runs) run.viewers = std::max<size_t>(1, bench::mostViewers(world, run));
+}
+
+// One number as such, several as a list.
+nlohmann::ordered_json viewersAsked(const bench::LoadRequest& request) {
+  if (request.viewers.size() == 1) return request.viewers.front();
+  return request.viewers;
+}
+
+uint64_t digestOf(const bench::LinkPair& links) {
+  Fnv1a hash;
+  addRecordings(links, hash);
+  return hash.value();
+}
+
+// The tables, if there is a folder for them; of several numbers of viewers with what they come to.
+Status keep(const LoadArguments& args, nlohmann::ordered_json about, const std::vector<bench::CellTables>& tables) {
+  const std::filesystem::path& out = args.experiment.out;
+  if (out.empty()) return {};
+  if (const auto capacities = bench::capacitiesOf(tables); !capacities.empty()) {
+    about["capacity"] = capacities;
+    if (Status s = bench::writeFile(out, "capacity.csv", bench::capacityCsv(capacities)); !s.ok()) return s;
+  }
+  return bench::writeCells(out, about, bench::kLoadNames, tables);
 }
 
 // Both worlds and their differences, a line or an object for each figure.
@@ -116,7 +149,10 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   CLI::App* sub = app.add_subcommand("load", "many viewers on few workers, in virtual time");
   bench::LoadRequest& request = args.request;
   sub->add_option("scene", args.scene, "scene file (foreland build)")->required();
-  sub->add_option("--viewers", request.base.viewers, "how many; the first guess of --most-viewers")
+  request.viewers = {request.base.viewers};
+  sub->add_option("--viewers", request.viewers,
+                  "how many; of several numbers, such as 50,100,200, each in turn; the first guess of --most-viewers")
+      ->delimiter(',')
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   sub->add_option("--workers", request.base.workers, "of the server")->check(CLI::Range(1, 64))->capture_default_str();
@@ -124,9 +160,18 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   sub->add_option("--predictor", args.predictor,
                   "of viewers who do not jump: velocity, path, or another of `foreland fly`")
       ->capture_default_str();
+  sub->add_option("--occlusion", args.occlusion, "on: what ridges hide is not sent")
+      ->check(CLI::IsMember({"off", "on"}))
+      ->capture_default_str();
+  addLinkOptions(*sub, args.link, "fixed");
   sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
   sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
   sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
+  sub->add_option("--slack-ms", request.slacks_ms,
+                  "with early starts: begin keyframes so much sooner than their sessions expect them to need")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1000.0) & isFinite())
+      ->capture_default_str();
   sub->add_option("--queues", request.queues,
                   "shared,stealing: one queue for all workers, or one for each, from which idle workers steal "
                   "(default: shared)")
@@ -134,6 +179,10 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   addClusterOptions(*sub, request);
   sub->add_option("--seconds", request.base.seconds, "measured")
       ->check(CLI::Range(1.0, 3600.0) & isFinite())
+      ->capture_default_str();
+  sub->add_option("--run-in", request.base.run_in_s,
+                  "seconds before, in which viewers come and get their first sections")
+      ->check(CLI::Range(2.0, 600.0) & isFinite())
       ->capture_default_str();
   sub->add_option("--tau", request.base.tau_px, "tolerance in pixels")
       ->check(CLI::Range(0.05, 1000.0) & isFinite())
@@ -174,7 +223,13 @@ Result<bench::LoadRequest> requestOf(const LoadArguments& args) {
     if (request.policies.empty()) request.policies = {"fair"};
     if (request.phases.empty()) request.phases = {"staggered"};
     if (request.starts.empty()) request.starts = {"early"};
+    if (request.balances.empty() && request.base.cluster.servers > 1) request.balances = {"round-robin"};
   }
+  const auto links = linksOf(args.link);
+  if (!links) return links.error();
+  request.base.viewers = request.viewers.front();
+  request.base.links = *links;
+  request.base.occlusion = args.occlusion == "on";
   request.base.predictor = *predictor;
   request.base.mix = *mix;
   request.base.prices = *prices;
@@ -183,6 +238,8 @@ Result<bench::LoadRequest> requestOf(const LoadArguments& args) {
 }
 
 Status checkBoth(const LoadArguments& args, const std::vector<bench::LoadOptions>& runs) {
+  if (args.search == Search::kMostViewers && args.request.viewers.size() > 1)
+    return Error{ErrorCode::kInvalidArgument, "--most-viewers searches from one number of --viewers, not from several"};
   if (args.in_time == InTime::kVirtual) return {};
   if (args.search == Search::kMostViewers)
     return Error{ErrorCode::kInvalidArgument, "--real runs one load; --most-viewers would run many"};
@@ -190,7 +247,7 @@ Status checkBoth(const LoadArguments& args, const std::vector<bench::LoadOptions
     if (Status s = bench::checkReal(run); !s.ok()) return Error{s.error().code, "--real: " + s.error().message};
   if (runs.size() == 1) return {};
   return Error{ErrorCode::kInvalidArgument,
-               "--real runs one load, not " + std::to_string(runs.size()) + "; give one of --phases"};
+               "--real runs one load, not " + std::to_string(runs.size()) + "; give one of --phases and of --viewers"};
 }
 
 }  // namespace
@@ -211,19 +268,22 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   if (Status s = checkBoth(args, *runs); !s.ok()) return s.error();
   const auto scene = terrain::Scene::open(args.scene);
   if (!scene) return scene.error();
-  auto objects = server::objectsOf(*scene);
-  if (!objects) return objects.error();
-  const auto world = std::make_shared<server::World>(*scene, std::move(*objects));
+  const auto opened = worldOf(*scene, request.base.occlusion ? Occlusion::kOn : Occlusion::kOff);
+  if (!opened) return opened.error();
+  const std::shared_ptr<const server::World>& world = *opened;
 
   if (args.search == Search::kMostViewers) search(world, *runs);
   nlohmann::ordered_json about{{"experiment", "load"}};
   about.update(aboutExperiment(args.experiment, request.base.prices));
   about.update({{"scene", std::filesystem::path(args.scene).filename().string()},
-                {"viewers", request.base.viewers},
+                {"viewers", viewersAsked(request)},
                 {"workers", request.base.workers},
                 {"mix", args.mix},
                 {"predictor", args.predictor},
+                {"link", args.link.link},
+                {"occlusion", args.occlusion},
                 {"seconds", request.base.seconds},
+                {"run_in_s", request.base.run_in_s},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
   if (request.base.cluster.servers > 1)
@@ -233,16 +293,20 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                   {"join", request.joins}});
   if (args.in_time == InTime::kBoth) return loadInBoth(world, args, runs->front(), about);
   const Progress progress(runs->size());
-  const auto tables = bench::runAll(world, *runs, askedOf(about, **scene), bench::KeptCells(args.experiment.cells),
+  nlohmann::ordered_json shared = askedOf(about, **scene);
+  if (args.link.link == "trace") shared["recorded"] = digestOf(request.base.links);
+  const auto tables = bench::runAll(world, *runs, shared, bench::KeptCells(args.experiment.cells),
                                     args.experiment.threads, [&](size_t done) { progress.show(done); });
   if (!tables) return tables.error();
-  if (!args.experiment.out.empty())
-    if (Status s = bench::writeCells(args.experiment.out, about, bench::kLoadNames, *tables); !s.ok()) return s.error();
+  if (Status s = keep(args, about, *tables); !s.ok()) return s.error();
   nlohmann::ordered_json summary = about;
   summary["runs"] = nlohmann::ordered_json::array();
   for (const bench::CellTables& cell : *tables)
     summary["runs"].push_back(args.format == bench::ReportFormat::kJson ? cell.row
                                                                         : nlohmann::ordered_json(lineOf(cell.row)));
+  for (const nlohmann::ordered_json& way : bench::capacitiesOf(*tables))
+    summary["capacity"].push_back(
+        args.format == bench::ReportFormat::kJson ? way : nlohmann::ordered_json(capacityLine(way)));
   return summary;
 }
 

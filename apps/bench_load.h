@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/bench_experiment.h"
+#include "apps/bench_link.h"
 #include "bench/load/experiment.h"
 #include "bench/report.h"
 
@@ -15,7 +16,8 @@ enum class Search : uint8_t { kNone, kMostViewers };
 enum class InTime : uint8_t { kVirtual, kBoth };  // virtual time alone, or real time as well
 
 struct LoadArguments {
-  std::string scene, mix = "mixed", predictor = "velocity";
+  std::string scene, mix = "mixed", predictor = "velocity", occlusion = "off";
+  LinkArguments link;
   ExperimentArguments experiment;
   bench::LoadRequest request;
   Search search = Search::kNone;
@@ -25,7 +27,7 @@ struct LoadArguments {
 
 CLI::App* addLoad(CLI::App& app, LoadArguments& args);
 
-// Whether the mix, the runs and the prices are usable.
+// Whether the mix, the link, the runs and the prices are usable.
 Status checkArguments(const LoadArguments& args);
 
 // Runs what is asked for, writes its files if there is a folder for them, and returns the summary.

@@ -1,14 +1,17 @@
 #include "apps/bench_run.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <variant>
 
 #include "apps/bench_latency.h"
 #include "apps/bench_load.h"
+#include "apps/bench_tiles.h"
 #include "apps/experiment_file.h"
 #include "bench/latency/experiment.h"
 #include "bench/tables.h"
+#include "bench/tiles/tile_rival.h"
 
 namespace foreland::apps {
 
@@ -16,10 +19,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Under which an experiment's report has its rows.
+constexpr std::array kRowsOf{bench::kLatencyNames.all, bench::kLoadNames.all, bench::kTilesNames.all};
+
 // A run with one seed.
 struct Part {
   std::string run, folder;
-  std::variant<LatencyArguments, LoadArguments> arguments;
+  std::variant<LatencyArguments, LoadArguments, TilesArguments> arguments;
 
   ExperimentArguments& experiment() {
     return std::visit([](auto& a) -> ExperimentArguments& { return a.experiment; }, arguments);
@@ -31,14 +37,17 @@ Result<Part> partOf(const std::string& experiment, const ExperimentFile::Run& ru
   CLI::App app;
   LatencyArguments latency_args;
   LoadArguments load_args;
+  TilesArguments tiles_args;
   addLatency(app, latency_args);
   addLoad(app, load_args);
+  addTiles(app, tiles_args);
   std::vector<std::string> words(run.options.rbegin(), run.options.rend());  // CLI11 takes them from the back
   words.push_back(experiment);
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) { return Error{ErrorCode::kInvalidArgument, error.what()}; }
   if (experiment == "load") return Part{run.name, run.name, load_args};
+  if (experiment == "tiles") return Part{run.name, run.name, tiles_args};
   return Part{run.name, run.name, latency_args};
 }
 
@@ -77,6 +86,7 @@ std::set<std::string> namesOf(const Json& row) {
 // The figures that a table of this experiment may have.
 std::set<std::string> metricsOf(const std::string& experiment) {
   if (experiment == "latency") return namesOf(bench::toJson(bench::CellFigures{}));
+  if (experiment == "tiles") return namesOf(bench::toJson(bench::RivalFigures{}));
   bench::LoadRun run;
   run.options.cluster.servers = 2;
   run.cluster.emplace();
@@ -95,6 +105,7 @@ Status checkMetrics(const ExperimentFile& file) {
 // What tells a cell from others.
 std::set<std::string> keysOf(const std::string& experiment) {
   if (experiment == "latency") return namesOf(bench::toJson(bench::LatencyCell{}));
+  if (experiment == "tiles") return {"way", "asked_px"};
   bench::LoadOptions options;
   options.cluster.servers = 2;
   return namesOf(bench::askedBy(options));
@@ -120,6 +131,7 @@ std::string tableOfAll(const std::vector<Json>& rows, const ExperimentFile& file
 
 Result<Json> resultOf(const Part& part) {
   if (const auto* arguments = std::get_if<LatencyArguments>(&part.arguments)) return latency(*arguments);
+  if (const auto* arguments = std::get_if<TilesArguments>(&part.arguments)) return tiles(*arguments);
   return load(std::get<LoadArguments>(part.arguments));
 }
 
@@ -127,7 +139,7 @@ Result<Json> resultOf(const Part& part) {
 Status addRows(const std::filesystem::path& out, const Part& part, uint64_t seed, std::vector<Json>& rows) {
   const auto results = bench::readJson(out / part.folder / "results.json");
   if (!results) return results.error();
-  for (const char* key : {bench::kLatencyNames.all, bench::kLoadNames.all})
+  for (const char* key : kRowsOf)
     if (results->contains(key))
       for (const Json& row : (*results)[key]) {
         rows.push_back({{"run", part.run}, {"seed", seed}});
@@ -167,7 +179,8 @@ Result<Json> runExperiment(const RunArguments& args) {
     const auto result = resultOf(part);
     if (!result) return Error{result.error().code, "run '" + part.run + "': " + result.error().message};
     if (Status s = addRows(args.out, part, part.experiment().seed, rows); !s.ok()) return s.error();
-    summary[part.folder] = result->contains("cells") ? (*result)["cells"] : (*result)["runs"];
+    for (const char* key : kRowsOf)
+      if (result->contains(key)) summary[part.folder] = (*result)[key];
   }
   if (Status s = bench::writeFile(args.out, "results.csv", tableOfAll(rows, *file)); !s.ok()) return s.error();
   summary["out"] = args.out.string();

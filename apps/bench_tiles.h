@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "apps/bench_experiment.h"
 #include "apps/bench_flight.h"
+#include "apps/bench_link.h"
 
 namespace foreland::apps {
 
@@ -15,14 +15,17 @@ enum class Camera : uint8_t { kAsPlanned, kJumps };
 struct TilesArguments {
   FlightArguments flight;
   ExperimentArguments experiment;
-  std::string link = "wifi";
+  LinkArguments link;
   uint32_t width_px = 1920, height_px = 1080;
   Camera camera = Camera::kAsPlanned;
 };
 
 CLI::App* addTiles(CLI::App& app, TilesArguments& args);
 
-// Flies once with each way, writes the table if there is a folder for it, and returns it.
+// Whether link and prices are usable.
+Status checkArguments(const TilesArguments& args);
+
+// Flies once with each way, writes the tables if there is a folder for it, and returns what they say.
 Result<nlohmann::ordered_json> tiles(const TilesArguments& args);
 
 }  // namespace foreland::apps

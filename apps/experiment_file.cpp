@@ -53,8 +53,8 @@ class Reader {
         refuse(value,
                "unknown key '" + std::string(key.str()) + "'; there are experiment, seeds, metrics, [all], [[run]]");
     }
-    if (result_.experiment != "latency" && result_.experiment != "load")
-      refuse(file, "experiment = must be \"latency\" or \"load\"");
+    if (result_.experiment != "latency" && result_.experiment != "load" && result_.experiment != "tiles")
+      refuse(file, "experiment = must be \"latency\", \"load\" or \"tiles\"");
   }
 
   void readSeeds(const toml::node& value) {

@@ -1,5 +1,5 @@
 // An experiment as a TOML file: which one, with which seeds, and its runs, whose keys are the options of
-// `foreland bench latency` or `load`. bench/README.md says what stands in it. Main thread.
+// `foreland bench latency`, `load` or `tiles`. bench/README.md says what stands in it. Main thread.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct ExperimentFile {
     int line = 0;                      // in the file, for messages
     std::vector<std::string> options;  // as on the command line, scene included
   };
-  std::string experiment;  // latency or load
+  std::string experiment;  // latency, load or tiles
   std::vector<uint64_t> seeds{1};
   std::vector<std::string> metrics{};  // columns of the table of all runs; empty: all
   std::vector<Run> runs;

@@ -70,6 +70,15 @@ Status KeptCells::keep(const Json& asked, const CellTables& tables) const {
   return writeFile(folder_, pathOf(asked).filename().string(), json.dump());
 }
 
+Result<CellTables> keptOr(const KeptCells& kept, const Json& asked,
+                          const std::function<Result<CellTables>()>& compute) {
+  if (auto found = kept.find(asked)) return std::move(*found);
+  auto tables = compute();
+  if (!tables) return tables;
+  if (Status s = kept.keep(asked, *tables); !s.ok()) return s.error();
+  return tables;
+}
+
 Result<std::vector<CellTables>> runCells(const CellWork& work, const KeptCells& kept, unsigned threads) {
   std::vector<CellTables> cells(work.count);
   std::vector<Status> kept_well(work.count);

@@ -39,6 +39,10 @@ class KeptCells {
   std::filesystem::path folder_;
 };
 
+// The cell if it is kept; otherwise what `compute` gives, which then is kept.
+Result<CellTables> keptOr(const KeptCells& kept, const nlohmann::ordered_json& asked,
+                          const std::function<Result<CellTables>()>& compute);
+
 struct CellWork {
   size_t count = 0;
   std::function<nlohmann::ordered_json(size_t cell)> asked;         // everything that the tables depend on

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <map>
 
 #include "bench/report.h"
 #include "bench/tables.h"
@@ -15,6 +17,18 @@ constexpr double kMostMissed = 1e-3;
 bool isServed(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
   const LoadFigures figures = runLoad(world, options).figures;
   return figures.keyframes > 0 && figures.missed_share < kMostMissed;
+}
+
+bool isServed(const nlohmann::ordered_json& row) {
+  return row["keyframes"].get<uint64_t>() > 0 && row["missed_share"].get<double>() < kMostMissed;
+}
+
+// How the row's viewers were served, however many they were.
+nlohmann::ordered_json wayOf(const nlohmann::ordered_json& row) {
+  nlohmann::ordered_json way;
+  for (const char* key : {"policy", "phases", "start", "slack_ms", "queues", "balance"})
+    if (row.contains(key)) way[key] = row[key];
+  return way;
 }
 
 std::string utilisationCsv(const LoadRun& run) {
@@ -115,6 +129,23 @@ Status addBalances(const LoadRequest& request, const LoadOptions& options, std::
   return {};
 }
 
+Status addQueues(const LoadRequest& request, LoadOptions options, std::vector<LoadOptions>& runs) {
+  const std::vector<size_t> numbers =
+      request.viewers.empty() ? std::vector<size_t>{request.base.viewers} : request.viewers;
+  for (const std::string& queues_name : request.queues.empty() ? std::vector<std::string>{"shared"} : request.queues) {
+    const auto queues = queuesNamed(queues_name);
+    if (!queues) return queues.error();
+    options.queues = *queues;
+    for (const double slack_ms : request.slacks_ms)
+      for (const size_t viewers : numbers) {
+        options.slack_ms = slack_ms;
+        options.viewers = viewers;
+        if (Status s = addBalances(request, options, runs); !s.ok()) return s;
+      }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
@@ -138,13 +169,7 @@ Result<std::vector<LoadOptions>> runsOf(const LoadRequest& request) {
         options.policy = *policy;
         options.phases = *phases;
         options.start = start_name == "late" ? LoadStart::kLate : LoadStart::kEarly;
-        for (const std::string& queues_name :
-             request.queues.empty() ? std::vector<std::string>{"shared"} : request.queues) {
-          const auto queues = queuesNamed(queues_name);
-          if (!queues) return queues.error();
-          options.queues = *queues;
-          if (Status s = addBalances(request, options, runs); !s.ok()) return s.error();
-        }
+        if (Status s = addQueues(request, options, runs); !s.ok()) return s.error();
       }
   return runs;
 }
@@ -172,6 +197,35 @@ Result<std::vector<CellTables>> runAll(const std::shared_ptr<const server::World
   return runCells({runs.size(), askedOf, compute, on_progress}, kept, threads);
 }
 
+std::vector<nlohmann::ordered_json> capacitiesOf(const std::vector<CellTables>& cells) {
+  struct Way {
+    nlohmann::ordered_json how;
+    std::map<size_t, bool> served;  // by the number of viewers
+  };
+  std::vector<Way> ways;
+  for (const CellTables& cell : cells) {
+    nlohmann::ordered_json how = wayOf(cell.row);
+    auto way = std::ranges::find(ways, how, &Way::how);
+    if (way == ways.end()) way = ways.insert(way, {std::move(how), {}});
+    way->served[cell.row["viewers"].get<size_t>()] = isServed(cell.row);
+  }
+  std::vector<nlohmann::ordered_json> capacities;
+  for (const auto& [how, served] : ways) {
+    if (served.size() < 2) continue;
+    const auto first = std::ranges::find(served, false, [](const auto& entry) { return entry.second; });
+    capacities.push_back(how);
+    capacities.back()["most_viewers"] = first == served.begin() ? size_t{0} : std::prev(first)->first;
+    capacities.back()["fewest_missing"] = first == served.end() ? size_t{0} : first->first;
+  }
+  return capacities;
+}
+
+std::string capacityCsv(const std::vector<nlohmann::ordered_json>& capacities) {
+  CsvTable table;
+  for (const nlohmann::ordered_json& row : capacities) table.addRow(row);
+  return table.text();
+}
+
 size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOptions options) {
   constexpr size_t kMost = 4096;
   const auto serves = [&](size_t viewers) {
@@ -188,11 +242,9 @@ size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOption
 }
 
 nlohmann::ordered_json askedBy(const LoadOptions& options) {
-  nlohmann::ordered_json asked{{"policy", name(options.policy)},
-                               {"phases", name(options.phases)},
-                               {"start", name(options.start)},
-                               {"queues", name(options.queues)},
-                               {"viewers", options.viewers}};
+  nlohmann::ordered_json asked{{"policy", name(options.policy)}, {"phases", name(options.phases)},
+                               {"start", name(options.start)},   {"slack_ms", options.slack_ms},
+                               {"queues", name(options.queues)}, {"viewers", options.viewers}};
   if (options.cluster.servers > 1) asked["balance"] = name(options.cluster.balance);
   return asked;
 }

@@ -12,8 +12,10 @@ namespace foreland::bench {
 
 struct LoadRequest {
   LoadOptions base;
+  std::vector<size_t> viewers{};  // one run for each number; empty: base.viewers
   // Empty: all; with several servers edf, random and early, which is how `foreland serve` runs.
   std::vector<std::string> policies{}, phases{}, starts{};
+  std::vector<double> slacks_ms{0};
   std::vector<std::string> queues{};                                // empty: shared
   std::vector<std::string> balances{}, fails{}, drains{}, joins{};  // of several servers; the last three SERVER@SECONDS
 };
@@ -36,6 +38,13 @@ Result<std::vector<CellTables>> runAll(const std::shared_ptr<const server::World
                                        const std::vector<LoadOptions>& runs, const nlohmann::ordered_json& asked,
                                        const KeptCells& kept, unsigned threads,
                                        const std::function<void(size_t done)>& on_progress);
+
+// For each way of serving that has runs of several numbers of viewers: `most_viewers`, the largest of these up to which
+// fewer than a thousandth of the deadlines are missed (0: even the fewest miss more), and `fewest_missing`, the least
+// number that misses more (0: none does). A row for each way.
+std::vector<nlohmann::ordered_json> capacitiesOf(const std::vector<CellTables>& cells);
+// The rows as a table.
+std::string capacityCsv(const std::vector<nlohmann::ordered_json>& capacities);
 
 // The largest number of viewers that miss fewer than a thousandth of their deadlines, to a twentieth of it: doubled
 // until too many do, then halved in between. 0 if not even one viewer is served so.

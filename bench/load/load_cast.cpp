@@ -1,5 +1,8 @@
 #include "bench/load/load_cast.h"
 
+#include <numeric>
+#include <utility>
+
 #include "server/view/tour.h"
 
 namespace foreland::bench {
@@ -19,7 +22,8 @@ LoadTours::LoadTours(const terrain::Scene& scene)
 
 LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance) {
   const Duration offset = Duration::seconds(chance.uniform(0, kTour_s));
-  LoadCast cast{.flight = {tours.survey, offset, {}}, .request = {}};
+  LoadCast cast{.flight = {tours.survey, offset, {}}, .request = {}, .links = options.links};
+  cast.request.occlusion = options.occlusion;
   cast.request.tau_px = options.tau_px;
   cast.request.strategy = proto::Strategy::kPredict;
   cast.request.predictor = options.predictor;
@@ -32,12 +36,23 @@ LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role,
     cast.flight.jump_every = Duration::seconds(4);
     cast.request.predictor = proto::Predictor::kConstantVelocity;
   }
-  if (role == 18) cast.links.down.bytes_per_second = 256e3 / 8;
+  if (role == 18) {
+    cast.links.down.trace = nullptr;
+    cast.links.down.bytes_per_second = 256e3 / 8;
+  }
   if (role == 19) {
     cast.request.tau_px = options.tau_px / 4;
     cast.request.lens = {1.0471975511965976, 3840, 2160};
   }
   return cast;
+}
+
+std::vector<size_t> rolesOf(const LoadOptions& options, Rng& chance) {
+  std::vector<size_t> roles(options.viewers);
+  std::iota(roles.begin(), roles.end(), 0);
+  if (options.cluster.servers > 1)
+    for (size_t i = roles.size(); i > 1; --i) std::swap(roles[i - 1], roles[chance.below(i)]);
+  return roles;
 }
 
 std::vector<LoadViewer> viewersOf(const LoadTours& tours, const LoadOptions& options, std::span<const size_t> roles) {

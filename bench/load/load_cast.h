@@ -7,7 +7,6 @@
 #include "base/rng.h"
 #include "bench/load/light_viewer.h"
 #include "bench/load/load_run.h"
-#include "bench/world/link_models.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::bench {
@@ -20,7 +19,7 @@ struct LoadTours {
 struct LoadCast {
   LightViewer::Flight flight;
   proto::ViewRequest request;
-  LinkPair links = fixedLink(Duration::milliseconds(50));
+  LinkPair links;
 };
 
 // The role with this number, of those that Mix lists.
@@ -34,6 +33,9 @@ struct LoadViewer {
   Time comes;
   Duration clock;  // the viewer's less the server's
 };
+// The viewers' roles in the order in which they come. Among servers that is any order, for otherwise taking turns would
+// give all hogs to the same one.
+std::vector<size_t> rolesOf(const LoadOptions& options, Rng& chance);
 std::vector<LoadViewer> viewersOf(const LoadTours& tours, const LoadOptions& options, std::span<const size_t> roles);
 
 }  // namespace foreland::bench

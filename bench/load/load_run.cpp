@@ -1,6 +1,7 @@
 #include "bench/load/load_run.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "bench/load/load_simulation.h"
 #include "bench/load/named.h"
@@ -15,13 +16,12 @@ constexpr std::array<const char*, 3> kPhases{"synchronised", "random", "staggere
 constexpr std::array<const char*, 2> kQueues{"shared", "stealing"};
 constexpr std::array<const char*, 2> kMixes{"mixed", "survey"};
 
-std::array<double, 6> sharesOf(const StepWork& work, const ComputePrices& p) {
-  std::array<double, 6> shares{
-      p.keyframe * static_cast<double>(work.keyframes), p.tested * static_cast<double>(work.tested),
-      p.changed * static_cast<double>(work.changed),    p.measured * static_cast<double>(work.measured),
-      p.byte * static_cast<double>(work.bytes),         p.resumed * static_cast<double>(work.resumed)};
-  double all = 0;
-  for (const double share : shares) all += share;
+// What is hidden is found out by blocks, segments and rays together.
+std::array<double, 7> sharesOf(const StepWork& work, const ComputePrices& prices) {
+  std::array<double, 7> shares{};
+  const auto ns = prices.each(work);
+  for (size_t kind = 0; kind < ns.size(); ++kind) shares[std::min(kind, shares.size() - 1)] += ns[kind];
+  const double all = std::accumulate(shares.begin(), shares.end(), 0.0);
   for (double& share : shares) share /= std::max(all, 1.0);
   return shares;
 }

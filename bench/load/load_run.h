@@ -12,6 +12,7 @@
 #include "bench/load/viewer_tally.h"
 #include "bench/load/worker_queues.h"
 #include "bench/world/compute_cost.h"
+#include "bench/world/link_models.h"
 #include "server/session/world.h"
 
 namespace foreland::bench {
@@ -23,7 +24,7 @@ enum class LoadPolicy : uint8_t { kFifo, kEdf, kLeastLaxity, kFair };
 enum class Phases : uint8_t { kSynchronised, kRandom, kStaggered };
 // Whether keyframes are begun as late as one alone could be, or early when several are due together (DeadlineQueue).
 enum class LoadStart : uint8_t { kLate, kEarly };
-// survey, or a mix: of 20 viewers 8 survey, 7 canyon, 2 spin, 1 jumps, 1 is on a slow link, 1 a hog.
+// survey, or a mix: of 20 viewers 8 survey, 7 canyon, 2 spin, 1 jumps, 1 has a slow link, 1 is a hog.
 enum class Mix : uint8_t { kMixed, kSurvey };
 
 const char* name(LoadPolicy policy);
@@ -39,18 +40,20 @@ struct LoadOptions {
   LoadPolicy policy = LoadPolicy::kEdf;
   Phases phases = Phases::kRandom;
   LoadStart start = LoadStart::kLate;
+  double slack_ms = 0;  // by which keyframes are begun before their sessions expect it to be necessary, with kEarly
   LoadQueues queues = LoadQueues::kShared;
   Mix mix = Mix::kMixed;
   size_t viewers = 40, workers = 1;
-  double seconds = 10;  // measured, after kLoadRunIn
+  double seconds = 10;  // measured, after the run-in
+  double run_in_s = 3;  // in which viewers come and get their first sections
   double tau_px = 2, keyframe_ms = 200;
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
+  LinkPair links = fixedLink(Duration::milliseconds(50));            // of all, but that one of 20 is slow
+  bool occlusion = false;  // viewers ask for it; the world must have what it needs
   ComputePrices prices{};
   uint64_t seed = 1;
   ClusterOptions cluster{};
 };
-// In which viewers come and get their first sections.
-inline constexpr Duration kLoadRunIn = Duration::milliseconds(3000);
 // From when a viewer asks until it sends its first pose.
 inline constexpr Duration kFirstPose = Duration::milliseconds(1);
 inline constexpr Duration kUtilisationBin = Duration::milliseconds(20);
@@ -64,7 +67,7 @@ struct LoadFigures {
   double jain = 0;                               // fairness of keyframes in time over those asked for
   double work_mean_ms = 0, work_p99_ms = 0;      // of a keyframe
   double ahead_mean_ms = 0;                      // how much before its deadline a keyframe was begun
-  std::array<double, 6> shares{};  // of the priced time: keyframe, tested, changed, measured, bytes, resumed
+  std::array<double, 7> shares{};  // of the priced time: keyframe, tested, changed, measured, bytes, resumed, hidden
 
   template <class Visit>
   void fields(const Visit& visit) const {
@@ -83,8 +86,8 @@ struct LoadFigures {
     visit("work_mean_ms", work_mean_ms);
     visit("work_p99_ms", work_p99_ms);
     visit("ahead_mean_ms", ahead_mean_ms);
-    const char* const kShares[] = {"share_keyframe", "share_tested", "share_changed",
-                                   "share_measured", "share_bytes",  "share_resumed"};
+    const char* const kShares[] = {"share_keyframe", "share_tested",  "share_changed", "share_measured",
+                                   "share_bytes",    "share_resumed", "share_hidden"};
     for (size_t i = 0; i < shares.size(); ++i) visit(kShares[i], shares[i]);
   }
 };

@@ -32,7 +32,7 @@ LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds hold
 LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const LoadOptions& options)
     : world_(std::move(world)),
       options_(options),
-      begin_(Time{} + kLoadRunIn),
+      begin_(Time::seconds(options.run_in_s)),
       end_(begin_ + Duration::seconds(options.seconds)),
       balancing_(options.seed + 1) {
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
@@ -42,14 +42,10 @@ LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const
   if (isCluster()) addClusterEvents();
 }
 
-// Among servers viewers come in any order, for otherwise taking turns would give all hogs to the same one.
 void LoadSimulation::addViewers(const std::shared_ptr<const server::World>& world) {
   const LoadTours tours(world->hierarchy.scene());
-  std::vector<size_t> roles;
-  for (size_t i = 0; i < options_.viewers; ++i) roles.push_back(i);
-  for (size_t i = roles.size(); isCluster() && i > 1; --i) std::swap(roles[i - 1], roles[balancing_.below(i)]);
   const auto holds = isCluster() ? LightViewer::Holds::kSections : LightViewer::Holds::kNothing;
-  for (const LoadViewer& viewer : viewersOf(tours, options_, roles)) {
+  for (const LoadViewer& viewer : viewersOf(tours, options_, rolesOf(options_, balancing_))) {
     const size_t i = viewers_.size();
     viewers_.push_back(std::make_unique<Viewer>(viewer, holds));
     at(viewer.comes, What::kConnect, i);
@@ -142,6 +138,7 @@ void LoadSimulation::schedule(size_t i) {
   const auto due = v.session->due();
   if (!due) return;
   server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
+  if (job.earliest) job.release = std::max(*job.earliest, job.release - Duration::seconds(1e-3 * options_.slack_ms));
   if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.debt.wait(share());
   v.ticket = queues.add(i, job, [this, i](size_t worker) { step(i, worker); });
   v.is_queued = true;
@@ -188,7 +185,7 @@ void LoadSimulation::step(size_t i, size_t worker) {
   v.is_costly = v.ticket.job.due.is_costly;
   server.costly_running += v.is_costly;
   const server::SessionStatistics before = v.session->statistics();
-  const auto start = v.ticket.job.due.release > now_ ? Session::Start::kEarly : Session::Start::kWhenDue;
+  const auto start = due && due->release > now_ ? Session::Start::kEarly : Session::Start::kWhenDue;
   v.session->step(now_, scratch_, v.out, start);
   uint64_t bytes = 0;
   for (const Bytes& message : v.out) bytes += message.size();

@@ -4,84 +4,21 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <latch>
-#include <numeric>
+#include <iterator>
 #include <thread>
 #include <utility>
 
 #include "bench/load/load_cast.h"
+#include "bench/load/real_viewer.h"
 #include "bench/load/server_counts.h"
 #include "bench/programs/running_program.h"
 #include "bench/proxy/proxy.h"
 #include "bench/timing.h"
-#include "client/fly/net/web_socket_client.h"
 #include "server/net/steady_clock.h"
 
 namespace foreland::bench {
 
 namespace {
-
-using client::WebSocketClient;
-using WallClock = WebSocketClient::Clock;
-
-std::chrono::microseconds chrono(Time t) { return std::chrono::microseconds(t.us); }
-
-// All viewers are connected before time begins, which is then the same for all.
-struct Start {
-  explicit Start(size_t viewers) : connected(static_cast<std::ptrdiff_t>(viewers)) {}
-  std::latch connected, go{1};
-  WallClock::time_point zero;
-
-  Time now() const { return {std::chrono::duration_cast<std::chrono::microseconds>(WallClock::now() - zero).count()}; }
-};
-
-// One viewer's flight, as LoadSimulation flies it; a thread of its own.
-class RealViewer {
- public:
-  RealViewer(const LoadViewer& viewer, Time begin, Time end)
-      : light_(viewer.cast.request, viewer.cast.flight),
-        comes_(viewer.comes),
-        clock_(viewer.clock),
-        begin_(begin),
-        end_(end) {}
-
-  void fly(const std::string& url, Start& start) {
-    auto connection = WebSocketClient::connect(url, std::chrono::seconds(10));
-    start.connected.count_down();
-    start.go.wait();
-    status_ = connection.ok() ? fly(*connection, start) : Status(connection.error());
-    if (status_.ok()) connection->close();
-  }
-  const Status& status() const { return status_; }
-  const ViewerTally& tally() const { return tally_; }
-
- private:
-  Status fly(WebSocketClient& connection, const Start& start) {
-    const Duration interval = light_.request().keyframe_interval;
-    const auto runUntil = [&](Time t) {
-      return connection.run(start.zero + chrono(t), [&](ByteSpan message) {
-        tally_.add(light_.receive(message, start.now() + clock_), message.size(), begin_ + clock_ + interval,
-                   end_ + clock_ - interval);
-        return Status();
-      });
-    };
-    if (Status s = runUntil(comes_); !s.ok()) return s;
-    connection.send(light_.connect());
-    if (auto path = light_.announce(comes_ + clock_, end_ + clock_)) connection.send(std::move(*path));
-    for (Time pose = comes_ + kFirstPose; pose < end_; pose = pose + LightViewer::kPoseInterval) {
-      if (Status s = runUntil(pose); !s.ok()) return s;
-      if (auto message = light_.pose(start.now() + clock_)) connection.send(std::move(*message));
-    }
-    return runUntil(end_);
-  }
-
-  LightViewer light_;
-  Time comes_;
-  Duration clock_;
-  Time begin_, end_;
-  ViewerTally tally_;
-  Status status_;
-};
 
 // The port in the line in which a server prints its address.
 Result<uint16_t> portOf(const std::string& line) {
@@ -100,11 +37,32 @@ Result<std::unique_ptr<Proxy>> proxyFor(const std::vector<LoadViewer>& cast, uin
   return Proxy::open(std::move(options), server::steadyNow);
 }
 
+// A server and the way to it, with a door for each viewer.
+struct RealServer {
+  RunningProgram program;
+  uint16_t port = 0;
+  std::unique_ptr<Proxy> proxy;
+  std::string url(size_t viewer) const { return "ws://127.0.0.1:" + std::to_string(proxy->port(viewer)); }
+};
+
+Result<RealServer> startServer(const std::vector<LoadViewer>& cast, const LoadOptions& options,
+                               const std::filesystem::path& serve, const std::filesystem::path& scene_file) {
+  auto program =
+      RunningProgram::start({serve, scene_file, "--threads", std::to_string(options.workers), "--listen", "127.0.0.1:0",
+                             "--occlusion", options.occlusion ? "on" : "off", "--log-level", "off"});
+  if (!program) return program.error();
+  const auto port = portOf(program->readLine());
+  if (!port) return port.error();
+  auto proxy = proxyFor(cast, *port);
+  if (!proxy) return proxy.error();
+  return RealServer{std::move(*program), *port, std::move(*proxy)};
+}
+
 // The server's counts of the measured time.
-Status watch(const Start& start, uint16_t port, Time begin, Time end, const LoadOptions& options, RealLoad& real) {
-  std::this_thread::sleep_until(start.zero + chrono(begin));
+Status watch(const RealStart& start, uint16_t port, Time begin, Time end, const LoadOptions& options, RealLoad& real) {
+  std::this_thread::sleep_until(start.at(begin));
   const auto before = readCounts(port);
-  std::this_thread::sleep_until(start.zero + chrono(end));
+  std::this_thread::sleep_until(start.at(end));
   const auto after = readCounts(port);
   if (!before) return before.error();
   if (!after) return after.error();
@@ -114,57 +72,114 @@ Status watch(const Start& start, uint16_t port, Time begin, Time end, const Load
   return {};
 }
 
+// What happens to the servers, when it does.
+void happen(const RealStart& start, Time begin, const ClusterOptions& cluster, std::vector<RealServer>& servers) {
+  for (const ServerEvent& event : cluster.events) {
+    std::this_thread::sleep_until(start.at(begin + Duration::seconds(event.at_s)));
+    RunningProgram& program = servers[event.server].program;
+    event.what == ServerEvent::What::kDrain ? program.ask() : program.kill();
+  }
+}
+
+// By turns, as LoadSimulation places them with round-robin.
+std::vector<RealViewer> viewersFor(const std::vector<LoadViewer>& cast, Time begin, Time end,
+                                   const std::vector<RealServer>& servers) {
+  std::vector<RealViewer> viewers;
+  for (size_t i = 0; i < cast.size(); ++i) {
+    std::vector<std::string> urls;
+    for (size_t s = 0; s < servers.size(); ++s) urls.push_back(servers[(i + s) % servers.size()].url(i));
+    viewers.emplace_back(cast[i], begin, end, std::move(urls));
+  }
+  return viewers;
+}
+
+void sumUpMoves(const std::vector<RealViewer>& viewers, RealLoad& real) {
+  for (const RealViewer& viewer : viewers)
+    real.moves.insert(real.moves.end(), viewer.moves().begin(), viewer.moves().end());
+  real.cluster.emplace();
+  sumUp(real.moves, *real.cluster);
+}
+
+Status refuse(const std::string& what) {
+  return Error{ErrorCode::kInvalidArgument, "in real time " + what + ", which is how `foreland serve` runs"};
+}
+
+// Two servers of which one ends: whoever is on it has one to go to, so nothing needs a balancer.
+Status checkRealCluster(const ClusterOptions& cluster) {
+  if (cluster.servers < 2) return {};
+  const bool is_one_end = cluster.events.size() == 1 && cluster.events[0].what != ServerEvent::What::kJoin;
+  if (cluster.servers == 2 && is_one_end && cluster.balance == Balance::kRoundRobin) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               "in real time there is one server, or there are two of which one is drained or fails (--servers 2 "
+               "--drain 1@5, or --fail), with --balance round-robin"};
+}
+
 }  // namespace
 
 Status checkReal(const LoadOptions& options) {
-  const auto refuse = [](const std::string& what) {
-    return Error{ErrorCode::kInvalidArgument, "in real time " + what + ", which is how `foreland serve` runs"};
-  };
-  if (options.cluster.servers > 1) return refuse("there is one server");
+  if (Status s = checkRealCluster(options.cluster); !s.ok()) return s;
   if (options.policy != LoadPolicy::kFair) return refuse("the policy is fair");
   if (options.start != LoadStart::kEarly) return refuse("starts are early");
   if (options.queues != LoadQueues::kShared) return refuse("the queue is shared");
+  if (options.slack_ms != 0) return refuse("there is no slack");
   return {};
 }
 
 Result<RealLoad> runRealLoad(const terrain::Scene& scene, const LoadOptions& options,
                              const std::filesystem::path& serve, const std::filesystem::path& scene_file) {
-  const Time begin = Time{} + kLoadRunIn, end = begin + Duration::seconds(options.seconds);
-  std::vector<size_t> roles(options.viewers);
-  std::iota(roles.begin(), roles.end(), 0);
-  const std::vector<LoadViewer> cast = viewersOf(LoadTours(scene), options, roles);
-
-  auto server = RunningProgram::start({serve, scene_file, "--threads", std::to_string(options.workers), "--listen",
-                                       "127.0.0.1:0", "--log-level", "off"});
-  if (!server) return server.error();
-  const auto port = portOf(server->readLine());
-  if (!port) return port.error();
-  const auto proxy = proxyFor(cast, *port);
-  if (!proxy) return proxy.error();
+  const Time begin = Time::seconds(options.run_in_s), end = begin + Duration::seconds(options.seconds);
+  Rng chance(options.seed + 1);
+  const std::vector<LoadViewer> cast = viewersOf(LoadTours(scene), options, rolesOf(options, chance));
+  std::vector<RealServer> servers;
+  for (size_t s = 0; s < options.cluster.servers; ++s) {
+    auto server = startServer(cast, options, serve, scene_file);
+    if (!server) return server.error();
+    servers.push_back(std::move(*server));
+  }
 
   RealLoad real;
-  Start start(cast.size());
-  std::vector<RealViewer> viewers;
-  for (const LoadViewer& viewer : cast) viewers.emplace_back(viewer, begin, end);
+  RealStart start(cast.size());
+  std::vector<RealViewer> viewers = viewersFor(cast, begin, end, servers);
   Status watched;
   {
     std::vector<std::jthread> threads;
-    for (size_t i = 0; i < viewers.size(); ++i)
-      threads.emplace_back([&viewers, &start, i, url = "ws://127.0.0.1:" + std::to_string((*proxy)->port(i))] {
-        viewers[i].fly(url, start);
-      });
+    for (RealViewer& viewer : viewers) threads.emplace_back([&viewer, &start] { viewer.fly(start); });
     start.connected.wait();
-    start.zero = WallClock::now() + std::chrono::milliseconds(100);
+    start.zero = RealStart::Clock::now() + std::chrono::milliseconds(100);
     start.go.count_down();
-    watched = watch(start, *port, begin, end, options, real);
+    if (servers.size() == 1)
+      watched = watch(start, servers[0].port, begin, end, options, real);
+    else
+      happen(start, begin, options.cluster, servers);
   }
   for (const RealViewer& viewer : viewers) {
     if (!viewer.status().ok()) return viewer.status().error();
     real.viewers.push_back(viewer.tally());
   }
   if (!watched.ok()) return watched.error();
+  if (servers.size() > 1) sumUpMoves(viewers, real);
   return real;
 }
+
+namespace {
+
+void addMoves(const ClusterFigures& a, const ClusterFigures& b, std::vector<Agreement>& all) {
+  const auto count = [](uint64_t n) { return static_cast<double>(n); };
+  const Agreement moves[] = {{"handed_over", count(a.handed_over), count(b.handed_over)},
+                             {"lost", count(a.lost), count(b.lost)},
+                             {"afresh", count(a.afresh), count(b.afresh)},
+                             {"move_gap_p50_ms", a.move_gap_p50_ms, b.move_gap_p50_ms},
+                             {"move_gap_max_ms", a.move_gap_max_ms, b.move_gap_max_ms},
+                             {"lost_gap_p50_ms", a.lost_gap_p50_ms, b.lost_gap_p50_ms},
+                             {"lost_gap_max_ms", a.lost_gap_max_ms, b.lost_gap_max_ms},
+                             {"move_up_mean_bytes", a.move_up_mean, b.move_up_mean},
+                             {"move_up_max_bytes", a.move_up_max, b.move_up_max},
+                             {"move_down_mean_bytes", a.move_down_mean, b.move_down_mean},
+                             {"move_down_max_bytes", a.move_down_max, b.move_down_max}};
+  all.insert(all.end(), std::begin(moves), std::end(moves));
+}
+
+}  // namespace
 
 std::vector<Agreement> agreementOf(const LoadRun& virtual_time, const RealLoad& real_time) {
   struct Sums {
@@ -180,17 +195,23 @@ std::vector<Agreement> agreementOf(const LoadRun& virtual_time, const RealLoad& 
   };
   const Sums a(virtual_time.viewers), b(real_time.viewers);
   const LoadFigures& f = virtual_time.figures;
-  return {{"keyframes", a.keyframes, b.keyframes},
-          {"late", a.late, b.late},
-          {"lateness_p50_ms", quantile(a.lateness_ms, 0.5), quantile(b.lateness_ms, 0.5)},
-          {"lateness_p99_ms", quantile(a.lateness_ms, 0.99), quantile(b.lateness_ms, 0.99)},
-          {"lateness_max_ms", quantile(a.lateness_ms, 1), quantile(b.lateness_ms, 1)},
-          {"bytes_per_viewer", a.bytes, b.bytes},
-          // After a jump a keyframe is due at once, and missed by the server's count.
-          {"server_keyframes", static_cast<double>(f.keyframes + f.at_once),
-           static_cast<double>(real_time.server_keyframes)},
-          {"server_missed", static_cast<double>(f.missed + f.at_once), static_cast<double>(real_time.server_missed)},
-          {"used", f.utilisation, real_time.used}};
+  std::vector<Agreement> all{{"keyframes", a.keyframes, b.keyframes},
+                             {"late", a.late, b.late},
+                             {"lateness_p50_ms", quantile(a.lateness_ms, 0.5), quantile(b.lateness_ms, 0.5)},
+                             {"lateness_p99_ms", quantile(a.lateness_ms, 0.99), quantile(b.lateness_ms, 0.99)},
+                             {"lateness_max_ms", quantile(a.lateness_ms, 1), quantile(b.lateness_ms, 1)},
+                             {"bytes_per_viewer", a.bytes, b.bytes}};
+  if (virtual_time.cluster && real_time.cluster) {
+    addMoves(virtual_time.cluster->figures, *real_time.cluster, all);
+    return all;
+  }
+  // After a jump a keyframe is due at once, and missed by the server's count.
+  all.push_back({"server_keyframes", static_cast<double>(f.keyframes + f.at_once),
+                 static_cast<double>(real_time.server_keyframes)});
+  all.push_back(
+      {"server_missed", static_cast<double>(f.missed + f.at_once), static_cast<double>(real_time.server_missed)});
+  all.push_back({"used", f.utilisation, real_time.used});
+  return all;
 }
 
 double largestByteDifference(const LoadRun& virtual_time, const RealLoad& real_time) {

@@ -1,9 +1,10 @@
-// A load in real time: a real server in a process of its own, and the viewers of the same load in virtual time
+// A load in real time: real servers in processes of their own, and the viewers of the same load in virtual time
 // (load_cast.h), each with a thread and a connection of its own, on loopback through a proxy with their links
 // (bench/proxy/proxy.h). Reads the clock. What this machine does beside shows in the times.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
@@ -17,9 +18,13 @@ struct RealLoad {
   // By the server's own count, in the measured time.
   uint64_t server_keyframes = 0, server_missed = 0;
   double used = 0;  // processor time of the server's process, as a share of its workers' time
+  // Of two servers, in place of these: the viewers who went on to the other one.
+  std::vector<ViewerMove> moves{};
+  std::optional<ClusterFigures> cluster{};
 };
 
-// Whether the options are those of `foreland serve`: one server, fair, early starts. The Error names what is not.
+// Whether the options are those of `foreland serve`: fair, early starts, and one server, or two of which one ends. The
+// Error names what is not.
 Status checkReal(const LoadOptions& options);
 
 // `serve`: the program. An Error if it does not start, refuses a viewer, or loses one.

@@ -46,6 +46,14 @@ std::string RunningProgram::readLine() {
   return line;
 }
 
+void RunningProgram::ask() {
+  if (pid_ != 0) ::kill(pid_, SIGTERM);
+}
+
+void RunningProgram::kill() {
+  if (pid_ != 0) ::kill(pid_, SIGKILL);
+}
+
 void RunningProgram::stop() {
   const pid_t pid = std::exchange(pid_, 0);
   if (pid == 0) return;

@@ -23,6 +23,9 @@ class RunningProgram {
 
   // The next line that it prints to stdout; empty at its end. Blocks.
   std::string readLine();
+  // Asks it to end in its own time, as SIGTERM does, or ends it at once, as SIGKILL does. Waits for nothing.
+  void ask();
+  void kill();
   // Interrupts it, as Ctrl-C does, and waits for its end. May be called again.
   void stop();
 

@@ -1,5 +1,5 @@
-// Draws an experiment's report: `node draw.mjs FOLDER` reads the tables that `foreland bench latency` or `load` left
-// there, and writes report.html, one page that needs nothing else, and its figures as SVG files beside it. It reads no
+// Draws an experiment's report: `node draw.mjs FOLDER` reads the tables that `foreland bench latency`, `load` or
+// `tiles` left there, and writes report.html, one page that needs nothing else, and its figures as SVG files beside it. It reads no
 // clock and no network; equal tables give equal files.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -7,8 +7,9 @@ import { pathToFileURL } from 'node:url';
 import { drawLatency } from './latency.mjs';
 import { drawLoad } from './load.mjs';
 import { pageOf } from './page.mjs';
+import { drawTiles } from './tiles.mjs';
 
-const kDrawings = { latency: drawLatency, load: drawLoad };
+const kDrawings = { latency: drawLatency, load: drawLoad, tiles: drawTiles };
 
 export function parseCsv(text) {
   const [header, ...rows] = text.trimEnd().split('\n').map((line) => line.split(','));

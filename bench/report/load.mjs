@@ -2,7 +2,7 @@
 import { drawCluster } from './cluster.mjs';
 import { coloursOf, legend, Plot, svgOf } from './plot.mjs';
 
-const howOf = (run) => `${run.policy}, ${run.phases}, ${run.start}${run.queues === 'stealing' ? ', stealing' : ''}`;
+const howOf = (run) => `${run.policy}, ${run.phases}, ${run.start}${run.slack_ms > 0 ? ` +${run.slack_ms} ms` : ''}${run.queues === 'stealing' ? ', stealing' : ''}`;
 
 // Utilisation and lateness are drawn for one policy, since policies differ by less than phases and starts do.
 function ofOnePolicy(runs) {
@@ -47,8 +47,29 @@ function lateness(runs, rows, what) {
   };
 }
 
+// Deadlines missed and time used against the number of viewers, a line for each way of serving them. The axis of misses
+// is linear below 0.1 %, which a line marks, and logarithmic above.
+function againstViewers(runs, capacities, what) {
+  const colours = coloursOf([...new Set(runs.map((r) => r.how))]);
+  const lines = (y) => [Plot.line(runs, { x: 'viewers', y, z: 'how', stroke: (r) => colours.get(r.how) }),
+    Plot.dot(runs, { x: 'viewers', y, fill: (r) => colours.get(r.how) }), ...legend(colours)];
+  const served = capacities.map((c) => `${c.most_viewers} (${howOf(c)})`).join('; ');
+  return [{
+    name: 'missed_by_viewers', caption: `Keyframes that missed their deadlines, against the number of viewers. Under 0.1 %, of the numbers tried, up to: ${served}; ${what}.`,
+    svg: svgOf({ marginRight: 200, x: { label: 'viewers' }, y: { label: 'missed, %', type: 'symlog', constant: 0.1, domain: [0, 100], ticks: [0, 0.1, 1, 10, 100], tickFormat: String },
+      marks: [Plot.ruleY([0]), Plot.ruleY([0.1], { strokeDasharray: '4,4' }), ...lines((r) => 100 * r.missed_share)] }),
+  }, {
+    name: 'used_by_viewers', caption: `Share of the workers' time that is used, against the number of viewers; ${what}.`,
+    svg: svgOf({ marginRight: 200, x: { label: 'viewers' }, y: { label: 'used', domain: [0, 1] }, marks: [Plot.ruleY([0]), ...lines('utilisation')] }),
+  }];
+}
+
 export function drawLoad(results, table) {
   if (results.servers > 1) return drawCluster(results, table);
+  if (results.capacity) {
+    const what = `${results.mix}, ${results.workers} ${results.workers === 1 ? 'worker' : 'workers'}, link ${results.link}, occlusion ${results.occlusion}, tolerance ${results.tau_px} px`;
+    return againstViewers(results.runs.map((r) => ({ ...r, how: howOf(r) })), results.capacity, what);
+  }
   const runs = results.runs.map((r, i) => ({ ...r, run: i, how: howOf(r) })), some = ofOnePolicy(runs);
   const isShown = new Set(some.map((r) => r.run));
   const ofShown = (rows) => rows.filter((r) => isShown.has(r.run)).map((r) => ({ ...r, how: runs[r.run].how }));

@@ -23,7 +23,7 @@ export function pageOf(results, figures) {
 <body><h1>${title}</h1><p>${made}</p>
 ${drawn}
 <h2>All figures</h2>
-${tableOf(results.cells ?? results.runs)}
+${tableOf(results.cells ?? results.runs ?? results.ways)}
 </body></html>
 `;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/oracle/lod_motion.h"
+#include "bench/tables.h"
 #include "bench/world/world.h"
 
 namespace foreland::bench {
@@ -23,6 +24,11 @@ class Judge {
   bool isInFlight(Time now) const { return now >= Time{} + kTilesStanding && now < endOf(flight_); }
   bool isJudged() const { return frames_ % kJudgeEvery == 0; }
 
+  // Of any frame.
+  void look(Time now, uint64_t bytes, size_t triangles, bool is_settled) {
+    if (looked_at_++ % kLookEvery == 0)
+      figures_.looks.push_back({(now - Time{}).toSeconds(), bytes, triangles, is_settled});
+  }
   // Of a frame in flight.
   void note(size_t triangles, double jump_px, bool is_settled) {
     ++frames_;
@@ -52,11 +58,25 @@ class Judge {
   const RivalFlight& flight_;
   Oracle& oracle_;
   RivalFigures figures_;
+  int64_t looked_at_ = 0;
   uint64_t frames_ = 0, unsettled_ = 0, unsettled_frames_ = 0, judged_ = 0;
   double squares_ = 0;
 };
 
 }  // namespace
+
+CellTables tablesOf(const RivalFigures& figures) {
+  CsvTable looks;
+  for (const RivalLook& look : figures.looks) {
+    looks.begin();
+    looks.cell("time_s", rounded(look.time_s));
+    looks.cell("bytes", std::to_string(look.bytes));
+    looks.cell("triangles", std::to_string(look.triangles));
+    looks.cell("settled", look.is_settled ? "1" : "0");
+    looks.end();
+  }
+  return {toJson(figures), {{"over_time.csv", looks.text()}}};
+}
 
 proto::Path withJump(const proto::Path& path, double seconds) {
   proto::Path jumping = path;
@@ -87,10 +107,11 @@ RivalFigures flyOurs(const RivalFlight& flight, Oracle& oracle) {
     if (is_moving && judge.isInFlight(now))
       collectLodMotion(*view.mesh, {weight, view.weight}, view.pose, flight.lens, moved_px);
     version = view.mesh_version, weight = view.weight;
+    const bool is_settled = view.tolerance_px <= 1.001 * flight.tau_px;
+    judge.look(now, world.viewer(0).statistics().bytes_down, view.mesh->triangleCount(), is_settled);
     if (!judge.isInFlight(now)) return;
     if (judge.isJudged()) judge.judge(*view.mesh, view.weight, view.pose);
-    judge.note(view.mesh->triangleCount(), *std::max_element(moved_px.begin(), moved_px.end()),
-               view.tolerance_px <= 1.001 * flight.tau_px);
+    judge.note(view.mesh->triangleCount(), *std::max_element(moved_px.begin(), moved_px.end()), is_settled);
   };
   world.run(Time{} + kTilesStanding);
   const uint64_t before = world.viewer(0).statistics().bytes_down;
@@ -112,6 +133,7 @@ Result<RivalFigures> flyTiles(const RivalFlight& flight, const TileOptions& opti
     const proto::Pose pose = flight.path.at(now);
     const auto frame = client.frame(now, pose);
     if (!frame) return frame.error();
+    judge.look(now, client.statistics().bytes, frame->triangles, frame->is_complete);
     if (!judge.isInFlight(now)) before = client.statistics().bytes;
     if (!judge.isInFlight(now)) continue;
     if (judge.isJudged()) judge.judge(tree.drawn(frame->drawn, pose.eye), 1, pose);

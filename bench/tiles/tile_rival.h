@@ -4,7 +4,9 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "bench/cells.h"
 #include "bench/oracle/oracle.h"
 #include "bench/tiles/tile_client.h"
 #include "bench/world/compute_cost.h"
@@ -27,6 +29,15 @@ struct RivalFlight {
   uint64_t seed = 1;
 };
 
+// What had come, and what was drawn, at a time after the connection.
+struct RivalLook {
+  double time_s = 0;
+  uint64_t bytes = 0;
+  size_t triangles = 0;
+  bool is_settled = false;  // as `unsettled_share` counts
+};
+inline constexpr int64_t kLookEvery = 15;  // frames
+
 struct RivalFigures {
   std::string way;                  // foreland, quantized-mesh, draco
   double asked_px = 0;              // tolerance; maximumScreenSpaceError
@@ -39,6 +50,7 @@ struct RivalFigures {
   double jump_max_px = 0;           // the largest motion of a vertex by level of detail in a frame
   double unsettled_longest_ms = 0;  // for which the tolerance did not hold, or tiles in view were missing
   double unsettled_share = 0;       // of all frames in flight
+  std::vector<RivalLook> looks{};   // over time; no field of the table
 
   template <class Visit>
   void fields(const Visit& visit) const {
@@ -56,6 +68,10 @@ struct RivalFigures {
     visit("unsettled_share", unsettled_share);
   }
 };
+
+// The row of results.csv, and the rows of over_time.csv.
+CellTables tablesOf(const RivalFigures& figures);
+inline constexpr CellNames kTilesNames{"flight", "ways"};
 
 // The path with a jump in the middle of what is flown, to where it would be a quarter of it later.
 proto::Path withJump(const proto::Path& path, double seconds);

@@ -17,10 +17,13 @@ constexpr Duration kBetweenResumes = Duration::milliseconds(300);
 }  // namespace
 
 std::vector<TimedWork> timeSteps(std::shared_ptr<const server::World> world, double seconds) {
+  using enum proto::Predictor;
+  std::vector<std::pair<proto::Predictor, bool>> ways{{kConstantVelocity, false}, {kKnownPath, false}};
+  if (world->occlusion) ways.insert(ways.end(), {{kConstantVelocity, true}, {kKnownPath, true}});
   std::vector<TimedWork> steps;
   for (const char* tour : {"survey", "canyon", "spin", "orbit"})
     for (const double tau_px : {1.0, 2.0})
-      for (const auto predictor : {proto::Predictor::kConstantVelocity, proto::Predictor::kKnownPath}) {
+      for (const auto& [predictor, is_occluded] : ways) {
         World flown(
             world, {}, [](const StepWork& work) { return ComputePrices{}.of(work); }, 1, Laws::kTrusted);
         flown.on_step = [&](const StepWork& work, double seconds_spent) {
@@ -30,6 +33,7 @@ std::vector<TimedWork> timeSteps(std::shared_ptr<const server::World> world, dou
         client.request.lens = {1.0471975511965976, 1920, 1080};
         client.request.tau_px = tau_px;
         client.request.predictor = predictor;
+        client.request.occlusion = is_occluded;
         client.announce_path = predictor == proto::Predictor::kKnownPath;
         flown.addClient(client);
         flown.run(Time::seconds(seconds));

@@ -10,7 +10,8 @@
 
 namespace foreland::bench {
 
-// Flies `seconds` of each tour over the scene, predicted and with the path known, at two tolerances.
+// Flies `seconds` of each tour over the scene, predicted and with the path known, at two tolerances; if the world has
+// what occlusion needs, with that, too.
 std::vector<TimedWork> timeSteps(std::shared_ptr<const server::World> world, double seconds);
 
 struct Calibration {

@@ -12,12 +12,14 @@ namespace foreland::bench {
 
 namespace {
 
-constexpr size_t kKinds = 6;
-using Counts = std::array<double, kKinds>;
+using Counts = std::array<double, kWorkKinds>;
 
-Counts countsOf(const StepWork& w) {
-  return {static_cast<double>(w.keyframes), static_cast<double>(w.tested), static_cast<double>(w.changed),
-          static_cast<double>(w.measured),  static_cast<double>(w.bytes),  static_cast<double>(w.resumed)};
+// In the order of StepWork.
+Counts countsOf(const StepWork& work) {
+  Counts counts{};
+  size_t kind = 0;
+  work.fields([&](const char*, uint64_t count) { counts[kind++] = static_cast<double>(count); });
+  return counts;
 }
 
 // What the viewer knows, its section included.
@@ -36,7 +38,10 @@ StepWork StepWork::between(const server::SessionStatistics& before, const server
           .changed = after.nodes_added + after.nodes_removed - before.nodes_added - before.nodes_removed,
           .measured = after.nodes_measured - before.nodes_measured,
           .bytes = bytes,
-          .resumed = after.resumed && !before.resumed ? knownNodes(session) : 0};
+          .resumed = after.resumed && !before.resumed ? knownNodes(session) : 0,
+          .blocks = after.occlusion.tests - before.occlusion.tests,
+          .segments = after.occlusion.segments - before.occlusion.segments,
+          .rays = after.occlusion.rays - before.occlusion.rays};
 }
 
 StepWork& StepWork::operator+=(const StepWork& other) {
@@ -46,13 +51,22 @@ StepWork& StepWork::operator+=(const StepWork& other) {
   measured += other.measured;
   bytes += other.bytes;
   resumed += other.resumed;
+  blocks += other.blocks;
+  segments += other.segments;
+  rays += other.rays;
   return *this;
 }
 
+std::array<double, kWorkKinds> ComputePrices::each(const StepWork& work) const {
+  Counts ns = countsOf(work);
+  size_t kind = 0;
+  fields([&](const char*, double price) { ns[kind++] *= price; });
+  return ns;
+}
+
 Duration ComputePrices::of(const StepWork& work) const {
-  const Counts counts = countsOf(work), prices{keyframe, tested, changed, measured, byte, resumed};
   double ns = 0;
-  for (size_t i = 0; i < kKinds; ++i) ns += counts[i] * prices[i];
+  for (const double part : each(work)) ns += part;
   return Duration{static_cast<int64_t>(std::llround(ns * 1e-3))};
 }
 
@@ -74,12 +88,7 @@ Result<ComputePrices> readPrices(const std::filesystem::path& path) {
     if (is_number) value = it->get<double>();
     if (wrong.empty() && (!is_number || !std::isfinite(value) || value < 0)) wrong = key;
   };
-  read("ns_keyframe", prices.keyframe);
-  read("ns_tested", prices.tested);
-  read("ns_changed", prices.changed);
-  read("ns_measured", prices.measured);
-  read("ns_byte", prices.byte);
-  read("ns_resumed", prices.resumed);
+  prices.fields(read);
   if (!wrong.empty())
     return Error{ErrorCode::kMalformed, path.string() + ": '" + wrong + "' must be a number, 0 or more"};
   return prices;
@@ -95,7 +104,7 @@ ComputePrices fitPrices(std::span<const TimedWork> steps) {
   for (const TimedWork& step : steps) {
     if (step.seconds <= 0) continue;
     Counts row = countsOf(step.work);
-    for (size_t i = 0; i < kKinds; ++i) {
+    for (size_t i = 0; i < kWorkKinds; ++i) {
       row[i] *= 1e-9 / step.seconds;
       square[i] += row[i] * row[i];
     }
@@ -103,7 +112,7 @@ ComputePrices fitPrices(std::span<const TimedWork> steps) {
     residual.push_back(1);
   }
   for (int round = 0; round < kRounds; ++round)
-    for (size_t i = 0; i < kKinds; ++i) {
+    for (size_t i = 0; i < kWorkKinds; ++i) {
       if (square[i] <= 0) continue;
       double along = 0;
       for (size_t r = 0; r < rows.size(); ++r) along += rows[r][i] * residual[r];
@@ -111,13 +120,10 @@ ComputePrices fitPrices(std::span<const TimedWork> steps) {
       for (size_t r = 0; r < rows.size(); ++r) residual[r] -= (next - prices[i]) * rows[r][i];
       prices[i] = next;
     }
-  return {.name = "fitted",
-          .keyframe = prices[0],
-          .tested = prices[1],
-          .changed = prices[2],
-          .measured = prices[3],
-          .byte = prices[4],
-          .resumed = prices[5]};
+  ComputePrices fitted{.name = "fitted"};
+  size_t kind = 0;
+  fitted.fields([&](const char*, double& price) { price = prices[kind++]; });
+  return fitted;
 }
 
 }  // namespace foreland::bench

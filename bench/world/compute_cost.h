@@ -3,6 +3,7 @@
 // that ship are of the machine that bench/README.md names. Value types; any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -23,6 +24,8 @@ struct StepWork {
   uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
   uint64_t bytes = 0;      // written
   uint64_t resumed = 0;    // nodes that a viewer who resumes presents, in its section or remembered
+  // With occlusion: tests of blocks and segments of horizons that are built for them (server/occlusion), and rays.
+  uint64_t blocks = 0, segments = 0, rays = 0;
 
   // Of a step that has just been done; before it the session's statistics were `before`.
   static StepWork between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes);
@@ -35,24 +38,45 @@ struct StepWork {
     visit("measured", measured);
     visit("bytes", bytes);
     visit("resumed", resumed);
+    visit("blocks", blocks);
+    visit("segments", segments);
+    visit("rays", rays);
   }
 };
 
-// Nanoseconds for each.
+inline constexpr size_t kWorkKinds = 9;
+
+// Nanoseconds for each, in the order of StepWork.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
   double keyframe = 540'000, tested = 35, changed = 174, measured = 35, byte = 120, resumed = 300;
+  double block = 700, segment = 40'000, ray = 1000;
 
   Duration of(const StepWork& work) const;
+  // What each kind of the work takes, in nanoseconds.
+  std::array<double, kWorkKinds> each(const StepWork& work) const;
   std::string toJson() const;
   template <class Visit>
   void fields(const Visit& visit) const {
-    visit("ns_keyframe", keyframe);
-    visit("ns_tested", tested);
-    visit("ns_changed", changed);
-    visit("ns_measured", measured);
-    visit("ns_byte", byte);
-    visit("ns_resumed", resumed);
+    visitAll(*this, visit);
+  }
+  template <class Visit>
+  void fields(const Visit& visit) {
+    visitAll(*this, visit);
+  }
+
+ private:
+  template <class Prices, class Visit>
+  static void visitAll(Prices& p, const Visit& visit) {
+    visit("ns_keyframe", p.keyframe);
+    visit("ns_tested", p.tested);
+    visit("ns_changed", p.changed);
+    visit("ns_measured", p.measured);
+    visit("ns_byte", p.byte);
+    visit("ns_resumed", p.resumed);
+    visit("ns_block", p.block);
+    visit("ns_segment", p.segment);
+    visit("ns_ray", p.ray);
   }
 };
 

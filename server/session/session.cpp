@@ -445,6 +445,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   statistics_.tau_px = keyframe().tau_px;
   statistics_.is_coarse = keyframe().tau_px > 1.001 * sectionTolerance();  // it is a float
   statistics_.nodes_tested = sender_.adapter().testCount();
+  if (occlusion_) statistics_.occlusion = occlusion_->statistics();
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();

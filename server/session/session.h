@@ -62,8 +62,9 @@ struct SessionStatistics {
   uint64_t nodes_tested = 0;    // of the terrain, by keyframes
   uint64_t nodes_measured = 0;  // of sections that were refined from scratch to be counted
   size_t section_nodes = 0;
-  size_t remembered_nodes = 0;  // of the terrain, that the viewer knows beside those around its section
-  size_t memory_bytes = 0;      // that the server needs to know which
+  size_t remembered_nodes = 0;    // of the terrain, that the viewer knows beside those around its section
+  size_t memory_bytes = 0;        // that the server needs to know which
+  OcclusionStatistics occlusion;  // of this connection
   uint64_t prefetches = 0;
   uint64_t replies = 0;                // to requests
   uint64_t jumps = 0;                  // of the camera (proto/space/jump.h)

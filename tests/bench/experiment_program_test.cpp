@@ -141,6 +141,38 @@ TEST_F(ExperimentFile, GivesTheRowsOfTheCommand) {
     EXPECT_EQ(slurp(folder_ / ("run/few/" + std::string(name))), slurp(folder_ / ("few/" + std::string(name))));
 }
 
+TEST_F(ExperimentFile, ComparesWithTilesAsTheCommandDoesAndAfterAStop) {
+  const std::string text = "experiment = 'tiles'\n[[run]]\nname = 'few'\nscene = '" + scene() +
+                           "'\nseconds = 2\nwidth = 160\nheight = 90\nlink = 'lte'\n";
+  const auto files = [&](const std::string& of) {
+    std::vector<std::vector<char>> all;
+    for (const char* name : {"results.csv", "over_time.csv"}) all.push_back(slurp(folder_ / (of + "/" + name)));
+    return all;
+  };
+  const auto run = [&] {
+    const ProgramResult result = runProgram("bench", {"run", file(text), "--out", folder_ / "run"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return files("run/few");
+  };
+  const auto first = run();
+  EXPECT_EQ(std::count(first[0].begin(), first[0].end(), '\n'), 5);
+  EXPECT_GT(first[1].size(), 500u);
+  const ProgramResult command = runProgram("bench", {"tiles", scene(), "--seconds", "2", "--width", "160", "--height",
+                                                     "90", "--link", "lte", "--out", folder_ / "few"});
+  EXPECT_EQ(command.exit_code, 0) << command.output;
+  EXPECT_EQ(first, files("few"));
+  const auto all = slurp(folder_ / "run/results.csv");
+
+  // Our own flight, the search and three of tiles; one was stopped.
+  std::vector<std::filesystem::path> cells;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "run/cells")) cells.push_back(entry.path());
+  ASSERT_EQ(cells.size(), 5u);
+  std::filesystem::remove(cells[2]);
+  std::filesystem::remove_all(folder_ / "run/few");
+  EXPECT_EQ(first, run());
+  EXPECT_EQ(all, slurp(folder_ / "run/results.csv"));
+}
+
 TEST_F(ExperimentFile, IsRefusedByNameBeforeAnythingRuns) {
   const std::string load = "experiment = 'load'\n", run = "[[run]]\nname = 'a'\nscene = '" + scene() + "'\n";
   refusesFile("experiment = 'luck'\n" + run, {"experiment", "latency", "load"});
@@ -160,6 +192,8 @@ TEST_F(ExperimentFile, IsRefusedByNameBeforeAnythingRuns) {
   refusesFile(load + run + "viewers = {}\n", {"e.toml:5", "'viewers'"});
   refusesFile("experiment = 'latency'\n" + run + "keyframes-ms = 0\n", {"run 'a'", "keyframe interval", "not 0"});
   refusesFile("experiment = 'latency'\n" + run + "judge-hz = 3\n", {"run 'a'", "judged", "not 3"});
+  refusesFile("experiment = 'tiles'\n" + run + "link = 'pigeon'\n", {"run 'a'", "'pigeon'", "starlink"});
+  refusesFile("experiment = 'tiles'\n" + run + "viewers = 2\n", {"run 'a'", "viewers"});
   expectRefusal("bench", {"run", file(load + run)}, {"--out"});
   expectRefusal("bench", {"run", folder_ / "none.toml", "--out", folder_ / "out"}, {"none.toml"});
 }
@@ -169,6 +203,7 @@ TEST_F(ExperimentProgram, ComparesWithTilesAlikeInEveryRun) {
     const ProgramResult result = runProgram("bench", {"tiles", scene(), "--seconds", "2", "--width", "160", "--height",
                                                       "90", "--jump", "--out", folder_ / out});
     EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_GT(slurp(folder_ / (out + "/over_time.csv")).size(), 500u);
     return slurp(folder_ / (out + "/results.csv"));
   };
   const auto first = table("a");
@@ -176,6 +211,41 @@ TEST_F(ExperimentProgram, ComparesWithTilesAlikeInEveryRun) {
   EXPECT_EQ(first, table("b"));
   expectRefusal("bench", {"tiles", scene(), "--link", "pigeon"}, {"'pigeon'", "starlink"});
   expectRefusal("bench", {"tiles", scene(), "--tau", "0"}, {"--tau"});
+}
+
+// Several numbers of viewers, what they come to, and a link and occlusion that are not the usual ones.
+TEST_F(ExperimentProgram, LoadsWithSeveralNumbersOfViewersAlikeInEveryRun) {
+  const auto files = [&](const std::string& out, const std::string& threads) {
+    const ProgramResult result =
+        runProgram("bench", {"load",        scene(),    "--viewers", "3,6,9",       "--seconds", "1",      "--policies",
+                             "edf,fair",    "--phases", "random",    "--starts",    "early",     "--link", "wifi",
+                             "--occlusion", "on",       "--out",     folder_ / out, "--threads", threads});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::vector<std::vector<char>> all;
+    for (const char* name : {"capacity.csv", "results.csv", "results.json", "utilisation.csv", "lateness.csv"})
+      all.push_back(slurp(folder_ / (out + "/" + name)));
+    return all;
+  };
+  const auto first = files("a", "1");
+  EXPECT_EQ(std::count(first[0].begin(), first[0].end(), '\n'), 1 + 2);
+  EXPECT_EQ(std::count(first[1].begin(), first[1].end(), '\n'), 1 + 2 * 3);
+  EXPECT_EQ(first, files("b", "2"));
+}
+
+TEST_F(ExperimentProgram, RefusesLoadsThatMakeNoSenseByName) {
+  const auto refuses = [&](const std::vector<std::string>& more, const std::vector<std::string>& words) {
+    std::vector<std::string> arguments{"load", scene()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expectRefusal("bench", arguments, words);
+  };
+  refuses({"--link", "pigeon"}, {"'pigeon'", "starlink"});
+  refuses({"--link", "trace"}, {"--trace-up", "--trace-down"});
+  refuses({"--trace-up", "none", "--trace-down", "none"}, {"--link trace"});
+  refuses({"--link", "trace", "--trace-up", folder_ / "none", "--trace-down", folder_ / "none"}, {"none"});
+  refuses({"--occlusion", "maybe"}, {"--occlusion", "maybe"});
+  refuses({"--viewers", "4,0"}, {"--viewers", "0"});
+  refuses({"--viewers", "4,8", "--most-viewers"}, {"--most-viewers", "--viewers"});
+  refuses({"--viewers", "4,8", "--real"}, {"--real", "2", "--viewers"});
 }
 
 TEST(ShippedExperiments, AreUsable) {

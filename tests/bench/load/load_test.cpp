@@ -1,7 +1,10 @@
 // Many viewers on few processors in virtual time.
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "bench/load/experiment.h"
+#include "bench/load/load_cast.h"
 #include "tests/support/scene.h"
 
 namespace foreland::bench {
@@ -63,6 +66,92 @@ TEST(Load, CountsWhatIsDueAtOnceApart) {
   const LoadFigures f = run(options);
   EXPECT_GE(f.at_once, 2u);
   EXPECT_LE(f.at_once, 4u);
+}
+
+// A keyframe that costs more than its session expects is late though the worker idles, unless it is begun sooner.
+TEST(Load, MeetsDeadlinesWithSlackThatCostsFreshness) {
+  LoadOptions options = smallLoad(1);
+  options.start = LoadStart::kEarly;
+  options.seconds = 20;
+  options.prices = {"test", 1e6, 0, 0, 0, 20'000, 0};  // a keyframe costs now more, now less
+  const LoadFigures tight = run(options);
+  options.slack_ms = 10;
+  const LoadFigures slack = run(options);
+  EXPECT_GT(tight.missed, 0u);
+  EXPECT_EQ(slack.missed, 0u);
+  EXPECT_NEAR(slack.ahead_mean_ms, tight.ahead_mean_ms + 10, 1);
+}
+
+// What is measured does not get longer or shorter with the time before.
+TEST(Load, MeasuresForAsLongAfterAnyRunIn) {
+  for (const double run_in_s : {2.0, 3.0, 12.0}) {
+    LoadOptions options = smallLoad(4);
+    options.run_in_s = run_in_s;
+    const LoadRun result = runLoad(smallWorld(), options);
+    EXPECT_NEAR(static_cast<double>(result.figures.keyframes), 4 * 5 * 2, 4) << run_in_s;
+    EXPECT_EQ(result.used.size(), 100u);
+  }
+}
+
+// What is hidden costs time to find out, and is told apart from the rest.
+TEST(Load, PricesWhatOcclusionTests) {
+  const auto hidden = [](bool occlusion) {
+    auto world = std::make_shared<server::World>(test::makeScene(257, 257, 5));
+    world->occlusion = server::SceneOcclusion::create(world->hierarchy).value();
+    LoadOptions options = smallLoad(3);
+    options.tau_px = 2;
+    options.occlusion = occlusion;
+    options.prices = {"test", 4e6, 0, 0, 0, 0, 0, 1e4, 1e4, 1e4};
+    return runLoad(world, options).figures.shares.back();
+  };
+  EXPECT_EQ(hidden(false), 0);
+  EXPECT_GT(hidden(true), 0);
+}
+
+TEST(Load, GivesEveryViewerTheLinkThatIsAskedFor) {
+  const LinkPair wifi = linkNamed("wifi").value().links();
+  LoadOptions options = smallLoad(20);
+  options.mix = Mix::kMixed;
+  options.links = wifi;
+  std::vector<size_t> roles(20);
+  std::iota(roles.begin(), roles.end(), 0);
+  size_t slow = 0;
+  for (const LoadViewer& v : viewersOf(LoadTours(smallWorld()->hierarchy.scene()), options, roles)) {
+    EXPECT_EQ(v.cast.links.up.latency, wifi.up.latency);
+    EXPECT_EQ(v.cast.links.down.loss, wifi.down.loss);
+    slow += v.cast.links.down.bytes_per_second < wifi.down.bytes_per_second;
+  }
+  EXPECT_EQ(slow, 1u);
+}
+
+CellTables rowWith(const char* policy, uint64_t viewers, double missed_share) {
+  return {.row = {{"policy", policy},
+                  {"phases", "random"},
+                  {"start", "early"},
+                  {"slack_ms", 0},
+                  {"queues", "shared"},
+                  {"viewers", viewers},
+                  {"keyframes", uint64_t{10'000}},
+                  {"missed_share", missed_share}}};
+}
+
+// The number up to which all are served: that a larger one happened to be served says little.
+TEST(Load, FindsTheCapacityAmongTheNumbersThatWereTried) {
+  const auto rows = capacitiesOf({rowWith("edf", 40, 0.0005), rowWith("edf", 20, 0), rowWith("edf", 80, 0.5),
+                                  rowWith("edf", 160, 0), rowWith("fair", 20, 0.001), rowWith("fair", 40, 0.1),
+                                  rowWith("fifo", 20, 0), rowWith("fifo", 40, 0), rowWith("least-laxity", 20, 0)});
+  ASSERT_EQ(rows.size(), 3u);
+  const auto is = [&](size_t row, const char* policy, uint64_t most, uint64_t fewest_missing) {
+    EXPECT_EQ(rows[row]["policy"], policy);
+    EXPECT_EQ(rows[row]["most_viewers"], most);
+    EXPECT_EQ(rows[row]["fewest_missing"], fewest_missing);
+  };
+  is(0, "edf", 40, 80);
+  is(1, "fair", 0, 20);
+  is(2, "fifo", 40, 0);
+  const std::vector first(rows.begin(), rows.begin() + 1);
+  EXPECT_EQ(capacityCsv(first),
+            "policy,phases,start,slack_ms,queues,most_viewers,fewest_missing\nedf,random,early,0,shared,40,80\n");
 }
 
 // A worker of its own has a queue of its own, of one kind or the other.

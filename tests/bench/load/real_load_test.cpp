@@ -31,6 +31,8 @@ TEST(RealLoad, RunsAsServersDoAndAsNothingElse) {
   EXPECT_NE(checkReal(edf).error().message.find("the policy is fair"), std::string::npos);
   EXPECT_NE(checkReal(late).error().message.find("starts are early"), std::string::npos);
   EXPECT_NE(checkReal(many).error().message.find("one server"), std::string::npos);
+  many.cluster.events = {{ServerEvent::What::kDrain, 0, 1}};
+  EXPECT_TRUE(checkReal(many).ok());
 }
 
 TEST(RealLoad, ReadsWhatTheServerCounts) {
@@ -98,12 +100,48 @@ TEST(RealLoad, FliesOverLoopbackAndReportsBothWorlds) {
   EXPECT_TRUE(std::filesystem::exists(folder / "out/agreement.json"));
 }
 
+// Half of the viewers lose their server or are told to leave it, and go on with what they hold.
+TEST(RealLoad, MovesViewersToAnotherServerAndReportsWhatThatCosts) {
+  const test::TemporaryFolder folder;
+  const std::string scene = folder / "land.fls";
+  test::FormulaSource source(129, 129, test::hills(8));
+  ASSERT_TRUE(terrain::buildScene(source, {scene, 0.1, 1}).ok());
+  for (const auto& [event, cause] : {std::pair("--drain", "handed_over"), std::pair("--fail", "lost")}) {
+    const test::ProgramResult run =
+        test::runProgram("bench",
+                         {"load", scene, "--viewers", "4", "--mix", "survey", "--tau", "20", "--seconds", "3", "--real",
+                          "--servers", "2", event, "1@0.5", "--json"},
+                         {.streams = test::Streams::kOutputOnly});
+    ASSERT_EQ(run.exit_code, 0) << run.output;
+    std::map<std::string, std::pair<double, double>> figures;
+    const auto report = nlohmann::json::parse(run.output, nullptr, false);
+    ASSERT_FALSE(report.is_discarded()) << run.output;
+    for (const auto& row : report["agreement"])
+      figures[row["figure"].get<std::string>()] = {row["virtual"].get<double>(), row["real"].get<double>()};
+    const auto [virtual_moves, real_moves] = figures.at(cause);
+    EXPECT_EQ(virtual_moves, 2);
+    EXPECT_GE(real_moves, 1) << run.output;
+    EXPECT_LE(real_moves, 2);
+    EXPECT_EQ(figures.at("afresh").second, 0);
+    for (const char* bytes : {"move_up_mean_bytes", "move_down_mean_bytes"}) {
+      EXPECT_GT(figures.at(bytes).first, 0) << bytes;
+      EXPECT_GT(figures.at(bytes).second, 0) << bytes;
+    }
+  }
+}
+
 TEST(RealLoad, RefusesWhatServersDoNotByName) {
   using test::expectRefusal;
   expectRefusal("bench", {"load", "none.fls", "--real", "--policies", "edf"}, {"--real", "the policy is fair"});
   expectRefusal("bench", {"load", "none.fls", "--real", "--phases", "random,staggered"}, {"--real", "2", "--phases"});
   expectRefusal("bench", {"load", "none.fls", "--real", "--most-viewers"}, {"--real", "--most-viewers"});
   expectRefusal("bench", {"load", "none.fls", "--real", "--servers", "2"}, {"--real"});
+  for (const char* event : {"--join", "--drain"})
+    expectRefusal("bench",
+                  {"load", "none.fls", "--real", "--servers", event == std::string("--join") ? "2" : "3", event, "1@1"},
+                  {"--real", "one is drained or fails"});
+  expectRefusal("bench", {"load", "none.fls", "--real", "--servers", "2", "--drain", "1@1", "--balance", "migrate"},
+                {"--real", "round-robin"});
   expectRefusal("bench", {"load", "none.fls", "--predictor", "luck"}, {"--predictor", "'luck'", "velocity"});
   expectRefusal("bench", {"load", "none.fls", "--predictor", "path", "--servers", "2"}, {"--predictor path"});
 }

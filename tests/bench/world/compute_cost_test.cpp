@@ -14,11 +14,17 @@ namespace {
 
 TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
   Rng rng(test::randomSeed());
-  const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8, 50};
+  const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8, 50, 900, 5000, 0};
   std::vector<TimedWork> steps;
   for (int i = 0; i < 2000; ++i) {
-    const StepWork work{1, rng.below(20'000), rng.below(9000), rng.below(4) == 0 ? rng.below(90'000) : 0,
-                        rng.below(9000)};
+    const StepWork work{1,
+                        rng.below(20'000),
+                        rng.below(9000),
+                        rng.below(4) == 0 ? rng.below(90'000) : 0,
+                        rng.below(9000),
+                        0,
+                        rng.below(2) == 0 ? rng.below(2000) : 0,
+                        rng.below(60)};
     const double noise = rng.uniform(0.98, 1.02);
     steps.push_back({work, noise * truth.of(work).toSeconds()});
   }
@@ -27,6 +33,9 @@ TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
   EXPECT_NEAR(found.tested, truth.tested, 0.1 * truth.tested);
   EXPECT_NEAR(found.changed, truth.changed, 0.1 * truth.changed);
   EXPECT_NEAR(found.measured, truth.measured, 0.1 * truth.measured);
+  EXPECT_NEAR(found.block, truth.block, 0.1 * truth.block);
+  EXPECT_NEAR(found.segment, truth.segment, 0.2 * truth.segment);
+  EXPECT_EQ(found.ray, 0);
 }
 
 TEST(ComputePrices, AreNeverNegative) {
@@ -38,7 +47,7 @@ TEST(ComputePrices, AreNeverNegative) {
 
 TEST(ComputePrices, AreReadAsTheyWereWritten) {
   const test::TemporaryFolder folder;
-  const ComputePrices prices{"x", 1.5, 2.25, 3, 0, 1e-3, 7};
+  const ComputePrices prices{"x", 1.5, 2.25, 3, 0, 1e-3, 7, 11, 13.5, 17};
   std::ofstream(folder / "c.json") << prices.toJson();
   const auto read = readPrices(folder / "c.json");
   ASSERT_TRUE(read.ok()) << read.error().message;
