@@ -26,17 +26,6 @@ constexpr const char* kTooManyFromThere = "There are too many connections from y
 constexpr uint64_t kMaxBodyBytes = 4u << 10;  // no request here needs a body
 constexpr size_t kPieceBytes = 32u << 10;
 
-// What browsers are told about the page: it runs its own scripts and its module only, and connects to any server of
-// terrain (?server=); nobody else's page may frame it or share its process.
-constexpr std::pair<const char*, const char*> kPageRules[] = {
-    {"X-Content-Type-Options", "nosniff"},
-    {"Content-Security-Policy",
-     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
-     "blob:; connect-src 'self' ws: wss:; object-src 'none'; base-uri 'none'; frame-ancestors 'self'"},
-    {"Cross-Origin-Opener-Policy", "same-origin"},
-    {"Cross-Origin-Embedder-Policy", "require-corp"},
-    {"Referrer-Policy", "no-referrer"}};
-
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 // All lines of that name as one list, in their order: a proxy may add a line of its own below what a client made up.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/net/static_files.h"
 
@@ -34,6 +35,17 @@ struct HttpReply {
   // What is sent of the body.
   std::string_view content() const { return std::string_view(*body).substr(part_begin, part_size); }
 };
+
+// Fields of every reply. What browsers are told about the page: it runs its own scripts and its module only, and
+// connects to any server of terrain (?server=); nobody else's page may frame it or share its process.
+inline constexpr std::pair<const char*, const char*> kPageRules[] = {
+    {"X-Content-Type-Options", "nosniff"},
+    {"Content-Security-Policy",
+     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
+     "blob:; connect-src 'self' ws: wss:; object-src 'none'; base-uri 'none'; frame-ancestors 'self'"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cross-Origin-Embedder-Policy", "require-corp"},
+    {"Referrer-Policy", "no-referrer"}};
 
 // All that plain requests can reach.
 struct HttpSite {

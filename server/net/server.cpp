@@ -172,10 +172,12 @@ class Server::Impl {
     context_.log(Severity::kDebug, "turned a connection away: " + why);
     if (context_.tls) return;  // it would not be understood
     static constexpr std::string_view kBody = "The server is full. Try again in a while\n";
-    static const std::string reply = fmt::format(
-        "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n"
+    std::string rules;
+    for (const auto& [name, value] : kPageRules) rules += fmt::format("{}: {}\r\n", name, value);
+    const std::string reply = fmt::format(
+        "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n{}"
         "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\n\r\n{}",
-        kBody.size(), kBody);
+        rules, kBody.size(), kBody);
     ErrorOf ignored;
     socket.non_blocking(true, ignored);
     socket.write_some(net::buffer(reply), ignored);

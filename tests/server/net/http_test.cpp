@@ -43,6 +43,16 @@ class Site : public testing::Test {
   HttpSite site_;
 };
 
+TEST_F(Site, IsNotReadyForTheReasonThatItIsGiven) {
+  HttpSite site{.files = {}, .metrics = {}, .unready = [] { return std::string("The server is overloaded."); }};
+  for (const char* path : {"/readyz", "/healthz"}) {
+    const HttpReply reply = replyTo({.method = "GET", .target = path, .if_none_match = {}}, site);
+    EXPECT_EQ(reply.status, 503u) << path;
+    EXPECT_NE(reply.content().find("overloaded"), std::string::npos) << reply.content();
+  }
+  EXPECT_EQ(replyTo({.method = "GET", .target = "/livez", .if_none_match = {}}, site).status, 200u);
+}
+
 TEST_F(Site, NoTargetReachesTheSecret) {
   for (const char* target :
        {"/../secret.txt", "/%2e%2e/secret.txt", "/..%2fsecret.txt", "/assets/../../secret.txt", "//secret.txt",

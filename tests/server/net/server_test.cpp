@@ -105,6 +105,62 @@ TEST(Server, AnswersPlainRequests) {
   EXPECT_EQ(metric(server->port(), "sessions"), 0);
 }
 
+TEST(Server, EveryReplyTellsBrowsersItsRules) {
+  const test::TemporaryFolder web;
+  std::ofstream(web / "index.html") << "<html>the page</html>";
+  ServeOptions options = testOptions();
+  options.web = web.path();
+  options.metrics_listen = ListenAddress{.port = 0};
+  options.max_connections = 50;
+  const auto server = serve(options);
+  const uint16_t port = server->port();
+  const auto expectRules = [](const std::string& reply, const std::string& status) {
+    EXPECT_TRUE(reply.starts_with("HTTP/1.1 " + status)) << reply;
+    for (const char* rule : {"X-Content-Type-Options: nosniff\r\n", "Content-Security-Policy: default-src 'self'; ",
+                             "frame-ancestors 'self'\r\n", "Cross-Origin-Opener-Policy: same-origin\r\n",
+                             "Cross-Origin-Embedder-Policy: require-corp\r\n", "Referrer-Policy: no-referrer\r\n"})
+      EXPECT_NE(reply.find(rule), std::string::npos) << rule << reply;
+  };
+  expectRules(httpGet(port, "/"), "200");
+  expectRules(httpGet(port, "/", "", "HEAD"), "200");
+  expectRules(httpGet(port, "/", "Range: bytes=0-3\r\n"), "206");
+  expectRules(httpGet(port, "/", "Range: bytes=99-\r\n"), "416");
+  expectRules(httpGet(port, "/livez"), "200");
+  expectRules(httpGet(port, "/none"), "404");
+  expectRules(httpGet(port, "/", "", "POST"), "405");
+  expectRules(httpGet(port, "/fly"), "426");
+  expectRules(httpGet(server->metricsPort(), "/metrics"), "200");
+  Socket nonsense(port);
+  nonsense.send("GET / HTTP/9.9\r\n\r\n");
+  expectRules(nonsense.receiveToEnd(), "400");
+  std::deque<Socket> others;
+  for (int i = 0; i < 66; ++i) others.emplace_back(port);
+  expectRules(Socket(port).receiveToEnd(), "503");
+}
+
+// A file takes longer than the time for a reply to leave, which is for each piece of it.
+TEST(Server, SendsALargeFileToWhoReadsSlowly) {
+  const test::TemporaryFolder web;
+  const std::string whole(4u << 20, 'x');
+  std::ofstream(web / "index.html") << "<html>the page</html>";
+  std::ofstream(web / "large.bin") << whole;
+  ServeOptions options = testOptions();
+  options.web = web.path();
+  options.http_timeout = Duration::seconds(2);
+  options.send_buffer_bytes = 4096;
+  const auto server = serve(options);
+  Socket slow(server->port(), 4096);
+  WebSocketClient silent(server->port());
+  slow.send("GET /large.bin HTTP/1.1\r\nHost: test\r\nConnection: close\r\n\r\n");
+  const Time begin = steadyNow();
+  size_t received = 0;
+  while (const auto some = slow.receive(64u << 10)) {
+    received += some->size();
+    if (steadyNow() - begin < Duration::seconds(2.5)) (void)silent.socket().isReadable(std::chrono::milliseconds(80));
+  }
+  EXPECT_GE(received, whole.size());
+}
+
 TEST(Server, TwoViewersGetTheirOwnKeyframes) {
   const auto server = serve(testOptions());
   LiveViewer first(server->port()), second(server->port());
@@ -364,6 +420,29 @@ TEST(Server, HandsItsViewersOver) {
   EXPECT_EQ(deaf.receiveClose(), 1012);
   EXPECT_TRUE(eventually([&] { return metric(port, "handed_over_total") == 3; }));
   drain.join();
+  server->stop();
+}
+
+// It would wait for an hour. Whoever reads leaves at a keyframe meanwhile.
+TEST(Server, HandsViewersOverBesideOneThatNeverReads) {
+  ServeOptions options = testOptions();
+  options.send_buffer_bytes = 4096;
+  options.idle_timeout = Duration::seconds(3600);
+  const auto world = std::make_shared<const World>(test::makeScene(257, 257, test::noise(3, 500)));
+  const auto server = serve(options, world);
+  WebSocketClient deaf(server->port(), 4096);
+  proto::ViewRequest request = requestView();
+  request.tau_px = 0.01;
+  deaf.send(proto::encode(request));
+  deaf.send(proto::encode(proto::PoseUpdate{{steadyNow(), poseAt(steadyNow())}, 0, {}}));
+  LiveViewer reader(server->port());
+  ASSERT_TRUE(eventually([&] { return !reader.advance() || reader.keyframes() > 0; }));
+  ASSERT_TRUE(eventually([&] { return metric(server->port(), "keyframes_total") > reader.keyframes(); }));
+  std::jthread drain([&] { server->drain(Duration::seconds(3600)); });
+  EXPECT_TRUE(eventually([&] { return !reader.advance(); }));
+  EXPECT_EQ(reader.closeCode(), 1012);
+  drain.join();
+  EXPECT_EQ(metric(server->port(), "sessions"), 0);
   server->stop();
 }
 
