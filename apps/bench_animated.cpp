@@ -25,9 +25,9 @@ Result<nlohmann::ordered_json> animated(const AnimatedArguments& args) {
                  "--scene-speed " + args.scene_speed + ": write for example 90d/s, -12h/s or 1y/s"};
   const auto flight = planFlight(args.flight);
   if (!flight) return flight.error();
-  auto objects = server::objectsOf(flight->scene);
-  if (!objects) return objects.error();
-  const auto world = std::make_shared<server::World>(flight->scene, std::move(*objects));
+  const auto opened = server::openWorld(flight->scene);
+  if (!opened) return opened.error();
+  const std::shared_ptr<const server::World>& world = *opened;
   const proto::Epochs& epochs = world->hierarchy.epochs().epochs();
   const bench::FlightOptions& options = flight->options;
 

@@ -1,6 +1,5 @@
 #include "apps/bench_calibrate.h"
 
-#include "apps/bench_experiment.h"
 #include "apps/bench_flight.h"
 #include "apps/options.h"
 #include "bench/tables.h"
@@ -23,7 +22,7 @@ CLI::App* addCalibrate(CLI::App& app, CalibrateArguments& args) {
 Result<nlohmann::ordered_json> calibrate(const CalibrateArguments& args) {
   const auto scene = terrain::Scene::open(args.scene);
   if (!scene) return scene.error();
-  const auto world = worldOf(*scene, Occlusion::kOn);
+  const auto world = server::openWorld(*scene, server::Occlusion::kOn);
   if (!world) return world.error();
   const bench::Calibration found = bench::calibrate(bench::timeSteps(*world, args.seconds));
   const std::filesystem::path folder = args.output.has_parent_path() ? args.output.parent_path() : ".";

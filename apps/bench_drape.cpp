@@ -24,13 +24,13 @@ Result<bench::DrapeFlight> flightOf(const DrapeArguments& args, const PlannedFli
   if (!layer) return layer.error();
   const auto prices = pricesOf(args.experiment);
   if (!prices) return prices.error();
-  auto objects = server::objectsOf(planned.scene);
-  if (!objects) return objects.error();
   bench::LinkPair links = bench::fixedLink(Duration::seconds(1e-3 * args.round_trip_ms));
   links.down.bytes_per_second = 1e6 / 8 * args.mbit_s;
+  const auto world = server::openWorld(planned.scene);
+  if (!world) return world.error();
   bench::DrapeFlight flight{
       .scene = planned.scene,
-      .world = std::make_shared<server::World>(planned.scene, std::move(*objects)),
+      .world = *world,
       .layer = *layer,
       .path = planned.path,
       .seconds = planned.options.seconds,

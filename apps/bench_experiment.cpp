@@ -4,7 +4,6 @@
 
 #include <cstdio>
 #include <cstring>
-#include <utility>
 
 #include "bench/report.h"
 #include "proto/message/control.h"
@@ -49,19 +48,6 @@ nlohmann::ordered_json askedOf(nlohmann::ordered_json about, const terrain::Scen
   about["scene_id"] = scene.id();
   about["protocol"] = proto::kProtocolVersion;
   return about;
-}
-
-Result<std::shared_ptr<const server::World>> worldOf(const std::shared_ptr<const terrain::Scene>& scene,
-                                                     Occlusion occlusion) {
-  auto objects = server::objectsOf(scene);
-  if (!objects) return objects.error();
-  auto world = std::make_shared<server::World>(scene, std::move(*objects));
-  if (occlusion == Occlusion::kOn) {
-    auto shared = server::SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
-    if (!shared) return shared.error();
-    world->occlusion = std::move(*shared);
-  }
-  return std::shared_ptr<const server::World>(std::move(world));
 }
 
 Progress::Progress(size_t count) : count_(count), is_shown_(isatty(STDERR_FILENO) == 1) {}

@@ -5,14 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/result.h"
 #include "bench/cells.h"
 #include "bench/world/compute_cost.h"
-#include "server/session/world.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::apps {
@@ -39,11 +37,6 @@ nlohmann::ordered_json aboutExperiment(const ExperimentArguments& args, const be
 // Everything in which two experiments on the same `about` and scene may differ: `about` without the command that asked,
 // but with the scene's content and the protocol.
 nlohmann::ordered_json askedOf(nlohmann::ordered_json about, const terrain::Scene& scene);
-
-// The scene with its objects and, with occlusion, what all viewers share to find out what is hidden.
-enum class Occlusion : uint8_t { kOff, kOn };
-Result<std::shared_ptr<const server::World>> worldOf(const std::shared_ptr<const terrain::Scene>& scene,
-                                                     Occlusion occlusion);
 
 // Counts pieces of work on the terminal, with the time that is left; prints nothing elsewhere.
 class Progress {

@@ -41,15 +41,15 @@ Result<std::optional<bench::LinkPair>> traceOf(const LatencyArguments& args) {
 }
 
 Result<bench::LatencyFlight> flightOf(const LatencyArguments& args, const PlannedFlight& planned) {
-  auto objects = server::objectsOf(planned.scene);
-  if (!objects) return objects.error();
   auto prices = pricesOf(args.experiment);
   if (!prices) return prices.error();
   auto trace = traceOf(args);
   if (!trace) return trace.error();
   auto judged = bench::JudgedFrames::atRate(args.judge_hz);
   if (!judged) return judged.error();
-  bench::LatencyFlight flight{.world = std::make_shared<server::World>(planned.scene, std::move(*objects)),
+  const auto world = server::openWorld(planned.scene);
+  if (!world) return world.error();
+  bench::LatencyFlight flight{.world = *world,
                               .path = planned.path,
                               .seconds = args.flight.flight.seconds,
                               .judged = *judged,

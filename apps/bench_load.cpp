@@ -64,10 +64,10 @@ uint64_t digestOf(const bench::LinkPair& links) {
 }
 
 // The tables, if there is a folder for them; of several numbers of viewers with what they come to.
-Status keep(const LoadArguments& args, nlohmann::ordered_json about, const std::vector<bench::CellTables>& tables) {
-  const std::filesystem::path& out = args.experiment.out;
+Status keep(const std::filesystem::path& out, nlohmann::ordered_json about,
+            const std::vector<bench::CellTables>& tables, const std::vector<nlohmann::ordered_json>& capacities) {
   if (out.empty()) return {};
-  if (const auto capacities = bench::capacitiesOf(tables); !capacities.empty()) {
+  if (!capacities.empty()) {
     about["capacity"] = capacities;
     if (Status s = bench::writeFile(out, "capacity.csv", bench::capacityCsv(capacities)); !s.ok()) return s;
   }
@@ -268,7 +268,8 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   if (Status s = checkBoth(args, *runs); !s.ok()) return s.error();
   const auto scene = terrain::Scene::open(args.scene);
   if (!scene) return scene.error();
-  const auto opened = worldOf(*scene, request.base.occlusion ? Occlusion::kOn : Occlusion::kOff);
+  const auto opened =
+      server::openWorld(*scene, request.base.occlusion ? server::Occlusion::kOn : server::Occlusion::kOff);
   if (!opened) return opened.error();
   const std::shared_ptr<const server::World>& world = *opened;
 
@@ -298,13 +299,14 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   const auto tables = bench::runAll(world, *runs, shared, bench::KeptCells(args.experiment.cells),
                                     args.experiment.threads, [&](size_t done) { progress.show(done); });
   if (!tables) return tables.error();
-  if (Status s = keep(args, about, *tables); !s.ok()) return s.error();
+  const std::vector<nlohmann::ordered_json> capacities = bench::capacitiesOf(*tables);
+  if (Status s = keep(args.experiment.out, about, *tables, capacities); !s.ok()) return s.error();
   nlohmann::ordered_json summary = about;
   summary["runs"] = nlohmann::ordered_json::array();
   for (const bench::CellTables& cell : *tables)
     summary["runs"].push_back(args.format == bench::ReportFormat::kJson ? cell.row
                                                                         : nlohmann::ordered_json(lineOf(cell.row)));
-  for (const nlohmann::ordered_json& way : bench::capacitiesOf(*tables))
+  for (const nlohmann::ordered_json& way : capacities)
     summary["capacity"].push_back(
         args.format == bench::ReportFormat::kJson ? way : nlohmann::ordered_json(capacityLine(way)));
   return summary;

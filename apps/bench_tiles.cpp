@@ -10,15 +10,15 @@ namespace foreland::apps {
 namespace {
 
 Result<bench::RivalFlight> flightOf(const TilesArguments& args, const PlannedFlight& planned) {
-  auto objects = server::objectsOf(planned.scene);
-  if (!objects) return objects.error();
   if (!planned.scene->objectSection().empty())
     return Error{ErrorCode::kUnsupported, "the scene has objects, which tiles of heights have not; use one without"};
   const auto prices = pricesOf(args.experiment);
   if (!prices) return prices.error();
   const auto links = linksOf(args.link);
   if (!links) return links.error();
-  bench::RivalFlight flight{.world = std::make_shared<server::World>(planned.scene, std::move(*objects)),
+  const auto world = server::openWorld(planned.scene);
+  if (!world) return world.error();
+  bench::RivalFlight flight{.world = *world,
                             .path = planned.path,
                             .seconds = planned.options.seconds,
                             .tau_px = planned.options.tau_px,

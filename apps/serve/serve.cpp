@@ -90,17 +90,12 @@ std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects)
 Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& flags,
                                                        std::shared_ptr<const terrain::Scene> scene,
                                                        const server::Log& log) {
-  auto objects = server::objectsOf(scene);
-  if (!objects) return objects.error();
-  auto world = std::make_shared<server::World>(std::move(scene), std::move(*objects));
-  if (flags.occlusion == "on") {
-    auto occlusion = server::SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
-    if (!occlusion) return occlusion.error();
-    world->occlusion = std::move(*occlusion);
+  auto world =
+      server::openWorld(std::move(scene), flags.occlusion == "on" ? server::Occlusion::kOn : server::Occlusion::kOff);
+  if (world && (*world)->occlusion)
     log(server::Severity::kInfo,
-        fmt::format("occluders take {:.1f} MiB", static_cast<double>(world->occlusion->bytes()) / (1 << 20)));
-  }
-  return std::shared_ptr<const server::World>(std::move(world));
+        fmt::format("occluders take {:.1f} MiB", static_cast<double>((*world)->occlusion->bytes()) / (1 << 20)));
+  return world;
 }
 
 // For as many connections as are to be taken, those of operators, and files.

@@ -1,5 +1,7 @@
 #include "server/session/world.h"
 
+#include <utility>
+
 namespace foreland::server {
 
 World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
@@ -8,6 +10,18 @@ World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
     motion = std::make_unique<const GroundMotion>(hierarchy);
   if (hierarchy.scene().tiles().layers().empty() || !hierarchy.epochs().epochs().empty()) return;
   ground = std::make_shared<const SceneGround>(SceneGround{GroundSquares(hierarchy), HorizonGrid::of(hierarchy)});
+}
+
+Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Scene> scene, Occlusion occlusion) {
+  auto objects = objectsOf(scene);
+  if (!objects) return objects.error();
+  auto world = std::make_shared<World>(std::move(scene), std::move(*objects));
+  if (occlusion == Occlusion::kOn) {
+    auto shared = SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
+    if (!shared) return shared.error();
+    world->occlusion = std::move(*shared);
+  }
+  return std::shared_ptr<const World>(std::move(world));
 }
 
 proto::Welcome welcomeTo(const Hierarchy& hierarchy) {

@@ -1,8 +1,10 @@
 // What all sessions of a server share: one immutable scene. Any thread.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
+#include "base/result.h"
 #include "proto/message/message.h"
 #include "server/imagery/visible_ground.h"
 #include "server/occlusion/viewer_occlusion.h"
@@ -20,6 +22,11 @@ struct World {
   std::shared_ptr<const SceneGround> ground;
   std::shared_ptr<const SceneOcclusion> occlusion;  // of the hierarchy; null: nothing is left out as hidden
 };
+
+// The scene with its objects and, with occlusion, what all viewers share to find out what is hidden. O(samples).
+enum class Occlusion : uint8_t { kOff, kOn };
+Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Scene> scene,
+                                               Occlusion occlusion = Occlusion::kOff);
 
 // The message that tells a client about a scene. The session fills in tolerance and keyframe interval.
 proto::Welcome welcomeTo(const Hierarchy& hierarchy);
