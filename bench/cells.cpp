@@ -84,14 +84,13 @@ Result<std::vector<CellTables>> runCells(const CellWork& work, const KeptCells& 
   std::vector<Status> kept_well(work.count);
   std::atomic<bool> failed = false;
   const auto run = [&](uint64_t i, unsigned worker) {
-    const Json asked = work.asked(i);
-    if (auto found = kept.find(asked)) {
-      cells[i] = std::move(*found);
+    auto cell = keptOr(kept, work.asked(i), [&] { return Result(work.compute(i, worker)); });
+    if (!cell) {
+      kept_well[i] = cell.error();
+      failed = true;
       return;
     }
-    cells[i] = work.compute(i, worker);
-    kept_well[i] = kept.keep(asked, cells[i]);
-    if (!kept_well[i].ok()) failed = true;
+    cells[i] = std::move(*cell);
   };
   terrain::parallelFor(work.count, threads, run, [&](uint64_t done) {
     work.on_progress(done);

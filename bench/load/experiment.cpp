@@ -14,13 +14,11 @@ namespace {
 
 constexpr double kMostMissed = 1e-3;
 
+bool isServed(uint64_t keyframes, double missed_share) { return keyframes > 0 && missed_share < kMostMissed; }
+
 bool isServed(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
   const LoadFigures figures = runLoad(world, options).figures;
-  return figures.keyframes > 0 && figures.missed_share < kMostMissed;
-}
-
-bool isServed(const nlohmann::ordered_json& row) {
-  return row["keyframes"].get<uint64_t>() > 0 && row["missed_share"].get<double>() < kMostMissed;
+  return isServed(figures.keyframes, figures.missed_share);
 }
 
 // How the row's viewers were served, however many they were.
@@ -207,7 +205,8 @@ std::vector<nlohmann::ordered_json> capacitiesOf(const std::vector<CellTables>& 
     nlohmann::ordered_json how = wayOf(cell.row);
     auto way = std::ranges::find(ways, how, &Way::how);
     if (way == ways.end()) way = ways.insert(way, {std::move(how), {}});
-    way->served[cell.row["viewers"].get<size_t>()] = isServed(cell.row);
+    way->served[cell.row["viewers"].get<size_t>()] =
+        isServed(cell.row["keyframes"].get<uint64_t>(), cell.row["missed_share"].get<double>());
   }
   std::vector<nlohmann::ordered_json> capacities;
   for (const auto& [how, served] : ways) {
