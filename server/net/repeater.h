@@ -6,10 +6,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <exception>
 #include <functional>
 #include <utility>
 
+#include "base/guarded.h"
 #include "base/time.h"
 
 namespace foreland::server {
@@ -44,12 +44,9 @@ class Repeater {
 
  private:
   bool takeTurn() {
-    try {
-      return turn_();
-    } catch (const std::exception& e) { on_failure_(e.what()); } catch (...) {
-      on_failure_("an unknown exception");
-    }
-    return true;
+    bool goes_on = true;
+    guarded([&] { goes_on = turn_(); }, on_failure_);
+    return goes_on;
   }
 
   boost::asio::steady_timer timer_;

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/guarded.h"
 #include "server/net/context.h"
 #include "server/net/drain.h"
 #include "server/net/http_connection.h"
@@ -121,11 +122,7 @@ class Server::Impl {
 
   template <class Work>
   void guarded(const Work& work) {
-    try {
-      work();
-    } catch (const std::exception& e) { failed(e.what()); } catch (...) {
-      failed("an unknown exception");
-    }
+    foreland::guarded(work, [this](const char* what) { failed(what); });
   }
 
   Listener::Events eventsOf(std::function<void(tcp::socket)> take) {
@@ -172,12 +169,14 @@ class Server::Impl {
     context_.log(Severity::kDebug, "turned a connection away: " + why);
     if (context_.tls) return;  // it would not be understood
     static constexpr std::string_view kBody = "The server is full. Try again in a while\n";
-    std::string rules;
-    for (const auto& [name, value] : kPageRules) rules += fmt::format("{}: {}\r\n", name, value);
-    const std::string reply = fmt::format(
-        "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n{}"
-        "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\n\r\n{}",
-        rules, kBody.size(), kBody);
+    static const std::string reply = [] {
+      std::string rules;
+      for (const auto& [name, value] : kPageRules) rules += fmt::format("{}: {}\r\n", name, value);
+      return fmt::format(
+          "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n{}"
+          "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\n\r\n{}",
+          rules, kBody.size(), kBody);
+    }();
     ErrorOf ignored;
     socket.non_blocking(true, ignored);
     socket.write_some(net::buffer(reply), ignored);

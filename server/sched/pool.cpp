@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <string>
 #include <utility>
+
+#include "base/guarded.h"
 
 namespace foreland::server {
 namespace {
@@ -58,13 +59,19 @@ void Pool::stop() {
 
 void Pool::run(size_t worker, std::stop_token stop) {
   pthread_setname_np(pthread_self(), ("worker-" + std::to_string(worker)).c_str());
+  // Whoever submitted a job that throws must have put its own affairs in order.
+  const auto tell = [this](const char* what) {
+    if (on_failure_) on_failure_(what);
+  };
   while (!stop.stop_requested())
-    guarded([&] {
-      const auto entry = next(stop);
-      if (!entry) return;
-      guarded([&] { entry->job(worker); });
-      noteEnd(entry->due);
-    });
+    guarded(
+        [&] {
+          const auto entry = next(stop);
+          if (!entry) return;
+          guarded([&] { entry->job(worker); }, tell);
+          noteEnd(entry->due);
+        },
+        tell);
 }
 
 void Pool::noteEnd(const Due& due) {
@@ -73,18 +80,6 @@ void Pool::noteEnd(const Due& due) {
     --costly_running_;
   }
   lateness_.add(clock_() - due.deadline);
-}
-
-// Out of memory, say. Whoever submitted a job that throws must have put its own affairs in order.
-template <class Work>
-void Pool::guarded(const Work& work) {
-  try {
-    work();
-  } catch (const std::exception& e) {
-    if (on_failure_) on_failure_(e.what());
-  } catch (...) {
-    if (on_failure_) on_failure_("an unknown exception");
-  }
 }
 
 std::optional<DeadlineQueue::Entry> Pool::next(std::stop_token stop) {

@@ -49,8 +49,6 @@ class Pool {
 
  private:
   void run(size_t worker, std::stop_token stop);
-  template <class Work>
-  void guarded(const Work& work);
   void noteEnd(const Due& due);
   size_t mostCostly() const { return worker_count_ > 1 ? worker_count_ - 1 : 1; }
   std::optional<DeadlineQueue::Entry> next(std::stop_token stop);
