@@ -52,6 +52,17 @@ proto::ViewRequest requestView() {
   return request;
 }
 
+// Of which a view at all detail is more than the buffers of both systems hold.
+std::shared_ptr<const World> roughWorld() {
+  return std::make_shared<const World>(test::makeScene(257, 257, test::noise(3, 500)));
+}
+
+proto::ViewRequest requestAll() {
+  proto::ViewRequest request = requestView();
+  request.tau_px = 0.01;
+  return request;
+}
+
 proto::Pose poseAt(Time now) {
   proto::Pose pose;
   pose.eye = {100 * std::sin(now.toSeconds()), 50, 1500};
@@ -257,12 +268,9 @@ TEST(Server, ClosesAViewerThatNeverReadsAfterOneKeyframe) {
   ServeOptions options = testOptions();
   options.idle_timeout = Duration::milliseconds(500);
   options.send_buffer_bytes = 4096;
-  const auto world = std::make_shared<const World>(test::makeScene(257, 257, test::noise(3, 500)));
-  const auto server = serve(options, world);
+  const auto server = serve(options, roughWorld());
   WebSocketClient client(server->port(), 4096);
-  proto::ViewRequest request = requestView();
-  request.tau_px = 0.01;
-  client.send(proto::encode(request));
+  client.send(proto::encode(requestAll()));
   const auto sendPose = [&] {
     return client.send(proto::encode(proto::PoseUpdate{{steadyNow(), poseAt(steadyNow())}, 0, {}}));
   };
@@ -428,12 +436,9 @@ TEST(Server, HandsViewersOverBesideOneThatNeverReads) {
   ServeOptions options = testOptions();
   options.send_buffer_bytes = 4096;
   options.idle_timeout = Duration::seconds(3600);
-  const auto world = std::make_shared<const World>(test::makeScene(257, 257, test::noise(3, 500)));
-  const auto server = serve(options, world);
+  const auto server = serve(options, roughWorld());
   WebSocketClient deaf(server->port(), 4096);
-  proto::ViewRequest request = requestView();
-  request.tau_px = 0.01;
-  deaf.send(proto::encode(request));
+  deaf.send(proto::encode(requestAll()));
   deaf.send(proto::encode(proto::PoseUpdate{{steadyNow(), poseAt(steadyNow())}, 0, {}}));
   LiveViewer reader(server->port());
   ASSERT_TRUE(eventually([&] { return !reader.advance() || reader.keyframes() > 0; }));

@@ -211,13 +211,20 @@ TEST(Session, AnEnormousRegionGetsASectionForThePoseAlone) {
   EXPECT_LT(jumper.session.keyframe().tau_px, 1000);
 }
 
-TEST(Session, AnswersRequestsOneAStepAndNoneWhileAReplyIsUnsent) {
-  Session session(smallWorld(), {});
+// A session whose viewer has asked for a view, and been told of the scene.
+class GreetedSession : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+    session.step(Time{}, scratch, out);
+    out.clear();
+  }
+  Session session{smallWorld(), {}};
   SessionScratch scratch;
   std::vector<Bytes> out;
-  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
-  session.step(Time{}, scratch, out);
-  out.clear();
+};
+
+TEST_F(GreetedSession, AnswersRequestsOneAStepAndNoneWhileAReplyIsUnsent) {
   for (uint32_t i = 0; i < 3; ++i)
     ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{i, {{1, 2}}}), Time{}).ok());
   ASSERT_TRUE(session.due() && session.due()->is_costly);
@@ -243,13 +250,7 @@ TEST(Session, RefusesMoreRequestsThanMayWait) {
   EXPECT_FALSE(ask(99).ok());
 }
 
-TEST(Session, ANewerTourReplacesOneThatWaits) {
-  Session session(smallWorld(), {});
-  SessionScratch scratch;
-  std::vector<Bytes> out;
-  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
-  session.step(Time{}, scratch, out);
-  out.clear();
+TEST_F(GreetedSession, ANewerTourReplacesOneThatWaits) {
   for (uint32_t i = 0; i < 60; ++i)
     ASSERT_TRUE(session.receive(proto::encode(proto::TourRequest{i, "survey", 10}), Time{}).ok());
   ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{60, {{1, 2}}}), Time{}).ok());
@@ -264,12 +265,7 @@ TEST(Session, ANewerTourReplacesOneThatWaits) {
   EXPECT_EQ(std::get<proto::GroundReply>(*ground).id, 60u);
 }
 
-TEST(Session, TellsTheBytesThatItKeepsForItsViewer) {
-  Session session(smallWorld(), {});
-  SessionScratch scratch;
-  std::vector<Bytes> out;
-  ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
-  session.step(Time{}, scratch, out);
+TEST_F(GreetedSession, TellsTheBytesThatItKeepsForItsViewer) {
   EXPECT_EQ(session.keptBytes(), 0u);
   proto::Path path{.start = {}, .poses = std::vector<proto::Pose>(1000)};
   ASSERT_TRUE(session.receive(proto::encode(path), Time{}).ok());
