@@ -13,11 +13,6 @@ namespace {
 
 constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
 
-// Where a viewer limits its bytes: what an added node costs, beyond which tolerance bytes count no more, and how long
-// the first section may take on the link.
-constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
-constexpr Duration kFirstThrough = Duration::seconds(1);
-
 // For how many intervals the first keyframe after a jump is expected to be shown.
 constexpr int64_t kShownAfterJump = 5;
 
@@ -317,60 +312,6 @@ proto::View Session::viewFor(Time t, Duration until_next) const {
   return view;
 }
 
-// A mesh has four triangles a root and two a node; the union of two sections is a little larger.
-size_t Session::mostNodes() const {
-  if (request_->max_triangles == 0) return options_.max_section_nodes;
-  const proto::GridShape& shape = world_->hierarchy.grid().shape();
-  const double nodes = 0.5 * (0.97 * request_->max_triangles - 4.0 * shape.roots_x * shape.roots_y);
-  return std::min(options_.max_section_nodes, static_cast<size_t>(std::max(1.0, nodes)));
-}
-
-// How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
-// late, and the next ones.
-double Session::mostAddedForLink() const {
-  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : interval_;
-  return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
-}
-
-// The share that the section of `view` takes of what viewer, link and server allow; infinite if it is not even
-// measured whole.
-double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
-  const size_t most_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
-  // What starts from nothing is added whole, though what is remembered is not sent.
-  const size_t most = sender_.startsFromNothing() ? std::min(mostNodes(), options_.max_added_nodes) : mostNodes();
-  const SectionSize size = sender_.measure(view, most, scratch.send);
-  statistics_.nodes_measured += size.nodes;
-  if (!size.fits) return std::numeric_limits<double>::infinity();
-  double load = std::max(double(size.nodes) / double(most), double(size.added) / double(most_added));
-  if (request_->max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
-    load = std::max(load, double(size.added) / mostAddedForLink());
-  return load;
-}
-
-// Sets the tolerance that the viewer's budget allows, and a coarser one if the section, or what it adds, would still be
-// too large for the viewer, the link, or one step of the server. One refinement tells, and is all that is done in most
-// keyframes.
-void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
-  const Budget budget{request_->max_triangles, request_->max_bytes_per_second, processors_};
-  const double before_px = tolerance_.tolerance();
-  const double wanted_px = static_cast<float>(tolerance_.next(sectionTolerance(), budget));
-  view.tau_px = wanted_px;
-  if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, mostNodes())) return tolerance_.force(wanted_px);
-  const auto load = [&](double tau_px) {
-    view.tau_px = tau_px;
-    return loadOf(view, scratch);
-  };
-  view.tau_px = toleranceThatFits(wanted_px, before_px, load);
-  if (view.tau_px == kMostTolerance_px) {
-    // No section guarantees anything for a region that holds much of the scene, so this one does for its pose alone.
-    view.region_radius_m = view.region_angle_rad = 0;
-    view.tau_px = toleranceThatFits(wanted_px, before_px, load);
-  }
-  // A keyframe that starts from nothing may be coarse because it is to be there at once; the next one need not be.
-  if (!sender_.startsFromNothing() || budget.triangles > 0 || budget.bytes_per_second > 0)
-    tolerance_.force(view.tau_px);
-}
-
 // Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
 bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch,
                            Bytes& message) {
@@ -409,6 +350,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
     tolerance_.restart();
   }
   plan.until_next = adaptive_interval_.next(bounds(), interval_);
+  fitRegion(plan, scratch);
   const proto::View view = viewFor(plan.time_client, plan.until_next);
   moveGround(plan.time_client, view);
   Bytes message;
@@ -478,17 +420,6 @@ void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<B
   tiles_->take(out);
   statistics_.tiles = tiles_->statistics().tiles;
   statistics_.tile_bytes = tiles_->statistics().bytes;
-}
-
-// How much the region makes of the section. Along an announced path the region is not reduced: there it is no guess.
-void Session::observeRegion(SessionScratch& scratch) {
-  const bool is_guess = request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
-  if (!is_guess || !motion_.regionShare().isDue()) return;
-  proto::View pose_alone = proto::viewOf(keyframe());
-  pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
-  const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
-  statistics_.nodes_measured += size.nodes;
-  motion_.regionShare().observe(sender_.nodeCount(), size.nodes);
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.

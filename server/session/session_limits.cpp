@@ -1,0 +1,111 @@
+// How large a session's next section may be: what its viewer, the link and the server allow, and what a guessed region
+// may add.
+
+#include <algorithm>
+#include <limits>
+
+#include "server/session/session.h"
+
+namespace foreland::server {
+
+namespace {
+
+// Where a viewer limits its bytes: what an added node costs, beyond which tolerance bytes count no more, and how long
+// the first section may take on the link.
+constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
+constexpr Duration kFirstThrough = Duration::seconds(1);
+
+}  // namespace
+
+// A mesh has four triangles a root and two a node; the union of two sections is a little larger.
+size_t Session::mostNodes() const {
+  if (request_->max_triangles == 0) return options_.max_section_nodes;
+  const proto::GridShape& shape = world_->hierarchy.grid().shape();
+  const double nodes = 0.5 * (0.97 * request_->max_triangles - 4.0 * shape.roots_x * shape.roots_y);
+  return std::min(options_.max_section_nodes, static_cast<size_t>(std::max(1.0, nodes)));
+}
+
+// How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
+// late, and the next ones.
+double Session::mostAddedForLink() const {
+  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : interval_;
+  return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
+}
+
+// The share that the section of `view` takes of what viewer, link and server allow; infinite if it is not even
+// measured whole.
+double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
+  const size_t most_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
+  // What starts from nothing is added whole, though what is remembered is not sent.
+  const size_t most = sender_.startsFromNothing() ? std::min(mostNodes(), options_.max_added_nodes) : mostNodes();
+  const SectionSize size = sender_.measure(view, most, scratch.send);
+  statistics_.nodes_measured += size.nodes;
+  if (!size.fits) return std::numeric_limits<double>::infinity();
+  double load = std::max(double(size.nodes) / double(most), double(size.added) / double(most_added));
+  if (request_->max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
+    load = std::max(load, double(size.added) / mostAddedForLink());
+  return load;
+}
+
+// Sets the tolerance that the viewer's budget allows, and a coarser one if the section, or what it adds, would still be
+// too large for the viewer, the link, or one step of the server. One refinement tells, and is all that is done in most
+// keyframes.
+void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
+  const Budget budget{request_->max_triangles, request_->max_bytes_per_second, processors_};
+  const double before_px = tolerance_.tolerance();
+  const double wanted_px = static_cast<float>(tolerance_.next(sectionTolerance(), budget));
+  view.tau_px = wanted_px;
+  if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, mostNodes())) return tolerance_.force(wanted_px);
+  const auto load = [&](double tau_px) {
+    view.tau_px = tau_px;
+    return loadOf(view, scratch);
+  };
+  view.tau_px = toleranceThatFits(wanted_px, before_px, load);
+  if (view.tau_px == kMostTolerance_px) {
+    // No section guarantees anything for a region that holds much of the scene, so this one does for its pose alone.
+    view.region_radius_m = view.region_angle_rad = 0;
+    view.tau_px = toleranceThatFits(wanted_px, before_px, load);
+  }
+  // A keyframe that starts from nothing may be coarse because it is to be there at once; the next one need not be.
+  if (!sender_.startsFromNothing() || budget.triangles > 0 || budget.bytes_per_second > 0)
+    tolerance_.force(view.tau_px);
+}
+
+// Along an announced path the region is not reduced: there it is no guess.
+bool Session::isRegionGuessed() const {
+  return request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
+}
+
+// Before a keyframe: makes its region no larger than sections allow (RegionShare). What starts from nothing is measured
+// by fitBudget, and what a jump leaves unknown is not reduced.
+void Session::fitRegion(const Plan& plan, SessionScratch& scratch) {
+  if (!isRegionGuessed() || !motion_.isMotionKnown() || sender_.startsFromNothing()) return;
+  proto::View view;
+  const auto regionNow = [&] {
+    view = viewFor(plan.time_client, plan.until_next);
+    return Region{view.region_radius_m, view.region_angle_rad};
+  };
+  const auto nodesOf = [&](const Region& region, size_t most) -> std::optional<size_t> {
+    proto::View measured = view;
+    measured.region_radius_m = region.radius_m;
+    measured.region_angle_rad = region.angle_rad;
+    measured.tau_px = std::max(view.tau_px, tolerance_.tolerance());
+    const SectionSize size = sender_.measure(measured, std::min(most, options_.max_section_nodes), scratch.send);
+    statistics_.nodes_measured += size.nodes;
+    return size.fits ? std::optional(size.nodes) : std::nullopt;
+  };
+  motion_.regionShare().fit(regionNow, nodesOf);
+}
+
+// After a keyframe: how much the region made of its section.
+void Session::observeRegion(SessionScratch& scratch) {
+  if (!isRegionGuessed() || !motion_.regionShare().isDue()) return;
+  proto::View pose_alone = proto::viewOf(keyframe());
+  pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
+  const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
+  statistics_.nodes_measured += size.nodes;
+  motion_.regionShare().observe({keyframe().region_radius_m, keyframe().region_angle_rad}, sender_.nodeCount(),
+                                size.nodes);
+}
+
+}  // namespace foreland::server
