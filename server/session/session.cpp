@@ -112,7 +112,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   // After a clock was set anew, times before it and after it cannot be compared.
   if (!clocks_.poseArrived(update.pose.time, now) || motion_.isJump(update.pose, world_->hierarchy.scene()) ||
-      isTooFarAhead())
+      isTooFarAhead() || isAnnouncedJump(update, now))
     jumpTo(update.pose);
   else
     motion_.add(update.pose);
@@ -127,6 +127,11 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     }
   }
   return {};
+}
+
+bool Session::isAnnouncedJump(const proto::PoseUpdate& update, Time now) {
+  const bool is_next = !motion_.empty() && update.pose.time > motion_.newest().time;
+  return update.has_jumped && is_next && announced_jumps_.take(now);
 }
 
 void Session::jumpTo(const proto::TimedPose& pose) {

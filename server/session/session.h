@@ -24,6 +24,7 @@
 #include "server/section/budget.h"
 #include "server/section/sender.h"
 #include "server/session/adaptive_interval.h"
+#include "server/session/announced_jumps.h"
 #include "server/session/clock_map.h"
 #include "server/session/requests.h"
 #include "server/session/scene_time.h"
@@ -67,7 +68,7 @@ struct SessionStatistics {
   OcclusionStatistics occlusion;  // of this connection
   uint64_t prefetches = 0;
   uint64_t replies = 0;                // to requests
-  uint64_t jumps = 0;                  // of the camera (proto/space/jump.h)
+  uint64_t jumps = 0;                  // of the camera, recognised (proto/space/jump.h) or announced
   double tau_px = 0;                   // in force
   bool is_coarse = false;              // that is above what the viewer asked for
   uint64_t tiles = 0, tile_bytes = 0;  // sent
@@ -156,6 +157,7 @@ class Session {
   proto::KeyframeInterval bounds() const { return {request_->keyframe_interval, request_->longest_interval}; }
   // Whether no keyframe has been sent on this connection.
   bool isFirst() const { return statistics_.keyframes == 0; }
+  bool isAnnouncedJump(const proto::PoseUpdate& update, Time now);
   void jumpTo(const proto::TimedPose& pose);
   bool isTooFarAhead() const;
   Time gridAtOrAfter(Time t_client) const;
@@ -187,6 +189,7 @@ class Session {
   SceneTime scene_time_;
   ClockMap clocks_;
   bool jumped_ = false;  // and no keyframe has been computed since
+  AnnouncedJumps announced_jumps_;
   proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
