@@ -7,12 +7,6 @@
 
 namespace foreland::server {
 
-namespace {
-
-constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
-
-}  // namespace
-
 Session::Session(std::shared_ptr<const World> world, const SessionOptions& options)
     : world_(std::move(world)), options_(options), sender_(world_->hierarchy) {}
 
@@ -260,7 +254,7 @@ std::optional<Session::Due> Session::requestDue() const {
 // Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.
 std::optional<Session::Due> Session::prefetchDue() const {
   if (options_.prefetch_ahead == Duration{} || isFirst() || processors_ != Processors::kFree) return std::nullopt;
-  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery, true};
+  return Due{prefetch_pace_.next(), prefetch_pace_.next() + PrefetchPace::kLeast, true};
 }
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
@@ -270,7 +264,8 @@ void Session::prefetch(SessionScratch& scratch) {
   view.region_radius_m = view.region_angle_rad = 0;
   // If the section is too large, more than enough has been read.
   (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
-  next_prefetch_ = now_ + kPrefetchEvery;
+  prefetch_pace_.begun(now_);
+  did_ = Did::kPrefetch;
   ++statistics_.prefetches;
 }
 
@@ -292,10 +287,12 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, S
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
-void Session::noteComputeTime(Duration spent) {
+void Session::noteComputeTime(Duration spent, uint64_t pages_read) {
   constexpr int64_t kRest = 4;  // times what a request took
   if (did_ == Did::kKeyframe) compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
   if (did_ == Did::kRequest) next_request_ = now_ + spent + spent * kRest;
+  if (did_ == Did::kPrefetch) prefetch_pace_.ended(now_, pages_read);
+  if (did_ == Did::kKeyframe) prefetch_pace_.keyframeRead(now_, pages_read);
 }
 
 }  // namespace foreland::server

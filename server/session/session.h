@@ -26,6 +26,7 @@
 #include "server/session/adaptive_interval.h"
 #include "server/session/announced_jumps.h"
 #include "server/session/clock_map.h"
+#include "server/session/prefetch_pace.h"
 #include "server/session/requests.h"
 #include "server/session/scene_time.h"
 #include "server/session/world.h"
@@ -105,7 +106,8 @@ class Session {
   // Due::earliest on, for the sake of others who are due at the same time.
   enum class Start : uint8_t { kWhenDue, kEarly };
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, Start start = Start::kWhenDue);
-  void noteComputeTime(Duration spent);
+  // And how many pages of the scene it had to read from the disk.
+  void noteComputeTime(Duration spent, uint64_t pages_read = 0);
   // How long a keyframe is expected to take.
   Duration computeTime() const { return compute_time_; }
   // Answers no request before `until`, since there is no room for the reply.
@@ -201,7 +203,7 @@ class Session {
   Time next_request_;  // not to be answered earlier
   std::optional<proto::Resume> resume_;
   bool resumed_ = false;  // or tried to
-  enum class Did : uint8_t { kNothing, kKeyframe, kRequest };
+  enum class Did : uint8_t { kNothing, kKeyframe, kRequest, kPrefetch };
   Did did_ = Did::kNothing;  // in the last step
   Processors processors_ = Processors::kFree;
 
@@ -219,7 +221,7 @@ class Session {
   };
   std::deque<Sent> in_flight_;
   Duration compute_time_ = Duration::milliseconds(10);  // of the slower of the recent keyframes
-  Time next_prefetch_;
+  PrefetchPace prefetch_pace_;
   SessionStatistics statistics_;
 };
 

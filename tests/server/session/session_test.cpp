@@ -118,6 +118,39 @@ TEST(Session, PrefetchesBetweenKeyframesWithoutSendingAnything) {
   EXPECT_EQ(out.size(), sent);
 }
 
+// A camera that stands for a minute over a scene that is in memory, or is not; after half of it a keyframe has to read.
+TEST(Session, PrefetchesSeldomWhatIsInMemory) {
+  for (const uint64_t pages_read : {0, 3}) {
+    Session session(smallWorld(), {.prefetch_ahead = Duration::milliseconds(2000)});
+    SessionScratch scratch;
+    std::vector<Bytes> out;
+    ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+    std::array<uint64_t, 2> prefetches{};  // in either half
+    for (int i = 0; i < 1200; ++i) {
+      const Time now = Time::seconds(0.05 * i);
+      proto::PoseUpdate update = poseAt(0.05 * i);
+      update.received_keyframe = session.keyframe().index;
+      update.received_at = now;
+      ASSERT_TRUE(session.receive(proto::encode(update), now).ok());
+      const SessionStatistics before = session.statistics();
+      session.step(now, scratch, out);
+      const bool did_prefetch = session.statistics().prefetches > before.prefetches;
+      const bool keyframe_reads = i > 600 && i < 610 && session.statistics().keyframes > before.keyframes;
+      session.noteComputeTime({}, did_prefetch ? pages_read : keyframe_reads ? 1 : 0);
+      session.onDrained(now);
+      prefetches[i / 600] += did_prefetch ? 1 : 0;
+    }
+    const auto [first, second] = prefetches;
+    if (pages_read == 0) {
+      EXPECT_LE(first, 6u);
+      EXPECT_GE(second, 4u) << "the keyframe made it begin again";
+      EXPECT_LE(second, 8u);
+    } else {
+      EXPECT_GE(std::min(first, second), 50u);
+    }
+  }
+}
+
 TEST(Session, ATinyToleranceIsDoubledUntilTheSectionFits) {
   Session session(smallWorld(), {.max_section_nodes = 500});
   SessionScratch scratch;
