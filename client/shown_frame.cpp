@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "proto/space/jump.h"
 
@@ -36,26 +37,32 @@ float toleranceOf(const Interval& interval, float weight, const proto::Pose& cam
 }  // namespace
 
 void CameraPath::add(Time now, const proto::Pose& pose) {
-  if (poses_.empty() || now > poses_.back().time) poses_.push_back({now, pose});
+  if (poses_.empty() || now > poses_.back().time) {
+    poses_.push_back({now, pose});
+    if (std::exchange(jumps_next_, false)) jumps_.push_back(now);
+  }
+  std::erase_if(jumps_, [&](Time t) { return t < poses_.front().time; });
   if (poses_.front().time < now - kPoseMemory - kPoseMemory)
     poses_.erase(poses_.begin(), std::lower_bound(poses_.begin(), poses_.end(), now - kPoseMemory,
                                                   [](const proto::TimedPose& p, Time t) { return p.time < t; }));
 }
 
-bool CameraPath::hasJustJumped() const {
-  return poses_.size() > 1 && proto::isJump(poses_[poses_.size() - 2], poses_.back(), 0);
+bool CameraPath::isJump(const proto::TimedPose& before, const proto::TimedPose& after) const {
+  return proto::isJump(before, after, 0) || std::binary_search(jumps_.begin(), jumps_.end(), after.time);
 }
+
+bool CameraPath::hasJustJumped() const { return poses_.size() > 1 && isJump(poses_[poses_.size() - 2], poses_.back()); }
 
 bool CameraPath::hasJumpedSince(Time t) const {
   for (size_t i = poses_.size(); i-- > 1 && poses_[i].time > t;)
-    if (proto::isJump(poses_[i - 1], poses_[i], 0)) return true;
+    if (isJump(poses_[i - 1], poses_[i])) return true;
   return false;
 }
 
 proto::Pose CameraPath::at(Time t) const {
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
                                       [](const proto::TimedPose& p, Time wanted) { return p.time < wanted; });
-  if (after != poses_.begin() && after != poses_.end() && proto::isJump(after[-1], *after, 0))
+  if (after != poses_.begin() && after != poses_.end() && isJump(after[-1], *after))
     return after->time == t ? after->pose : after[-1].pose;
   return proto::poseAt(poses_, t);
 }

@@ -15,6 +15,8 @@ class CameraPath {
  public:
   // Times that do not ascend are ignored.
   void add(Time now, const proto::Pose& pose);
+  // The next pose that is added is one to which the camera jumps. Large jumps are recognised (proto/space/jump.h).
+  void jump() { jumps_next_ = true; }
 
   // Whether it has jumped to where it is.
   bool hasJustJumped() const;
@@ -23,7 +25,11 @@ class CameraPath {
   proto::Pose at(Time t) const;
 
  private:
+  bool isJump(const proto::TimedPose& before, const proto::TimedPose& after) const;
+
   std::vector<proto::TimedPose> poses_;
+  std::vector<Time> jumps_;  // that were told, ascending
+  bool jumps_next_ = false;
 };
 
 struct ShownFrame {

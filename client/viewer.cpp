@@ -128,7 +128,8 @@ void Viewer::addToDrawn(std::shared_ptr<const MeshPatch> patch) {
 }
 
 void Viewer::sendPose(Time now, const proto::Pose& pose) {
-  send(proto::encode(proto::PoseUpdate{{now, pose}, received_keyframe_, received_at_}, poses_sent_));
+  const bool has_jumped = std::exchange(has_jumped_, false);
+  send(proto::encode(proto::PoseUpdate{{now, pose}, received_keyframe_, received_at_, has_jumped}, poses_sent_));
   last_pose_sent_ = now;
 }
 
@@ -136,8 +137,13 @@ void Viewer::sendPose(Time now, const proto::Pose& pose) {
 void Viewer::sendPoseIfDue(Time now, const proto::Pose& pose) {
   if (!is_greeted_) return;
   if (!last_pose_sent_ || now - *last_pose_sent_ >= pose_interval_ ||
-      (camera_.hasJustJumped() && now > *last_pose_sent_))
+      ((has_jumped_ || camera_.hasJustJumped()) && now > *last_pose_sent_))
     sendPose(now, pose);
+}
+
+void Viewer::jump() {
+  camera_.jump();
+  has_jumped_ = true;
 }
 
 FrameView Viewer::frame(Time now, const proto::Pose& pose) {

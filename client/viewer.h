@@ -69,6 +69,10 @@ class Viewer {
   // times that do not decrease.
   FrameView frame(Time now, const proto::Pose& pose);
 
+  // The camera of the next frame will not have moved there, but jumped: to a landmark, to where a tour begins, or just
+  // elsewhere about. The server is told, and begins anew there. Large jumps are recognised without.
+  void jump();
+
   // Changes strategy, predictor, tolerance or lens during the session. The order is the blend's.
   void setRequest(const proto::ViewRequest& request);
   const proto::ViewRequest& request() const { return request_; }
@@ -142,6 +146,7 @@ class Viewer {
   std::deque<Bytes> outgoing_;
   CameraPath camera_;  // for M(t_d)
   std::optional<Time> last_pose_sent_;
+  bool has_jumped_ = false;  // since the last pose that was sent
   uint32_t received_keyframe_ = 0;
   Time received_at_;
   std::optional<proto::TourReply> tour_;

@@ -85,6 +85,7 @@ Status Player::frame(Time now) {
   if (phase_ == Phase::kPlanning)
     if (Status s = takePlan(now); !s.ok()) return s;
   if (phase_ == Phase::kStanding || phase_ == Phase::kFlying) {
+    if (jumps_) tellJump(now);
     view_ = viewer_.frame(now, camera(now));
     if (phase_ == Phase::kStanding && now >= path_.start) {
       before_flight_ = viewer_.statistics();
@@ -109,6 +110,11 @@ void Player::steer(Time now, const proto::Pose& pose) {
   view_ = viewer_.frame(now, pose);
   report_.seconds = (now - *phase_start_).toSeconds();
   countFrame();
+}
+
+void Player::jump(Time now) {
+  log_.entries.push_back({.time = now, .what = FlightLog::What::kJump});
+  viewer_.jump();
 }
 
 void Player::choose(Time now, const ViewChoice& choice) {
@@ -203,6 +209,11 @@ void Player::startScene() {
 
 proto::Pose Player::camera(Time now) const { return jumps_ ? jumps_->at(now - path_.start) : path_.at(now); }
 
+void Player::tellJump(Time now) {
+  const size_t view = jumps_->viewAt(now - path_.start);
+  if (view != std::exchange(flown_view_, view)) viewer_.jump();
+}
+
 // With `delay` the camera's view from before the jump may still be shown.
 void Player::countJump(Time now) {
   const Duration t = now - path_.start;
@@ -263,6 +274,7 @@ Replayed replay(const FlightLog& log, const std::function<bool(const Player&, Ti
     if (entry.what == FlightLog::What::kReconnect) player.reconnect(entry.time);
     const bool is_steered = entry.what == FlightLog::What::kSteered;
     if (entry.what == FlightLog::What::kFrame) replayed.status = player.frame(entry.time);
+    if (entry.what == FlightLog::What::kJump) player.jump(entry.time);
     if (is_steered) player.steer(entry.time, entry.pose);
     if (entry.what == FlightLog::What::kChoice) player.choose(entry.time, *entry.choice);
     while (player.takeOutgoing(unsent)) continue;

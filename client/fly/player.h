@@ -52,7 +52,7 @@ struct ViewChoice {
 
 // A player's input, in order.
 struct FlightLog {
-  enum class What : uint8_t { kFrame, kMessage, kReconnect, kSteered, kChoice };
+  enum class What : uint8_t { kFrame, kMessage, kReconnect, kSteered, kChoice, kJump };
   struct Entry {
     Time time;
     What what = What::kFrame;
@@ -95,6 +95,8 @@ class Player {
   Status frame(Time now);
   // The same of a flight that is steered, with the camera at `pose`. It flies from the welcome on, until the log ends.
   void steer(Time now, const proto::Pose& pose);
+  // The camera of the next frame that is steered will have jumped there (Viewer::jump).
+  void jump(Time now);
   // What a steered flight asks for from now on.
   void choose(Time now, const ViewChoice& choice);
   bool takeOutgoing(Bytes& message) { return viewer_.takeOutgoing(message); }
@@ -121,6 +123,7 @@ class Player {
   Status startJumps(Time now);
   void startScene();
   proto::Pose camera(Time now) const;
+  void tellJump(Time now);
   void countJump(Time now);
   Status setPath(proto::Path path, Time now);
   void note(const std::vector<std::string>& notes) { notes_.insert(notes_.end(), notes.begin(), notes.end()); }
@@ -138,6 +141,7 @@ class Player {
   PlannedTrack planned_;
   std::optional<JumpTour> jumps_;
   JumpReports jump_reports_;
+  size_t flown_view_ = 0;  // of the tour of jumps
   std::vector<float> ground_m_;
   std::vector<std::string> notes_;
   FlightReport report_;

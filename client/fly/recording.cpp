@@ -22,6 +22,7 @@ enum Kind : uint8_t {
   kReconnect = 'r',
   kSteered = 's',  // eye: x, y, z; orientation: x, y, z, w; as doubles
   kChoice = 'c',   // as JSON
+  kJump = 'j',     // the camera that follows was jumped to
   kEnd = 'e'
 };
 constexpr size_t kPoseBytes = 7 * sizeof(double), kEndBytes = 24;
@@ -83,7 +84,7 @@ std::optional<Record> takeRecord(ByteSpan& file) {
 }
 
 Status check(const Record& record, Time last) {
-  if (std::string_view("fmrsce").find(static_cast<char>(record.kind)) == std::string_view::npos)
+  if (std::string_view("fmrscje").find(static_cast<char>(record.kind)) == std::string_view::npos)
     return invalid("a record of a kind that this version does not know");
   if (record.time < last || record.time.us > kMostTime_us) return invalid("times that go back");
   if (record.kind == kMessage || record.kind == kChoice) return {};
@@ -94,7 +95,7 @@ Status check(const Record& record, Time last) {
 
 Result<FlightLog::Entry> entryFrom(const Record& record, bool is_steered) {
   FlightLog::Entry entry{.time = record.time};
-  const bool is_of_steered = record.kind == kSteered || record.kind == kChoice;
+  const bool is_of_steered = record.kind == kSteered || record.kind == kChoice || record.kind == kJump;
   if (is_of_steered ? !is_steered : is_steered && record.kind == kFrame)
     return invalid("a record of a flight that was steered, in one that was planned, or the other way round");
   if (record.kind == kMessage) {
@@ -102,6 +103,8 @@ Result<FlightLog::Entry> entryFrom(const Record& record, bool is_steered) {
     entry.message.assign(record.bytes.begin(), record.bytes.end());
   } else if (record.kind == kReconnect) {
     entry.what = FlightLog::What::kReconnect;
+  } else if (record.kind == kJump) {
+    entry.what = FlightLog::What::kJump;
   } else if (record.kind == kSteered) {
     const auto pose = poseFrom(record.bytes);
     if (!pose) return invalid("a camera that is nowhere, or looks nowhere");
@@ -155,7 +158,8 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
 }
 
 Status RecordingWriter::append(std::span<const FlightLog::Entry> entries) {
-  constexpr std::array<uint8_t, 5> kKinds{kFrame, kMessage, kReconnect, kSteered, kChoice};  // by FlightLog::What
+  constexpr std::array<uint8_t, 6> kKinds{kFrame,   kMessage, kReconnect,
+                                          kSteered, kChoice,  kJump};  // by FlightLog::What
   for (const FlightLog::Entry& entry : entries.subspan(std::min(appended_, entries.size()))) {
     Bytes bytes = entry.message;
     if (entry.what == FlightLog::What::kSteered)

@@ -191,6 +191,9 @@ FORELAND_EXPORT(foreland_error) const TextRecord* error(Host* host) {
   return &host->text_record;
 }
 
+// The camera of the next frame is jumped to (Viewer::jump).
+FORELAND_EXPORT(foreland_jump) void jump(Host* host) { host->viewer.jump(); }
+
 FORELAND_EXPORT(foreland_frame)
 const FrameRecord* frame(Host* host, double now_ms, double x, double y, double z, double qx, double qy, double qz,
                          double qw) {

@@ -61,6 +61,9 @@ FORELAND_EXPORT(foreland_screen_add) void screenAdd(Screen* screen, uint32_t old
 // The version of the mesh to make ready next; 0 if there is none.
 FORELAND_EXPORT(foreland_screen_next) uint32_t screenNext(Screen* screen) { return screen->schedule.next(); }
 
+// The camera of the next frame is jumped to (CameraPath::jump).
+FORELAND_EXPORT(foreland_screen_jump) void screenJump(Screen* screen) { screen->camera.jump(); }
+
 // What to draw at `now_ms`, if the mesh of version `ready` can be shown and the one that was shown last, with the
 // camera at a pose and a proto::Strategy.
 FORELAND_EXPORT(foreland_screen_frame)

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kAgeBits = 8;                        // ages are in units of 256 us
 constexpr int64_t kHorizon_us = int64_t{1} << 60;  // largest time, either way
+constexpr uint8_t kJumpMark = 1;                   // of a pose update's pose; servers that know none ignore it
 
 void putKind(MessageKind kind, BitWriter& w) { w.put(static_cast<uint64_t>(kind), kKindBits); }
 
@@ -25,7 +26,7 @@ Bytes putAbsolutePose(const PoseUpdate& m, const WirePose& pose) {
   ByteWriter w(out);
   w.put(MessageKind::kPose);
   w.putZigzag(m.pose.time.us);
-  putPose(pose, w);
+  putPose(pose, w, m.has_jumped ? kJumpMark : 0);
   w.putVarint(m.received_keyframe);
   w.putZigzag((m.received_at - m.pose.time).us);
   return out;
@@ -35,7 +36,9 @@ std::optional<PoseUpdate> getAbsolutePose(ByteSpan bytes, WirePose& pose) {
   ByteReader r(bytes.subspan(1));
   PoseUpdate m;
   m.pose.time = {r.getZigzag()};
-  pose = getPose(r);
+  const MarkedPose marked = getPose(r);
+  pose = marked.pose;
+  m.has_jumped = (marked.marks & kJumpMark) != 0;
   const uint64_t received = r.getVarint();
   const Duration since{r.getZigzag()};
   if (!r.atEnd() || received > 0xffffffffu || !isNear(m.pose.time) || !isNear(Time{} + since)) return std::nullopt;
@@ -49,7 +52,7 @@ int64_t ageOf(const PoseUpdate& m) { return (m.pose.time - m.received_at).us >> 
 
 bool canPutPoseStep(const PoseUpdate& m, const WirePose& pose, const PoseMemory& memory) {
   const int64_t later = int64_t{m.received_keyframe} - memory.received_keyframe, age = ageOf(m);
-  return !memory.poses.empty() && later >= 0 && fitsGroup({&later, 1}) && fitsGroup({&age, 1}) &&
+  return !m.has_jumped && !memory.poses.empty() && later >= 0 && fitsGroup({&later, 1}) && fitsGroup({&age, 1}) &&
          memory.poses.canPutNext(m.pose.time, pose);
 }
 
@@ -132,7 +135,7 @@ std::optional<KeyframeMessage> getAbsoluteHeader(ByteSpan bytes, WirePose& pose)
   h.index = static_cast<uint32_t>(index);
   h.base_index = static_cast<uint32_t>(base);
   h.time = {r.getZigzag()};
-  pose = getPose(r);
+  pose = getPose(r).pose;
   const uint64_t width = r.getVarint(), height = r.getVarint();
   h.lens.width_px = static_cast<uint32_t>(std::min<uint64_t>(width, 0xffffffffu));
   h.lens.height_px = static_cast<uint32_t>(std::min<uint64_t>(height, 0xffffffffu));

@@ -6,7 +6,8 @@
 // coded as its difference from the one before; the first, and one that differs by too much, absolutely. Absolute ones
 // are (little-endian, varints as base/bytes.h has them):
 //
-//   byte 2   pose update   zigzag time (us); pose (wire_pose.h); varint received keyframe; zigzag received_at - time (us)
+//   byte 2   pose update   zigzag time (us); pose (wire_pose.h), whose mark 1 says that the camera jumped; varint
+//                          received keyframe; zigzag received_at - time (us)
 //   byte 3   keyframe      varint index, base; zigzag time (us); pose; varint width, height (pixels), double field of
 //                          view; floats tau, region radius, region angle; uint32 fingerprint; delta
 //   byte 4   resume        uint64 scene; varint keyframe; zigzag time (us); uint32 fingerprint; section
@@ -43,6 +44,8 @@ struct PoseUpdate {
   TimedPose pose;                  // the client's clock; eye to the millimetre, orientation to 1e-4 rad
   uint32_t received_keyframe = 0;  // 0: none yet
   Time received_at;                // the client's clock
+  // The camera has not moved here from the last pose, but jumped. Such a pose is sent absolutely.
+  bool has_jumped = false;
 };
 
 // Client to server, after the welcome to a new connection and before any pose: the section that the client holds, of

@@ -10,6 +10,7 @@ namespace foreland::proto {
 namespace {
 
 constexpr int64_t kComponentOffset = 32768;
+constexpr int kLargestBits = 2;
 constexpr Duration kFarthestAhead = Duration::milliseconds(10'000);
 constexpr int64_t kMostStretch = 8;
 constexpr int64_t kLargestChange = 1'000'000'000;  // times 10 s in microseconds, still far inside int64
@@ -61,18 +62,20 @@ Pose fromWire(const WirePose& pose, const WireQuanta& steps) {
   return out;
 }
 
-void putPose(const WirePose& pose, ByteWriter& w) {
+void putPose(const WirePose& pose, ByteWriter& w, uint8_t marks) {
   for (int64_t v : pose.eye) w.putZigzag(v);
-  w.put(pose.largest);
+  w.put(static_cast<uint8_t>(pose.largest | marks << kLargestBits));
   for (int64_t v : pose.rest) w.put(static_cast<int16_t>(v));
 }
 
-WirePose getPose(ByteReader& r) {
-  WirePose pose;
-  for (int64_t& v : pose.eye) v = r.getZigzag();
-  pose.largest = r.get<uint8_t>() & 3;
-  for (int64_t& v : pose.rest) v = r.get<int16_t>();
-  return pose;
+MarkedPose getPose(ByteReader& r) {
+  MarkedPose m;
+  for (int64_t& v : m.pose.eye) v = r.getZigzag();
+  const auto byte = r.get<uint8_t>();
+  m.pose.largest = byte & ((1 << kLargestBits) - 1);
+  m.marks = static_cast<uint8_t>(byte >> kLargestBits);
+  for (int64_t& v : m.pose.rest) v = r.get<int16_t>();
+  return m;
 }
 
 void WirePoses::add(Time time, const WirePose& pose) {

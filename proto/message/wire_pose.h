@@ -7,8 +7,9 @@
 //
 // A viewer's own poses are exact to half a millimetre an axis and 8e-5 rad, those of keyframes to 4 mm and 3e-4 rad.
 //
-// An absolute pose is bytes: three zigzag varints, a byte, three 16-bit integers. A delta-coded pose is bits
-// (base/bits.h), with a width of its own for each kind of group, in brackets the first one to remember:
+// An absolute pose is bytes: three zigzag varints, a byte, of which the upper six bits are marks, three 16-bit
+// integers. A delta-coded pose is bits (base/bits.h), with a width of its own for each kind of group, in brackets the
+// first one to remember:
 //
 //   group of 1    [17] what the time since the last pose is more than the one before that, microseconds
 //   1 bit         is another pose expected than last time (the first time: than 0)?
@@ -58,9 +59,13 @@ WirePose toWire(const Pose& pose, const WireQuanta& steps);
 // Any numbers give an orientation; the eye may be too far away to be usable.
 Pose fromWire(const WirePose& pose, const WireQuanta& steps);
 
-// An absolute pose.
-void putPose(const WirePose& pose, ByteWriter& w);
-WirePose getPose(ByteReader& r);
+// An absolute pose, and with it `marks`, six bits that say more about it.
+void putPose(const WirePose& pose, ByteWriter& w, uint8_t marks = 0);
+struct MarkedPose {
+  WirePose pose;
+  uint8_t marks = 0;
+};
+MarkedPose getPose(ByteReader& r);
 
 // The poses so far, of which the last three count. Either end of a connection has one for each kind of message that
 // carries poses; both add the same poses in the same order, absolute ones and delta-coded ones.

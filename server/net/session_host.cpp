@@ -1,5 +1,7 @@
 #include "server/net/session_host.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -17,6 +19,12 @@ constexpr size_t kSmallMessage = 256;
 // Replies that have no room are tried again after this time.
 constexpr Duration kUntilRoom = Duration::milliseconds(100);
 constexpr size_t kLargeSection = 500'000;  // nodes
+
+// From the disk, by this thread, since it began: pages of the scene that were not in memory.
+uint64_t pagesRead() {
+  rusage usage{};
+  return ::getrusage(RUSAGE_THREAD, &usage) == 0 ? static_cast<uint64_t>(usage.ru_majflt) : 0;
+}
 
 int64_t milli(double value) { return std::llround(1000 * value); }
 
@@ -230,9 +238,10 @@ void SessionActor::stepIfDue(SessionScratch& scratch) {
   if (fairly(jobFor(*due)).is_costly && !is_lease_costly_) return;  // in its own turn
   const SessionStatistics before = session_.statistics();
   std::vector<Bytes> out;
+  const uint64_t read_before = pagesRead();
   session_.step(begin, scratch, out, is_early ? Session::Start::kEarly : Session::Start::kWhenDue);
   const Time end = host_.clock_();
-  session_.noteComputeTime(end - begin);
+  session_.noteComputeTime(end - begin, pagesRead() - read_before);
   countStep(before, due->deadline, begin, end);
   if (out.empty()) return;
   ++batches_posted_;

@@ -1,22 +1,11 @@
 #include "server/session/session.h"
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <utility>
 
 #include "proto/codec/section_codec.h"
 
 namespace foreland::server {
-
-namespace {
-
-constexpr Duration kPrefetchEvery = Duration::milliseconds(500);
-
-// For how many intervals the first keyframe after a jump is expected to be shown.
-constexpr int64_t kShownAfterJump = 5;
-
-}  // namespace
 
 Session::Session(std::shared_ptr<const World> world, const SessionOptions& options)
     : world_(std::move(world)), options_(options), sender_(world_->hierarchy) {}
@@ -107,7 +96,7 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     return Error{ErrorCode::kMalformed, "a pose update acknowledges a keyframe that was never sent"};
   // After a clock was set anew, times before it and after it cannot be compared.
   if (!clocks_.poseArrived(update.pose.time, now) || motion_.isJump(update.pose, world_->hierarchy.scene()) ||
-      isTooFarAhead())
+      isTooFarAhead() || isAnnouncedJump(update, now))
     jumpTo(update.pose);
   else
     motion_.add(update.pose);
@@ -122,6 +111,11 @@ Status Session::take(const proto::PoseUpdate& update, Time now) {
     }
   }
   return {};
+}
+
+bool Session::isAnnouncedJump(const proto::PoseUpdate& update, Time now) {
+  const bool is_next = !motion_.empty() && update.pose.time > motion_.newest().time;
+  return update.has_jumped && is_next && announced_jumps_.take(now);
 }
 
 void Session::jumpTo(const proto::TimedPose& pose) {
@@ -260,7 +254,7 @@ std::optional<Session::Due> Session::requestDue() const {
 // Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.
 std::optional<Session::Due> Session::prefetchDue() const {
   if (options_.prefetch_ahead == Duration{} || isFirst() || processors_ != Processors::kFree) return std::nullopt;
-  return Due{next_prefetch_, next_prefetch_ + kPrefetchEvery, true};
+  return Due{prefetch_pace_.next(), prefetch_pace_.next() + PrefetchPace::kLeast, true};
 }
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
@@ -270,7 +264,8 @@ void Session::prefetch(SessionScratch& scratch) {
   view.region_radius_m = view.region_angle_rad = 0;
   // If the section is too large, more than enough has been read.
   (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
-  next_prefetch_ = now_ + kPrefetchEvery;
+  prefetch_pace_.begun(now_);
+  did_ = Did::kPrefetch;
   ++statistics_.prefetches;
 }
 
@@ -291,142 +286,13 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, S
   if (const auto due = prefetchDue(); due && due->release <= now_) prefetch(scratch);
 }
 
-// When a keyframe for `t` begins to be shown. The first section, and one after a jump, is shown as soon as it arrives.
-Time Session::shownFrom(Time t) const {
-  if (jumped_) return motion_.newest().time;
-  if (isFirst()) return std::min(motion_.newest().time, t - leadOf(request_->keyframe_interval));
-  return std::min(keyframe().time, t - request_->keyframe_interval) - (leadOf(last_step_) - last_step_);
-}
-
-// The keyframe's pose, and the region around it that the camera stays in while the section is shown.
-proto::View Session::viewFor(Time t, Duration until_next) const {
-  const ExpectedMotion motion = motion_.expected(*request_);
-  proto::View view{motion.at(t), request_->lens, sectionTolerance()};
-  const Time end = t + leadOf(until_next);
-  const Duration unknown = jumped_ ? request_->keyframe_interval * kShownAfterJump : end - motion_.newest().time;
-  const Region region =
-      motion_.regionAround(view.pose, motion, shownFrom(t), end, leadOf(std::max(interval_, until_next)), unknown);
-  // Floats, as in the keyframe's header.
-  view.region_radius_m = static_cast<float>(region.radius_m);
-  view.region_angle_rad = static_cast<float>(region.angle_rad);
-  return view;
-}
-
-// Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
-bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch,
-                           Bytes& message) {
-  fitBudget(view, scratch);
-  ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
-  if (visibility)
-    visibility->expect(outlookOf(motion_.expected(*request_), shownFrom(plan.time_client),
-                                 plan.time_client + leadOf(plan.until_next), request_->keyframe_interval,
-                                 motion_.eyeError(leadOf(std::max(interval_, plan.until_next)))));
-  return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
-}
-
-// Chooses the scene time of the keyframe for `view`.
-void Session::moveGround(Time t, const proto::View& view) {
-  const proto::Epochs& epochs = world_->hierarchy.epochs().epochs();
-  if (epochs.empty()) return;
-  // As the viewer decodes it, and with the finest tolerance that frames may keep.
-  const proto::View seen{proto::asSentInHeader(view.pose), view.lens, request_->tau_px,
-                         proto::shortAtLeast(view.region_radius_m), proto::shortAtLeast(view.region_angle_rad)};
-  const auto next = scene_time_.next(epochs, t, [&](Time from, Time wanted) {
-    return world_->motion ? world_->motion->towards(from, wanted, seen) : epochs.towards(from, wanted);
-  });
-  sender_.showAt(next.scene_time, next.is_step);
-}
-
-// That the viewer's frames are to keep, less what the ground's motion takes of it.
-double Session::sectionTolerance() const {
-  return proto::sectionTolerance(world_->hierarchy.epochs().epochs().blend(), request_->tau_px);
-}
-
-void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const double interval_s =
-      isFirst() || jumped_ ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
-  if (jumped_) {
-    sender_.restart();
-    tolerance_.restart();
-  }
-  plan.until_next = adaptive_interval_.next(bounds(), interval_);
-  fitRegion(plan, scratch);
-  const proto::View view = viewFor(plan.time_client, plan.until_next);
-  moveGround(plan.time_client, view);
-  Bytes message;
-  // The second one starts from nothing, and so is as large as it was measured.
-  if (!sendKeyframe(view, plan, mostNodes(), scratch, message))
-    CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
-  tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
-  out.push_back(std::move(message));
-  sendTiles(plan, view, out);
-  observeRegion(scratch);
-  last_step_ = Duration::seconds(interval_s);
-
-  unsent_ = true;
-  keyframe_before_last_at_ = isFirst() ? now - request_->keyframe_interval : last_keyframe_at_;
-  last_keyframe_at_ = now;
-  did_ = Did::kKeyframe;
-  was_after_jump_ = std::exchange(jumped_, false);
-  motion_.notePrediction({plan.time_client, view.pose}, leadOf(interval_));
-  // What is foreseen with `delay` and `current` is the time after the keyframe, which a higher order makes longer.
-  if (const Time end = plan.time_client + leadOf(plan.until_next);
-      request_->order > 1 && request_->strategy != proto::Strategy::kPredict)
-    motion_.notePrediction({end, motion_.expected(*request_).at(end)}, leadOf(interval_));
-  if (keyframe().base_index > 0)
-    adaptive_interval_.observe(scratch.send.delta.added.size() + scratch.send.delta.removed.size(),
-                               sender_.adapter().nodeCount(), Duration::seconds(interval_s));
-  interval_ = plan.until_next;
-  target_.reset();
-  aim();
-  in_flight_.push_back({keyframe().index, now});
-  statistics_.keyframes += 1;
-  statistics_.skipped_keyframes += plan.skipped;
-  statistics_.nodes_added += scratch.send.delta.added.size();
-  statistics_.nodes_removed += scratch.send.delta.removed.size();
-  statistics_.tau_px = keyframe().tau_px;
-  statistics_.is_coarse = keyframe().tau_px > 1.001 * sectionTolerance();  // it is a float
-  statistics_.nodes_tested = sender_.adapter().testCount();
-  if (occlusion_) statistics_.occlusion = occlusion_->statistics();
-  statistics_.section_nodes = sender_.nodeCount();
-  statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
-  statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
-}
-
-// Tiles follow the keyframe that shows them, and those for where the camera will be in the next seconds, one of them
-// each time. What is predicted for later is worth less, so it is looked at only while the link keeps tiles waiting.
-void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out) {
-  constexpr int64_t kMostSecondsAhead = 3;
-  constexpr double kRoom = 1.25, kRoom_m = 0.1;
-  if (!tiles_ || !(request_->relief || request_->imagery)) return;
-  const bool looks_far = tiles_->isShort() || motion_.isOnPath(*request_);
-  const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMostSecondsAhead : 1);
-  const ExpectedMotion motion = motion_.expected(*request_);
-  const double unknown_m = motion_.eyeError(leadOf(std::max(interval_, plan.until_next)));
-  const auto eyesOf = [&](Time begin, Time end) {
-    EyeSweep eyes = sweepOf(motion, begin, end);
-    eyes.radius_m += unknown_m;
-    return eyes;
-  };
-  // With some room, so that what is found for later serves again when it is there.
-  EyeSweep later_eyes = eyesOf(later, later + plan.until_next * kMostSecondsAhead);
-  later_eyes.radius_m = kRoom * later_eyes.radius_m + kRoom_m;
-  const std::array targets{
-      TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + leadOf(plan.until_next))},
-      TileSender::Target{{motion.at(later), view.lens, view.tau_px}, later_eyes}};
-  tiles_->choose(keyframe().index, targets, *request_);
-  tiles_->pace().keyframeSent(keyframe().index, out.back().size(), now_, plan.until_next.toSeconds(),
-                              request_->max_bytes_per_second);
-  tiles_->take(out);
-  statistics_.tiles = tiles_->statistics().tiles;
-  statistics_.tile_bytes = tiles_->statistics().bytes;
-}
-
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
-void Session::noteComputeTime(Duration spent) {
+void Session::noteComputeTime(Duration spent, uint64_t pages_read) {
   constexpr int64_t kRest = 4;  // times what a request took
   if (did_ == Did::kKeyframe) compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
   if (did_ == Did::kRequest) next_request_ = now_ + spent + spent * kRest;
+  if (did_ == Did::kPrefetch) prefetch_pace_.ended(now_, pages_read);
+  if (did_ == Did::kKeyframe) prefetch_pace_.keyframeRead(now_, pages_read);
 }
 
 }  // namespace foreland::server

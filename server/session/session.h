@@ -24,7 +24,9 @@
 #include "server/section/budget.h"
 #include "server/section/sender.h"
 #include "server/session/adaptive_interval.h"
+#include "server/session/announced_jumps.h"
 #include "server/session/clock_map.h"
+#include "server/session/prefetch_pace.h"
 #include "server/session/requests.h"
 #include "server/session/scene_time.h"
 #include "server/session/world.h"
@@ -67,7 +69,7 @@ struct SessionStatistics {
   OcclusionStatistics occlusion;  // of this connection
   uint64_t prefetches = 0;
   uint64_t replies = 0;                // to requests
-  uint64_t jumps = 0;                  // of the camera (proto/space/jump.h)
+  uint64_t jumps = 0;                  // of the camera, recognised (proto/space/jump.h) or announced
   double tau_px = 0;                   // in force
   bool is_coarse = false;              // that is above what the viewer asked for
   uint64_t tiles = 0, tile_bytes = 0;  // sent
@@ -105,7 +107,8 @@ class Session {
   // Due::earliest on, for the sake of others who are due at the same time.
   enum class Start : uint8_t { kWhenDue, kEarly };
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, Start start = Start::kWhenDue);
-  void noteComputeTime(Duration spent);
+  // And how many pages of the scene it had to read from the disk.
+  void noteComputeTime(Duration spent, uint64_t pages_read = 0);
   // How long a keyframe is expected to take.
   Duration computeTime() const { return compute_time_; }
   // Answers no request before `until`, since there is no room for the reply.
@@ -157,6 +160,7 @@ class Session {
   proto::KeyframeInterval bounds() const { return {request_->keyframe_interval, request_->longest_interval}; }
   // Whether no keyframe has been sent on this connection.
   bool isFirst() const { return statistics_.keyframes == 0; }
+  bool isAnnouncedJump(const proto::PoseUpdate& update, Time now);
   void jumpTo(const proto::TimedPose& pose);
   bool isTooFarAhead() const;
   Time gridAtOrAfter(Time t_client) const;
@@ -190,6 +194,7 @@ class Session {
   SceneTime scene_time_;
   ClockMap clocks_;
   bool jumped_ = false;  // and no keyframe has been computed since
+  AnnouncedJumps announced_jumps_;
   proto::PoseMemory poses_taken_;
   Time now_;                    // of the last event
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
@@ -201,7 +206,7 @@ class Session {
   Time next_request_;  // not to be answered earlier
   std::optional<proto::Resume> resume_;
   bool resumed_ = false;  // or tried to
-  enum class Did : uint8_t { kNothing, kKeyframe, kRequest };
+  enum class Did : uint8_t { kNothing, kKeyframe, kRequest, kPrefetch };
   Did did_ = Did::kNothing;  // in the last step
   Processors processors_ = Processors::kFree;
 
@@ -219,7 +224,7 @@ class Session {
   };
   std::deque<Sent> in_flight_;
   Duration compute_time_ = Duration::milliseconds(10);  // of the slower of the recent keyframes
-  Time next_prefetch_;
+  PrefetchPace prefetch_pace_;
   SessionStatistics statistics_;
 };
 

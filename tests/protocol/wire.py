@@ -203,9 +203,9 @@ class Numbers:
 
 
 def read_numbers(r):
-    """An absolute pose."""
-    eye = [r.zigzag() for _ in range(3)]
-    return Numbers(eye, r.number("B") & 3, [r.number("h") for _ in range(3)])
+    """An absolute pose, and whether it is marked as one that the camera has jumped to."""
+    eye, byte = [r.zigzag() for _ in range(3)], r.number("B")
+    return Numbers(eye, byte & 3, [r.number("h") for _ in range(3)]), byte & 4 != 0
 
 
 class Bits:
@@ -309,6 +309,7 @@ class PoseUpdate:
     pose: Pose
     received_keyframe: int
     received_at: int
+    has_jumped: bool
 
 
 class PoseUpdates:
@@ -320,14 +321,15 @@ class PoseUpdates:
     def read(self, message):
         if message[0] == POSE:
             r = Reader(message[1:])
-            time, numbers, received, at = r.zigzag(), read_numbers(r), r.varint(), r.zigzag()
+            time, (numbers, has_jumped), received, at = r.zigzag(), read_numbers(r), r.varint(), r.zigzag()
             at += time
             require(not r.rest(), "bytes after a pose update")
         else:
             time, numbers, received, at = self.after_another(Bits(message))
+            has_jumped = False
         require(received < 1 << 32, "an absurd pose update")
         self.poses.add(time, numbers)
-        self.last = PoseUpdate(time, numbers.pose(1000, 32767), received, at)
+        self.last = PoseUpdate(time, numbers.pose(1000, 32767), received, at, has_jumped)
         return self.last
 
     def after_another(self, bits):
@@ -401,7 +403,7 @@ class Keyframes:
     def read(self, message):
         if message[0] == KEYFRAME:
             r = Reader(message[1:])
-            index, base, time, numbers = r.varint(), r.varint(), r.zigzag(), read_numbers(r)
+            index, base, time, (numbers, _) = r.varint(), r.varint(), r.zigzag(), read_numbers(r)
             lens_and_region = [r.varint(), r.varint(), *(r.number(code) for code in "dfff")]
             fingerprint, mask, delta = r.number("I"), 0xFFFFFFFF, r.rest()
         else:

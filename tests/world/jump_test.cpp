@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "bench/world/world.h"
 #include "server/view/ground.h"
@@ -88,6 +89,49 @@ TEST_P(Jumps, AreOverInASecondAndNoFrameClaimsMoreThanIsGuaranteed) {
   EXPECT_LE(most_nodes, kMostNodes);
   EXPECT_EQ(world.session(0).statistics().jumps, 8u);
   EXPECT_EQ(world.viewer(0).statistics().started_afresh, 0u) << "that is for new connections";
+}
+
+// Jumps that a camera could have flown are over as soon as any other, if they are announced: a turn on the spot, by
+// half a radian at most, and 300 m from far above.
+TEST_P(Jumps, ThatAreSmallAreOverAsSoonIfTheyAreAnnounced) {
+  struct Small {
+    glm::dvec3 eye;
+    double step_m, turn_rad;
+  };
+  for (const Small& small :
+       {Small{aboveGround(-300, -200, 300), 0, 0.45}, Small{aboveGround(-300, -200, 4500), 300, 0}}) {
+    World world(alps(), {}, Duration::milliseconds(30), 54);
+    ClientOptions c = jumping(GetParam());
+    c.camera = [&](Time now) {
+      const auto view = static_cast<double>(std::max<int64_t>(now.us, 0) / kEvery.us);
+      const double heading = 0.4 + small.turn_rad * view;
+      return proto::Pose{small.eye + glm::dvec3(small.step_m * view, 0, 0),
+                         proto::lookAlong({std::cos(heading), std::sin(heading), -0.6}, {0, 0, 1})};
+    };
+    int64_t view = 0;
+    c.at_frame = [&](client::Viewer& viewer, Time now) {
+      if (const int64_t at = std::max<int64_t>(now.us, 0) / kEvery.us; at != std::exchange(view, at)) viewer.jump();
+    };
+    world.addClient(c);
+    Duration worst{};
+    bool is_recovered = true;
+    int64_t seen = 0;
+    world.on_frame = [&](size_t, const client::FrameView& shown, Time now) {
+      if (const int64_t at = now.us / kEvery.us; at != std::exchange(seen, at)) {
+        EXPECT_TRUE(is_recovered) << "view " << at;
+        is_recovered = false;
+      }
+      const bool shows_view = glm::distance(shown.pose.eye, c.camera(now).eye) < 50 &&
+                              proto::angleBetween(shown.pose.orientation, c.camera(now).orientation) < 0.1;
+      if (is_recovered || seen == 0 || !shows_view || shown.tolerance_px > 1) return;
+      is_recovered = true;
+      worst = std::max(worst, Duration{now.us % kEvery.us});
+    };
+    world.run(Time::seconds(4 * 7));
+    EXPECT_EQ(world.report(), "");
+    EXPECT_EQ(world.session(0).statistics().jumps, 6u);
+    EXPECT_LE(worst, Duration::milliseconds(600)) << small.step_m;
+  }
 }
 
 TEST_P(Jumps, ObjectsCountAgainstTheLimitOfNodes) {

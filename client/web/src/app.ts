@@ -238,7 +238,10 @@ export class App {
   private applySettings(): void {
     this.applyLook();
     if (this.settings.frozen && !this.picture.frozen_view.pose) this.freeze();
-    if (!this.settings.frozen) this.picture.frozen_view.thaw();
+    if (!this.settings.frozen && this.picture.frozen_view.pose) {
+      this.picture.frozen_view.thaw();
+      this.session.jump(); // for the server, from the frozen view to where the camera has gone meanwhile
+    }
     this.session.tell({ kind: 'blend', blend: this.settings.blend });
     this.session.tell({ kind: 'lines', wants_lines: this.settings.wireframe });
     this.sendRequest();

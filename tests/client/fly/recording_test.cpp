@@ -59,7 +59,7 @@ FlightLog anyLog(Rng& rng) {
   for (uint64_t i = rng.below(60); i-- > 0;) {
     now.us += static_cast<int64_t>(rng.below(20'000));
     FlightLog::Entry entry{.time = now,
-                           .what = static_cast<FlightLog::What>(rng.below(log.options.is_steered ? 5 : 3))};
+                           .what = static_cast<FlightLog::What>(rng.below(log.options.is_steered ? 6 : 3))};
     if (log.options.is_steered && entry.what == FlightLog::What::kFrame) entry.what = FlightLog::What::kSteered;
     if (entry.what == FlightLog::What::kMessage)
       for (uint64_t k = rng.below(300); k-- > 0;) entry.message.push_back(static_cast<uint8_t>(rng.next()));

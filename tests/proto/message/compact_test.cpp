@@ -52,6 +52,7 @@ TEST(PoseUpdates, ArriveAsIfEachWereAbsolute) {
   for (int i = 0; i < 5000; ++i) {
     PoseUpdate sent{flight.next(), received, received_at};
     if (rng.below(50) == 0) sent.pose.pose.eye.x += rng.uniform(-1e7, 1e7);
+    sent.has_jumped = rng.below(50) == 0;
     if (rng.below(4) == 0) {
       received += static_cast<uint32_t>(rng.below(100) == 0 ? rng.below(1u << 30) : 1 + rng.below(3) / 2);
       received_at = sent.pose.time - Duration{static_cast<int64_t>(rng.below(80'000))};
@@ -64,10 +65,31 @@ TEST(PoseUpdates, ArriveAsIfEachWereAbsolute) {
     const auto& got = std::get<PoseUpdate>(*message);
     EXPECT_EQ(got.pose.time, sent.pose.time);
     expectSamePose(got.pose.pose, asSent(sent.pose.pose));
+    EXPECT_EQ(got.has_jumped, sent.has_jumped);
     EXPECT_EQ(got.received_keyframe, sent.received_keyframe);
     EXPECT_GE(got.received_at, sent.received_at);
     EXPECT_LE(got.received_at, sent.received_at + Duration{256});
   }
+}
+
+// Who knows of no jumps has written zeros where the mark is, and what else may be marked one day is not looked at.
+TEST(PoseUpdates, ThatAnnounceAJumpDifferByOneBit) {
+  Flight flight(11, Duration::milliseconds(50), {});
+  PoseUpdate update{flight.next(), 3, {}};
+  Bytes moved = encode(update);
+  update.has_jumped = true;
+  const Bytes jumped = encode(update);
+  ASSERT_EQ(moved.size(), jumped.size());
+  size_t mark = 0;
+  for (size_t i = 0; i < moved.size(); ++i)
+    if (moved[i] != jumped[i]) mark = i;
+  moved[mark] ^= 4;
+  EXPECT_EQ(moved, jumped);
+  moved[mark] = static_cast<uint8_t>(moved[mark] & 3) | 0xf8;
+  const auto other = decodeClientMessage(moved);
+  ASSERT_TRUE(other.ok());
+  EXPECT_FALSE(std::get<PoseUpdate>(*other).has_jumped);
+  expectSamePose(std::get<PoseUpdate>(*other).pose.pose, asSent(update.pose.pose));
 }
 
 TEST(PoseUpdates, TakeAtMost16BytesAfterTheFirst) {

@@ -73,12 +73,15 @@ proto::Pose poseAt(Time now) {
 // A real client over a real socket.
 class LiveViewer {
  public:
-  explicit LiveViewer(uint16_t port)
-      : socket_(port), viewer_(requestView(), client::Blend::kKeyframe, Duration::milliseconds(10)) {}
+  explicit LiveViewer(uint16_t port, const proto::ViewRequest& request = requestView())
+      : socket_(port), viewer_(request, client::Blend::kKeyframe, Duration::milliseconds(10)) {
+    viewer_.leaveMeshesEmpty();
+  }
 
   // Sends what is due, then takes what comes within a few milliseconds. False when the server has closed.
-  bool advance() {
-    viewer_.frame(steadyNow(), poseAt(steadyNow()));
+  bool advance() { return advance(poseAt(steadyNow())); }
+  bool advance(const proto::Pose& pose) {
+    viewer_.frame(steadyNow(), pose);
     for (Bytes message; viewer_.takeOutgoing(message);) socket_.send(message);
     if (!socket_.socket().isReadable(std::chrono::milliseconds(5))) return true;
     const auto message = socket_.receive();
@@ -388,6 +391,30 @@ TEST(Server, IsReadyUntilItIsFull) {
   const auto server = serve(options);
   for (const char* path : {"/livez", "/readyz", "/healthz"})
     EXPECT_TRUE(httpGet(server->port(), path).starts_with("HTTP/1.1 200")) << path;
+}
+
+// Viewers who want all that there is, and are elsewhere all the time, of a server with one worker. While they fly it is
+// not ready for more, though it takes them; when they have left it is.
+TEST(Server, IsNotReadyWhileItIsOverloaded) {
+  ServeOptions options = testOptions();
+  options.threads = 1;
+  const auto server = serve(options, roughWorld());
+  const uint16_t port = server->port();
+  const auto isReady = [&] { return httpGet(port, "/readyz").starts_with("HTTP/1.1 200"); };
+  ASSERT_TRUE(isReady());
+  {
+    std::vector<std::jthread> hogs;
+    for (int i = 0; i < 6; ++i)
+      hogs.emplace_back([port](const std::stop_token& stop) {
+        LiveViewer hog(port, requestAll());
+        proto::Pose pose = poseAt({});
+        while (hog.advance(pose) && !stop.stop_requested()) pose.eye.x = 3000 - pose.eye.x;
+      });
+    EXPECT_TRUE(eventually([&] { return httpGet(port, "/readyz").find("overloaded") != std::string::npos; }));
+    EXPECT_TRUE(httpGet(port, "/livez").starts_with("HTTP/1.1 200"));
+    EXPECT_TRUE(WebSocketClient(port).isOpen()) << "who was led here before is served";
+  }
+  EXPECT_TRUE(eventually(isReady));
 }
 
 TEST(Server, StopsWithViewersConnected) {

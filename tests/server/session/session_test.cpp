@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "base/rng.h"
 #include "tests/support/scene.h"
@@ -114,6 +118,39 @@ TEST(Session, PrefetchesBetweenKeyframesWithoutSendingAnything) {
   EXPECT_EQ(out.size(), sent);
 }
 
+// A camera that stands for a minute over a scene that is in memory, or is not; after half of it a keyframe has to read.
+TEST(Session, PrefetchesSeldomWhatIsInMemory) {
+  for (const uint64_t pages_read : {0, 3}) {
+    Session session(smallWorld(), {.prefetch_ahead = Duration::milliseconds(2000)});
+    SessionScratch scratch;
+    std::vector<Bytes> out;
+    ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+    std::array<uint64_t, 2> prefetches{};  // in either half
+    for (int i = 0; i < 1200; ++i) {
+      const Time now = Time::seconds(0.05 * i);
+      proto::PoseUpdate update = poseAt(0.05 * i);
+      update.received_keyframe = session.keyframe().index;
+      update.received_at = now;
+      ASSERT_TRUE(session.receive(proto::encode(update), now).ok());
+      const SessionStatistics before = session.statistics();
+      session.step(now, scratch, out);
+      const bool did_prefetch = session.statistics().prefetches > before.prefetches;
+      const bool keyframe_reads = i > 600 && i < 610 && session.statistics().keyframes > before.keyframes;
+      session.noteComputeTime({}, did_prefetch ? pages_read : keyframe_reads ? 1 : 0);
+      session.onDrained(now);
+      prefetches[i / 600] += did_prefetch ? 1 : 0;
+    }
+    const auto [first, second] = prefetches;
+    if (pages_read == 0) {
+      EXPECT_LE(first, 6u);
+      EXPECT_GE(second, 4u) << "the keyframe made it begin again";
+      EXPECT_LE(second, 8u);
+    } else {
+      EXPECT_GE(std::min(first, second), 50u);
+    }
+  }
+}
+
 TEST(Session, ATinyToleranceIsDoubledUntilTheSectionFits) {
   Session session(smallWorld(), {.max_section_nodes = 500});
   SessionScratch scratch;
@@ -141,8 +178,9 @@ struct Jumper {
     request.predictor = proto::Predictor::kConstantVelocity;
     CHECK_TRUE(session.receive(proto::encode(request), Time{}).ok());
   }
-  void pose(double s, const glm::dvec3& eye, const glm::dvec3& forward) {
+  void pose(double s, const glm::dvec3& eye, const glm::dvec3& forward, bool has_jumped = false) {
     proto::PoseUpdate update{{Time::seconds(s), {eye, proto::lookAlong(forward, {0, 0, 1})}}, 0, {}};
+    update.has_jumped = has_jumped;
     update.received_keyframe = session.keyframe().index;
     update.received_at = Time::seconds(s);
     CHECK_TRUE(session.receive(proto::encode(update), Time::seconds(s)).ok());
@@ -181,6 +219,77 @@ TEST(Session, AJumpWithEveryPoseGetsAKeyframeAnInterval) {
   for (int i = 0; i < 200; ++i) jumper.pose(0.05 * i, {3000.0 * (i % 2), 0, 900}, {0.3, 0, -1});
   EXPECT_LE(jumper.session.statistics().keyframes, 53u);
   EXPECT_GE(jumper.session.statistics().keyframes, 40u);
+}
+
+void expectTheSame(const Session& a, const Session& b) {
+  const proto::KeyframeHeader &k = a.keyframe(), &l = b.keyframe();
+  EXPECT_EQ(k.pose.eye, l.pose.eye);
+  EXPECT_EQ(k.pose.orientation, l.pose.orientation);
+  EXPECT_EQ(k.region_radius_m, l.region_radius_m);
+  EXPECT_EQ(k.region_angle_rad, l.region_angle_rad);
+  EXPECT_EQ(k.tau_px, l.tau_px);
+  EXPECT_EQ(a.section().slots, b.section().slots);
+}
+
+// A camera that stands, and jumps 300 m or turns on the spot, slowly enough to have flown there. If the pose says that
+// it jumped, the session goes on as one that begins there.
+TEST(Session, AfterAnAnnouncedJumpGoesOnAsANewSessionWould) {
+  const glm::dvec3 here(0, 0, 900), down(0.3, 0, -1);
+  struct Jump {
+    glm::dvec3 eye, forward;
+  };
+  for (const proto::Strategy strategy : {proto::Strategy::kDelay, proto::Strategy::kCurrent, proto::Strategy::kPredict})
+    for (const Jump& jump : {Jump{{300, 0, 900}, down}, Jump{here, {0.3, 0.4, -1}}})
+      for (const bool is_announced : {true, false}) {
+        Jumper jumper(smallWorld(), {}, strategy), fresh(smallWorld(), {}, strategy);
+        for (int i = 0; i < 40; ++i) jumper.pose(0.05 * i, here, down);
+        const uint32_t before = jumper.session.keyframe().index;
+        jumper.pose(2.35, jump.eye, jump.forward, is_announced);
+        EXPECT_EQ(jumper.session.statistics().jumps, is_announced ? 1u : 0u);
+        if (!is_announced) continue;
+        EXPECT_EQ(jumper.session.keyframe().index, before + 1);
+        EXPECT_EQ(jumper.session.keyframe().base_index, 0u);
+        fresh.pose(2.35, jump.eye, jump.forward);
+        for (int i = 48; fresh.session.keyframe().index == 0; ++i) fresh.pose(0.05 * i, jump.eye, jump.forward);
+        expectTheSame(jumper.session, fresh.session);
+        for (int i = 60; i < 90; ++i)
+          for (Jumper* both : {&jumper, &fresh}) both->pose(0.05 * i, jump.eye, jump.forward);
+        expectTheSame(jumper.session, fresh.session);
+      }
+}
+
+// An acknowledgement's pose is no newer than the last one, so nothing has jumped.
+TEST(Session, NoJumpIsAnnouncedByAPoseThatIsNotNew) {
+  Jumper jumper(smallWorld(), {}, proto::Strategy::kPredict);
+  const glm::dvec3 here(0, 0, 900), down(0.3, 0, -1);
+  jumper.pose(0, here, down, true);  // nor by the first
+  for (int i = 0; i < 20; ++i) jumper.pose(0.05 * i, here, down);
+  for (int i = 0; i < 20; ++i) jumper.pose(0.95, here, down, true);
+  EXPECT_EQ(jumper.session.statistics().jumps, 0u);
+  jumper.pose(1, here, down, true);
+  EXPECT_EQ(jumper.session.statistics().jumps, 1u);
+}
+
+// A viewer that announces a jump with every pose is believed for a few, and costs no more than these beside one that
+// does not.
+TEST(Session, JumpsAnnouncedWithoutEndAreMotion) {
+  std::array<uint64_t, 2> added{};
+  uint64_t most_nodes = 0;
+  for (const bool is_announced : {false, true}) {
+    Jumper jumper(smallWorld(), {}, proto::Strategy::kPredict);
+    uint64_t from_nothing = 0;
+    uint32_t last = 0;
+    for (int i = 0; i < 400; ++i) {
+      jumper.pose(0.05 * i, {600 * std::sin(0.03 * i), 0, 900}, {0.3, 0, -1}, is_announced);
+      const proto::KeyframeHeader& keyframe = jumper.session.keyframe();
+      most_nodes = std::max<uint64_t>(most_nodes, jumper.session.statistics().section_nodes);
+      if (keyframe.index != std::exchange(last, keyframe.index) && keyframe.base_index == 0) ++from_nothing;
+    }
+    added[is_announced] = jumper.session.statistics().nodes_added;
+    EXPECT_GT(jumper.session.statistics().keyframes, 90u) << "it is served";
+    EXPECT_LE(from_nothing, is_announced ? 4u + 20u + 1u : 1u);
+  }
+  EXPECT_LE(added[true], added[false] + 25 * most_nodes);
 }
 
 TEST(Session, NoSectionIsLargerThanItsLimitHoweverTheCameraMoves) {

@@ -16,6 +16,7 @@ interface Exports {
   foreland_receive(viewer: number, now_ms: number): number;
   foreland_take_outgoing(viewer: number): number;
   foreland_error(viewer: number): number;
+  foreland_jump(viewer: number): void;
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
   foreland_draw_ahead(viewer: number): void;
   foreland_take_newest(viewer: number): number;
@@ -42,6 +43,7 @@ interface Exports {
   foreland_screen_create(): number;
   foreland_screen_add(screen: number, oldest_version: number): void;
   foreland_screen_next(screen: number): number;
+  foreland_screen_jump(screen: number): void;
   foreland_screen_frame(screen: number, now_ms: number, ...more: number[]): number;
   foreland_screen_welcome(screen: number): number;
   foreland_screen_layer(screen: number, content: number): number;

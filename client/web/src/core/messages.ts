@@ -9,6 +9,7 @@ export type ToWorker =
       texture_layers: TextureLayers; clock_origin_ms: number; is_recorded: boolean }
   // A frame has been drawn from `pose`; meshes up to `staged_version` are on the graphics card. Ground is wanted about `eye`.
   | { kind: 'frame'; now_ms: number; pose: Pose; eye: readonly number[]; ground_reach: number; staged_version: number }
+  | { kind: 'jump' } // the camera of the next frame is jumped to
   | { kind: 'request'; request: Request }
   | { kind: 'blend'; blend: Blend }
   | { kind: 'lines'; wants_lines: boolean }

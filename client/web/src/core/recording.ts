@@ -26,6 +26,10 @@ export class Recording {
   frame(now_ms: number, { eye, orientation }: Pose): void {
     this.put('s', now_ms, new Uint8Array(new Float64Array([...eye, ...orientation]).buffer)); // of a little-endian machine, as WebAssembly is
   }
+  // The camera of the next frame is jumped to.
+  jump(now_ms: number): void {
+    this.put('j', now_ms, new Uint8Array());
+  }
   choose(now_ms: number, request: Request, blend: Blend): void {
     this.put('c', now_ms, new TextEncoder().encode(JSON.stringify(choiceOf(request, blend))));
   }

@@ -21,6 +21,10 @@ export class Screen {
   next(): number {
     return this.core.exports.foreland_screen_next(this.handle);
   }
+  // The camera of the next frame is jumped to.
+  jump(): void {
+    this.core.exports.foreland_screen_jump(this.handle);
+  }
   // If the mesh of version `ready` can be shown, and the one that was shown last. A mesh whose time has come before it is ready
   // begins when it is; `coming` is being made ready.
   frame(now_ms: number, pose: Pose, strategy: Strategy, ready: number, coming: number): ScreenFrame {

@@ -41,6 +41,12 @@ export class Session {
     this.tell({ kind: 'frame', now_ms, pose, eye, ground_reach, staged_version });
   }
 
+  // The camera of the next frame is jumped to.
+  jump(): void {
+    this.screen.jump();
+    this.tell({ kind: 'jump' });
+  }
+
   requestTour(name: string, seconds: number): void {
     this.tour = null;
     this.tell({ kind: 'request tour', name, seconds });

@@ -53,6 +53,10 @@ export class Viewer {
     this.core.exports.foreland_set_scene_clock(this.handle, now_ms, scene_ms, rate);
   }
 
+  // The camera of the next frame is jumped to, which the server is told.
+  jump(): void {
+    this.core.exports.foreland_jump(this.handle);
+  }
   frame(now_ms: number, pose: Pose): Frame {
     this.frame_record = this.core.exports.foreland_frame(this.handle, now_ms, ...pose.eye, ...pose.orientation);
     const r = readFrameRecord(this.core.view(), this.frame_record);

@@ -50,6 +50,10 @@ class Session {
     switch (message.kind) {
       case 'start': return;
       case 'frame': return this.frame(message);
+      case 'jump':
+        this.viewer.jump();
+        this.recording?.jump(this.now());
+        return;
       case 'request':
         this.request = message.request;
         this.viewer.setRequest(message.request);

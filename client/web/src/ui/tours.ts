@@ -49,6 +49,7 @@ export class Tours {
   pose(session: Session, now_ms: number): Pose | null {
     if (session.hasTour() && this.wanted !== null) {
       session.startTour(now_ms + kLead_ms);
+      session.jump(); // to where it begins
       this.is_flying = true;
     }
     if (!this.is_flying) return null;
