@@ -483,7 +483,7 @@ void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<B
 // How much the region makes of the section. Along an announced path the region is not reduced: there it is no guess.
 void Session::observeRegion(SessionScratch& scratch) {
   const bool is_guess = request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
-  if (!is_guess || !motion_.regionShare().isDue()) return;
+  if (!is_guess || !motion_.regionShare().isDue(sender_.nodeCount())) return;
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
   const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);

@@ -10,9 +10,11 @@ Region RegionShare::of(const Region& motion, const Region& error) const {
           of_motion * motion.angle_rad + of_error * error.angle_rad};
 }
 
-bool RegionShare::isDue() {
-  constexpr uint32_t kOften = 2, kSeldom = 16;
-  return keyframes_++ % (is_wide_ ? kOften : kSeldom) == 0;
+bool RegionShare::isDue(size_t nodes) {
+  constexpr uint32_t kOften = 8, kSeldom = 64;
+  constexpr size_t kChange = 8;  // a part of the nodes
+  const size_t change = std::max(nodes, nodes_) - std::min(nodes, nodes_);
+  return ++keyframes_ >= (is_wide_ ? kOften : kSeldom) || change > nodes_ / kChange;
 }
 
 // What the region adds to a section is about proportional to its share.
@@ -21,6 +23,8 @@ void RegionShare::observe(size_t nodes, size_t pose_alone) {
   const double excess = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
   is_wide_ = excess > kWide - 1 || share_ < 1;
   const double change = excess > 0 ? (kAim - 1) / excess : kRise;
+  nodes_ = nodes;
+  keyframes_ = 0;
   share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kLeast, 1.0);
 }
 

@@ -4,7 +4,8 @@
 // kMost times as large as the pose alone needs; of a larger one the share of prediction errors is reduced first, then
 // that of the motion. The header states the region that is left, and the client counts the frames outside of it.
 //
-// The share follows the sizes of some of the keyframes, so it holds for the next ones as far as these are alike.
+// The share follows the sizes of some of the keyframes, so it holds for the next ones as far as these are alike. Where
+// they are not, the section itself grows or shrinks, which is noticed for nothing.
 // One owner (a session).
 #pragma once
 
@@ -22,9 +23,10 @@ class RegionShare {
   // What is left of the region that holds the motion and may be off by `error`.
   Region of(const Region& motion, const Region& error) const;
 
-  // To be called once for each keyframe. True if its section is to be observed, which costs a refinement from scratch:
-  // one keyframe in sixteen, and every other one while the region is wide.
-  [[nodiscard]] bool isDue();
+  // To be called once for each keyframe, with the nodes of its section. True if it is to be observed, which costs a
+  // refinement from scratch: the first, each whose section is an eighth larger or smaller than the last one observed,
+  // and otherwise one in 64, or in eight while the region is wide.
+  [[nodiscard]] bool isDue(size_t nodes);
   // Of the last keyframe: the nodes of its section, and of one for its pose alone.
   void observe(size_t nodes, size_t pose_alone);
 
@@ -33,7 +35,8 @@ class RegionShare {
  private:
   double share_ = 1;
   bool is_wide_ = false;
-  uint32_t keyframes_ = 0;
+  size_t nodes_ = 0;        // when it was observed last
+  uint32_t keyframes_ = 0;  // since then
 };
 
 }  // namespace foreland::server

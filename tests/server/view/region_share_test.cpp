@@ -15,10 +15,33 @@ constexpr Region kMotion{40, 0.2}, kError{100, 0.6};
 TEST(RegionShare, IsTheWholeRegionWhereItAddsLittle) {
   RegionShare share;
   for (int i = 0; i < 100; ++i)
-    if (share.isDue()) share.observe(130'000, 100'000);
+    if (share.isDue(130'000)) share.observe(130'000, 100'000);
   EXPECT_EQ(share.share(), 1);
   EXPECT_DOUBLE_EQ(share.of(kMotion, kError).radius_m, kMotion.radius_m + kError.radius_m);
   EXPECT_DOUBLE_EQ(share.of(kMotion, kError).angle_rad, kMotion.angle_rad + kError.angle_rad);
+}
+
+// How often a section of a steady size is observed.
+int observationsOf(size_t nodes, size_t pose_alone) {
+  RegionShare share;
+  int observed = 0;
+  for (int i = 0; i < 1 + 64 * 4; ++i)
+    if (share.isDue(nodes)) share.observe(nodes, pose_alone), ++observed;
+  return observed;
+}
+
+TEST(RegionShare, IsObservedSeldomWhileSectionsStayAsLarge) {
+  EXPECT_EQ(observationsOf(110'000, 100'000), 1 + 4);
+  EXPECT_EQ(observationsOf(130'000, 100'000), 1 + 8 * 4) << "while it is wide";
+}
+
+TEST(RegionShare, IsObservedAtOnceWhenSectionsGrowOrShrink) {
+  RegionShare share;
+  for (const size_t nodes : {100'000, 115'000, 100'000, 500'000, 50'000}) {
+    EXPECT_TRUE(share.isDue(nodes)) << nodes;
+    share.observe(nodes, 100'000);
+    EXPECT_FALSE(share.isDue(nodes + nodes / 10)) << nodes;
+  }
 }
 
 TEST(RegionShare, LeavesOutErrorsBeforeMotion) {
@@ -51,7 +74,7 @@ TEST(RegionShare, KeepsSectionsWithinTheFactorWhateverTheLaw) {
         EXPECT_LE(nodes / alone, RegionShare::kMost) << "seed " << seed << ", most " << most << ", power " << power;
         EXPECT_GE(nodes / alone, std::min(1 + most, 1.25)) << "seed " << seed;
       }
-      if (!share.isDue()) continue;
+      if (!share.isDue(static_cast<size_t>(nodes))) continue;
       ++observed;
       share.observe(static_cast<size_t>(nodes), static_cast<size_t>(alone));
     }
