@@ -167,8 +167,9 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
   sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
   sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
-  sub->add_option("--slack-ms", request.slacks_ms,
-                  "with early starts: begin keyframes so much sooner than their sessions expect them to need")
+  sub->add_option(
+         "--slack-ms", request.slacks_ms,
+         "with early starts: begin keyframes so much sooner than they are expected to need (default: as servers)")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1000.0) & isFinite())
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "bench/load/worker_queues.h"
 #include "bench/world/compute_cost.h"
 #include "bench/world/link_models.h"
+#include "server/session/session.h"
 #include "server/session/world.h"
 
 namespace foreland::bench {
@@ -40,7 +41,7 @@ struct LoadOptions {
   LoadPolicy policy = LoadPolicy::kEdf;
   Phases phases = Phases::kRandom;
   LoadStart start = LoadStart::kLate;
-  double slack_ms = 0;  // by which keyframes are begun before their sessions expect it to be necessary, with kEarly
+  double slack_ms = server::SessionOptions{}.slack.toMilliseconds();  // with kEarly
   LoadQueues queues = LoadQueues::kShared;
   Mix mix = Mix::kMixed;
   size_t viewers = 40, workers = 1;

@@ -74,6 +74,7 @@ TEST(Load, MeetsDeadlinesWithSlackThatCostsFreshness) {
   options.start = LoadStart::kEarly;
   options.seconds = 20;
   options.prices = {"test", 1e6, 0, 0, 0, 20'000, 0};  // a keyframe costs now more, now less
+  options.slack_ms = 0;
   const LoadFigures tight = run(options);
   options.slack_ms = 10;
   const LoadFigures slack = run(options);
