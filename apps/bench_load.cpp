@@ -156,7 +156,7 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   sub->add_option("--workers", request.base.workers, "of the server")->check(CLI::Range(1, 64))->capture_default_str();
-  sub->add_option("--mix", args.mix, "mixed or survey")->capture_default_str();
+  sub->add_option("--mix", args.mix, "mixed, tours or survey")->capture_default_str();
   sub->add_option("--predictor", args.predictor,
                   "of viewers who do not jump: velocity, path, or another of `foreland fly`")
       ->capture_default_str();

@@ -25,8 +25,9 @@ enum class LoadPolicy : uint8_t { kFifo, kEdf, kLeastLaxity, kFair };
 enum class Phases : uint8_t { kSynchronised, kRandom, kStaggered };
 // Whether keyframes are begun as late as one alone could be, or early when several are due together (DeadlineQueue).
 enum class LoadStart : uint8_t { kLate, kEarly };
-// survey, or a mix: of 20 viewers 8 survey, 7 canyon, 2 spin, 1 jumps, 1 has a slow link, 1 is a hog.
-enum class Mix : uint8_t { kMixed, kSurvey };
+// mixed: of 20 viewers 8 fly survey, 7 canyon and 2 spin, 1 jumps, 1 has a slow link, 1 is a hog. tours: of 20 viewers
+// 8 fly survey, 7 canyon, 2 spin and 3 orbit, all with the same link, screen and tolerance. survey: all fly it.
+enum class Mix : uint8_t { kMixed, kSurvey, kTours };
 
 const char* name(LoadPolicy policy);
 const char* name(Phases phases);
