@@ -156,7 +156,7 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   sub->add_option("--workers", request.base.workers, "of the server")->check(CLI::Range(1, 64))->capture_default_str();
-  sub->add_option("--mix", args.mix, "mixed or survey")->capture_default_str();
+  sub->add_option("--mix", args.mix, "mixed, tours or survey")->capture_default_str();
   sub->add_option("--predictor", args.predictor,
                   "of viewers who do not jump: velocity, path, or another of `foreland fly`")
       ->capture_default_str();
@@ -167,8 +167,9 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
   sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
   sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
-  sub->add_option("--slack-ms", request.slacks_ms,
-                  "with early starts: begin keyframes so much sooner than their sessions expect them to need")
+  sub->add_option(
+         "--slack-ms", request.slacks_ms,
+         "with early starts: begin keyframes so much sooner than they are expected to need (default: as servers)")
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1000.0) & isFinite())
       ->capture_default_str();

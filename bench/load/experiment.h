@@ -15,7 +15,7 @@ struct LoadRequest {
   std::vector<size_t> viewers{};  // one run for each number; empty: base.viewers
   // Empty: all; with several servers edf, random and early, which is how `foreland serve` runs.
   std::vector<std::string> policies{}, phases{}, starts{};
-  std::vector<double> slacks_ms{0};
+  std::vector<double> slacks_ms{LoadOptions{}.slack_ms};            // without early starts they are without effect
   std::vector<std::string> queues{};                                // empty: shared
   std::vector<std::string> balances{}, fails{}, drains{}, joins{};  // of several servers; the last three SERVER@SECONDS
 };

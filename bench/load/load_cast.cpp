@@ -18,7 +18,10 @@ std::shared_ptr<const proto::Path> tourOf(const terrain::Scene& scene, const cha
 }  // namespace
 
 LoadTours::LoadTours(const terrain::Scene& scene)
-    : survey(tourOf(scene, "survey")), canyon(tourOf(scene, "canyon")), spin(tourOf(scene, "spin")) {}
+    : survey(tourOf(scene, "survey")),
+      canyon(tourOf(scene, "canyon")),
+      spin(tourOf(scene, "spin")),
+      orbit(tourOf(scene, "orbit")) {}
 
 LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance) {
   const Duration offset = Duration::seconds(chance.uniform(0, kTour_s));
@@ -32,6 +35,10 @@ LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role,
   role %= 20;
   if (role >= 8 && role < 15) cast.flight.path = tours.canyon;
   if (role == 15 || role == 16) cast.flight.path = tours.spin;
+  if (role >= 17 && options.mix == Mix::kTours) {
+    cast.flight.path = tours.orbit;
+    return cast;
+  }
   if (role == 17) {  // nobody knows where it will be
     cast.flight.jump_every = Duration::seconds(4);
     cast.request.predictor = proto::Predictor::kConstantVelocity;

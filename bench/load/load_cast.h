@@ -13,7 +13,7 @@ namespace foreland::bench {
 
 struct LoadTours {
   explicit LoadTours(const terrain::Scene& scene);
-  std::shared_ptr<const proto::Path> survey, canyon, spin;
+  std::shared_ptr<const proto::Path> survey, canyon, spin, orbit;
 };
 
 struct LoadCast {

@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<const char*, 4> kPolicies{"fifo", "edf", "least-laxity", "fair"};
 constexpr std::array<const char*, 3> kPhases{"synchronised", "random", "staggered"};
 constexpr std::array<const char*, 2> kQueues{"shared", "stealing"};
-constexpr std::array<const char*, 2> kMixes{"mixed", "survey"};
+constexpr std::array<const char*, 3> kMixes{"mixed", "survey", "tours"};
 
 // What is hidden is found out by blocks, segments and rays together.
 std::array<double, 7> sharesOf(const StepWork& work, const ComputePrices& prices) {

@@ -13,6 +13,7 @@
 #include "bench/load/worker_queues.h"
 #include "bench/world/compute_cost.h"
 #include "bench/world/link_models.h"
+#include "server/session/session.h"
 #include "server/session/world.h"
 
 namespace foreland::bench {
@@ -24,8 +25,9 @@ enum class LoadPolicy : uint8_t { kFifo, kEdf, kLeastLaxity, kFair };
 enum class Phases : uint8_t { kSynchronised, kRandom, kStaggered };
 // Whether keyframes are begun as late as one alone could be, or early when several are due together (DeadlineQueue).
 enum class LoadStart : uint8_t { kLate, kEarly };
-// survey, or a mix: of 20 viewers 8 survey, 7 canyon, 2 spin, 1 jumps, 1 has a slow link, 1 is a hog.
-enum class Mix : uint8_t { kMixed, kSurvey };
+// mixed: of 20 viewers 8 fly survey, 7 canyon and 2 spin, 1 jumps, 1 has a slow link, 1 is a hog. tours: of 20 viewers
+// 8 fly survey, 7 canyon, 2 spin and 3 orbit, all with the same link, screen and tolerance. survey: all fly it.
+enum class Mix : uint8_t { kMixed, kSurvey, kTours };
 
 const char* name(LoadPolicy policy);
 const char* name(Phases phases);
@@ -40,7 +42,7 @@ struct LoadOptions {
   LoadPolicy policy = LoadPolicy::kEdf;
   Phases phases = Phases::kRandom;
   LoadStart start = LoadStart::kLate;
-  double slack_ms = 0;  // by which keyframes are begun before their sessions expect it to be necessary, with kEarly
+  double slack_ms = server::SessionOptions{}.slack.toMilliseconds();  // with kEarly
   LoadQueues queues = LoadQueues::kShared;
   Mix mix = Mix::kMixed;
   size_t viewers = 40, workers = 1;

@@ -38,6 +38,7 @@ LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
   for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, bins);
   if (options.start == LoadStart::kEarly) session_options_.most_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
+  session_options_.slack = Duration::seconds(1e-3 * options.slack_ms);
   addViewers(world_);
   if (isCluster()) addClusterEvents();
 }
@@ -138,7 +139,6 @@ void LoadSimulation::schedule(size_t i) {
   const auto due = v.session->due();
   if (!due) return;
   server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
-  if (job.earliest) job.release = std::max(*job.earliest, job.release - Duration::seconds(1e-3 * options_.slack_ms));
   if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.debt.wait(share());
   v.ticket = queues.add(i, job, [this, i](size_t worker) { step(i, worker); });
   v.is_queued = true;

@@ -49,8 +49,8 @@ inline constexpr size_t kWorkKinds = 9;
 // Nanoseconds for each, in the order of StepWork.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
-  double keyframe = 540'000, tested = 35, changed = 174, measured = 35, byte = 120, resumed = 300;
-  double block = 700, segment = 40'000, ray = 1000;
+  double keyframe = 210'000, tested = 35, changed = 87, measured = 86, byte = 120, resumed = 110;
+  double block = 475, segment = 57'000, ray = 1000;
 
   Duration of(const StepWork& work) const;
   // What each kind of the work takes, in nanoseconds.

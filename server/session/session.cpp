@@ -218,8 +218,10 @@ std::optional<Session::Plan> Session::plan() const {
     if (!target_) return std::nullopt;
     const Time deadline = clocks_.sendBy(*target_ - leadOf(interval_)) - options_.safety;
     Due due{deadline - compute_time_, deadline, false, compute_time_};
-    if (options_.most_early > Duration{} && !first)
+    if (options_.most_early > Duration{} && !first) {
       due.earliest = due.release - std::min(options_.most_early, Duration{T.us / 2});
+      due.release = std::max(*due.earliest, due.release - options_.slack);
+    }
     return notTooSoon({*target_, due, skippedTo(*target_), {}});
   }
   // The pose of the grid point must have arrived; if those of several have, the newest one counts.
@@ -272,14 +274,11 @@ void Session::prefetch(SessionScratch& scratch) {
 void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, Start start) {
   now_ = std::max(now_, now);
   const bool is_greeting = !replies_.empty();
-  for (Bytes& reply : replies_) out.push_back(std::move(reply));
-  replies_.clear();
+  for (Bytes& reply : std::exchange(replies_, {})) out.push_back(std::move(reply));
   did_ = Did::kNothing;
   const auto next = plan();
-  const auto begin = [&] {
-    return start == Start::kEarly ? next->due.earliest.value_or(next->due.release) : next->due.release;
-  };
-  if (next && begin() <= now_) return computeKeyframe(*next, now_, scratch, out);
+  if (next && (start == Start::kEarly ? next->due.earliest.value_or(next->due.release) : next->due.release) <= now_)
+    return computeKeyframe(*next, now_, scratch, out);
   if (is_greeting) return;  // which is due at once, unlike what follows
   if (resume_) return tryToResume();
   if (const auto due = requestDue(); due && due->release <= now_) return answer(out);

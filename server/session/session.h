@@ -48,6 +48,9 @@ struct SessionOptions {
   uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs up to a tenth of that for it
   Duration most_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
                           // half an interval
+  // Where that is permitted it is always begun so much earlier, for it may cost more than the last ones did, or wait
+  // for another that was begun before (decision 0056).
+  Duration slack = Duration::milliseconds(15);
   uint32_t max_tile_bytes = proto::kDefaultTileBytes;  // of tiles that a viewer may hold
   size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link
 };

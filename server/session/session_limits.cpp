@@ -99,7 +99,7 @@ void Session::fitRegion(const Plan& plan, SessionScratch& scratch) {
 
 // After a keyframe: how much the region made of its section.
 void Session::observeRegion(SessionScratch& scratch) {
-  if (!isRegionGuessed() || !motion_.regionShare().isDue()) return;
+  if (!isRegionGuessed() || !motion_.regionShare().isDue(sender_.nodeCount())) return;
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
   const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);

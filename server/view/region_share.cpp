@@ -1,7 +1,6 @@
 #include "server/view/region_share.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace foreland::server {
 
@@ -22,16 +21,21 @@ bool RegionShare::isSmall(const Region& region) const {
   return growth * std::max(excess_, kLeast) <= kMostExcess;
 }
 
-bool RegionShare::isDue() {
-  constexpr uint32_t kOften = 2, kSeldom = 16;
-  if (std::exchange(is_measured_, false)) return false;
-  return keyframes_++ % (is_wide_ ? kOften : kSeldom) == 0;
+// Viewers who came together would all be observed in the same keyframe for ever. The nodes of a section are as good as
+// drawn at random, so they say how much sooner.
+bool RegionShare::isDue(size_t nodes) {
+  constexpr size_t kChange = 8;  // a part of the nodes
+  const size_t change = std::max(nodes, nodes_) - std::min(nodes, nodes_);
+  const uint32_t most = is_wide_ ? kOften : kSeldom;
+  return ++keyframes_ >= most - nodes_ % (most / 2) || change > nodes_ / kChange;
 }
 
 // What the region adds to a section is about proportional to its share.
 void RegionShare::observe(const Region& region, size_t nodes, size_t pose_alone) {
   constexpr double kAim = 1.35, kWide = 1.2, kLeast = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
   observed_ = region;
+  nodes_ = nodes;
+  keyframes_ = 0;
   excess_ = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
   is_wide_ = excess_ > kWide - 1 || share_ < 1;
   const double change = excess_ > 0 ? (kAim - 1) / excess_ : kRise;

@@ -5,8 +5,8 @@
 // that of the motion. The header states the region that is left, and the client counts the frames outside of it.
 //
 // The share follows the sizes of some of the keyframes, and holds for the next ones as far as these are alike. Where
-// the region outgrows what was observed, because the camera begins to turn, say, sections are measured before one is
-// sent. One owner (a session).
+// they are not, the section itself grows or shrinks, which is noticed for nothing. Where the region outgrows what was
+// observed, because the camera begins to turn, say, sections are measured before one is sent. One owner (a session).
 #pragma once
 
 #include <cstddef>
@@ -21,6 +21,7 @@ namespace foreland::server {
 class RegionShare {
  public:
   static constexpr double kMost = 1.5;  // nodes of a section over those that the pose alone needs
+  static constexpr uint32_t kOften = 8, kSeldom = 96;
 
   // What is left of the region that holds the motion and may be off by `error`.
   Region of(const Region& motion, const Region& error) const;
@@ -32,10 +33,11 @@ class RegionShare {
   template <class RegionNow, class NodesOf>
   void fit(const RegionNow& regionNow, const NodesOf& nodesOf);
 
-  // After each keyframe, once. True if its section is to be observed, which costs a refinement from scratch: one
-  // keyframe in sixteen, and every other one while the region is wide; not if fit() has measured it.
-  [[nodiscard]] bool isDue();
-  // Of the last keyframe: its region, the nodes of its section, and those of one for its pose alone.
+  // After each keyframe, once, with the nodes of its section. True if it is to be observed, which costs a refinement
+  // from scratch: the first, each whose section is an eighth larger or smaller than the last one observed, and
+  // otherwise after kSeldom more at the latest, or kOften while the region is wide, and at the earliest after half.
+  [[nodiscard]] bool isDue(size_t nodes);
+  // Of a keyframe: its region, the nodes of its section, and those of one for its pose alone.
   void observe(const Region& region, size_t nodes, size_t pose_alone);
 
   double share() const { return share_; }  // 0 to 1
@@ -44,10 +46,11 @@ class RegionShare {
   bool isSmall(const Region& region) const;
 
   double share_ = 1;
-  Region observed_;    // the last one
-  double excess_ = 0;  // of its section over that of the pose alone, as a share of that
-  bool is_wide_ = false, is_measured_ = false;
-  uint32_t keyframes_ = 0;
+  Region observed_;         // the last one
+  size_t nodes_ = 0;        // and its section's
+  double excess_ = 0;       // of that over the section of the pose alone, as a share of the latter
+  uint32_t keyframes_ = 0;  // since then
+  bool is_wide_ = false;
 };
 
 template <class RegionNow, class NodesOf>
@@ -57,7 +60,6 @@ void RegionShare::fit(const RegionNow& regionNow, const NodesOf& nodesOf) {
   if (isSmall(regionNow())) return;
   const std::optional<size_t> alone = nodesOf(Region{}, std::numeric_limits<size_t>::max());
   if (!alone) return;
-  is_measured_ = true;
   const auto times = [&](double factor) { return static_cast<size_t>(factor * static_cast<double>(*alone)); };
   for (int tries = 0; tries < kTries; ++tries) {
     const Region region = regionNow();

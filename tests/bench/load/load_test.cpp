@@ -1,6 +1,7 @@
 // Many viewers on few processors in virtual time.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numeric>
 
 #include "bench/load/experiment.h"
@@ -74,6 +75,7 @@ TEST(Load, MeetsDeadlinesWithSlackThatCostsFreshness) {
   options.start = LoadStart::kEarly;
   options.seconds = 20;
   options.prices = {"test", 1e6, 0, 0, 0, 20'000, 0};  // a keyframe costs now more, now less
+  options.slack_ms = 0;
   const LoadFigures tight = run(options);
   options.slack_ms = 10;
   const LoadFigures slack = run(options);
@@ -122,6 +124,26 @@ TEST(Load, GivesEveryViewerTheLinkThatIsAskedFor) {
     slow += v.cast.links.down.bytes_per_second < wifi.down.bytes_per_second;
   }
   EXPECT_EQ(slow, 1u);
+}
+
+// Of tours all but the paths is alike: no link, screen or tolerance of its own, no jumps.
+TEST(Load, FliesToursThatDifferInNothingElse) {
+  LoadOptions options = smallLoad(20);
+  options.mix = Mix::kTours;
+  std::vector<size_t> roles(20);
+  std::iota(roles.begin(), roles.end(), 0);
+  const LoadTours tours(smallWorld()->hierarchy.scene());
+  std::map<const proto::Path*, size_t> flying;
+  for (const LoadViewer& v : viewersOf(tours, options, roles)) {
+    ++flying[v.cast.flight.path.get()];
+    EXPECT_EQ(v.cast.flight.jump_every, Duration{});
+    EXPECT_EQ(v.cast.request.tau_px, options.tau_px);
+    EXPECT_EQ(v.cast.request.lens.width_px, proto::ViewRequest{}.lens.width_px);
+    EXPECT_EQ(v.cast.links.down.bytes_per_second, options.links.down.bytes_per_second);
+  }
+  EXPECT_EQ(flying,
+            (std::map<const proto::Path*, size_t>{
+                {tours.survey.get(), 8}, {tours.canyon.get(), 7}, {tours.spin.get(), 2}, {tours.orbit.get(), 3}}));
 }
 
 CellTables rowWith(const char* policy, uint64_t viewers, double missed_share) {

@@ -101,6 +101,33 @@ TEST(Session, ComputesAKeyframeEarlyIfItIsToldTo) {
   EXPECT_EQ(session.statistics().keyframes, 2u);
 }
 
+// When the second keyframe is due to be begun.
+Session::Due dueOfSecond(const SessionOptions& options) {
+  Session session(smallWorld(), options);
+  SessionScratch scratch;
+  std::vector<Bytes> out;
+  EXPECT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
+  EXPECT_TRUE(session.receive(proto::encode(poseAt(0)), Time{}).ok());
+  session.step(Time::seconds(1), scratch, out);
+  session.onDrained(Time::seconds(1));
+  EXPECT_TRUE(session.receive(proto::encode(poseAt(1)), Time::seconds(1)).ok());
+  return session.due().value();
+}
+
+// The slack moves the beginning and nothing else, not beyond the earliest, and only where that is permitted.
+TEST(Session, BeginsAKeyframeEarlierByItsSlack) {
+  const auto dueWith = [](int64_t most_early_ms, int64_t slack_ms) {
+    return dueOfSecond(
+        {.most_early = Duration::milliseconds(most_early_ms), .slack = Duration::milliseconds(slack_ms)});
+  };
+  const Session::Due tight = dueWith(40, 0), loose = dueWith(40, 20), most = dueWith(40, 90);
+  EXPECT_EQ(loose.release, tight.release - Duration::milliseconds(20));
+  EXPECT_EQ(loose.deadline, tight.deadline);
+  EXPECT_EQ(loose.earliest, tight.earliest);
+  EXPECT_EQ(most.release, *tight.earliest);
+  EXPECT_EQ(dueWith(0, 20).release, tight.release);
+}
+
 TEST(Session, PrefetchesBetweenKeyframesWithoutSendingAnything) {
   Session session(smallWorld(), {.prefetch_ahead = Duration::milliseconds(2000)});
   SessionScratch scratch;

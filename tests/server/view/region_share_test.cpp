@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "base/rng.h"
 #include "tests/support/seed.h"
@@ -15,10 +18,50 @@ constexpr Region kMotion{40, 0.2}, kError{100, 0.6};
 TEST(RegionShare, IsTheWholeRegionWhereItAddsLittle) {
   RegionShare share;
   for (int i = 0; i < 100; ++i)
-    if (share.isDue()) share.observe(share.of(kMotion, kError), 130'000, 100'000);
+    if (share.isDue(130'000)) share.observe(share.of(kMotion, kError), 130'000, 100'000);
   EXPECT_EQ(share.share(), 1);
   EXPECT_DOUBLE_EQ(share.of(kMotion, kError).radius_m, kMotion.radius_m + kError.radius_m);
   EXPECT_DOUBLE_EQ(share.of(kMotion, kError).angle_rad, kMotion.angle_rad + kError.angle_rad);
+}
+
+// The keyframes between observations of a section of a steady size.
+std::vector<uint32_t> intervalsOf(size_t nodes, size_t pose_alone) {
+  RegionShare share;
+  std::vector<uint32_t> intervals;
+  uint32_t since = 0;
+  for (int i = 0; i < 1000; ++i) {
+    ++since;
+    if (!share.isDue(nodes)) continue;
+    share.observe(share.of(kMotion, kError), nodes, pose_alone);
+    intervals.push_back(std::exchange(since, 0));
+  }
+  EXPECT_EQ(intervals.front(), 1u);
+  intervals.erase(intervals.begin());
+  return intervals;
+}
+
+TEST(RegionShare, IsObservedSeldomWhileSectionsStayAsLarge) {
+  for (const auto& [pose_alone, most] : {std::pair{100'000u, RegionShare::kSeldom}, {80'000u, RegionShare::kOften}})
+    for (const uint32_t interval : intervalsOf(110'000, pose_alone)) {
+      EXPECT_LE(interval, most);
+      EXPECT_GT(interval, most / 2);
+    }
+}
+
+// Else viewers who came together would make a server late all at once.
+TEST(RegionShare, IsObservedAtOtherTimesOfOtherViewers) {
+  std::set<uint32_t> first;
+  for (size_t nodes = 100'000; nodes < 100'030; ++nodes) first.insert(intervalsOf(nodes, 95'000).front());
+  EXPECT_EQ(first.size(), 30u);
+}
+
+TEST(RegionShare, IsObservedAtOnceWhenSectionsGrowOrShrink) {
+  RegionShare share;
+  for (const size_t nodes : {100'000, 115'000, 100'000, 500'000, 50'000}) {
+    EXPECT_TRUE(share.isDue(nodes)) << nodes;
+    share.observe(share.of(kMotion, kError), nodes, 100'000);
+    EXPECT_FALSE(share.isDue(nodes + nodes / 10)) << nodes;
+  }
 }
 
 TEST(RegionShare, LeavesOutErrorsBeforeMotion) {
@@ -51,7 +94,7 @@ TEST(RegionShare, KeepsSectionsWithinTheFactorWhateverTheLaw) {
         EXPECT_LE(nodes / alone, RegionShare::kMost) << "seed " << seed << ", most " << most << ", power " << power;
         EXPECT_GE(nodes / alone, std::min(1 + most, 1.25)) << "seed " << seed;
       }
-      if (!share.isDue()) continue;
+      if (!share.isDue(static_cast<size_t>(nodes))) continue;
       ++observed;
       share.observe(share.of(kMotion, kError), static_cast<size_t>(nodes), static_cast<size_t>(alone));
     }
@@ -88,7 +131,8 @@ TEST(RegionShare, IsReducedBeforeASectionIsTooLarge) {
       });
       reduced += share.share() < before;
       ASSERT_LE(double(nodesFor(regionNow())) / alone, 1.05 * RegionShare::kMost) << "seed " << seed << ", " << i;
-      if (share.isDue()) share.observe(regionNow(), nodesFor(regionNow()), static_cast<size_t>(alone));
+      if (share.isDue(nodesFor(regionNow())))
+        share.observe(regionNow(), nodesFor(regionNow()), static_cast<size_t>(alone));
     }
     EXPECT_LE(measured_at_rest, 60) << "seed " << seed;
   }
