@@ -10,11 +10,13 @@ Region RegionShare::of(const Region& motion, const Region& error) const {
           of_motion * motion.angle_rad + of_error * error.angle_rad};
 }
 
+// Viewers who came together would all be observed in the same keyframe for ever. The nodes of a section are as good as
+// drawn at random, so they say how much sooner.
 bool RegionShare::isDue(size_t nodes) {
-  constexpr uint32_t kOften = 8, kSeldom = 64;
   constexpr size_t kChange = 8;  // a part of the nodes
   const size_t change = std::max(nodes, nodes_) - std::min(nodes, nodes_);
-  return ++keyframes_ >= (is_wide_ ? kOften : kSeldom) || change > nodes_ / kChange;
+  const uint32_t most = is_wide_ ? kOften : kSeldom;
+  return ++keyframes_ >= most - nodes_ % (most / 2) || change > nodes_ / kChange;
 }
 
 // What the region adds to a section is about proportional to its share.

@@ -19,13 +19,14 @@ namespace foreland::server {
 class RegionShare {
  public:
   static constexpr double kMost = 1.5;  // nodes of a section over those that the pose alone needs
+  static constexpr uint32_t kOften = 8, kSeldom = 96;
 
   // What is left of the region that holds the motion and may be off by `error`.
   Region of(const Region& motion, const Region& error) const;
 
   // To be called once for each keyframe, with the nodes of its section. True if it is to be observed, which costs a
   // refinement from scratch: the first, each whose section is an eighth larger or smaller than the last one observed,
-  // and otherwise one in 64, or in eight while the region is wide.
+  // and otherwise after kSeldom more at the latest, or kOften while the region is wide, and at the earliest after half.
   [[nodiscard]] bool isDue(size_t nodes);
   // Of the last keyframe: the nodes of its section, and of one for its pose alone.
   void observe(size_t nodes, size_t pose_alone);

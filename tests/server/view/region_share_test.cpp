@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "base/rng.h"
 #include "tests/support/seed.h"
@@ -21,18 +24,35 @@ TEST(RegionShare, IsTheWholeRegionWhereItAddsLittle) {
   EXPECT_DOUBLE_EQ(share.of(kMotion, kError).angle_rad, kMotion.angle_rad + kError.angle_rad);
 }
 
-// How often a section of a steady size is observed.
-int observationsOf(size_t nodes, size_t pose_alone) {
+// The keyframes between observations of a section of a steady size.
+std::vector<uint32_t> intervalsOf(size_t nodes, size_t pose_alone) {
   RegionShare share;
-  int observed = 0;
-  for (int i = 0; i < 1 + 64 * 4; ++i)
-    if (share.isDue(nodes)) share.observe(nodes, pose_alone), ++observed;
-  return observed;
+  std::vector<uint32_t> intervals;
+  uint32_t since = 0;
+  for (int i = 0; i < 1000; ++i) {
+    ++since;
+    if (!share.isDue(nodes)) continue;
+    share.observe(nodes, pose_alone);
+    intervals.push_back(std::exchange(since, 0));
+  }
+  EXPECT_EQ(intervals.front(), 1u);
+  intervals.erase(intervals.begin());
+  return intervals;
 }
 
 TEST(RegionShare, IsObservedSeldomWhileSectionsStayAsLarge) {
-  EXPECT_EQ(observationsOf(110'000, 100'000), 1 + 4);
-  EXPECT_EQ(observationsOf(130'000, 100'000), 1 + 8 * 4) << "while it is wide";
+  for (const auto& [pose_alone, most] : {std::pair{100'000u, RegionShare::kSeldom}, {80'000u, RegionShare::kOften}})
+    for (const uint32_t interval : intervalsOf(110'000, pose_alone)) {
+      EXPECT_LE(interval, most);
+      EXPECT_GT(interval, most / 2);
+    }
+}
+
+// Else viewers who came together would make a server late all at once.
+TEST(RegionShare, IsObservedAtOtherTimesOfOtherViewers) {
+  std::set<uint32_t> first;
+  for (size_t nodes = 100'000; nodes < 100'030; ++nodes) first.insert(intervalsOf(nodes, 95'000).front());
+  EXPECT_EQ(first.size(), 30u);
 }
 
 TEST(RegionShare, IsObservedAtOnceWhenSectionsGrowOrShrink) {
