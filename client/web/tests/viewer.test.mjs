@@ -417,13 +417,13 @@ test('the next mesh begins as the last one ends, terrain and objects', kTest, as
   }
 });
 
-// Waits until the view has the tiles that it needs, by the server's statement, and no others come for a while: on a slow
-// machine the server begins slowly, with seconds between tiles.
+// Waits until the view has the tiles that it needs, by the server's statement, and no others come or are drawn for a while: on a
+// slow machine the server begins slowly, with seconds between tiles, and meshes that bring tiles wait for their uploads.
 async function untilTiles(page) {
   const isWhole = (s) => s.relief_shown > 0 && s.relief_texel_px <= 2 && (s.imagery_shown === 0 || s.imagery_texel_px <= 2);
   let last = await until(page, isWhole);
   for (;;) {
-    const now = await until(page, (s, n) => s.keyframes >= n, last.keyframes + 4);
+    const now = await until(page, (s, last) => s.keyframes >= last.keyframes + 4 && s.mesh_version >= last.mesh_version + 6, last);
     if (now.tiles === last.tiles && now.relief_shown === last.relief_shown) return now;
     last = now;
   }
