@@ -104,7 +104,8 @@ class Session {
   //
   // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, one after a jump, or
   // one of more than half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the
-  // section then is too large, about four (toleranceThatFits), most of which end early.
+  // section then is too large, about four (toleranceThatFits), most of which end early. A guessed region that outgrows
+  // what was observed takes some more (RegionShare::fit).
   // A keyframe is computed as late as it can be, for then it uses the newest pose; Start::kEarly computes it from
   // Due::earliest on, for the sake of others who are due at the same time.
   enum class Start : uint8_t { kWhenDue, kEarly };
@@ -183,6 +184,8 @@ class Session {
   double mostAddedForLink() const;
   double loadOf(const proto::View& view, SessionScratch& scratch);
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
+  bool isRegionGuessed() const;
+  void fitRegion(const Plan& plan, SessionScratch& scratch);
   void observeRegion(SessionScratch& scratch);
   void sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out);
   void computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);

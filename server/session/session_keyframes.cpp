@@ -75,6 +75,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
     tolerance_.restart();
   }
   plan.until_next = adaptive_interval_.next(bounds(), interval_);
+  fitRegion(plan, scratch);
   const proto::View view = viewFor(plan.time_client, plan.until_next);
   moveGround(plan.time_client, view);
   Bytes message;

@@ -1,5 +1,5 @@
-// How large a session's sections may be: what the viewer, the link and the server allow, and what a guessed region may
-// add.
+// How large a session's next section may be: what its viewer, the link and the server allow, and what a guessed region
+// may add.
 
 #include <algorithm>
 #include <limits>
@@ -71,15 +71,41 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
     tolerance_.force(view.tau_px);
 }
 
-// How much the region makes of the section. Along an announced path the region is not reduced: there it is no guess.
+// Along an announced path the region is not reduced: there it is no guess.
+bool Session::isRegionGuessed() const {
+  return request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
+}
+
+// Before a keyframe: makes its region no larger than sections allow (RegionShare). What starts from nothing is measured
+// by fitBudget, and what a jump leaves unknown is not reduced.
+void Session::fitRegion(const Plan& plan, SessionScratch& scratch) {
+  if (!isRegionGuessed() || !motion_.isMotionKnown() || sender_.startsFromNothing()) return;
+  proto::View view;
+  const auto regionNow = [&] {
+    view = viewFor(plan.time_client, plan.until_next);
+    return Region{view.region_radius_m, view.region_angle_rad};
+  };
+  const auto nodesOf = [&](const Region& region, size_t most) -> std::optional<size_t> {
+    proto::View measured = view;
+    measured.region_radius_m = region.radius_m;
+    measured.region_angle_rad = region.angle_rad;
+    measured.tau_px = std::max(view.tau_px, tolerance_.tolerance());
+    const SectionSize size = sender_.measure(measured, std::min(most, options_.max_section_nodes), scratch.send);
+    statistics_.nodes_measured += size.nodes;
+    return size.fits ? std::optional(size.nodes) : std::nullopt;
+  };
+  motion_.regionShare().fit(regionNow, nodesOf);
+}
+
+// After a keyframe: how much the region made of its section.
 void Session::observeRegion(SessionScratch& scratch) {
-  const bool is_guess = request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
-  if (!is_guess || !motion_.regionShare().isDue(sender_.nodeCount())) return;
+  if (!isRegionGuessed() || !motion_.regionShare().isDue(sender_.nodeCount())) return;
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
   const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
   statistics_.nodes_measured += size.nodes;
-  motion_.regionShare().observe(sender_.nodeCount(), size.nodes);
+  motion_.regionShare().observe({keyframe().region_radius_m, keyframe().region_angle_rad}, sender_.nodeCount(),
+                                size.nodes);
 }
 
 }  // namespace foreland::server

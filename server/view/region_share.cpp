@@ -10,6 +10,14 @@ Region RegionShare::of(const Region& motion, const Region& error) const {
           of_motion * motion.angle_rad + of_error * error.angle_rad};
 }
 
+double RegionShare::expectedExcess(const Region& region) const {
+  constexpr double kLeast = 0.01;  // sections of small regions differ by chance
+  constexpr double kRadius_m = 1e-3, kAngle_rad = 1e-5;
+  const double growth = std::max(region.radius_m / std::max(observed_.radius_m, kRadius_m),
+                                 region.angle_rad / std::max(observed_.angle_rad, kAngle_rad));
+  return growth * std::max(excess_, kLeast);
+}
+
 // Viewers who came together would all be observed in the same keyframe for ever. The nodes of a section are as good as
 // drawn at random, so they say how much sooner.
 bool RegionShare::isDue(size_t nodes) {
@@ -20,13 +28,14 @@ bool RegionShare::isDue(size_t nodes) {
 }
 
 // What the region adds to a section is about proportional to its share.
-void RegionShare::observe(size_t nodes, size_t pose_alone) {
-  constexpr double kAim = 1.35, kWide = 1.2, kLeast = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
-  const double excess = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
-  is_wide_ = excess > kWide - 1 || share_ < 1;
-  const double change = excess > 0 ? (kAim - 1) / excess : kRise;
+void RegionShare::observe(const Region& region, size_t nodes, size_t pose_alone) {
+  constexpr double kWide = 1.2, kLeast = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
+  observed_ = region;
   nodes_ = nodes;
   keyframes_ = 0;
+  excess_ = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
+  is_wide_ = excess_ > kWide - 1 || share_ < 1;
+  const double change = excess_ > 0 ? (kAim - 1) / excess_ : kRise;
   share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kLeast, 1.0);
 }
 

@@ -4,13 +4,16 @@
 // kMost times as large as the pose alone needs; of a larger one the share of prediction errors is reduced first, then
 // that of the motion. The header states the region that is left, and the client counts the frames outside of it.
 //
-// The share follows the sizes of some of the keyframes, so it holds for the next ones as far as these are alike. Where
-// they are not, the section itself grows or shrinks, which is noticed for nothing.
-// One owner (a session).
+// The share follows the sizes of some of the keyframes, and holds for the next ones as far as these are alike. Where
+// they are not, the section itself grows or shrinks, which is noticed for nothing. Where the region outgrows what was
+// observed, because the camera begins to turn, say, sections are measured before one is sent. One owner (a session).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 
 #include "server/view/region.h"
 
@@ -24,20 +27,58 @@ class RegionShare {
   // What is left of the region that holds the motion and may be off by `error`.
   Region of(const Region& motion, const Region& error) const;
 
-  // To be called once for each keyframe, with the nodes of its section. True if it is to be observed, which costs a
-  // refinement from scratch: the first, each whose section is an eighth larger or smaller than the last one observed,
-  // and otherwise after kSeldom more at the latest, or kOften while the region is wide, and at the earliest after half.
+  // Before a keyframe: raises a reduced share where what was observed leaves room for more, and reduces it until the
+  // section is within kMost. `regionNow()` is the region that the share leaves; `nodesOf(region, most)` the nodes of
+  // its section, or nothing if there are more than `most`. Cost: nothing as long as the region is small by what was
+  // observed; else a refinement from scratch for the pose alone, which may be of any size, and one for each try, seldom
+  // more than three, of 2.5 times as many nodes at most.
+  template <class RegionNow, class NodesOf>
+  void fit(const RegionNow& regionNow, const NodesOf& nodesOf);
+
+  // After each keyframe, once, with the nodes of its section. True if it is to be observed, which costs a refinement
+  // from scratch: the first, each whose section is an eighth larger or smaller than the last one observed, and
+  // otherwise after kSeldom more at the latest, or kOften while the region is wide, and at the earliest after half.
   [[nodiscard]] bool isDue(size_t nodes);
-  // Of the last keyframe: the nodes of its section, and of one for its pose alone.
-  void observe(size_t nodes, size_t pose_alone);
+  // Of a keyframe: its region, the nodes of its section, and those of one for its pose alone.
+  void observe(const Region& region, size_t nodes, size_t pose_alone);
 
   double share() const { return share_; }  // 0 to 1
 
  private:
+  static constexpr double kAim = 1.35;  // of kMost
+
+  // What the region adds to a section, as a share of what the pose alone needs, if that grows as its radius and angle.
+  double expectedExcess(const Region& region) const;
+
   double share_ = 1;
-  bool is_wide_ = false;
-  size_t nodes_ = 0;        // when it was observed last
+  Region observed_;         // the last one
+  size_t nodes_ = 0;        // and its section's
+  double excess_ = 0;       // of that over the section of the pose alone, as a share of the latter
   uint32_t keyframes_ = 0;  // since then
+  bool is_wide_ = false;
 };
+
+template <class RegionNow, class NodesOf>
+void RegionShare::fit(const RegionNow& regionNow, const NodesOf& nodesOf) {
+  constexpr int kTries = 8;
+  constexpr double kMeasured = 2.5;  // times the nodes for the pose alone
+  constexpr double kRise = 4, kLeastRise = 1.1, kSmall = 0.9 * (kMost - 1);
+  const double reduced = share_;
+  for (double rise = kRise; reduced < 1 && rise > kLeastRise; rise = 1 + (rise - 1) / 2) {
+    share_ = std::min(1.0, rise * reduced);
+    if (expectedExcess(regionNow()) <= kAim - 1) break;
+    share_ = reduced;
+  }
+  if (expectedExcess(regionNow()) <= kSmall) return;
+  const std::optional<size_t> alone = nodesOf(Region{}, std::numeric_limits<size_t>::max());
+  if (!alone) return;
+  const auto times = [&](double factor) { return static_cast<size_t>(factor * static_cast<double>(*alone)); };
+  for (int tries = 0; tries < kTries; ++tries) {
+    const Region region = regionNow();
+    const std::optional<size_t> nodes = nodesOf(region, times(kMeasured));
+    observe(region, nodes.value_or(times(kMeasured)), *alone);
+    if (nodes && *nodes <= times(kMost)) return;
+  }
+}
 
 }  // namespace foreland::server

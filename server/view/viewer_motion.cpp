@@ -87,7 +87,7 @@ Region ViewerMotion::regionAround(const proto::Pose& centre, const ExpectedMotio
 }
 
 Region ViewerMotion::unknownMotion(Duration time) const {
-  if (history_.span() >= PoseHistory::kBaseline) return {};
+  if (isMotionKnown()) return {};
   const double s = time.toSeconds();
   return {before_jump_.radius_m * s, std::min(before_jump_.angle_rad * s, kMostUnknownTurn_rad)};
 }

@@ -36,6 +36,8 @@ class ViewerMotion {
   // Where the camera was, is, and is expected to be. With `delay` and `current` only the interval after a keyframe has
   // to be predicted.
   ExpectedMotion expected(const proto::ViewRequest& request) const;
+  // Whether poses tell how the camera moves: not yet where it stands since a jump.
+  bool isMotionKnown() const { return history_.span() >= PoseHistory::kBaseline; }
   // Whether that is along the announced path.
   bool isOnPath(const proto::ViewRequest& request) const;
 

@@ -166,12 +166,13 @@ TEST_P(Jumps, BackToAKnownPlaceCostNextToNothing) {
   EXPECT_LT(8 * (world.viewer(0).statistics().bytes_down - first_round), first_round);
 }
 
-// A camera that turns irregularly, a radian and more in a second: what is refined for predictions that fail stays
-// within half as much again as the pose alone needs.
+// A camera that stands still, and then turns irregularly, a radian and more in a second: what is refined for
+// predictions that fail stays within half as much again as the pose alone needs, from the first turn on.
 TEST(Turns, ThatCannotBePredictedMakeNoSectionMuchLarger) {
+  static constexpr double kStill_s = 10;
   ClientOptions c = jumping(Strategy::kPredict);
   c.camera = [](Time now) {
-    const double s = Duration{now.us}.toSeconds();
+    const double s = std::max(0.0, Duration{now.us}.toSeconds() - kStill_s);
     const double heading = 1.3 * std::sin(1.1 * s) + 0.7 * std::sin(2.3 * s + 1) + 0.4 * std::sin(5.1 * s);
     return proto::Pose{aboveGround(-100 + 3 * s, 50, 200),
                        proto::lookAlong({std::cos(heading), std::sin(heading), -0.4}, {0, 0, 1})};
@@ -181,7 +182,7 @@ TEST(Turns, ThatCannotBePredictedMakeNoSectionMuchLarger) {
   double sum = 0, worst = 0;
   int count = 0;
   proto::RefineScratch scratch;
-  for (double t = 6; t < 30; t += 0.2, ++count) {
+  for (double t = 6; t < 34; t += 0.2, ++count) {
     world.run(Time::seconds(t));
     const server::Session& session = world.session(0);
     proto::View alone = proto::viewOf(session.keyframe());
@@ -194,7 +195,7 @@ TEST(Turns, ThatCannotBePredictedMakeNoSectionMuchLarger) {
   }
   EXPECT_EQ(world.report(), "");
   EXPECT_LE(sum / count, 1.5);
-  EXPECT_LE(worst, 2.5) << "between two observations the camera may turn faster than before";
+  EXPECT_LE(worst, 1.65) << "what a turn adds is not the same everywhere";
   EXPECT_GE(sum / count, 1.1) << "some of the region is left";
 }
 
