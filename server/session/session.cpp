@@ -261,9 +261,8 @@ std::optional<Session::Due> Session::prefetchDue() const {
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
 void Session::prefetch(SessionScratch& scratch) {
-  proto::View view = viewFor(motion_.newest().time + options_.prefetch_ahead, interval_);
+  proto::View view = viewFor(motion_.newest().time + options_.prefetch_ahead, {});
   view.tau_px = keyframe().tau_px;
-  view.region_radius_m = view.region_angle_rad = 0;
   // If the section is too large, more than enough has been read.
   (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
   prefetch_pace_.begun(now_);

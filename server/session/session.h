@@ -173,7 +173,8 @@ class Session {
   // For a keyframe that is shown until the next one, which is `until_next` later.
   void moveGround(Time t_client, const proto::View& view);
   double sectionTolerance() const;
-  proto::View viewFor(Time t_client, Duration until_next) const;
+  RegionParts regionFor(Time t_client, Duration until_next) const;
+  proto::View viewFor(Time t_client, const RegionParts& parts) const;
   size_t mostNodes() const;
   std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
@@ -185,7 +186,7 @@ class Session {
   double loadOf(const proto::View& view, SessionScratch& scratch);
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   bool isRegionGuessed() const;
-  void fitRegion(const Plan& plan, SessionScratch& scratch);
+  void fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch);
   void observeRegion(SessionScratch& scratch);
   void sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out);
   void computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);

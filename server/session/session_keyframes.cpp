@@ -23,14 +23,19 @@ Time Session::shownFrom(Time t) const {
   return std::min(keyframe().time, t - request_->keyframe_interval) - (leadOf(last_step_) - last_step_);
 }
 
-// The keyframe's pose, and the region around it that the camera stays in while the section is shown.
-proto::View Session::viewFor(Time t, Duration until_next) const {
+// What the camera stays in while the section for `t` is shown, around where it is expected then.
+RegionParts Session::regionFor(Time t, Duration until_next) const {
   const ExpectedMotion motion = motion_.expected(*request_);
-  proto::View view{motion.at(t), request_->lens, sectionTolerance()};
   const Time end = t + leadOf(until_next);
   const Duration unknown = jumped_ ? request_->keyframe_interval * kShownAfterJump : end - motion_.newest().time;
-  const Region region =
-      motion_.regionAround(view.pose, motion, shownFrom(t), end, leadOf(std::max(interval_, until_next)), unknown);
+  return motion_.regionAround(motion.at(t), motion, shownFrom(t), end, leadOf(std::max(interval_, until_next)),
+                              unknown);
+}
+
+// The keyframe's pose, and what its viewer gets of the region around it.
+proto::View Session::viewFor(Time t, const RegionParts& parts) const {
+  proto::View view{motion_.expected(*request_).at(t), request_->lens, sectionTolerance()};
+  const Region region = motion_.regionShare().of(parts);
   // Floats, as in the keyframe's header.
   view.region_radius_m = static_cast<float>(region.radius_m);
   view.region_angle_rad = static_cast<float>(region.angle_rad);
@@ -75,8 +80,9 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
     tolerance_.restart();
   }
   plan.until_next = adaptive_interval_.next(bounds(), interval_);
-  fitRegion(plan, scratch);
-  const proto::View view = viewFor(plan.time_client, plan.until_next);
+  const RegionParts parts = regionFor(plan.time_client, plan.until_next);
+  fitRegion(viewFor(plan.time_client, parts), parts, scratch);
+  const proto::View view = viewFor(plan.time_client, parts);
   moveGround(plan.time_client, view);
   Bytes message;
   // The second one starts from nothing, and so is as large as it was measured.

@@ -78,23 +78,17 @@ bool Session::isRegionGuessed() const {
 
 // Before a keyframe: makes its region no larger than sections allow (RegionShare). What starts from nothing is measured
 // by fitBudget, and what a jump leaves unknown is not reduced.
-void Session::fitRegion(const Plan& plan, SessionScratch& scratch) {
+void Session::fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch) {
   if (!isRegionGuessed() || !motion_.isMotionKnown() || sender_.startsFromNothing()) return;
-  proto::View view;
-  const auto regionNow = [&] {
-    view = viewFor(plan.time_client, plan.until_next);
-    return Region{view.region_radius_m, view.region_angle_rad};
-  };
+  view.tau_px = std::max(view.tau_px, tolerance_.tolerance());
   const auto nodesOf = [&](const Region& region, size_t most) -> std::optional<size_t> {
-    proto::View measured = view;
-    measured.region_radius_m = region.radius_m;
-    measured.region_angle_rad = region.angle_rad;
-    measured.tau_px = std::max(view.tau_px, tolerance_.tolerance());
-    const SectionSize size = sender_.measure(measured, std::min(most, options_.max_section_nodes), scratch.send);
+    view.region_radius_m = region.radius_m;
+    view.region_angle_rad = region.angle_rad;
+    const SectionSize size = sender_.measure(view, std::min(most, options_.max_section_nodes), scratch.send);
     statistics_.nodes_measured += size.nodes;
     return size.fits ? std::optional(size.nodes) : std::nullopt;
   };
-  motion_.regionShare().fit(regionNow, nodesOf);
+  motion_.regionShare().fit(parts, nodesOf);
 }
 
 // After a keyframe: how much the region made of its section.

@@ -13,6 +13,12 @@ struct Region {
   double angle_rad = 0;
 };
 
+// What a keyframe's region adds up: the expected motion around its pose, how much predictions were off by of late, and
+// what is always allowed for. Only the first two may be reduced (RegionShare).
+struct RegionParts {
+  Region motion, error, rest;
+};
+
 // A region around `centre` that holds motion.at(t) for all t in [begin, end], up to rounding of less than a micrometre.
 // It is larger than the smallest one by at most the allowance that region.cpp describes: a twentieth of the longest
 // step of 20 ms, or more where the eye accelerates hard. Cost: one pose each 20 ms (at most 200), and one for each

@@ -4,10 +4,11 @@
 
 namespace foreland::server {
 
-Region RegionShare::of(const Region& motion, const Region& error) const {
+Region RegionShare::of(const RegionParts& parts) const {
+  const auto& [motion, error, rest] = parts;
   const double of_motion = std::min(1.0, 2 * share_), of_error = std::max(0.0, 2 * share_ - 1);
-  return {of_motion * motion.radius_m + of_error * error.radius_m,
-          of_motion * motion.angle_rad + of_error * error.angle_rad};
+  return {of_motion * motion.radius_m + of_error * error.radius_m + rest.radius_m,
+          of_motion * motion.angle_rad + of_error * error.angle_rad + rest.angle_rad};
 }
 
 double RegionShare::expectedExcess(const Region& region) const {

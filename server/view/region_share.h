@@ -24,16 +24,16 @@ class RegionShare {
   static constexpr double kMost = 1.5;  // nodes of a section over those that the pose alone needs
   static constexpr uint32_t kOften = 8, kSeldom = 96;
 
-  // What is left of the region that holds the motion and may be off by `error`.
-  Region of(const Region& motion, const Region& error) const;
+  // What is left of the region.
+  Region of(const RegionParts& parts) const;
 
   // Before a keyframe: raises a reduced share where what was observed leaves room for more, and reduces it until the
-  // section is within kMost. `regionNow()` is the region that the share leaves; `nodesOf(region, most)` the nodes of
-  // its section, or nothing if there are more than `most`. Cost: nothing as long as the region is small by what was
-  // observed; else a refinement from scratch for the pose alone, which may be of any size, and one for each try, seldom
-  // more than three, of 2.5 times as many nodes at most.
-  template <class RegionNow, class NodesOf>
-  void fit(const RegionNow& regionNow, const NodesOf& nodesOf);
+  // section is within kMost. `nodesOf(region, most)` gives the nodes of the section for a region, or nothing if there
+  // are more than `most`. Cost: nothing as long as the region is small by what was observed; else a refinement from
+  // scratch for the pose alone, which may be of any size, and one for each try, seldom more than three, of 2.5 times as
+  // many nodes at most.
+  template <class NodesOf>
+  void fit(const RegionParts& parts, const NodesOf& nodesOf);
 
   // After each keyframe, once, with the nodes of its section. True if it is to be observed, which costs a refinement
   // from scratch: the first, each whose section is an eighth larger or smaller than the last one observed, and
@@ -45,7 +45,7 @@ class RegionShare {
   double share() const { return share_; }  // 0 to 1
 
  private:
-  static constexpr double kAim = 1.35;  // of kMost
+  static constexpr double kAim = 1.35;  // what the share is chosen for: less than kMost, for sections differ
 
   // What the region adds to a section, as a share of what the pose alone needs, if that grows as its radius and angle.
   double expectedExcess(const Region& region) const;
@@ -58,23 +58,23 @@ class RegionShare {
   bool is_wide_ = false;
 };
 
-template <class RegionNow, class NodesOf>
-void RegionShare::fit(const RegionNow& regionNow, const NodesOf& nodesOf) {
+template <class NodesOf>
+void RegionShare::fit(const RegionParts& parts, const NodesOf& nodesOf) {
   constexpr int kTries = 8;
   constexpr double kMeasured = 2.5;  // times the nodes for the pose alone
   constexpr double kRise = 4, kLeastRise = 1.1, kSmall = 0.9 * (kMost - 1);
   const double reduced = share_;
   for (double rise = kRise; reduced < 1 && rise > kLeastRise; rise = 1 + (rise - 1) / 2) {
     share_ = std::min(1.0, rise * reduced);
-    if (expectedExcess(regionNow()) <= kAim - 1) break;
+    if (expectedExcess(of(parts)) <= kAim - 1) break;
     share_ = reduced;
   }
-  if (expectedExcess(regionNow()) <= kSmall) return;
+  if (expectedExcess(of(parts)) <= kSmall) return;
   const std::optional<size_t> alone = nodesOf(Region{}, std::numeric_limits<size_t>::max());
   if (!alone) return;
   const auto times = [&](double factor) { return static_cast<size_t>(factor * static_cast<double>(*alone)); };
   for (int tries = 0; tries < kTries; ++tries) {
-    const Region region = regionNow();
+    const Region region = of(parts);
     const std::optional<size_t> nodes = nodesOf(region, times(kMeasured));
     observe(region, nodes.value_or(times(kMeasured)), *alone);
     if (nodes && *nodes <= times(kMost)) return;

@@ -78,12 +78,12 @@ double ViewerMotion::eyeError(Duration interval) const {
   return errors_.estimate(interval).radius_m + kPoseRounding.radius_m;
 }
 
-Region ViewerMotion::regionAround(const proto::Pose& centre, const ExpectedMotion& motion, Time begin, Time end,
-                                  Duration interval, Duration unknown) const {
-  const Region region = region_share_.of(regionOf(centre, motion, begin, end), errors_.estimate(interval)),
-               more = unknownMotion(unknown);
-  return {region.radius_m + more.radius_m + kPoseRounding.radius_m,
-          region.angle_rad + more.angle_rad + kPoseRounding.angle_rad};
+RegionParts ViewerMotion::regionAround(const proto::Pose& centre, const ExpectedMotion& motion, Time begin, Time end,
+                                       Duration interval, Duration unknown) const {
+  const Region more = unknownMotion(unknown);
+  return {.motion = regionOf(centre, motion, begin, end),
+          .error = errors_.estimate(interval),
+          .rest = {more.radius_m + kPoseRounding.radius_m, more.angle_rad + kPoseRounding.angle_rad}};
 }
 
 Region ViewerMotion::unknownMotion(Duration time) const {

@@ -45,12 +45,13 @@ class ViewerMotion {
   void notePrediction(const proto::TimedPose& expected, Duration interval);
   // How far the eye may be from where it is expected for a keyframe after such an interval, metres.
   double eyeError(Duration interval) const;
-  // The region around `centre` that the camera stays in from `begin` to `end`; as long as the poses since a jump do not
-  // tell its velocity, also if it goes on for `unknown` in any direction as fast as before.
-  Region regionAround(const proto::Pose& centre, const ExpectedMotion& motion, Time begin, Time end, Duration interval,
-                      Duration unknown) const;
+  // Of the region around `centre` that the camera stays in from `begin` to `end`; as long as the poses since a jump do
+  // not tell its velocity, also if it goes on for `unknown` in any direction as fast as before.
+  RegionParts regionAround(const proto::Pose& centre, const ExpectedMotion& motion, Time begin, Time end,
+                           Duration interval, Duration unknown) const;
 
   RegionShare& regionShare() { return region_share_; }
+  const RegionShare& regionShare() const { return region_share_; }
 
  private:
   bool isPathFollowed(const proto::TimedPose& pose) const;

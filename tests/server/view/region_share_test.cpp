@@ -14,14 +14,15 @@ namespace foreland::server {
 namespace {
 
 constexpr Region kMotion{40, 0.2}, kError{100, 0.6};
+constexpr RegionParts kParts{kMotion, kError, {}};
 
 TEST(RegionShare, IsTheWholeRegionWhereItAddsLittle) {
   RegionShare share;
   for (int i = 0; i < 100; ++i)
-    if (share.isDue(130'000)) share.observe(share.of(kMotion, kError), 130'000, 100'000);
+    if (share.isDue(130'000)) share.observe(share.of(kParts), 130'000, 100'000);
   EXPECT_EQ(share.share(), 1);
-  EXPECT_DOUBLE_EQ(share.of(kMotion, kError).radius_m, kMotion.radius_m + kError.radius_m);
-  EXPECT_DOUBLE_EQ(share.of(kMotion, kError).angle_rad, kMotion.angle_rad + kError.angle_rad);
+  EXPECT_DOUBLE_EQ(share.of(kParts).radius_m, kMotion.radius_m + kError.radius_m);
+  EXPECT_DOUBLE_EQ(share.of(kParts).angle_rad, kMotion.angle_rad + kError.angle_rad);
 }
 
 // The keyframes between observations of a section of a steady size.
@@ -32,7 +33,7 @@ std::vector<uint32_t> intervalsOf(size_t nodes, size_t pose_alone) {
   for (int i = 0; i < 1000; ++i) {
     ++since;
     if (!share.isDue(nodes)) continue;
-    share.observe(share.of(kMotion, kError), nodes, pose_alone);
+    share.observe(share.of(kParts), nodes, pose_alone);
     intervals.push_back(std::exchange(since, 0));
   }
   EXPECT_EQ(intervals.front(), 1u);
@@ -59,7 +60,7 @@ TEST(RegionShare, IsObservedAtOnceWhenSectionsGrowOrShrink) {
   RegionShare share;
   for (const size_t nodes : {100'000, 115'000, 100'000, 500'000, 50'000}) {
     EXPECT_TRUE(share.isDue(nodes)) << nodes;
-    share.observe(share.of(kMotion, kError), nodes, 100'000);
+    share.observe(share.of(kParts), nodes, 100'000);
     EXPECT_FALSE(share.isDue(nodes + nodes / 10)) << nodes;
   }
 }
@@ -68,8 +69,8 @@ TEST(RegionShare, LeavesOutErrorsBeforeMotion) {
   RegionShare share;
   double least_angle = 1e9;
   for (int i = 0; i < 40; ++i) {
-    share.observe(share.of(kMotion, kError), 500'000, 100'000);  // whatever the share
-    const Region region = share.of(kMotion, kError);
+    share.observe(share.of(kParts), 500'000, 100'000);  // whatever the share
+    const Region region = share.of(kParts);
     EXPECT_LE(region.angle_rad, least_angle);
     EXPECT_LE(region.radius_m, kMotion.radius_m + kError.radius_m);
     if (region.angle_rad < kMotion.angle_rad) { EXPECT_LT(region.radius_m, kMotion.radius_m) << "no errors are left"; }
@@ -96,42 +97,61 @@ TEST(RegionShare, KeepsSectionsWithinTheFactorWhateverTheLaw) {
       }
       if (!share.isDue(static_cast<size_t>(nodes))) continue;
       ++observed;
-      share.observe(share.of(kMotion, kError), static_cast<size_t>(nodes), static_cast<size_t>(alone));
+      share.observe(share.of(kParts), static_cast<size_t>(nodes), static_cast<size_t>(alone));
     }
     EXPECT_LE(observed, 201);
   }
 }
 
-// What a region adds grows with its angle by one of several laws, and motion and errors grow and fall by any factor
-// from one keyframe to the next: no section is larger than allowed, and few are measured while the region stays as it
-// is.
+// Keyframes of a viewer. What its region adds to sections grows with the angle by a law.
+struct Keyframes {
+  double alone, at_a_radian, power;  // nodes for the pose alone; how many times as many a region of a radian adds
+  RegionShare share{};
+  double factor = 1;  // of motion and errors
+  int measured = 0;   // sections before they were sent
+
+  Region region() const { return share.of(parts()); }
+  size_t nodes() const { return nodesFor(region()); }
+  void next() {
+    share.fit(parts(), [&](const Region& region, size_t most) -> std::optional<size_t> {
+      ++measured;
+      return nodesFor(region) <= most ? std::optional(nodesFor(region)) : std::nullopt;
+    });
+  }
+  void observe() {
+    if (share.isDue(nodes())) share.observe(region(), nodes(), static_cast<size_t>(alone));
+  }
+
+ private:
+  RegionParts parts() const {
+    return {{factor * kMotion.radius_m, factor * kMotion.angle_rad},
+            {factor * kError.radius_m, factor * kError.angle_rad},
+            {}};
+  }
+  size_t nodesFor(const Region& region) const {
+    return static_cast<size_t>(alone * (1 + at_a_radian * std::pow(region.angle_rad, power)));
+  }
+};
+
+// Motion and errors grow and fall by any factor from one keyframe to the next: no section is larger than allowed, and
+// few are measured while the region stays as it is.
 TEST(RegionShare, IsReducedBeforeASectionIsTooLarge) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   int reduced = 0, measured_at_rest = 0;  // of 30,000 keyframes at rest
   for (int round = 0; round < 200; ++round) {
     const double at_a_radian = rng.uniform(0.3, 9), power = rng.uniform(0.8, 1), alone = rng.uniform(2e4, 5e5);
-    const auto nodesFor = [&](const Region& region) {
-      return static_cast<size_t>(alone * (1 + at_a_radian * std::pow(region.angle_rad, power)));
-    };
-    RegionShare share;
-    double factor = 1;
+    Keyframes keyframes{alone, at_a_radian, power};
     for (int i = 0; i < 200; ++i) {
       const bool is_at_rest = i % 20 >= 5;
-      if (!is_at_rest) factor = std::exp(rng.uniform(-6, 1));
-      const auto regionNow = [&] {
-        const Region whole = share.of(kMotion, kError);
-        return Region{factor * whole.radius_m, factor * whole.angle_rad};
-      };
-      const double before = share.share();
-      share.fit(regionNow, [&](const Region& region, size_t most) -> std::optional<size_t> {
-        measured_at_rest += is_at_rest;
-        return nodesFor(region) <= most ? std::optional(nodesFor(region)) : std::nullopt;
-      });
-      reduced += share.share() < before;
-      ASSERT_LE(double(nodesFor(regionNow())) / alone, 1.05 * RegionShare::kMost) << "seed " << seed << ", " << i;
-      if (share.isDue(nodesFor(regionNow())))
-        share.observe(regionNow(), nodesFor(regionNow()), static_cast<size_t>(alone));
+      if (!is_at_rest) keyframes.factor = std::exp(rng.uniform(-6, 1));
+      const double before = keyframes.share.share();
+      const int measured = keyframes.measured;
+      keyframes.next();
+      if (is_at_rest) measured_at_rest += keyframes.measured - measured;
+      reduced += keyframes.share.share() < before;
+      ASSERT_LE(double(keyframes.nodes()) / alone, 1.05 * RegionShare::kMost) << "seed " << seed << ", " << i;
+      keyframes.observe();
     }
   }
   EXPECT_LE(measured_at_rest, 2000) << "seed " << seed;
@@ -144,30 +164,19 @@ TEST(RegionShare, IsWholeAgainSoonAfterTheRegionAddsLittle) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
   for (int round = 0; round < 200; ++round) {
-    const double at_a_radian = rng.uniform(3, 9);
-    const auto nodesFor = [&](const Region& region) {
-      return static_cast<size_t>(1e5 * (1 + at_a_radian * region.angle_rad));
-    };
-    RegionShare share;
-    double factor = 1;
-    const auto regionNow = [&] {
-      const Region whole = share.of(kMotion, kError);
-      return Region{factor * whole.radius_m, factor * whole.angle_rad};
-    };
-    const auto keyframe = [&] {
-      share.fit(regionNow, [&](const Region& region, size_t most) -> std::optional<size_t> {
-        return nodesFor(region) <= most ? std::optional(nodesFor(region)) : std::nullopt;
-      });
-      if (share.isDue(nodesFor(regionNow()))) share.observe(regionNow(), nodesFor(regionNow()), 100'000);
-    };
+    Keyframes keyframes{1e5, rng.uniform(3, 9), 1};
     for (int i = 0; i < 50; ++i) {
-      factor = rng.uniform(1, 10);
-      keyframe();
+      keyframes.factor = rng.uniform(1, 10);
+      keyframes.next();
+      keyframes.observe();
     }
-    EXPECT_LT(share.share(), 0.6) << "seed " << seed;
-    factor = 0.01;
-    for (uint32_t i = 0; i < 2 * RegionShare::kOften; ++i) keyframe();
-    EXPECT_EQ(share.share(), 1) << "seed " << seed;
+    EXPECT_LT(keyframes.share.share(), 0.6) << "seed " << seed;
+    keyframes.factor = 0.01;
+    for (uint32_t i = 0; i < 2 * RegionShare::kOften; ++i) {
+      keyframes.next();
+      keyframes.observe();
+    }
+    EXPECT_EQ(keyframes.share.share(), 1) << "seed " << seed;
   }
 }
 

@@ -44,7 +44,8 @@ void add(ViewerMotion& motion, const proto::TimedPose& pose, const proto::ViewRe
 Region regionOf(const ViewerMotion& motion, const proto::ViewRequest& request) {
   const ExpectedMotion expected = motion.expected(request);
   const Time now = motion.newest().time;
-  return motion.regionAround(expected.at(now + kInterval), expected, now, now + kInterval, kInterval, kInterval);
+  return motion.regionShare().of(
+      motion.regionAround(expected.at(now + kInterval), expected, now, now + kInterval, kInterval, kInterval));
 }
 
 constexpr std::array kPredictors{proto::Predictor::kHold, proto::Predictor::kConstantVelocity,
