@@ -148,9 +148,9 @@ double Replica::intervals(const MorphTiming& timing, Slot slot) const {
   const proto::GridTopology& grid = domain_->grid;
   const NodeId n = grid.node(slot);
   const glm::dvec3 centre = domain_->frame.position(n, nodes_.records().at(slot).middle());
-  const proto::PageKnowledge* page = adapter_.knowledge(slot);
-  return timing.intervals(
-      centre, page ? domain_->radius(grid.level(n), page->radius) : std::numeric_limits<double>::infinity());
+  const std::optional<proto::QuantisedRadius> radius = adapter_.radius(slot);
+  return timing.intervals(centre,
+                          radius ? domain_->radius(grid.level(n), *radius) : std::numeric_limits<double>::infinity());
 }
 
 // Back to the state before the first keyframe, but for what is remembered of the terrain and the model: the server has
@@ -173,7 +173,7 @@ namespace {
 class KnownRadii final : public proto::TerrainSource {
  public:
   explicit KnownRadii(const proto::TerrainAdapter& adapter) : adapter_(adapter) {}
-  proto::QuantisedRadius radius(Slot first) override { return adapter_.knowledge(first)->radius; }
+  proto::QuantisedRadius radius(Slot first) override { return *adapter_.radius(first); }
   void load(proto::TerrainBatch&) override {}
   bool decide(int, std::span<const proto::Predicate>, std::span<uint8_t>) override { return false; }
 
@@ -203,8 +203,8 @@ std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome, 
 
 // The bytes of the sections and of what is remembered, and the pages of what they say is known, with their radii.
 std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, size_t most_bytes, Bytes& out) const {
-  std::vector<proto::KnownPage> remembered, known;
-  memory().forEach([&](Slot first, const proto::PageKnowledge& page) { remembered.push_back({first, page}); });
+  const std::vector<proto::KnownPage> remembered = memory().pages();
+  std::vector<proto::KnownPage> known;
   for (size_t count = remembered.size();; count /= 2) {
     held.known = adapter_.livePages();
     held.known.insert(held.known.end(), remembered.begin(), remembered.begin() + static_cast<std::ptrdiff_t>(count));
@@ -214,7 +214,7 @@ std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, siz
     known = proto::encodeSections(domain_->grid, *object_set_, held, out);
     if (out.size() <= most_bytes || count == 0) break;
   }
-  for (proto::KnownPage& page : known) page.knowledge.radius = adapter_.knowledge(page.first)->radius;
+  for (proto::KnownPage& page : known) page.knowledge.radius = *adapter_.radius(page.first);
   return known;
 }
 
@@ -260,8 +260,15 @@ bool Replica::adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& de
   for (const Morph& m : morphs_.all())
     if (!m.is_added) saved_.push_back({m.slot, nodes_.records().at(m.slot)});
   const bool ok = adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_);
-  for (const SavedRecord& saved : saved_)
-    if (!adapter_.knows(saved.slot)) nodes_.records().make(saved.slot) = saved.record;
+  proto::SlotBits known;
+  Slot page = proto::kNoSlot;  // whose these are
+  for (const SavedRecord& saved : saved_) {
+    if (saved.slot / proto::kPageSlots != page) {
+      page = saved.slot / proto::kPageSlots;
+      known = adapter_.known(saved.slot);
+    }
+    if (!known.has(proto::lowOf(saved.slot))) nodes_.records().make(saved.slot) = saved.record;
+  }
   return ok;
 }
 

@@ -71,7 +71,7 @@ MUTATIONS = [
     of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",
        "addToFrontier(mesh_->slot(parent, level - 1));", "refine_test:*SurfaceCodec*"),
     # what is remembered
-    of("memory: the newest goes first", "proto/refine/node_memory", "unlink(pages_[kEnds].newer);", "unlink(pages_[kEnds].older);", "refine_test:NodeMemory*"),
+    of("memory: the oldest is presented first", "proto/refine/node_memory", "std::reverse(pages.begin(), pages.end());", ";", "refine_test:NodeMemory*"),
     of("memory: budget ignored", "proto/refine/node_memory", "client_bytes_ > budget_", "false", "refine_test:NodeMemory*"),
     of("memory: finest question forgotten", "proto/refine/terrain_tester", "std::max(kLeastError, nodes.page(c.page).knowledge.finest)", "kLeastError",
        "refine_test:*Predicates*"),

@@ -381,7 +381,8 @@ std::vector<KnownPage> Adapter<Tester>::livePages() const {
 template <class Tester>
 std::vector<KnownPage> Adapter<Tester>::knownPages() const {
   std::vector<KnownPage> pages = livePages();
-  memory_.forEach([&](Slot first, const PageKnowledge& knowledge) { pages.push_back({first, knowledge}); });
+  const std::vector<KnownPage> remembered = memory_.knownPages();
+  pages.insert(pages.end(), remembered.begin(), remembered.end());
   foreland::sort(pages.begin(), pages.end(), [](const KnownPage& a, const KnownPage& b) { return a.first < b.first; });
   return pages;
 }

@@ -53,19 +53,20 @@ class Adapter {
   size_t nodeCount() const { return nodes_in_section_; }
   Section section() const;  // ascending
   bool contains(Slot slot) const { return frontier_.nodes().isInSection(slot); }
-  // What has been said of the slot's page; null if nothing is remembered. Until the next step.
-  const PageKnowledge* knowledge(Slot slot) const {
+  // Of what has been said of the slot's page, if anything is remembered: its radius, and which of its nodes are known.
+  std::optional<QuantisedRadius> radius(Slot slot) const {
     const uint32_t page = frontier_.nodes().find(slot);
-    return page == Frontier::Nodes::kNone ? memory_.find(slot) : &frontier_.nodes().page(page).knowledge;
+    return page == Frontier::Nodes::kNone ? memory_.radius(slot) : frontier_.nodes().page(page).knowledge.radius;
   }
-  bool knows(Slot slot) const {
-    const PageKnowledge* page = knowledge(slot);
-    return page && page->known.has(lowOf(slot));
+  SlotBits known(Slot slot) const {
+    const uint32_t page = frontier_.nodes().find(slot);
+    return page == Frontier::Nodes::kNone ? memory_.known(slot) : frontier_.nodes().page(page).knowledge.known;
   }
   // Whether any of the 64 slots from `first` on, a multiple of 64, is in the section, on its frontier or known.
   bool knowsBlock(Slot first) const {
-    const PageKnowledge* page = knowledge(first);
-    return (page && page->knowsAnyOf64(first)) || frontier_.nodes().hasAnyOf64(first);
+    const uint32_t page = frontier_.nodes().find(first);
+    if (page == Frontier::Nodes::kNone) return memory_.knowsAnyOf64(first);
+    return frontier_.nodes().page(page).knowledge.knowsAnyOf64(first) || frontier_.nodes().hasAnyOf64(first);
   }
   // What the tester remembers from step to step.
   const typename Tester::Memory& memory() const { return memory_; }

@@ -6,49 +6,22 @@
 // away longest go first once what the client needs for all of them exceeds a budget, which is what the client says that
 // it can spare. The client has the records themselves elsewhere (client/mesh/held_nodes.h).
 //
-// One owner. O(1) for each page; 48 bytes a page and its cells of an index.
+// A log of packed pages (page_knowledge.h) in the order of their last use, and an index of where in the log a page
+// stands: what was taken from the log stays there, unused, until an eighth of it is, and then what is used moves up.
+// One owner. O(1) for each page; some 40 bytes a page.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "base/check.h"
-#include "proto/refine/slot_bits.h"
-#include "proto/section/bounds.h"
-#include "proto/section/index_table.h"
-#include "proto/topology/node.h"
+#include "proto/refine/page_knowledge.h"
 
 namespace foreland::proto {
 
-// What was said of a page's nodes.
-struct PageKnowledge {
-  SlotBits known;              // nodes whose height was sent
-  SlotBits settled;            // those whose error follows from decisions
-  QuantisedRadius radius;      // of all nodes of the page
-  QuantisedError finest{255};  // the least error that a node of the page was asked about
-
-  // Whether any of the 64 slots from `first` on is known, a multiple of 64.
-  bool knowsAnyOf64(Slot first) const { return known.words[first % kPageSlots / 64] != 0; }
-  // What the client spends on the known nodes: records in blocks of 64, and the page.
-  size_t clientBytes() const {
-    size_t blocks = 0;
-    for (uint64_t word : known.words) blocks += word != 0 ? 1 : 0;
-    return kPageBytes + blocks * kBlockBytes;
-  }
-  static constexpr size_t kPageBytes = 128, kBlockBytes = 512;
-  bool operator==(const PageKnowledge&) const = default;
-};
-
 // What both ends go on remembering when they start from the empty section again.
 enum class Remembered : uint8_t { kNothing, kPages };
-
-struct KnownPage {
-  Slot first = 0;
-  PageKnowledge knowledge;
-  bool operator==(const KnownPage&) const = default;
-};
 
 class NodeMemory {
  public:
@@ -63,40 +36,58 @@ class NodeMemory {
   void keep(Slot first, const PageKnowledge& knowledge);
   // What is remembered of the slot's page, if anything, and forgets it: it is in use again.
   std::optional<PageKnowledge> take(Slot slot);
+  // The same without forgetting it.
+  std::optional<PageKnowledge> find(Slot slot) const;
+  // Parts of it, for less: O(1).
+  std::optional<QuantisedRadius> radius(Slot slot) const;
+  // Whether any of the 64 slots from `first` on is remembered as known, a multiple of 64.
+  bool knowsAnyOf64(Slot first) const;
 
-  // The same without forgetting it; null if nothing is.
-  const PageKnowledge* find(Slot slot) const {
-    const uint32_t at = index_.find(slot / kPageSlots);
-    return at == IndexTable::kNone ? nullptr : &pages_[at].knowledge;
-  }
-  // Calls visit(first slot, knowledge) for each page, the one that was used last first.
-  template <class Visit>
-  void forEach(const Visit& visit) const {
-    for (uint32_t at = pages_[kEnds].older; at != kEnds; at = pages_[at].older)
-      visit(Slot{pages_[at].key} * kPageSlots, pages_[at].knowledge);
-  }
+  // All pages, the one that was used last first. O(pages).
+  std::vector<KnownPage> pages() const;
 
   uint64_t clientBytes() const { return client_bytes_; }
-  size_t pageCount() const { return index_.size(); }
+  size_t pageCount() const { return count_; }
   size_t knownCount() const { return known_; }  // nodes
   // Forgets all pages.
   void clear();
-  size_t bytes() const { return pages_.capacity() * sizeof(Page) + index_.bytes(); }
+  size_t bytes() const { return log_.capacity() + cells_.capacity() * sizeof(Place); }
 
  private:
-  static constexpr uint32_t kEnds = IndexTable::kNone;  // pages_[0]: of a ring, between the newest and the oldest
-  struct Page {
-    uint32_t key = 0, older = kEnds, newer = kEnds;
-    PageKnowledge knowledge;
+  // Where a page's entry begins in the log.
+  using Place = uint32_t;
+  static constexpr Place kNowhere = ~Place{0};
+  struct Entry {
+    uint32_t key;  // slot / kPageSlots
+    std::span<const uint8_t> packed;
+    size_t size() const { return kHead + packed.size(); }
   };
+  // Before what is packed: how many bytes of it follow, and the key.
+  static constexpr size_t kHead = 4;
+  static constexpr uint32_t kMostKey = (1u << 24) - 1;
+
+  Entry entryAt(Place place) const;
+  std::optional<Entry> entryOf(Slot slot) const;
+  bool isUsed(uint32_t key, Place place) const;
+  void remove(size_t cell, const Entry& entry, const PageKnowledge& knowledge);
   void evict();
-  void unlink(uint32_t at);
+  void moveUp();
+
+  // The index: open addressing with linear probing, a cell for each page that names its place only; the key stands in
+  // the log. At most three of four cells are used.
+  size_t home(uint32_t key) const { return (uint64_t{key * 0x9e3779b1u} * cells_.size()) >> 32; }
+  size_t next(size_t cell) const { return cell + 1 == cells_.size() ? 0 : cell + 1; }
+  // The cell of the key, or the free one where it would be. There are cells.
+  size_t cellOf(uint32_t key) const;
+  void makeCells(size_t count);
+  void freeCell(size_t cell);
 
   uint64_t budget_ = 0, client_bytes_ = 0;
-  size_t known_ = 0;
-  std::vector<Page> pages_ = std::vector<Page>(1);  // the first knows nothing
-  std::vector<uint32_t> free_;
-  IndexTable index_;  // by slot / kPageSlots
+  size_t count_ = 0, known_ = 0;
+  size_t unused_ = 0;  // bytes of the log
+  Place oldest_ = 0;   // nothing before it is used
+  std::vector<uint8_t> log_;
+  std::vector<Place> cells_;
 };
 
 }  // namespace foreland::proto

@@ -22,11 +22,12 @@ class SurfaceTester {
   struct Memory {
     explicit Memory(const Domain&) {}
     size_t bytes() const { return 0; }
-    const PageKnowledge* find(Slot) const { return nullptr; }
+    std::optional<QuantisedRadius> radius(Slot) const { return std::nullopt; }
+    SlotBits known(Slot) const { return {}; }
+    bool knowsAnyOf64(Slot) const { return false; }
     void keep(Slot, const PageKnowledge&) {}
     void restart(Remembered) {}
-    template <class Visit>
-    void forEach(const Visit&) const {}
+    std::vector<KnownPage> knownPages() const { return {}; }
   };
 
   SurfaceTester(const Domain& domain, const View& view, const MotionBound&, Source& records, Memory&, DecisionScratch&)

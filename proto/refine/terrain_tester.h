@@ -32,17 +32,19 @@ class TerrainTester {
     NodeMemory pages;    // those without nodes in the section or on its frontier
     explicit Memory(const Domain& domain) : blocks(domain.grid) {}
     size_t bytes() const { return blocks.bytes() + pages.bytes(); }
-    const PageKnowledge* find(Slot slot) const { return pages.find(slot); }
+    std::optional<QuantisedRadius> radius(Slot slot) const { return pages.radius(slot); }
+    SlotBits known(Slot slot) const {
+      const std::optional<PageKnowledge> page = pages.find(slot);
+      return page ? page->known : SlotBits{};
+    }
+    bool knowsAnyOf64(Slot first) const { return pages.knowsAnyOf64(first); }
     void restart(Remembered remembered) {
       blocks.clear();
       hides = false;
       if (remembered == Remembered::kNothing) pages.clear();
     }
     void keep(Slot first, const PageKnowledge& knowledge) { pages.keep(first, knowledge); }
-    template <class Visit>
-    void forEach(const Visit& visit) const {
-      pages.forEach(visit);
-    }
+    std::vector<KnownPage> knownPages() const { return pages.pages(); }
   };
 
   TerrainTester(const Domain& domain, const View& view, const MotionBound& motion, Source& source, Memory& memory,
