@@ -27,11 +27,19 @@ Duration leadOf(const EarlierKeyframes& earlier, Duration interval) {
 
 Duration Timeline::intervalOf(const MeshPatch& mesh) {
   const Duration interval = mesh.to.time - mesh.from.time;
-  if (startsAnew(mesh)) return std::max(interval, longest_interval_);
+  if (startsAnew(mesh)) return std::max(interval, interval_.longest);
+  if (intervals_.empty()) intervals_.push_back(interval_.shortest);
   intervals_.push_back(interval);
   if (intervals_.size() > kRecent) intervals_.pop_front();
-  const Duration usual = std::min(interval, *std::min_element(intervals_.begin(), intervals_.end()) + kLongestDelay);
-  return std::max(usual, longest_interval_);
+  const Duration least = *std::min_element(intervals_.begin(), intervals_.end());
+  return std::max({least, std::min(interval, least + kLongestDelay - playoutExcess()), interval_.longest});
+}
+
+// Of the playout delay, what it has beyond the least recent latency.
+Duration Timeline::playoutExcess() const {
+  if (latencies_.empty()) return {};
+  const Duration least = std::max(Duration{}, *std::min_element(latencies_.begin(), latencies_.end()) + kLatencyMargin);
+  return std::max(Duration{}, playout_delay_ - least);
 }
 
 // The playout delay is the worst recent latency, outages apart, and a margin. It falls slowly, so that t_d does not
@@ -61,16 +69,17 @@ Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, prot
   const bool still = startsAnew(*mesh), predicted = strategy == proto::Strategy::kPredict;
   if (still) restart();
   const bool first = meshes_.empty();
-  const Duration lead = leadOf(mesh->earlier, intervalOf(*mesh));
-  const Time shown_from = mesh->from.time - mesh->earlier.from_age, shown_to = mesh->to.time - mesh->earlier.to_age;
-  // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
-  const Duration lateness = arrival - (shown_from + (predicted ? Duration{} : lead + playout_delay_));
+  const Duration playout_delay_before = playout_delay_;
   if (predicted) {
     latencies_.clear();
     playout_delay_ = {};
   } else {
     updatePlayoutDelay(*mesh, arrival);
   }
+  const Duration lead = leadOf(mesh->earlier, intervalOf(*mesh));
+  const Time shown_from = mesh->from.time - mesh->earlier.from_age, shown_to = mesh->to.time - mesh->earlier.to_age;
+  // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
+  const Duration lateness = arrival - (shown_from + (predicted ? Duration{} : lead + playout_delay_before));
   const Duration delay = predicted ? Duration{} : lead + playout_delay_;
   Time begin = std::max(arrival, shown_from + delay);
   if (first)

@@ -4,9 +4,11 @@
 //   predict         from from.time to to.time: geometry and clock agree, and nothing is delayed
 //   delay, current  the same, later by T + playout delay. T is the keyframe interval of the paper's formula for t_d; the
 //                   playout delay is the recent latency of link and server (0 in the paper, where server and client are
-//                   one). T counts for at most kLongestDelay (base/latency.h) more than the shortest recent interval, so
-//                   after an outage the display catches up at once instead of replaying it. Where intervals adapt, T is
-//                   the longest that there may be, lest the display stand still before each long one
+//                   one). T counts for more than the shortest recent interval, or than the one asked for where there was
+//                   none, and the playout delay for more than the least recent latency: by at most kLongestDelay
+//                   (base/latency.h) together, so after an outage the display catches up at once instead of replaying
+//                   it. Where intervals adapt, T is the longest that there may be, lest the display stand still before
+//                   each long one
 // A mesh of n + 1 keyframes shows what is in the middle of them, the times that its keyframes blend to
 // (EarlierKeyframes), and T counts (n + 1) / 2 times. A mesh that does not move shows a section that was sent whole: it
 // is the first one, or the camera has jumped, or a new server could not resume. It is shown on arrival, and the meshes
@@ -23,6 +25,7 @@
 #include "base/time.h"
 #include "client/mesh/blend_patch.h"
 #include "client/schedule.h"
+#include "proto/message/keyframe_interval.h"
 
 namespace foreland::client {
 
@@ -38,8 +41,8 @@ class Timeline {
   static constexpr size_t kMaxUndrawn = 8;
   static constexpr size_t kMaxMeshes = 32;
 
-  // Of adaptive keyframes, from the next mesh on; 0 if the interval is fixed, as it is at first.
-  void setLongestInterval(Duration longest) { longest_interval_ = longest; }
+  // That is asked for, from the next mesh on.
+  void setInterval(const proto::KeyframeInterval& interval) { interval_ = interval; }
 
   // Schedules the mesh that a keyframe completed. Returns how late it arrived for the time from which it was to be
   // shown; negative is early, and 0 is returned for the first mesh and for one that does not move.
@@ -69,6 +72,7 @@ class Timeline {
   Duration intervalOf(const MeshPatch& mesh);
   void restart();
   void push(std::shared_ptr<const MeshPatch> mesh, Time begin, Time end);
+  Duration playoutExcess() const;
   void updatePlayoutDelay(const MeshPatch& mesh, Time arrival);
 
   Schedule schedule_;
@@ -76,7 +80,7 @@ class Timeline {
   std::deque<Duration> intervals_;                       // of recent meshes
   std::deque<Duration> latencies_;                       // arrival - to.time, of recent keyframes
   Duration playout_delay_;
-  Duration longest_interval_;
+  proto::KeyframeInterval interval_;
   size_t undrawn_ = 0;  // meshes added since at() was called last
   uint32_t next_version_ = 1;
 };

@@ -18,6 +18,13 @@ proto::ViewRequest Viewer::asked() const {
   return request;
 }
 
+// The server's is in force if none is asked for.
+proto::KeyframeInterval Viewer::interval() const {
+  const bool has_own = request_.keyframe_interval != Duration{}, bounds_own = has_own || asked().order > 1;
+  return {has_own ? request_.keyframe_interval : welcome_->keyframe_interval,
+          bounds_own ? asked().longest_interval : welcome_->longest_interval};
+}
+
 void Viewer::send(Bytes message) {
   statistics_.bytes_up += message.size();
   outgoing_.push_back(std::move(message));
@@ -101,8 +108,7 @@ Status Viewer::onKeyframe(const proto::KeyframeMessage& message, Time now) {
   received_keyframe_ = message.header.index;
   received_at_ = now;
   std::shared_ptr<const MeshPatch> patch = makePatch();
-  const bool has_own = request_.keyframe_interval != Duration{} || asked().order > 1;  // else the server's is in force
-  timeline_.setLongestInterval(has_own ? asked().longest_interval : welcome_->longest_interval);
+  timeline_.setInterval(interval());
   const Duration lateness = timeline_.add(patch, now, request_.strategy);
   addToDrawn(std::move(patch));
   drawn_->skipTo(timeline_.oldestVersion());

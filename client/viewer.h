@@ -123,6 +123,7 @@ class Viewer {
   Status onKeyframe(const proto::KeyframeMessage& message, Time now);
   void send(Bytes message);
   proto::ViewRequest asked() const;
+  proto::KeyframeInterval interval() const;  // after the welcome
   std::shared_ptr<const MeshPatch> makePatch();
   void addToDrawn(std::shared_ptr<const MeshPatch> patch);
   void sendPose(Time now, const proto::Pose& pose);

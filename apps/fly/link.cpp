@@ -17,17 +17,29 @@ Time timeSince(Link::Clock::time_point epoch) {
 }
 
 Status Link::run(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
-  if (connection_) {
-    for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
-    const Status status =
-        connection_->run(until, [&](ByteSpan message) { return player.receive(message, timeSince(epoch)); });
-    if (status.ok() || status.error().code != ErrorCode::kIo) return status;
-    lost_ = status.error();
-    lost_at_ = Clock::now();
-    attempts_ = 0;
-    next_attempt_ = connection_->lostBy() == client::LostBy::kHandOver ? lost_at_ : lost_at_ + wait();
-    connection_.reset();
-  }
+  do {
+    const Status status = connection_ ? carry(player, epoch, until) : recover(player, epoch, until);
+    if (!status.ok()) return status;
+  } while (Clock::now() < until);
+  return {};
+}
+
+// Until `until`, or until the connection is lost.
+Status Link::carry(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
+  for (Bytes message; player.takeOutgoing(message);) connection_->send(std::move(message));
+  const Status status =
+      connection_->run(until, [&](ByteSpan message) { return player.receive(message, timeSince(epoch)); });
+  if (status.ok() || status.error().code != ErrorCode::kIo) return status;
+  lost_ = status.error();
+  lost_at_ = Clock::now();
+  attempts_ = 0;
+  next_attempt_ = connection_->lostBy() == client::LostBy::kHandOver ? lost_at_ : lost_at_ + wait();
+  connection_.reset();
+  return {};
+}
+
+// Until the next attempt to connect, and with it, or until `until`.
+Status Link::recover(client::Player& player, Clock::time_point epoch, Clock::time_point until) {
   if (Clock::now() - lost_at_ > kTimeout) return lost_;
   if (Clock::now() >= next_attempt_)
     connect(player, epoch);

@@ -3,15 +3,16 @@
 #include <utility>
 
 #include "bench/load/load_simulation.h"
+#include "server/session/hand_over.h"
 
 namespace foreland::bench {
 
 namespace {
 
-// A viewer who lost its server waits up to so long, and the longest time a server takes to hand its viewers over,
-// and how far apart it asks them: as `foreland fly` and server/net/drain.h do.
+// A viewer who lost its server waits up to so long, as with `foreland fly`, and the longest time a server takes to hand
+// its viewers over.
 constexpr int64_t kFirstWait_us = 200'000;
-constexpr Duration kLongestDrain = Duration::milliseconds(5000), kBetweenViewers = Duration::milliseconds(40);
+constexpr Duration kLongestDrain = Duration::seconds(10);
 constexpr Duration kNoServer = Duration::milliseconds(10);  // until a balancer looks for one again
 constexpr size_t kCloseBytes = 4;                           // of WebSocket, with its reason
 constexpr double kNewest = 0.125;                           // weight of the newest look at a viewer's load
@@ -176,12 +177,9 @@ void LoadSimulation::drain(size_t s) {
   std::vector<size_t> on_it;
   for (size_t i = 0; i < viewers_.size(); ++i)
     if (viewers_[i]->session && viewers_[i]->server == s) on_it.push_back(i);
-  const auto count = static_cast<int64_t>(on_it.size());
-  const Duration spread = std::min(kLongestDrain, kBetweenViewers * count);
-  for (int64_t turn = 0; turn < count; ++turn) {
-    const size_t i = on_it[static_cast<size_t>(turn)];
-    at(now_ + Duration{spread.us * turn / count}, What::kHandOver, i, viewers_[i]->connection);
-  }
+  const server::HandOverTurns turns(on_it.size(), now_, kLongestDrain);
+  for (size_t turn = 0; turn < on_it.size(); ++turn)
+    at(turns.timeOf(turn), What::kHandOver, on_it[turn], viewers_[on_it[turn]]->connection);
 }
 
 std::vector<ServerLoad> LoadSimulation::serverLoads() const {

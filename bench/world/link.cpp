@@ -42,6 +42,21 @@ Bytes Link::receive() {
   return message;
 }
 
+void Link::stall(Time now, Time end) {
+  sent_ = std::max(sent_, end);
+  for (Message& m : on_the_way_) {
+    m.arrival = std::max(m.arrival, end);
+    if (m.drained > now) m.drained = std::max(m.drained, end);
+  }
+  if (drained_ > now) drained_ = std::max(drained_, end);
+  if (!on_the_way_.empty()) last_arrival_ = std::max(last_arrival_, on_the_way_.back().arrival);
+}
+
+void Link::dropUnsent(Time now) {
+  while (!on_the_way_.empty() && on_the_way_.back().drained > now) on_the_way_.pop_back();
+  sent_ = drained_ = std::min(drained_, now);
+}
+
 size_t Link::unsentBytes(Time now) const {
   size_t sum = 0;
   for (const Message& m : on_the_way_) sum += m.drained > now ? m.message.size() : 0;

@@ -44,6 +44,10 @@ class Link {
     return on_the_way_.empty() ? std::nullopt : std::optional(on_the_way_.back().arrival);
   }
   Bytes receive();
+  // Nothing moves from `now` until `end`: what is on its way arrives then, and what is sent meanwhile leaves then.
+  void stall(Time now, Time end);
+  // What has not wholly left the sender never will.
+  void dropUnsent(Time now);
   // Of messages that have not wholly left the sender.
   size_t unsentBytes(Time now) const;
 

@@ -46,6 +46,22 @@ size_t World::addClient(const ClientOptions& options) {
 
 void World::loseConnection(size_t client) { lose(*clients_[client]); }
 
+void World::handOver(size_t client) { clients_[client]->live.hand_over.ask(now_); }
+
+void World::overtake(size_t client, Duration late) {
+  Client& c = *clients_[client];
+  if (!c.is_connected || c.live.has_left) return;
+  const uint64_t keyframes = c.live.session.statistics().keyframes;
+  c.abandoned.push_back({std::move(c.live), now_ + late, keyframes});
+  renew(c);
+  connectAgain(client);
+}
+
+void World::stall(size_t client, Time end) {
+  clients_[client]->live.up.stall(now_, end);
+  clients_[client]->live.down.stall(now_, end);
+}
+
 void World::stopCorruption() {
   for (auto& c : clients_) {
     c->options.corrupt_one_in = 0;
@@ -57,17 +73,21 @@ void World::stopCorruption() {
 bool World::corrupts(Client& c, Time now) {
   constexpr int64_t kCutWithin_us = 400'000;
   if (c.options.corrupt_one_in == 0 || c.chance.below(c.options.corrupt_one_in) != 0) return false;
+  c.was_corrupted = true;
   if (!c.cut_at) c.cut_at = now + Duration{static_cast<int64_t>(c.chance.below(kCutWithin_us))};
   return true;
 }
 
 void World::lose(Client& c) {
+  c.is_connected = false;
+  renew(c);
+}
+
+// Of the connection, which is to be made again.
+void World::renew(Client& c) {
   c.cut_at.reset();
-  c.is_connected = c.waits_for_drain = false;
-  c.session = server::Session(world_, options_);
-  c.up = Link(c.options.up, seed_ + 7 * ++c.connections);
-  c.down = Link(c.options.down, seed_ + 7 * c.connections + 1);
-  c.sections.clear();
+  c.connects_at.reset();
+  c.live = Connection(c.options, world_, options_, seed_ + 7 * ++c.connections);
   c.poses_counted = {};
   c.keyframes_counted = {};
 }
@@ -75,10 +95,11 @@ void World::lose(Client& c) {
 void World::connectAgain(size_t client, std::shared_ptr<const terrain::Scene> scene) {
   Client& c = *clients_[client];
   if (scene) {
-    c.session = server::Session(std::make_shared<server::World>(std::move(scene)), options_);
+    c.live.session = server::Session(std::make_shared<server::World>(std::move(scene)), options_);
     c.scene_changed = true;
   }
   c.is_connected = true;
+  c.connects_at.reset();
   c.viewer.reconnect(now_ + c.options.clock_offset);
 }
 
@@ -97,32 +118,80 @@ void World::run(Time end) {
 
 std::optional<Time> World::nextEvent(const Client& c) const {
   std::optional<Time> best = c.next_frame;
-  earliest(best, c.up.nextArrival());
-  earliest(best, c.down.nextArrival());
-  if (c.waits_for_drain) earliest(best, std::max(c.down.drainedAt(), now_));
-  if (const auto due = c.session.due()) earliest(best, std::max(due->release, now_));
+  earliest(best, nextEvent(c.live, now_));
+  earliest(best, c.live.down.nextArrival());
+  for (const Abandoned& a : c.abandoned) {
+    earliest(best, nextEvent(a.connection, now_));
+    earliest(best, a.end);
+  }
   if (c.cut_at) earliest(best, std::max(*c.cut_at, now_));
+  if (c.connects_at) earliest(best, std::max(*c.connects_at, now_));
+  return best;
+}
+
+// At the server.
+std::optional<Time> World::nextEvent(const Connection& c, Time now) {
+  std::optional<Time> best;
+  earliest(best, c.up.nextArrival());
+  if (c.has_left) return best;
+  if (c.waits_for_drain) earliest(best, std::max(c.down.drainedAt(), now));
+  if (const auto due = c.session.due()) earliest(best, std::max(due->release, now));
+  if (c.hand_over.isAsked()) earliest(best, std::max(c.has_greeted ? c.hand_over.latest() : now, now));
   return best;
 }
 
 void World::handle(Client& c, size_t index, Time now) {
   if (c.cut_at && *c.cut_at <= now) lose(c);
-  if (c.waits_for_drain && c.down.drainedAt() <= now) {
-    c.waits_for_drain = false;
-    c.session.onDrained(now);
-  }
-  while (c.up.nextArrival() && *c.up.nextArrival() <= now)
-    if (const Status s = c.session.receive(c.up.receive(), now); !s.ok()) {
-      if (!c.cut_at) complain("server refuses: " + s.error().message);
-      lose(c);
-    }
-  if (const auto due = c.session.due(); due && due->release <= now) serve(c, now);
-  while (c.down.nextArrival() && *c.down.nextArrival() <= now) receive(c, index, now);
+  if (c.connects_at && *c.connects_at <= now) connectAgain(index);
+  if (!drive(c, c.live, now)) lose(c);
+  endAbandoned(c, now);
+  while (c.live.down.nextArrival() && *c.live.down.nextArrival() <= now) receive(c, index, now);
   if (c.next_frame <= now) frame(c, index, now);
   flush(c, now);
 }
 
-void World::serve(Client& c, Time now) {
+bool World::drive(Client& client, Connection& c, Time now) {
+  if (c.waits_for_drain && c.down.drainedAt() <= now) {
+    c.waits_for_drain = false;
+    c.hand_over.leavesOnceSent() ? leaveForAnother(c, now) : c.session.onDrained(now);
+  }
+  while (c.up.nextArrival() && *c.up.nextArrival() <= now) {
+    const Bytes message = c.up.receive();
+    if (c.has_left) continue;
+    c.has_greeted = true;
+    if (const Status s = c.session.receive(message, now); !s.ok()) {
+      const bool is_expected = &c == &client.live ? client.cut_at.has_value() : client.was_corrupted;
+      if (!is_expected) complain("server refuses: " + s.error().message);
+      return false;
+    }
+  }
+  if (!c.has_left && c.hand_over.isOverdue(now, c.has_greeted)) leaveForAnother(c, now);
+  if (c.has_left) return true;
+  if (const auto due = c.session.due(); due && due->release <= now) serve(client, c, now);
+  return true;
+}
+
+// The end stands behind what has left the server.
+void World::leaveForAnother(Connection& c, Time now) {
+  c.has_left = true;
+  c.waits_for_drain = false;
+  c.down.dropUnsent(now);
+  c.down.send({}, now);
+}
+
+// What a session may make for nobody is bounded by the keyframes that it sends without being told that they arrive.
+void World::endAbandoned(Client& client, Time now) {
+  std::erase_if(client.abandoned, [&](Abandoned& a) {
+    const bool is_over = a.end <= now || !drive(client, a.connection, now) || a.connection.has_left;
+    while (a.connection.down.nextArrival() && *a.connection.down.nextArrival() <= now)
+      (void)a.connection.down.receive();
+    if (a.connection.session.statistics().keyframes > a.keyframes + options_.max_unacknowledged)
+      complain("a session goes on with nobody at the other end");
+    return is_over;
+  });
+}
+
+void World::serve(Client& client, Connection& c, Time now) {
   const server::SessionStatistics before = c.session.statistics();
   std::vector<Bytes> out;
   const double begin_s = on_step ? threadSeconds() : 0;
@@ -136,15 +205,15 @@ void World::serve(Client& c, Time now) {
   c.session.noteComputeTime(spent);
   if (work.keyframes > 0) keep(c, now, work, spent);
   for (Bytes& message : out) {
-    c.traffic.largest_down = std::max(c.traffic.largest_down, message.size());
+    client.traffic.largest_down = std::max(client.traffic.largest_down, message.size());
     c.down.send(std::move(message), now + (work.keyframes > 0 ? spent : Duration{}));
   }
-  c.traffic.most_unsent_bytes = std::max(c.traffic.most_unsent_bytes, c.down.unsentBytes(now));
+  client.traffic.most_unsent_bytes = std::max(client.traffic.most_unsent_bytes, c.down.unsentBytes(now));
   if (!out.empty()) c.waits_for_drain = true;
 }
 
-void World::keep(Client& c, Time now, const StepWork& work, Duration spent) {
-  Client::Sent& sent = c.sections[c.session.keyframe().index];
+void World::keep(Connection& c, Time now, const StepWork& work, Duration spent) {
+  Connection::Sent& sent = c.sections[c.session.keyframe().index];
   sent.work = work;
   sent.computed = spent;
   if (laws_ == Laws::kTrusted) return;
@@ -190,34 +259,47 @@ bool movesTruly(const client::Replica& replica, const server::Hierarchy& hierarc
 }  // namespace
 
 void World::receive(Client& c, size_t index, Time now) {
-  Bytes message = c.down.receive();
+  Bytes message = c.live.down.receive();
   if (!c.is_connected) return;
+  if (message.empty()) {  // the server's end of the connection
+    // A round trip each for the new connection and for WebSocket's greeting.
+    const Duration round_trip = c.options.up.latency + c.options.down.latency;
+    ++c.hand_overs;
+    lose(c);
+    c.connects_at = now + round_trip * 2;
+    return;
+  }
   if (corrupts(c, now)) message[0] = 0xff;
   for (uint8_t byte : message) c.hash.add(byte);
   countDown(c, message);
+  const bool holds_something = c.viewer.replica() && c.viewer.replica()->newest().index > 0;
+  const uint32_t started_afresh = c.viewer.statistics().started_afresh;
   if (const Status s = c.viewer.receive(message, now + c.options.clock_offset); !s.ok()) {
     if (!c.cut_at) complain("client refuses: " + s.error().message);
     return lose(c);
   }
+  // What a time stamp that was changed on its way makes of a keyframe's time may be too far ahead to go on from.
+  if (holds_something && c.viewer.statistics().started_afresh > started_afresh && !c.scene_changed && !c.was_corrupted)
+    complain("a viewer that holds a section starts afresh");
   if (!c.viewer.replica()) return;
   const uint32_t keyframe = c.viewer.replica()->newest().index;
-  const auto it = c.sections.find(keyframe);
-  if (it == c.sections.end()) return;
+  const auto it = c.live.sections.find(keyframe);
+  if (it == c.live.sections.end()) return;
   if (on_keyframe)
     on_keyframe(index, {now + c.options.clock_offset, message.size(), c.viewer.statistics().last_lateness,
                         it->second.work, it->second.computed});
   if (laws_ == Laws::kChecked) compare(c, keyframe, it->second);
-  c.sections.erase(c.sections.begin(), std::next(it));
+  c.live.sections.erase(c.live.sections.begin(), std::next(it));
 }
 
-void World::compare(const Client& c, uint32_t keyframe, const Client::Sent& sent) {
+void World::compare(const Client& c, uint32_t keyframe, const Connection::Sent& sent) {
   const client::Replica& replica = *c.viewer.replica();
   if (replica.section() != sent.section) complain("client and server differ at keyframe " + std::to_string(keyframe));
   if (replica.knownPages() != sent.known)
     complain("client and server remember other nodes at keyframe " + std::to_string(keyframe));
-  if (!movesTruly(replica, c.session.world().hierarchy))
+  if (!movesTruly(replica, c.live.session.world().hierarchy))
     complain("the client shows the ground of another time at keyframe " + std::to_string(keyframe));
-  if (keyframe % 16 == 0 && !knowsTheTruth(replica, c.session.world().hierarchy))
+  if (keyframe % 16 == 0 && !knowsTheTruth(replica, c.live.session.world().hierarchy))
     complain("the client remembers another height or error at keyframe " + std::to_string(keyframe));
 }
 
@@ -244,7 +326,7 @@ void World::flush(Client& c, Time now) {
     if (corrupts(c, now))
       for (uint64_t i = 1 + c.chance.below(4); i-- > 0;)
         message[c.chance.below(message.size())] = static_cast<uint8_t>(c.chance.next());
-    c.up.send(std::move(message), now);
+    c.live.up.send(std::move(message), now);
   }
 }
 

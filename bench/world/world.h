@@ -4,9 +4,11 @@
 #pragma once
 
 #include <algorithm>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "bench/world/compute_cost.h"
 #include "bench/world/link.h"
 #include "client/viewer.h"
+#include "server/session/hand_over.h"
 #include "server/session/session.h"
 
 namespace foreland::bench {
@@ -77,6 +80,13 @@ class World {
   // The client's server dies with its connection, and what was under way is lost; the client flies on.
   void loseConnection(size_t client);
   bool isConnected(size_t client) const { return clients_[client]->is_connected; }
+  // The client's server is drained: it asks the client to go on at another one, which it does (server::HandOver).
+  void handOver(size_t client);
+  // The client's connection breaks and it makes a new one, which reaches a server before the old one's end does: that
+  // session goes on for `late`, with nobody at the other end.
+  void overtake(size_t client, Duration late);
+  // Nothing moves between client and server until `end`.
+  void stall(size_t client, Time end);
   void changeRequest(size_t client, const proto::ViewRequest& request) { clients_[client]->viewer.setRequest(request); }
   // From now on nothing is changed on its way. Connections with changed messages are cut.
   void stopCorruption();
@@ -96,7 +106,9 @@ class World {
   std::function<void(const StepWork&, double seconds)> on_step;
 
   const client::Viewer& viewer(size_t i) const { return clients_[i]->viewer; }
-  const server::Session& session(size_t i) const { return clients_[i]->session; }
+  const server::Session& session(size_t i) const { return clients_[i]->live.session; }
+  // Connections of the client that its server ended, for another one to go on.
+  uint64_t handOvers(size_t i) const { return clients_[i]->hand_overs; }
   // A fingerprint of every byte that has arrived at a client.
   uint64_t bytesHash(size_t i) const { return clients_[i]->hash.value(); }
   const Traffic& traffic(size_t i) const { return clients_[i]->traffic; }
@@ -106,30 +118,17 @@ class World {
   std::string report() const;
 
  private:
-  struct Client {
-    Client(const ClientOptions& o, std::shared_ptr<const server::World> world,
-           const server::SessionOptions& session_options, uint64_t seed)
-        : options(o),
-          viewer(o.request),
-          session(std::move(world), session_options),
-          up(o.up, seed),
-          down(o.down, seed + 1) {}
-    ClientOptions options;
-    client::Viewer viewer;
+  // The server's end of a connection, and the links.
+  struct Connection {
+    Connection(const ClientOptions& o, std::shared_ptr<const server::World> world,
+               const server::SessionOptions& session_options, uint64_t seed)
+        : session(std::move(world), session_options), up(o.up, seed), down(o.down, seed + 1) {}
     server::Session session;
     Link up, down;
-    Time next_frame;
     bool waits_for_drain = false;
-    bool path_announced = false;
-    bool is_connected = true;
-    Rng chance{0};
-    std::optional<Time> cut_at;  // after a message was changed on its way
-    bool has_mesh = false, scene_changed = false;
-    uint64_t connections = 1;
-    Fnv1a hash;
-    Traffic traffic;
-    proto::PoseMemory poses_counted;
-    proto::KeyframeMemory keyframes_counted;
+    bool has_greeted = false;
+    server::HandOver hand_over;
+    bool has_left = false;  // the server has ended it, and the client has not heard of that
     // The server's, by keyframe, until the client has it.
     struct Sent {
       proto::Section section;
@@ -139,17 +138,50 @@ class World {
     };
     std::map<uint32_t, Sent> sections;
   };
+  // One whose client is gone, which the server does not know until `end`.
+  struct Abandoned {
+    Connection connection;
+    Time end;
+    uint64_t keyframes;  // when the client left
+  };
+  struct Client {
+    Client(const ClientOptions& o, std::shared_ptr<const server::World> world,
+           const server::SessionOptions& session_options, uint64_t seed)
+        : options(o), viewer(o.request), live(o, std::move(world), session_options, seed) {}
+    ClientOptions options;
+    client::Viewer viewer;
+    Connection live;
+    std::deque<Abandoned> abandoned;
+    Time next_frame;
+    bool path_announced = false;
+    bool is_connected = true;
+    std::optional<Time> connects_at;  // after it was handed over
+    Rng chance{0};
+    std::optional<Time> cut_at;  // after a message was changed on its way
+    bool has_mesh = false, scene_changed = false, was_corrupted = false;
+    uint64_t connections = 1, hand_overs = 0;
+    Fnv1a hash;
+    Traffic traffic;
+    proto::PoseMemory poses_counted;
+    proto::KeyframeMemory keyframes_counted;
+  };
 
   std::optional<Time> nextEvent(const Client& c) const;
   void handle(Client& c, size_t index, Time now);
-  void serve(Client& c, Time now);
+  static std::optional<Time> nextEvent(const Connection& c, Time now);
+  // False if the session refuses what it has received.
+  bool drive(Client& client, Connection& c, Time now);
+  void serve(Client& client, Connection& c, Time now);
+  void leaveForAnother(Connection& c, Time now);
+  void endAbandoned(Client& c, Time now);
   void receive(Client& c, size_t index, Time now);
-  void keep(Client& c, Time now, const StepWork& work, Duration spent);
-  void compare(const Client& c, uint32_t keyframe, const Client::Sent& sent);
+  void keep(Connection& c, Time now, const StepWork& work, Duration spent);
+  void compare(const Client& c, uint32_t keyframe, const Connection::Sent& sent);
   void frame(Client& c, size_t index, Time now);
   void flush(Client& c, Time now);
   bool corrupts(Client& c, Time now);
   void lose(Client& c);
+  void renew(Client& c);
   static void countDown(Client& c, const Bytes& message);
   static void countUp(Client& c, const Bytes& message);
   void complain(const std::string& what) { complaints_.push_back(what); }

@@ -9,7 +9,11 @@ namespace foreland::proto {
 
 namespace {
 
-constexpr size_t kFew = 1024;
+// Compacting leaves room for an eighth more, as growing does; another eighth is left for what comes and goes.
+bool isWasteful(size_t capacity, size_t of_use) {
+  constexpr size_t kFew = 1024;
+  return 4 * capacity > 5 * of_use + kFew;
+}
 
 }  // namespace
 
@@ -79,7 +83,7 @@ SlotBits Frontier::consume(const MotionBound& motion, const Page& page) {
 }
 
 void Frontier::compact() {
-  if (pool_.capacity() <= 2 * pool_.held() + kFew && nodes_.capacity() <= 2 * nodes_.size() + kFew) return;
+  if (!isWasteful(pool_.capacity(), pool_.held()) && !isWasteful(nodes_.capacity(), nodes_.size())) return;
   EntryPool pool(pool_.held() + pool_.held() / 8);
   nodes_.compact([&](Page& page) { page.block = pool.copy(pool_, page.block, page.entries); });
   pool_ = std::move(pool);

@@ -81,7 +81,7 @@ class Frontier {
     finest = std::min(finest, least);
   }
   // Drops the pages that have become empty, after a call of dropped(page) for each, ascending, and gives memory back
-  // once twice as much is held as is of use. Pages may get other numbers.
+  // once a quarter more is held than is of use. Pages may get other numbers.
   template <class Dropped>
   void endStep(const Dropped& dropped) {
     nodes_.dropEmpty(dropped);

@@ -1,5 +1,4 @@
-// How a server hands its viewers over before it stops: each is asked to connect again, which a proxy answers with
-// another server. They are asked one after another, so that the others need not resume all of them in one instant.
+// Hands a server's viewers over before it stops (server/session/hand_over.h).
 // Private to server/net; I/O thread.
 #pragma once
 
@@ -7,12 +6,13 @@
 
 #include "base/time.h"
 #include "server/net/context.h"
+#include "server/session/hand_over.h"
 
 namespace foreland::server {
 
 class Drain {
  public:
-  // At most `most` is taken; the viewers are asked within half of that, and faster if they are few.
+  // At most `most` is taken.
   Drain(ServerContext& context, Time now, Duration most);
 
   // Asks those whose turn it is. To be called every few milliseconds.
@@ -22,12 +22,9 @@ class Drain {
   bool isOver(Time now) const;
 
  private:
-  size_t turnsBy(Time now) const;
-
   ServerContext& context_;
-  const Time begin_, end_;
-  const size_t viewers_;
-  const Duration spread_;
+  const Time end_;
+  const HandOverTurns turns_;
   size_t asked_ = 0;
 };
 

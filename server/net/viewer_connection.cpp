@@ -21,8 +21,7 @@ constexpr size_t kPieceBytes = 64u << 10;
 // A read buffer that has grown beyond this, for a path, is freed.
 constexpr size_t kKeptBufferBytes = 64u << 10;
 constexpr Duration kCloseGrace = Duration::seconds(2);
-constexpr Duration kLongestToKeyframe = Duration::seconds(1);  // while the viewer is handed over
-constexpr size_t kMaxReasonBytes = 120;                        // of a close frame
+constexpr size_t kMaxReasonBytes = 120;  // of a close frame
 // The slowest that a viewer may read what waits for it, over as long as it may be silent.
 constexpr double kLeastBytesPerSecond = 1000;
 
@@ -152,7 +151,7 @@ void ViewerConnection::read() {
 
 void ViewerConnection::onRead(beast::error_code error) {
   if (error)
-    return finish(hand_over_at_                       ? "was handed over"
+    return finish(hand_over_.isAsked()                ? "was handed over"
                   : error == websocket::error::closed ? "left"
                                                       : "was lost: " + error.message());
   heard_at_ = context_.clock();
@@ -226,7 +225,7 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   }
   if (state_ == State::kClosing || (state_ == State::kFlushing && outbox_.empty())) return sendCloseFrame();
   if (outbox_.empty() && state_ == State::kOpen) {
-    if (hand_over_at_) return leaveForAnother();
+    if (hand_over_.leavesOnceSent()) return leaveForAnother();
     actor_->sent(batches_sent_);
   }
   write();
@@ -257,8 +256,9 @@ void ViewerConnection::leave(websocket::close_code code, const std::string& reas
 
 void ViewerConnection::handOver() {
   orGiveUp([&] {
-    hand_over_at_ = context_.clock();
-    if (!has_greeted_) leaveForAnother();
+    const Time now = context_.clock();
+    hand_over_.ask(now);
+    if (hand_over_.isOverdue(now, has_greeted_)) leaveForAnother();
   });
 }
 
@@ -292,7 +292,7 @@ void ViewerConnection::checkOpen(Time now) {
     context_.metrics.count(RefusedFor::kUnread);
     return finish(fmt::format("read nothing, or hardly anything, for {:.0f} s", timeout.toSeconds()));
   }
-  if (hand_over_at_ && now - *hand_over_at_ > kLongestToKeyframe) return leaveForAnother();
+  if (hand_over_.isOverdue(now, has_greeted_)) return leaveForAnother();
   if (hasExpired()) return leave(websocket::close_code::policy_error, "your token has expired");
   if (!has_greeted_ && now - opened_at_ > context_.options.hello_timeout)
     return leaveSilent("no message for too long; connect again");

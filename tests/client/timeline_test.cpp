@@ -101,7 +101,7 @@ TEST(Timeline, DelayShowsTheSceneLaterByTheIntervalAndThePlayoutDelay) {
 
 TEST(Timeline, DelayIsThatOfTheLongestIntervalWhereTheyAdapt) {
   Timeline timeline;
-  timeline.setLongestInterval(Duration::milliseconds(500));
+  timeline.setInterval({Duration::milliseconds(100), Duration::milliseconds(500)});
   timeline.add(stillMesh(0), at(0), Strategy::kDelay);
   double from = 0;
   uint32_t index = 1;
@@ -163,6 +163,37 @@ TEST(Timeline, DoesNotWaitForATimeThatWasWrong) {
     EXPECT_EQ(timeline.at(at(1200)).mesh->to.index, 4u);
     EXPECT_EQ(timeline.at(at(1200)).weight, 1);
   }
+}
+
+// The first interval is a fault, and so no measure of those that are usual.
+TEST(Timeline, CatchesUpWithAnOutageRightAfterTheFirstKeyframe) {
+  for (Strategy strategy : {Strategy::kDelay, Strategy::kCurrent}) {
+    Timeline timeline;
+    timeline.setInterval({Duration::milliseconds(200), {}});
+    timeline.add(stillMesh(0), at(30), strategy);
+    timeline.add(mesh(1, 0, 60'000), at(60'030), strategy);
+    Timeline::Shown shown;
+    for (uint32_t i = 2; i < 20; ++i) {
+      const double from = 60'000 + 200.0 * (i - 2);
+      shown = timeline.at(at(from + 229));
+      timeline.add(mesh(i, from, from + 200), at(from + 230), strategy);
+    }
+    // An interval, 30 ms of latency and 10 ms of margin behind.
+    EXPECT_EQ(shown.shown_time, at(60'000 + 200 * 17 + 229 - 240));
+  }
+}
+
+// Two stalls: one of the way down, which the playout delay grows by, and one of the way up, for which there is no
+// keyframe. The display waits for one of them, not for both.
+TEST(Timeline, AllowsForOneStallNotForTwo) {
+  Timeline timeline;
+  timeline.setInterval({Duration::milliseconds(200), {}});
+  timeline.add(stillMesh(0), at(30), Strategy::kDelay);
+  timeline.add(mesh(1, 0, 200), at(2100), Strategy::kDelay);
+  timeline.add(mesh(2, 200, 400), at(2100), Strategy::kDelay);
+  timeline.add(mesh(3, 400, 2600), at(2630), Strategy::kDelay);
+  EXPECT_GT(timeline.at(at(3000)).shown_time, at(400));
+  EXPECT_EQ(timeline.at(at(4840)).shown_time, at(2600));
 }
 
 TEST(Timeline, ExtendsAfterTheLastMesh) {

@@ -1,11 +1,14 @@
 // Faults by seed: honest viewers fly, jump, turn and change their minds over links with latency, jitter, stalls and
-// little rate, which cut, corrupt and lose what is on its way; servers are killed and replaced; beside them hostile
-// viewers say anything at any time, with time stamps that lie. The laws, in every scenario:
+// little rate, which cut, corrupt and lose what is on its way; new connections overtake the ends of old ones; servers
+// are killed and replaced, or drained first, so that viewers are handed over; beside them hostile viewers say anything
+// at any time, with time stamps that lie. The laws, in every scenario:
 //
 //   * every section that a viewer acknowledges is the same at both ends (World checks it);
 //   * a frame that claims a tolerance keeps it: the section shown has all nodes that its camera needs at that tolerance;
 //   * an honest viewer is never without a picture once it had one, and is at its tolerance again soon after the faults;
-//   * no section exceeds the limit of nodes, and what waits to be sent stays within its bounds.
+//   * a viewer that holds a section goes on from it on its next connection, whatever ended the last one (World);
+//   * no section exceeds the limit of nodes, and what waits to be sent stays within its bounds, as does what a session
+//     makes while nobody is at the other end (World).
 //
 //   FORELAND_SEED=17 faults_test                  one scenario
 //   FORELAND_FAULT_SEEDS=10000 faults_test        many
@@ -162,23 +165,33 @@ struct Scenario {
     guaranteed[i] += isHeld(view.tolerance_px);
   }
 
-  // Cuts, kills and replaces, now and then.
+  // Cuts, stalls, kills, drains and replaces, now and then.
   void fault(Time now) {
     for (size_t i = 0; i < clients.size(); ++i) {
-      if (!world.isConnected(i) && lost_until[i] == Time{}) lost_until[i] = now + Duration::seconds(rng.uniform(0, 1));
-      if (!world.isConnected(i) && now >= lost_until[i]) {
-        world.connectAgain(i);
-        lost_until[i] = {};
-      } else if (world.isConnected(i) && rng.below(50) == 0) {
-        world.loseConnection(i);
-      } else if (rng.below(60) == 0) {
-        clients[i].request.tau_px = rng.uniform(0.7, 3);
-        world.changeRequest(i, clients[i].request);
-      }
+      if (rng.below(80) == 0) world.stall(i, now + Duration::seconds(rng.uniform(0.1, 1.5)));
+      world.isConnected(i) ? faultConnection(i) : connect(i, now);
     }
-    if (rng.below(120) == 0)  // the server is killed
+    const uint64_t chance = rng.below(240);
+    if (chance < 2)  // the server is killed
       for (size_t i = 0; i < clients.size(); ++i)
         if (world.isConnected(i)) world.loseConnection(i);
+    if (chance >= 2 && chance < 6)  // it is drained
+      for (size_t i = 0; i < clients.size(); ++i)
+        if (world.isConnected(i)) world.handOver(i);
+  }
+  void faultConnection(size_t i) {
+    lost_until[i] = {};
+    if (rng.below(50) == 0) return world.loseConnection(i);
+    if (rng.below(80) == 0) return world.handOver(i);
+    if (rng.below(80) == 0) return world.overtake(i, Duration::seconds(rng.uniform(0, 2)));
+    if (rng.below(60) > 0) return;
+    clients[i].request.tau_px = rng.uniform(0.7, 3);
+    world.changeRequest(i, clients[i].request);
+  }
+  // One that was handed over may come back sooner, by itself.
+  void connect(size_t i, Time now) {
+    if (lost_until[i] == Time{}) lost_until[i] = now + Duration::seconds(rng.uniform(0, 1));
+    if (now >= lost_until[i]) world.connectAgain(i);
   }
 
   void run() {
