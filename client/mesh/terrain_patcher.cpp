@@ -74,6 +74,9 @@ void TerrainPatcher::rebuild(const TerrainStep& step, BlendPatch& out) {
 }
 
 void TerrainPatcher::step(const TerrainStep& step, BlendPatch& out) {
+  const proto::CutDelta &jumped = step.morphs.jumped(), &drawn = step.morphs.drawn();
+  const Slots leaving = unionOf(leaving_, jumped.removed), entering = unionOf(jumped.added, drawn.added);
+  if (willBeSparse(step.nodes, leaving, entering)) return rebuild(step, out);
   const bool has_new_origin = std::exchange(origin_, step.origin) != step.origin;
   PatchWriter writer(vertices_, origin_, step.heights.isMoving(), out);
   step_ = &step, writer_ = &writer;
@@ -81,16 +84,26 @@ void TerrainPatcher::step(const TerrainStep& step, BlendPatch& out) {
     for (uint32_t v = 0; v < vertices_.count(); ++v)
       if (vertices_[v].is_used) writer.touchPosition(v);
 
-  const proto::CutDelta &jumped = step.morphs.jumped(), &drawn = step.morphs.drawn();
   leaveSection(placesOf(jumped.removed));
-  mergeUnion(unionOf(leaving_, jumped.removed));
-  splitUnion(unionOf(jumped.added, drawn.added));
+  mergeUnion(leaving);
+  splitUnion(entering);
+  if (isSparse(vertices_.used())) {  // since cuts have gone, too
+    out.clear();
+    return rebuild(step, out);
+  }
   moveWithin(End::kFrom);
   enterSection(jumped.added, placesOf(jumped.added), End::kFrom);
   advance(step, out);
-  if (vertices_.count() <= 2 * vertices_.used() + kFewPlaces) return;
-  out.clear();
-  rebuild(step, out);
+}
+
+// Whether too few places will be in use for the mesh to be brought to the next one, as far as nodes count. Look-ups
+// only if it may be so.
+bool TerrainPatcher::willBeSparse(const HeldNodes& nodes, const Slots& leaving, const Slots& entering) const {
+  if (!isSparse(vertices_.used() - leaving.size())) return false;
+  const auto gone = std::count_if(leaving.begin(), leaving.end(), [&](Slot slot) { return nodes.in(slot) == 0; });
+  const auto come =
+      std::count_if(entering.begin(), entering.end(), [&](Slot slot) { return vertices_.find(slot) == kNoVertex; });
+  return isSparse(vertices_.used() - static_cast<size_t>(gone) + static_cast<size_t>(come));
 }
 
 // From the mesh's beginning, which the section already has, to its end.

@@ -47,7 +47,7 @@ class TerrainPatcher {
 
   // The mesh from nothing; to be called first.
   void rebuild(const TerrainStep& step, BlendPatch& out);
-  // The mesh from the last one. Rebuilds it if it has become too sparse.
+  // The mesh from the last one. Rebuilds it where it would become too sparse.
   void step(const TerrainStep& step, BlendPatch& out);
 
   // How many nodes the last mesh draws at its beginning and at its end.
@@ -73,6 +73,8 @@ class TerrainPatcher {
   };
   static constexpr size_t kAhead = 4;  // nodes
 
+  bool isSparse(size_t used) const { return vertices_.count() > 2 * used + kFewPlaces; }
+  bool willBeSparse(const HeldNodes& nodes, const Slots& leaving, const Slots& entering) const;
   void advance(const TerrainStep& step, BlendPatch& out);
   void touchCurved();
   void writeBends(BlendPatch& out) const;
