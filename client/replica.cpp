@@ -260,15 +260,9 @@ bool Replica::adapt(const proto::KeyframeHeader& header, proto::DeltaDecoder& de
   for (const Morph& m : morphs_.all())
     if (!m.is_added) saved_.push_back({m.slot, nodes_.records().at(m.slot)});
   const bool ok = adapter_.adapt(proto::viewOf(header), proto::kMaxSectionNodes, decoder, scratch_, delta_);
-  proto::SlotBits known;
-  Slot page = proto::kNoSlot;  // whose these are
-  for (const SavedRecord& saved : saved_) {
-    if (saved.slot / proto::kPageSlots != page) {
-      page = saved.slot / proto::kPageSlots;
-      known = adapter_.known(saved.slot);
-    }
-    if (!known.has(proto::lowOf(saved.slot))) nodes_.records().make(saved.slot) = saved.record;
-  }
+  proto::KnownNodes known(adapter_);
+  for (const SavedRecord& saved : saved_)
+    if (!known.has(saved.slot)) nodes_.records().make(saved.slot) = saved.record;
   return ok;
 }
 

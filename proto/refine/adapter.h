@@ -94,4 +94,23 @@ class Adapter {
 using TerrainAdapter = Adapter<TerrainTester>;
 using SurfaceAdapter = Adapter<SurfaceTester>;
 
+// Whether nodes are known to an adapter, which must not be stepped meanwhile: O(1), and a page is looked up once for
+// the slots of it that are asked about in a row.
+class KnownNodes {
+ public:
+  explicit KnownNodes(const TerrainAdapter& adapter) : adapter_(adapter) {}
+  bool has(Slot slot) {
+    if (slot / kPageSlots != page_) {
+      page_ = slot / kPageSlots;
+      known_ = adapter_.known(slot);
+    }
+    return known_.has(lowOf(slot));
+  }
+
+ private:
+  const TerrainAdapter& adapter_;
+  uint32_t page_ = kNoSlot;  // no page has so large a number
+  SlotBits known_;
+};
+
 }  // namespace foreland::proto

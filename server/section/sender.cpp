@@ -100,7 +100,8 @@ SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, Se
         std::count_if(slots.begin(), slots.end(), [&](proto::Slot slot) { return !held.contains(slot); }));
   };
   SectionSize size{.fits = true, .nodes = scratch.section.slots.size(), .added = 0};
-  for (proto::Slot slot : scratch.section.slots) size.added += adapter_.knows(slot) ? 0 : 1;
+  proto::KnownNodes known(adapter_);
+  for (proto::Slot slot : scratch.section.slots) size.added += known.has(slot) ? 0 : 1;
   const SceneObjects& objects = hierarchy_->objects();
   for (size_t i = 0; i < objects_.size(); ++i) {
     proto::SurfaceAdapter fresh(objects.set.domain(i));
