@@ -22,7 +22,7 @@ struct ByteCode {
   std::array<uint8_t, kLongest + 1> ranks{};
   std::array<uint8_t, 256> bytes{};  // by the order of their words
 
-  constexpr explicit ByteCode(const std::array<uint8_t, 9>& of) : lengths(of) {
+  explicit ByteCode(const std::array<uint8_t, 9>& of) : lengths(of) {
     uint32_t word = 0, rank = 0;
     for (uint32_t length = 1; length <= kLongest; ++length) {
       firsts[length] = static_cast<uint16_t>(word);
@@ -38,10 +38,13 @@ struct ByteCode {
   }
 };
 
-// For bytes of any kind, mostly zeros, some of both, mostly ones.
-constexpr std::array<ByteCode, 4> kCodes{
-    ByteCode({8, 8, 8, 8, 8, 8, 8, 8, 8}), ByteCode({1, 5, 8, 10, 11, 11, 11, 10, 9}),
-    ByteCode({3, 6, 7, 8, 9, 10, 9, 8, 5}), ByteCode({6, 10, 11, 12, 11, 10, 8, 5, 1})};
+// For bytes of any kind, mostly zeros, some of both, mostly ones. Made at the first use: the page's module is small.
+const std::array<ByteCode, 4>& byteCodes() {
+  static const std::array<ByteCode, 4> kCodes{
+      ByteCode({8, 8, 8, 8, 8, 8, 8, 8, 8}), ByteCode({1, 5, 8, 10, 11, 11, 11, 10, 9}),
+      ByteCode({3, 6, 7, 8, 9, 10, 9, 8, 5}), ByteCode({6, 10, 11, 12, 11, 10, 8, 5, 1})};
+  return kCodes;
+}
 
 class BitWriter {
  public:
@@ -91,21 +94,22 @@ class BitReader {
 using BitString = std::array<uint8_t, kPageSlots / 8>;
 
 void putBits(std::span<const uint8_t> bytes, BitWriter& out) {
+  const std::array<ByteCode, 4>& codes = byteCodes();
   std::array<uint32_t, 9> count{};
   for (uint8_t byte : bytes) ++count[static_cast<size_t>(std::popcount(byte))];
   uint32_t best = 0, least = ~0u;
-  for (uint32_t c = 0; c < kCodes.size(); ++c) {
+  for (uint32_t c = 0; c < codes.size(); ++c) {
     uint32_t bits = 0;
-    for (size_t ones = 0; ones < count.size(); ++ones) bits += count[ones] * kCodes[c].lengths[ones];
+    for (size_t ones = 0; ones < count.size(); ++ones) bits += count[ones] * codes[c].lengths[ones];
     if (bits < least) least = bits, best = c;
   }
   out.put(best, kCodeBits);
-  const ByteCode& code = kCodes[best];
+  const ByteCode& code = codes[best];
   for (uint8_t byte : bytes) out.put(code.words[byte], code.lengths[static_cast<size_t>(std::popcount(byte))]);
 }
 
 void takeBits(std::span<uint8_t> bytes, BitReader& in) {
-  const ByteCode& code = kCodes[in.take(kCodeBits)];
+  const ByteCode& code = byteCodes()[in.take(kCodeBits)];
   for (uint8_t& byte : bytes) {
     const uint32_t word = in.peek(kLongest);
     size_t length = 1;
