@@ -30,9 +30,12 @@ void NodeMemory::keep(Slot first, const PageKnowledge& knowledge) {
   const size_t size = packPage(knowledge, packed);
   reserveMore(log_, kHead + size);
   cells_[cell] = static_cast<Place>(log_.size());
-  log_.insert(log_.end(), {static_cast<uint8_t>(size), static_cast<uint8_t>(key), static_cast<uint8_t>(key >> 8),
-                           static_cast<uint8_t>(key >> 16)});
-  log_.insert(log_.end(), packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
+  const size_t begin = log_.size();
+  log_.resize(begin + kHead + size);
+  uint8_t* entry = &log_[begin];
+  for (const size_t byte : {size, size_t{key}, size_t{key >> 8}, size_t{key >> 16}})
+    *entry++ = static_cast<uint8_t>(byte);
+  std::copy_n(packed.begin(), size, entry);
   ++count_;
   client_bytes_ += knowledge.clientBytes();
   known_ += knowledge.known.count();
@@ -128,7 +131,7 @@ void NodeMemory::moveUp() {
     place += static_cast<Place>(size);
   }
   log_.resize(end);
-  if (log_.capacity() > end + end / 8 + kFewBytes) log_.shrink_to_fit();
+  if (log_.capacity() > end + end / 8 + kFewBytes) log_ = std::vector<uint8_t>(log_);
   if (8 * count_ < 3 * cells_.size()) makeCells(2 * count_);
   oldest_ = 0;
   unused_ = 0;

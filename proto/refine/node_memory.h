@@ -67,19 +67,19 @@ class NodeMemory {
   static constexpr uint32_t kMostKey = (1u << 24) - 1;
 
   Entry entryAt(Place place) const;
-  std::optional<Entry> entryOf(Slot slot) const;
+  [[gnu::noinline]] std::optional<Entry> entryOf(Slot slot) const;
   bool isUsed(uint32_t key, Place place) const;
   void remove(size_t cell, const Entry& entry, const PageKnowledge& knowledge);
-  void evict();
-  void moveUp();
+  [[gnu::noinline]] void evict();
+  [[gnu::noinline]] void moveUp();
 
   // The index: open addressing with linear probing, a cell for each page that names its place only; the key stands in
   // the log. At most three of four cells are used.
   size_t home(uint32_t key) const { return (uint64_t{key * 0x9e3779b1u} * cells_.size()) >> 32; }
   size_t next(size_t cell) const { return cell + 1 == cells_.size() ? 0 : cell + 1; }
   // The cell of the key, or the free one where it would be. There are cells.
-  size_t cellOf(uint32_t key) const;
-  void makeCells(size_t count);
+  [[gnu::noinline]] size_t cellOf(uint32_t key) const;
+  [[gnu::noinline]] void makeCells(size_t count);
   void freeCell(size_t cell);
 
   uint64_t budget_ = 0, client_bytes_ = 0;

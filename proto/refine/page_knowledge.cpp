@@ -93,7 +93,7 @@ class BitReader {
 // A string of at most kPageSlots bits, by bytes.
 using BitString = std::array<uint8_t, kPageSlots / 8>;
 
-void putBits(std::span<const uint8_t> bytes, BitWriter& out) {
+[[gnu::noinline]] void putBits(std::span<const uint8_t> bytes, BitWriter& out) {
   const std::array<ByteCode, 4>& codes = byteCodes();
   std::array<uint32_t, 9> count{};
   for (uint8_t byte : bytes) ++count[static_cast<size_t>(std::popcount(byte))];
@@ -108,7 +108,7 @@ void putBits(std::span<const uint8_t> bytes, BitWriter& out) {
   for (uint8_t byte : bytes) out.put(code.words[byte], code.lengths[static_cast<size_t>(std::popcount(byte))]);
 }
 
-void takeBits(std::span<uint8_t> bytes, BitReader& in) {
+[[gnu::noinline]] void takeBits(std::span<uint8_t> bytes, BitReader& in) {
   const ByteCode& code = byteCodes()[in.take(kCodeBits)];
   for (uint8_t& byte : bytes) {
     const uint32_t word = in.peek(kLongest);
