@@ -1,7 +1,6 @@
 #include "proto/refine/node_memory.h"
 
 #include <algorithm>
-#include <array>
 
 #include "base/check.h"
 
@@ -12,7 +11,7 @@ namespace {
 constexpr size_t kFewBytes = 1024, kFewCells = 16;
 
 // Room for `more` elements beside those of `v`, and for a sixteenth: a session's memory is counted.
-void reserveMore(std::vector<uint8_t>& v, size_t more) {
+void reserveMore(Bytes& v, size_t more) {
   if (v.size() + more > v.capacity()) v.reserve(v.size() + more + kFewBytes / 2 + v.size() / 16);
 }
 
@@ -26,16 +25,12 @@ void NodeMemory::keep(Slot first, const PageKnowledge& knowledge) {
   const size_t cell = cellOf(key);
   CHECK_EQ(cells_[cell], kNowhere);
 
-  std::array<uint8_t, kMostPackedBytes> packed;
-  const size_t size = packPage(knowledge, packed);
-  reserveMore(log_, kHead + size);
-  cells_[cell] = static_cast<Place>(log_.size());
   const size_t begin = log_.size();
-  log_.resize(begin + kHead + size);
-  uint8_t* entry = &log_[begin];
-  for (const size_t byte : {size, size_t{key}, size_t{key >> 8}, size_t{key >> 16}})
-    *entry++ = static_cast<uint8_t>(byte);
-  std::copy_n(packed.begin(), size, entry);
+  reserveMore(log_, kHead + kMostPackedBytes);
+  for (const uint32_t byte : {0u, key, key >> 8, key >> 16}) log_.push_back(static_cast<uint8_t>(byte));
+  packPage(knowledge, log_);
+  log_[begin] = static_cast<uint8_t>(log_.size() - begin - kHead);
+  cells_[cell] = static_cast<Place>(begin);
   ++count_;
   client_bytes_ += knowledge.clientBytes();
   known_ += knowledge.known.count();
@@ -131,7 +126,7 @@ void NodeMemory::moveUp() {
     place += static_cast<Place>(size);
   }
   log_.resize(end);
-  if (log_.capacity() > end + end / 8 + kFewBytes) log_ = std::vector<uint8_t>(log_);
+  if (log_.capacity() > end + end / 8 + kFewBytes) log_.shrink_to_fit();
   if (8 * count_ < 3 * cells_.size()) makeCells(2 * count_);
   oldest_ = 0;
   unused_ = 0;

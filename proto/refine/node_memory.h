@@ -13,9 +13,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
+#include "base/bytes.h"
 #include "proto/refine/page_knowledge.h"
 
 namespace foreland::proto {
@@ -59,7 +59,7 @@ class NodeMemory {
   static constexpr Place kNowhere = ~Place{0};
   struct Entry {
     uint32_t key;  // slot / kPageSlots
-    std::span<const uint8_t> packed;
+    ByteSpan packed;
     size_t size() const { return kHead + packed.size(); }
   };
   // Before what is packed: how many bytes of it follow, and the key.
@@ -67,26 +67,26 @@ class NodeMemory {
   static constexpr uint32_t kMostKey = (1u << 24) - 1;
 
   Entry entryAt(Place place) const;
-  [[gnu::noinline]] std::optional<Entry> entryOf(Slot slot) const;
+  std::optional<Entry> entryOf(Slot slot) const;
   bool isUsed(uint32_t key, Place place) const;
   void remove(size_t cell, const Entry& entry, const PageKnowledge& knowledge);
-  [[gnu::noinline]] void evict();
-  [[gnu::noinline]] void moveUp();
+  void evict();
+  void moveUp();
 
   // The index: open addressing with linear probing, a cell for each page that names its place only; the key stands in
   // the log. At most three of four cells are used.
   size_t home(uint32_t key) const { return (uint64_t{key * 0x9e3779b1u} * cells_.size()) >> 32; }
   size_t next(size_t cell) const { return cell + 1 == cells_.size() ? 0 : cell + 1; }
   // The cell of the key, or the free one where it would be. There are cells.
-  [[gnu::noinline]] size_t cellOf(uint32_t key) const;
-  [[gnu::noinline]] void makeCells(size_t count);
+  size_t cellOf(uint32_t key) const;
+  void makeCells(size_t count);
   void freeCell(size_t cell);
 
   uint64_t budget_ = 0, client_bytes_ = 0;
   size_t count_ = 0, known_ = 0;
   size_t unused_ = 0;  // bytes of the log
   Place oldest_ = 0;   // nothing before it is used
-  std::vector<uint8_t> log_;
+  Bytes log_;
   std::vector<Place> cells_;
 };
 

@@ -1,11 +1,10 @@
 // What was said of a page's nodes (kPageSlots), and the same in few bytes.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
+#include "base/bytes.h"
 #include "proto/refine/slot_bits.h"
 #include "proto/section/bounds.h"
 #include "proto/topology/node.h"
@@ -36,18 +35,18 @@ struct KnownPage {
   bool operator==(const KnownPage&) const = default;
 };
 
-// Packs the knowledge of a page, whose settled nodes must be known, into the first bytes of `out` and returns how many
-// they are. Some 30 where 70 stand in a PageKnowledge, for neighbours mostly share their fate: the known nodes' bits,
-// and the settled ones' among these, are written by bytes, in that of four prefix codes which makes them shortest. The
-// codes were fitted to flights (docs/decisions/0057-packed-memory.md). Some 0.3 us.
+// Appends what is known of a page, whose settled nodes must be known, to `out`, in few bytes: some 30 where 70 stand in
+// a PageKnowledge, for neighbours mostly share their fate. The known nodes' bits, and the settled ones' among these,
+// are written by bytes, in that of four prefix codes which makes them shortest; the codes were fitted to flights
+// (docs/decisions/0057-packed-memory.md). Below a microsecond.
+void packPage(const PageKnowledge& page, Bytes& out);
 inline constexpr size_t kMostPackedBytes = 67;
-size_t packPage(const PageKnowledge& page, std::array<uint8_t, kMostPackedBytes>& out);
-// The inverse. `bytes` are what packPage() wrote; what follows is not read.
-PageKnowledge unpackPage(std::span<const uint8_t> bytes);
+// The inverse. `packed` is what packPage() wrote; what follows is not read.
+PageKnowledge unpackPage(ByteSpan packed);
 // Of a packed page, without unpacking it: PageKnowledge::radius and knowsAnyOf64().
-inline QuantisedRadius packedRadius(std::span<const uint8_t> bytes) { return {bytes[0]}; }
-inline bool packedKnowsAnyOf64(std::span<const uint8_t> bytes, Slot first) {
-  return (bytes[1] >> (7 - first % kPageSlots / 64) & 1) != 0;
+inline QuantisedRadius packedRadius(ByteSpan packed) { return {packed[0]}; }
+inline bool packedKnowsAnyOf64(ByteSpan packed, Slot first) {
+  return (packed[1] >> (first % kPageSlots / 64) & 1) != 0;
 }
 
 }  // namespace foreland::proto

@@ -45,8 +45,7 @@ struct SessionOptions {
   // keyframe after the camera jumped, which is wanted at once.
   size_t max_added_nodes = 250'000, max_added_after_jump = 40'000;
   Duration prefetch_ahead{};  // reads what will be needed this much later, for scenes larger than memory; 0: never
-  uint32_t max_memory_bytes =
-      64u << 20;          // that a viewer may remember; the server needs about a fortieth of that for it
+  uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs a fortieth of that for it
   Duration most_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
                           // half an interval
   // Where that is permitted it is always begun so much earlier, for it may cost more than the last ones did, or wait
