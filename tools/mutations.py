@@ -51,7 +51,8 @@ MUTATIONS = [
        "std::max(least, frustum.sideApproach(seen, moved))", "least", ADAPT),
     of("motion: aside ignored", "proto/refine/motion_margin", "ahead + std::fabs(move.z) + kAdvanceStray * (aside + rising + region)",
        "ahead + std::fabs(move.z)", ADAPT),
-    of("slack: distance ignored", "proto/refine", "motion.per_distance[sensitivity] * entries[i].maxDistance()", "0.0f", ADAPT),
+    of("slack: distance ignored", "proto/refine", "_mm256_mul_ps(_mm256_permutevar_ps(per_distance, sensitivity), max_distance)",
+       "_mm256_setzero_ps()", ADAPT),
     of("constraint: rounded down", "proto/refine", "(std::bit_cast<uint32_t>(max_distance_m) + 0x1ffff)", "std::bit_cast<uint32_t>(max_distance_m)",
        "refine_test:MotionConstraint*"),
     # the step
