@@ -21,4 +21,10 @@ Duration AdaptiveInterval::next(const proto::KeyframeInterval& bounds, Duration 
          static_cast<int64_t>(std::clamp(wanted, 1.0, static_cast<double>(std::max<int64_t>(most, 1))));
 }
 
+Duration AdaptiveInterval::shortened(const proto::KeyframeInterval& bounds, Duration interval, double share) {
+  if (!bounds.isAdaptive() || share >= 1) return interval;
+  const double steps = share * interval.toSeconds() / bounds.shortest.toSeconds();
+  return std::min(interval, bounds.shortest * std::max<int64_t>(1, static_cast<int64_t>(steps)));
+}
+
 }  // namespace foreland::server

@@ -19,6 +19,9 @@ class AdaptiveInterval {
   // shortest within the bounds, and that one until something was observed. It shortens at once, and lengthens by one
   // step a keyframe: each change of the interval changes the region, and with it the section.
   Duration next(const proto::KeyframeInterval& bounds, Duration before) const;
+  // The longest interval that is no longer than `interval` and whose region, which grows with it, needs at most `share`
+  // of what that one's does: on the same grid and within the bounds, so the shortest may need more.
+  static Duration shortened(const proto::KeyframeInterval& bounds, Duration interval, double share);
   // As before the first keyframe.
   void restart() { share_per_s_ = -1; }
 

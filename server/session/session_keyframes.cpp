@@ -80,8 +80,15 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
     tolerance_.restart();
   }
   plan.until_next = adaptive_interval_.next(bounds(), interval_);
-  const RegionParts parts = regionFor(plan.time_client, plan.until_next);
+  RegionParts parts = regionFor(plan.time_client, plan.until_next);
   fitRegion(viewFor(plan.time_client, parts), parts, scratch);
+  // Rather than guarantee less for long, the next keyframe follows sooner.
+  const double share = motion_.regionShare().shareOf(parts);
+  if (const Duration sooner = AdaptiveInterval::shortened(bounds(), plan.until_next, share); sooner < plan.until_next) {
+    plan.until_next = sooner;
+    parts = regionFor(plan.time_client, plan.until_next);
+    fitRegion(viewFor(plan.time_client, parts), parts, scratch);
+  }
   const proto::View view = viewFor(plan.time_client, parts);
   moveGround(plan.time_client, view);
   Bytes message;

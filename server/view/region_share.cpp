@@ -11,6 +11,12 @@ Region RegionShare::of(const RegionParts& parts) const {
           of_motion * motion.angle_rad + of_error * error.angle_rad + rest.angle_rad};
 }
 
+double RegionShare::shareOf(const RegionParts& parts) const {
+  const Region left = of(parts), whole = RegionShare().of(parts);
+  const auto share = [](double part, double all) { return all > 0 ? part / all : 1.0; };
+  return std::min(share(left.radius_m, whole.radius_m), share(left.angle_rad, whole.angle_rad));
+}
+
 double RegionShare::expectedExcess(const Region& region) const {
   constexpr double kLeast = 0.01;  // sections of small regions differ by chance
   constexpr double kRadius_m = 1e-3, kAngle_rad = 1e-5;

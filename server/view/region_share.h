@@ -26,6 +26,8 @@ class RegionShare {
 
   // What is left of the region.
   Region of(const RegionParts& parts) const;
+  // The same as a share of the whole, 0 to 1: the less of its radius and its angle.
+  double shareOf(const RegionParts& parts) const;
 
   // Before a keyframe: raises a reduced share where what was observed leaves room for more, and reduces it until the
   // section is within kMost. `nodesOf(region, most)` gives the nodes of the section for a region, or nothing if there

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/rng.h"
+#include "tests/support/seed.h"
 
 namespace foreland::server {
 namespace {
@@ -62,6 +63,27 @@ TEST(AdaptiveInterval, ShortensAtOnceAndStaysShortForAWhile) {
   EXPECT_EQ(adaptive.next(kBounds, ms(700)), ms(100));
   adaptive.observe(1, 1000, ms(100));
   EXPECT_LT(adaptive.next(kBounds, ms(700)), ms(700));
+}
+
+// By the next longer one on the grid, of which the region needs more than there is.
+TEST(AdaptiveInterval, IsShortenedNoFurtherThanItsRegionNeeds) {
+  Rng rng(test::randomSeed());
+  int between = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Duration interval = ms(100) * static_cast<int64_t>(1 + rng.below(7));
+    const double share = rng.uniform();
+    const Duration shorter = AdaptiveInterval::shortened(kBounds, interval, share);
+    ASSERT_GE(shorter, ms(100));
+    ASSERT_LE(shorter, interval);
+    ASSERT_EQ(shorter.us % 100'000, 0);
+    const auto needs = [&](Duration t) { return t.toSeconds() / interval.toSeconds(); };
+    if (shorter > ms(100)) { ASSERT_LE(needs(shorter), share * (1 + 1e-12)); }
+    ASSERT_GT(needs(shorter + ms(100)), share * (1 - 1e-12));
+    between += shorter > ms(100) && shorter < interval;
+  }
+  EXPECT_GT(between, 500);
+  EXPECT_EQ(AdaptiveInterval::shortened(kBounds, ms(700), 1), ms(700));
+  EXPECT_EQ(AdaptiveInterval::shortened({ms(200), {}}, ms(200), 0.1), ms(200)) << "fixed";
 }
 
 }  // namespace

@@ -25,6 +25,30 @@ TEST(RegionShare, IsTheWholeRegionWhereItAddsLittle) {
   EXPECT_DOUBLE_EQ(share.of(kParts).angle_rad, kMotion.angle_rad + kError.angle_rad);
 }
 
+TEST(RegionShare, IsTheLargestThatWhatIsLeftHoldsOfTheWhole) {
+  Rng rng(test::randomSeed());
+  RegionShare share;
+  EXPECT_EQ(share.shareOf(kParts), 1);
+  int reduced = 0;
+  for (int i = 0; i < 300; ++i) {
+    share.observe(share.of(kParts), 100'000 + rng.below(200'000), 100'000);
+    const auto some = [&] {
+      return Region{rng.below(4) == 0 ? 0 : 100 * rng.uniform(), rng.below(4) == 0 ? 0 : rng.uniform()};
+    };
+    const RegionParts parts{some(), some(), some()};
+    const Region left = share.of(parts);
+    const double radius_m = parts.motion.radius_m + parts.error.radius_m + parts.rest.radius_m,
+                 angle_rad = parts.motion.angle_rad + parts.error.angle_rad + parts.rest.angle_rad;
+    const double of_whole = share.shareOf(parts);
+    EXPECT_LE(of_whole * radius_m, left.radius_m * (1 + 1e-12));
+    EXPECT_LE(of_whole * angle_rad, left.angle_rad * (1 + 1e-12));
+    const double more = of_whole + 1e-9;
+    EXPECT_TRUE(of_whole == 1 || more * radius_m > left.radius_m || more * angle_rad > left.angle_rad);
+    reduced += of_whole < 1;
+  }
+  EXPECT_GT(reduced, 50);
+}
+
 // The keyframes between observations of a section of a steady size.
 std::vector<uint32_t> intervalsOf(size_t nodes, size_t pose_alone) {
   RegionShare share;
