@@ -16,7 +16,7 @@ namespace foreland::bench {
 namespace {
 
 // Layers of the page's texture arrays.
-constexpr client::Drape::Sizes kTextureLayers{64, 192};
+constexpr client::Drape::Sizes kTextureLayers{64, 256};
 
 // What our client draws of a layer: which tiles with which mesh, as the page's worker decides it, each decoded when it
 // is wanted.

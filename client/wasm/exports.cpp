@@ -27,7 +27,7 @@ struct Host {
   proto::Path tour;
   SceneRecord welcome;
   uint32_t taken_mesh = 0;  // the last version that takeNewest() gave
-  Drape::Sizes texture_layers{64, 192};
+  Drape::Sizes texture_layers{64, 256};
   std::optional<Drape> drape;
   uint32_t draped_scene = 0;      // TileStore::scene() that it is for
   std::optional<glm::dvec3> sun;  // that casts shadows

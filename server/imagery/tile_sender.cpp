@@ -1,10 +1,17 @@
 #include "server/imagery/tile_sender.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
 
 namespace foreland::server {
+
+namespace {
+
+constexpr double kNearest_m = 0.01;
+
+}  // namespace
 
 TileSender::TileSender(const Hierarchy& hierarchy, std::shared_ptr<const SceneGround> ground, uint32_t held_bytes)
     : table_(hierarchy.scene().tiles()),
@@ -23,7 +30,8 @@ Status TileSender::hold(const proto::HeldTiles& held) {
   return {};
 }
 
-void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, const proto::ViewRequest& request) {
+void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Stay> stays,
+                        const proto::ViewRequest& request) {
   waiting_.clear();
   needed_.clear();
   needed_bytes_ = 0;
@@ -34,7 +42,7 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, cons
     for (size_t at = 0; at < layers.size(); ++at) {
       const auto layer = static_cast<uint8_t>(at);
       if (!request.wants(layers[layer].content)) continue;
-      select(targets[i], layer, kTexel_px);
+      select(targets[i], layer, kTexel_px, kMostSelected);
       if (i == 0) state(layer);
       queueSelected([](const proto::SelectedTile&) { return true; });
     }
@@ -42,17 +50,21 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, cons
     if (!had_first_view_) return;
   }
   if (keyframe % kWantEvery != 0) return;
+  const proto::View& last = targets.back().view;
+  outlook_.clear();
+  for (const Stay& stay : stays)
+    outlook_.push_back({proto::Frustum({stay.pose, last.lens, last.tau_px}, kNearest_m), stay});
   for (size_t at = 0; at < layers.size(); ++at) {
     const auto layer = static_cast<uint8_t>(at);
     if (layers[layer].content != proto::TileContent::kImagery || !request.wants(layers[layer].content)) continue;
-    select(targets.back(), layer, kFinestTexel_px);
-    queueSelected([&](const proto::SelectedTile& tile) { return isWorthItsBytes(tile); });
+    select(targets.back(), layer, kFinestTexel_px, kMostFiner);
+    queueSelected([&](const proto::SelectedTile& tile) { return isWorthItsBytes(tile, last.pose); });
   }
 }
 
-void TileSender::select(const Target& target, uint8_t layer, double texel_px) {
+void TileSender::select(const Target& target, uint8_t layer, double texel_px, size_t most) {
   proto::selectTiles(
-      table_.layers()[layer], layer, frame_, target.view, texel_px, kMostSelected,
+      table_.layers()[layer], layer, frame_, target.view, texel_px, most,
       [&](const proto::TileId& tile) { return table_.bounds(tile); }, selected_, ground_ ? &*ground_ : nullptr);
 }
 
@@ -95,11 +107,32 @@ void TileSender::queueSelected(const IsQueued& isQueued) {
 }
 
 // Only if its parent is there, or will be.
-bool TileSender::isWorthItsBytes(const proto::SelectedTile& each) const {
-  const double detail = table_.detail(each.tile);
-  if (detail * detail * each.finer_px < kLeastGain * static_cast<double>(table_.bytes(each.tile).size())) return false;
+bool TileSender::isWorthItsBytes(const proto::SelectedTile& each, const proto::Pose& from) const {
+  const double detail = table_.detail(each.tile),
+               least = kLeastGain * static_cast<double>(table_.bytes(each.tile).size());
+  if (detail * detail * each.finer_px * secondsOfUse(each.tile, from) < least) return false;
   const proto::TileId parent = each.tile.parent();
   return held_.has(parent) || needed_.contains(parent.key());
+}
+
+// How long a tile is in view, times by how much larger it appears then than from a pose. As if nothing hid it.
+double TileSender::secondsOfUse(const proto::TileId& tile, const proto::Pose& from) const {
+  const proto::TileBounds bounds = *table_.bounds(tile);
+  const proto::LatticeBox box = table_.layers()[tile.layer].boxOf(tile);
+  const double height_m = 0.5 * (double{bounds.lowest_m} + bounds.highest_m);
+  const glm::dvec3 corner = frame_.toScene(proto::LatticePosition{box.low.x, box.low.y, height_m});
+  const glm::dvec3 centre = 0.5 * (corner + frame_.toScene(proto::LatticePosition{box.high.x, box.high.y, height_m}));
+  const double radius = glm::distance(centre, corner);
+  const auto distanceFrom = [&](const glm::dvec3& eye) { return std::max(glm::distance(centre, eye), radius); };
+  const double distance = distanceFrom(from.eye);
+  double seconds = 0;
+  for (const auto& [frustum, stay] : outlook_) {
+    const glm::dvec3 way = centre - stay.pose.eye;
+    if (frustum.sideDistance(frustum.toView(way.x, way.y, way.z)) < -radius) continue;
+    const double nearer = distance / distanceFrom(stay.pose.eye);
+    seconds += stay.seconds * nearer * nearer;
+  }
+  return seconds;
 }
 
 Bytes TileSender::messageOf(const proto::TileId& tile) const {

@@ -13,6 +13,7 @@
 #include "proto/imagery/tile_memory.h"
 #include "proto/imagery/tile_selection.h"
 #include "proto/message/message.h"
+#include "proto/refine/frustum.h"
 #include "server/imagery/tile_pace.h"
 #include "server/imagery/visible_ground.h"
 #include "server/section/hierarchy.h"
@@ -23,11 +24,11 @@ class TileSender {
  public:
   // The size on the screen that texels may have, in pixels, where the data have finer ones.
   static constexpr double kTexel_px = 2;
-  // Finer tiles of imagery are sent as well, if they make the picture better by so much a byte: squared error of
-  // luminance (1 is black against white), times pixels.
-  static constexpr double kLeastGain = 1e-5;
-  // Of one view and layer; the page has so many layers of textures.
-  static constexpr size_t kMostSelected = 256;
+  // Finer tiles of imagery are sent as well, if they make the picture better by so much a byte while they are expected
+  // to be seen: squared error of luminance (1 is black against white), times pixels and seconds.
+  static constexpr double kLeastGain = 2.4e-4;
+  // Of one view and layer, and with the finer ones; the page has kMostSelected layers of textures.
+  static constexpr size_t kMostSelected = 256, kMostFiner = 512;
   static constexpr uint32_t kWantEvery = 5, kShortFor = 25;  // keyframes
   static constexpr double kFinestTexel_px = 0.5;             // of a parent; finer tiles than its children are of no use
 
@@ -41,6 +42,12 @@ class TileSender {
     EyeSweep eyes;
   };
 
+  // Where the camera is expected to be later on, and for how long it is taken to be there.
+  struct Stay {
+    proto::Pose pose;
+    double seconds;
+  };
+
   // Without `ground` tiles are chosen by their own bounds.
   TileSender(const Hierarchy& hierarchy, std::shared_ptr<const SceneGround> ground, uint32_t held_bytes);
 
@@ -48,8 +55,10 @@ class TileSender {
   Status hold(const proto::HeldTiles& held);
 
   // Chooses what follows a keyframe of index `keyframe`, whose own view is the first of `targets`. O(tiles needed),
-  // about 1 us each, and 10 us for those that the viewer lacks.
-  void choose(uint32_t keyframe, std::span<const Target> targets, const proto::ViewRequest& request);
+  // about 1 us each, and 10 us for those that the viewer lacks. What `stays` see is what finer tiles are worth, in
+  // proportion to what they are in the last target.
+  void choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Stay> stays,
+              const proto::ViewRequest& request);
   // The messages that follow the keyframe: what is stated, if it changed, and tiles as the pace allows.
   void take(std::vector<Bytes>& out);
 
@@ -62,12 +71,13 @@ class TileSender {
   const Statistics& statistics() const { return statistics_; }
 
  private:
-  void select(const Target& target, uint8_t layer, double texel_px);
+  void select(const Target& target, uint8_t layer, double texel_px, size_t most);
   void state(uint8_t layer);
   bool isViewWhole(const proto::ViewRequest& request) const;
   template <class IsQueued>
   void queueSelected(const IsQueued& isQueued);
-  bool isWorthItsBytes(const proto::SelectedTile& tile) const;
+  bool isWorthItsBytes(const proto::SelectedTile& tile, const proto::Pose& from) const;
+  double secondsOfUse(const proto::TileId& tile, const proto::Pose& from) const;
   float shownInPlaceOf(const proto::SelectedTile& missing) const;
   Bytes messageOf(const proto::TileId& tile) const;
 
@@ -81,6 +91,11 @@ class TileSender {
   std::vector<proto::TileId> waiting_;   // to be sent, in this order
   std::unordered_set<uint64_t> needed_;  // by any of the views
   uint64_t needed_bytes_ = 0;            // of these
+  struct Outlook {
+    proto::Frustum frustum;
+    Stay stay;
+  };
+  std::vector<Outlook> outlook_;
   std::vector<proto::SelectedTile> selected_;
   uint32_t short_until_ = 0;     // keyframe
   bool had_first_view_ = false;  // once all that a keyframe's view needs was there

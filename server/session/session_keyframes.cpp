@@ -14,6 +14,19 @@ namespace {
 // For how many intervals the first keyframe after a jump is expected to be shown.
 constexpr int64_t kShownAfterJump = 5;
 
+// Where the camera is from a time on, for what tiles are worth. What is guessed goes straight on from there.
+std::array<TileSender::Stay, 4> staysFrom(const ExpectedMotion& motion, Time t, bool is_on_path) {
+  constexpr std::array<double, 4> kAfter_s{0, 2, 5, 10}, kStay_s{1, 2.5, 4, 5};
+  const proto::Pose pose = motion.at(t);
+  const glm::dvec3 metres_per_s = motion.at(t + Duration::seconds(1)).eye - pose.eye;
+  std::array<TileSender::Stay, 4> stays;
+  for (size_t i = 0; i < stays.size(); ++i)
+    stays[i] = {is_on_path ? motion.at(t + Duration::seconds(kAfter_s[i]))
+                           : proto::Pose{pose.eye + kAfter_s[i] * metres_per_s, pose.orientation},
+                kStay_s[i]};
+  return stays;
+}
+
 }  // namespace
 
 // When a keyframe for `t` begins to be shown. The first section, and one after a jump, is shown as soon as it arrives.
@@ -152,7 +165,7 @@ void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<B
   const std::array targets{
       TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + leadOf(plan.until_next))},
       TileSender::Target{{motion.at(later), view.lens, view.tau_px}, later_eyes}};
-  tiles_->choose(keyframe().index, targets, *request_);
+  tiles_->choose(keyframe().index, targets, staysFrom(motion, later, motion_.isOnPath(*request_)), *request_);
   tiles_->pace().keyframeSent(keyframe().index, out.back().size(), now_, plan.until_next.toSeconds(),
                               request_->max_bytes_per_second);
   tiles_->take(out);

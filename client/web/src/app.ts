@@ -27,7 +27,7 @@ const kHintShown_ms = 9000;
 const kIsPhone = window.matchMedia('(pointer: coarse)').matches;
 const kMemoryBytes = (kIsPhone ? 6 : 16) << 20; // for terrain that was flown over
 const kTileBytes = (kIsPhone ? 32 : 64) << 20; // of coded tiles
-const kTextureLayers = kIsPhone ? { relief: 32, imagery: 96 } : { relief: 64, imagery: 192 };
+const kTextureLayers = kIsPhone ? { relief: 32, imagery: 96 } : { relief: 64, imagery: 256 };
 
 const kGroundFrames = 8; // so many frames ahead the ground is known
 
