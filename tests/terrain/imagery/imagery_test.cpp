@@ -9,6 +9,7 @@
 
 #include "terrain/imagery/verify_tiles.h"
 #include "terrain/imagery/webp.h"
+#include "tests/support/formula_picture.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 
@@ -16,32 +17,7 @@ namespace foreland::terrain {
 namespace {
 
 using proto::TileId;
-
-// A picture from a formula of lattice positions.
-class FormulaPicture final : public PictureSource {
- public:
-  using Formula = std::function<Rgba(double x, double y)>;
-  FormulaPicture(uint32_t samples_x, uint32_t samples_y, double texel, Formula formula) : formula_(std::move(formula)) {
-    info_.texel = texel;
-    info_.origin = {-0.5, -0.5};
-    info_.width = static_cast<uint32_t>(std::ceil(samples_x / texel));
-    info_.height = static_cast<uint32_t>(std::ceil(samples_y / texel));
-  }
-  const PictureInfo& info() const override { return info_; }
-  Status read(const PictureWindow& w, std::span<Rgba> out) override {
-    EXPECT_LE(w.x + w.width, info_.width);
-    EXPECT_LE(w.y + w.height, info_.height);
-    size_t i = 0;
-    for (uint32_t y = w.y; y < w.y + w.height; ++y)
-      for (uint32_t x = w.x; x < w.x + w.width; ++x)
-        out[i++] = formula_(info_.origin.x + (x + 0.5) * info_.texel, info_.origin.y + (y + 0.5) * info_.texel);
-    return {};
-  }
-
- private:
-  PictureInfo info_;
-  Formula formula_;
-};
+using test::FormulaPicture;
 
 std::shared_ptr<const Scene> sceneWith(PictureSource& picture, uint32_t width, uint32_t height, unsigned threads = 2,
                                        std::filesystem::path path = {}) {
