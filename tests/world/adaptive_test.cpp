@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <string>
-#include <utility>
 
 #include "bench/oracle/oracle.h"
 #include "bench/oracle/scene_truth.h"
@@ -97,12 +96,15 @@ TEST(Adaptive, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
 // Rather than guarantee less for long, keyframes follow each other sooner where regions would be reduced. A camera that
 // looks from side to side is predicted badly.
 TEST(Adaptive, GuaranteesHoldInMostFramesOfACameraThatLooksAround) {
-  for (const auto& [angle_rad, rate] : {std::pair{0.2, 1.0}, {0.3, 1.0}, {0.6, 0.5}}) {
+  struct Swing {
+    double angle_rad, rate;
+  };
+  for (const Swing swing : {Swing{0.2, 1.0}, {0.3, 1.0}, {0.6, 0.5}}) {
     World world(alps(), {}, Duration::milliseconds(50), 9);
     ClientOptions c = flying("canyon", Strategy::kPredict, Predictor::kConstantVelocity);
-    c.camera = [tour = c.path, angle_rad = angle_rad, rate = rate](Time t) {
+    c.camera = [tour = c.path, swing](Time t) {
       proto::Pose pose = tour.at(t);
-      const double side_rad = angle_rad * std::sin(rate * t.toSeconds());
+      const double side_rad = swing.angle_rad * std::sin(swing.rate * t.toSeconds());
       pose.orientation = glm::angleAxis(side_rad, glm::dvec3(0, 0, 1)) * pose.orientation;
       return pose;
     };
@@ -110,7 +112,7 @@ TEST(Adaptive, GuaranteesHoldInMostFramesOfACameraThatLooksAround) {
     world.run(Time::seconds(30));
     EXPECT_EQ(world.report(), "");
     const auto& s = world.viewer(0).statistics();
-    EXPECT_LE(s.frames_outside, s.frames / 10) << angle_rad;
+    EXPECT_LE(s.frames_outside, s.frames / 10) << swing.angle_rad;
     EXPECT_LE(world.session(0).statistics().keyframes, 200u) << "the shortest gives 300";
   }
 }
