@@ -3,70 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "bench/timing.h"
+#include "bench/world/client_drape.h"
 #include "bench/world/world.h"
-#include "client/imagery/drape.h"
 
 namespace foreland::bench {
 
 namespace {
-
-// Layers of the page's texture arrays.
-constexpr client::Drape::Sizes kTextureLayers{64, 256};
-
-// What our client draws of a layer: which tiles with which mesh, as the page's worker decides it, each decoded when it
-// is wanted.
-class OurDrape {
- public:
-  explicit OurDrape(const DrapeFlight& flight) : flight_(flight), frame_(flight.scene->frame()) {}
-
-  void onKeyframe(const client::Viewer& viewer) {
-    if (!drape_) drape_.emplace(viewer.tiles(), kTextureLayers);
-    while (drape_->decodeRelief()) {}
-    while (const auto image = drape_->takeWantedImage()) drape_->setImageReady(*image);
-    drape_->advance(frame_, viewer.replica()->newest());
-    const client::Residency* residency = drape_->residency(content());
-    shown_[viewer.timeline().newestVersion()] = residency->shown();
-  }
-
-  // What is shown at the end of the mesh that was drawn before and at the beginning of this one, if it is another.
-  struct Handover {
-    DrawnTiles before, after;
-  };
-  std::optional<Handover> handoverTo(uint32_t mesh_version) {
-    const auto before = shown_.find(std::exchange(drawn_version_, mesh_version)), after = shown_.find(mesh_version);
-    if (before == after || before == shown_.end() || after == shown_.end()) return std::nullopt;
-    return Handover{tilesOf(before->second, 1), tilesOf(after->second, 0)};
-  }
-
-  DrawnTiles drawn(uint32_t mesh_version, float weight) {
-    const auto shown = shown_.find(mesh_version);
-    if (shown == shown_.end()) return {};
-    shown_.erase(shown_.begin(), shown);
-    return tilesOf(shown->second, weight);
-  }
-
- private:
-  static DrawnTiles tilesOf(const std::vector<client::Residency::Shown>& shown, float weight) {
-    DrawnTiles tiles;
-    for (const client::Residency::Shown& each : shown)
-      tiles[each.tile.key()] = each.fade == client::Residency::Fade::kComing  ? 1 - weight
-                               : each.fade == client::Residency::Fade::kGoing ? weight
-                                                                              : 0;
-    return tiles;
-  }
-  proto::TileContent content() const { return flight_.scene->tiles().layers()[flight_.layer].content; }
-
-  const DrapeFlight& flight_;
-  proto::FrameTransform frame_;
-  std::optional<client::Drape> drape_;
-  std::map<uint32_t, std::vector<client::Residency::Shown>> shown_;  // by mesh version
-  uint32_t drawn_version_ = 0;
-};
 
 // Takes note of when keyframes and frames of a flight arrive.
 class ArrivalNotes {
@@ -134,7 +80,8 @@ Time DrapeExperiment::judgedAt(size_t frame) const {
 DrapeExperiment::Ours DrapeExperiment::flyOurs() {
   World world = worldOf(flight_);
   world.addClient(clientOf(flight_));
-  OurDrape drape(flight_);
+  ClientDrape drape(proto::FrameTransform(flight_.scene->frame()),
+                    flight_.scene->tiles().layers()[flight_.layer].content);
   ArrivalNotes notes(flight_.tau_px);
   world.on_keyframe = [&](size_t, const ArrivedKeyframe& keyframe) {
     notes.onKeyframe(keyframe);
@@ -146,13 +93,13 @@ DrapeExperiment::Ours DrapeExperiment::flyOurs() {
     notes.onFrame(view, now);
     if (const auto handover = drape.handoverTo(view.mesh_version))
       judge_.compare(std::min(next, judge_.frames() - 1), image_, handover->before, handover->after);
+    const double texel_px = drape.texelPx(view.mesh_version);
     const DrawnTiles drawn = drape.drawn(view.mesh_version, view.weight);
-    const auto& statement = world.viewer(0).tiles().statement();
-    const double stated_px = statement ? statement->texel_px[flight_.layer] : std::numeric_limits<double>::infinity();
-    if (!first_view_bytes && stated_px <= server::TileSender::kTexel_px)
+    const float stated_px = world.viewer(0).statistics().texel_px[flight_.layer];
+    if (!first_view_bytes && stated_px > 0 && stated_px <= server::TileSender::kTexel_px)
       first_view_bytes = world.viewer(0).statistics().tile_bytes;
     if (next >= judge_.frames() || now < judgedAt(next)) return;
-    judge_.judge(next++, image_, drawn, stated_px);
+    judge_.judge(next++, image_, drawn, texel_px);
   };
   world.run(end());
   const client::ViewerStatistics& statistics = world.viewer(0).statistics();

@@ -38,7 +38,8 @@ struct DrapeFigures {
   std::string way;      // foreland, or a rival's rule
   double asked_px = 0;  // the largest texel on the screen that was asked for
   uint64_t bytes = 0;   // of tiles, the first view included
-  // Until the first view has what it asks for: ours what it states (tiles for later may be among them), a rival's all.
+  // Until the first view has what it asks for: ours what the server states (tiles for later may be among them), a
+  // rival's all.
   uint64_t first_view_bytes = 0;
   DrapeQuality quality{};
   double keyframes_late = 0;  // share; ours only

@@ -4,18 +4,15 @@
 #pragma once
 
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "base/result.h"
 #include "bench/drape/layer_image.h"
+#include "bench/world/client_drape.h"
 #include "proto/space/pose.h"
 #include "terrain/render/ray_caster.h"
 
 namespace foreland::bench {
-
-// Tiles as they are drawn in a frame, by key, and how far each has faded to its parent's image: 0 not at all, 1 whole.
-using DrawnTiles = std::unordered_map<uint64_t, float>;
 
 struct DrapeQuality {
   double psnr_db = 0, ssim = 0;  // of brightness

@@ -1,6 +1,8 @@
 #include "client/imagery/drape.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/sort.h"
 #include "client/imagery/slopes.h"
@@ -10,7 +12,21 @@ namespace foreland::client {
 
 using proto::TileContent;
 
+namespace {
+
+// Two keyframes after `to`, if the camera goes on as it came there.
+proto::View viewExpected(const proto::KeyframeHeader& from, const proto::KeyframeHeader& to) {
+  proto::View view = proto::viewOf(to);
+  const glm::dquat turn = to.pose.orientation * glm::conjugate(from.pose.orientation);
+  view.pose.eye += 2.0 * (to.pose.eye - from.pose.eye);
+  view.pose.orientation = glm::normalize(turn * turn * to.pose.orientation);
+  return view;
+}
+
+}  // namespace
+
 Drape::Drape(const TileStore& store, const Sizes& sizes) : store_(store) {
+  texel_px_.fill(std::numeric_limits<double>::infinity());
   for (size_t i = 0; i < store.layers().size(); ++i) {
     const proto::TileLayer& layer = store.layers()[i];
     at(layer.content).emplace(layer, static_cast<uint8_t>(i), sizes.of(layer.content));
@@ -33,18 +49,30 @@ const Residency* Drape::residency(TileContent content) const {
   return found ? &*found : nullptr;
 }
 
-void Drape::advance(const proto::FrameTransform& frame, const proto::KeyframeHeader& to) {
-  const proto::View view{to.pose, to.lens, to.tau_px, to.region_radius_m, to.region_angle_rad};
+void Drape::advance(const proto::FrameTransform& frame, const proto::KeyframeHeader& from,
+                    const proto::KeyframeHeader& to) {
+  const proto::View view = proto::viewOf(to), expected = viewExpected(from, to);
   const auto held = [&](const proto::TileId& tile) -> std::optional<proto::TileBounds> {
     const HeldTile* found = store_.find(tile);
     return found == nullptr ? std::nullopt : std::optional(found->bounds);
   };
   for (auto& residency : residencies_) {
     if (!residency) continue;
-    residency->advance(frame, view, held);
+    residency->advance(frame, view, expected, held);
     for (const proto::TileId& dropped : residency->dropped()) relief_.erase(dropped.key());
   }
+  measure(to.index);
   relight();
+}
+
+void Drape::measure(uint32_t keyframe) {
+  const proto::TileStatement* stated = store_.statementOf(keyframe);
+  texel_px_.fill(std::numeric_limits<double>::infinity());
+  if (stated == nullptr) return;
+  for (size_t i = 0; i < store_.layers().size(); ++i) {
+    const TileContent content = store_.layers()[i].content;
+    texel_px_[static_cast<size_t>(content)] = std::max(stated->texel_px[i], at(content)->texelPx());
+  }
 }
 
 void Drape::relight() {

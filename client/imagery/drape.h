@@ -18,9 +18,9 @@ namespace foreland::client {
 
 class Drape {
  public:
-  // Layers of the texture arrays.
+  // Layers of the texture arrays; a view may need up to 200 tiles of imagery.
   struct Sizes {
-    uint32_t relief, imagery;
+    uint32_t relief = 64, imagery = 256;
     uint32_t of(proto::TileContent content) const { return content == proto::TileContent::kRelief ? relief : imagery; }
   };
 
@@ -35,8 +35,12 @@ class Drape {
   // relit with the next meshes, some with each.
   void setSun(const std::optional<glm::dvec3>& sun);
 
-  // Decides what is drawn with the next mesh, which ends with this keyframe.
-  void advance(const proto::FrameTransform& frame, const proto::KeyframeHeader& to);
+  // Decides what is drawn with the next mesh, between these keyframes: the newest one, and the one before.
+  void advance(const proto::FrameTransform& frame, const proto::KeyframeHeader& from, const proto::KeyframeHeader& to);
+  // No texel of a content that frames of this mesh show is larger on the screen, in pixels, where there are finer ones:
+  // of what the viewer lacks the server states it, of the rest the client knows. Holds within the region of `to`.
+  // Infinity if nothing is guaranteed, or the scene has no such layer.
+  double texelPx(proto::TileContent content) const { return texel_px_[static_cast<size_t>(content)]; }
   // nullptr if the scene has no such layer.
   const Residency* residency(proto::TileContent content) const;
 
@@ -61,12 +65,14 @@ class Drape {
     uint32_t cast = 0;    // number of the sun whose shadows `ground` has
     uint32_t handed = 0;  // and of those that the host has
   };
+  void measure(uint32_t keyframe);
   void relight();
   Relief& litRelief(const proto::TileId& tile);
   std::optional<Residency>& at(proto::TileContent content) { return residencies_[static_cast<size_t>(content)]; }
 
   const TileStore& store_;
   std::array<std::optional<Residency>, proto::kMaxTileLayers> residencies_;  // by content
+  std::array<double, proto::kMaxTileLayers> texel_px_{};                     // by content
   std::unordered_map<uint64_t, Relief> relief_;
   std::vector<uint32_t> half_;
   std::vector<Residency::Shown> relit_;

@@ -12,6 +12,8 @@ namespace {
 // Selected as finely as a screen can show, for where ground is seen at an angle texels are wider than high; the server
 // sends what it guarantees, and more where that is of use.
 constexpr double kTexelPx = 0.5;
+// Selected at most: far more than a view sees.
+constexpr size_t kMostSeen = 4096;
 
 }  // namespace
 
@@ -24,6 +26,12 @@ Residency::Residency(const proto::TileLayer& layer, uint8_t index, uint32_t text
 Residency::Resident* Residency::find(const proto::TileId& tile) {
   const auto it = places_.find(tile.key());
   return it == places_.end() ? nullptr : &residents_[it->second];
+}
+
+// At both ends of the mesh, without fading.
+bool Residency::isDrawnThroughout(const proto::TileId& tile) {
+  const Resident* r = find(tile);
+  return r != nullptr && r->came < mesh_ && r->went == 0;
 }
 
 bool Residency::hasDrawnChild(const proto::TileId& tile) {
@@ -46,26 +54,39 @@ size_t Residency::pageOf(const proto::TileId& tile) const {
   return (size_t{tile.level} * kPageSide + tile.y % kPageSide) * kPageSide + tile.x % kPageSide;
 }
 
-void Residency::advance(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held) {
+void Residency::advance(const proto::FrameTransform& frame, const proto::View& to, const proto::View& expected,
+                        const proto::TileLookup& held) {
   ++mesh_;
   arrivals_.clear(), dropped_.clear(), pages_.clear(), in_the_way_.clear();
   for (uint32_t i = 0; i < residents_.size(); ++i)
     if (isDrawn(residents_[i])) pages_[pageOf(residents_[i].tile)] = i;
-  select(frame, view, held);
+  select(frame, to, expected, held);
   forgetUnselected();
   admit();
   makeRoom();
   write();
+  measure();
 }
 
-void Residency::select(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held) {
+void Residency::select(const proto::FrameTransform& frame, const proto::View& to, const proto::View& expected,
+                       const proto::TileLookup& held) {
   const auto lookup = [&](const proto::TileId& tile) -> std::optional<proto::TileBounds> {
     if (const Resident* r = find(tile)) return r->bounds;
     return held(tile);
   };
   // The rest is for those that go.
   const size_t most = residents_.size() - residents_.size() / 8;
-  selectTiles(layer_, index_, frame, view, kTexelPx, 4 * residents_.size(), lookup, selected_);
+  selectTiles(layer_, index_, frame, to, kTexelPx, kMostSeen, lookup, seen_);
+  selectTiles(layer_, index_, frame, expected, kTexelPx, kMostSeen, lookup, expected_);
+  selected_ = seen_;
+  std::unordered_map<uint64_t, uint32_t> numbers;
+  for (uint32_t i = 0; i < selected_.size(); ++i) numbers[selected_[i].tile.key()] = i;
+  for (const proto::SelectedTile& s : expected_) {
+    if (const auto it = numbers.find(s.tile.key()); it != numbers.end())
+      selected_[it->second].texel_px = std::max(selected_[it->second].texel_px, s.texel_px);
+    else
+      selected_.push_back(s);
+  }
   keepLargest(most);
   bounds_.clear();
   for (const proto::SelectedTile& s : selected_) {
@@ -189,6 +210,13 @@ void Residency::write() {
     entry[2] = static_cast<uint16_t>(i + 1);
     entry[3] = static_cast<uint16_t>(fade);
   }
+}
+
+void Residency::measure() {
+  texel_px_ = 0;
+  const auto isShown = [&](const proto::TileId& tile) { return isDrawnThroughout(tile); };
+  for (const proto::SelectedTile& s : seen_)
+    if (!isShown(s.tile)) texel_px_ = std::max(texel_px_, texelInPlaceOf(s, layer_, isShown));
 }
 
 std::optional<proto::TileId> Residency::takeWanted() {

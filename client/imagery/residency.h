@@ -1,5 +1,5 @@
 // Which tiles of a layer stand on the graphics card, in which layer of a texture array, and how they fade. It is
-// decided once for each mesh, from what the mesh's newer keyframe sees:
+// decided once for each mesh, from what the mesh's newer keyframe sees and what will presumably be seen soon:
 //   - tiles that come fade in with the mesh's weight from their parent's image, those that go fade out to it; a tile
 //     comes only if its parent was there before, and goes only if none of its children is drawn. So the beginning of a
 //     mesh shows exactly what the end of the one before showed
@@ -41,8 +41,11 @@ class Residency {
 
   Residency(const proto::TileLayer& layer, uint8_t index, uint32_t texture_layers);
 
-  // Decides for the next mesh. `held` knows the tiles that can be decoded. O(tiles selected + texture layers).
-  void advance(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held);
+  // Decides for the next mesh, which a keyframe of view `to` ends; `expected` is the view two keyframes later, for a
+  // tile is decoded with one mesh and fades in with the next. `held` knows the tiles that can be decoded. O(tiles
+  // selected + texture layers).
+  void advance(const proto::FrameTransform& frame, const proto::View& to, const proto::View& expected,
+               const proto::TileLookup& held);
 
   // A tile that should be decoded next, the most urgent first, each once; nullopt if there is none.
   std::optional<proto::TileId> takeWanted();
@@ -51,6 +54,9 @@ class Residency {
 
   // Of the last advance(); valid until the next one.
   const std::vector<Shown>& shown() const { return shown_; }
+  // The largest size on the screen, in pixels, of texels that the mesh shows of what `to` sees in place of finer ones
+  // that are held: while these are decoded or fade in, or where there is no room for them. 0 if there are none.
+  float texelPx() const { return texel_px_; }
   const std::vector<Arrival>& arrivals() const { return arrivals_; }
   // Tiles of takeWanted() whose content is of no use any more.
   const std::vector<proto::TileId>& dropped() const { return dropped_; }
@@ -67,11 +73,13 @@ class Residency {
     uint32_t selected = 0;  // number of the last mesh that selected it
   };
   Resident* find(const proto::TileId& tile);
+  bool isDrawnThroughout(const proto::TileId& tile);
   bool isDrawn(const Resident& r) const { return r.came > 0 && (r.went == 0 || r.went == mesh_); }
   bool hasDrawnChild(const proto::TileId& tile);
   bool canCome(const proto::TileId& tile);
   size_t pageOf(const proto::TileId& tile) const;
-  void select(const proto::FrameTransform& frame, const proto::View& view, const proto::TileLookup& held);
+  void select(const proto::FrameTransform& frame, const proto::View& to, const proto::View& expected,
+              const proto::TileLookup& held);
   void keepLargest(size_t most);
   void forgetUnselected();
   void admit();
@@ -79,13 +87,15 @@ class Residency {
   std::optional<uint32_t> takeLayer();
   void makeRoom();
   void write();
+  void measure();
 
   proto::TileLayer layer_;
   uint8_t index_;
   uint32_t mesh_ = 0;
-  std::vector<Resident> residents_;                // by texture layer
-  std::unordered_map<uint64_t, uint32_t> places_;  // texture layers by tile
-  std::vector<proto::SelectedTile> selected_;
+  std::vector<Resident> residents_;                         // by texture layer
+  std::unordered_map<uint64_t, uint32_t> places_;           // texture layers by tile
+  std::vector<proto::SelectedTile> seen_, expected_;        // by `to` and `expected`
+  std::vector<proto::SelectedTile> selected_;               // of both, what there is room for
   std::unordered_map<uint64_t, proto::TileBounds> bounds_;  // of what is selected
   std::unordered_set<uint64_t> taken_, ready_;              // by takeWanted(), setReady()
   std::unordered_map<size_t, uint32_t> pages_;              // texture layers that are drawn, by their page
@@ -94,6 +104,7 @@ class Residency {
   std::vector<Arrival> arrivals_;
   std::vector<proto::TileId> dropped_;
   std::vector<uint16_t> page_table_;
+  float texel_px_ = 0;
 };
 
 }  // namespace foreland::client

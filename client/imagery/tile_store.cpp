@@ -9,7 +9,7 @@ void TileStore::enter(std::vector<proto::TileLayer> layers, uint32_t most_bytes)
   layers_ = std::move(layers);
   memory_ = proto::TileMemory(most_bytes);
   tiles_.clear();
-  statement_.reset();
+  statement_.reset(), earlier_statement_.reset();
   received_ = 0;
   ++scene_;
 }
@@ -17,7 +17,7 @@ void TileStore::enter(std::vector<proto::TileLayer> layers, uint32_t most_bytes)
 void TileStore::reenter(uint32_t most_bytes) {
   const proto::TileMemory before = std::exchange(memory_, proto::TileMemory(most_bytes));
   before.visit([&](const proto::TileId& tile, uint32_t bytes) { remember(tile, bytes); });
-  statement_.reset();
+  statement_.reset(), earlier_statement_.reset();
 }
 
 void TileStore::remember(const proto::TileId& tile, uint32_t bytes) {
@@ -35,6 +35,17 @@ Status TileStore::add(proto::TileMessage message) {
   remember(t, bytes);
   ++received_;
   return {};
+}
+
+// It comes before the keyframe from which on it holds, maybe a good while.
+void TileStore::add(const proto::TileStatement& statement) {
+  earlier_statement_ = std::exchange(statement_, statement);
+}
+
+const proto::TileStatement* TileStore::statementOf(uint32_t keyframe) const {
+  for (const auto* each : {&statement_, &earlier_statement_})
+    if (*each && (*each)->keyframe <= keyframe) return &**each;
+  return nullptr;
 }
 
 std::optional<uint8_t> TileStore::layerOf(proto::TileContent content) const {

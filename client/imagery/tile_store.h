@@ -28,7 +28,7 @@ class TileStore {
 
   // An Error if the scene has no such tile.
   Status add(proto::TileMessage message);
-  void add(const proto::TileStatement& statement) { statement_ = statement; }
+  void add(const proto::TileStatement& statement);
 
   const std::vector<proto::TileLayer>& layers() const { return layers_; }
   // The layer of a content, by its number; nullopt if the scene has none.
@@ -37,7 +37,8 @@ class TileStore {
   const HeldTile* find(const proto::TileId& tile) const;
   // All that is held, the oldest first.
   proto::HeldTiles held() const;
-  const std::optional<proto::TileStatement>& statement() const { return statement_; }
+  // The one that holds for a keyframe, which must be the last one or the one before; nullptr if there is none.
+  const proto::TileStatement* statementOf(uint32_t keyframe) const;
 
   // Counts scenes that were entered.
   uint32_t scene() const { return scene_; }
@@ -52,7 +53,7 @@ class TileStore {
   std::vector<proto::TileLayer> layers_;
   proto::TileMemory memory_{0};
   std::unordered_map<uint64_t, HeldTile> tiles_;
-  std::optional<proto::TileStatement> statement_;
+  std::optional<proto::TileStatement> statement_, earlier_statement_;
   uint64_t received_ = 0;
   uint32_t scene_ = 0;
 };

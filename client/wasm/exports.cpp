@@ -27,7 +27,7 @@ struct Host {
   proto::Path tour;
   SceneRecord welcome;
   uint32_t taken_mesh = 0;  // the last version that takeNewest() gave
-  Drape::Sizes texture_layers{64, 256};
+  Drape::Sizes texture_layers;
   std::optional<Drape> drape;
   uint32_t draped_scene = 0;      // TileStore::scene() that it is for
   std::optional<glm::dvec3> sun;  // that casts shadows
@@ -66,10 +66,8 @@ std::array<uint32_t, 2> halvesOf(uint64_t key) {
 }
 proto::TileId tileOf(uint32_t low, uint32_t high) { return proto::TileId::of(uint64_t{high} << 32 | low); }
 
-double statedTexel(const TileStore& tiles, proto::TileContent content) {
-  const auto layer = tiles.layerOf(content);
-  if (!layer || !tiles.statement()) return std::numeric_limits<double>::infinity();
-  return double{tiles.statement()->texel_px[*layer]};
+double texelOf(const Host& host, proto::TileContent content) {
+  return host.drape ? host.drape->texelPx(content) : std::numeric_limits<double>::infinity();
 }
 
 void fillTiles(proto::TileContent content, const Residency& residency, Host& host) {
@@ -234,7 +232,7 @@ FORELAND_EXPORT(foreland_take_newest) const FrameRecord* takeNewest(Host* host) 
                             welcome.highest * quantum_m);
     host->drape->setSun(host->sun);
   }
-  host->drape->advance(host->viewer.frameGrid().transform(), newest->to);
+  host->drape->advance(host->viewer.frameGrid().transform(), newest->from, newest->to);
   return &out;
 }
 
@@ -391,8 +389,8 @@ FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* ho
                              .nodes_removed = static_cast<double>(from.nodes_removed),
                              .tile_bytes = static_cast<double>(tiles.bytes()),
                              .tiles_received = static_cast<double>(tiles.received()),
-                             .relief_texel_px = statedTexel(tiles, proto::TileContent::kRelief),
-                             .imagery_texel_px = statedTexel(tiles, proto::TileContent::kImagery),
+                             .relief_texel_px = texelOf(*host, proto::TileContent::kRelief),
+                             .imagery_texel_px = texelOf(*host, proto::TileContent::kImagery),
                              .keyframes = from.keyframes,
                              .late_keyframes = from.late_keyframes,
                              .tiles = static_cast<uint32_t>(tiles.count()),

@@ -185,7 +185,7 @@ struct StatisticsRecord {
   double nodes_removed;
   double tile_bytes;  // of the tiles held
   double tiles_received;
-  double relief_texel_px;  // the server's statement: no texel is larger on the screen; infinity: nothing is stated
+  double relief_texel_px;  // of the mesh taken last, Drape::texelPx()
   double imagery_texel_px;
   uint32_t keyframes;
   uint32_t late_keyframes;

@@ -16,13 +16,16 @@ constexpr double kLeastFacing = 0.05;
 // Slopes over 60 degrees count as such: a texel there is no larger.
 constexpr double kMostFacing = 2;
 constexpr double kMostBend = 0.1;
-constexpr double kNearest_m = 0.01;
 constexpr double kQuarterTurn = 1.57079632679489662;
 
 class Selection {
  public:
   Selection(const TileLayer& layer, const FrameTransform& frame, const View& view)
-      : layer_(layer), frame_(frame), view_(view), frustum_(view, kNearest_m), eye_(frame.toLattice(view.pose.eye)) {
+      : layer_(layer),
+        frame_(frame),
+        view_(view),
+        frustum_(view, kNearestGround_m),
+        eye_(frame.toLattice(view.pose.eye)) {
     focal_px_ = view.lens.height_px / (2 * view.lens.tanHalfFov());
     cos_region_ = std::cos(view.region_angle_rad), sin_region_ = std::sin(view.region_angle_rad);
     largest_stretch_ = stretchAt(frustum_.cosCorner());
@@ -138,7 +141,7 @@ class Selection {
     const LatticePosition nearest{std::clamp(eye_.x, g.box.low.x, g.box.high.x),
                                   std::clamp(eye_.y, g.box.low.y, g.box.high.y),
                                   std::clamp(eye_.height_m, g.lowest_m, g.highest_m)};
-    return std::max(glm::distance(view_.pose.eye, frame_.toScene(nearest)) - view_.region_radius_m, kNearest_m);
+    return std::max(glm::distance(view_.pose.eye, frame_.toScene(nearest)) - view_.region_radius_m, kNearestGround_m);
   }
 
   // How much larger the area of a texel appears than if it were level and seen from straight above, at most: for a

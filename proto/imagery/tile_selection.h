@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,9 @@
 #include "proto/space/view.h"
 
 namespace foreland::proto {
+
+// Ground nearer than this to the eye counts as if it were this far away.
+inline constexpr double kNearestGround_m = 0.01;
 
 struct SelectedTile {
   TileId tile;
@@ -24,6 +28,19 @@ struct SelectedTile {
   // asked for.
   float finer_px = 0;
 };
+
+// The size on the screen, where a tile is, of the texels of the next coarser tile that there is by `has`: those that
+// stand in for its own while it is missing. Infinity if there is none.
+template <class Has>
+float texelInPlaceOf(const SelectedTile& missing, const TileLayer& layer, const Has& has) {
+  float texel_px = missing.texel_px;
+  for (TileId tile = missing.tile; !layer.isCoarsest(tile);) {
+    tile = tile.parent();
+    texel_px *= 2;
+    if (has(tile)) return texel_px;
+  }
+  return std::numeric_limits<float>::infinity();
+}
 
 // Knows the tiles that there are; nothing for others. Only asked about tiles that layers have.
 using TileLookup = std::function<std::optional<TileBounds>(const TileId&)>;

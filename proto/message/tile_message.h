@@ -18,7 +18,8 @@ struct TileMessage {
 };
 
 // From the keyframe `keyframe` on no texel of what is in view is larger on the screen than so many pixels, by layer,
-// unless the data end: infinity where nothing is guaranteed. Follows the tiles that it counts on.
+// unless the data end: infinity where nothing is guaranteed. Follows the tiles that it counts on, and goes before the
+// keyframe. Of what the viewer holds; what it does not draw yet it counts itself.
 struct TileStatement {
   uint32_t keyframe = 0;
   std::array<float, kMaxTileLayers> texel_px{};

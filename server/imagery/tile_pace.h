@@ -2,7 +2,9 @@
 // the wake of keyframes and arrive in order, so the acknowledgement of a keyframe tells how long it queued behind the
 // tiles before it, and that they have arrived. The rate rises while keyframes arrive as fast as ever, and falls when
 // they queue. It begins with a guess, within what the first keyframe tells of the link; until that one has arrived, not
-// more than one interval's share is sent. One owner. Source: IMAGERY, "When"; delays as the signal of a queue as in
+// more than one interval's share is sent. Where the link's queue is the transport's own, keyframes do not queue but are
+// computed later, once all has been sent (Session::onDrained): then the time that takes tells the link's rate, and
+// tiles get what keyframes leave of it. One owner. Source: IMAGERY, "When"; delays as the signal of a queue as in
 // LEDBAT (RFC 6817).
 #pragma once
 
@@ -22,6 +24,8 @@ class TilePace {
   void keyframeSent(uint32_t index, size_t bytes, Time now, double interval_s, uint32_t max_bytes_per_second);
   // It arrived at this time of the client's clock; it and the answer took `round_trip`.
   void keyframeArrived(uint32_t index, Time arrived_client, Duration round_trip);
+  // The transport has sent all that it was given.
+  void drained(Time now);
   // Whether another tile may be sent now. A tile is sent whole, and what it takes too much is missing afterwards.
   bool mayBeSent() const { return credit_ > 0; }
   void sent(size_t bytes);
@@ -41,6 +45,9 @@ class TilePace {
   double credit_ = 0;                // bytes
   double sent_ = 0, delivered_ = 0;  // bytes of tiles
   std::deque<Sent> under_way_;       // keyframes
+  std::optional<Time> batch_at_;     // when the last keyframe was given to the transport, until that has sent it
+  double batch_bytes_ = 0;           // of it, and of the tiles that followed
+  std::optional<double> link_;       // bytes a second that the transport sends; at least
   std::optional<double> least_us_;   // delay, with the offset between the clocks
   bool is_measured_ = false;         // a keyframe has arrived
   bool was_full_ = false;            // keyframes have queued

@@ -2,16 +2,10 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <limits>
+#include <tuple>
 #include <utility>
 
 namespace foreland::server {
-
-namespace {
-
-constexpr double kNearest_m = 0.01;
-
-}  // namespace
 
 TileSender::TileSender(const Hierarchy& hierarchy, std::shared_ptr<const SceneGround> ground, uint32_t held_bytes)
     : table_(hierarchy.scene().tiles()),
@@ -47,13 +41,15 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std:
       queueSelected([](const proto::SelectedTile&) { return true; });
     }
     had_first_view_ = had_first_view_ || isViewWhole(request);
-    if (!had_first_view_) return;
+    if (!had_first_view_) break;
   }
+  sortWaiting();
+  if (!had_first_view_) return;
   if (keyframe % kWantEvery != 0) return;
   const proto::View& last = targets.back().view;
   outlook_.clear();
   for (const Stay& stay : stays)
-    outlook_.push_back({proto::Frustum({stay.pose, last.lens, last.tau_px}, kNearest_m), stay});
+    outlook_.push_back({proto::Frustum({stay.pose, last.lens, last.tau_px}, proto::kNearestGround_m), stay});
   for (size_t at = 0; at < layers.size(); ++at) {
     const auto layer = static_cast<uint8_t>(at);
     if (layers[layer].content != proto::TileContent::kImagery || !request.wants(layers[layer].content)) continue;
@@ -70,9 +66,10 @@ void TileSender::select(const Target& target, uint8_t layer, double texel_px, si
 
 // The largest texels on the screen are those shown in place of what is missing.
 void TileSender::state(uint8_t layer) {
+  const auto isHeld = [&](const proto::TileId& tile) { return held_.has(tile); };
   float largest_px = kTexel_px;
   for (const proto::SelectedTile& each : selected_)
-    if (!held_.has(each.tile)) largest_px = std::max(largest_px, shownInPlaceOf(each));
+    if (!isHeld(each.tile)) largest_px = std::max(largest_px, texelInPlaceOf(each, table_.layers()[layer], isHeld));
   statement_.texel_px[layer] = largest_px;
 }
 
@@ -83,27 +80,28 @@ bool TileSender::isViewWhole(const proto::ViewRequest& request) const {
   return true;
 }
 
-// The size on the screen, where the tile is, of the texels of the next coarser tile that the viewer has.
-float TileSender::shownInPlaceOf(const proto::SelectedTile& missing) const {
-  const proto::TileLayer& layer = table_.layers()[missing.tile.layer];
-  float texel_px = missing.texel_px;
-  proto::TileId tile = missing.tile;
-  while (!layer.isCoarsest(tile)) {
-    tile = tile.parent();
-    texel_px *= 2;
-    if (held_.has(tile)) return texel_px;
-  }
-  return std::numeric_limits<float>::infinity();
-}
-
 template <class IsQueued>
 void TileSender::queueSelected(const IsQueued& isQueued) {
   for (const proto::SelectedTile& each : selected_) {
     if (needed_bytes_ > most_needed_bytes_) return;
-    if (!isQueued(each) || !needed_.insert(each.tile.key()).second) continue;
+    if (!isQueued(each) || needed_.contains(each.tile.key())) continue;
+    const auto parent = needed_.find(each.tile.parent().key());
+    const float texel_px = parent == needed_.end() ? each.texel_px : std::min(each.texel_px, parent->second);
+    needed_.emplace(each.tile.key(), texel_px);
     needed_bytes_ += table_.bytes(each.tile).size();
-    if (!held_.has(each.tile)) waiting_.push_back(each.tile);
+    if (!held_.has(each.tile)) waiting_.push_back({each.tile, texel_px});
   }
+}
+
+// On a link that is too slow for all of it whatever is coarsest on the screen is mended first, now or ahead of need;
+// and tiles come after their parents.
+void TileSender::sortWaiting() {
+  std::sort(waiting_.begin(), waiting_.end(), [](const proto::SelectedTile& a, const proto::SelectedTile& b) {
+    const auto rank = [](const proto::SelectedTile& s) {
+      return std::tuple(s.tile.layer, -s.texel_px, -int{s.tile.level}, s.tile.key());
+    };
+    return rank(a) < rank(b);
+  });
 }
 
 // Only if its parent is there, or will be.
@@ -140,19 +138,21 @@ Bytes TileSender::messageOf(const proto::TileId& tile) const {
   return proto::encode(proto::TileMessage{tile, *table_.bounds(tile), {coded.begin(), coded.end()}});
 }
 
-void TileSender::take(std::vector<Bytes>& out) {
-  if (statement_.texel_px != told_.texel_px) {
-    out.push_back(proto::encode(statement_));
-    told_ = statement_;
-  }
-  for (const proto::TileId& tile : waiting_) {
+void TileSender::takeStatement(std::vector<Bytes>& out) {
+  if (statement_.texel_px == told_.texel_px) return;
+  out.push_back(proto::encode(statement_));
+  told_ = statement_;
+}
+
+void TileSender::takeTiles(std::vector<Bytes>& out) {
+  for (const proto::SelectedTile& each : waiting_) {
     if (!pace_.mayBeSent()) {
       short_until_ = statement_.keyframe + kShortFor;
       break;
     }
-    out.push_back(messageOf(tile));
+    out.push_back(messageOf(each.tile));
     pace_.sent(out.back().size());
-    held_.add(tile, static_cast<uint32_t>(table_.bytes(tile).size()), [](const proto::TileId&) {});
+    held_.add(each.tile, static_cast<uint32_t>(table_.bytes(each.tile).size()), [](const proto::TileId&) {});
     ++statistics_.tiles;
     statistics_.bytes += out.back().size();
   }

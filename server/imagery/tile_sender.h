@@ -1,12 +1,12 @@
-// What one viewer is sent of the scene's tiles, and when: first what the keyframe's view needs, relief before imagery
-// and coarse before fine, then what it will need in the next seconds, then what makes the picture better for few bytes;
-// until the first view is whole nothing but what it needs. Nothing that ridges hide, and nothing twice that the viewer
-// holds. One owner (a session). Source: IMAGERY, "Metric" and "When".
+// What one viewer is sent of the scene's tiles, and when: first what the keyframe's view needs and what it will need in
+// the next seconds, relief before imagery and what is seen largest before the rest, then what makes the picture better
+// for few bytes; until the first view is whole nothing but what it needs. Nothing that ridges hide, and nothing twice
+// that the viewer holds. One owner (a session). Source: IMAGERY, "Metric" and "When".
 #pragma once
 
 #include <memory>
 #include <span>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include "base/bytes.h"
@@ -27,7 +27,7 @@ class TileSender {
   // Finer tiles of imagery are sent as well, if they make the picture better by so much a byte while they are expected
   // to be seen: squared error of luminance (1 is black against white), times pixels and seconds.
   static constexpr double kLeastGain = 2.4e-4;
-  // Of one view and layer, and with the finer ones; the page has kMostSelected layers of textures.
+  // Of one view and layer, and with the finer ones.
   static constexpr size_t kMostSelected = 256, kMostFiner = 512;
   static constexpr uint32_t kWantEvery = 5, kShortFor = 25;  // keyframes
   static constexpr double kFinestTexel_px = 0.5;             // of a parent; finer tiles than its children are of no use
@@ -59,8 +59,10 @@ class TileSender {
   // proportion to what they are in the last target.
   void choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Stay> stays,
               const proto::ViewRequest& request);
-  // The messages that follow the keyframe: what is stated, if it changed, and tiles as the pace allows.
-  void take(std::vector<Bytes>& out);
+  // What is stated, if it changed. Goes before the keyframe, so that it counts for the mesh that ends there.
+  void takeStatement(std::vector<Bytes>& out);
+  // The tiles that follow the keyframe, as the pace allows.
+  void takeTiles(std::vector<Bytes>& out);
 
   // Whether tiles had to wait for the link, lately.
   bool isShort() const { return statement_.keyframe < short_until_; }
@@ -76,9 +78,9 @@ class TileSender {
   bool isViewWhole(const proto::ViewRequest& request) const;
   template <class IsQueued>
   void queueSelected(const IsQueued& isQueued);
+  void sortWaiting();
   bool isWorthItsBytes(const proto::SelectedTile& tile, const proto::Pose& from) const;
   double secondsOfUse(const proto::TileId& tile, const proto::Pose& from) const;
-  float shownInPlaceOf(const proto::SelectedTile& missing) const;
   Bytes messageOf(const proto::TileId& tile) const;
 
   const terrain::TileTable& table_;
@@ -88,9 +90,10 @@ class TileSender {
   TilePace pace_;
   std::optional<VisibleGround> ground_;
   proto::TileStatement statement_, told_;
-  std::vector<proto::TileId> waiting_;   // to be sent, in this order
-  std::unordered_set<uint64_t> needed_;  // by any of the views
-  uint64_t needed_bytes_ = 0;            // of these
+  std::vector<proto::SelectedTile> waiting_;  // to be sent, in this order
+  // By any of the views: the largest size of their texels, in pixels; none larger than of their parents'.
+  std::unordered_map<uint64_t, float> needed_;
+  uint64_t needed_bytes_ = 0;  // of these
   struct Outlook {
     proto::Frustum frustum;
     Stay stay;

@@ -24,6 +24,7 @@ Status Session::receive(ByteSpan bytes, Time now) {
 void Session::onDrained(Time now) {
   now_ = std::max(now_, now);
   unsent_ = false;
+  if (tiles_) tiles_->pace().drained(now_);
   aim();
 }
 

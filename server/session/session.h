@@ -188,7 +188,7 @@ class Session {
   bool isRegionGuessed() const;
   void fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch);
   void observeRegion(SessionScratch& scratch);
-  void sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out);
+  void sendWithTiles(Bytes message, const Plan& plan, const proto::View& view, std::vector<Bytes>& out);
   void computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;

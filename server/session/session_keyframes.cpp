@@ -109,8 +109,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   if (!sendKeyframe(view, plan, mostNodes(), scratch, message))
     CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
-  out.push_back(std::move(message));
-  sendTiles(plan, view, out);
+  sendWithTiles(std::move(message), plan, view, out);
   observeRegion(scratch);
   last_step_ = Duration::seconds(interval_s);
 
@@ -144,12 +143,16 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
 }
 
-// Tiles follow the keyframe that shows them, and those for where the camera will be in the next seconds, one of them
-// each time. What is predicted for later is worth less, so it is looked at only while the link keeps tiles waiting.
-void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<Bytes>& out) {
+// A keyframe's message, and what goes with it. Tiles follow the keyframe that shows them, and those for where the
+// camera will be in the next seconds, one of them each time. What is predicted for later is worth less, so it is looked
+// at only while the link keeps tiles waiting.
+void Session::sendWithTiles(Bytes message, const Plan& plan, const proto::View& view, std::vector<Bytes>& out) {
   constexpr int64_t kMostSecondsAhead = 3;
   constexpr double kRoom = 1.25, kRoom_m = 0.1;
-  if (!tiles_ || !(request_->relief || request_->imagery)) return;
+  if (!tiles_ || !(request_->relief || request_->imagery)) {
+    out.push_back(std::move(message));
+    return;
+  }
   const bool looks_far = tiles_->isShort() || motion_.isOnPath(*request_);
   const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMostSecondsAhead : 1);
   const ExpectedMotion motion = motion_.expected(*request_);
@@ -166,9 +169,11 @@ void Session::sendTiles(const Plan& plan, const proto::View& view, std::vector<B
       TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + leadOf(plan.until_next))},
       TileSender::Target{{motion.at(later), view.lens, view.tau_px}, later_eyes}};
   tiles_->choose(keyframe().index, targets, staysFrom(motion, later, motion_.isOnPath(*request_)), *request_);
-  tiles_->pace().keyframeSent(keyframe().index, out.back().size(), now_, plan.until_next.toSeconds(),
+  tiles_->pace().keyframeSent(keyframe().index, message.size(), now_, plan.until_next.toSeconds(),
                               request_->max_bytes_per_second);
-  tiles_->take(out);
+  tiles_->takeStatement(out);
+  out.push_back(std::move(message));
+  tiles_->takeTiles(out);
   statistics_.tiles = tiles_->statistics().tiles;
   statistics_.tile_bytes = tiles_->statistics().bytes;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -95,28 +96,31 @@ class Flight {
     glm::dvec3 eye{unit() * layer_.width * 5, unit() * layer_.height * 5, 100 + 4000 * unit()};
     for (int i = 0; i < meshes; ++i) {
       if (below(20) == 0) eye = {unit() * layer_.width * 5, unit() * layer_.height * 5, 20 + 9000 * unit()};
-      eye += glm::dvec3(unit() - 0.5, unit() - 0.5, 0.2 * (unit() - 0.5)) * 600.0;
+      const glm::dvec3 way = glm::dvec3(unit() - 0.5, unit() - 0.5, 0.2 * (unit() - 0.5)) * 600.0;
+      eye += way;
       eye.z = std::max(eye.z, 5.0);
-      step(lookingDown(eye, 50 * unit()));
+      step(lookingDown(eye, 50 * unit()), lookingDown(eye + way, 0));
       if (::testing::Test::HasFailure()) return;
     }
   }
   size_t arrivals() const { return arrivals_; }
   size_t revived() const { return revived_; }
+  size_t measured() const { return measured_; }
 
  private:
   uint32_t below(uint32_t end) { return static_cast<uint32_t>(random_() % end); }
   double unit() { return static_cast<double>(random_() % 100'000) / 100'000; }
 
-  void step(const proto::View& view) {
+  void step(const proto::View& view, const proto::View& next) {
     std::vector<Level> before = levels(1);
     const auto held = [&](const TileId& tile) -> std::optional<proto::TileBounds> {
       if (tile.level + 1u < layer_.levels() && std::hash<uint64_t>{}(tile.key() * 0x9E3779B97F4A7C15u) % 10 == 0)
         return std::nullopt;
       return proto::TileBounds{0, 30, {0, 0, 127}, 20};
     };
-    residency_.advance(frame(), view, held);
+    residency_.advance(frame(), view, next, held);
     expectClosedAndBounded();
+    expectTexelsAreMeasured(view, held);
     expectLayersAreKept();
     expectTableAgrees();
     const std::vector<Level> after = levels(0);
@@ -130,6 +134,26 @@ class Flight {
         ready_.insert(tile->key());
         residency_.setReady(*tile);
       }
+  }
+
+  // Of what the view sees, at both ends of the mesh.
+  void expectTexelsAreMeasured(const proto::View& view, const proto::TileLookup& held) {
+    std::vector<proto::SelectedTile> seen;
+    selectTiles(layer_, 0, frame(), view, 0.5, 100'000, held, seen);
+    double largest_px = 0;
+    for (const proto::SelectedTile& s : seen) {
+      const double side = proto::kTilePayload * static_cast<double>(1u << s.tile.level);
+      for (const double weight : {0.0, 1.0}) {
+        const Level level =
+            levelByList(residency_.shown(), side * glm::dvec2(s.tile.x + 0.5, s.tile.y + 0.5), s.tile.level, weight);
+        if (!level || *level >= layer_.levels())
+          largest_px = std::numeric_limits<double>::infinity();
+        else if (*level > s.tile.level)
+          largest_px = std::max(largest_px, s.texel_px * std::exp2(*level - s.tile.level));
+      }
+    }
+    EXPECT_EQ(residency_.texelPx(), static_cast<float>(largest_px));
+    measured_ += largest_px > 0 && std::isfinite(largest_px) ? 1 : 0;
   }
 
   std::vector<Level> levels(double weight) {
@@ -190,20 +214,21 @@ class Flight {
   std::set<uint64_t> ready_;
   std::map<uint32_t, uint64_t> written_;
   std::vector<Residency::Shown> last_shown_;
-  size_t arrivals_ = 0, revived_ = 0;
+  size_t arrivals_ = 0, revived_ = 0, measured_ = 0;
 };
 
 TEST(Residency, EveryMeshBeginsAsTheLastOneEnded) {
   const uint64_t seed = randomSeed();
-  size_t arrivals = 0, revived = 0;
+  size_t arrivals = 0, revived = 0, measured = 0;
   for (uint64_t i = 0; i < 12; ++i) {
     Flight flight(seed + i, i % 3 == 0 ? 8 : i % 3 == 1 ? 24 : 64);
     flight.fly(150);
     if (HasFailure()) return;
-    arrivals += flight.arrivals(), revived += flight.revived();
+    arrivals += flight.arrivals(), revived += flight.revived(), measured += flight.measured();
   }
   EXPECT_GT(arrivals, 500u);
   EXPECT_GT(revived, 0u);
+  EXPECT_GT(measured, 100u);
 }
 
 // Where the camera stands everything that is selected comes, a level with each mesh.
@@ -216,7 +241,7 @@ TEST(Residency, AStandingViewGetsWhatItSelects) {
   selectTiles(layer, 0, frame(), view, 0.5, 56, held, selected);
   ASSERT_GT(selected.size(), 20u);
   for (int i = 0; i < 20; ++i) {
-    residency.advance(frame(), view, held);
+    residency.advance(frame(), view, view, held);
     while (const auto tile = residency.takeWanted()) residency.setReady(*tile);
   }
   EXPECT_EQ(residency.shown().size(), selected.size());
@@ -231,7 +256,7 @@ TEST(Residency, LeavesOutWhatIsSmallestOnTheScreen) {
   view.pose.orientation = glm::dquat(std::cos(0.65), std::sin(0.65), 0, 0);  // ahead, and somewhat down
   const auto held = [](const TileId&) { return std::optional(proto::TileBounds{0, 10, {0, 0, 127}, 20}); };
   for (int i = 0; i < 40; ++i) {
-    residency.advance(frame(), view, held);
+    residency.advance(frame(), view, view, held);
     while (const auto tile = residency.takeWanted()) residency.setReady(*tile);
   }
   std::vector<proto::SelectedTile> all;
@@ -247,6 +272,24 @@ TEST(Residency, LeavesOutWhatIsSmallestOnTheScreen) {
     if (!drawn.contains(s.tile.key())) { EXPECT_LE(s.texel_px, smallest_px) << int{s.tile.level}; }
 }
 
+// What is expected to be seen is decoded with one mesh and fades in with the next, before it is.
+TEST(Residency, WhatIsExpectedIsThereBeforeItIsSeen) {
+  const proto::TileLayer layer = layerOf(60'000, 3000);
+  const auto held = [](const TileId&) { return std::optional(proto::TileBounds{0, 10, {0, 0, 127}, 20}); };
+  const auto viewAt = [](int i) { return lookingDown({5000 + 40.0 * i, 7000, 700}, 0); };
+  std::array<size_t, 2> coarse{};
+  for (const int ahead : {0, 2}) {
+    Residency residency(layer, 0, 256);
+    for (int i = 0; i < 400; ++i) {
+      residency.advance(frame(), viewAt(i), viewAt(i + ahead), held);
+      while (const auto tile = residency.takeWanted()) residency.setReady(*tile);
+      if (i > 20 && residency.texelPx() > 0) ++coarse[ahead > 0];
+    }
+  }
+  EXPECT_GT(coarse[0], 10u);
+  EXPECT_EQ(coarse[1], 0u);
+}
+
 // One hundred views later than all of it was seen, nothing is left in the way of what is.
 TEST(Residency, WhatIsNotSelectedMakesRoom) {
   const proto::TileLayer layer = layerOf(60'000, 3000);
@@ -256,7 +299,7 @@ TEST(Residency, WhatIsNotSelectedMakesRoom) {
   proto::View view;
   for (int i = 0; i < 140; ++i) {
     view = lookingDown({std::min(i, 100) * 2500.0, 7000, 700}, 0);
-    residency.advance(frame(), view, held);
+    residency.advance(frame(), view, view, held);
     while (const auto tile = residency.takeWanted()) residency.setReady(*tile);
   }
   selectTiles(layer, 0, frame(), view, 1, 21, held, selected);

@@ -52,6 +52,21 @@ TEST(TileStore, KeepsTheNewestWhenALaterConnectionAllowsLess) {
   EXPECT_EQ(store.find({0, 0, 5, 0}), nullptr);
 }
 
+// The next keyframe's statement comes before that keyframe, while the last one is still the newest.
+TEST(TileStore, KnowsWhatIsStatedOfEitherOfTheLastTwoKeyframes) {
+  client::TileStore store;
+  store.enter({layerOf(300)}, 10'000);
+  EXPECT_EQ(store.statementOf(100), nullptr);
+  store.add(proto::TileStatement{4, {8, 8}});
+  EXPECT_EQ(store.statementOf(3), nullptr);
+  store.add(proto::TileStatement{7, {2, 3}});
+  for (const uint32_t keyframe : {4u, 6u}) EXPECT_EQ(store.statementOf(keyframe)->keyframe, 4u);
+  for (const uint32_t keyframe : {7u, 100u}) EXPECT_EQ(store.statementOf(keyframe)->keyframe, 7u);
+  EXPECT_EQ(store.statementOf(100)->texel_px[1], 3);
+  store.reenter(10'000);
+  EXPECT_EQ(store.statementOf(100), nullptr) << "of the connection before";
+}
+
 TEST(TileStore, RefusesTilesThatTheSceneDoesNotHave) {
   client::TileStore store;
   store.enter({layerOf(300)}, 10'000);

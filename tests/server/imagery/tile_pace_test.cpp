@@ -84,6 +84,41 @@ TEST(TilePace, BeginsSlowlyOnALinkThatTheFirstKeyframeFills) {
   EXPECT_GE(outcome.bytes_per_second, 12e3);
 }
 
+// Where the transport has no queue but its own, a keyframe is not given to it before it has sent all, and so is never
+// seen to queue: it is late.
+TEST(TilePace, LeavesRoomForTheNextKeyframeWhereItWaitsForAllToBeSent) {
+  constexpr Duration kInterval = Duration::milliseconds(200), kLatency = Duration::milliseconds(25);
+  Rng rng(test::randomSeed());
+  for (const double mbit : {0.5, 1.0, 4.0, 100.0}) {
+    const double rate = mbit * 125e3;
+    TilePace pace;
+    double tiles = 0;
+    std::vector<Duration> late;
+    Time due = Time::seconds(1), sent = due, arrived;
+    for (uint32_t index = 1; index < 300; ++index, due = due + kInterval) {
+      const Time now = std::max(due, sent);
+      pace.drained(sent);
+      if (index > 1) pace.keyframeArrived(index - 1, arrived, kLatency * 2);
+      double bytes = index == 1 ? 100e3 : rng.uniform(300, 3000);
+      arrived = now + Duration::seconds(bytes / rate) + kLatency;
+      pace.keyframeSent(index, static_cast<size_t>(bytes), now, kInterval.toSeconds(), 0);
+      while (pace.mayBeSent()) {
+        const auto tile = static_cast<size_t>(rng.uniform(2000, 12000));
+        pace.sent(tile);
+        bytes += static_cast<double>(tile);
+        if (index >= 100) tiles += static_cast<double>(tile);
+      }
+      sent = now + Duration::seconds(bytes / rate);
+      if (index >= 100) late.push_back(now - due);
+      due = std::max(due, now - kInterval);  // those that are too late are left out
+    }
+    std::sort(late.begin(), late.end());
+    EXPECT_GE(tiles / 40, 0.4 * rate) << mbit;
+    // One tile too much of 12 kB.
+    EXPECT_LE(late[late.size() * 95 / 100].toMilliseconds(), 30 + 12000 / rate * 1e3) << mbit;
+  }
+}
+
 TEST(TilePace, TakesAtMostHalfOfWhatTheViewerAllows) {
   Rng rng(test::randomSeed());
   const Outcome outcome = run(125e6, 100'000, rng);

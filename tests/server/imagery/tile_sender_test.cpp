@@ -1,4 +1,4 @@
-// Which tiles of imagery a viewer is sent beyond what it must have.
+// Which tiles of imagery a viewer is sent beyond what it must have, and in which order.
 #include "server/imagery/tile_sender.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "server/view/ground.h"
@@ -51,7 +53,7 @@ class TileSenderTest : public testing::Test {
       sender.choose(k, targets, stays, request);
       sender.pace().keyframeSent(k, 3000, now, 0.2, 0);
       std::vector<Bytes> messages;
-      sender.take(messages);
+      sender.takeTiles(messages);
       sender.pace().keyframeArrived(k, now + Duration::milliseconds(20), Duration::milliseconds(40));
     }
     std::set<uint64_t> keys;
@@ -97,6 +99,61 @@ TEST_F(TileSenderTest, LessIsSentOfWhatTheCameraWillBeFurtherFrom) {
   const std::set<uint64_t> sent = sentFor(here), sent_there = sentFor(there);
   EXPECT_TRUE(std::includes(sent.begin(), sent.end(), sent_there.begin(), sent_there.end()));
   EXPECT_LT(sent_there.size(), sent.size());
+}
+
+// Of all that is needed now and later, while the link is too slow for it; and tiles come after their parents.
+TEST_F(TileSenderTest, WhatIsLargestOnTheScreenComesFirst) {
+  TileSender sender(hierarchy, nullptr, 64 << 20);  // sizes are by tiles' own bounds
+  proto::View above = view, later = view;
+  above.pose = {view.pose.eye + glm::dvec3(0, 0, 100 * kHeight_m), glm::dquat(1, 0, 0, 0)};
+  later.pose.eye += 0.6 * kHeight_m * glm::dvec3(0.1, 0.9, -0.6);
+  const terrain::TileTable& table = hierarchy.scene().tiles();
+  std::map<uint64_t, float> sizes_px, of_now;
+  for (const proto::View* each : {&view, &later}) {
+    std::vector<proto::SelectedTile> needed;
+    proto::selectTiles(
+        table.layers()[1], 1, hierarchy.frame().transform(), *each, TileSender::kTexel_px, TileSender::kMostSelected,
+        [&](const proto::TileId& tile) { return table.bounds(tile); }, needed);
+    for (const proto::SelectedTile& tile : needed) {
+      const auto parent = sizes_px.find(tile.tile.parent().key());
+      sizes_px.emplace(tile.tile.key(),
+                       parent == sizes_px.end() ? tile.texel_px : std::min(tile.texel_px, parent->second));
+    }
+    if (each == &view) of_now = sizes_px;
+  }
+  std::vector<proto::TileId> sent;
+  const auto send = [&](uint32_t keyframe, const proto::View& first, const proto::View& second) {
+    const std::array targets{TileSender::Target{first, {first.pose.eye}},
+                             TileSender::Target{second, {second.pose.eye}}};
+    const Time now = Time::seconds(0.2 * keyframe);
+    sender.choose(keyframe, targets, {}, request);
+    sender.pace().keyframeSent(keyframe, 300, now, 0.05, 0);
+    std::vector<Bytes> messages;
+    sender.takeTiles(messages);
+    for (const Bytes& message : messages) sent.push_back(proto::decodeTile(message).value().tile);
+    sender.pace().keyframeArrived(keyframe, now + Duration::milliseconds(20), Duration::milliseconds(40));
+  };
+  // Until the first view is whole nothing is sent for later.
+  uint32_t keyframe = 1;
+  for (; keyframe <= 20; ++keyframe) send(keyframe, above, above);
+  std::set<uint64_t> held;
+  for (const proto::TileId& tile : std::exchange(sent, {})) held.insert(tile.key());
+  EXPECT_LT(held.size(), 6u);
+  for (; keyframe <= 200; ++keyframe) send(keyframe, view, later);
+  ASSERT_GT(sent.size(), 20u);
+  size_t ahead = 0, behind = 0;  // of need
+  for (size_t i = 0; i < sent.size(); ++i) {
+    ASSERT_TRUE(sizes_px.contains(sent[i].key()));
+    if (i > 0) { EXPECT_LE(sizes_px[sent[i].key()], sizes_px[sent[i - 1].key()]) << i; }
+    EXPECT_TRUE(table.layers()[1].isCoarsest(sent[i]) || held.contains(sent[i].parent().key())) << i;
+    EXPECT_TRUE(held.insert(sent[i].key()).second);
+    if (!of_now.contains(sent[i].key()))
+      ++ahead;
+    else if (ahead > 0)
+      ++behind;
+  }
+  EXPECT_GT(behind, 0u) << "some of what is needed now is less urgent";
+  for (const auto& [key, size_px] : sizes_px) EXPECT_TRUE(held.contains(key));
 }
 
 }  // namespace
