@@ -80,8 +80,7 @@ Time DrapeExperiment::judgedAt(size_t frame) const {
 DrapeExperiment::Ours DrapeExperiment::flyOurs() {
   World world = worldOf(flight_);
   world.addClient(clientOf(flight_));
-  ClientDrape drape(proto::FrameTransform(flight_.scene->frame()),
-                    flight_.scene->tiles().layers()[flight_.layer].content);
+  ClientDrape drape(flight_.scene->tiles().layers()[flight_.layer].content);
   ArrivalNotes notes(flight_.tau_px);
   world.on_keyframe = [&](size_t, const ArrivedKeyframe& keyframe) {
     notes.onKeyframe(keyframe);

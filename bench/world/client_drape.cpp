@@ -23,7 +23,7 @@ void ClientDrape::onKeyframe(const client::Viewer& viewer) {
   while (drape_->decodeRelief()) {}
   while (const auto image = drape_->takeWantedImage()) drape_->setImageReady(*image);
   const client::Interval* newest = viewer.timeline().newest();
-  drape_->advance(frame_, newest->from, newest->to);
+  drape_->advance(viewer.frameGrid().transform(), newest->from, newest->to);
   meshes_[newest->version] = {drape_->residency(content_)->shown(), drape_->texelPx(content_)};
 }
 

@@ -17,7 +17,7 @@ using DrawnTiles = std::unordered_map<uint64_t, float>;
 
 class ClientDrape {
  public:
-  ClientDrape(const proto::FrameTransform& frame, proto::TileContent content) : frame_(frame), content_(content) {}
+  explicit ClientDrape(proto::TileContent content) : content_(content) {}
 
   // After each keyframe that the viewer has decoded.
   void onKeyframe(const client::Viewer& viewer);
@@ -38,7 +38,6 @@ class ClientDrape {
     double texel_px;
   };
 
-  proto::FrameTransform frame_;
   proto::TileContent content_;
   std::optional<client::Drape> drape_;
   std::map<uint32_t, Mesh> meshes_;  // by version

@@ -44,8 +44,7 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std:
     if (!had_first_view_) break;
   }
   sortWaiting();
-  if (!had_first_view_) return;
-  if (keyframe % kWantEvery != 0) return;
+  if (!had_first_view_ || keyframe % kWantEvery != 0) return;
   const proto::View& last = targets.back().view;
   outlook_.clear();
   for (const Stay& stay : stays)

@@ -133,7 +133,7 @@ TEST_F(TileSenderTest, WhatIsLargestOnTheScreenComesFirst) {
     for (const Bytes& message : messages) sent.push_back(proto::decodeTile(message).value().tile);
     sender.pace().keyframeArrived(keyframe, now + Duration::milliseconds(20), Duration::milliseconds(40));
   };
-  // Until the first view is whole nothing is sent for later.
+  // From high above little is needed. Nothing is sent for later before the first view is whole.
   uint32_t keyframe = 1;
   for (; keyframe <= 20; ++keyframe) send(keyframe, above, above);
   std::set<uint64_t> held;
