@@ -14,8 +14,11 @@ constexpr double kAllowed_us = 20e3;    // that a keyframe may queue, and as lon
 constexpr double kHalfTile = 8e3;       // bytes
 constexpr double kMostShares = 3;       // of an interval, that may be under way
 constexpr double kMostLatency_s = 0.3;  // of a round trip; what takes longer was transmitted so slowly
-constexpr double kShortest_s = 0.02;    // what is sent sooner tells nothing but that the link is fast
-constexpr double kUsed = 0.9;           // of the link, by keyframes and tiles together
+// Less than so much, or what is sent sooner, tells no more than that the link is not slower: it takes its time for
+// other reasons.
+constexpr double kLeastBatch = 8e3;                                 // bytes
+constexpr double kShortest_s = 0.02;                                // seconds
+constexpr double kUsed = 0.9;                                       // of the link, by keyframes and tiles together
 constexpr double kStep = 0.03, kMostDown = 0.25, kFirstStep = 0.3;  // of the rate, from keyframe to keyframe
 
 }  // namespace
@@ -44,26 +47,27 @@ void TilePace::keyframeArrived(uint32_t index, Time arrived_client, Duration rou
   bytes_per_second_ = std::clamp(bytes_per_second_ * (1 + step), kLeast, kMost);
 }
 
+void TilePace::given(Time now) { batch_at_ = now; }
+
 void TilePace::drained(Time now) {
   if (!batch_at_) return;
   const double took_s = (now - *std::exchange(batch_at_, std::nullopt)).toSeconds();
-  if (took_s < kShortest_s) {
-    link_ = std::max(link_.value_or(0), batch_bytes_ / kShortest_s);
-    return;
-  }
-  link_ = batch_bytes_ / took_s;
-  bytes_per_second_ = std::clamp(bytes_per_second_, kLeast, std::max(kLeast, *link_));
+  const double rate = batch_bytes_ / std::max(took_s, kShortest_s);
+  if (batch_bytes_ >= kLeastBatch && took_s > kShortest_s)
+    link_ = rate;
+  else if (link_)
+    link_ = std::max(*link_, rate);
 }
 
 void TilePace::keyframeSent(uint32_t index, size_t bytes, Time now, double interval_s, uint32_t max_bytes_per_second) {
-  batch_at_ = now, batch_bytes_ = static_cast<double>(bytes);
+  batch_at_.reset(), batch_bytes_ = static_cast<double>(bytes);
   under_way_.push_back({index, now, static_cast<double>(bytes), sent_, credit_ <= 0});
   if (under_way_.size() > kMostUnderWay) under_way_.pop_front();
   double rate = bytes_per_second_;
   if (max_bytes_per_second > 0) rate = std::min(rate, 0.5 * max_bytes_per_second);
   interval_s = std::clamp(interval_s, 0.0, 1.0);
   double share = rate * interval_s;
-  if (link_) share = std::clamp(kUsed * *link_ * interval_s - static_cast<double>(bytes), 0.0, share);
+  if (link_) share = std::clamp(kUsed * *link_ * interval_s - static_cast<double>(bytes), kLeast * interval_s, share);
   // What was not used does not add up: it would be a burst.
   credit_ = std::min(credit_ + share, share);
   // The link has not even transmitted what it was given before.

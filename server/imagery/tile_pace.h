@@ -24,7 +24,8 @@ class TilePace {
   void keyframeSent(uint32_t index, size_t bytes, Time now, double interval_s, uint32_t max_bytes_per_second);
   // It arrived at this time of the client's clock; it and the answer took `round_trip`.
   void keyframeArrived(uint32_t index, Time arrived_client, Duration round_trip);
-  // The transport has sent all that it was given.
+  // The keyframe and the tiles that follow it are given to the transport, and have been sent by it.
+  void given(Time now);
   void drained(Time now);
   // Whether another tile may be sent now. A tile is sent whole, and what it takes too much is missing afterwards.
   bool mayBeSent() const { return credit_ > 0; }
@@ -47,7 +48,7 @@ class TilePace {
   std::deque<Sent> under_way_;       // keyframes
   std::optional<Time> batch_at_;     // when the last keyframe was given to the transport, until that has sent it
   double batch_bytes_ = 0;           // of it, and of the tiles that followed
-  std::optional<double> link_;       // bytes a second that the transport sends; at least
+  std::optional<double> link_;       // bytes a second that the transport sends, once that is known; at least
   std::optional<double> least_us_;   // delay, with the offset between the clocks
   bool is_measured_ = false;         // a keyframe has arrived
   bool was_full_ = false;            // keyframes have queued

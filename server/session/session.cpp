@@ -288,6 +288,7 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, S
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
 void Session::noteComputeTime(Duration spent, uint64_t pages_read) {
   constexpr int64_t kRest = 4;  // times what a request took
+  if (did_ == Did::kKeyframe && tiles_) tiles_->pace().given(now_ + spent);
   if (did_ == Did::kKeyframe) compute_time_ = std::max(spent, Duration{(compute_time_.us * 15 + spent.us) / 16});
   if (did_ == Did::kRequest) next_request_ = now_ + spent + spent * kRest;
   if (did_ == Did::kPrefetch) prefetch_pace_.ended(now_, pages_read);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "base/rng.h"
@@ -84,38 +85,60 @@ TEST(TilePace, BeginsSlowlyOnALinkThatTheFirstKeyframeFills) {
   EXPECT_GE(outcome.bytes_per_second, 12e3);
 }
 
-// Where the transport has no queue but its own, a keyframe is not given to it before it has sent all, and so is never
-// seen to queue: it is late.
-TEST(TilePace, LeavesRoomForTheNextKeyframeWhereItWaitsForAllToBeSent) {
+struct Waiting {
+  double bytes_per_second;  // of tiles
+  Duration p95_late;        // keyframes, which wait until all has been sent
+};
+
+// A minute of keyframes of so many bytes and, but for some seconds, tiles that wait; the first one is large. The
+// transport has no queue but its own, so a keyframe is not given to it before it has sent all. Everything takes
+// `overhead` before it is sent.
+Waiting runWaiting(double link_bytes_per_second, double most_bytes, Duration overhead, Rng& rng) {
   constexpr Duration kInterval = Duration::milliseconds(200), kLatency = Duration::milliseconds(25);
+  TilePace pace;
+  double tiles = 0;
+  std::vector<Duration> late;
+  Time due = Time::seconds(1), sent = due, arrived;
+  for (uint32_t index = 1; index < 300; ++index, due = due + kInterval) {
+    const Time now = std::max(due, sent);
+    pace.drained(sent);
+    if (index > 1) pace.keyframeArrived(index - 1, arrived, kLatency * 2);
+    double bytes = index == 1 ? 100e3 : rng.uniform(0.1 * most_bytes, most_bytes);
+    arrived = now + overhead + Duration::seconds(bytes / link_bytes_per_second) + kLatency;
+    pace.keyframeSent(index, static_cast<size_t>(bytes), now, kInterval.toSeconds(), 0);
+    const bool has_tiles = index < 50 || index >= 80;
+    while (has_tiles && pace.mayBeSent()) {
+      const auto tile = static_cast<size_t>(rng.uniform(2000, 12000));
+      pace.sent(tile);
+      bytes += static_cast<double>(tile);
+      if (index >= 100) tiles += static_cast<double>(tile);
+    }
+    pace.given(now);
+    sent = now + overhead + Duration::seconds(bytes / link_bytes_per_second);
+    if (index >= 100) late.push_back(now - due);
+    due = std::max(due, now - kInterval);  // those that are too late are left out
+  }
+  std::sort(late.begin(), late.end());
+  return {tiles / 40, late[late.size() * 95 / 100]};
+}
+
+TEST(TilePace, LeavesRoomForTheNextKeyframeWhereItWaitsForAllToBeSent) {
   Rng rng(test::randomSeed());
   for (const double mbit : {0.5, 1.0, 4.0, 100.0}) {
     const double rate = mbit * 125e3;
-    TilePace pace;
-    double tiles = 0;
-    std::vector<Duration> late;
-    Time due = Time::seconds(1), sent = due, arrived;
-    for (uint32_t index = 1; index < 300; ++index, due = due + kInterval) {
-      const Time now = std::max(due, sent);
-      pace.drained(sent);
-      if (index > 1) pace.keyframeArrived(index - 1, arrived, kLatency * 2);
-      double bytes = index == 1 ? 100e3 : rng.uniform(300, 3000);
-      arrived = now + Duration::seconds(bytes / rate) + kLatency;
-      pace.keyframeSent(index, static_cast<size_t>(bytes), now, kInterval.toSeconds(), 0);
-      while (pace.mayBeSent()) {
-        const auto tile = static_cast<size_t>(rng.uniform(2000, 12000));
-        pace.sent(tile);
-        bytes += static_cast<double>(tile);
-        if (index >= 100) tiles += static_cast<double>(tile);
-      }
-      sent = now + Duration::seconds(bytes / rate);
-      if (index >= 100) late.push_back(now - due);
-      due = std::max(due, now - kInterval);  // those that are too late are left out
-    }
-    std::sort(late.begin(), late.end());
-    EXPECT_GE(tiles / 40, 0.4 * rate) << mbit;
+    const Waiting outcome = runWaiting(rate, 3000, {}, rng);
+    EXPECT_GE(outcome.bytes_per_second, 0.4 * rate) << mbit;
     // One tile too much of 12 kB.
-    EXPECT_LE(late[late.size() * 95 / 100].toMilliseconds(), 30 + 12000 / rate * 1e3) << mbit;
+    EXPECT_LE(outcome.p95_late.toMilliseconds(), 30 + 12000 / rate * 1e3) << mbit;
+  }
+}
+
+// However small its keyframes are, which then take as long as large ones; and if each is late, tiles go on.
+TEST(TilePace, DoesNotTakeAServerThatIsBusyForASlowLink) {
+  Rng rng(test::randomSeed());
+  for (const auto& [overhead_ms, least] : {std::pair{10, 375e3}, {40, 375e3}, {80, 375e3}, {250, 15e3}}) {
+    const Waiting outcome = runWaiting(1.25e6, 100, Duration::milliseconds(overhead_ms), rng);
+    EXPECT_GE(outcome.bytes_per_second, least) << overhead_ms;
   }
 }
 
