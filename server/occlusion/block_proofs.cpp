@@ -12,14 +12,15 @@ BlockProofs::BlockProofs(const proto::GridTopology& grid) : scales_(grid.shape()
   }
 }
 
-TileProofs& BlockProofs::of(const proto::BlockId& block, uint32_t keyframe) {
+BlockProofs::Tile BlockProofs::of(const proto::BlockId& block, uint32_t keyframe) {
   constexpr uint32_t kMask = (1u << kChunkLog2) - 1;
   const uint32_t x = block.x >> HiddenBlocks::kTileLog2, y = block.y >> HiddenBlocks::kTileLog2;
   Scale& scale = scales_[block.scale];
   auto& chunk = scale.chunks[size_t{y >> kChunkLog2} * scale.columns + (x >> kChunkLog2)];
   if (!chunk) chunk = std::make_unique<Chunk>();
   chunk->keyframe = keyframe;
-  return chunk->tiles[(y & kMask) << kChunkLog2 | (x & kMask)];
+  const uint32_t tile = (y & kMask) << kChunkLog2 | (x & kMask);
+  return {chunk->due[tile], chunk->proofs[tile]};
 }
 
 void BlockProofs::forgetUnused(uint32_t keyframe) {

@@ -15,7 +15,6 @@ namespace foreland::server {
 // Times are numbers of intervals (eye_intervals.h).
 struct BlockProof {
   int32_t until = 0;      // the last interval for which it is known to be hidden, if it is
-  int32_t next = 0;       // the interval of the next review
   uint32_t keyframe = 0;  // when that was found out
   // The last interval in which no stretch hides it, as these are at a revision.
   int32_t open_until = std::numeric_limits<int32_t>::min();
@@ -27,8 +26,13 @@ struct BlockProof {
 
 struct TileProofs {
   static constexpr uint32_t kBlocks = proto::HiddenBlocks::kTileBlocks;
+  std::array<int32_t, kBlocks> next{};  // the interval of each block's next review; apart, for most are not due
   std::array<BlockProof, kBlocks> blocks;
-  int32_t next = 0;       // the first of its blocks' next reviews; at most
+};
+
+// Whether any block of a tile is due. Side by side for neighbouring tiles, for most have none.
+struct TileDue {
+  int32_t first = 0;      // the first of its blocks' next reviews; at most
   uint32_t revision = 0;  // of the stretches, at the last review
 };
 
@@ -36,17 +40,23 @@ class BlockProofs {
  public:
   explicit BlockProofs(const proto::GridTopology& grid);
 
-  // Of the tile that holds a block; new if there is none.
-  TileProofs& of(const proto::BlockId& block, uint32_t keyframe);
+  struct Tile {
+    TileDue& due;
+    TileProofs& proofs;
+  };
+  // The tile that holds a block; new if there is none.
+  Tile of(const proto::BlockId& block, uint32_t keyframe);
   // Forgets chunks that were last asked for before `keyframe`.
   void forgetUnused(uint32_t keyframe);
   size_t bytes() const;
 
  private:
   static constexpr uint32_t kChunkLog2 = 2;  // of a chunk's side, in tiles
+  static constexpr uint32_t kChunkTiles = 1u << (2 * kChunkLog2);
   struct Chunk {
     uint32_t keyframe = 0;
-    std::array<TileProofs, 1u << (2 * kChunkLog2)> tiles;
+    std::array<TileDue, kChunkTiles> due;
+    std::array<TileProofs, kChunkTiles> proofs;
   };
   struct Scale {
     uint32_t columns = 0;

@@ -17,8 +17,8 @@
 //   squares  The points p fill a square below a plane: P / D - c u is largest at one of its corners, whatever c is.
 //
 // The largest of these slopes of all lines nearer than D (of some of them: those left out hide nothing) is kept for a
-// series of distances D, rounded down. A segment of 64 bins is built when it is first asked for; as far as a line of
-// the grid is so near that the eyes' lines cross too many bins of it, it is left out.
+// series of distances D, rounded down. A segment of 64 bins is built when it is asked for, as far ahead as that; a line
+// of the grid that is so near that the eyes' lines cross too many bins of it is left out.
 //
 // One owner. Cost: some 20 microseconds a segment, 90 if its heights are not in the cache, 50 ns a square. Memory: 20
 // KiB a segment.

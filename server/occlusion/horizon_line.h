@@ -25,6 +25,16 @@ class HorizonLine {
     int count;
   };
 
+  // Asks for the heights that findLeast() will read.
+  static void prefetch(const Vertices& vertices, float first, float step, int count) {
+    constexpr int kHeightsOfCacheLine = 32;
+    const auto vertexAt = [&](float at) {
+      return static_cast<int>(std::min(std::max(at, 0.0f), static_cast<float>(vertices.count - 1)));
+    };
+    const int last = vertexAt(first + static_cast<float>(count) * step) + 8;
+    for (int v = vertexAt(first); v < last; v += kHeightsOfCacheLine) __builtin_prefetch(vertices.heights + v);
+    __builtin_prefetch(vertices.heights + last);
+  }
   // The least height in each bin: bin k reaches from the vertex position first + k * step to the next one's. `count`
   // bins, at most kBins + kMostHalo.
   void findLeast(const Vertices& vertices, float first, float step, int count) {

@@ -11,7 +11,6 @@ namespace {
 constexpr double kLineStep = 0.008;     // between two lines, of their distance
 constexpr double kMostSlope = 2;        // that is kept: metres per metre
 constexpr uint32_t kDistancesLog2 = 4;  // of distances between two powers of two
-constexpr size_t kPrefetch = 6;         // lines
 
 // Slopes are kept for distances that are evenly spread between powers of two: the first bits of a float are their
 // numbers.
@@ -39,7 +38,10 @@ void HorizonSide::look(const HorizonGrid& grid, const HorizonEyes& eyes, uint32_
   depth_ = ball_ - back_.x;
   slopes_of_step_ = static_cast<float>(std::numeric_limits<int16_t>::max() / (kMostSlope * grid.metresOfStep()));
   segments_.resize(static_cast<size_t>(std::ceil(2 * kMostTangent / bin / kBins)));
-  for (Segment& segment : segments_) segment.clear();
+  for (Segment& segment : segments_) {
+    segment.kept.clear();
+    segment.is_whole = false;
+  }
   findLines();
 }
 
@@ -77,33 +79,15 @@ HorizonSide::Reach HorizonSide::reachOf(uint32_t segment) const {
   return reach;
 }
 
-// Finds the least heights about the bins of a segment on a line; false if the line is so near that these would be too
-// many bins.
-bool HorizonSide::cut(const Line& line, const Reach& reach, HorizonLine& cut) const {
+HorizonSide::Cut HorizonSide::cutOf(const Line& line, const Reach& reach) const {
   const double width = line.ahead * bin_;  // of a bin, steps
-  const double below = std::floor(reach.low / width), above = std::ceil(reach.high / width);
-  if (above - below > HorizonLine::kMostHalo) return false;
+  const double below = std::floor(reach.low / width), halo = std::ceil(reach.high / width) - below;
   const HorizonGrid::Level& level = grid_->levels()[line.level];
-  const double size = 1u << line.level;
-  const auto halo = static_cast<int>(above - below);
-  cut.findLeast({level.line(along_, line.number), static_cast<int>(level.vertices[static_cast<size_t>(along_)])},
-                static_cast<float>((reference_.y + line.ahead * (reach.first + below * bin_)) / size),
-                static_cast<float>(width / size), static_cast<int>(kBins) + halo);
-  cut.widen(halo);
-  return true;
-}
-
-void HorizonSide::prefetch(const Line& line, const Reach& reach) const {
-  const HorizonGrid::Level& level = grid_->levels()[line.level];
-  const double size = 1u << line.level;
-  const uint16_t* const heights = level.line(along_, line.number);
-  const auto vertex = [&](double aside, double tangent) {
-    const double v = (reference_.y + aside + line.ahead * tangent) / size;
-    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(level.vertices[static_cast<size_t>(along_)])));
-  };
-  constexpr int kHeightsOfCacheLine = 32;
-  const int last = vertex(reach.high, reach.last);
-  for (int v = vertex(reach.low, reach.first); v < last; v += kHeightsOfCacheLine) __builtin_prefetch(heights + v);
+  const double vertices = 1.0 / (1u << line.level);  // in a step
+  return {{level.line(along_, line.number), static_cast<int>(level.vertices[static_cast<size_t>(along_)])},
+          static_cast<float>((reference_.y + line.ahead * (reach.first + below * bin_)) * vertices),
+          static_cast<float>(width * vertices),
+          static_cast<int>(std::min(halo, HorizonLine::kMostHalo + 1.0))};
 }
 
 // Whether nothing farther away can be seen.
@@ -114,43 +98,70 @@ bool HorizonSide::isClosed(const std::array<float, kBins>& slopes, float ahead) 
   return *std::min_element(slopes.begin(), slopes.end()) > enough;
 }
 
-void HorizonSide::build(uint32_t number) {
+void HorizonSide::keep(Segment& segment) const {
+  const size_t size = segment.kept.size();
+  segment.kept.resize(size + kBins);
+  HorizonLine::round(segment.slopes, slopes_of_step_, &segment.kept[size]);
+}
+
+// Goes on until the segment holds the slopes for a distance or is whole.
+void HorizonSide::build(uint32_t number, size_t distance) {
   constexpr size_t kCloseTests = 8;  // distances between two
-  ++built_;
+  constexpr size_t kAhead = 8;       // lines whose heights wait for memory together
   Segment& segment = segments_[number];
+  if (segment.kept.empty()) {
+    ++built_;
+    segment.slopes.fill(HorizonLine::kNone);
+    segment.lines = 0;
+    segment.is_whole = false;
+  }
   const Reach reach = reachOf(number);
-  std::array<float, kBins> slopes;
-  slopes.fill(HorizonLine::kNone);
-  size_t kept = 0;
-  const auto keep = [&] {
-    segment.resize(++kept * kBins);
-    HorizonLine::round(slopes, slopes_of_step_, &segment[(kept - 1) * kBins]);
+  std::array<Cut, kAhead> cuts;
+  size_t known = segment.lines;
+  const auto lookAhead = [&](size_t end) {
+    for (; known < std::min(end, lines_.size()); ++known) {
+      const Cut& cut = cuts[known % kAhead] = cutOf(lines_[known], reach);
+      HorizonLine::prefetch(cut.vertices, cut.first, cut.step, static_cast<int>(kBins) + cut.halo);
+    }
   };
   const HorizonGrid::Steps& steps = grid_->steps();
   const auto eye = static_cast<float>(steps.of(eye_m_));
   HorizonLine heights;
-  for (size_t i = 0; i < lines_.size(); ++i) {
+  for (size_t i = segment.lines; i < lines_.size(); ++i) {
     const Line& line = lines_[i];
-    if (i + kPrefetch < lines_.size()) prefetch(lines_[i + kPrefetch], reach);
-    for (; distanceOf(kept) <= line.ahead; keep())
-      if (kept % kCloseTests == 0 && isClosed(slopes, line.ahead)) return keep();
-    if (cut(line, reach, heights))
-      heights.raise(eye, static_cast<float>(steps.step_m / (line.ahead + depth_)),
-                    static_cast<float>(steps.step_m / line.ahead), slopes);
+    for (; distanceOf(segment.distances()) <= line.ahead; keep(segment)) {
+      segment.is_whole = segment.distances() % kCloseTests == 0 && isClosed(segment.slopes, line.ahead);
+      if (segment.is_whole) return keep(segment);
+      if (segment.distances() > distance) {
+        segment.lines = static_cast<uint32_t>(i);
+        return;
+      }
+    }
+    lookAhead(i + kAhead);
+    const Cut& cut = cuts[i % kAhead];
+    if (cut.isNear()) continue;
+    heights.findLeast(cut.vertices, cut.first, cut.step, static_cast<int>(kBins) + cut.halo);
+    heights.widen(cut.halo);
+    heights.raise(eye, static_cast<float>(steps.step_m / (line.ahead + depth_)),
+                  static_cast<float>(steps.step_m / line.ahead), segment.slopes);
   }
-  keep();
+  segment.is_whole = true;
+  keep(segment);
 }
 
 int HorizonSide::slope(uint32_t bin, double ahead) {
   Segment& segment = segments_[bin / kBins];
-  if (segment.empty()) build(bin / kBins);
-  const size_t distance = std::min<size_t>(distanceNumber(ahead), segment.size() / kBins - 1);
-  return segment[distance * kBins + bin % kBins];
+  size_t distance = distanceNumber(ahead);
+  if (distance >= segment.distances()) {
+    if (!segment.is_whole) build(bin / kBins, distance);
+    distance = std::min(distance, segment.distances() - 1);
+  }
+  return segment.kept[distance * kBins + bin % kBins];
 }
 
 size_t HorizonSide::bytes() const {
   size_t bytes = lines_.capacity() * sizeof(Line) + segments_.capacity() * sizeof(Segment);
-  for (const Segment& segment : segments_) bytes += segment.capacity() * sizeof(int16_t);
+  for (const Segment& segment : segments_) bytes += segment.kept.capacity() * sizeof(int16_t);
   return bytes;
 }
 

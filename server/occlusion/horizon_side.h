@@ -45,13 +45,19 @@ class HorizonSide {
   int slope(uint32_t bin, double ahead);
   float slopesOfStep() const { return slopes_of_step_; }  // in a metre per step
 
-  uint64_t segmentsBuilt() const { return built_; }
+  uint64_t segmentsBuilt() const { return built_; }  // in part at least
   size_t bytes() const;
 
  private:
   static constexpr uint32_t kBins = HorizonLine::kBins;
-  using Segment = std::vector<int16_t>;  // kBins slopes for each distance; empty until it is asked for
-
+  // Built as far ahead as it was asked for.
+  struct Segment {
+    std::vector<int16_t> kept;          // kBins slopes for each distance
+    std::array<float, kBins> slopes{};  // of the lines so far; in metres per step
+    uint32_t lines = 0;
+    bool is_whole = false;  // what is farther away hides nothing more
+    size_t distances() const { return kept.size() / kBins; }
+  };
   // A line of the grid on some level; `ahead` of the reference, in steps of the finest level.
   struct Line {
     uint32_t level, number;
@@ -64,9 +70,17 @@ class HorizonSide {
 
   void findLines();
   Reach reachOf(uint32_t segment) const;
-  void build(uint32_t number);
-  bool cut(const Line& line, const Reach& reach, HorizonLine& cut) const;
-  void prefetch(const Line& line, const Reach& reach) const;
+  // Where a line is cut by the borders of a segment's bins, and how many bins more count for each; not if these were
+  // too many, for the line is so near.
+  struct Cut {
+    HorizonLine::Vertices vertices;
+    float first, step;
+    int halo;
+    bool isNear() const { return halo > HorizonLine::kMostHalo; }
+  };
+  Cut cutOf(const Line& line, const Reach& reach) const;
+  void build(uint32_t number, size_t distance);
+  void keep(Segment& segment) const;
   bool isClosed(const std::array<float, kBins>& slopes, float ahead) const;
 
   const HorizonGrid* grid_ = nullptr;

@@ -100,7 +100,7 @@ int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, in
 
 // The last interval is tried first. Where a stretch shows the block, it need not be tried again before that is past;
 // and less and less often as long as it stays visible.
-bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof) {
+bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof, int32_t& next) {
   const int64_t last = std::max(stretches_.lastCoveredUpTo(intervals_.last() + kWorth), intervals_.last()),
                 shown = intervals_.last() - intervals_.first();
   proof.keyframe = keyframe_;
@@ -109,22 +109,22 @@ bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof) {
   const bool may_be = !far || hides(*far, block, Towards::kHidden);
   if (may_be) proof.until = static_cast<int32_t>(hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden));
   if (may_be && proof.until >= last) {
-    proof.next = proof.until + 1;
+    next = proof.until + 1;
     proof.failures = 0;
     return true;
   }
   const int64_t shortest_end = stretches_.shortestEnd(int64_t{proof.until} + 1), length = stretches_.shortest(),
                 past = may_be ? shortest_end + shown : far->end - (last - intervals_.last()),
                 rest = length * ((1 << proof.failures) - 1) + (scene_.grid ? 0 : kRayRest);
-  proof.next = static_cast<int32_t>(std::max(past, intervals_.last() + 1) + phaseOf(block) % kSpread + rest);
+  next = static_cast<int32_t>(std::max(past, intervals_.last() + 1) + phaseOf(block) % kSpread + rest);
   proof.failures = std::min<uint8_t>(proof.failures + 1, kMostFailures);
   return false;
 }
 
-bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof) {
+bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof, int32_t& next) {
   const int64_t first = intervals_.first(), last = intervals_.last(),
                 known = std::min<int64_t>(proof.until, stretches_.firstChangedAfter(proof.keyframe, proof.lengths) - 1);
-  if (known >= last && proof.next > last) return true;
+  if (known >= last && next > last) return true;
   if (known < first) proof.lengths = 0;
   // Where no stretch has hidden it none will, unless one is made anew.
   const bool is_known_open = proof.until < last && last <= proof.open_until && proof.revision == stretches_.revision();
@@ -137,62 +137,63 @@ bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof) {
     // A prediction's error is less for the keyframe itself than for all of a stretch.
     proof.open_until = static_cast<int32_t>(stretches_.shortestEnd(std::max(until + 1, first)) - 1);
     proof.revision = stretches_.revision();
-    proof.next = static_cast<int32_t>(last);
+    next = static_cast<int32_t>(last);
     return intervals_.isPredicted() && hides(stretches_.now(), block, Towards::kVisible);
   }
   const int64_t spare = until - last;
-  proof.next =
-      static_cast<int32_t>(until + 1 - (until > known && spare > 0 ? phaseOf(block) % std::min(spare, kSpread) : 0));
+  next = static_cast<int32_t>(until + 1 - (until > known && spare > 0 ? phaseOf(block) % std::min(spare, kSpread) : 0));
   return true;
 }
 
 bool ViewerOcclusion::isHidden(const BlockId& block) {
-  TileProofs& tile = proofs_.of(block, keyframe_);
-  BlockProof& proof = tile.blocks[bitOf(block)];
-  const bool is_hidden = turnsHidden(block, proof);
-  tile.next = std::min(tile.next, proof.next);
+  const BlockProofs::Tile tile = proofs_.of(block, keyframe_);
+  int32_t& next = tile.proofs.next[bitOf(block)];
+  const bool is_hidden = turnsHidden(block, tile.proofs.blocks[bitOf(block)], next);
+  tile.due.first = std::min(tile.due.first, next);
   return is_hidden;
 }
 
-// Whether a block is hidden from now on. Out of view it makes no difference, and need not be tried before it comes into
-// view.
-bool ViewerOcclusion::review(const BlockId& block, BlockProof& proof, bool was_hidden, bool is_revised) {
+// Whether a block is hidden from now on.
+bool ViewerOcclusion::review(const BlockId& block, BlockProof& proof, int32_t& next, bool was_hidden) {
   ++statistics_.reviews;
-  const int64_t last = intervals_.last();
-  if (proof.next > last && !(was_hidden && is_revised)) return was_hidden;
-  if (!meetsFrustum(block.scale + 1u, block.x, block.y)) {
-    proof.next = static_cast<int32_t>(std::min<int64_t>(proof.next, last));
-    return was_hidden;
-  }
-  if (!was_hidden) return turnsHidden(block, proof);
-  if (staysHidden(block, proof)) return true;
-  proof.next = static_cast<int32_t>(last + kWorth);
+  if (!was_hidden) return turnsHidden(block, proof, next);
+  if (staysHidden(block, proof, next)) return true;
+  next = static_cast<int32_t>(intervals_.last() + kWorth);
   return false;
 }
 
+// Out of view it makes no difference whether a block is hidden, and need not be tried before it comes into view.
 uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
-  TileProofs& tile = proofs_.of(lowest, keyframe_);
-  const bool is_revised = tile.revision != stretches_.revision();
-  if (tile.next > intervals_.last() && !is_revised) return 0;
+  const BlockProofs::Tile tile = proofs_.of(lowest, keyframe_);
+  const auto last = static_cast<int32_t>(intervals_.last());
+  const bool is_revised = tile.due.revision != stretches_.revision();
+  if (tile.due.first > last && !is_revised) return 0;
   // A tile is a square of a scale whose blocks are eight times as large.
-  if (!meetsFrustum(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2))
-    return 0;
+  const InView tile_in_view =
+      inView(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2);
+  if (tile_in_view == InView::kNot) return 0;
+  uint32_t due = is_revised ? hidden : 0;
+  for (uint32_t bit = 0; bit < TileProofs::kBlocks; ++bit) due |= (tile.proofs.next[bit] <= last ? 1u : 0u) << bit;
   uint32_t changed = 0;
-  tile.next = std::numeric_limits<int32_t>::max();
-  tile.revision = stretches_.revision();
-  for (uint32_t left = known; left != 0; left &= left - 1) {
+  for (uint32_t left = due & known; left != 0; left &= left - 1) {
     const auto bit = static_cast<uint32_t>(std::countr_zero(left));
     const bool was_hidden = (hidden >> bit & 1) != 0;
-    BlockProof& proof = tile.blocks[bit];
     const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
-    if (review(block, proof, was_hidden, is_revised) != was_hidden) changed |= 1u << bit;
-    tile.next = std::min(tile.next, proof.next);
+    if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot)
+      tile.proofs.next[bit] = std::min(tile.proofs.next[bit], last);
+    else if (review(block, tile.proofs.blocks[bit], tile.proofs.next[bit], was_hidden) != was_hidden)
+      changed |= 1u << bit;
   }
+  tile.due.first = std::numeric_limits<int32_t>::max();
+  for (uint32_t bit = 0; bit < TileProofs::kBlocks; ++bit)
+    tile.due.first =
+        std::min(tile.due.first, (known >> bit & 1) != 0 ? tile.proofs.next[bit] : std::numeric_limits<int32_t>::max());
+  tile.due.revision = stretches_.revision();
   return changed;
 }
 
 // Of a square of a scale (block_tops.h).
-bool ViewerOcclusion::meetsFrustum(uint32_t scale, uint32_t i, uint32_t j) const {
+ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint32_t j) const {
   const proto::GridTopology& grid = hierarchy_.grid();
   const auto range = hierarchy_.scene().heightRange();
   int32_t bottom = range.lowest, top = range.highest;
@@ -210,7 +211,8 @@ bool ViewerOcclusion::meetsFrustum(uint32_t scale, uint32_t i, uint32_t j) const
   const double radius =
       std::max(glm::distance(middle, low), glm::distance(middle, left)) * 1.1 + view_->region_radius_m;
   const glm::dvec3 p = middle - view_->pose.eye;
-  return frustum_->sideDistance(frustum_->toView(p.x, p.y, p.z)) + radius >= 0;
+  const double inside = frustum_->sideDistance(frustum_->toView(p.x, p.y, p.z));
+  return inside + radius < 0 ? InView::kNot : inside < radius ? InView::kPartly : InView::kWholly;
 }
 
 size_t ViewerOcclusion::bytes() const { return sizeof(*this) + proofs_.bytes() + stretches_.bytes(); }

@@ -29,7 +29,7 @@ namespace foreland::server {
 struct OcclusionStatistics {
   uint64_t tests = 0;     // of blocks for stretches, since the start
   uint64_t rays = 0;      // where there is no grid
-  uint64_t reviews = 0;   // of known blocks
+  uint64_t reviews = 0;   // of known blocks in view, that were due
   uint64_t segments = 0;  // of horizons, built
 };
 
@@ -59,12 +59,13 @@ class ViewerOcclusion final : public proto::BlockVisibility {
  private:
   enum class Towards : uint8_t { kVisible, kHidden };  // what a test is to find out for
 
-  bool meetsFrustum(uint32_t scale, uint32_t i, uint32_t j) const;
+  enum class InView : uint8_t { kNot, kPartly, kWholly };
+  InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
   bool hides(Stretch& stretch, const proto::BlockId& block, Towards towards);
   int64_t hiddenUntil(const proto::BlockId& block, BlockProof& proof, int64_t first, int64_t last, Towards towards);
-  bool turnsHidden(const proto::BlockId& block, BlockProof& proof);
-  bool staysHidden(const proto::BlockId& block, BlockProof& proof);
-  bool review(const proto::BlockId& block, BlockProof& proof, bool was_hidden, bool is_revised);
+  bool turnsHidden(const proto::BlockId& block, BlockProof& proof, int32_t& next);
+  bool staysHidden(const proto::BlockId& block, BlockProof& proof, int32_t& next);
+  bool review(const proto::BlockId& block, BlockProof& proof, int32_t& next, bool was_hidden);
 
   const Hierarchy& hierarchy_;
   const SceneOcclusion& scene_;

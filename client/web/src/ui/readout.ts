@@ -33,7 +33,7 @@ export class Readout {
 
   constructor(root: HTMLElement) {
     const list = document.createElement('dl');
-    for (const name of ['Frame', 'Triangles', 'Stream', 'Keyframes', 'Lateness', 'Error', 'Tiles']) {
+    for (const name of ['Frame', 'Triangles', 'Stream', 'Keyframes', 'Lateness', 'Error', 'Relief', 'Imagery']) {
       const value = document.createElement('dd');
       list.append(Object.assign(document.createElement('dt'), { textContent: name }), value);
       this.fields.set(name, value);
@@ -76,10 +76,9 @@ export class Readout {
     this.set('Lateness', lateness, m.is_late ? 'waiting for a keyframe' : shown);
     const bound = m.mesh && Number.isFinite(m.mesh.tau_px) ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : 'not known yet';
     this.set('Error', bound, m.prediction_error_m === null ? '' : `eye ${metresText(m.prediction_error_m)} off`);
-    this.setHidden('Tiles', s.tiles === 0);
-    const texels = [['relief', s.relief_texel_px], ['pictures', s.imagery_texel_px]] as const;
-    const stated = texels.filter(([, px]) => Number.isFinite(px) && px > 0).map(([name, px]) => `${name} \u2264 ${px.toFixed(1)} px`);
-    this.set('Tiles', `${s.tiles} held`, stated.join(', '));
+    const tiles = `${s.tiles} tiles held`;
+    this.showTexels('Relief', s.relief_texel_px, tiles);
+    this.showTexels('Imagery', s.imagery_texel_px, isStated(s.relief_texel_px) ? '' : tiles);
     this.history.push(rate.bytes);
     if (this.history.length > kHistory) this.history.shift();
   }
@@ -97,9 +96,9 @@ export class Readout {
       ? `${degreesText(across, 'N', 'S')}  ${degreesText(along, 'E', 'W')}`
       : `${along.toFixed(0)} E  ${across.toFixed(0)} N`;
     const above = m.position.ground_m === null ? '' : ` \u00b7 ${metresText(m.position.height_m - m.position.ground_m)} above ground`;
-    const slope = m.position.slope_rad === null ? '' : `, slope ${((m.position.slope_rad * 180) / Math.PI).toFixed(0)}\u00b0`;
+    const slope = m.position.slope_rad === null ? '' : ` \u00b7 slope ${((m.position.slope_rad * 180) / Math.PI).toFixed(0)}\u00b0`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
-    const lines = [at, `${metresText(m.position.height_m)} high${above}${slope}`];
+    const lines = [`${at}${slope}`, `${metresText(m.position.height_m)} high${above}`];
     const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
     lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
@@ -117,6 +116,12 @@ export class Readout {
     });
   }
 
+  // The largest texel on the screen, if any tile of the layer is drawn.
+  private showTexels(name: string, texel_px: number, note: string): void {
+    this.setHidden(name, !isStated(texel_px));
+    if (isStated(texel_px)) this.set(name, `texels \u2264 ${texel_px.toFixed(1)} px`, note);
+  }
+
   private setHidden(name: string, is_hidden: boolean): void {
     const field = this.fields.get(name)!;
     field.hidden = is_hidden;
@@ -128,6 +133,10 @@ export class Readout {
     const small = Object.assign(document.createElement('small'), { textContent: note });
     field.replaceChildren(value, small);
   }
+}
+
+function isStated(texel_px: number): boolean {
+  return Number.isFinite(texel_px) && texel_px > 0;
 }
 
 function bytesText(bytes: number): string {
