@@ -73,10 +73,10 @@ export class Readout {
     this.set('Keyframes', `${rate.keyframes.toFixed(1)} per s`, `${s.late_keyframes} of ${s.keyframes} late`);
     const lateness = s.keyframes === 0 ? '\u2013' : latenessText(s.last_lateness_ms);
     const shown = m.strategy === 'predict' ? '' : `shown ${Math.max(m.shown_late_ms, 0).toFixed(0)} ms ago`;
-    this.set('Lateness', lateness, m.is_late ? 'waiting for a keyframe' : shown);
+    this.set('Lateness', lateness, m.is_late ? 'next is late' : shown);
     const bound = m.mesh && Number.isFinite(m.mesh.tau_px) ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : 'not known yet';
     this.set('Error', bound, m.prediction_error_m === null ? '' : `eye ${metresText(m.prediction_error_m)} off`);
-    const tiles = `${s.tiles} tiles held`;
+    const tiles = `${s.tiles} tiles`;
     this.showTexels('Relief', s.relief_texel_px, tiles);
     this.showTexels('Imagery', s.imagery_texel_px, isStated(s.relief_texel_px) ? '' : tiles);
     this.history.push(rate.bytes);
