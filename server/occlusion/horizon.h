@@ -20,8 +20,8 @@
 // series of distances D, rounded down. A segment of 64 bins is built when it is asked for, as far ahead as that; a line
 // of the grid that is so near that the eyes' lines cross too many bins of it is left out.
 //
-// One owner. Cost: some 20 microseconds a segment, 90 if its heights are not in the cache, 50 ns a square. Memory: 20
-// KiB a segment.
+// One owner. Cost: 20 to 40 microseconds a whole segment, 90 if its heights are not in the cache, 50 ns a square.
+// Memory: 20 KiB a whole segment.
 #pragma once
 
 #include <array>

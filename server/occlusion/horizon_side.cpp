@@ -113,7 +113,6 @@ void HorizonSide::build(uint32_t number, size_t distance) {
     ++built_;
     segment.slopes.fill(HorizonLine::kNone);
     segment.lines = 0;
-    segment.is_whole = false;
   }
   const Reach reach = reachOf(number);
   std::array<Cut, kAhead> cuts;

@@ -100,7 +100,9 @@ int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, in
 
 // The last interval is tried first. Where a stretch shows the block, it need not be tried again before that is past;
 // and less and less often as long as it stays visible.
-bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof, int32_t& next) {
+bool ViewerOcclusion::turnsHidden(const BlockId& block, TileProofs& tile) {
+  BlockProof& proof = tile.blocks[bitOf(block)];
+  int32_t& next = tile.next[bitOf(block)];
   const int64_t last = std::max(stretches_.lastCoveredUpTo(intervals_.last() + kWorth), intervals_.last()),
                 shown = intervals_.last() - intervals_.first();
   proof.keyframe = keyframe_;
@@ -121,7 +123,9 @@ bool ViewerOcclusion::turnsHidden(const BlockId& block, BlockProof& proof, int32
   return false;
 }
 
-bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof, int32_t& next) {
+bool ViewerOcclusion::staysHidden(const BlockId& block, TileProofs& tile) {
+  BlockProof& proof = tile.blocks[bitOf(block)];
+  int32_t& next = tile.next[bitOf(block)];
   const int64_t first = intervals_.first(), last = intervals_.last(),
                 known = std::min<int64_t>(proof.until, stretches_.firstChangedAfter(proof.keyframe, proof.lengths) - 1);
   if (known >= last && next > last) return true;
@@ -147,48 +151,45 @@ bool ViewerOcclusion::staysHidden(const BlockId& block, BlockProof& proof, int32
 
 bool ViewerOcclusion::isHidden(const BlockId& block) {
   const BlockProofs::Tile tile = proofs_.of(block, keyframe_);
-  int32_t& next = tile.proofs.next[bitOf(block)];
-  const bool is_hidden = turnsHidden(block, tile.proofs.blocks[bitOf(block)], next);
-  tile.due.first = std::min(tile.due.first, next);
+  const bool is_hidden = turnsHidden(block, tile.proofs);
+  tile.due.first = std::min(tile.due.first, tile.proofs.next[bitOf(block)]);
   return is_hidden;
 }
 
 // Whether a block is hidden from now on.
-bool ViewerOcclusion::review(const BlockId& block, BlockProof& proof, int32_t& next, bool was_hidden) {
-  ++statistics_.reviews;
-  if (!was_hidden) return turnsHidden(block, proof, next);
-  if (staysHidden(block, proof, next)) return true;
-  next = static_cast<int32_t>(intervals_.last() + kWorth);
+bool ViewerOcclusion::review(const BlockId& block, TileProofs& tile, bool was_hidden) {
+  if (!was_hidden) return turnsHidden(block, tile);
+  if (staysHidden(block, tile)) return true;
+  tile.next[bitOf(block)] = static_cast<int32_t>(intervals_.last() + kWorth);
   return false;
 }
 
 // Out of view it makes no difference whether a block is hidden, and need not be tried before it comes into view.
 uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
-  const BlockProofs::Tile tile = proofs_.of(lowest, keyframe_);
+  const auto [due, proofs] = proofs_.of(lowest, keyframe_);
   const auto last = static_cast<int32_t>(intervals_.last());
-  const bool is_revised = tile.due.revision != stretches_.revision();
-  if (tile.due.first > last && !is_revised) return 0;
+  const bool is_revised = due.revision != stretches_.revision();
+  if (due.first > last && !is_revised) return 0;
   // A tile is a square of a scale whose blocks are eight times as large.
   const InView tile_in_view =
       inView(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2);
   if (tile_in_view == InView::kNot) return 0;
-  uint32_t due = is_revised ? hidden : 0;
-  for (uint32_t bit = 0; bit < TileProofs::kBlocks; ++bit) due |= (tile.proofs.next[bit] <= last ? 1u : 0u) << bit;
   uint32_t changed = 0;
-  for (uint32_t left = due & known; left != 0; left &= left - 1) {
+  int32_t first = std::numeric_limits<int32_t>::max();
+  for (uint32_t left = known; left != 0; left &= left - 1) {
     const auto bit = static_cast<uint32_t>(std::countr_zero(left));
     const bool was_hidden = (hidden >> bit & 1) != 0;
     const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
-    if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot)
-      tile.proofs.next[bit] = std::min(tile.proofs.next[bit], last);
-    else if (review(block, tile.proofs.blocks[bit], tile.proofs.next[bit], was_hidden) != was_hidden)
-      changed |= 1u << bit;
+    int32_t& next = proofs.next[bit];
+    if (next <= last || (was_hidden && is_revised)) {
+      if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot)
+        next = std::min(next, last);
+      else if (review(block, proofs, was_hidden) != was_hidden)
+        changed |= 1u << bit;
+    }
+    first = std::min(first, next);
   }
-  tile.due.first = std::numeric_limits<int32_t>::max();
-  for (uint32_t bit = 0; bit < TileProofs::kBlocks; ++bit)
-    tile.due.first =
-        std::min(tile.due.first, (known >> bit & 1) != 0 ? tile.proofs.next[bit] : std::numeric_limits<int32_t>::max());
-  tile.due.revision = stretches_.revision();
+  due = {first, stretches_.revision()};
   return changed;
 }
 

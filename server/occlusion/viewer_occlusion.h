@@ -29,7 +29,6 @@ namespace foreland::server {
 struct OcclusionStatistics {
   uint64_t tests = 0;     // of blocks for stretches, since the start
   uint64_t rays = 0;      // where there is no grid
-  uint64_t reviews = 0;   // of known blocks in view, that were due
   uint64_t segments = 0;  // of horizons, built
 };
 
@@ -63,9 +62,9 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
   bool hides(Stretch& stretch, const proto::BlockId& block, Towards towards);
   int64_t hiddenUntil(const proto::BlockId& block, BlockProof& proof, int64_t first, int64_t last, Towards towards);
-  bool turnsHidden(const proto::BlockId& block, BlockProof& proof, int32_t& next);
-  bool staysHidden(const proto::BlockId& block, BlockProof& proof, int32_t& next);
-  bool review(const proto::BlockId& block, BlockProof& proof, int32_t& next, bool was_hidden);
+  bool turnsHidden(const proto::BlockId& block, TileProofs& tile);
+  bool staysHidden(const proto::BlockId& block, TileProofs& tile);
+  bool review(const proto::BlockId& block, TileProofs& tile, bool was_hidden);
 
   const Hierarchy& hierarchy_;
   const SceneOcclusion& scene_;

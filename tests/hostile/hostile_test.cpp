@@ -8,7 +8,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <fstream>
 #include <thread>
 #include <vector>
 
@@ -113,13 +112,6 @@ class Hostile : public testing::Test {
 
   proto::Path tour(const char* name) const { return server::planTour(*scene_, name, 600).value(); }
 
-  int64_t residentKib() const {
-    std::ifstream status("/proc/" + std::to_string(server_->pid()) + "/status");
-    for (std::string line; std::getline(status, line);)
-      if (line.starts_with("VmRSS:")) return std::stoll(line.substr(6));
-    return -1;
-  }
-
   // However slow a machine is, a keyframe comes within this time.
   static bool isPatient(Time begin) { return now() < begin + Duration::seconds(kTimeout.count()); }
 
@@ -145,7 +137,7 @@ class Hostile : public testing::Test {
       figures.keyframes_per_s = figures.keyframes / (now() - begin).toSeconds();
     };
     fly(Duration::milliseconds(700), false);
-    const int64_t before_kib = residentKib();
+    const int64_t before_kib = server_->kibibytes("VmRSS");
     std::atomic<bool> is_over = false;
     std::vector<std::jthread> threads;
     for (size_t i = 0; i < attackers; ++i)
@@ -153,7 +145,7 @@ class Hostile : public testing::Test {
         while (!is_over) attack(i);
       });
     fly(attackTime(), true);
-    figures.grown_kib = residentKib() - before_kib;
+    figures.grown_kib = server_->kibibytes("VmRSS") - before_kib;
     figures.held_kib = static_cast<int64_t>(metric(port_, "queue_bytes") / 1024);
     is_over = true;
     threads.clear();

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,6 +72,13 @@ class Program {
   }
   void signal(int number) { ::kill(pid_, number); }
   pid_t pid() const { return pid_; }
+  // A size in /proc/PID/status (proc(5)), such as "VmRSS"; -1 if there is none.
+  int64_t kibibytes(const std::string& field) const {
+    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+    for (std::string line; std::getline(status, line);)
+      if (line.starts_with(field + ":")) return std::stoll(line.substr(field.size() + 1));
+    return -1;
+  }
   // Waits for the program's end. Returns the exit code, or -1 if a signal ended it.
   int wait() {
     int status = 0;
