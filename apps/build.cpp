@@ -21,10 +21,10 @@
 #include "apps/options.h"
 #include "apps/output_file.h"
 #include "apps/stop_signal.h"
-#include "terrain/build/build.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/pictures/open_pictures.h"
 #include "terrain/geo/geodesy.h"
+#include "terrain/pipeline/build.h"
 #include "terrain/surface_store/mapped_surface.h"
 
 namespace {

@@ -16,7 +16,7 @@ class ExactSections {
         hierarchy_(scene_, proto::ErrorBound::kSpheroid, std::move(objects)),
         welcome_(server::welcomeTo(hierarchy_)) {}
 
-  std::shared_ptr<const client::KeyframeMesh> at(const bench::SectionRequest& wanted) {
+  std::shared_ptr<const client::KeyframeMesh> at(const oracle::SectionRequest& wanted) {
     const proto::View view{wanted.pose, wanted.lens, wanted.tau_px, wanted.region_radius_m, wanted.region_angle_rad};
     server::SectionSender sender(hierarchy_);
     if (const proto::Epochs& epochs = hierarchy_.epochs().epochs(); !epochs.empty())
@@ -37,9 +37,9 @@ class ExactSections {
 
 }  // namespace
 
-bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects) {
+oracle::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects) {
   const auto sections = std::make_shared<ExactSections>(std::move(scene), std::move(objects));
-  return [sections](const bench::SectionRequest& wanted) { return sections->at(wanted); };
+  return [sections](const oracle::SectionRequest& wanted) { return sections->at(wanted); };
 }
 
 }  // namespace foreland::apps

@@ -5,13 +5,13 @@
 
 #include <memory>
 
-#include "bench/oracle/flight_truth.h"
+#include "oracle/flight_truth.h"
 #include "server/section/hierarchy.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::apps {
 
 // Of the terrain, and of `objects` if they are given (server::objectsOf).
-bench::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects = {});
+oracle::SectionAt exactSections(std::shared_ptr<const terrain::Scene> scene, server::SceneObjects objects = {});
 
 }  // namespace foreland::apps

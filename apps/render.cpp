@@ -11,7 +11,7 @@
 #include "apps/exact_sections.h"
 #include "apps/render_options.h"
 #include "apps/render_views.h"
-#include "bench/oracle/drawn_surface.h"
+#include "oracle/drawn_surface.h"
 #include "terrain/render/exr.h"
 #include "terrain/render/parameter_lookup.h"
 #include "terrain/render/picture.h"
@@ -58,7 +58,7 @@ class Studio {
     const terrain::Camera camera{pose, options_->lens};
     std::optional<terrain::DrawnSurface> drawn;
     if (options_->drawn == Drawn::kSection || options_->errors == Errors::kMeasured)
-      drawn = bench::drawnSurface(
+      drawn = oracle::drawnSurface(
           *section_at_({.pose = pose, .lens = options_->lens, .tau_px = options_->tau_px, .scene_time = scene_time_}),
           1);
     auto picture = options_->drawn == Drawn::kFull ? full(camera) : section(camera, *drawn);
@@ -74,7 +74,7 @@ class Studio {
 
  private:
   Studio(const RenderOptions& options, std::shared_ptr<const terrain::Scene> scene, terrain::Shading shading,
-         bench::SectionAt section_at)
+         oracle::SectionAt section_at)
       : options_(&options),
         scene_(std::move(scene)),
         shading_(std::move(shading)),
@@ -106,7 +106,7 @@ class Studio {
   const RenderOptions* options_;
   std::shared_ptr<const terrain::Scene> scene_;
   terrain::Shading shading_;
-  bench::SectionAt section_at_;
+  oracle::SectionAt section_at_;
   Time scene_time_;
   std::optional<terrain::RayCaster> full_;  // at scene_time_
 };

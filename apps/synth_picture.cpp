@@ -17,7 +17,7 @@ namespace {
 
 using terrain::GroundColours;
 
-constexpr uint32_t kWindowRows = 256;  // the height of a block of the file
+constexpr uint32_t kPictureRows = 256;  // the height of a block of the file
 
 Result<std::vector<float>> readGround(terrain::ElevationSource& source) {
   const terrain::ElevationInfo& info = source.info();
@@ -34,8 +34,8 @@ Status writeRows(const GroundColours& ground, const terrain::ElevationInfo& info
   const uint32_t width = info.width * detail, height = info.height * detail;
   const double step = 1.0 / detail, first = -0.5 + 0.5 * step;
   std::vector<GroundColours::Colour> rows;
-  for (uint32_t top = 0; top < height; top += kWindowRows) {
-    const uint32_t count = std::min(kWindowRows, height - top);
+  for (uint32_t top = 0; top < height; top += kPictureRows) {
+    const uint32_t count = std::min(kPictureRows, height - top);
     rows.resize(size_t{count} * width);
     terrain::parallelFor(
         count, 0,

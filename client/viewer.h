@@ -1,5 +1,5 @@
 // The client's side of a session: bytes and times in, bytes and meshes out. It has no socket, clock or thread; the
-// headless player (client/fly), the page (client/wasm) and the virtual world of tests and experiments (bench/world) are
+// headless player (client/fly), the page (client/wasm) and the virtual world of tests and experiments (sim) are
 // its hosts. One owner. Times are the client's clock: microseconds since an epoch that the host chooses once.
 #pragma once
 

@@ -90,7 +90,7 @@ def gone_sources(tree, path, line):
 
 
 def lies_of_source(tree, path, threads):
-    in_tests = path.startswith(("tests/", "bench/", "tools/"))
+    in_tests = path.startswith(("tests/", "lab/", "sim/", "oracle/", "tools/"))
     locks = False
     for number, line in tree.lines(path):
         if not path.startswith("tools/"):

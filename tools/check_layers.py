@@ -14,6 +14,10 @@ import tempfile
 
 import source_files
 
+def top(room):
+    return room.split("/")[0]
+
+
 # A room is a folder; a file belongs to the deepest room that holds it. Each room sees itself and what is listed.
 PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine", "proto/codec", "proto/imagery",
                "proto/message"]
@@ -29,7 +33,7 @@ SEES |= {
     "terrain/epochs": [*PROTO, "terrain", "terrain/store", "terrain/bounds"],
     "terrain/imagery": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds"],
     "terrain/surface": [*PROTO, "terrain"],
-    "terrain/build": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem/voids",
+    "terrain/pipeline": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem/voids",
                       "terrain/epochs", "terrain/imagery", "terrain/surface", "terrain/surface_store", "terrain/objects"],
     "terrain/model": [*PROTO, "terrain"],
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
@@ -65,25 +69,32 @@ SEES["server/net"] = [*SEES["server/net"], "transport"]
 SEES["client/fly"] = [*CLIENT, "client/fly/net"]
 
 LIBRARIES = sorted(SEES)
-SEES["bench/programs"] = ["base"]
-SEES["bench/wire/peers"] = ["base", "bench/programs"]  # other makers' mesh codecs, each wrapped; knows nothing of ours
-BENCH_ROOMS = ["bench/programs", "bench/wire/peers", "bench"]
-SEES["bench"] = [*LIBRARIES, *BENCH_ROOMS[:-1]]  # the oracle too: it judges frames in measurements, in the player and in tests
-# Experiments: the world in virtual time, what is flown and scheduled in it, and the pages that show the results.
-SEES["bench/world"] = [*LIBRARIES, *BENCH_ROOMS]
-SEES["bench/proxy"] = [*SEES["bench/world"], "bench/world"]  # the links of that world, for real connections
-for room in ("bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles"):
-    SEES[room] = [*SEES["bench/world"], "bench/world"]
-SEES["bench/load"] = [*SEES["bench/load"], "bench/proxy"]
-SEES["bench/report"] = ["base", "bench/programs", "bench"]  # knows the tables alone
-BENCH_ROOMS += ["bench/world", "bench/proxy", "bench/animated", "bench/drape", "bench/latency", "bench/load", "bench/tiles", "bench/report"]
-SEES["apps"] = [*LIBRARIES, *BENCH_ROOMS]
-SEES["tests/support"] = [*LIBRARIES, *BENCH_ROOMS]
-SEES["tests"] = [*LIBRARIES, *BENCH_ROOMS, "apps", "tests/support"]
+# The judge of what is drawn, in measurements, in the player and in tests; it knows nothing of the server.
+SEES["oracle"] = [r for r in LIBRARIES if top(r) not in ("server",)]
+# The real server and clients in virtual time, for tests and the laboratory.
+SEES["sim"] = LIBRARIES
+PRODUCT = [*LIBRARIES, "oracle"]
+SEES["apps"] = PRODUCT
+
+# The laboratory sees everything but the tests, and nothing else sees it.
+SEES["lab/programs"] = ["base"]
+SEES["lab/wire/peers"] = ["base", "lab/programs"]  # other makers' mesh codecs, each wrapped; knows nothing of ours
+LAB_ROOMS = ["lab/programs", "lab/wire/peers", "lab"]
+SEES["lab"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS[:-1]]
+SEES["lab/proxy"] = [*SEES["lab"], "lab"]  # the links of the world in virtual time, for real connections
+for room in ("lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles"):
+    SEES[room] = [*SEES["lab"], "lab"]
+SEES["lab/load"] = [*SEES["lab/load"], "lab/proxy"]
+SEES["lab/report"] = ["base", "lab/programs", "lab"]  # knows the tables alone
+LAB_ROOMS += ["lab/proxy", "lab/animated", "lab/drape", "lab/latency", "lab/load", "lab/tiles", "lab/report"]
+SEES["lab/apps"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS]
+SEES["tests/support"] = [*PRODUCT, "sim"]
+SEES["tests"] = [*PRODUCT, "sim", "apps", "tests/support"]
+SEES["lab/tests"] = [*PRODUCT, "sim", "apps", *LAB_ROOMS, "tests/support", "tests"]
 
 # Who may include a third-party header. Tests may use any of them: they compare us with them.
-TESTS = ["tests", "tests/support"]
-EDGES = ["apps", "bench", *TESTS]
+TESTS = ["tests", "tests/support", "lab/tests"]
+EDGES = ["apps", "lab", "lab/apps", *TESTS]
 THIRD_PARTY = [
     (r"(gdal|ogr|cpl|vrt|gnm)[\w/]*\.h(pp)?$", "GDAL", ["terrain/dem/formats", "terrain/dem/pictures", *TESTS]),
     (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem/formats", "terrain/render", *TESTS]),
@@ -92,13 +103,13 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
-    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", "bench/load", "bench/proxy", *EDGES]),
-    (r"openssl/", "OpenSSL", ["server/net", "client/fly/net", *EDGES]),
-    (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "bench/wire/peers", *TESTS]),
-    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["bench/wire/peers", "server/net", *TESTS]),
+    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
+    (r"openssl/", "OpenSSL", ["transport", "server/net", *EDGES]),
+    (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "lab/wire/peers", *TESTS]),
+    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["lab/wire/peers", "server/net", *TESTS]),
     (r"CLI/", "CLI11", EDGES),
     (r"toml\+\+/", "toml++", EDGES),
-    (r"benchmark/", "Google Benchmark", ["bench"]),
+    (r"benchmark/", "Google Benchmark", ["lab"]),
     (r"(gtest|gmock|rapidcheck)[/.]", "a test framework", TESTS),
     (r"(spdlog|fmt|nlohmann|zstd|xxhash|tbb|oneapi)[/.]", "a library that WebAssembly lacks",
      [r for r in SEES if r not in (*CLIENT, "client/wasm")]),
@@ -108,7 +119,7 @@ THIRD_PARTY = [
 ]
 
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
-CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", "bench/load", *EDGES]  # bench/load: for its runs in real time
+CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", "sim", "lab/load", *EDGES]  # sim: to time its steps; lab/load: for runs in real time
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -121,10 +132,6 @@ def room_of(path):
             return "/".join(parts)
         parts.pop()
     return None
-
-
-def top(room):
-    return room.split("/")[0]
 
 
 def judge_include(path, room, quoted, target):
@@ -182,25 +189,28 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("server/net/b.cpp", "#include <boost/beast.hpp>\n#include <chrono>\n", ""),
     ("server/sched/b.cpp", "#include <boost/asio.hpp>\n", "must not use Boost"),
     ("terrain/store/b.cpp", "#include <gdal_priv.h>\n", "must not use GDAL"),
-    ("terrain/build/b.cpp", "  #  include <ImfInputFile.h>\n", "must not use OpenEXR"),
+    ("terrain/pipeline/b.cpp", "  #  include <ImfInputFile.h>\n", "must not use OpenEXR"),
     ("terrain/dem/formats/b.cpp", "#include <gdal.h>\n#include <cpl_conv.h>\n#include <OpenEXR/ImfInputFile.h>\n", ""),
     ("terrain/dem/b.cpp", "#include <gdal.h>\n", "must not use GDAL"),
     ("terrain/dem/formats/c.cpp", '#include "terrain/dem/mosaic/a.h"\n', "terrain/dem/formats must not include terrain/dem/mosaic"),
-    ("terrain/build/d.cpp", '#include "terrain/dem/voids/a.h"\n', ""),
-    ("terrain/build/e.cpp", '#include "terrain/dem/open.h"\n', "terrain/build must not include terrain/dem"),
+    ("terrain/pipeline/d.cpp", '#include "terrain/dem/voids/a.h"\n', ""),
+    ("terrain/pipeline/e.cpp", '#include "terrain/dem/open.h"\n', "terrain/pipeline must not include terrain/dem"),
     ("terrain/remesh/original/a.cpp", '#include "terrain/remesh/lattice/a.h"\n',
      "terrain/remesh/original must not include terrain/remesh/lattice"),
     ("terrain/remesh/a.cpp", '#include "terrain/remesh/paint/a.h"\n', "terrain/remesh must not include terrain/remesh/paint"),
     ("terrain/dem/c.cpp", "#include <GeographicLib/Geocentric.hpp>\n", "must not use GeographicLib"),
-    ("terrain/build/c.cpp", '#include "apps/a.h"\n', "must not include apps"),
+    ("terrain/pipeline/c.cpp", '#include "apps/a.h"\n', "must not include apps"),
     ("proto/codec/c.h", '#include "tests/support/a.h"\n', "must not include tests"),
-    ("tests/terrain/b.cpp", '#include "bench/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
-    ("bench/b.cpp", '#include "client/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
-    ("tests/support/b.h", '#include "bench/a.h"\n', ""),
-    ("bench/d.cpp", "#include <draco/mesh/mesh.h>\n", "must not use Draco"),
-    ("bench/wire/peers/a.cpp", '#include "bench/programs/a.h"\n#include <meshoptimizer.h>\n#include <zlib.h>\n', ""),
-    ("bench/wire/peers/b.cpp", '#include "proto/space/a.h"\n', "must not include proto/space"),
-    ("bench/c.cpp", '#include "tests/support/a.h"\n', "must not include tests"),
+    ("tests/terrain/b.cpp", '#include "sim/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
+    ("tests/terrain/c.cpp", '#include "lab/a.h"\n', "tests must not include lab"),
+    ("apps/c.cpp", '#include "lab/a.h"\n', "apps must not include lab"),
+    ("oracle/c.cpp", '#include "server/section/a.h"\n', "oracle must not include server/section"),
+    ("lab/b.cpp", '#include "client/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
+    ("tests/support/b.h", '#include "oracle/a.h"\n', ""),
+    ("lab/d.cpp", "#include <draco/mesh/mesh.h>\n", "must not use Draco"),
+    ("lab/wire/peers/a.cpp", '#include "lab/programs/a.h"\n#include <meshoptimizer.h>\n#include <zlib.h>\n', ""),
+    ("lab/wire/peers/b.cpp", '#include "proto/space/a.h"\n', "must not include proto/space"),
+    ("lab/c.cpp", '#include "tests/support/a.h"\n', "must not include tests"),
     ("proto/space/d.h", '#include "proto/../base/a.h"\n', "by its path from the root"),
     ("proto/section/e.h", '#include "proto/refine/a.h"\n', "proto/section must not include proto/refine"),
     ("proto/message/e.h", '#include "proto/codec/a.h"\n', ""),

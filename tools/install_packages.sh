@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The one list of Debian packages, in groups; installs those of the named groups that are missing. Says nothing and needs no
 # network when none is. Groups: build (the programs), page (WebAssembly module and web page), test (what ./check adds).
+# With --check as the first word nothing is installed; exits 1 if something is missing.
 set -euo pipefail
 
 readonly build_packages=(
@@ -16,14 +17,13 @@ readonly build_packages=(
   libflatbuffers-dev flatbuffers-compiler
   libzstd-dev libxxhash-dev
   libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev
-  libbenchmark-dev
   zlib1g-dev libbrotli-dev libmeshoptimizer-dev libdraco-dev
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
 readonly test_packages=(curl openssl clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev haproxy chromium fonts-dejavu-core)
 
 usage() {
-  echo "usage: tools/install_packages.sh GROUP...   (groups: build page test)" >&2
+  echo "usage: tools/install_packages.sh [--check] GROUP...   (groups: build page test)" >&2
   exit 2
 }
 
@@ -47,6 +47,8 @@ asRoot() {
   fi
 }
 
+only_check=no
+if [[ "${1:-}" == --check ]]; then only_check=yes; shift; fi
 [[ $# -gt 0 ]] || usage
 wanted=()
 for group in "$@"; do
@@ -68,7 +70,8 @@ for package in "${wanted[@]}"; do
   isInstalled "$package" || missing+=("$package")
 done
 [[ ${#missing[@]} -gt 0 ]] || exit 0
+[[ "$only_check" == no ]] || exit 1
 
 echo "installing ${#missing[@]} packages: ${missing[*]}"
 asRoot env DEBIAN_FRONTEND=noninteractive apt-get update -qq </dev/null
-asRoot env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" </dev/null >/dev/null
+asRoot env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Status-Fd=1 "${missing[@]}" </dev/null

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "apps/exact_sections.h"
-#include "bench/oracle/scene_truth.h"
+#include "oracle/scene_truth.h"
 
 namespace foreland::apps {
 
@@ -31,7 +31,7 @@ Result<Afterwards> Afterwards::prepare(const AfterwardsOptions& options) {
     auto scene = terrain::Scene::open(options.truth);
     if (!scene.ok()) return scene.error();
     afterwards.truth_ = *scene;
-    auto oracle = bench::sceneOracle(*scene);
+    auto oracle = oracle::sceneOracle(*scene);
     if (!oracle.ok()) return oracle.error();
     afterwards.oracle_.emplace(std::move(oracle).value());
   }
@@ -51,17 +51,17 @@ Status Afterwards::checkScene(const client::Viewer& viewer) const {
                                                 "'); name that scene's file"};
 }
 
-std::optional<bench::FlightTruth> Afterwards::measure(const client::FlightLog& log, double flown_s) {
+std::optional<oracle::FlightTruth> Afterwards::measure(const client::FlightLog& log, double flown_s) {
   if (!truth_) return std::nullopt;
-  bench::FlightTruthOptions options{
+  oracle::FlightTruthOptions options{
       .frame_every = options_.truth_every, .section_at = exactSections(truth_), .on_progress = {}};
   double told_s = 0;
-  options.on_progress = [&](const bench::FlightTruth& truth) {
+  options.on_progress = [&](const oracle::FlightTruth& truth) {
     if (truth.seconds < told_s + 5) return;
     told_s = truth.seconds;
     std::fprintf(stderr, "measured %.0f of %.0f s\n", truth.seconds, flown_s);
   };
-  return bench::measureFlight(log, *oracle_, options);
+  return oracle::measureFlight(log, *oracle_, options);
 }
 
 Result<uint64_t> Afterwards::dump(const client::FlightLog& log) {

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "base/result.h"
-#include "bench/oracle/flight_truth.h"
-#include "bench/oracle/scene_oracle.h"
 #include "client/fly/frame_dump.h"
 #include "client/fly/player.h"
+#include "oracle/flight_truth.h"
+#include "oracle/scene_oracle.h"
 #include "terrain/store/scene.h"
 
 namespace CLI {
@@ -21,7 +21,7 @@ namespace foreland::apps {
 
 struct AfterwardsOptions {
   std::filesystem::path truth;  // empty: nothing is measured
-  uint32_t truth_every = bench::FlightTruthOptions{}.frame_every;
+  uint32_t truth_every = oracle::FlightTruthOptions{}.frame_every;
   std::filesystem::path dump;  // empty: nothing is dumped
   uint32_t dump_every = 60;
 };
@@ -37,14 +37,14 @@ class Afterwards {
   // An Error if the truth is not the scene that the server shows. Nothing before its welcome.
   Status checkScene(const client::Viewer& viewer) const;
   // Measures, telling the progress of `flown_s` seconds on standard error. nullopt without --truth.
-  std::optional<bench::FlightTruth> measure(const client::FlightLog& log, double flown_s);
+  std::optional<oracle::FlightTruth> measure(const client::FlightLog& log, double flown_s);
   // Dumps; the number of frames written, 0 without --dump.
   Result<uint64_t> dump(const client::FlightLog& log);
 
  private:
   AfterwardsOptions options_;
   std::shared_ptr<const terrain::Scene> truth_;
-  std::optional<bench::SceneOracle> oracle_;  // of `truth_`
+  std::optional<oracle::SceneOracle> oracle_;  // of `truth_`
   std::optional<client::FrameDump> dump_;
 };
 

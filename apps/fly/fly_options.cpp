@@ -113,7 +113,7 @@ ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
       ->excludes(app.get_option("--dump"))
       ->excludes(record);
   app.add_flag_callback(
-      "--json", [&o] { o.format = bench::ReportFormat::kJson; }, "print the report as JSON");
+      "--json", [&o] { o.format = apps::ReportFormat::kJson; }, "print the report as JSON");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return {std::move(o), app.exit(e) == 0 ? 0 : 2}; }

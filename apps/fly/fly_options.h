@@ -7,8 +7,8 @@
 #include <string>
 
 #include "apps/fly/afterwards.h"
+#include "apps/report.h"
 #include "base/result.h"
-#include "bench/report.h"
 #include "client/fly/net/web_socket_client.h"
 #include "client/fly/player.h"
 
@@ -36,7 +36,7 @@ struct FlyOptions {
   std::filesystem::path record;  // empty: nothing is recorded
   std::optional<std::string> scene_from, scene_speed;
   size_t viewers = 1;
-  bench::ReportFormat format = bench::ReportFormat::kText;
+  apps::ReportFormat format = apps::ReportFormat::kText;
 };
 
 // The options, or the exit code with which the program is to end at once: 0 after --help, 2 after a mistake, about

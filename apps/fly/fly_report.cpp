@@ -75,7 +75,7 @@ Json reportOf(const FlySummary& s) {
   if (f.scene_first) json["scene_first"] = dateText(*f.scene_first), json["scene_last"] = dateText(*f.scene_last);
   if (!f.jumps.empty()) json["jumps"] = jumpsOf(f.jumps);
   if (s.replayed) addReplayed(*s.replayed, json);
-  if (s.truth) json.update(bench::toJson(*s.truth));
+  if (s.truth) json.update(apps::toJson(*s.truth));
   if (s.dumped_frames > 0) json["dumped_frames"] = s.dumped_frames;
   json["notes"] = s.notes;
   if (s.error) json["error"] = *s.error;
@@ -148,8 +148,6 @@ Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, FlySu
   return dumped.ok() ? Status() : dumped.error();
 }
 
-std::string text(const FlySummary& summary, bench::ReportFormat format) {
-  return bench::text(reportOf(summary), format);
-}
+std::string text(const FlySummary& summary, apps::ReportFormat format) { return apps::text(reportOf(summary), format); }
 
 }  // namespace foreland::apps

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "apps/fly/afterwards.h"
-#include "bench/oracle/flight_truth.h"
-#include "bench/report.h"
+#include "apps/report.h"
 #include "client/fly/flight_digest.h"
 #include "client/fly/player.h"
+#include "oracle/flight_truth.h"
 
 namespace foreland::apps {
 
@@ -23,7 +23,7 @@ struct FlySummary {
   proto::ViewRequest request;
   client::Blend blend = client::Blend::kKeyframe;
   client::FlightReport flight;
-  std::optional<bench::FlightTruth> truth;
+  std::optional<oracle::FlightTruth> truth;
   uint64_t dumped_frames = 0;
   std::vector<std::string> notes;
   std::optional<std::string> error;  // why the flight ended early
@@ -35,7 +35,7 @@ FlySummary summaryOf(const client::Player& player);
 // Measures and dumps, if asked to, and takes the results in.
 Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, FlySummary& summary);
 
-std::string text(const FlySummary& summary, bench::ReportFormat format);
+std::string text(const FlySummary& summary, apps::ReportFormat format);
 // What the keys of the report mean, for --help.
 const char* reportHelp();
 

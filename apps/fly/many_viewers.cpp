@@ -12,13 +12,13 @@
 
 #include "apps/fly/flight.h"
 #include "apps/fly/link.h"
-#include "bench/report.h"
+#include "apps/report.h"
 
 namespace foreland::apps {
 namespace {
 
 using Clock = Link::Clock;
-constexpr std::chrono::milliseconds kFrame{50};
+constexpr std::chrono::milliseconds kManyFrame{50};
 constexpr std::chrono::milliseconds kBetweenStarts{20};  // so that not all ask for their tours in one instant
 
 struct Flown {
@@ -32,7 +32,7 @@ Flown flyOne(const FlyOptions& o, const client::PlayerOptions& options, size_t n
   if (!connection.ok()) return {connection.error(), {}};
   client::Player player(options);
   Link link(std::move(connection).value(), o.url, o.connection, static_cast<uint32_t>(number + 1));
-  Status status = fly(link, player, kFrame, {});
+  Status status = fly(link, player, kManyFrame, {});
   link.close();
   return {std::move(status), player.report()};
 }
@@ -87,7 +87,7 @@ int flyMany(const FlyOptions& o, client::PlayerOptions options) {
     std::vector<std::jthread> threads;
     for (size_t i = 0; i < all.size(); ++i) threads.emplace_back([&, i] { all[i] = flyOne(o, options, i); });
   }
-  std::fputs(bench::text(reportOf(all), o.format).c_str(), stdout);
+  std::fputs(apps::text(reportOf(all), o.format).c_str(), stdout);
   const auto failed = std::count_if(all.begin(), all.end(), [](const Flown& one) { return !one.status.ok(); });
   if (failed > 0) std::fprintf(stderr, "foreland fly: %td of %zu viewers did not fly to the end\n", failed, all.size());
   return failed == 0 ? 0 : 2;

@@ -19,7 +19,7 @@ namespace {
 struct ReplayOptions {
   std::filesystem::path recording;
   AfterwardsOptions afterwards;
-  bench::ReportFormat format = bench::ReportFormat::kText;
+  apps::ReportFormat format = apps::ReportFormat::kText;
 };
 
 constexpr const char* kExitCodes = R"(
@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   app.add_option("FILE", o.recording, "written by `foreland fly --record`")->required();
   addAfterwardsOptions(app, o.afterwards);
   app.add_flag_callback(
-      "--json", [&o] { o.format = bench::ReportFormat::kJson; }, "print the report as JSON");
+      "--json", [&o] { o.format = apps::ReportFormat::kJson; }, "print the report as JSON");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }

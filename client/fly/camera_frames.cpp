@@ -19,7 +19,7 @@ constexpr double kMostSkewed = 0.01;  // an axis' length may differ from 1 by so
 
 // The numbers of a line after its first letter; nothing if they are not `count` finite ones.
 template <size_t count>
-std::optional<std::array<double, count>> numbersOf(std::string_view line) {
+std::optional<std::array<double, count>> numbersIn(std::string_view line) {
   std::array<double, count> out{};
   const char *at = line.data() + 1, *const end = line.data() + line.size();
   for (double& number : out) {
@@ -33,7 +33,7 @@ std::optional<std::array<double, count>> numbersOf(std::string_view line) {
 }
 
 std::optional<CameraFrame> frameOf(std::string_view line) {
-  const auto n = numbersOf<14>(line);
+  const auto n = numbersIn<14>(line);
   if (!n) return std::nullopt;
   const auto vector = [&](size_t i) { return glm::dvec3((*n)[i], (*n)[i + 1], (*n)[i + 2]); };
   const glm::dvec3 forward = vector(1), left = vector(4), up = vector(7);

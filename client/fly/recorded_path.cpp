@@ -25,12 +25,12 @@ proto::Path partOf(const proto::Path& path, const TrackOptions& options) {
   return part;
 }
 
-Status check(const TrackOptions& options) {
-  const auto invalid = [](const char* text) { return Error{ErrorCode::kInvalidArgument, text}; };
+Status checkRecorded(const TrackOptions& options) {
+  const auto invalidOption = [](const char* text) { return Error{ErrorCode::kInvalidArgument, text}; };
   if (options.agl_m)
-    return invalid("--agl: a recorded flight is flown where it was flown; use it with IGC and GPX tracks");
-  if (!(options.speed >= 0.01 && options.speed <= 1000)) return invalid("--speed must be between 0.01 and 1000");
-  if (!(options.from_s >= 0)) return invalid("--from must be at least 0");
+    return invalidOption("--agl: a recorded flight is flown where it was flown; use it with IGC and GPX tracks");
+  if (!(options.speed >= 0.01 && options.speed <= 1000)) return invalidOption("--speed must be between 0.01 and 1000");
+  if (!(options.from_s >= 0)) return invalidOption("--from must be at least 0");
   return {};
 }
 
@@ -43,7 +43,7 @@ bool isRecording(const std::filesystem::path& file) {
 }
 
 Result<RecordedPath> readRecordedPath(const std::filesystem::path& file, const TrackOptions& options) {
-  if (Status s = check(options); !s.ok()) return s.error();
+  if (Status s = checkRecorded(options); !s.ok()) return s.error();
   const auto refuse = [&](const std::string& why) {
     return Error{ErrorCode::kInvalidArgument, file.string() + ": " + why};
   };

@@ -18,7 +18,7 @@ constexpr double kEnvelope_s = 1;                      // of the flight, either 
 constexpr double kDownward_rad = 0.17;                 // about 10 degrees
 constexpr double kStill_m = 1;                         // shorter chords give no direction
 
-Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
+Error invalidArgument(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
 // Mean over up to 2 * half + 1 neighbours, fewer and symmetric near the ends, so the ends stay where they are.
 template <class T>
@@ -45,14 +45,14 @@ std::vector<double> upperEnvelope(const std::vector<double>& in, size_t half) {
 
 size_t stepsIn(double seconds, Duration step) { return static_cast<size_t>(std::lround(seconds / step.toSeconds())); }
 
-Status check(const Track& track, const proto::FrameTransform& frame, const TrackOptions& o) {
-  if (!(o.speed > 0) || o.speed > 10'000) return invalid("--speed must be above 0 and at most 10000");
-  if (!(o.from_s >= 0)) return invalid("--from must not be negative");
-  if (o.seconds && !(*o.seconds > 0)) return invalid("--seconds must be positive");
-  if (!(o.clearance_m >= 0) || o.clearance_m > 1e5) return invalid("--clearance must be 0 to 100000 m");
-  if (o.agl_m && (!(*o.agl_m >= 0) || *o.agl_m > 1e6)) return invalid("--agl must be 0 to 1000000 m");
+Status checkTrack(const Track& track, const proto::FrameTransform& frame, const TrackOptions& o) {
+  if (!(o.speed > 0) || o.speed > 10'000) return invalidArgument("--speed must be above 0 and at most 10000");
+  if (!(o.from_s >= 0)) return invalidArgument("--from must not be negative");
+  if (o.seconds && !(*o.seconds > 0)) return invalidArgument("--seconds must be positive");
+  if (!(o.clearance_m >= 0) || o.clearance_m > 1e5) return invalidArgument("--clearance must be 0 to 100000 m");
+  if (o.agl_m && (!(*o.agl_m >= 0) || *o.agl_m > 1e6)) return invalidArgument("--agl must be 0 to 1000000 m");
   if (o.from_s >= track.seconds())
-    return invalid("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
+    return invalidArgument("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
                    std::to_string(track.seconds()) + " s");
   if (!track.cameras.empty()) return {};
   if (frame.frame().kind != proto::FrameKind::kGeographic)
@@ -61,7 +61,7 @@ Status check(const Track& track, const proto::FrameTransform& frame, const Track
         "the scene is in projected metres and a track is in latitude and longitude: build the scene from geographic "
         "elevation data (gdalwarp -t_srs EPSG:4326 makes it so), or fly a tour (--tour)"};
   if (track.heights == TrackHeights::kMissing && !o.agl_m)
-    return invalid("the track has no heights: give a height above ground with --agl");
+    return invalidArgument("the track has no heights: give a height above ground with --agl");
   return {};
 }
 
@@ -219,7 +219,7 @@ std::vector<double> heightProfile(const PlannedTrack& plan, std::span<const floa
 
 Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& frame, const proto::GridShape& shape,
                                const TrackOptions& o) {
-  if (Status s = check(track, frame, o); !s.ok()) return s.error();
+  if (Status s = checkTrack(track, frame, o); !s.ok()) return s.error();
   const double track_s = std::min(o.seconds ? *o.seconds * o.speed : 1e300, track.seconds() - o.from_s);
   const double flight_s = track_s / o.speed;
   // A step of whole milliseconds such that the path holds all poses.
@@ -246,7 +246,7 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
     return points[i].x >= 0 && points[i].x <= max_x && points[i].y >= 0 && points[i].y <= max_y;
   });
   if (inside.count < 2)
-    return invalid("the track does not cross the scene's data: see `foreland info` for where the scene lies");
+    return invalidArgument("the track does not cross the scene's data: see `foreland info` for where the scene lies");
   if (inside.count < points.size())
     plan.notes.push_back(std::to_string(points.size() - inside.count) + " of " + std::to_string(points.size()) +
                          " poses lie outside the data, or apart from the longest stretch inside it; cut off");

@@ -19,7 +19,7 @@ constexpr double kNudge = 1e-9;
 constexpr double kTouch = 1e-6;  // sample intervals; more than motions go beyond a border
 
 // A straight motion on the lattice.
-struct Motion {
+struct StraightMotion {
   proto::LatticePosition from;
   glm::dvec2 across{0, 0};  // sample intervals
   double rise_m = 0;
@@ -38,7 +38,7 @@ class Glide {
   Glide(const GroundHeights& ground, double clearance_m) : ground_(ground), clearance_m_(clearance_m) {}
 
   // Moves; gives where the eye is then.
-  proto::LatticePosition run(const Motion& motion) {
+  proto::LatticePosition run(const StraightMotion& motion) {
     height_m_ = motion.from.height_m;
     left_m_ = std::hypot(motion.level_m, motion.rise_m);
     const double missing_m = std::max(0.0, lowestFloorAt(motion.at(0)) - height_m_);
@@ -57,11 +57,11 @@ class Glide {
   bool hasTouched() const { return has_touched_; }
 
  private:
-  std::optional<GroundCell> cellAfter(const Motion& m, double s) const { return ground_.cellAt(m.at(s + kNudge)); }
+  std::optional<GroundCell> cellAfter(const StraightMotion& m, double s) const { return ground_.cellAt(m.at(s + kNudge)); }
 
   // Where the motion leaves the cell, or a square where nothing is known: what is known may begin half a sample
   // interval before a sample.
-  static double borderAfter(const Motion& m, const std::optional<GroundCell>& cell, double s) {
+  static double borderAfter(const StraightMotion& m, const std::optional<GroundCell>& cell, double s) {
     const glm::dvec2 here = m.at(s + kNudge);
     const double side = cell ? cell->side : 0.5;
     const glm::dvec2 low = cell ? cell->low : side * glm::floor(here / side);
@@ -84,7 +84,7 @@ class Glide {
     return {sw + t.x * (se - sw) + t.y * (nw - sw), ne + (1 - t.x) * (nw - ne) + (1 - t.y) * (se - ne)};
   }
   // Where both planes are equally high between two places, or `end`.
-  static double creaseBetween(const Motion& m, const std::optional<GroundCell>& cell, double begin, double end) {
+  static double creaseBetween(const StraightMotion& m, const std::optional<GroundCell>& cell, double begin, double end) {
     if (!cell) return end;
     const glm::dvec2 a = planesAt(*cell, m.at(begin)), b = planesAt(*cell, m.at(end));
     const double before = a.x - a.y, after = b.x - b.y;
@@ -105,7 +105,7 @@ class Glide {
         lowest_m = std::min(lowest_m, floorAt(ground_.cellAt({x, y}), at));
     return lowest_m;
   }
-  FloorPart partOf(const Motion& m, const std::optional<GroundCell>& cell, double begin, double end) const {
+  FloorPart partOf(const StraightMotion& m, const std::optional<GroundCell>& cell, double begin, double end) const {
     const auto lifted = [&](double s) {
       return floorAt(cell, m.at(s)) - (lifted_m_.x + s * (lifted_m_.y - lifted_m_.x));
     };
@@ -113,7 +113,7 @@ class Glide {
   }
 
   // Follows the motion over a part, gliding where the floor is in the way; gives where it comes to.
-  double follow(const Motion& m, const FloorPart& part) {
+  double follow(const StraightMotion& m, const FloorPart& part) {
     if (part.low_m > height_m_ && !climb(part.low_m - height_m_)) return part.begin;
     const double length = part.end - part.begin;
     const double free_end_m = height_m_ + m.rise_m * length;
@@ -132,7 +132,7 @@ class Glide {
     return climbed_m == rise_m;
   }
   // As far as there is way left to go.
-  double travel(const Motion& m, double begin, double end, double end_m) {
+  double travel(const StraightMotion& m, double begin, double end, double end_m) {
     const double way_m = std::hypot(m.level_m * (end - begin), end_m - height_m_);
     // Without the ground in the way nothing is cut off.
     const double share = !has_touched_ || way_m <= left_m_ ? 1 : left_m_ / way_m;
@@ -149,9 +149,9 @@ class Glide {
   bool has_touched_ = false;
 };
 
-Motion motionOf(const proto::FrameTransform& frame, const glm::dvec3& from, const glm::dvec3& to) {
+StraightMotion motionOf(const proto::FrameTransform& frame, const glm::dvec3& from, const glm::dvec3& to) {
   const proto::LatticePosition a = frame.toLattice(from), b = frame.toLattice(to);
-  Motion m{.from = a, .across = {b.x - a.x, b.y - a.y}, .rise_m = b.height_m - a.height_m};
+  StraightMotion m{.from = a, .across = {b.x - a.x, b.y - a.y}, .rise_m = b.height_m - a.height_m};
   if (frame.frame().kind == proto::FrameKind::kGeographic) {
     const double turn = kTurn / frame.frame().longitude_step_rad;
     m.across.x -= turn * std::round(m.across.x / turn);
@@ -171,7 +171,7 @@ glm::dvec3 sweep(const GroundHeights& ground, const proto::FrameTransform& frame
   proto::LatticePosition at = frame.toLattice(from);
   for (double i = 0; i < pieces; ++i) {
     const glm::dvec3 step = to - from;
-    Motion motion = motionOf(frame, from + step * (i / pieces), from + step * ((i + 1) / pieces));
+    StraightMotion motion = motionOf(frame, from + step * (i / pieces), from + step * ((i + 1) / pieces));
     motion.from = at;
     at = glide.run(motion);
   }

@@ -95,7 +95,7 @@ struct ChangedRanges {
 size_t bytesOf(const BlendMesh& mesh);
 
 // Changes that are closer in an array than so many bytes are uploaded together with what lies between: fewer bytes are
-// more calls (bench/README.md, `client`).
+// more calls (lab/README.md, `client`).
 inline constexpr size_t kUploadGap = 64;
 
 // A blended mesh that is brought up to date by patches, and what has changed in it since clearChanges(). One owner.

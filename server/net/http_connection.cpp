@@ -1,8 +1,13 @@
 #include "server/net/http_connection.h"
 
 #include <boost/asio/write.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
 #include <memory>
@@ -24,7 +29,7 @@ namespace {
 constexpr uint32_t kMaxHeaderBytes = 8u << 10;
 constexpr const char* kTooManyFromThere = "There are too many connections from your address. Try again in a while.";
 constexpr uint64_t kMaxBodyBytes = 4u << 10;  // no request here needs a body
-constexpr size_t kPieceBytes = 32u << 10;
+constexpr size_t kReplyPieceBytes = 32u << 10;
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -48,12 +53,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                      : Transport(beast::tcp_stream(std::move(socket)))) {}
 
   void start() {
-    if (!stream_.tls()) return read();
+    if (!stream_.isTls()) return read();
     allowMoreTime();
-    stream_.tls()->async_handshake(boost::asio::ssl::stream_base::server,
-                                   [self = shared_from_this()](beast::error_code error) {
-                                     if (!error) self->read();
-                                   });
+    stream_.handshakeAsServer([self = shared_from_this()](beast::error_code error) {
+      if (!error) self->read();
+    });
   }
 
  private:
@@ -159,7 +163,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   // Piece by piece, each with a deadline of its own: who reads slowly gets large files, too.
   void writeBody(bool keep_alive) {
     if (unsent_.empty()) return keep_alive ? read() : shutDown();
-    const std::string_view piece = unsent_.substr(0, kPieceBytes);
+    const std::string_view piece = unsent_.substr(0, kReplyPieceBytes);
     unsent_.remove_prefix(piece.size());
     allowMoreTime();
     boost::asio::async_write(stream_, boost::asio::buffer(piece),
@@ -169,9 +173,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void shutDown() {
-    if (stream_.tls()) {
+    if (stream_.isTls()) {
       allowMoreTime();
-      return stream_.tls()->async_shutdown([self = shared_from_this()](beast::error_code) {});
+      return stream_.shutDownTls([self = shared_from_this()](beast::error_code) {});
     }
     beast::error_code ignored;
     stream_.next_layer().socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);

@@ -1,4 +1,4 @@
-// A port that takes connections. For server/net, and for the proxy of experiments (bench/proxy/proxy.h). I/O thread,
+// A port that takes connections. For server/net, and for the proxy of experiments (lab/proxy/proxy.h). I/O thread,
 // except open().
 #pragma once
 

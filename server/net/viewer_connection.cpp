@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
-#include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <utility>
 
@@ -93,20 +92,14 @@ void ViewerConnection::accept(UpgradeRequest request) {
 }
 
 void ViewerConnection::begin(UpgradeRequest request) {
-  beast::get_lowest_layer(stream_).expires_never();  // from here on check() enforces the timeouts
-  peer_ = peerOf(beast::get_lowest_layer(stream_), count_.address());
-  stream_.set_option(
-      websocket::stream_base::timeout{.handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
-                                      .idle_timeout = websocket::stream_base::none(),
-                                      .keep_alive_pings = false});
-  stream_.set_option(websocket::stream_base::decorator(
-      [](websocket::response_type& response) { response.set(beast::http::field::server, "foreland"); }));
-  stream_.read_message_max(proto::kMaxClientMessageBytes);
-  stream_.auto_fragment(false);
-  stream_.binary(true);
+  beast::tcp_stream& socket = stream_.transport().next_layer();
+  socket.expires_never();  // from here on check() enforces the timeouts
+  peer_ = peerOf(socket, count_.address());
+  stream_.setLimits({.handshake_timeout = std::chrono::microseconds(context_.options.http_timeout.us),
+                     .max_message_bytes = proto::kMaxClientMessageBytes});
   context_.viewers.insert(shared_from_this());  // before the handshake ends, so that a stop of the server closes it too
   auto shared = std::make_shared<UpgradeRequest>(std::move(request));
-  stream_.async_accept(*shared, [self = shared_from_this(), shared](beast::error_code error) {
+  stream_.accept(*shared, "foreland", [self = shared_from_this(), shared](beast::error_code error) {
     self->orGiveUp([&] { self->onAccept(error); });
   });
 }
@@ -144,7 +137,7 @@ Outlet ViewerConnection::makeOutlet() {
 }
 
 void ViewerConnection::read() {
-  stream_.async_read_some(read_buffer_, 0, [self = shared_from_this()](beast::error_code error, size_t) {
+  stream_.readSome(read_buffer_, [self = shared_from_this()](beast::error_code error, size_t) {
     self->orGiveUp([&] { self->onRead(error); });
   });
 }
@@ -155,7 +148,7 @@ void ViewerConnection::onRead(beast::error_code error) {
                   : error == websocket::error::closed ? "left"
                                                       : "was lost: " + error.message());
   heard_at_ = context_.clock();
-  if (stream_.is_message_done()) {
+  if (stream_.isMessageDone()) {
     has_greeted_ = true;
     message_begun_at_ = heard_at_;
     deliver();
@@ -175,7 +168,7 @@ void ViewerConnection::deliver() {
   if (state_ != State::kOpen) return;
   context_.metrics.bytes_up += message.size();
   ++context_.metrics.messages_up;
-  if (stream_.got_text()) return refuse(RefusedFor::kMessage, "messages are binary here; this one was text");
+  if (stream_.gotText()) return refuse(RefusedFor::kMessage, "messages are binary here; this one was text");
   if (const Status status = actor_->deliver(std::move(message)); !status.ok())
     refuse(RefusedFor::kQueues, status.error().message);
 }
@@ -203,10 +196,11 @@ void ViewerConnection::write() {
   const size_t left = message.size() - written_of_first_, piece = std::min(left, kPieceBytes);
   is_writing_ = true;
   progress_at_ = context_.clock();
-  stream_.async_write_some(piece == left, boost::asio::buffer(message.data() + written_of_first_, piece),
-                           [self = shared_from_this(), piece](beast::error_code error, size_t) {
-                             self->orGiveUp([&] { self->onWritten(error, piece); });
-                           });
+  stream_.writeSome(piece == left ? transport::WebSocket::Piece::kLast : transport::WebSocket::Piece::kMore,
+                    boost::asio::buffer(message.data() + written_of_first_, piece),
+                    [self = shared_from_this(), piece](beast::error_code error, size_t) {
+                      self->orGiveUp([&] { self->onWritten(error, piece); });
+                    });
 }
 
 void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
@@ -276,7 +270,7 @@ void ViewerConnection::startClosing(State state, websocket::close_reason reason)
 // Must not be called while a piece is being written. The viewer's answer, or a failure, ends the pending read.
 void ViewerConnection::sendCloseFrame() {
   state_ = State::kClosing;
-  stream_.async_close(close_reason_, [self = shared_from_this()](beast::error_code) {});
+  stream_.close(close_reason_, [self = shared_from_this()](beast::error_code) {});
 }
 
 void ViewerConnection::check(Time now) {
@@ -311,7 +305,7 @@ bool ViewerConnection::hasExpired() const {
          std::chrono::system_clock::now().time_since_epoch() > std::chrono::seconds(pass_.token.expires_s);
 }
 
-void ViewerConnection::cut() noexcept { beast::get_lowest_layer(stream_).close(); }
+void ViewerConnection::cut() noexcept { stream_.transport().next_layer().close(); }
 
 void ViewerConnection::finish(const std::string& why) {
   if (state_ == State::kGone) return;

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/http/string_body.hpp>
-#include <boost/beast/websocket/stream.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -18,10 +16,11 @@
 #include "server/net/context.h"
 #include "server/session/hand_over.h"
 #include "transport/transport.h"
+#include "transport/web_socket.h"
 
 namespace foreland::server {
 
-using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_body>;
+using transport::UpgradeRequest;
 
 class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
  public:
@@ -78,7 +77,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   ServerContext& context_;
   ConnectionCount count_;
   const Pass pass_;
-  boost::beast::websocket::stream<transport::Transport, false> stream_;  // false: no permessage-deflate
+  transport::WebSocket stream_;
   std::string peer_;
   std::shared_ptr<SessionActor> actor_;  // null unless open
   std::shared_ptr<ViewerBytes> bytes_;   // null until then

@@ -6,7 +6,7 @@ namespace foreland::server {
 
 namespace {
 
-constexpr double kRounding_m = 0.02;
+constexpr double kEyeRounding_m = 0.02;
 // Of predictions that change: now, and in prediction errors for each interval ahead, squared.
 constexpr double kSpare_m = 1.5, kStray = 0.12;
 constexpr double kGuess_m = 0.05;  // an error that no known path has
@@ -39,7 +39,7 @@ bool EyeIntervals::isPredicted() const { return outlook_.error_m > kGuess_m; }
 EyeSweep EyeIntervals::shownEyes() const { return hullOf(eyes(first(), last() + 1)); }
 
 double EyeIntervals::room(int64_t interval) const {
-  if (!isPredicted()) return kRounding_m;
+  if (!isPredicted()) return kEyeRounding_m;
   const auto ahead = static_cast<double>(std::max<int64_t>(0, interval - last()));
   return kSpare_m + (0.5 + kStray * ahead * ahead) * outlook_.error_m;
 }

@@ -18,7 +18,7 @@ constexpr double kMostExtent_m = 200e3;    // from the origin
 constexpr double kMostLatitude_rad = 1.3;  // 75 degrees
 constexpr double kFinest = 0.25;           // of the samples' spacing
 constexpr double kCoarse = 1.2;            // the same, from which on corners will do
-constexpr double kRounding_m = 0.01;       // of heights as floats
+constexpr double kFloatRounding_m = 0.01;       // of heights as floats
 
 using Corners = std::array<glm::dvec3, 3>;
 
@@ -173,7 +173,7 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
   heights.heights_m.reserve(size_t{heights.columns} * heights.rows);
   for (uint32_t j = 0; j < heights.rows; ++j)
     for (uint32_t i = 0; i < heights.columns; ++i)
-      heights.heights_m.push_back(cells.lowestAbout(i, j) - static_cast<float>(bend_m + kRounding_m));
+      heights.heights_m.push_back(cells.lowestAbout(i, j) - static_cast<float>(bend_m + kFloatRounding_m));
   return heights;
 }
 

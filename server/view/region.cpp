@@ -9,8 +9,8 @@ namespace foreland::server {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kNearlyHalfTurn_rad = kPi - 1e-6;  // the shorter way round is still certain
+constexpr double kHalfTurn = std::numbers::pi;
+constexpr double kNearlyHalfTurn_rad = kHalfTurn - 1e-6;  // the shorter way round is still certain
 
 // Grows from pose to pose along a motion.
 class Growth {
@@ -53,7 +53,7 @@ class Growth {
     const double sense = glm::dot(pose_.orientation, next.orientation) < 0 ? -1 : 1;
     const double before = glm::dot(centre_.orientation, pose_.orientation);
     const double after = glm::dot(centre_.orientation, next.orientation) * sense;
-    if (before * after <= 0 || motion_.turn(time_, end) > kNearlyHalfTurn_rad) region_.angle_rad = kPi;
+    if (before * after <= 0 || motion_.turn(time_, end) > kNearlyHalfTurn_rad) region_.angle_rad = kHalfTurn;
     include(next);
     time_ = end;
     pose_ = next;

@@ -19,7 +19,7 @@ using proto::kTilePayload;
 using proto::kTileSide;
 using proto::TileId;
 
-constexpr double kRounding = 1e-6;  // of a step
+constexpr double kStepRounding = 1e-6;  // of a step
 
 // Texel i of a tile on its level's raster, which ends at `count`.
 int64_t unclamped(uint32_t tile_at, uint32_t i) { return int64_t{tile_at} * kTilePayload + i - kTileGutter; }
@@ -70,7 +70,7 @@ class ReliefCheck {
   double step(uint32_t level) const { return layer_.step_m * static_cast<double>(uint64_t{1} << level); }
 
   bool isOfSamples(const TileId& tile, const proto::TileBounds& bounds, const Scratch& scratch) const {
-    const double most_m = layer_.step_m * (0.5 + kRounding), quantum_m = scene_.frame().height_quantum_m;
+    const double most_m = layer_.step_m * (0.5 + kStepRounding), quantum_m = scene_.frame().height_quantum_m;
     size_t i = 0;
     for (uint32_t y = 0; y < kTileSide; ++y)
       for (uint32_t x = 0; x < kTileSide; ++x, ++i) {
@@ -105,7 +105,7 @@ class ReliefCheck {
     const uint32_t width = layer_.widthAt(child.level), height = layer_.heightAt(child.level);
     const uint32_t left = child.x % 2 ? kTileSide / 2 - kTileGutter / 2 : kTileGutter / 2,
                    below = child.y % 2 ? kTileSide / 2 - kTileGutter / 2 : kTileGutter / 2;
-    const double most_m = (0.5 + kRounding) * (step(child.level) + step(child.level + 1u));
+    const double most_m = (0.5 + kStepRounding) * (step(child.level) + step(child.level + 1u));
     for (uint32_t y = 0; y < kTileSide / 2; ++y)
       for (uint32_t x = 0; x < kTileSide / 2; ++x) {
         const int64_t east = unclamped(child.x, 2 * x + 1), north = unclamped(child.y, 2 * y + 1);

@@ -16,7 +16,7 @@ constexpr double kGain = 4;           // the vertex with the largest error gets 
 constexpr int kSpreadRings = 3;       // rings of neighbours that also gain,
 constexpr double kFalloff = 0.7;      // by this factor less in each ring
 constexpr double kFoldPenalty = 0.1;  // of the largest distance, added for each folded triangle
-constexpr uint64_t kChunk = 256;
+constexpr uint64_t kSharesAtOnce = 256;
 
 }  // namespace
 
@@ -30,9 +30,9 @@ Importance::AttemptCost Importance::update(const std::vector<Triangle>& triangle
                                            const std::vector<SurfacePoint>& points) {
   const ClosestPoint attempt({positions, triangles});
   std::vector<double> shares(original_.positions.size());
-  parallelFor((shares.size() + kChunk - 1) / kChunk, threads_,
+  parallelFor((shares.size() + kSharesAtOnce - 1) / kSharesAtOnce, threads_,
               [&](uint64_t chunk, unsigned) {
-                for (uint64_t v = chunk * kChunk; v < std::min<uint64_t>(shares.size(), (chunk + 1) * kChunk); ++v)
+                for (uint64_t v = chunk * kSharesAtOnce; v < std::min<uint64_t>(shares.size(), (chunk + 1) * kSharesAtOnce); ++v)
                   shares[v] = attempt.find(original_.positions[v]).distance;
               },
               [](uint64_t) { return true; });

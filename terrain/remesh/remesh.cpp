@@ -78,13 +78,13 @@ class Attempt {
 
  private:
   std::vector<SurfacePoint> mapToOriginal(const Lattice& lattice) const {
-    constexpr uint64_t kChunk = 4096;
+    constexpr uint64_t kCoordinatesAtOnce = 4096;
     const std::vector<LatticeCoordinate> coordinates = findCoordinates(lattice, base_.faces.size());
     std::vector<SurfacePoint> points(coordinates.size());
     const uint32_t n = lattice.side();
-    parallelFor((coordinates.size() + kChunk - 1) / kChunk, options_.threads,
+    parallelFor((coordinates.size() + kCoordinatesAtOnce - 1) / kCoordinatesAtOnce, options_.threads,
                 [&](uint64_t chunk, unsigned) {
-                  for (uint64_t v = chunk * kChunk; v < std::min<uint64_t>(coordinates.size(), (chunk + 1) * kChunk);
+                  for (uint64_t v = chunk * kCoordinatesAtOnce; v < std::min<uint64_t>(coordinates.size(), (chunk + 1) * kCoordinatesAtOnce);
                        ++v) {
                     const auto [face, i, j] = coordinates[v];
                     points[v] = base_.map.toOriginal({base_.map_faces[face], dvec3(n - i - j, i, j) / double(n)});

@@ -8,7 +8,7 @@ namespace {
 
 // Copies the values to `at` and moves it behind them.
 template <class T>
-void putAll(std::span<T> values, uint8_t*& at) {
+void putEpochs(std::span<T> values, uint8_t*& at) {
   if (!values.empty()) std::memcpy(at, values.data(), values.size_bytes());
   at += values.size_bytes();
 }
@@ -42,11 +42,11 @@ Bytes EpochSection::bytes() const {
   Bytes out(sizeof(start) + epochs_.size() * sizeof(StoredEpoch) + entries_.size() * sizeof(BlockEntry) +
             blocks_.size() * sizeof(OffsetBlock) + base_.size() * sizeof(proto::BaseOffset));
   uint8_t* at = out.data();
-  putAll(std::span(&start, 1), at);
-  putAll(std::span(epochs_), at);
-  putAll(std::span(entries_), at);
-  putAll(std::span(blocks_), at);
-  putAll(std::span(base_), at);
+  putEpochs(std::span(&start, 1), at);
+  putEpochs(std::span(epochs_), at);
+  putEpochs(std::span(entries_), at);
+  putEpochs(std::span(blocks_), at);
+  putEpochs(std::span(base_), at);
   return out;
 }
 

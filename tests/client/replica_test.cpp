@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/world/world.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
+#include "sim/world.h"
 #include "tests/support/lattice_surface.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
@@ -15,8 +15,8 @@
 namespace foreland::test {
 namespace {
 
-using bench::onKnownTour;
-using bench::World;
+using sim::onKnownTour;
+using sim::World;
 
 using client::Replica;
 

@@ -3,15 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/world/world.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::onKnownTour;
-using bench::World;
+using sim::ClientOptions;
+using sim::onKnownTour;
+using sim::World;
 
 // Whether the camera is within the region of a keyframe's error guarantee, by formulas of our own. Cases within
 // rounding of the border are left out.

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "terrain/build/build.h"
+#include "terrain/pipeline/build.h"
 #include "tests/server/net/client.h"
 #include "tests/support/program.h"
 #include "tests/support/scene.h"

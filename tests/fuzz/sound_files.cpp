@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "terrain/build/build.h"
+#include "terrain/pipeline/build.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface/shapes.h"
 #include "terrain/surface_store/write_surface.h"

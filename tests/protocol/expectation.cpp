@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdio>
 
-#include "bench/oracle/epoch_shares.h"
+#include "oracle/epoch_shares.h"
 #include "proto/refine/node_positions.h"
 
 namespace foreland::test {
@@ -146,7 +146,7 @@ std::string epochColumns(const server::Hierarchy& hierarchy, Time scene_time, co
   crc.add(static_cast<uint32_t>(static_cast<uint64_t>(scene_time.us) >> 32));
   std::vector<Time> dates;
   for (const proto::Epoch& epoch : table.epochs().all()) dates.push_back(epoch.time);
-  const std::vector<double> shares = bench::epochShares(dates, table.epochs().blend(), scene_time);
+  const std::vector<double> shares = oracle::epochShares(dates, table.epochs().blend(), scene_time);
   for (uint32_t epoch = 0; epoch < shares.size(); ++epoch) {
     if (shares[epoch] == 0) continue;
     for (proto::Slot slot : section.slots) crc.add(static_cast<uint32_t>(table.offset(epoch, slot)));

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "terrain/build/build.h"
+#include "terrain/pipeline/build.h"
 #include "terrain/store/scene.h"
 #include "tests/support/files.h"
 

@@ -1,4 +1,5 @@
-// The seed of a test that draws at random. FORELAND_SEED=N in the environment runs it with the seed that it printed.
+// The seed of a test that draws at random. FORELAND_SEED=N in the environment runs it with the seed that it printed;
+// FORELAND_RANDOM_SEED=N, which ./check sets, takes the place of chance alone.
 #pragma once
 
 #include <cinttypes>
@@ -17,7 +18,10 @@ inline uint64_t seedOr(uint64_t otherwise) {
   return seed;
 }
 
-// Another one in each run.
-inline uint64_t randomSeed() { return seedOr(std::random_device{}()); }
+// Another one in each run, unless FORELAND_RANDOM_SEED says which.
+inline uint64_t randomSeed() {
+  const char* set = std::getenv("FORELAND_RANDOM_SEED");
+  return seedOr(set != nullptr ? std::strtoull(set, nullptr, 10) : std::random_device{}());
+}
 
 }  // namespace foreland::test

@@ -6,18 +6,18 @@
 #include <map>
 #include <string>
 
-#include "bench/oracle/oracle.h"
-#include "bench/oracle/scene_truth.h"
-#include "bench/world/world.h"
+#include "oracle/oracle.h"
+#include "oracle/scene_truth.h"
 #include "server/view/tour.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 #include "tests/world/alps.h"
 
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::World;
+using sim::ClientOptions;
+using sim::World;
 
 using proto::Predictor;
 using proto::Strategy;
@@ -73,12 +73,12 @@ TEST(Adaptive, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
     World world(alps(), {}, Duration::milliseconds(4), 3);
     const ClientOptions c = flying(tour, Strategy::kPredict, Predictor::kKnownPath);
     world.addClient(c);
-    bench::Oracle oracle(bench::truthOf(alps()));
+    oracle::Oracle oracle(oracle::truthOf(alps()));
     uint64_t frame = 0, judged = 0;
     double worst_px = 0;
     world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
       if (now < Time::seconds(1) || ++frame % 7 != 0) return;
-      const bench::DrawnShare drawn{view.mesh, view.weight, 1};
+      const oracle::DrawnShare drawn{view.mesh, view.weight, 1};
       const auto error = oracle.error({&drawn, 1}, view.pose, c.request.lens);
       ++judged;
       EXPECT_LE(error.max_px, 1 + 1e-4) << tour << " at " << now.toSeconds() << " s";

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
-#include "bench/oracle/crack_checker.h"
-#include "bench/oracle/epoch_shares.h"
-#include "bench/oracle/scene_truth.h"
-#include "bench/world/world.h"
+#include "oracle/crack_checker.h"
+#include "oracle/epoch_shares.h"
+#include "oracle/scene_truth.h"
+#include "sim/world.h"
 #include "terrain/dem/open.h"
 #include "tests/support/data.h"
 #include "tests/support/scene.h"
@@ -19,9 +19,9 @@
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::onKnownTour;
-using bench::World;
+using sim::ClientOptions;
+using sim::onKnownTour;
+using sim::World;
 
 constexpr double kDay = 86'400;
 
@@ -34,13 +34,13 @@ std::shared_ptr<const terrain::Scene> movingScene(uint64_t seed, proto::FrameKin
 class Judge {
  public:
   explicit Judge(std::shared_ptr<const terrain::Scene> scene, const server::SceneObjects& objects = {})
-      : scene_(scene), oracle_(bench::truthOf(scene), bench::objectsTruth(objects.set, objects.nodes)) {}
+      : scene_(scene), oracle_(oracle::truthOf(scene), oracle::objectsTruth(objects.set, objects.nodes)) {}
 
   // Every mesh for cracks and for the heights of its vertices, and every seventh frame against the truth.
   void judge(const client::FrameView& view, const proto::Lens& lens) {
     const client::KeyframeMesh& mesh = *view.mesh;
     if (std::exchange(version_, view.mesh_version) != view.mesh_version) {
-      cracks_ += bench::findCracks(mesh, scene_->grid().shape()).cracks;
+      cracks_ += oracle::findCracks(mesh, scene_->grid().shape()).cracks;
       checkHeights(mesh);
       scene_times_.push_back(mesh.to.scene_time);
       const bool moves = mesh.from.scene_time != mesh.to.scene_time;
@@ -48,7 +48,7 @@ class Judge {
       jumps_ += moves && !mesh.to.is_scene_step ? 1 : 0;
     }
     if (frames_++ % 7 != 0 || std::isinf(view.tolerance_px)) return;
-    const bench::SceneDeviation d = oracle_.error(mesh, view.weight, view.pose, lens);
+    const oracle::SceneDeviation d = oracle_.error(mesh, view.weight, view.pose, lens);
     worst_ = std::max(worst_, d.max_px / view.tolerance_px);
     uncovered_ += d.uncovered;
     samples_ += d.samples;
@@ -81,7 +81,8 @@ class Judge {
     const proto::Section& section = sections_[mesh.to.index];
     std::vector<Time> dates;
     for (const proto::Epoch& epoch : scene_->epochs().epochs().all()) dates.push_back(epoch.time);
-    const std::vector<double> shares = bench::epochShares(dates, scene_->epochs().epochs().blend(), mesh.to.scene_time);
+    const std::vector<double> shares =
+        oracle::epochShares(dates, scene_->epochs().epochs().blend(), mesh.to.scene_time);
     for (uint32_t i : mesh.indices) {
       const glm::vec2 p = mesh.parameters[i];
       const proto::NodeId v = proto::NodeId::at(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y));
@@ -96,7 +97,7 @@ class Judge {
   }
 
   std::shared_ptr<const terrain::Scene> scene_;
-  bench::SceneOracle oracle_;
+  oracle::SceneOracle oracle_;
   std::map<uint32_t, proto::Section> sections_;  // by keyframe
   uint32_t version_ = 0;
   uint64_t frames_ = 0, cracks_ = 0, uncovered_ = 0, samples_ = 0, wrong_heights_ = 0, moving_ = 0,
@@ -109,7 +110,7 @@ void attach(World& world, Judge& judge, const ClientOptions& options) {
   world.on_frame = [&, lens = options.request.lens](size_t, const client::FrameView& view, Time) {
     judge.judge(view, lens);
   };
-  world.on_keyframe = [&](size_t i, const bench::ArrivedKeyframe&) { judge.keep(*world.viewer(i).replica()); };
+  world.on_keyframe = [&](size_t i, const sim::ArrivedKeyframe&) { judge.keep(*world.viewer(i).replica()); };
 }
 
 std::string blendName(proto::EpochBlend blend) {

@@ -21,8 +21,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/rng.h"
-#include "bench/world/world.h"
 #include "server/view/ground.h"
+#include "sim/world.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/scene.h"
 #include "tests/world/hostile_viewer.h"
@@ -30,9 +30,9 @@
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::LinkOptions;
-using bench::World;
+using sim::ClientOptions;
+using sim::LinkOptions;
+using sim::World;
 
 constexpr size_t kMostNodes = 20'000;
 constexpr Duration kFaulty = Duration::seconds(6), kQuiet = Duration::seconds(5), kSettled = Duration::seconds(4);

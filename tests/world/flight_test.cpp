@@ -1,19 +1,19 @@
 // Whole flights in virtual time: the laws of a session, whatever the link does.
 #include <gtest/gtest.h>
 
-#include "bench/oracle/crack_checker.h"
-#include "bench/oracle/oracle.h"
-#include "bench/oracle/scene_truth.h"
-#include "bench/world/world.h"
+#include "oracle/crack_checker.h"
+#include "oracle/oracle.h"
+#include "oracle/scene_truth.h"
 #include "server/view/tour.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 #include "tests/world/alps.h"
 
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::World;
+using sim::ClientOptions;
+using sim::World;
 
 using proto::Predictor;
 using proto::Strategy;
@@ -97,7 +97,7 @@ TEST_P(EveryStrategy, KeepsTheLawsOnAGoodLink) {
     ++frames;
     if (view.mesh_version < checked + 5) return;  // every fifth mesh
     checked = view.mesh_version;
-    cracks += bench::findCracks(*view.mesh, scene->grid().shape()).cracks;
+    cracks += oracle::findCracks(*view.mesh, scene->grid().shape()).cracks;
   };
   world.run(Time::seconds(12));
   EXPECT_EQ(world.report(), "");
@@ -119,13 +119,13 @@ TEST(World, ErrorAtEachKeyframeIsAtMostTau) {
   const auto scene = alps();
   World world(scene, {}, Duration::milliseconds(4), 2);
   world.addClient(flying(*scene, "canyon", Strategy::kPredict, Predictor::kKnownPath));
-  bench::Oracle oracle(bench::truthOf(scene));
+  oracle::Oracle oracle(oracle::truthOf(scene));
   uint32_t checked = 0;
   double worst_px = 0;
   world.on_frame = [&](size_t, const client::FrameView& view, Time) {
     if (view.mesh->to.index == checked) return;
     checked = view.mesh->to.index;
-    const bench::DrawnShare drawn{view.mesh, 1, 1};
+    const oracle::DrawnShare drawn{view.mesh, 1, 1};
     const auto error = oracle.error({&drawn, 1}, view.mesh->to.pose, smallLens());
     EXPECT_EQ(error.uncovered, 0u);
     EXPECT_LE(error.max_px, view.mesh->to.tau_px * (1 + 1e-4)) << "keyframe " << checked;
@@ -141,12 +141,12 @@ TEST(World, ErrorInEveryFrameIsAtMostTauOnAKnownPath) {
   for (const char* tour : {"survey", "canyon", "spin", "orbit"}) {
     World world(scene, {}, Duration::milliseconds(4), 3);
     world.addClient(flying(*scene, tour, Strategy::kPredict, Predictor::kKnownPath));
-    bench::Oracle oracle(bench::truthOf(scene));
+    oracle::Oracle oracle(oracle::truthOf(scene));
     uint64_t frame = 0, judged = 0;
     double worst_px = 0;
     world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
       if (now < Time::seconds(1) || ++frame % 7 != 0) return;
-      const bench::DrawnShare drawn{view.mesh, view.weight, 1};
+      const oracle::DrawnShare drawn{view.mesh, view.weight, 1};
       const auto error = oracle.error({&drawn, 1}, view.pose, smallLens());
       ++judged;
       EXPECT_LE(error.max_px, 1 + 1e-4) << tour << " at " << now.toSeconds() << " s";

@@ -1,18 +1,18 @@
 // The flow of a session in virtual time: what it costs besides the deltas, and that nothing piles up.
 #include <gtest/gtest.h>
 
-#include "bench/world/world.h"
 #include "server/view/tour.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 #include "tests/world/alps.h"
 
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::LinkOptions;
-using bench::Traffic;
-using bench::World;
+using sim::ClientOptions;
+using sim::LinkOptions;
+using sim::Traffic;
+using sim::World;
 
 using proto::Predictor;
 using proto::Strategy;

@@ -6,12 +6,12 @@
 #include <map>
 #include <optional>
 
-#include "bench/oracle/crack_checker.h"
-#include "bench/world/world.h"
 #include "client/replica.h"
+#include "oracle/crack_checker.h"
 #include "proto/topology/mesh_triangles.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
+#include "sim/world.h"
 #include "tests/support/lattice_surface.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
@@ -20,9 +20,9 @@
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::onKnownTour;
-using bench::World;
+using sim::ClientOptions;
+using sim::onKnownTour;
+using sim::World;
 
 using client::Blend;
 using client::KeyframeMesh;
@@ -167,7 +167,7 @@ TEST_F(Geomorphs, AreDrawnAsTheWeightsHaveThemAndWithoutCracks) {
       keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
       if (rng_.below(4) == 0) replica_->extend(anyInterval(), Blend::kGeomorph);
       const KeyframeMesh mesh = replica_->buildMesh();
-      const bench::CrackReport cracks = bench::findCracks(mesh, scene_->grid().shape());
+      const oracle::CrackReport cracks = oracle::findCracks(mesh, scene_->grid().shape());
       ASSERT_EQ(cracks.cracks, 0u) << cracks.first;
       ASSERT_NO_FATAL_FAILURE(expectWeighted(mesh)) << "step " << i;
       for (const Morph& m : replica_->morphs().all()) between += !m.isDone();
@@ -288,7 +288,7 @@ TEST_P(GeomorphFlight, DoesNotJumpBeforeTheCameraAndHasNoCracks) {
   std::optional<LatticeSurface> last;
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
     if (std::exchange(version, view.mesh_version) == view.mesh_version) return;
-    if (version % 5 == 0) cracks += bench::findCracks(*view.mesh, shape).cracks;
+    if (version % 5 == 0) cracks += oracle::findCracks(*view.mesh, shape).cracks;
     for (const Morph& m : world.viewer(0).replica()->morphs().all()) between += !m.isDone();
     const LatticeSurface begin(*view.mesh, 0, shape);
     for (uint32_t y = 0; last && y < shape.samples_y; ++y)

@@ -6,18 +6,18 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "bench/world/world.h"
 #include "client/ground/ground_supply.h"
 #include "client/ground/sweep.h"
 #include "server/view/ground.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::World;
+using sim::ClientOptions;
+using sim::World;
 
 constexpr double kClearance_m = 2;
 

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "bench/world/world.h"
 #include "server/view/ground.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 #include "tests/world/alps.h"
 #include "tests/world/ring_of_objects.h"
@@ -16,8 +16,8 @@
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::World;
+using sim::ClientOptions;
+using sim::World;
 
 using proto::Strategy;
 

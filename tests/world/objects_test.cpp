@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "bench/world/world.h"
 #include "proto/topology/mesh_triangles.h"
+#include "sim/world.h"
 #include "tests/protocol/expectation.h"
 #include "tests/support/scene.h"
 #include "tests/world/ring_of_objects.h"
@@ -16,8 +16,8 @@
 namespace foreland::test {
 namespace {
 
-using bench::onKnownTour;
-using bench::World;
+using sim::onKnownTour;
+using sim::World;
 
 using proto::NodeId;
 using proto::Section;

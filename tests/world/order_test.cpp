@@ -8,12 +8,12 @@
 #include <deque>
 #include <optional>
 
-#include "bench/oracle/crack_checker.h"
-#include "bench/world/world.h"
 #include "client/mesh/order_blend.h"
 #include "client/replica.h"
+#include "oracle/crack_checker.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
+#include "sim/world.h"
 #include "tests/support/lattice_surface.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
@@ -22,11 +22,11 @@
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::onKnownTour;
-using bench::World;
 using client::Blend;
 using client::KeyframeMesh;
+using sim::ClientOptions;
+using sim::onKnownTour;
+using sim::World;
 
 constexpr Blend kSplines[] = {Blend::kSpline2, Blend::kSpline3};
 // Positions of meshes are floats, about an origin up to a few kilometres away.
@@ -107,7 +107,7 @@ TEST_F(Orders, AMeshIsTheBlendOfTheLastKeyframesAndWatertight) {
           keyframe(wanderer.next(), blend);
         }
         const KeyframeMesh mesh = replica_->buildMesh();
-        const bench::CrackReport cracks = bench::findCracks(mesh, hierarchy_->grid().shape());
+        const oracle::CrackReport cracks = oracle::findCracks(mesh, hierarchy_->grid().shape());
         ASSERT_EQ(cracks.cracks, 0u) << cracks.first;
         for (double u : {0.0, 0.4, 1.0})
           ASSERT_NO_FATAL_FAILURE(

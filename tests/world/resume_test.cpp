@@ -3,16 +3,16 @@
 
 #include <array>
 
-#include "bench/oracle/crack_checker.h"
-#include "bench/world/world.h"
+#include "oracle/crack_checker.h"
+#include "sim/world.h"
 #include "tests/support/scene.h"
 
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::onKnownTour;
-using bench::World;
+using sim::ClientOptions;
+using sim::onKnownTour;
+using sim::World;
 
 std::shared_ptr<const terrain::Scene> hillsOf(uint64_t seed) { return makeScene(301, 217, seed); }
 
@@ -25,7 +25,7 @@ TEST(Resume, ContinuesFromTheSectionAfterASecondOrAnHour) {
     uint32_t checked = 0;
     world.on_frame = [&](size_t, const client::FrameView& view, Time) {
       if (std::exchange(checked, view.mesh_version) != view.mesh_version)
-        cracks += bench::findCracks(*view.mesh, scene->grid().shape()).cracks;
+        cracks += oracle::findCracks(*view.mesh, scene->grid().shape()).cracks;
     };
     world.run(Time::seconds(3));
     world.loseConnection(0);

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "bench/world/client_drape.h"
-#include "bench/world/world.h"
 #include "server/imagery/tile_sender.h"
+#include "sim/client_drape.h"
+#include "sim/world.h"
 #include "tests/support/height_field.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
@@ -15,8 +15,8 @@
 namespace foreland::test {
 namespace {
 
-using bench::ClientOptions;
-using bench::World;
+using sim::ClientOptions;
+using sim::World;
 
 std::shared_ptr<const terrain::Scene> manyTiles() {
   static const auto scene = makeScene(1001, 760, 17);
@@ -24,7 +24,7 @@ std::shared_ptr<const terrain::Scene> manyTiles() {
 }
 
 ClientOptions flyingOver(const terrain::Scene& scene, const char* tour, double seconds) {
-  ClientOptions c = bench::onKnownTour(scene, tour, seconds);
+  ClientOptions c = sim::onKnownTour(scene, tour, seconds);
   c.request.lens = {1.0471975511965976, 640, 400};
   c.request.relief = true;
   return c;
@@ -79,7 +79,7 @@ TEST(Tiles, NothingIsSentTwiceAndTheServerKnowsWhatIsHeld) {
 
 // What is drawn in a frame at a lattice position of a layer: the level of its texels, between two levels while it
 // fades; nothing where no tile is.
-std::optional<double> levelDrawn(const bench::DrawnTiles& drawn, const proto::TileLayer& layer, double x, double y) {
+std::optional<double> levelDrawn(const sim::DrawnTiles& drawn, const proto::TileLayer& layer, double x, double y) {
   for (uint8_t level = 0; level < layer.levels(); ++level) {
     const glm::dvec2 at = (glm::dvec2(x, y) - layer.origin) / (proto::kTilePayload * layer.texelAt(level));
     const auto found =
@@ -105,9 +105,9 @@ TEST(Tiles, WhatIsStatedHoldsInEveryFrame) {
     ClientOptions client = flyingOver(*scene, "canyon", 12);
     client.down.bytes_per_second = bytes_per_second;
     world.addClient(client);
-    bench::ClientDrape drape(proto::TileContent::kRelief);
+    sim::ClientDrape drape(proto::TileContent::kRelief);
     uint64_t frames = 0, judged = 0, coarse = 0, sharp = 0;
-    const auto judge = [&](const proto::View& view, const bench::DrawnTiles& drawn, double x, double y,
+    const auto judge = [&](const proto::View& view, const sim::DrawnTiles& drawn, double x, double y,
                            double stated_px) {
       if (!field.isClear(view.pose.eye, positionAt(x, y), 1)) return;
       const auto level = levelDrawn(drawn, layer, x, y);
@@ -120,10 +120,10 @@ TEST(Tiles, WhatIsStatedHoldsInEveryFrame) {
       coarse += *size_px > server::TileSender::kTexel_px ? 1 : 0;
       EXPECT_LE(*size_px, 1.01 * stated_px) << "frame " << frames << " at " << x << ", " << y;
     };
-    world.on_keyframe = [&](size_t, const bench::ArrivedKeyframe&) { drape.onKeyframe(world.viewer(0)); };
+    world.on_keyframe = [&](size_t, const sim::ArrivedKeyframe&) { drape.onKeyframe(world.viewer(0)); };
     world.on_frame = [&](size_t, const client::FrameView& frame_view, Time) {
       const double stated_px = drape.texelPx(frame_view.mesh_version);
-      const bench::DrawnTiles drawn = drape.drawn(frame_view.mesh_version, frame_view.weight);
+      const sim::DrawnTiles drawn = drape.drawn(frame_view.mesh_version, frame_view.weight);
       if (++frames % 3 != 0 || !std::isfinite(stated_px)) return;
       const proto::View view{frame_view.pose, client.request.lens, 1};
       const proto::LatticePosition eye = frame.toLattice(view.pose.eye);
@@ -155,7 +155,7 @@ TEST(Tiles, DoNotMakeKeyframesLate) {
     client.down.bytes_per_second = 1.25e6;  // 10 Mbit/s
     world.addClient(client);
     std::vector<Duration> lateness;
-    world.on_keyframe = [&](size_t, const bench::ArrivedKeyframe& k) { lateness.push_back(k.lateness); };
+    world.on_keyframe = [&](size_t, const sim::ArrivedKeyframe& k) { lateness.push_back(k.lateness); };
     world.run(Time::seconds(11));
     EXPECT_EQ(world.report(), "");
     std::sort(lateness.begin(), lateness.end());

@@ -1,7 +1,5 @@
 #include "client/fly/net/web_socket_client.h"
 
-#include <openssl/ssl.h>
-
 #include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
@@ -9,8 +7,6 @@
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <deque>
 #include <iterator>
 #include <optional>
@@ -18,6 +14,7 @@
 
 #include "proto/message/message.h"
 #include "transport/transport.h"
+#include "transport/web_socket.h"
 
 namespace foreland::client {
 
@@ -71,9 +68,8 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
 struct WebSocketClient::Impl {
   asio::io_context io{1};
   asio::ssl::context tls{asio::ssl::context::tls_client};
-  // Replaced by open(). false: no permessage-deflate.
-  std::optional<beast::websocket::stream<transport::Transport, false>> stream;
-  std::string name;  // for messages
+  std::optional<transport::WebSocket> stream;  // replaced by open()
+  std::string name;                            // for messages
   beast::flat_buffer incoming;
   std::deque<Bytes> outgoing;  // the front one is being written
   const std::function<Status(ByteSpan)>* on_message = nullptr;
@@ -112,11 +108,11 @@ Status WebSocketClient::Impl::connectTo(const WebSocketUrl& url, std::chrono::mi
     else
       tls.load_verify_file(options.ca_file, error);
     if (error) return Error{ErrorCode::kInvalidArgument, "--ca '" + options.ca_file + "': " + error.message()};
-    stream.emplace(beast::tcp_stream(io), tls);
+    stream.emplace(transport::Transport(beast::tcp_stream(io), tls));
   } else {
-    stream.emplace(beast::tcp_stream(io));
+    stream.emplace(transport::Transport(beast::tcp_stream(io)));
   }
-  beast::tcp_stream& socket = beast::get_lowest_layer(*stream);
+  beast::tcp_stream& socket = stream->transport().next_layer();
   socket.expires_after(timeout);
   socket.async_connect(endpoints, [&](error_code e, const tcp::endpoint&) { error = e; });
   io.run();
@@ -129,10 +125,8 @@ Status WebSocketClient::Impl::connectTo(const WebSocketUrl& url, std::chrono::mi
 }
 
 Status WebSocketClient::Impl::startTls(const WebSocketUrl& url, const Options& options) {
-  transport::Transport::Tls& session = *stream->next_layer().tls();
-  SSL_set_tlsext_host_name(session.native_handle(), url.host.c_str());
   error_code error;
-  session.async_handshake(asio::ssl::stream_base::client, [&](error_code e) { error = e; });
+  stream->transport().handshakeAsClient(url.host, [&](error_code e) { error = e; });
   io.run();
   io.restart();
   if (!error) return {};
@@ -142,28 +136,19 @@ Status WebSocketClient::Impl::startTls(const WebSocketUrl& url, const Options& o
 
 Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout,
                                          const Options& options) {
-  beast::get_lowest_layer(*stream).expires_never();
-  auto limits = beast::websocket::stream_base::timeout::suggested(beast::role_type::client);
-  limits.handshake_timeout = timeout;
-  stream->set_option(limits);
-  if (!options.token.empty())
-    stream->set_option(
-        beast::websocket::stream_base::decorator([token = options.token](beast::websocket::request_type& request) {
-          request.set(beast::http::field::authorization, "Bearer " + token);
-        }));
-  stream->read_message_max(proto::kMaxServerMessageBytes);
-  stream->binary(true);
-  stream->auto_fragment(false);
+  stream->transport().next_layer().expires_never();
+  stream->setLimits({.handshake_timeout = timeout, .max_message_bytes = proto::kMaxServerMessageBytes, .pings = true});
+  const std::string authorization = options.token.empty() ? "" : "Bearer " + options.token;
   error_code error;
-  beast::websocket::response_type response;
-  stream->async_handshake(response, url.host + ":" + url.port, url.target, [&](error_code e) { error = e; });
+  unsigned status = 0;
+  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, status, [&](error_code e) { error = e; });
   io.run();
   io.restart();
   if (!error) return {};
-  const bool is_answer = response.result_int() != 0 && response.result_int() != 101;
+  const bool is_answer = status != 0 && status != 101;
   return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
-                                   (is_answer ? " (HTTP " + std::to_string(response.result_int()) + ")" : "") +
-                                   (response.result_int() == 401 ? "; give a valid token with --token" : "")};
+                                   (is_answer ? " (HTTP " + std::to_string(status) + ")" : "") +
+                                   (status == 401 ? "; give a valid token with --token" : "")};
 }
 
 void WebSocketClient::Impl::fail(const error_code& error) {
@@ -178,7 +163,7 @@ void WebSocketClient::Impl::fail(const error_code& error) {
 }
 
 void WebSocketClient::Impl::read() {
-  stream->async_read(incoming, [this](error_code error, size_t) {
+  stream->read(incoming, [this](error_code error, size_t) {
     if (error) return fail(error);
     const auto bytes = incoming.cdata();
     const Status taken = (*on_message)({static_cast<const uint8_t*>(bytes.data()), bytes.size()});
@@ -193,7 +178,7 @@ void WebSocketClient::Impl::read() {
 }
 
 void WebSocketClient::Impl::write() {
-  stream->async_write(asio::buffer(outgoing.front()), [this](error_code error, size_t) {
+  stream->write(asio::buffer(outgoing.front()), [this](error_code error, size_t) {
     if (error) return;  // reading reports the loss, after what still came in
     outgoing.pop_front();
     if (!outgoing.empty()) write();
@@ -238,7 +223,7 @@ void WebSocketClient::close() try {
   if (impl_->failure) return;
   const std::function<Status(ByteSpan)> ignore = [](ByteSpan) { return Status(); };
   impl_->on_message = &ignore;
-  impl_->stream->async_close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
+  impl_->stream->close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
   impl_->io.restart();
   impl_->io.run_for(std::chrono::seconds(1));
   impl_->failure = Error{ErrorCode::kIo, impl_->name + ": closed"};

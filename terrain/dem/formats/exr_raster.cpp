@@ -21,7 +21,7 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr int64_t kMaxSide = int64_t{1} << 20;
+constexpr int64_t kMaxExrSide = int64_t{1} << 20;
 
 class ExrRaster final : public Raster {
  public:
@@ -86,9 +86,9 @@ void ExrRaster::readSpacing() {
 Status ExrRaster::init(const OpenOptions& options) {
   window_ = file_.header().dataWindow();
   const int64_t w = int64_t{window_.max.x} - window_.min.x + 1, h = int64_t{window_.max.y} - window_.min.y + 1;
-  if (w < 2 || h < 2 || w > kMaxSide || h > kMaxSide)
+  if (w < 2 || h < 2 || w > kMaxExrSide || h > kMaxExrSide)
     return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: {} x {} samples; a terrain has 2 to {} a side", info_.name, w, h, kMaxSide)};
+                 fmt::format("{}: {} x {} samples; a terrain has 2 to {} a side", info_.name, w, h, kMaxExrSide)};
   info_.width = static_cast<uint32_t>(w);
   info_.height = static_cast<uint32_t>(h);
   if (Status s = pickChannel(); !s.ok()) return s;

@@ -21,13 +21,13 @@ namespace foreland::terrain {
 
 namespace {
 
-struct CloseDataset {
+struct CloseRaster {
   void operator()(void* dataset) const {
     const GdalMessages silence;
     GDALClose(dataset);
   }
 };
-using Dataset = std::unique_ptr<void, CloseDataset>;
+using Dataset = std::unique_ptr<void, CloseRaster>;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),

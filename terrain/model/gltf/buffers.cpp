@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kMaxUnbacked = 1u << 20;  // elements that are zero because no view holds them
 
-Error malformed(std::string what) { return {ErrorCode::kMalformed, std::move(what)}; }
+Error malformedBuffer(std::string what) { return {ErrorCode::kMalformed, std::move(what)}; }
 
 std::string nameOf(const char* array, uint32_t index) { return std::string(array) + "[" + std::to_string(index) + "]"; }
 
@@ -73,10 +73,10 @@ Result<ByteSpan> GltfBuffers::buffer(uint32_t buffer) {
     }
     bytes = *buffers_[buffer];
   } else if (buffer != 0) {
-    return malformed(nameOf("buffers", buffer) + " has no data; export the model again");
+    return malformedBuffer(nameOf("buffers", buffer) + " has no data; export the model again");
   }
   if (about.bytes > bytes.size())
-    return malformed(nameOf("buffers", buffer) + " promises " + std::to_string(about.bytes) + " bytes, but has " +
+    return malformedBuffer(nameOf("buffers", buffer) + " promises " + std::to_string(about.bytes) + " bytes, but has " +
                      std::to_string(bytes.size()) + "; copy or export the model again");
   return bytes.first(about.bytes);
 }
@@ -85,7 +85,7 @@ Result<ByteSpan> GltfBuffers::slice(uint32_t buffer_index, uint64_t offset, uint
   const auto whole = buffer(buffer_index);
   if (!whole.ok()) return whole;
   if (offset > whole->size() || bytes > whole->size() - offset)
-    return malformed("has a view beyond the end of " + nameOf("buffers", buffer_index) + "; export the model again");
+    return malformedBuffer("has a view beyond the end of " + nameOf("buffers", buffer_index) + "; export the model again");
   return whole->subspan(offset, bytes);
 }
 
@@ -114,7 +114,7 @@ Status GltfBuffers::forNumbers(const GltfElements& elements, uint32_t components
                                                            : element;
   if (elements.offset > bytes->size() || element > bytes->size() - elements.offset ||
       (elements.count - 1) > (bytes->size() - elements.offset - element) / stride)
-    return malformed("reaches beyond the end of " + nameOf("bufferViews", elements.view) + "; export the model again");
+    return malformedBuffer("reaches beyond the end of " + nameOf("bufferViews", elements.view) + "; export the model again");
   for (uint64_t i = 0; i < elements.count; ++i)
     for (uint32_t k = 0; k < components; ++k)
       take(i * components + k, numberAt(bytes->data() + elements.offset + i * stride + k * size, elements.type));
@@ -123,7 +123,7 @@ Status GltfBuffers::forNumbers(const GltfElements& elements, uint32_t components
 
 Status GltfBuffers::overwrite(const GltfAccessor& accessor, std::vector<double>& values) {
   if (accessor.places.view == kNoIndex || accessor.values.view == kNoIndex)
-    return malformed("has sparse values without a view; export the model again");
+    return malformedBuffer("has sparse values without a view; export the model again");
   std::vector<double> places(accessor.places.count), changed(accessor.places.count * accessor.components);
   Status status = forNumbers(accessor.places, 1, [&](uint64_t i, double value) { places[i] = value; });
   if (!status.ok()) return status;
@@ -131,7 +131,7 @@ Status GltfBuffers::overwrite(const GltfAccessor& accessor, std::vector<double>&
   if (!status.ok()) return status;
   for (uint64_t i = 0; i < places.size(); ++i) {
     if (!(places[i] >= 0 && places[i] < static_cast<double>(accessor.elements.count)))
-      return malformed("has a sparse value for an element that does not exist; export the model again");
+      return malformedBuffer("has a sparse value for an element that does not exist; export the model again");
     std::copy_n(changed.begin() + static_cast<ptrdiff_t>(i * accessor.components), accessor.components,
                 values.begin() + static_cast<ptrdiff_t>(static_cast<uint64_t>(places[i]) * accessor.components));
   }
@@ -145,12 +145,12 @@ Result<std::vector<double>> GltfBuffers::raw(uint32_t accessor) {
   };
   const bool is_backed = about.elements.view != kNoIndex;
   if (!is_backed && about.elements.count > kMaxUnbacked)
-    return fail(malformed("has more than 1048576 elements, but no data; export the model again"));
+    return fail(malformedBuffer("has more than 1048576 elements, but no data; export the model again"));
   if (is_backed) {  // before memory is allocated
     const auto bytes = view(about.elements.view);
     if (!bytes.ok()) return fail(bytes.error());
     if (about.elements.count > bytes->size())
-      return fail(malformed("has more elements than its view has bytes; export the model again"));
+      return fail(malformedBuffer("has more elements than its view has bytes; export the model again"));
   }
   std::vector<double> values(about.elements.count * about.components);
   if (is_backed) {
@@ -175,7 +175,7 @@ Result<std::vector<double>> GltfBuffers::numbers(uint32_t accessor) {
 Result<std::vector<uint32_t>> GltfBuffers::indices(uint32_t accessor) {
   const GltfAccessor& about = document_.accessors[accessor];
   if (about.components != 1 || about.elements.type == GltfType::kFloat)
-    return malformed(nameOf("accessors", accessor) +
+    return malformedBuffer(nameOf("accessors", accessor) +
                      " is used as indices, but holds no whole numbers; export the model again");
   const auto values = raw(accessor);
   if (!values.ok()) return values.error();

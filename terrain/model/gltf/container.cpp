@@ -9,10 +9,10 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
+constexpr size_t kContainerHeaderBytes = 12, kChunkHeaderBytes = 8;
 constexpr uint32_t kMagic = 0x46546c67, kJson = 0x4e4f534a, kBinary = 0x004e4942;  // "glTF", "JSON", "BIN"
 
-Error malformed(std::string what) { return {ErrorCode::kMalformed, std::move(what)}; }
+Error malformedContainer(std::string what) { return {ErrorCode::kMalformed, std::move(what)}; }
 
 uint32_t wordAt(ByteSpan bytes, size_t at) {
   uint32_t word = 0;
@@ -24,20 +24,20 @@ uint32_t wordAt(ByteSpan bytes, size_t at) {
 Result<ByteSpan> takeChunk(ByteSpan& bytes, uint32_t kind) {
   if (bytes.size() < kChunkHeaderBytes || wordAt(bytes, 4) != kind) return ByteSpan();
   const uint64_t size = wordAt(bytes, 0);
-  if (size > bytes.size() - kChunkHeaderBytes) return malformed("is cut short; copy or export it again");
+  if (size > bytes.size() - kChunkHeaderBytes) return malformedContainer("is cut short; copy or export it again");
   const ByteSpan chunk = bytes.subspan(kChunkHeaderBytes, size);
   bytes = bytes.subspan(kChunkHeaderBytes + std::min<uint64_t>((size + 3) / 4 * 4, bytes.size() - kChunkHeaderBytes));
   return chunk;
 }
 
 Status splitBinary(ByteSpan bytes, ByteSpan& text, ByteSpan& buffer) {
-  if (bytes.size() < kHeaderBytes) return malformed("is cut short; copy or export it again");
+  if (bytes.size() < kContainerHeaderBytes) return malformedContainer("is cut short; copy or export it again");
   if (wordAt(bytes, 4) != 2)
     return Error{ErrorCode::kUnsupported,
                  "is binary glTF of version " + std::to_string(wordAt(bytes, 4)) + "; export it as glTF 2.0"};
   const uint64_t size = wordAt(bytes, 8);
-  if (size > bytes.size() || size < kHeaderBytes) return malformed("is cut short; copy or export it again");
-  ByteSpan rest = bytes.subspan(kHeaderBytes, size - kHeaderBytes);
+  if (size > bytes.size() || size < kContainerHeaderBytes) return malformedContainer("is cut short; copy or export it again");
+  ByteSpan rest = bytes.subspan(kContainerHeaderBytes, size - kContainerHeaderBytes);
   const auto json = takeChunk(rest, kJson);
   if (!json.ok()) return json.error();
   const auto binary = takeChunk(rest, kBinary);
@@ -56,7 +56,7 @@ Result<GltfContainer> parseGltfContainer(ByteSpan bytes) {
   constexpr auto kNoCallback = nullptr;
   constexpr bool kThrows = false;
   made.json = nlohmann::json::parse(text.begin(), text.end(), kNoCallback, kThrows);
-  if (!made.json.is_object()) return malformed("is no glTF file: its JSON is broken; export the model again");
+  if (!made.json.is_object()) return malformedContainer("is no glTF file: its JSON is broken; export the model again");
   return made;
 }
 

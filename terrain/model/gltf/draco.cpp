@@ -13,7 +13,7 @@ namespace foreland::terrain {
 
 namespace {
 
-Error refused(const std::string& what) {
+Error refusedDraco(const std::string& what) {
   return {ErrorCode::kMalformed, "has Draco data " + what + "; export the model again"};
 }
 
@@ -24,7 +24,7 @@ Result<std::vector<double>> readAttribute(const draco::Mesh& mesh, const draco::
   for (uint32_t i = 0; i < mesh.num_points(); ++i) {
     const draco::AttributeValueIndex at = attribute.mapped_index(draco::PointIndex(i));
     if (at.value() >= attribute.size() || !attribute.ConvertValue(at, &values[uint64_t{i} * components]))
-      return refused("in which a point has no value");
+      return refusedDraco("in which a point has no value");
   }
   return values;
 }
@@ -33,7 +33,7 @@ Result<DracoMesh> unpack(ByteSpan bytes, const std::map<std::string, uint32_t>& 
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) return refused("that is damaged (" + decoded.status().error_msg_string() + ")");
+  if (!decoded.ok()) return refusedDraco("that is damaged (" + decoded.status().error_msg_string() + ")");
   const draco::Mesh& mesh = *decoded.value();
   if (mesh.num_points() > kMaxModelVertices || mesh.num_faces() > kMaxModelVertices)
     return Error{ErrorCode::kLimit, "has more than 134217728 vertices; simplify the model"};
@@ -45,7 +45,7 @@ Result<DracoMesh> unpack(ByteSpan bytes, const std::map<std::string, uint32_t>& 
   }
   for (const auto& [name, id] : attributes) {
     const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
-    if (attribute == nullptr || attribute->num_components() < 1) return refused("without its attribute " + name);
+    if (attribute == nullptr || attribute->num_components() < 1) return refusedDraco("without its attribute " + name);
     auto values = readAttribute(mesh, *attribute);
     if (!values.ok()) return values.error();
     made.components[name] = static_cast<uint32_t>(attribute->num_components());
@@ -60,7 +60,7 @@ Result<DracoMesh> unpackDraco(ByteSpan bytes, const std::map<std::string, uint32
   try {
     return unpack(bytes, attributes);
   } catch (const std::exception&) {  // of vectors of absurd sizes
-    return refused("that promises more than memory can hold");
+    return refusedDraco("that promises more than memory can hold");
   }
 }
 

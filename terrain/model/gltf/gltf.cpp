@@ -26,12 +26,12 @@ namespace {
 using glm::dmat4;
 using glm::dvec4;
 
-uint8_t toByte(double share) { return static_cast<uint8_t>(std::lround(share * 255)); }
+uint8_t byteOf(double share) { return static_cast<uint8_t>(std::lround(share * 255)); }
 
 Colour toColour(const dvec4& linear) {
   const double alpha = linear.a > 0 ? std::min(linear.a, 1.0) : 0;
-  return {toByte(srgbOfLinear(linear.r)), toByte(srgbOfLinear(linear.g)), toByte(srgbOfLinear(linear.b)),
-          toByte(alpha)};
+  return {byteOf(srgbOfLinear(linear.r)), byteOf(srgbOfLinear(linear.g)), byteOf(srgbOfLinear(linear.b)),
+          byteOf(alpha)};
 }
 
 class GltfBuilder {

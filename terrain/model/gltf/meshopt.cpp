@@ -12,7 +12,7 @@ namespace {
 // The codec needs at least 4 bytes for 256 vertices of each byte of the stride, and a byte for an index.
 constexpr uint64_t kMostShrunk = 64;
 
-Error refused(std::string what) {
+Error refusedMeshopt(std::string what) {
   return {ErrorCode::kMalformed, "has meshopt data " + std::move(what) + "; export the model again"};
 }
 
@@ -24,12 +24,12 @@ Status checkStride(const GltfMeshopt& p) {
                            (is_vertices && ((p.filter == "OCTAHEDRAL" && (p.stride == 4 || p.stride == 8)) ||
                                             (p.filter == "QUATERNION" && p.stride == 8) || p.filter == "EXPONENTIAL"));
   if (fits_mode && fits_filter) return {};
-  return refused("of the mode '" + p.mode.substr(0, 20) + "', the filter '" + p.filter.substr(0, 20) + "', " +
+  return refusedMeshopt("of the mode '" + p.mode.substr(0, 20) + "', the filter '" + p.filter.substr(0, 20) + "', " +
                  std::to_string(p.count) + " elements and " + std::to_string(p.stride) +
                  " bytes each, which do not go together");
 }
 
-int decode(const GltfMeshopt& p, ByteSpan bytes, Bytes& out) {
+int decodeMeshopt(const GltfMeshopt& p, ByteSpan bytes, Bytes& out) {
   if (p.mode == "ATTRIBUTES")
     return meshopt_decodeVertexBuffer(out.data(), p.count, p.stride, bytes.data(), bytes.size());
   if (p.mode == "TRIANGLES")
@@ -47,13 +47,13 @@ void applyFilter(const GltfMeshopt& p, Bytes& out) {
 
 Result<Bytes> unpackMeshopt(const GltfMeshopt& packed, ByteSpan bytes) {
   if (packed.mode != "ATTRIBUTES" && packed.mode != "TRIANGLES" && packed.mode != "INDICES")
-    return refused("of the unknown mode '" + packed.mode.substr(0, 20) + "'");
+    return refusedMeshopt("of the unknown mode '" + packed.mode.substr(0, 20) + "'");
   if (Status status = checkStride(packed); !status.ok()) return status.error();
   if (packed.count > kMaxModelVertices * 3 || packed.count * packed.stride / kMostShrunk > bytes.size())
-    return refused("that promises " + std::to_string(packed.count) + " elements, more than its bytes can hold");
+    return refusedMeshopt("that promises " + std::to_string(packed.count) + " elements, more than its bytes can hold");
   Bytes out(packed.count * packed.stride);
   if (packed.count == 0) return out;
-  if (decode(packed, bytes, out) != 0) return refused("that is damaged");
+  if (decodeMeshopt(packed, bytes, out) != 0) return refusedMeshopt("that is damaged");
   applyFilter(packed, out);
   return out;
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint32_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-Error malformed(std::string what) { return {ErrorCode::kMalformed, std::move(what) + "; export the model again"}; }
+Error malformedPrimitive(std::string what) { return {ErrorCode::kMalformed, std::move(what) + "; export the model again"}; }
 
 // The numbers of an attribute, and how many each element has.
 struct Attribute {
@@ -34,7 +34,7 @@ class PrimitiveReader {
          {std::tuple("POSITION", 3u, &made_.positions), std::tuple(uv.c_str(), 2u, &made_.texture_coordinates),
           std::tuple("COLOR_0", 4u, &made_.colours)})
       if (Status status = take(name, wanted, *out); !status.ok()) return status.error();
-    if (made_.positions.empty()) return malformed("has no positions");
+    if (made_.positions.empty()) return malformedPrimitive("has no positions");
     if (Status status = readFaces(); !status.ok()) return status.error();
     return std::move(made_);
   }
@@ -71,11 +71,11 @@ class PrimitiveReader {
     if (read->numbers.empty()) return {};
     const bool lacks_alpha = wanted == 4 && read->components == 3;
     if (read->components != wanted && !lacks_alpha)
-      return malformed(std::string(name) + " has " + std::to_string(read->components) + " components instead of " +
+      return malformedPrimitive(std::string(name) + " has " + std::to_string(read->components) + " components instead of " +
                        std::to_string(wanted));
     const size_t count = read->numbers.size() / read->components;
     if (!made_.positions.empty() && count != made_.count())
-      return malformed(std::string(name) + " has " + std::to_string(count) + " elements, but there are " +
+      return malformedPrimitive(std::string(name) + " has " + std::to_string(count) + " elements, but there are " +
                        std::to_string(made_.count()) + " positions");
     if (!lacks_alpha) return out = std::move(read->numbers), Status();
     for (size_t i = 0; i < count; ++i)
@@ -100,14 +100,14 @@ class PrimitiveReader {
     for (const auto& face : made_.faces)
       for (const uint32_t v : face)
         if (v >= made_.count())
-          return malformed("names vertex " + std::to_string(v) + ", but there are only " +
+          return malformedPrimitive("names vertex " + std::to_string(v) + ", but there are only " +
                            std::to_string(made_.count()));
     return {};
   }
   Status assemble(const std::vector<uint32_t>& order) {
     const size_t size = order.size();
     if (primitive_.mode == kTriangles && size % 3 != 0)
-      return malformed("has " + std::to_string(size) + " corners, which are no triangles");
+      return malformedPrimitive("has " + std::to_string(size) + " corners, which are no triangles");
     const size_t step = primitive_.mode == kTriangles ? 3 : 1;
     for (size_t i = 0; i + 2 < size; i += step) {
       const bool is_odd = primitive_.mode == kStrip && i % 2 == 1;

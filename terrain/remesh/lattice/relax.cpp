@@ -17,7 +17,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint64_t kChunk = 256;    // vertices of a piece of work
+constexpr uint64_t kVerticesAtOnce = 256;    // vertices of a piece of work
 constexpr double kSoftness = 0.05;  // area, relative to the wanted one, at which the penalty for folding sets in
 constexpr double kSizeWeight = 1;   // of a triangle's size relative to its shape
 constexpr double kCrushed = 0.02;   // relative area below which a triangle counts as folded
@@ -105,9 +105,9 @@ class Relaxer {
     const auto colours = findColours(wedges_, embedding_.constraints);
     for (int round = 0; round < options.rounds; ++round)
       for (const auto& vertices : colours)
-        parallelFor((vertices.size() + kChunk - 1) / kChunk, options.threads,
+        parallelFor((vertices.size() + kVerticesAtOnce - 1) / kVerticesAtOnce, options.threads,
                     [&](uint64_t chunk, unsigned) {
-                      for (uint64_t i = chunk * kChunk; i < std::min<uint64_t>(vertices.size(), (chunk + 1) * kChunk);
+                      for (uint64_t i = chunk * kVerticesAtOnce; i < std::min<uint64_t>(vertices.size(), (chunk + 1) * kVerticesAtOnce);
                            ++i)
                         improve(vertices[i]);
                     },

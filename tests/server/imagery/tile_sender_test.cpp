@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "server/view/ground.h"
-#include "terrain/build/build.h"
+#include "terrain/pipeline/build.h"
 #include "tests/support/formula_picture.h"
 #include "tests/support/scene.h"
 

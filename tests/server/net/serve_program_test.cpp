@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "proto/message/message.h"
-#include "terrain/build/build.h"
+#include "terrain/pipeline/build.h"
 #include "tests/server/net/client.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "bench/oracle/epoch_shares.h"
+#include "oracle/epoch_shares.h"
 #include "tests/support/height_field.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
@@ -180,7 +180,7 @@ TEST_P(Hidden, BlocksOfMovingGroundCannotBeSeenAtAnyTime) {
       ++hidden;
       for (int sample = 0; sample < 12; ++sample) {
         const Time at{static_cast<int64_t>(rng.uniform(0, static_cast<double>(epochs.last().us)))};
-        const foreland::test::HeightField field(ground.hierarchy, bench::epochShares(dates, blend, at));
+        const foreland::test::HeightField field(ground.hierarchy, oracle::epochShares(dates, blend, at));
         const double sx = BlockId::kSide * (block.x + rng.uniform()), sy = BlockId::kSide * (block.y + rng.uniform());
         const glm::dvec3 point =
             ground.hierarchy.frame().transform().toScene(proto::LatticePosition{sx, sy, field.at(sx, sy)});

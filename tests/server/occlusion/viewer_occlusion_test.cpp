@@ -88,18 +88,18 @@ class Flight {
   proto::Path path_{server::at(-1), server::at(1) - server::at(0), {}};
 };
 
-enum class Behind { kRays, kHorizons };
+enum class BehindRidge { kRays, kHorizons };
 
-SceneOcclusion occlusionOf(const Hierarchy& hierarchy, Behind behind) {
+SceneOcclusion occlusionOf(const Hierarchy& hierarchy, BehindRidge behind) {
   SceneOcclusion scene{BlockTops(hierarchy), nullptr, nullptr};
-  if (behind == Behind::kHorizons) scene.grid = HorizonGrid::of(hierarchy);
-  if (behind == Behind::kRays) scene.occluder = Occluder::create(hierarchy).value();
+  if (behind == BehindRidge::kHorizons) scene.grid = HorizonGrid::of(hierarchy);
+  if (behind == BehindRidge::kRays) scene.occluder = Occluder::create(hierarchy).value();
   return scene;
 }
 
 struct Guess {
   proto::FrameKind frame;
-  Behind behind;
+  BehindRidge behind;
   double error_m, speed;
 };
 
@@ -140,11 +140,11 @@ TEST_P(Viewer, CallsHiddenWhatIsHiddenFromTheWholeRegion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Guesses, Viewer,
-                         testing::Values(Guess{proto::FrameKind::kPlanar, Behind::kHorizons, 0, 0.4},
-                                         Guess{proto::FrameKind::kPlanar, Behind::kHorizons, 2, 0.4},
-                                         Guess{proto::FrameKind::kGeographic, Behind::kHorizons, 0, 0.02},
-                                         Guess{proto::FrameKind::kGeographic, Behind::kHorizons, 0.5, 0.02},
-                                         Guess{proto::FrameKind::kGeographic, Behind::kRays, 0, 0.02}));
+                         testing::Values(Guess{proto::FrameKind::kPlanar, BehindRidge::kHorizons, 0, 0.4},
+                                         Guess{proto::FrameKind::kPlanar, BehindRidge::kHorizons, 2, 0.4},
+                                         Guess{proto::FrameKind::kGeographic, BehindRidge::kHorizons, 0, 0.02},
+                                         Guess{proto::FrameKind::kGeographic, BehindRidge::kHorizons, 0.5, 0.02},
+                                         Guess{proto::FrameKind::kGeographic, BehindRidge::kRays, 0, 0.02}));
 
 // The camera is expected to fly on at its height, but rises all of a sudden.
 TEST(ViewerOcclusion, ForgetsProofsOfEyesThatAreElsewhere) {

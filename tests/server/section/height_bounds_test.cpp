@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "bench/oracle/epoch_shares.h"
+#include "oracle/epoch_shares.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 
@@ -45,9 +45,9 @@ TEST_P(Bounds, HoldTheGroundAtAllTimes) {
   const std::vector<Time> dates = datesOf(hierarchy);
   std::vector<std::vector<double>> times, epochs;
   for (int i = 0; i < 40; ++i)
-    times.push_back(bench::epochShares(
+    times.push_back(oracle::epochShares(
         dates, GetParam(), Time{static_cast<int64_t>(rng.uniform(0, static_cast<double>(dates.back().us)))}));
-  for (const Time date : dates) epochs.push_back(bench::epochShares(dates, proto::EpochBlend::kLinear, date));
+  for (const Time date : dates) epochs.push_back(oracle::epochShares(dates, proto::EpochBlend::kLinear, date));
   uint64_t moving = 0, outside = 0, loose = 0;
   for (uint32_t y = 0; y <= hierarchy.grid().maxY(); ++y)
     for (uint32_t x = 0; x <= hierarchy.grid().maxX(); ++x) {

@@ -14,7 +14,7 @@
 #include <set>
 
 #include "apps/exact_sections.h"
-#include "bench/oracle/drawn_surface.h"
+#include "oracle/drawn_surface.h"
 #include "terrain/render/exr.h"
 #include "terrain/render/screen_image.h"
 #include "tests/support/exr_channel.h"
@@ -49,7 +49,7 @@ struct Truth {
 
   terrain::DrawnSurface sectionFor(const Camera& camera, double tau_px) const {
     const auto section_at = apps::exactSections(scene, server::objectsOf(scene).value());
-    return bench::drawnSurface(*section_at({.pose = camera.pose, .lens = camera.lens, .tau_px = tau_px}), 1);
+    return oracle::drawnSurface(*section_at({.pose = camera.pose, .lens = camera.lens, .tau_px = tau_px}), 1);
   }
   terrain::PixelErrors errorsAt(const Camera& camera, double tau_px) const {
     return terrain::measureErrors(caster, *terrain::ParameterLookup::of(sectionFor(camera, tau_px)), camera);

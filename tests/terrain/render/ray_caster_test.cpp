@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "bench/oracle/drawn_surface.h"
-#include "bench/oracle/epoch_shares.h"
-#include "bench/oracle/scene_truth.h"
+#include "oracle/drawn_surface.h"
+#include "oracle/epoch_shares.h"
+#include "oracle/scene_truth.h"
 #include "proto/space/frame_grid.h"
 #include "terrain/render/parameter_lookup.h"
 #include "tests/support/hand_mesh.h"
@@ -141,7 +141,7 @@ TEST_P(RayCasterFrames, FindsTheGroundOfASceneTime) {
   for (const proto::EpochBlend blend :
        {proto::EpochBlend::kLinear, proto::EpochBlend::kCatmullRom, proto::EpochBlend::kBSpline}) {
     const auto scene = makeMovingScene(70, 53, 11, 4, GetParam(), blend);
-    const bench::Truth truth = bench::truthOf(scene);
+    const oracle::Truth truth = oracle::truthOf(scene);
     for (const double at : {-0.1, 0.0, 0.13, 0.5, 0.71, 1.0, 1.2}) {
       const Time time =
           truth.epochs.front() +
@@ -150,7 +150,7 @@ TEST_P(RayCasterFrames, FindsTheGroundOfASceneTime) {
       ASSERT_TRUE(caster.ok());
       SCOPED_TRACE(testing::Message() << "blend " << static_cast<int>(blend) << ", " << at << " of the time");
       expectWhatTryingEveryTriangleFinds(
-          *scene, *caster, finestTriangles(*scene, bench::epochShares(truth.epochs, truth.blend, time)), 12, 300);
+          *scene, *caster, finestTriangles(*scene, oracle::epochShares(truth.epochs, truth.blend, time)), 12, 300);
       if (HasFatalFailure()) return;
     }
   }
@@ -263,7 +263,7 @@ TEST(DrawnSurface, IsCastAndLookedUpAtItsWeight) {
   client::KeyframeMesh mesh = flatMesh(1, 8);
   mesh.origin = {1000, 2000, 300};
   for (glm::vec4& p : mesh.to_positions) p.z = 4;
-  const terrain::DrawnSurface drawn = bench::drawnSurface(mesh, 0.25);
+  const terrain::DrawnSurface drawn = oracle::drawnSurface(mesh, 0.25);
   const auto caster = RayCaster::ofSurface(drawn);
   const auto lookup = terrain::ParameterLookup::of(drawn);
   ASSERT_TRUE(caster.ok() && lookup.ok());

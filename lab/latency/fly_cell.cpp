@@ -1,0 +1,111 @@
+#include "lab/latency/fly_cell.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "oracle/lod_motion.h"
+#include "sim/world.h"
+
+namespace foreland::lab {
+
+namespace {
+
+sim::ClientOptions clientOf(const LatencyFlight& flight, const LatencyCell& cell) {
+  sim::ClientOptions client;
+  client.request.lens = flight.lens;
+  client.request.tau_px = cell.tau_px;
+  client.request.strategy = cell.strategy;
+  client.request.predictor = cell.predictor;
+  client.request.keyframe_interval = cell.keyframes.shortest;
+  client.request.longest_interval = cell.keyframes.longest;
+  client.path = flight.path;
+  client.announce_path = cell.strategy == proto::Strategy::kPredict && cell.predictor == proto::Predictor::kKnownPath;
+  sim::LinkPair links = sim::fixedLink(Duration::seconds(1e-3 * cell.round_trip_ms));
+  if (cell.link == "trace") links = *flight.trace;
+  if (cell.link != "trace" && cell.link != "fixed") links = sim::linkNamed(cell.link)->links();
+  client.up = links.up;
+  client.down = links.down;
+  return client;
+}
+
+// Watches one flight and keeps what is measured of it.
+class Recorder {
+ public:
+  Recorder(const LatencyFlight& flight, const LatencyCell& cell, oracle::Oracle& oracle)
+      : flight_(flight),
+        begin_(flight.path.start + kRunIn),
+        end_(begin_ + Duration::seconds(flight.seconds)),
+        judge_({flight.world, &flight.path, cell.strategy, flight.lens, cell.tau_px}, oracle) {
+    result_.cell = cell;
+  }
+
+  Time end() const { return end_; }
+  CellFlight take() { return std::move(result_); }
+
+  void onFrame(const client::FrameView& view, Time now) {
+    const bool is_next = last_version_ == view.mesh_version;
+    if (now >= begin_ && now < end_) {
+      if (flight_.judged.has(result_.shown.count)) {
+        result_.frames.push_back(judge_.judge(view, now));
+        if (is_next) result_.frames.back().lod_motion_px = lodMotion(view, now);
+      }
+      result_.shown.add(view, now);
+    }
+    last_version_ = view.mesh_version;
+    last_weight_ = view.weight;
+    last_frame_ = now;
+  }
+
+  void onKeyframe(const sim::ArrivedKeyframe& k) {
+    if (k.at < begin_ || k.at >= end_) return;
+    result_.keyframes.push_back({(k.at - flight_.path.start).toSeconds(), k.bytes, k.lateness.toMilliseconds(),
+                                 k.computed.toMilliseconds(), k.work});
+  }
+
+ private:
+  double lodMotion(const client::FrameView& view, Time now) {
+    moved_px_.clear();
+    oracle::collectLodMotion(*view.mesh, {last_weight_, view.weight}, view.pose, flight_.lens, moved_px_);
+    const double most = moved_px_.empty() ? 0 : *std::max_element(moved_px_.begin(), moved_px_.end());
+    return most / (60 * (now - last_frame_).toSeconds());
+  }
+
+  const LatencyFlight& flight_;
+  Time begin_, end_;
+  FrameJudge judge_;
+  CellFlight result_;
+  uint32_t last_version_ = 0;
+  double last_weight_ = 0;
+  Time last_frame_;
+  std::vector<double> moved_px_;
+};
+
+}  // namespace
+
+void ShownFrames::add(const client::FrameView& view, Time now) {
+  const double frame_delay_ms = (now - view.shown_time).toMilliseconds();
+  ++count;
+  outside += std::isinf(view.tolerance_px) ? 1 : 0;
+  triangles += view.mesh->triangleCount();
+  delay_ms += frame_delay_ms;
+  delay_max_ms = std::max(delay_max_ms, frame_delay_ms);
+}
+
+CellFlight flyCell(const LatencyFlight& flight, const LatencyCell& cell, oracle::Oracle& oracle) {
+  const sim::ComputeTime compute = [&prices = flight.prices](const sim::StepWork& work) { return prices.of(work); };
+  sim::World world(flight.world, {}, compute, flight.seed, sim::Laws::kTrusted);
+  world.addClient(clientOf(flight, cell));
+  Recorder recorder(flight, cell, oracle);
+  world.on_frame = [&](size_t, const client::FrameView& view, Time now) { recorder.onFrame(view, now); };
+  world.on_keyframe = [&](size_t, const sim::ArrivedKeyframe& k) { recorder.onKeyframe(k); };
+  world.run(flight.path.start + kRunIn);
+  const client::ViewerStatistics before = world.viewer(0).statistics();
+  world.run(recorder.end());
+  const client::ViewerStatistics& after = world.viewer(0).statistics();
+  CellFlight result = recorder.take();
+  result.bytes_up = after.bytes_up - before.bytes_up;
+  result.bytes_down = after.bytes_down - before.bytes_down;
+  return result;
+}
+
+}  // namespace foreland::lab

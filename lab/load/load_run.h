@@ -1,0 +1,108 @@
+// One run of `foreland bench load`: many real sessions and the server's own queue of jobs in virtual time, on workers
+// whose time is priced (sim/compute_cost.h). What it leaves out of a server: sockets, and the few microseconds
+// that taking a message costs. Deterministic.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lab/load/cluster.h"
+#include "lab/load/viewer_tally.h"
+#include "lab/load/worker_queues.h"
+#include "server/session/session.h"
+#include "server/session/world.h"
+#include "sim/compute_cost.h"
+#include "sim/link_models.h"
+
+namespace foreland::lab {
+
+// fifo: in the order of release; edf: by deadline; least-laxity: by the time that is left; fair: by deadline, later for
+// who has used more than an even share (server/sched/debt.h).
+enum class LoadPolicy : uint8_t { kFifo, kEdf, kLeastLaxity, kFair };
+// When keyframes of different viewers are due: at once, at random, or evenly spread.
+enum class Phases : uint8_t { kSynchronised, kRandom, kStaggered };
+// Whether keyframes are begun as late as one alone could be, or early when several are due together (DeadlineQueue).
+enum class LoadStart : uint8_t { kLate, kEarly };
+// mixed: of 20 viewers 8 fly survey, 7 canyon and 2 spin, 1 jumps, 1 has a slow link, 1 is a hog. tours: of 20 viewers
+// 8 fly survey, 7 canyon, 2 spin and 3 orbit, all with the same link, screen and tolerance. survey: all fly it.
+enum class Mix : uint8_t { kMixed, kSurvey, kTours };
+
+const char* name(LoadPolicy policy);
+const char* name(Phases phases);
+const char* name(LoadStart start);
+const char* name(LoadQueues queues);
+Result<LoadPolicy> policyNamed(const std::string& name);
+Result<Phases> phasesNamed(const std::string& name);
+Result<LoadQueues> queuesNamed(const std::string& name);
+Result<Mix> mixNamed(const std::string& name);
+
+struct LoadOptions {
+  LoadPolicy policy = LoadPolicy::kEdf;
+  Phases phases = Phases::kRandom;
+  LoadStart start = LoadStart::kLate;
+  double slack_ms = server::SessionOptions{}.slack.toMilliseconds();  // with kEarly
+  LoadQueues queues = LoadQueues::kShared;
+  Mix mix = Mix::kMixed;
+  size_t viewers = 40, workers = 1;
+  double seconds = 10;  // measured, after the run-in
+  double run_in_s = 3;  // in which viewers come and get their first sections
+  double tau_px = 2, keyframe_ms = 200;
+  proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
+  sim::LinkPair links = sim::fixedLink(Duration::milliseconds(50));  // of all, but that one of 20 is slow
+  bool occlusion = false;  // viewers ask for it; the world must have what it needs
+  sim::ComputePrices prices{};
+  uint64_t seed = 1;
+  ClusterOptions cluster{};
+};
+// From when a viewer asks until it sends its first pose.
+inline constexpr Duration kFirstPose = Duration::milliseconds(1);
+inline constexpr Duration kUtilisationBin = Duration::milliseconds(20);
+
+struct LoadFigures {
+  uint64_t keyframes = 0, missed = 0, skipped = 0, late_at_viewers = 0;
+  uint64_t at_once = 0;  // keyframes after a jump, which have no deadline and are in none of the other figures
+  double missed_share = 0;
+  double lateness_p50_ms = 0, lateness_p99_ms = 0, lateness_max_ms = 0;  // of the end, after the deadline
+  double utilisation = 0, utilisation_peak = 0;  // the peak: in the busiest hundredth of the bins
+  double jain = 0;                               // fairness of keyframes in time over those asked for
+  double work_mean_ms = 0, work_p99_ms = 0;      // of a keyframe
+  double ahead_mean_ms = 0;                      // how much before its deadline a keyframe was begun
+  std::array<double, 7> shares{};  // of the priced time: keyframe, tested, changed, measured, bytes, resumed, hidden
+
+  template <class Visit>
+  void fields(const Visit& visit) const {
+    visit("keyframes", keyframes);
+    visit("missed", missed);
+    visit("missed_share", missed_share);
+    visit("at_once", at_once);
+    visit("skipped", skipped);
+    visit("late_at_viewers", late_at_viewers);
+    visit("lateness_p50_ms", lateness_p50_ms);
+    visit("lateness_p99_ms", lateness_p99_ms);
+    visit("lateness_max_ms", lateness_max_ms);
+    visit("utilisation", utilisation);
+    visit("utilisation_peak", utilisation_peak);
+    visit("jain", jain);
+    visit("work_mean_ms", work_mean_ms);
+    visit("work_p99_ms", work_p99_ms);
+    visit("ahead_mean_ms", ahead_mean_ms);
+    const char* const kShares[] = {"share_keyframe", "share_tested",  "share_changed", "share_measured",
+                                   "share_bytes",    "share_resumed", "share_hidden"};
+    for (size_t i = 0; i < shares.size(); ++i) visit(kShares[i], shares[i]);
+  }
+};
+
+struct LoadRun {
+  LoadOptions options;
+  LoadFigures figures;
+  std::vector<ViewerTally> viewers;
+  std::vector<double> used;           // share of the workers' time, bin by bin
+  std::vector<double> lateness_ms;    // of all keyframes, ascending
+  std::optional<ClusterRun> cluster;  // of several servers
+};
+
+LoadRun runLoad(const std::shared_ptr<const server::World>& world, const LoadOptions& options);
+
+}  // namespace foreland::lab

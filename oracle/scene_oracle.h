@@ -1,0 +1,47 @@
+// Judges all that is drawn of a scene, terrain and objects, as one: every sample of the terrain (oracle.h) and every
+// vertex of every object (surface/objects_oracle.h) that the camera sees.
+//
+// What is guaranteed differs: the terrain and the silhouettes of objects keep tau, the inside of objects an interior
+// tolerance that is a multiple of it. So that one figure can be compared with tau, errors inside objects count divided
+// by that multiple; their own values are reported as well.
+//
+// One owner. Cost: that of the two oracles.
+#pragma once
+
+#include "oracle/crack_checker.h"
+#include "oracle/oracle.h"
+#include "oracle/surface/objects_oracle.h"
+
+namespace foreland::oracle {
+
+struct SceneDeviation : Deviation {  // of everything: a sample is one of the terrain, or a vertex of an object
+  double silhouette_px = 0;          // largest on the silhouette of an object
+  double interior_px = 0;            // largest inside one, not divided
+  uint64_t object_vertices = 0;      // judged
+};
+
+class SceneOracle {
+ public:
+  explicit SceneOracle(Truth terrain, ObjectsTruth objects = {})
+      : frame_(terrain.frame), terrain_(std::move(terrain)), objects_(std::move(objects)) {}
+
+  // What is drawn is mix(from, to, weight).
+  SceneDeviation error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
+                       const proto::Lens& lens);
+  CrackReport findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const;
+
+  Oracle& terrain() { return terrain_; }
+  const ObjectsOracle& objects() const { return objects_; }
+
+ private:
+  // By object: how far the ground has carried it at the time shown, scene frame.
+  std::vector<glm::dvec3> carried() const;
+  // By model: how much each of its poses contributes at the time shown; empty if it has one.
+  std::vector<std::vector<double>> poseShares() const;
+
+  proto::FrameTransform frame_;
+  Oracle terrain_;
+  ObjectsOracle objects_;
+};
+
+}  // namespace foreland::oracle

@@ -1,0 +1,349 @@
+#include "terrain/pipeline/build.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+
+#include "terrain/bounds/bounds.h"
+#include "terrain/dem/voids/voids.h"
+#include "terrain/imagery/relief.h"
+#include "terrain/store/bilinear.h"
+#include "terrain/store/scene_writer.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+constexpr uint64_t kWindowSamples = 1u << 22;
+
+Error stopped() { return {ErrorCode::kIo, "stopped before the scene was complete; nothing was written"}; }
+
+// The heights of all samples, first in metres and then in quanta, in the same four bytes each: a raster of 16385 x
+// 16385 fits in memory once.
+class HeightRaster {
+ public:
+  explicit HeightRaster(size_t count) : count_(count), bytes_(new (std::nothrow) std::byte[count * sizeof(float)]) {
+    if (bytes_) metres_ = new (bytes_.get()) float[count];
+  }
+  bool allocated() const { return bytes_ != nullptr; }
+  std::span<float> metres() { return {metres_, count_}; }
+
+  // Replaces metres by quanta, so metres() must not be used afterwards. Error if a height does not fit.
+  Status quantise(double height_quantum_m, HeightRange& range) {
+    range = {proto::kMaxHeight, -proto::kMaxHeight};
+    for (size_t i = 0; i < count_; ++i) {
+      const auto value = quantised(metres_[i], height_quantum_m);
+      if (!value)
+        return Error{ErrorCode::kLimit, "a height of " + std::to_string(metres_[i]) + " m does not fit steps of " +
+                                            std::to_string(height_quantum_m) +
+                                            " m; use a larger --vertical-step or name the void value with --nodata"};
+      new (bytes_.get() + i * sizeof(float)) int32_t(*value);
+      range = {std::min(range.lowest, *value), std::max(range.highest, *value)};
+    }
+    return {};
+  }
+  std::span<const int32_t> quanta() const {
+    return {std::launder(reinterpret_cast<const int32_t*>(bytes_.get())), count_};
+  }
+
+ private:
+  size_t count_;
+  std::unique_ptr<std::byte[]> bytes_;
+  float* metres_ = nullptr;
+};
+
+Status readAll(ElevationSource& source, HeightRaster& raster, const Progress& progress) {
+  const ElevationInfo& info = source.info();
+  const auto window = static_cast<uint32_t>(std::max<uint64_t>(1, kWindowSamples / info.width));
+  progress.report("reading", 0);
+  for (uint32_t row = 0; row < info.height; row += window) {
+    if (!progress.keepGoing()) return stopped();
+    const uint32_t count = std::min(window, info.height - row);
+    const auto out =
+        raster.metres().subspan(static_cast<size_t>(row) * info.width, static_cast<size_t>(count) * info.width);
+    if (Status status = source.readRows(row, count, out); !status.ok()) return status;
+    progress.report("reading", static_cast<double>(row + count) / info.height);
+  }
+  return {};
+}
+
+Status fill(HeightRaster& raster, const ElevationInfo& info, SceneOrigin& origin) {
+  const VoidReport voids = fillVoids(raster.metres(), info.width, info.height);
+  if (voids.all_void)
+    return Error{ErrorCode::kMalformed, info.title + ": holds no data, only voids; check the file and --nodata"};
+  origin.voids_filled = voids.samples;
+  if (!voids.note.empty()) origin.notes.push_back(voids.note);
+  return {};
+}
+
+// The height quantum: the user's, or a wider one that represents every height of the source exactly.
+double chooseQuantum(std::span<const float> metres, const std::vector<EpochSamples>& epochs,
+                     const BuildOptions& options, SceneOrigin& origin) {
+  if (!options.widen_quantum) return options.height_quantum_m;
+  for (const double quantum_m : {1.0, 0.5, 0.25}) {
+    if (quantum_m <= options.height_quantum_m) break;
+    const auto fits = [&](float h) { return !std::isfinite(h) || std::remainder(double{h}, quantum_m) == 0; };
+    if (!std::all_of(metres.begin(), metres.end(), fits) ||
+        !std::ranges::all_of(epochs, [&](const EpochSamples& e) { return std::ranges::all_of(e.metres, fits); }))
+      continue;
+    origin.notes.push_back("all heights are multiples of " +
+                           std::string(quantum_m == 1     ? "1"
+                                       : quantum_m == 0.5 ? "0.5"
+                                                          : "0.25") +
+                           " m, and are kept in steps of it");
+    return quantum_m;
+  }
+  return options.height_quantum_m;
+}
+
+// Corners and centres of the roots.
+void fillBase(const proto::GridShape& shape, const Heights& heights, SceneWriter& writer) {
+  const uint32_t size = 1u << shape.root_log2, half = size / 2;
+  auto corner = writer.corners().begin();
+  for (uint32_t y = 0; y <= shape.roots_y; ++y)
+    for (uint32_t x = 0; x <= shape.roots_x; ++x) *corner++ = heights.clamped(x * size, y * size);
+  auto centre = writer.centres().begin();
+  for (uint32_t y = 0; y < shape.roots_y; ++y)
+    for (uint32_t x = 0; x < shape.roots_x; ++x) *centre++ = heights.clamped(x * size + half, y * size + half);
+}
+
+struct Terrain {
+  const proto::GridTopology& grid;
+  const proto::Frame& frame;
+  Heights heights;
+  const EpochLayers* epochs;  // null without any
+};
+
+Result<std::vector<EpochSamples>> readEpochs(const BuildOptions& options, const ElevationInfo& info,
+                                             const Progress& progress) {
+  std::vector<EpochSamples> epochs;
+  if (Status s = checkDates(options.epochs); !s.ok()) return s.error();
+  for (const EpochRequest& request : options.epochs) {
+    if (!progress.keepGoing()) return stopped();
+    if (!request.source) {
+      epochs.push_back({request.time, request.date, {}, {}});
+      continue;
+    }
+    auto epoch = readEpoch(request, info);
+    if (!epoch) return epoch.error();
+    epochs.push_back(std::move(*epoch));
+  }
+  return epochs;
+}
+
+// The epochs that are asked for, with nothing in their windows.
+Result<proto::Epochs> datesOf(const BuildOptions& options, const proto::GridShape& shape) {
+  std::vector<proto::Epoch> dates;
+  for (const EpochRequest& request : options.epochs) dates.push_back({request.time, {}});
+  return proto::Epochs::create(shape, std::move(dates), options.epoch_blend);
+}
+
+void layOver(const EpochSamples& epoch, uint32_t width, std::span<float> metres) {
+  epoch.forEach([&](uint32_t x, uint32_t y, float height) { metres[static_cast<size_t>(y) * width + x] = height; });
+}
+
+Status addEpochs(const std::vector<EpochSamples>& epochs, EpochLayers& layers, const Progress& progress) {
+  layers.begin(epochs.front());
+  for (size_t i = 1; i < epochs.size(); ++i) {
+    const auto keepGoing = [&](double fraction) {
+      progress.report("epochs", (static_cast<double>(i - 1) + fraction) / static_cast<double>(epochs.size() - 1));
+      return progress.keepGoing();
+    };
+    if (Status s = layers.add(epochs[i], keepGoing); !s.ok()) return s;
+  }
+  progress.report("epochs", 1);
+  return {};
+}
+
+// Reports a stage's progress.
+KeepGoing stage(const Progress& progress, std::string_view name) {
+  progress.report(name, 0);
+  return [&progress, name](double fraction) {
+    progress.report(name, fraction);
+    return progress.keepGoing();
+  };
+}
+
+// Of the ground at all times.
+BoundsOf boundsOver(const Terrain& terrain) {
+  if (!terrain.epochs)
+    return [ground = std::make_shared<const GroundBounds>(terrain.heights, terrain.frame)](
+               const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) { return ground->over(box, scratch); };
+  const auto lowest = std::make_shared<const GroundBounds>(terrain.epochs->lowest(), terrain.frame),
+             highest = std::make_shared<const GroundBounds>(terrain.epochs->highest(), terrain.frame);
+  return [lowest, highest](const proto::LatticeBox& box, std::vector<glm::dvec3>& scratch) {
+    const proto::TileBounds low = lowest->over(box, scratch), high = highest->over(box, scratch);
+    // Normals of the ground at other times are not known, so the cone holds all.
+    return proto::TileBounds{low.lowest_m, high.highest_m, {0, 0, 0}, 255};
+  };
+}
+
+Result<ImageryReport> makeImagery(const Terrain& terrain, const BuildOptions& options, const Progress& progress,
+                                  SceneOrigin& origin, TileSection& section) {
+  const ImageryOptions how{options.imagery_quality, options.attribution, options.output, options.threads};
+  auto report = addImagery(*options.picture, boundsOver(terrain), how, stage(progress, "imagery"), section);
+  if (!report) return report;
+  if (!report->is_complete) return stopped();
+  for (const std::string& note : options.picture->info().notes) origin.notes.push_back(note);
+  if (report->covered < 1)
+    origin.notes.push_back("pictures cover " + std::to_string(static_cast<int>(report->covered * 100)) +
+                           " % of the scene; the rest fades from what is nearest to it");
+  return report;
+}
+
+// Relief, unless the scene changes in time: it holds one ground only.
+Status makeRelief(const Terrain& terrain, const BuildOptions& options, const Progress& progress, TileSection& section) {
+  if (terrain.epochs) return {};
+  const auto made = addRelief(terrain.heights, terrain.frame, options.threads, stage(progress, "relief"), section);
+  if (!made) return made.error();
+  return *made ? Status() : Status(stopped());
+}
+
+Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer, const Progress& progress) {
+  Status failure;  // the first of any thread
+  std::mutex mutex;
+  const auto store = [&](proto::Slot first, std::span<const NodeRecord> records) {
+    Status status = writer.put(first, records);
+    const bool ok = status.ok();
+    const std::lock_guard lock(mutex);
+    if (!ok && failure.ok()) failure = std::move(status);
+    return ok;
+  };
+  progress.report("bounding", 0);
+  const bool complete = computeBounds(
+      {.grid = terrain.grid,
+       .frame = terrain.frame,
+       .heights = terrain.heights,
+       .lowest = terrain.epochs ? terrain.epochs->lowest() : Heights{},
+       .highest = terrain.epochs ? terrain.epochs->highest() : Heights{},
+       .least_errors = terrain.epochs ? terrain.epochs->leastErrors() : std::span<const proto::QuantisedError>{},
+       .nodes = writer.nodes(),
+       .threads = threads,
+       .store = store,
+       .onIdle = [&](std::span<const NodeRecord> nodes) { writer.release(nodes); },
+       .onProgress =
+           [&](double fraction) {
+             progress.report("bounding", fraction);
+             return progress.keepGoing();
+           }});
+  if (!failure.ok()) return failure;
+  return complete ? Status() : Status(stopped());
+}
+
+uint64_t nodeCount(const proto::GridTopology& grid) {
+  const proto::GridShape& s = grid.shape();
+  return (grid.maxX() + 1ull) * (grid.maxY() + 1ull) - (s.roots_x + 1ull) * (s.roots_y + 1ull) -
+         static_cast<uint64_t>(s.roots_x) * s.roots_y;
+}
+
+Result<proto::GridTopology> gridFor(const ElevationInfo& info) {
+  if (info.width < 2 || info.height < 2 || info.width > proto::GridTopology::kMaxSamples ||
+      info.height > proto::GridTopology::kMaxSamples)
+    return Error{ErrorCode::kUnsupported, info.title + ": " + std::to_string(info.width) + " x " +
+                                              std::to_string(info.height) +
+                                              " samples; a scene needs at least 2 and at most 2^20 a side"};
+  return proto::GridTopology::create(proto::GridTopology::shapeFor(info.width, info.height));
+}
+
+// Bilinear height of the ground in metres at a lattice position; nothing outside the data.
+std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame, double x, double y) {
+  if (!(x >= 0 && y >= 0 && x <= heights.width - 1.0 && y <= heights.height - 1.0)) return std::nullopt;
+  const auto at = [&](uint32_t at_x, uint32_t at_y) { return heights.row(at_y)[at_x]; };
+  return bilinear(heights.width, heights.height, x, y, at) * frame.height_quantum_m;
+}
+
+Status checkOptions(const BuildOptions& options) {
+  if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
+    return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
+  if (options.epochs.empty() && options.epoch_blend != proto::EpochBlend::kLinear)
+    return Error{ErrorCode::kInvalidArgument, "there are no epochs to blend"};
+  return {};
+}
+
+}  // namespace
+
+Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options, const Progress& progress) {
+  if (Status status = checkOptions(options); !status.ok()) return status.error();
+  const ElevationInfo& info = source.info();
+  const auto grid = gridFor(info);
+  if (!grid.ok()) return grid.error();
+  const uint64_t samples = static_cast<uint64_t>(info.width) * info.height;
+  HeightRaster raster(samples);
+  if (!raster.allocated())
+    return Error{ErrorCode::kLimit, info.title + ": " + std::to_string(samples * sizeof(float) >> 20) +
+                                        " MiB of heights do not fit this machine's memory"};
+  if (Status status = readAll(source, raster, progress); !status.ok()) return status.error();
+
+  auto epochs = readEpochs(options, info, progress);
+  if (!epochs) return epochs.error();
+  if (!epochs->empty()) layOver(epochs->front(), info.width, raster.metres());
+  progress.report("filling voids", 0);
+  SceneOrigin origin{.title = info.title, .crs_wkt = info.crs_wkt, .notes = info.notes, .voids_filled = 0};
+  const double height_quantum_m = chooseQuantum(raster.metres(), *epochs, options, origin);
+  if (Status status = fill(raster, info, origin); !status.ok()) return status.error();
+  progress.report("filling voids", 1);
+
+  HeightRange range;
+  if (Status status = raster.quantise(height_quantum_m, range); !status.ok())
+    return Error{status.error().code, info.title + ": " + status.error().message};
+  const Heights heights{raster.quanta(), info.width, info.height};
+  proto::Frame frame = info.frame;
+  frame.height_quantum_m = height_quantum_m;
+  auto dates = datesOf(options, grid->shape());
+  if (!dates) return dates.error();
+  auto objects = makeObjectSection(options.objects, frame, *dates,
+                                   [&](double x, double y) { return groundAt(heights, frame, x, y); });
+  if (!objects.ok()) return objects.error();
+  std::optional<EpochLayers> layers;
+  if (!epochs->empty()) {
+    layers.emplace(*grid, frame, heights, std::move(*dates), options.threads);
+    if (Status s = addEpochs(*epochs, *layers, progress); !s.ok()) return s.error();
+    range = layers->range();
+  }
+  const Terrain terrain{*grid, frame, heights, layers ? &*layers : nullptr};
+  auto tiles = TileSection::create(options.output);
+  if (!tiles) return tiles.error();
+  if (Status s = makeRelief(terrain, options, progress, *tiles); !s.ok()) return s.error();
+  ImageryReport imagery;
+  if (options.picture) {
+    auto made = makeImagery(terrain, options, progress, origin, *tiles);
+    if (!made) return made.error();
+    imagery = *made;
+  }
+  auto writer = SceneWriter::create(options.output, {.shape = grid->shape(),
+                                                     .frame = frame,
+                                                     .heights = range,
+                                                     .origin = origin,
+                                                     .objects = std::move(*objects),
+                                                     .epochs = layers ? layers->section() : Bytes{},
+                                                     .epoch_blend = options.epoch_blend,
+                                                     .tiles = &*tiles});
+  if (!writer.ok()) return writer.error();
+  fillBase(grid->shape(), heights, *writer);
+
+  if (Status status = bound(terrain, options.threads, *writer, progress); !status.ok()) return status.error();
+  if (!progress.keepGoing()) return stopped();
+  progress.report("writing", 0);
+  const auto id = writer->finish();
+  if (!id.ok()) return id.error();
+  progress.report("writing", 1);
+  return BuildReport{.width = info.width,
+                     .height = info.height,
+                     .samples = samples,
+                     .voids_filled = origin.voids_filled,
+                     .notes = origin.notes,
+                     .height_quantum_m = height_quantum_m,
+                     .levels = grid->maxLevel(),
+                     .nodes = nodeCount(*grid),
+                     .file_bytes = writer->fileBytes(),
+                     .scene_id = *id,
+                     .lowest_m = range.lowest * height_quantum_m,
+                     .highest_m = range.highest * height_quantum_m,
+                     .epochs = layers ? layers->reports() : std::vector<EpochReport>{},
+                     .imagery = imagery};
+}
+
+}  // namespace foreland::terrain

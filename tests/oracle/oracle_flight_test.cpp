@@ -1,0 +1,316 @@
+// The player, the server's session and the oracle together, in virtual time over a link of 20 ms, no sockets.
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "apps/exact_sections.h"
+#include "client/fly/player.h"
+#include "client/fly/recorded_path.h"
+#include "client/fly/recording.h"
+#include "client/mesh/morph_timing.h"
+#include "oracle/flight_truth.h"
+#include "oracle/scene_truth.h"
+#include "server/session/session.h"
+#include "tests/support/files.h"
+#include "tests/support/scene.h"
+#include "tests/world/ring_of_objects.h"
+
+namespace foreland::oracle {
+namespace {
+
+constexpr Duration kLink = Duration::milliseconds(20), kTick = Duration::milliseconds(1);
+
+struct Post {
+  Time arrival;
+  Bytes message;
+};
+
+std::shared_ptr<const terrain::Scene> alps() {
+  static const auto scene = test::makeScene(180, 150, 3, proto::FrameKind::kGeographic);
+  return scene;
+}
+
+client::PlayerOptions tourOptions(proto::Strategy strategy) {
+  client::PlayerOptions o{.request = {}, .tour = "survey", .track = nullptr, .track_options = {}, .seconds = 4};
+  o.request.lens = {.width_px = 640, .height_px = 360};
+  o.request.strategy = strategy;
+  o.request.predictor = proto::Predictor::kKnownPath;
+  o.knowledge = client::PathKnowledge::kAnnounced;
+  return o;
+}
+
+// Drives the player to its end, or until it fails.
+Status fly(client::Player& player, server::Session& session) {
+  server::SessionScratch scratch;
+  std::deque<Post> up, down;
+  std::vector<Bytes> sent;
+  for (Time now; player.phase() != client::Player::Phase::kDone && now < Time::seconds(60); now = now + kTick) {
+    for (; !up.empty() && up.front().arrival <= now; up.pop_front())
+      if (Status s = session.receive(up.front().message, now); !s.ok())
+        down.push_back({now + kLink, proto::encode(proto::Refusal{s.error().message})});
+    if (const auto due = session.due(); due && due->release <= now) {
+      session.step(now, scratch, sent);
+      for (Bytes& message : sent) down.push_back({now + kLink, std::move(message)});
+      sent.clear();
+      session.onDrained(now);
+    }
+    for (; !down.empty() && down.front().arrival <= now; down.pop_front())
+      if (Status s = player.receive(down.front().message, now); !s.ok()) return s;
+    if (now.us % Duration::milliseconds(16).us == 0)
+      if (Status s = player.frame(now); !s.ok()) return s;
+    for (Bytes message; player.takeOutgoing(message);) up.push_back({now + kLink, std::move(message)});
+  }
+  return {};
+}
+
+struct Flight {
+  client::Player player;
+  Status status;
+};
+
+Flight flown(const client::PlayerOptions& options, server::SceneObjects objects = {}) {
+  Flight flight{client::Player(options), {}};
+  server::Session session(std::make_shared<server::World>(alps(), std::move(objects)), {});
+  flight.status = fly(flight.player, session);
+  return flight;
+}
+
+FlightTruth measured(const client::Player& player, const server::SceneObjects& objects = {}) {
+  SceneOracle oracle(truthOf(alps()), objectsTruth(objects.set, objects.nodes));
+  return measureFlight(player.log(), oracle,
+                       {.frame_every = 20, .section_at = apps::exactSections(alps()), .on_progress = {}});
+}
+
+TEST(Flight, KeepsToleranceInEveryFrameWithoutCracksOrExtrapolationErrorOnAKnownPath) {
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  const client::FlightReport report = flight.player.report();
+  EXPECT_EQ(report.late_keyframes_flying, 0u);
+  EXPECT_GE(report.keyframes_flying, 19u);
+  EXPECT_EQ(report.frames_without_mesh, 0u);
+  EXPECT_NEAR(report.seconds, 4, 0.2);
+  const FlightTruth truth = measured(flight.player);
+  EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+  EXPECT_EQ(truth.uncovered_samples, 0u);
+  EXPECT_LE(truth.keyframes.max_px, 1.0);
+  EXPECT_GT(truth.keyframes.max_px, 0.3);  // a bound that nothing comes near would cost too many triangles
+  EXPECT_LT(truth.extrapolation.max_px, 0.01);
+  EXPECT_EQ(report.frames_outside, 0u);
+  EXPECT_EQ(truth.outside_measured, 0u);
+  EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+  EXPECT_EQ(truth.delay_max_ms, 0);
+  EXPECT_GT(truth.lod_motion.max_px, 0);
+  EXPECT_LE(truth.lod_motion.max_px, 2.0 / 12 * 1.1);  // 2 tau over the frames of 200 ms
+}
+
+// A camera that turns by more than its region promises: errors above the tolerance are outside of regions alone.
+TEST(Flight, TellsTheErrorsOfFramesOutsideOfRegionsApart) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "spin";
+  options.request.predictor = proto::Predictor::kHold;
+  options.knowledge = client::PathKnowledge::kPrivate;
+  const Flight flight = flown(options);
+  const FlightTruth truth = measured(flight.player);
+  EXPECT_GT(flight.player.report().frames_outside, 20u);
+  EXPECT_GT(truth.outside_measured, 0u);
+  EXPECT_LE(truth.outside_measured, truth.frames.count);
+  EXPECT_GT(truth.outside_max_px, 1);
+  EXPECT_GE(truth.outside_max_px, truth.outside_p99_px);
+  EXPECT_EQ(truth.outside_max_px, truth.frames.max_px);
+}
+
+TEST(Flight, OverASceneWithObjectsKeepsTheirTolerancesToo) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "orbit";
+  const Flight flight = flown(options, test::objectsIn(*alps(), 12));
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  const FlightTruth truth = measured(flight.player, test::objectsIn(*alps(), 12));
+  EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+  EXPECT_EQ(truth.uncovered_samples, 0u);
+  EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+  EXPECT_GT(truth.object_vertices_judged, 1000u);
+  EXPECT_GT(truth.object_silhouette_error_px, 0.1);
+  EXPECT_LE(truth.object_silhouette_error_px, 1.01);
+  EXPECT_LE(truth.object_interior_error_px, 1.01 * truth.object_interior_per_tau);
+  EXPECT_EQ(truth.frame_every, 23u);  // 20 was asked for, of 12 frames a keyframe
+  EXPECT_EQ(truth.weights_judged.distinct(), truth.frames.count);
+}
+
+TEST(Flight, WithGeomorphsMovesLessAtATimeAndIsNeverFarAboveTheTolerance) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  const FlightTruth keyframes = measured(flown(options).player);
+  options.blend = client::Blend::kGeomorph;
+  const FlightTruth geomorphs = measured(flown(options).player);
+  EXPECT_EQ(geomorphs.cracks, 0u) << geomorphs.first_crack;
+  EXPECT_EQ(geomorphs.uncovered_samples, 0u);
+  EXPECT_LT(geomorphs.lod_motion.rms_px, keyframes.lod_motion.rms_px);
+  EXPECT_LT(geomorphs.frames.max_px, 1 / (1 - client::MorphTiming::kMoved));
+  EXPECT_NE(geomorphs.frames.rms_px, keyframes.frames.rms_px);
+}
+
+TEST(Flight, WithAHigherOrderKeepsTheToleranceInEveryFrame) {
+  for (proto::Strategy strategy : {proto::Strategy::kPredict, proto::Strategy::kDelay})
+    for (client::Blend blend : {client::Blend::kKeyframe, client::Blend::kSpline2, client::Blend::kSpline3}) {
+      SCOPED_TRACE(std::string(proto::name(strategy)) + ' ' + client::name(blend));
+      client::PlayerOptions options = tourOptions(strategy);
+      options.blend = blend;
+      const Flight flight = flown(options);
+      ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+      const client::FlightReport report = flight.player.report();
+      EXPECT_EQ(report.late_keyframes_flying, 0u);
+      // With delay nothing is known of how the camera will begin to move.
+      EXPECT_LE(report.frames_outside, strategy == proto::Strategy::kPredict ? 0u : 24u);
+      const FlightTruth truth = measured(flight.player);
+      std::printf("%s, %s: %.3f px, %.0f triangles, %lu outside\n", client::name(blend), proto::name(strategy),
+                  truth.frames.max_px, report.mean_triangles, static_cast<unsigned long>(report.frames_outside));
+      EXPECT_EQ(truth.cracks, 0u) << truth.first_crack;
+      EXPECT_EQ(truth.uncovered_samples, 0u);
+      EXPECT_EQ(truth.frames_over_tau, 0u) << truth.frames.max_px;
+      EXPECT_GT(truth.frames.max_px, 0.3);
+    }
+}
+
+TEST(Flight, WithDelayShowsThePastWithoutViewError) {
+  const FlightTruth truth = measured(flown(tourOptions(proto::Strategy::kDelay)).player);
+  EXPECT_LE(truth.keyframes.max_px, 1.0);
+  EXPECT_GT(truth.delay_mean_ms, 200);
+  EXPECT_EQ(truth.view.count, 0u);
+  EXPECT_GT(truth.interpolation.count, 0u);
+}
+
+TEST(Flight, WithCurrentPaysInViewErrorInstead) {
+  const FlightTruth truth = measured(flown(tourOptions(proto::Strategy::kCurrent)).player);
+  EXPECT_GT(truth.view.max_px, 0);
+  EXPECT_EQ(truth.view.count, truth.interpolation.count);
+}
+
+TEST(Flight, IsTheSameWhenReplayed) {
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  std::optional<client::FlightReport> again;
+  client::replay(flight.player.log(), [&](const client::Player& player, Time) {
+    again = player.report();
+    return true;
+  });
+  ASSERT_TRUE(again);
+  const client::FlightReport first = flight.player.report();
+  EXPECT_EQ(again->frames, first.frames);
+  EXPECT_EQ(again->mean_triangles, first.mean_triangles);
+  EXPECT_EQ(again->nodes, first.nodes);
+  EXPECT_EQ(again->session.bytes_down, first.session.bytes_down);
+  EXPECT_EQ(again->session.bytes_up, first.session.bytes_up);
+}
+
+TEST(Flight, FliesATrackAboveTheGroundThatTheServerTells) {
+  constexpr double kDeg = 0.017453292519943295;
+  client::Track track;
+  for (int i = 0; i <= 30; ++i)
+    track.fixes.push_back({i * 1.0, (46.03 + i * 5e-4) * kDeg, (8.03 + i * 5e-4) * kDeg, 0});  // far under ground
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.track = std::make_shared<const client::Track>(track);
+  options.track_options = {.speed = 10, .clearance_m = 30};
+  const Flight flight = flown(options);
+  ASSERT_TRUE(flight.status.ok()) << flight.status.error().message;
+  EXPECT_EQ(flight.player.notes().size(), 1u);  // lifted
+  const proto::FrameTransform frame(alps()->frame());
+  for (const proto::Pose& pose : flight.player.path().poses) {
+    const proto::LatticePosition place = frame.toLattice(pose.eye);
+    // Not lower than the lowest corner of the cell below.
+    const auto x = static_cast<uint32_t>(place.x), y = static_cast<uint32_t>(place.y);
+    int32_t ground = alps()->height(proto::NodeId::at(x, y));
+    for (const auto corner :
+         {proto::NodeId::at(x + 1, y), proto::NodeId::at(x, y + 1), proto::NodeId::at(x + 1, y + 1)})
+      ground = std::min(ground, alps()->height(corner));
+    EXPECT_GE(place.height_m, ground * 0.1 + 30 - 0.01);
+  }
+}
+
+TEST(Flight, EndsWithTheServersWordsWhenItRefuses) {
+  client::PlayerOptions options = tourOptions(proto::Strategy::kPredict);
+  options.tour = "grand";
+  const Flight flight = flown(options);
+  ASSERT_FALSE(flight.status.ok());
+  EXPECT_NE(flight.status.error().message.find("grand"), std::string::npos);
+}
+
+TEST(Flight, GivesUpOnASilentServer) {
+  client::Player player(tourOptions(proto::Strategy::kPredict));
+  ASSERT_TRUE(player.frame(Time::seconds(1)).ok());
+  ASSERT_TRUE(player.frame(Time::seconds(10)).ok());
+  const Status status = player.frame(Time::seconds(12));
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().message.find("waited 10 s for a welcome"), std::string::npos);
+}
+
+void record(const std::filesystem::path& file, const client::FlightLog& log) {
+  auto writer = client::RecordingWriter::create(file, log.options);
+  ASSERT_TRUE(writer.ok());
+  ASSERT_TRUE(writer->append(log.entries).ok());
+}
+
+// The same flight as if a person had steered it.
+client::FlightLog steered(const client::Player& player) {
+  client::FlightLog log = player.log();
+  log.options.is_steered = true;
+  for (client::FlightLog::Entry& entry : log.entries)
+    if (entry.what == client::FlightLog::What::kFrame) {
+      entry.what = client::FlightLog::What::kSteered;
+      entry.pose = player.path().at(entry.time);
+    }
+  return log;
+}
+
+TEST(RecordedFlight, GivesThePathThatWasFlown) {
+  const test::TemporaryFolder folder;
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  ASSERT_TRUE(flight.status.ok());
+  const proto::Path& path = flight.player.path();
+  record(folder / "planned.rec", flight.player.log());
+  record(folder / "steered.rec", steered(flight.player));
+  const double length_s = (path.end() - path.start).toSeconds();
+  for (const char* name : {"planned.rec", "steered.rec"}) {
+    ASSERT_TRUE(client::isRecording(folder / name));
+    const Time began = std::string(name) == "planned.rec" ? path.start : flight.player.log().entries.front().time;
+    const double from_s = (path.start - began).toSeconds() + 1, speed = 2;
+    const auto recorded = client::readRecordedPath(folder / name, {.speed = speed, .from_s = from_s});
+    ASSERT_TRUE(recorded.ok()) << recorded.error().message;
+    EXPECT_EQ(recorded->scene_id, alps()->id());
+    EXPECT_TRUE(recorded->path.validate().ok());
+    EXPECT_NEAR((recorded->path.end() - recorded->path.start).toSeconds(), (length_s - 1) / speed, 0.11) << name;
+    // Paths are smooth between their poses but for the ends, where they hold still.
+    const double margin_s = recorded->path.step.toSeconds();
+    int compared = 0;
+    for (double t = margin_s; t < (length_s - 1) / speed - 0.1 - margin_s; t += 0.0137, ++compared) {
+      const proto::Pose expected = path.at(path.start + Duration::seconds(1 + speed * t)),
+                        pose = recorded->path.at(Time{} + Duration::seconds(t));
+      ASSERT_NEAR(glm::distance(pose.eye, expected.eye), 0, 0.05) << name << " at " << t;
+      ASSERT_NEAR(proto::angleBetween(pose.orientation, expected.orientation), 0, 1e-3) << name << " at " << t;
+    }
+    EXPECT_GT(compared, 50);
+  }
+}
+
+TEST(RecordedFlight, IsRefusedWhereItHasNoPath) {
+  const test::TemporaryFolder folder;
+  client::PlayerOptions jumps = tourOptions(proto::Strategy::kCurrent);
+  jumps.tour = "jumps";
+  record(folder / "jumps.rec", {jumps, {}});
+  record(folder / "short.rec", {tourOptions(proto::Strategy::kCurrent), {}});
+  const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
+  record(folder / "whole.rec", flight.player.log());
+  const auto expectRefusal = [&](const char* name, const client::TrackOptions& options, const std::string& words) {
+    const auto recorded = client::readRecordedPath(folder / name, options);
+    ASSERT_FALSE(recorded.ok()) << name;
+    EXPECT_NE(recorded.error().message.find(words), std::string::npos) << recorded.error().message;
+  };
+  expectRefusal("jumps.rec", {}, "jumps");
+  expectRefusal("short.rec", {}, "before the flight began");
+  expectRefusal("none.rec", {}, "none.rec");
+  expectRefusal("whole.rec", {.from_s = 1e6}, "--from");
+  expectRefusal("whole.rec", {.from_s = -1}, "--from");
+  expectRefusal("whole.rec", {.speed = 0}, "--speed");
+  expectRefusal("whole.rec", {.agl_m = 50}, "--agl");
+  EXPECT_FALSE(client::isRecording(folder / "none.rec"));
+}
+
+}  // namespace
+}  // namespace foreland::oracle
