@@ -18,13 +18,14 @@ struct EyeOutlook {
   double error_m = 0;           // of a prediction; allowed for in `eyes`
 };
 
-// The eyes while a keyframe is shown, from `begin` to `end`, and in the intervals after that; up to `error_m`. Cost:
-// some 100 poses.
+// The eyes in all intervals in which a keyframe is shown, from `begin` to `end`, however many these are, and in some
+// after that; up to `error_m`. Cost: some 100 poses, at most kAhead sweeps and half as many again.
 EyeOutlook outlookOf(const ExpectedMotion& motion, Time begin, Time end, Duration interval, double error_m);
 
 class EyeIntervals {
  public:
-  static constexpr int64_t kAhead = 40;  // intervals, at most
+  static constexpr int64_t kAhead = 40;  // intervals with eyes of their own while a keyframe is shown; after it, half
+  static constexpr int64_t kMaxShown = 1 << 12;  // numbers for the time that a keyframe is shown
 
   void expect(EyeOutlook outlook) { outlook_ = std::move(outlook); }
 

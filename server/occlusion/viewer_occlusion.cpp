@@ -51,7 +51,7 @@ void ViewerOcclusion::begin(const proto::View& view) {
   view_ = view;
   frustum_.emplace(view, 0);
   last_ray_ = statistics_.rays + options_.rays;
-  intervals_.expect(outlook_ ? std::move(*outlook_) : restingIn(view, keyframe_));
+  expectNumbered(outlook_ ? std::move(*outlook_) : restingIn(view, keyframe_));
   outlook_.reset();
   if (has_new_lens) stretches_.clear();
   stretches_.revise(keyframe_);
@@ -60,6 +60,21 @@ void ViewerOcclusion::begin(const proto::View& view) {
     stretches_.invalidate(keyframe_);
   }
   if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
+}
+
+// Proofs keep numbers of intervals in 32 bits, but a client's clock may count from anywhere: Unix time in microseconds
+// gives 10^10. So numbers count from an origin, a multiple of every stretch's length.
+void ViewerOcclusion::expectNumbered(EyeOutlook outlook) {
+  constexpr int64_t kSpan = int64_t{1} << 30, kUnit = int64_t{1} << 16;
+  if (outlook.first < origin_ || outlook.first - origin_ >= kSpan) {
+    origin_ = outlook.first & -kUnit;
+    proofs_ = BlockProofs(hierarchy_.grid());
+    stretches_.clear();
+    stretches_.invalidate(keyframe_);
+  }
+  outlook.first -= origin_;
+  outlook.last -= origin_;
+  intervals_.expect(std::move(outlook));
 }
 
 bool ViewerOcclusion::hides(Stretch& stretch, const BlockId& block, Towards towards) {

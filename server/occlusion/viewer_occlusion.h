@@ -58,6 +58,8 @@ class ViewerOcclusion final : public proto::BlockVisibility {
  private:
   enum class Towards : uint8_t { kVisible, kHidden };  // what a test is to find out for
 
+  void expectNumbered(EyeOutlook outlook);
+
   enum class InView : uint8_t { kNot, kPartly, kWholly };
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
   bool hides(Stretch& stretch, const proto::BlockId& block, Towards towards);
@@ -73,6 +75,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
   std::optional<EyeOutlook> outlook_;  // of the next keyframe
+  int64_t origin_ = 0;      // of the numbers of intervals here and in what follows
   EyeIntervals intervals_;
   Stretches stretches_;
   double tau_px_ = 0;  // that proofs allow for

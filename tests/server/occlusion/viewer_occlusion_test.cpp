@@ -68,7 +68,8 @@ class Flight {
     view.region_radius_m = 5;
     return view;
   }
-  void begin(ViewerOcclusion& viewer, int keyframe) const {
+  // `clock` is the number of the interval at which the client's clock began.
+  void begin(ViewerOcclusion& viewer, int keyframe, int64_t clock = 0) const {
     const Duration interval = server::at(1) - server::at(0);
     EyeOutlook outlook =
         outlookOf(ExpectedMotion(path_), server::at(keyframe - 1), server::at(keyframe + 1), interval, error_m_);
@@ -76,6 +77,8 @@ class Flight {
     for (EyeSweep& eyes : outlook.eyes) eyes.eye.y += error_m_ * std::sin(2.5 * keyframe);
     // Nor does it always go far.
     if (error_m_ > 0) outlook.eyes.resize(2 + static_cast<size_t>(keyframe) % 9);
+    outlook.first += clock;
+    outlook.last += clock;
     viewer.expect(outlook);
     viewer.begin(viewOf(keyframe));
   }
@@ -204,6 +207,27 @@ TEST(Viewers, OfASceneAreToldTheSameOnTheirOwnAndTogether) {
     for (auto& told : together) threads.emplace_back([&] { told = fly(); });
   }
   for (const auto& told : together) EXPECT_EQ(told, alone);
+}
+
+// Unix time in microseconds is 8.8e9 intervals of 200 ms.
+TEST(ViewerOcclusion, TellsTheSameWhateverTheClientsClockSays) {
+  const Flight flight(proto::FrameKind::kPlanar, 0);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  const auto fly = [&](int64_t clock) {
+    ViewerOcclusion viewer(flight.hierarchy(), *shared);
+    Watcher watcher(256 / kSide);
+    std::vector<std::vector<int32_t>> told;
+    for (int keyframe = 0; keyframe < Flight::kKeyframes; ++keyframe) {
+      flight.begin(viewer, keyframe, clock);
+      watcher.see(viewer);
+      told.push_back(watcher.all());
+    }
+    return std::pair(told, viewer.statistics().tests);
+  };
+  const auto plain = fly(0);
+  constexpr int64_t kLongest = 16;  // of stretches, which begin at multiples of their length
+  for (const int64_t clock : {int64_t{1'764'000'000'000'000 / 200'000}, int64_t{1} << 31, -(int64_t{1} << 40)})
+    EXPECT_EQ(fly(clock & -kLongest), plain) << clock;
 }
 
 // Memory stays what a few horizons and the proofs of the blocks that are known take, however long the flight.
