@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/command_line.h"
 #include "apps/date.h"
 #include "apps/options.h"
 #include "apps/output_file.h"
@@ -85,74 +86,88 @@ class ProgressLine {
   Clock::time_point begun_, drawn_;
 };
 
-void describeOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("INPUT", arguments.inputs,
-                 "Elevation files: whatever GDAL reads (GeoTIFF, HGT, zipped too, ASCII grid, netCDF, USGS DEM, PNG) "
-                 "or OpenEXR; several "
-                 "make a mosaic")
+void describeElevation(CLI::App& app, Arguments& arguments) {
+  app.add_option(
+         "INPUT", arguments.inputs,
+         "elevation files: whatever GDAL reads (GeoTIFF, HGT, zipped too, ASCII grid, netCDF, USGS DEM, PNG), or "
+         "OpenEXR height maps; several make a mosaic")
+      ->type_name(apps::file("INPUT"))
       ->required();
-  app.add_option("-o,--output", arguments.output, "The scene file to write")->required();
-  app.add_option("--nodata", arguments.open.nodata, "The value that means 'no data', instead of the file's own");
+  app.add_option("-o,--output", arguments.output, "the scene file to write")
+      ->type_name(apps::file("SCENE.fls"))
+      ->required();
+  app.add_option("--nodata", arguments.open.nodata, "treat this height as a void, whatever the file says")
+      ->type_name(apps::number("V"));
   app.add_option("--vertical-step", arguments.vertical_step_m,
-                 "Heights are stored as multiples of this many metres; by default 1, 0.5 or 0.25 if all heights are "
-                 "multiples of it, else "
-                 "0.1, and finer for samples closer than 2 m")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            double step_m = 0;
-            return CLI::detail::lexical_cast(text, step_m) && step_m > 0 && std::isfinite(step_m)
-                       ? std::string()
-                       : text + " is not a positive number of metres";
-          },
-          "METRES"));
-  app.add_option("--spacing", arguments.open.spacing_m, "Metres between samples, for files without a reference system")
+                 "heights are rounded to multiples of this many metres; by default 1, 0.5 or 0.25 if all heights are "
+                 "multiples of it, else 0.1, and finer for samples closer than 2 m")
+      ->type_name(apps::number("M"))
+      ->check(apps::above(0));
+  app.add_option("--spacing", arguments.open.spacing_m,
+                 "metres between samples, for files without a reference system (OpenEXR, PNG)")
+      ->type_name(apps::number("M"))
       ->check(apps::isFinite());
-  app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several");
-  app.add_option("--threads", arguments.threads, "Worker threads; 0 for one per processor")
-      ->check(CLI::Range(0u, 1024u));
-  app.add_option(
-         "--object", arguments.objects,
-         "A surface made by `foreland remesh` that stands on the terrain: "
-         "MODEL.fls@LAT,LON[,height[,heading[,scale]]]; planar scenes: x and y of the map in metres; repeatable. The "
-         "dates of its poses are the scene's epochs, unless there is --epoch: then each is one of these")
+  app.add_option("--channel", arguments.open.channel, "EXR channel, band number, or variable of a file with several")
+      ->type_name(apps::text("NAME"));
+  static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
+                                                                  {"planar", terrain::FrameChoice::kPlanar},
+                                                                  {"geographic", terrain::FrameChoice::kGeographic}};
+  app.add_option_function<std::string>(
+         "--frame", [&](const std::string& name) { arguments.open.frame = frames.at(name); },
+         "how to interpret the coordinates; by default as the file's reference system says")
+      ->check(apps::oneOf({"auto", "planar", "geographic"}))
+      ->default_str("auto");
+  static const std::map<std::string, terrain::HeightEncoding> encodings{
+      {"plain", terrain::HeightEncoding::kPlain}, {"terrarium", terrain::HeightEncoding::kTerrarium}};
+  app.add_option_function<std::string>(
+         "--encoding", [&](const std::string& name) { arguments.open.encoding = encodings.at(name); },
+         "how samples encode heights; terrarium: red * 256 + green + blue / 256 - 32768")
+      ->check(apps::oneOf({"plain", "terrarium"}))
+      ->default_str("plain");
+  app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(0u, 1024u))
+      ->capture_default_str();
+}
+
+void describeChanges(CLI::App& app, Arguments& arguments) {
+  app.add_option("--object", arguments.objects,
+                 "a surface made by `foreland remesh` that stands on the terrain; LAT and LON in degrees, in planar "
+                 "scenes x and y of the map in metres. The dates of its poses are the scene's epochs, unless there is "
+                 "--epoch: then each is one of these")
+      ->type_name(apps::text("MODEL.fls@LAT,LON[,HEIGHT[,HEADING[,SCALE]]]"))
       ->allow_extra_args(false);
-  app.add_option(
-         "--epoch", arguments.epochs,
-         "The ground at a date, YYYY-MM-DD=FILE: the scene changes in time from the first date to the last. The "
-         "file has the samples of INPUT or a window of them; outside, and where it has no data, the ground is as "
-         "at the date before. The first is laid over INPUT; repeatable")
+  app.add_option("--epoch", arguments.epochs,
+                 "the ground at a date: the scene changes in time from the first date to the last. The file has the "
+                 "samples of INPUT or a window of them; outside, and where it has no data, the ground is as at the "
+                 "date before. The first is laid over INPUT")
+      ->type_name(apps::text("YYYY-MM-DD=FILE"))
       ->allow_extra_args(false);
   static const std::map<std::string, proto::EpochBlend> blends{{"linear", proto::EpochBlend::kLinear},
                                                                {"catmull-rom", proto::EpochBlend::kCatmullRom},
                                                                {"b-spline", proto::EpochBlend::kBSpline}};
   app.add_option_function<std::string>(
          "--epoch-blend", [&](const std::string& name) { arguments.epoch_blend = blends.at(name); },
-         "How the ground moves from date to date: linear; catmull-rom, smoothly through every date's; b-spline, more "
-         "smoothly and past all but the first and the last")
-      ->check(CLI::IsMember(std::vector<std::string>{"linear", "catmull-rom", "b-spline"}));
+         "how the ground moves from date to date: straight; catmull-rom: smoothly through every date's; b-spline: more "
+         "smoothly, and past all but the first and the last")
+      ->check(apps::oneOf({"linear", "catmull-rom", "b-spline"}))
+      ->default_str("linear");
+}
+
+void describeImagery(CLI::App& app, Arguments& arguments) {
   CLI::Option* imagery = app.add_option(
       "--imagery", arguments.imagery,
-      "Pictures to lay over the terrain: whatever GDAL reads, grey, palette, RGB or RGBA of 8 bits, in any reference "
+      "pictures to lay over the terrain: whatever GDAL reads, grey, palette, RGB or RGBA of 8 bits, in any reference "
       "system; where they overlap, the finest shows. One without georeference is laid over the whole scene");
-  app.add_option("--imagery-quality", arguments.imagery_quality, "Of the pictures' WebP: 1 to 100")
-      ->check(CLI::Range(1, 100))
+  imagery->type_name(apps::file("FILE"));
+  app.add_option("--imagery-quality", arguments.imagery_quality, "of the pictures' WebP")
+      ->type_name(apps::whole("Q"))
+      ->check(apps::within(1, 100))
       ->needs(imagery)
       ->capture_default_str();
-  app.add_option("--attribution", arguments.attribution, "Whom viewers name where they show the pictures")
+  app.add_option("--attribution", arguments.attribution, "whom viewers name where they show the pictures")
+      ->type_name(apps::text("TEXT"))
       ->needs(imagery);
-  static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
-                                                                  {"planar", terrain::FrameChoice::kPlanar},
-                                                                  {"geographic", terrain::FrameChoice::kGeographic}};
-  app.add_option_function<std::string>(
-         "--frame", [&](const std::string& name) { arguments.open.frame = frames.at(name); },
-         "How to interpret the coordinates")
-      ->check(CLI::IsMember(std::vector<std::string>{"auto", "planar", "geographic"}));
-  static const std::map<std::string, terrain::HeightEncoding> encodings{
-      {"plain", terrain::HeightEncoding::kPlain}, {"terrarium", terrain::HeightEncoding::kTerrarium}};
-  app.add_option_function<std::string>(
-         "--encoding", [&](const std::string& name) { arguments.open.encoding = encodings.at(name); },
-         "How samples encode heights; terrarium: red * 256 + green + blue / 256 - 32768")
-      ->check(CLI::IsMember(std::vector<std::string>{"plain", "terrarium"}));
 }
 
 int fail(const Error& error) {
@@ -296,13 +311,19 @@ int build(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app{"Makes a scene file from elevation data.", "foreland build"};
   Arguments arguments;
-  describeOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) { return app.exit(asked); } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "foreland build: %s (see foreland build --help)\n", error.what());
-    return 2;
-  }
+  describeElevation(app, arguments);
+  describeImagery(app, arguments);
+  describeChanges(app, arguments);
+  const auto exit_code = apps::parseCommandLine(
+      app, argc, argv,
+      {{"one file", "foreland build hills.tif -o hills.fls"},
+       {"a whole planet under a picture",
+        "foreland build etopo20.cdf --imagery earth.tif --attribution NASA -o planet.fls"},
+       {"a tower on a summit, twice as large as modelled and facing east",
+        "foreland build N46E008.hgt -o alps.fls --object tower.fls@46.5900,8.1183,0,90,2"},
+       {"ground that changes in time",
+        "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"}});
+  if (exit_code) return *exit_code;
   apps::catchStopSignals();
   return build(arguments);
 }

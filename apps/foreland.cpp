@@ -45,6 +45,15 @@ void printHelp(std::FILE* out) {
   std::fputs("\n`foreland help SUBCOMMAND` tells more; `foreland --version` prints the version.\n", out);
 }
 
+// For tools/make_manual.py, as the subcommands print their options. Summaries have nothing that JSON would escape.
+void printAsJson() {
+  std::puts("{\"name\": \"foreland\", \"version\": \"" FORELAND_VERSION "\", \"subcommands\": [");
+  for (const Subcommand& subcommand : kSubcommands)
+    std::printf("  {\"name\": \"%s\", \"summary\": \"%s\"}%s\n", subcommand.name.data(), subcommand.summary.data(),
+                &subcommand == &kSubcommands.back() ? "" : ",");
+  std::puts("]}");
+}
+
 int refuse(std::string_view what, const std::string& name) {
   std::fprintf(stderr, "foreland: %s '%s'\n\n", what.data(), name.c_str());
   printHelp(stderr);
@@ -89,6 +98,10 @@ int main(int argc, char** argv) {
   }
   if (words[0] == "--version") {
     std::puts("foreland " FORELAND_VERSION);
+    return 0;
+  }
+  if (words[0] == "--options-as-json") {
+    printAsJson();
     return 0;
   }
   if (words[0].starts_with('-')) return refuse("there is no option", words[0]);

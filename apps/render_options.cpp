@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <regex>
 
+#include "apps/command_line.h"
 #include "apps/date.h"
 #include "apps/lens_option.h"
 #include "apps/options.h"
@@ -55,10 +56,6 @@ Status check(RenderOptions& o) {
   if (!o.pose && !is_sequence) return invalid("from where? give --pose, --tour or --track");
   for (const std::filesystem::path& output : o.outputs)
     if (Status s = checkPicture(output, is_sequence); !s.ok()) return s;
-  if (!(o.tau_px > 0) || o.tau_px > 1000) return invalid("--tau must be above 0 and at most 1000 pixels");
-  if (!(o.every_s >= 0.001) || o.every_s > 86'400) return invalid("--every must be 0.001 to 86400 seconds");
-  if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
-    return invalid("--seconds must be above 0 and at most 86400");
   o.track_options.seconds = o.seconds;
   const Result<proto::Lens> lens = parseLens(o.viewport, o.fov_deg);
   if (!lens.ok()) return lens.error();
@@ -71,25 +68,37 @@ struct SceneTimeTexts {
 };
 
 void addPlaces(CLI::App& app, RenderOptions& o) {
-  CLI::Option* pose = app.add_option("--pose", o.pose, "one picture from here: LAT,LON,HEIGHT[,HEADING[,PITCH]]");
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("From where");
+  };
+  CLI::Option* pose = add("--pose", o.pose, "one picture from here");
+  pose->type_name(text("LAT,LON,HEIGHT[,HEADING[,PITCH]]"));
   CLI::Option* track =
-      app.add_option("--track", o.track, "pictures along this recorded track: an IGC or GPX file, or camera frames")
+      add("--track", o.track, "pictures along this recorded track: an IGC or GPX file, or camera frames")
+          ->type_name(file("FILE"))
           ->excludes(pose);
-  CLI::Option* tour = app.add_option("--tour", o.tour, "pictures along a built-in tour: survey, canyon, spin, orbit")
+  CLI::Option* tour = add("--tour", o.tour, "pictures along a built-in tour")
+                          ->type_name(text("NAME"))
+                          ->check(oneOf({"survey", "canyon", "spin", "orbit"}))
                           ->excludes(pose)
                           ->excludes(track);
-  app.add_option("--every", o.every_s, "seconds between the pictures of a track or tour (default 1)")
-      ->check(isFinite())
+  add("--every", o.every_s, "seconds between the pictures of a track or tour")
+      ->type_name(number("S"))
+      ->check(within(0.001, 86'400.0))
+      ->excludes(pose)
+      ->capture_default_str();
+  add("--seconds", o.seconds, "length of the flight; by default 60 for tours, the whole track")
+      ->type_name(number("S"))
+      ->check(above(0, 86'400))
       ->excludes(pose);
-  app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)")
-      ->check(isFinite())
-      ->excludes(pose);
-  app.add_option("--from", o.track_options.from_s, "begin so many seconds into the track")
+  add("--from", o.track_options.from_s, "begin so many seconds into the track")
+      ->type_name(number("S"))
       ->check(isFinite())
       ->excludes(pose)
-      ->excludes(tour);
-  app.add_option("--agl", o.track_options.agl_m,
-                 "fly at least this many metres above ground, not at the recorded height")
+      ->excludes(tour)
+      ->capture_default_str();
+  add("--agl", o.track_options.agl_m, "fly at least this many metres above ground, not at the recorded height")
+      ->type_name(number("M"))
       ->check(isFinite())
       ->excludes(pose)
       ->excludes(tour);
@@ -97,40 +106,71 @@ void addPlaces(CLI::App& app, RenderOptions& o) {
 
 void addSceneTime(CLI::App& app, SceneTimeTexts& texts) {
   app.add_option("--scene-from", texts.from,
-                 "in scenes that change in time: the date of the (first) picture, YYYY-MM-DD (default: the first)");
+                 "in scenes that change in time: the date of the (first) picture; by default the first")
+      ->type_name(text("YYYY-MM-DD"))
+      ->group("From where");
   app.add_option("--scene-speed", texts.speed,
-                 "and how fast the scene's time goes along a track or tour, for example 90d/s (default 0d/s)")
-      ->excludes(app.get_option("--pose"));
+                 "and how fast the scene's time goes along a track or tour, for example 90d/s; by default it stands")
+      ->type_name(text("SPEED"))
+      ->excludes(app.get_option("--pose"))
+      ->group("From where");
 }
+
+struct Flags {
+  bool is_section = false, is_full = false, wants_errors = false, wants_progress = false;
+};
+
+void addPicture(CLI::App& app, RenderOptions& o, Flags& flags) {
+  const std::string group = "The picture";
+  CLI::Option* section =
+      app.add_flag("--section", flags.is_section, "draw the section for the pose, as a viewer would")->group(group);
+  app.add_flag("--full", flags.is_full, "draw every sample and all objects in full, as without --section")
+      ->excludes(section)
+      ->group(group);
+  app.add_flag("--error", flags.wants_errors,
+               "measure how far, on the screen, the section draws each visible point from where it truly is")
+      ->group(group);
+  app.add_option("--tau", o.tau_px, "tolerance of sections in pixels")
+      ->type_name(number("PX"))
+      ->check(above(0, 1000))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--viewport", o.viewport, "size in pixels")
+      ->type_name(text("WxH"))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--fov", o.fov_deg, "vertical field of view in degrees")
+      ->type_name(number("DEG"))
+      ->check(within(1.0, 170.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag("--progress", flags.wants_progress, "show progress though standard error is no terminal")->group(group);
+}
+
+const std::vector<Example> kExamples{
+    {"one picture", "foreland render hills.fls --pose 5000,-15000,500,45,-10 --viewport 1280x720 -o render.png"},
+    {"a minute of a tour, as a viewer would see it, four pictures a second",
+     "foreland render hills.fls --tour canyon --section --every 0.25 -o frame_%04d.png"}};
 
 }  // namespace
 
 ParsedRenderOptions parseRenderOptions(int argc, const char* const* argv) {
   RenderOptions o;
-  bool is_section = false, is_full = false, wants_errors = false, wants_progress = false;
-  CLI::App app("Make reference pictures of a scene by ray casting.", "foreland render");
+  Flags flags;
+  CLI::App app("Makes reference pictures of a scene by ray casting.", "foreland render");
   app.footer(kFooter);
-  app.add_option("SCENE", o.scene, "the scene file")->required();
-  app.add_option("-o,--output", o.outputs, "the picture, .exr or .png; may be given more than once")->required();
+  app.add_option("SCENE", o.scene, "the scene file")->type_name(file("SCENE.fls"))->required();
+  app.add_option("-o,--output", o.outputs, "the picture, OpenEXR or PNG by its name")
+      ->type_name(file("PICTURE.exr|PICTURE.png"))
+      ->required();
   addPlaces(app, o);
   SceneTimeTexts scene_time;
   addSceneTime(app, scene_time);
-  CLI::Option* section = app.add_flag("--section", is_section, "draw the section for the pose, as a viewer would");
-  app.add_flag("--full", is_full, "draw every sample and all objects in full (default)")->excludes(section);
-  app.add_flag("--error", wants_errors, "measure the section for the pose against the full resolution");
-  app.add_option("--tau", o.tau_px, "tolerance of sections in pixels (default 1)")->check(isFinite());
-  app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
-  app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)")->check(isFinite());
-  app.add_flag("--progress", wants_progress, "show progress though standard error is no terminal");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) { return {{}, app.exit(asked)}; } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "foreland render: %s (see foreland render --help)\n", error.what());
-    return {{}, 2};
-  }
-  o.drawn = is_section ? Drawn::kSection : Drawn::kFull;
-  o.errors = wants_errors ? Errors::kMeasured : Errors::kNone;
-  o.progress = wants_progress ? Progress::kAlways : Progress::kOnTerminals;
+  addPicture(app, o, flags);
+  if (const auto exit_code = parseCommandLine(app, argc, argv, kExamples)) return {{}, exit_code};
+  o.drawn = flags.is_section ? Drawn::kSection : Drawn::kFull;
+  o.errors = flags.wants_errors ? Errors::kMeasured : Errors::kNone;
+  o.progress = flags.wants_progress ? Progress::kAlways : Progress::kOnTerminals;
   Status checked = check(o);
   if (auto clock = parseSceneClock(scene_time.from, scene_time.speed); !clock.ok())
     checked = clock.error();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "apps/command_line.h"
 #include "apps/options.h"
 #include "apps/synth_picture.h"
 #include "terrain/dem/write.h"
@@ -70,27 +71,38 @@ int synth(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app{"Makes a synthetic mountain landscape.", "foreland synth"};
   Arguments arguments;
-  CLI::Option* output = app.add_option("-o,--output", arguments.output, "The elevation file to write; .exr or .tif");
-  CLI::Option* picture = app.add_option("--imagery", arguments.picture.output,
-                                        "A picture that fits the landscape, for `foreland build --imagery`; .tif");
-  app.add_option("--imagery-detail", arguments.picture.detail, "Texels of the picture between two samples")
-      ->needs(picture)
-      ->check(CLI::Range(1u, 64u))
+  CLI::Option* output =
+      app.add_option("-o,--output", arguments.output, "the elevation file to write, OpenEXR or GeoTIFF by its name");
+  output->type_name(apps::file("FILE.exr|FILE.tif"));
+  app.add_option("--size", arguments.landscape.size, "samples along each side, at least 2")
+      ->type_name(apps::whole("N"))
       ->capture_default_str();
-  app.add_option("--over", arguments.picture.over, "Make the picture of these elevation files, and no landscape")
-      ->needs(picture)
-      ->excludes(output);
-  app.add_option("--size", arguments.landscape.size, "Samples along each side, at least 2")->capture_default_str();
-  app.add_option("--spacing", arguments.landscape.spacing_m, "Metres between samples")
+  app.add_option("--spacing", arguments.landscape.spacing_m, "metres between samples")
+      ->type_name(apps::number("M"))
       ->check(apps::isFinite())
       ->capture_default_str();
-  app.add_option("--seed", arguments.landscape.seed, "The same seed gives the same landscape")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) { return app.exit(asked); } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "foreland synth: %s (see foreland synth --help)\n", error.what());
-    return 2;
-  }
+  app.add_option("--seed", arguments.landscape.seed, "the same seed gives the same bytes")
+      ->type_name(apps::whole("S"))
+      ->capture_default_str();
+  CLI::Option* picture = app.add_option(
+      "--imagery", arguments.picture.output,
+      "a picture that fits the landscape, for `foreland build --imagery`: forest, meadow, rock and snow");
+  picture->type_name(apps::file("PICTURE.tif"));
+  app.add_option("--imagery-detail", arguments.picture.detail, "texels of the picture between two samples")
+      ->type_name(apps::whole("N"))
+      ->needs(picture)
+      ->check(apps::within(1u, 64u))
+      ->capture_default_str();
+  app.add_option("--over", arguments.picture.over, "make the picture of these elevation files, and no landscape")
+      ->type_name(apps::file("ELEVATION"))
+      ->needs(picture)
+      ->excludes(output);
+  const auto exit_code = apps::parseCommandLine(
+      app, argc, argv,
+      {{"a landscape", "foreland synth -o hills.exr --size 2049 --seed 7"},
+       {"a landscape and a picture of it", "foreland synth -o hills.tif --imagery hills-picture.tif"},
+       {"a picture of other elevation", "foreland synth --imagery picture.tif --over N46E008.hgt"}});
+  if (exit_code) return *exit_code;
   if (arguments.output.empty() && arguments.picture.over.empty()) {
     std::fprintf(stderr,
                  "foreland synth: --output is required: the elevation file to write (see foreland synth --help)\n");

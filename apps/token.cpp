@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/command_line.h"
 #include "apps/options.h"
 #include "base/printable.h"
 #include "server/net/token.h"
@@ -16,9 +17,12 @@ int main(int argc, char** argv) {
   std::filesystem::path secret_file;
   server::Token token{.name = "viewer"};
   double hours = 24;
-  CLI::App app("Make a token with which viewers may connect to servers that ask for one.", "foreland token");
-  app.add_option("--secret", secret_file, "file of the servers' secret (--token-secret)")->required();
+  CLI::App app("Makes a token with which viewers may connect to servers that ask for one.", "foreland token");
+  app.add_option("--secret", secret_file, "file of the servers' secret (`foreland serve --token-secret`)")
+      ->type_name(apps::file("FILE"))
+      ->required();
   app.add_option("--name", token.name, "whose it is; limits hold for all tokens of one name together")
+      ->type_name(apps::text("NAME"))
       ->check(CLI::Validator(
           [](std::string& name) {
             if (name.size() > 200) return "at most 200 bytes";
@@ -27,15 +31,21 @@ int main(int argc, char** argv) {
           "", "name"))
       ->capture_default_str();
   app.add_option("--hours", hours, "until it expires")
-      ->check(CLI::Range(0.001, 876'000.0) & apps::isFinite())
+      ->type_name(apps::number("H"))
+      ->check(apps::within(0.001, 876'000.0))
       ->capture_default_str();
-  app.add_option("--viewers", token.viewers, "at once, on each server (default 0: any number)")
-      ->check(CLI::Range(0, 1'000'000));
-  app.add_option("--nodes", token.section_nodes, "in the section of each viewer (default 0: the server's limit)")
-      ->check(CLI::Range(0, 1'000'000'000));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
+  app.add_option("--viewers", token.viewers, "at once, on each server; 0: any number")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--nodes", token.section_nodes, "in the section of each viewer; 0: the server's limit")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(0, 1'000'000'000))
+      ->capture_default_str();
+  const auto exit_code = apps::parseCommandLine(
+      app, argc, argv,
+      {{"half a day for three viewers", "foreland token --secret secret --name kiosk --hours 12 --viewers 3"}});
+  if (exit_code) return *exit_code;
   const auto secret = server::readTokenSecret(secret_file);
   if (!secret) {
     std::fprintf(stderr, "foreland token: %s\n", secret.error().message.c_str());

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <string>
 
+#include "apps/command_line.h"
+#include "apps/options.h"
 #include "terrain/imagery/verify_tiles.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/verify.h"
@@ -114,10 +116,15 @@ int main(int argc, char** argv) {
   std::string path;
   unsigned threads = 0;
   CLI::App app("Checks a scene or surface file's checksums and invariants.", "foreland verify");
-  app.add_option("SCENE", path, "A file made by `foreland build` or `foreland remesh`")->required();
-  app.add_option("--threads", threads, "Worker threads; 0 for one per processor")->check(CLI::Range(0u, 1024u));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
+  app.add_option("SCENE", path, "a file made by `foreland build` or `foreland remesh`")
+      ->type_name(apps::file("SCENE.fls"))
+      ->required();
+  app.add_option("--threads", threads, "worker threads; 0 for one per processor")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(0u, 1024u))
+      ->capture_default_str();
+  if (const auto exit_code =
+          apps::parseCommandLine(app, argc, argv, {{"whether a scene is sound", "foreland verify hills.fls"}}))
+    return *exit_code;
   return terrain::isSurfaceFile(path) ? verifySurface(path, threads) : verifyScene(path, threads);
 }

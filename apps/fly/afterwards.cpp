@@ -5,23 +5,32 @@
 #include <utility>
 
 #include "apps/exact_sections.h"
+#include "apps/options.h"
 #include "oracle/scene_truth.h"
 
 namespace foreland::apps {
 
 void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& o) {
-  CLI::Option* truth =
-      app.add_option("--truth", o.truth, "measure errors against this scene file, the one that is served");
-  app.add_option("--truth-every", o.truth_every,
-                 "measure one in N frames, more if N shares a factor with the frames per keyframe (default 7; "
-                 "keyframes always)")
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("The report");
+  };
+  CLI::Option* truth = add("--truth", o.truth, "measure errors against this scene file, the one that is served");
+  truth->type_name(file("SCENE.fls"));
+  add("--truth-every", o.truth_every,
+      "measure one in N frames, more if N shares a factor with the frames per keyframe; keyframes always")
+      ->type_name(whole("N"))
       ->needs(truth)
-      ->check(CLI::PositiveNumber);
+      ->check(within(1u, 1'000'000u))
+      ->capture_default_str();
   CLI::Option* dump =
-      app.add_option("--dump", o.dump, "write drawn frames (PLY and frames.jsonl) into this folder, after landing");
-  app.add_option("--dump-every", o.dump_every, "dump every Nth frame (default 60)")
+      add("--dump", o.dump,
+          "write what is drawn into this folder, after landing: a PLY mesh in metres, and a line in frames.jsonl");
+  dump->type_name(folder("DIR"));
+  add("--dump-every", o.dump_every, "dump every Nth frame")
+      ->type_name(whole("N"))
       ->needs(dump)
-      ->check(CLI::PositiveNumber);
+      ->check(within(1u, 1'000'000u))
+      ->capture_default_str();
 }
 
 Result<Afterwards> Afterwards::prepare(const AfterwardsOptions& options) {

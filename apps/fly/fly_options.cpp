@@ -4,8 +4,10 @@
 #include <string>
 #include <string_view>
 
+#include "apps/command_line.h"
 #include "apps/date.h"
 #include "apps/fly/fly_report.h"
+#include "apps/keyframe_option.h"
 #include "apps/lens_option.h"
 #include "apps/options.h"
 #include "proto/message/keyframe_interval.h"
@@ -30,7 +32,6 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
   if (!strategy) return invalid("--strategy '" + o.strategy + "': choose delay, current or predict");
   const auto predictor = proto::predictorNamed(o.predictor.value_or(o.tour == "jumps" ? "velocity" : "path"));
   if (!predictor) return invalid("--predictor '" + *o.predictor + "': choose one of " + proto::predictorNames());
-  if (!(o.tau_px > 0) || o.tau_px > 1000) return invalid("--tau must be above 0 and at most 1000 pixels");
   const auto interval = proto::keyframeIntervalFrom(o.keyframe_ms);
   if (!interval) return invalid("--keyframe-ms: " + interval.error().message);
   return proto::ViewRequest{.lens = *lens,
@@ -49,75 +50,156 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
 
 }  // namespace
 
-ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
-  FlyOptions o;
-  CLI::App app("Fly through a served scene without a screen, and report.", "foreland fly");
-  app.footer(std::string(kFlight) + reportHelp() + kExitCodes);
-  app.add_option("URL", o.url, "the server, as ws://HOST:PORT or wss://HOST:PORT")->required();
-  app.add_option("--token", o.connection.token, "a token from `foreland token`, for a server that asks for one");
-  app.add_option("--ca", o.connection.ca_file, "certificates to trust, in PEM format, instead of the system's");
+namespace {
+
+void addServer(CLI::App& app, FlyOptions& o) {
+  app.add_option("URL", o.url, "the server, as ws://HOST:PORT or wss://HOST:PORT")->type_name(text("URL"))->required();
+  app.add_option("--token", o.connection.token, "a token from `foreland token`, for a server that asks for one")
+      ->type_name(text("T"));
+  app.add_option("--ca", o.connection.ca_file, "certificates to trust, in PEM format, instead of the system's")
+      ->type_name(file("FILE"));
+}
+
+void addCamera(CLI::App& app, FlyOptions& o) {
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("Where the camera goes");
+  };
   CLI::Option* track =
-      app.add_option("--track", o.track, "fly this recorded track: an IGC or GPX file, or camera frames");
-  app.add_option("--tour", o.tour,
-                 "fly a built-in tour: survey (default), canyon, spin, orbit; or jumps, from view to view")
+      add("--track", o.track, "fly this recorded track: an IGC or GPX file, or camera frames")->type_name(file("FILE"));
+  add("--tour", o.tour, "fly a built-in tour: survey (the default), canyon, spin, orbit; or jumps, from view to view")
+      ->type_name(text("NAME"))
+      ->check(oneOf({"survey", "canyon", "spin", "orbit", "jumps"}))
       ->excludes(track);
-  app.add_option("--seconds", o.seconds, "length of the flight (default: 60 for tours, the whole track)")
-      ->check(isFinite());
-  app.add_option("--speed", o.track_options.speed, "seconds of the track per second of flight (default 1)")
-      ->check(isFinite())
-      ->needs(track);
-  app.add_option("--from", o.track_options.from_s, "begin so many seconds into the track")
-      ->check(isFinite())
-      ->needs(track);
-  CLI::Option* agl = app.add_option("--agl", o.track_options.agl_m,
-                                    "fly at least this many metres above ground, not at the recorded height");
-  agl->check(isFinite())->needs(track);
-  app.add_option("--clearance", o.track_options.clearance_m,
-                 "lift recorded heights to this many metres above ground (default 20)")
+  add("--seconds", o.seconds, "length of the flight; by default 60 for tours, the whole track")
+      ->type_name(number("S"))
+      ->check(above(0, 86'400));
+  add("--speed", o.track_options.speed, "seconds of the track per second of flight")
+      ->type_name(number("X"))
       ->check(isFinite())
       ->needs(track)
-      ->excludes(agl);
-  app.add_option("--strategy", o.strategy, "delay, current or predict (default)");
-  app.add_option("--blend", o.blend,
-                 "keyframe (default): all detail changes from keyframe to keyframe, within the tolerance in every "
-                 "frame; b-spline-2 and b-spline-3: likewise, but of the last three or four keyframes, so that nothing "
-                 "changes its velocity at once; geomorph: each node changes at a time of its own");
-  app.add_option("--occlusion", o.occlusion,
-                 "on: ask for sections without what ridges hide, of a server with --occlusion on (default off)")
-      ->check(CLI::IsMember({"on", "off"}));
-  app.add_flag("--relief", o.relief, "be sent tiles of relief, and count them; none is decoded");
-  app.add_flag("--imagery", o.imagery, "be sent tiles of imagery, likewise");
-  app.add_option("--predictor", o.predictor,
-                 "hold, velocity, acceleration, double-exponential, kalman or path (default)");
-  app.add_option("--tau", o.tau_px, "tolerance in pixels (default 1)")->check(isFinite());
-  app.add_option("--keyframe-ms", o.keyframe_ms,
-                 "time between keyframes: 20 to 10000, or adaptive, or 100-500 (default 200)");
-  app.add_option("--memory-mib", o.memory_mib,
-                 "MiB to remember terrain with that was flown over, so that it is not sent again (default 16)")
-      ->check(CLI::Range(0.0, 1024.0) & isFinite());
-  app.add_option("--max-triangles", o.max_triangles, "budget: the tolerance rises to stay inside (default none)");
-  app.add_option("--max-kbit", o.max_kbit_per_s, "budget of kbit/s down, likewise (default none)")
-      ->check(CLI::Range(1u, 8'000'000u));
-  app.add_option("--viewport", o.viewport, "WIDTHxHEIGHT in pixels (default 1920x1080)");
-  app.add_option("--fov", o.fov_deg, "vertical field of view in degrees (default 60)")->check(isFinite());
-  app.add_option("--scene-from", o.scene_from,
-                 "in scenes that change in time: the date that the flight begins at, YYYY-MM-DD (default: the first)");
-  app.add_option("--scene-speed", o.scene_speed,
-                 "and how fast the scene's time goes, for example 90d/s; s, h, d and y are understood (default 0d/s)");
+      ->capture_default_str();
+  add("--from", o.track_options.from_s, "begin so many seconds into the track")
+      ->type_name(number("S"))
+      ->check(isFinite())
+      ->needs(track)
+      ->capture_default_str();
+  CLI::Option* agl =
+      add("--agl", o.track_options.agl_m, "fly at least this many metres above ground, not at the recorded height");
+  agl->type_name(number("M"))->check(isFinite())->needs(track);
+  add("--clearance", o.track_options.clearance_m, "lift recorded heights to this many metres above ground")
+      ->type_name(number("M"))
+      ->check(isFinite())
+      ->needs(track)
+      ->excludes(agl)
+      ->capture_default_str();
+  add("--scene-from", o.scene_from,
+      "in scenes that change in time: the date that the flight begins at; by default the first")
+      ->type_name(text("YYYY-MM-DD"));
+  add("--scene-speed", o.scene_speed,
+      "and how fast the scene's time goes, for example 90d/s; s, h, d and y are understood; by default it stands")
+      ->type_name(text("SPEED"));
+}
+
+void addKeyframes(CLI::App& app, FlyOptions& o) {
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("Keyframes");
+  };
+  add("--strategy", o.strategy,
+      "delay: show the scene as it was, an interval late; current: the same geometry with the present camera; predict: "
+      "keyframes are computed for where the camera will be")
+      ->type_name(text("NAME"))
+      ->check(oneOf({"delay", "current", "predict"}))
+      ->capture_default_str();
+  add("--predictor", o.predictor, "how the server guesses where the camera will be; path, which is known, by default")
+      ->type_name(text("NAME"))
+      ->check(oneOf({"hold", "velocity", "acceleration", "double-exponential", "kalman", "path"}));
+  add("--blend", o.blend,
+      "keyframe: all detail changes from keyframe to keyframe, within the tolerance in every frame; b-spline-2 and "
+      "b-spline-3: likewise, but of the last three or four keyframes, so that nothing changes its velocity at once; "
+      "geomorph: each node changes at a time of its own")
+      ->type_name(text("NAME"))
+      ->check(oneOf({"keyframe", "b-spline-2", "b-spline-3", "geomorph"}))
+      ->capture_default_str();
+  add("--keyframe-ms", o.keyframe_ms,
+      "time between keyframes: 20 to 10000 milliseconds, or adaptive, or between two bounds, such as 100-500")
+      ->type_name(numberOrText("MS"))
+      ->check(keyframeInterval())
+      ->capture_default_str();
+}
+
+void addDetail(CLI::App& app, FlyOptions& o) {
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("What is asked for");
+  };
+  add("--tau", o.tau_px, "largest error on the screen in pixels")
+      ->type_name(number("PX"))
+      ->check(above(0, 1000))
+      ->capture_default_str();
+  add("--viewport", o.viewport, "size of the screen in pixels")->type_name(text("WxH"))->capture_default_str();
+  add("--fov", o.fov_deg, "vertical field of view in degrees")
+      ->type_name(number("DEG"))
+      ->check(within(1.0, 170.0))
+      ->capture_default_str();
+  add("--max-triangles", o.max_triangles, "budget: the tolerance rises to stay inside; 0: none")
+      ->type_name(whole("N"))
+      ->capture_default_str();
+  add("--max-kbit", o.max_kbit_per_s, "budget of kbit/s down, likewise; by default none")
+      ->type_name(whole("N"))
+      ->check(within(1u, 8'000'000u));
+  add("--memory-mib", o.memory_mib,
+      "MiB to remember terrain with that was flown over, so that it is not sent again; 0: none")
+      ->type_name(number("M"))
+      ->check(within(0.0, 1024.0))
+      ->capture_default_str();
+  add("--occlusion", o.occlusion,
+      "on: ask for sections without what ridges hide, of a server with --occlusion on; --truth counts what is hidden "
+      "as "
+      "errors")
+      ->check(oneOf({"on", "off"}))
+      ->capture_default_str();
+  app.add_flag("--relief", o.relief, "be sent tiles of relief, and count them; none is decoded")
+      ->group("What is asked for");
+  app.add_flag("--imagery", o.imagery, "be sent tiles of imagery, likewise")->group("What is asked for");
+}
+
+void addReport(CLI::App& app, FlyOptions& o) {
   addAfterwardsOptions(app, o.afterwards);
   CLI::Option* record =
       app.add_option("--record", o.record, "write all that comes in to this file, for `foreland replay`");
-  app.add_option("--viewers", o.viewers, "fly so many viewers at once, and report on all together (default 1)")
-      ->check(CLI::Range(1, 10'000))
+  record->type_name(file("FILE"))->group("The report");
+  app.add_option("--viewers", o.viewers, "fly so many viewers at once, and report on all together")
+      ->type_name(whole("N"))
+      ->check(within(1, 10'000))
       ->excludes(app.get_option("--truth"))
       ->excludes(app.get_option("--dump"))
-      ->excludes(record);
+      ->excludes(record)
+      ->capture_default_str()
+      ->group("The report");
   app.add_flag_callback(
-      "--json", [&o] { o.format = apps::ReportFormat::kJson; }, "print the report as JSON");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) { return {std::move(o), app.exit(e) == 0 ? 0 : 2}; }
-  return {std::move(o), std::nullopt};
+         "--json", [&o] { o.format = apps::ReportFormat::kJson; }, "print the report as JSON")
+      ->group("The report");
+}
+
+const std::vector<Example> kExamples{
+    {"a built-in tour, measured against the scene",
+     "foreland fly ws://127.0.0.1:8080 --tour survey --seconds 20 --truth hills.fls"},
+    {"a paraglider's track, 20 times as fast", "foreland fly ws://127.0.0.1:8080 --track flight.igc --speed 20"},
+    {"through seven years of a volcano",
+     "foreland fly ws://127.0.0.1:8080 --tour orbit --scene-from 2000-09-25 --scene-speed 90d/s"}};
+
+}  // namespace
+
+ParsedFlyOptions parseFlyOptions(int argc, const char* const* argv) {
+  FlyOptions o;
+  CLI::App app("Flies through a served scene without a screen, and reports.", "foreland fly");
+  app.footer(std::string(kFlight) + reportHelp() + kExitCodes);
+  addServer(app, o);
+  addCamera(app, o);
+  addKeyframes(app, o);
+  addDetail(app, o);
+  addReport(app, o);
+  const auto exit_code = parseCommandLine(app, argc, argv, kExamples);
+  return {std::move(o), exit_code};
 }
 
 Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
@@ -130,8 +212,6 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
                    ": a spline of several keyframes needs equal intervals; name one, for example 200");
   if (o.tour == "jumps" && request->predictor == proto::Predictor::kKnownPath)
     return invalid("--predictor path: the tour 'jumps' has no path; choose hold, velocity or acceleration");
-  if (o.seconds && (!(*o.seconds > 0) || *o.seconds > 86'400))
-    return invalid("--seconds must be above 0 and at most 86400");
   const auto scene = parseSceneClock(o.scene_from, o.scene_speed);
   if (!scene.ok()) return scene.error();
   if (client::orderOf(*blend) > 1 && *scene && (*scene)->rate != 0)

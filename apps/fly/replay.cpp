@@ -7,8 +7,10 @@
 #include <memory>
 #include <string>
 
+#include "apps/command_line.h"
 #include "apps/fly/afterwards.h"
 #include "apps/fly/fly_report.h"
+#include "apps/options.h"
 #include "client/fly/flight_digest.h"
 #include "client/fly/recording.h"
 
@@ -65,16 +67,20 @@ int run(const ReplayOptions& o) {
 
 int main(int argc, char** argv) {
   ReplayOptions o;
-  CLI::App app("Fly a recorded flight again, and report.", "foreland replay");
+  CLI::App app("Flies a recorded flight again, and reports.", "foreland replay");
   app.footer(std::string(reportHelp()) + kExitCodes);
-  app.add_option("FILE", o.recording, "written by `foreland fly --record`")->required();
+  app.add_option("FILE", o.recording, "written by `foreland fly --record`, or saved by the page")
+      ->type_name(file("FILE"))
+      ->required();
   addAfterwardsOptions(app, o.afterwards);
   app.add_flag_callback(
-      "--json", [&o] { o.format = apps::ReportFormat::kJson; }, "print the report as JSON");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
-  return run(o);
+         "--json", [&o] { o.format = apps::ReportFormat::kJson; }, "print the report as JSON")
+      ->group("The report");
+  const auto exit_code =
+      parseCommandLine(app, argc, argv,
+                       {{"record a flight", "foreland fly ws://127.0.0.1:8080 --tour canyon --record flight.rec"},
+                        {"fly it again, and measure it", "foreland replay flight.rec --truth hills.fls"}});
+  return exit_code ? *exit_code : run(o);
 }
 
 }  // namespace

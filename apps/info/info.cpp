@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/command_line.h"
 #include "apps/date.h"
 #include "apps/info/info_objects.h"
 #include "apps/info/info_surface.h"
 #include "apps/info/info_tiles.h"
+#include "apps/options.h"
 #include "terrain/store/scene.h"
 
 namespace {
@@ -199,10 +201,12 @@ int main(int argc, char** argv) {
   std::string path;
   bool json = false;
   CLI::App app("Prints what a scene or surface file holds.", "foreland info");
-  app.add_option("SCENE", path, "A file made by `foreland build` or `foreland remesh`")->required();
-  app.add_flag("--json", json, "Print JSON");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
+  app.add_option("SCENE", path, "a file made by `foreland build` or `foreland remesh`")
+      ->type_name(apps::file("SCENE.fls"))
+      ->required();
+  app.add_flag("--json", json, "print JSON");
+  const auto exit_code = apps::parseCommandLine(
+      app, argc, argv, {{"a scene's size, heights, frame and notes", "foreland info hills.fls"}});
+  if (exit_code) return *exit_code;
   return terrain::isSurfaceFile(path) ? showSurface(path, json) : showTerrain(path, json);
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/command_line.h"
 #include "apps/options.h"
 #include "apps/output_file.h"
 #include "apps/remesh/remesh_poses.h"
@@ -40,60 +41,70 @@ struct Arguments {
   bool json = false, strict = false;
 };
 
-CLI::Validator isPositive() {
-  return {[](std::string& text) {
-            double value = 0;
-            const bool is_number = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
-            return is_number ? std::string() : text + " is not a positive number";
-          },
-          "LENGTH"};
-}
-
-void describeOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("MODEL", arguments.input, "A polygon model: .obj, .ply, .stl, .glb or .gltf, closed or with borders")
+void describeShape(CLI::App& app, Arguments& arguments) {
+  app.add_option("MODEL", arguments.input, "a polygon model: .obj, .ply, .stl, .glb or .gltf, closed or with borders")
+      ->type_name(apps::file("MODEL"))
       ->required();
-  app.add_option("-o,--output", arguments.output, "The surface file to write")->required();
+  app.add_option("-o,--output", arguments.output, "the surface file to write")
+      ->type_name(apps::file("SURFACE.fls"))
+      ->required();
   app.add_option("--levels", arguments.remesh.levels,
-                 "Levels of refinement: how often each base triangle is cut into four")
-      ->check(CLI::Range(1, terrain::Lattice::kMaxLevels))
+                 "levels of refinement: how often each base triangle is cut into four")
+      ->type_name(apps::whole("J"))
+      ->check(apps::within(1, terrain::Lattice::kMaxLevels))
       ->capture_default_str();
-  app.add_option("--base-triangles", arguments.remesh.base_triangles, "About how many triangles the base mesh has")
-      ->check(CLI::Range(4u, proto::BaseMesh::kMaxFaces))
+  app.add_option("--base-triangles", arguments.remesh.base_triangles, "about how many triangles the base mesh has")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(4u, proto::BaseMesh::kMaxFaces))
       ->capture_default_str();
   static const std::map<std::string, proto::MeshRule> rules{{"quadrisection", proto::MeshRule::kQuadrisection},
                                                             {"bisection", proto::MeshRule::kBisection}};
   app.add_option_function<std::string>(
          "--rule", [&](const std::string& name) { arguments.rule = rules.at(name); },
-         "How triangles are cut: into four; or, after a vertex is added in the middle of each face, in two, twice a "
+         "how triangles are cut: into four; or, after a vertex is added in the middle of each face, in two, twice a "
          "level")
-      ->check(CLI::IsMember(std::vector<std::string>{"quadrisection", "bisection"}));
+      ->check(apps::oneOf({"quadrisection", "bisection"}))
+      ->default_str("quadrisection");
+  app.add_option("--attempts", arguments.remesh.attempts,
+                 "base meshes tried, each learning from the one before: more take longer and come closer")
+      ->type_name(apps::whole("K"))
+      ->check(apps::within(1, 1000))
+      ->capture_default_str();
+  app.add_option(
+         "--step", arguments.step,
+         "positions are stored as multiples of this, in the model's units; by default a sixteenth of the detail "
+         "that the finest level adds, but at least a millionth of the model's size")
+      ->type_name(apps::number("S"))
+      ->check(apps::above(0));
+}
+
+void describeModel(CLI::App& app, Arguments& arguments) {
   static const std::map<std::string, terrain::UpAxis> axes{{"y", terrain::UpAxis::kY}, {"z", terrain::UpAxis::kZ}};
   app.add_option_function<std::string>(
          "--up", [&](const std::string& name) { arguments.up = axes.at(name); },
-         "Which axis of the model points up; the surface's is z. By default y for glTF, as its format has it, else z")
-      ->check(CLI::IsMember(std::vector<std::string>{"y", "z"}));
-  app.add_option("--attempts", arguments.remesh.attempts, "Base meshes tried; each learns from the one before")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--step", arguments.step,
-                 "Positions are stored as multiples of this, in the model's units; by default a sixteenth of what the "
-                 "finest level adds")
-      ->check(isPositive());
+         "which axis of the model points up; the surface's is z. By default y for glTF, as its format has it, else z")
+      ->check(apps::oneOf({"y", "z"}));
   app.add_option(
          "--texels", arguments.texels,
-         "Intervals of colour along a base edge, rounded up to a multiple of four; by default as fine as the model's "
+         "intervals of colour along a base edge, rounded up to a multiple of four; by default as fine as the model's "
          "colours; 0 for none")
-      ->check(CLI::Range(0u, proto::AtlasLayout::kMaxPixels));
+      ->type_name(apps::whole("T"))
+      ->check(apps::within(0u, proto::AtlasLayout::kMaxPixels));
   app.add_option("--pose", arguments.poses,
-                 "The model at a date, YYYY-MM-DD=FILE: the surface changes in time from the first date to the last. "
-                 "FILE has the faces and vertices of MODEL, whose positions only decide where the base mesh lies; "
-                 "repeatable")
+                 "the model at a date: the surface changes in time from the first date to the last. FILE has the faces "
+                 "and vertices of MODEL, whose positions only decide where the base mesh lies")
+      ->type_name(apps::text("YYYY-MM-DD=FILE"))
       ->allow_extra_args(false);
-  app.add_option("--threads", arguments.remesh.threads, "Worker threads; 0 for one per processor")
-      ->check(CLI::Range(0u, 1024u));
   app.add_flag("--strict", arguments.strict,
-               "Refuse a model that is no surface, and name the fault, instead of repairing it with a note");
-  app.add_flag("--json", arguments.json, "Print the report as JSON");
+               "refuse a model that is no surface, and name the fault, instead of repairing it with a note");
+}
+
+void describeRun(CLI::App& app, Arguments& arguments) {
+  app.add_option("--threads", arguments.remesh.threads, "worker threads; 0 for one per processor")
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(0u, 1024u))
+      ->capture_default_str();
+  app.add_flag("--json", arguments.json, "print the report as JSON");
 }
 
 int fail(const Error& error) {
@@ -208,13 +219,15 @@ int main(int argc, char** argv) {
   CLI::App app{"Makes a surface from a polygon model: a base mesh, and the position of each vertex of its refinement.",
                "foreland remesh"};
   Arguments arguments;
-  describeOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) { return app.exit(asked); } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "foreland remesh: %s (see foreland remesh --help)\n", error.what());
-    return 2;
-  }
+  describeShape(app, arguments);
+  describeModel(app, arguments);
+  describeRun(app, arguments);
+  const auto exit_code = apps::parseCommandLine(
+      app, argc, argv,
+      {{"a model", "foreland remesh tower.obj -o tower.fls"},
+       {"a model that moves",
+        "foreland remesh crane.obj --pose 2004-10-04=crane.obj --pose 2004-10-05=crane-left.obj -o crane.fls"}});
+  if (exit_code) return *exit_code;
   apps::catchStopSignals();
   return remesh(arguments);
 }

@@ -7,10 +7,11 @@
 #include <thread>
 #include <utility>
 
+#include "apps/command_line.h"
+#include "apps/keyframe_option.h"
 #include "apps/options.h"
 #include "apps/serve/toml_config.h"
 #include "base/time.h"
-#include "proto/message/keyframe_interval.h"
 #include "server/net/listen_address.h"
 #include "server/net/token.h"
 
@@ -18,94 +19,138 @@ namespace foreland::apps {
 namespace {
 
 void addScene(CLI::App& app, ServeFlags& flags) {
-  app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->required();
-  app.add_option("--threads", flags.threads, "threads that compute")->check(CLI::Range(1, 1024))->capture_default_str();
-  app.add_option("--occlusion", flags.occlusion,
-                 "on: what ridges hide is not sent to viewers that ask for that (foreland fly --occlusion on)")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
-  app.add_option(
-         "--viewer-memory-mib", flags.viewer_memory_mib,
-         "MiB of terrain that a viewer may remember at most; the server needs up to a tenth of that for each viewer")
-      ->check(CLI::Range(0.0, 1024.0) & isFinite())
-      ->capture_default_str();
-  app.add_option("--max-section-nodes", flags.max_section_nodes,
-                 "nodes that a viewer's section may have; its tolerance rises until it has no more")
-      ->check(CLI::Range(1'000, 100'000'000))
-      ->capture_default_str();
-  app.add_option("--tau", flags.tau_px, "tolerance in pixels, for viewers that name none")
-      ->check(CLI::Range(0.01, 1000.0) & isFinite())
-      ->capture_default_str();
-  app.add_option("--keyframe-ms", flags.keyframe_ms,
-                 "time between keyframes, for viewers that name none: 20 to 10000, or adaptive, or 100-500")
+  app.add_option("SCENE", flags.scene, "scene file made by `foreland build`")->type_name(file("SCENE.fls"))->required();
+  app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")
+      ->type_name(text("ADDRESS:PORT"))
       ->capture_default_str();
   app.add_option("--web", flags.web,
-                 "directory of the page; by default the one that was built or installed with this program");
+                 "directory of the page; by default the one that was built or installed with this program")
+      ->type_name(folder("DIR"));
+  app.add_option("--threads", flags.threads, "threads that compute; 0 for one per processor")
+      ->type_name(whole("N"))
+      ->check(within(0, 1024))
+      ->capture_default_str();
 }
 
-void addPort(CLI::App& app, ServeFlags& flags) {
-  app.add_option("--listen", flags.listen, "address and port; port 0 picks a free one")->capture_default_str();
-  app.add_option("--metrics-listen", flags.metrics_listen,
-                 "address and port of its own for /metrics, which --listen then does not answer, /livez and /readyz");
-  app.add_option("--tls-cert", flags.tls_cert, "certificate chain in PEM format; SIGHUP reads it again");
-  app.add_option("--tls-key", flags.tls_key, "its private key");
-  app.add_option("--allow-origin", flags.allow_origin,
-                 "pages of this origin may connect, beside the server's own; may be repeated (default: any)");
-  app.add_option("--token-secret", flags.token_secret,
-                 "file of the secret with which `foreland token` signs; viewers need a token then");
-  app.add_option("--trusted-proxy", flags.trusted_proxy,
-                 "address or network of a proxy whose X-Forwarded-For is believed; may be repeated");
-  app.add_option("--max-connections", flags.max_connections, "one more is told to try again later (503)")
-      ->check(CLI::Range(1, 1'000'000))
+void addViews(CLI::App& app, ServeFlags& flags) {
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("What viewers are sent");
+  };
+  add("--tau", flags.tau_px, "largest error on the screen in pixels, for viewers that name none")
+      ->type_name(number("PX"))
+      ->check(within(0.01, 1000.0))
       ->capture_default_str();
-  app.add_option("--max-per-address", flags.max_per_address,
-                 "likewise, of connections from one address (default 0: no limit, as behind a proxy)")
-      ->check(CLI::Range(0, 1'000'000))
+  add("--keyframe-ms", flags.keyframe_ms,
+      "time between keyframes, for viewers that name none: 20 to 10000 milliseconds, or adaptive, or between two "
+      "bounds, such as 100-500")
+      ->type_name(numberOrText("MS"))
+      ->check(keyframeInterval())
       ->capture_default_str();
-  app.add_option("--queue-mib", flags.queue_mib,
-                 "MiB held for a viewer at most: sent by it and not yet read, kept, or not yet sent to it; while it is "
-                 "more, its requests wait, and its longer messages are refused")
-      ->check(CLI::Range(1.0, 4096.0) & isFinite())
+  add("--occlusion", flags.occlusion,
+      "on: what ridges hide is not sent to viewers that ask for that (the page, `foreland fly --occlusion on`)")
+      ->check(oneOf({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--idle-seconds", flags.idle_seconds,
-                 "a viewer that sends nothing, or reads nothing of what waits for it, for so long is disconnected")
-      ->check(CLI::Range(1.0, 3600.0) & isFinite())
-      ->capture_default_str();
+}
+
+void addLimits(CLI::App& app, ServeFlags& flags) {
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("Limits")->capture_default_str();
+  };
+  add("--max-connections", flags.max_connections, "one more is told to try again later (503)")
+      ->type_name(whole("N"))
+      ->check(within(1, 1'000'000));
+  add("--max-per-address", flags.max_per_address,
+      "likewise, of connections from one address; 0: no limit, as behind a proxy")
+      ->type_name(whole("N"))
+      ->check(within(0, 1'000'000));
+  add("--max-section-nodes", flags.max_section_nodes,
+      "nodes that a viewer's section may have; its tolerance rises until it has no more")
+      ->type_name(whole("N"))
+      ->check(within(1'000, 100'000'000));
+  add("--viewer-memory-mib", flags.viewer_memory_mib,
+      "MiB of terrain that a viewer may remember at most, so that it is not sent again; the server needs about a "
+      "fortieth of that for each viewer")
+      ->type_name(number("MIB"))
+      ->check(within(0.0, 1024.0));
+  add("--queue-mib", flags.queue_mib,
+      "MiB held for a viewer at most: sent by it and not yet read, kept, or not yet sent to it; while it is more, its "
+      "requests wait, and its longer messages are refused")
+      ->type_name(number("MIB"))
+      ->check(within(1.0, 4096.0));
+  add("--idle-seconds", flags.idle_seconds,
+      "a viewer that sends nothing, or reads nothing of what waits for it, for so long is disconnected")
+      ->type_name(number("S"))
+      ->check(within(1.0, 3600.0));
+}
+
+void addGate(CLI::App& app, ServeFlags& flags) {
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("Who may connect");
+  };
+  add("--tls-cert", flags.tls_cert, "certificate chain in PEM format; SIGHUP reads it again")->type_name(file("FILE"));
+  add("--tls-key", flags.tls_key, "its private key")->type_name(file("FILE"));
+  add("--allow-origin", flags.allow_origin, "pages of this origin may connect, beside the server's own; by default any")
+      ->type_name(text("ORIGIN"));
+  add("--token-secret", flags.token_secret,
+      "file of the secret with which `foreland token` signs; viewers need a token then")
+      ->type_name(file("FILE"));
+  add("--trusted-proxy", flags.trusted_proxy, "address or network of a proxy whose X-Forwarded-For is believed")
+      ->type_name(text("ADDRESS"));
 }
 
 void addOperation(CLI::App& app, ServeFlags& flags) {
-  app.add_option("--drain-seconds", flags.drain_seconds,
-                 "SIGTERM hands viewers over to other servers for so long at most; Ctrl-C does not")
-      ->check(CLI::Range(0.0, 3600.0) & isFinite())
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group("Operation");
+  };
+  add("--metrics-listen", flags.metrics_listen,
+      "address and port of its own for /metrics, which --listen then does not answer, /livez and /readyz")
+      ->type_name(text("ADDRESS:PORT"));
+  add("--drain-seconds", flags.drain_seconds,
+      "SIGTERM hands viewers over to other servers for so long at most; Ctrl-C does not")
+      ->type_name(number("S"))
+      ->check(within(0.0, 3600.0))
       ->capture_default_str();
-  app.add_option("--log-level", flags.log_level, "what to log on standard error")
-      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+  add("--log-level", flags.log_level, "what to log on standard error")
+      ->type_name(text("LEVEL"))
+      ->check(oneOf({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
-  app.add_option("--log", flags.log_format, "text, or json: an object on each line")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  app.set_config("--config", "", "read options from this TOML file; those of the command line win");
+  add("--log", flags.log_format, "json: an object on each line")->check(oneOf({"text", "json"}))->capture_default_str();
+}
+
+void addConfiguration(CLI::App& app, bool& prints_config) {
+  app.set_config("--config", "", "read options from this TOML file; those of the command line win")
+      ->type_name(file("FILE.toml"))
+      ->group("Configuration");
   app.allow_config_extras(false);
   app.config_formatter(std::make_shared<TomlConfig>());
+  app.add_flag("--print-config", prints_config, "print all options as a file for --config, and end")
+      ->configurable(false)
+      ->group("Configuration");
 }
+
+const std::vector<Example> kExamples{
+    {"a scene, at http://127.0.0.1:8080", "foreland serve hills.fls"},
+    {"with TLS, for all addresses",
+     "foreland serve hills.fls --listen 0.0.0.0:8443 --tls-cert cert.pem --tls-key key.pem"},
+    {"write a file of options, and use it", "foreland serve hills.fls --tau 2 --print-config > serve.toml"},
+    {"", "foreland serve --config serve.toml"}};
 
 }  // namespace
 
 ParsedServeFlags parseServeFlags(int argc, const char* const* argv) {
   ServeFlags flags;
-  flags.threads = std::max(1u, std::thread::hardware_concurrency());
-  CLI::App app("Serve a scene to viewers, and the page that shows it.", "foreland serve");
+  CLI::App app("Serves a scene to viewers, and the page that shows it.", "foreland serve");
   addScene(app, flags);
-  addPort(app, flags);
+  addViews(app, flags);
+  addLimits(app, flags);
+  addGate(app, flags);
   addOperation(app, flags);
   bool prints_config = false;
-  app.add_flag("--print-config", prints_config, "print all options as a file for --config, and end")
-      ->configurable(false);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return {std::move(flags), app.exit(error) == 0 ? 0 : 2}; }
+  addConfiguration(app, prints_config);
+  const auto exit_code = parseCommandLine(app, argc, argv, kExamples);
+  if (exit_code) return {std::move(flags), exit_code};
   if (!prints_config) return {std::move(flags), std::nullopt};
-  std::fputs(app.config_to_str(true, true).c_str(), stdout);
+  std::fputs(configText(app).c_str(), stdout);
   return {std::move(flags), 0};
 }
 
@@ -128,7 +173,7 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   options.gate.trusted_proxies = flags.trusted_proxy;
   options.tls_certificate = flags.tls_cert;
   options.tls_key = flags.tls_key;
-  options.threads = flags.threads;
+  options.threads = flags.threads > 0 ? flags.threads : std::max(1u, std::thread::hardware_concurrency());
   options.max_connections = flags.max_connections;
   if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
   options.limits.viewer_bytes = static_cast<size_t>(flags.queue_mib * 1048576);

@@ -14,7 +14,7 @@ namespace foreland::apps {
 struct ServeFlags {
   std::filesystem::path scene;
   std::string listen = "127.0.0.1:8080", metrics_listen;
-  size_t threads = 1;
+  size_t threads = 0;  // 0: one per processor
   double tau_px = 1;
   std::string keyframe_ms = "200";
   std::string web;  // empty for where builds and installations put it

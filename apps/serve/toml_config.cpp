@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <iterator>
+#include <sstream>
 #include <string>
 #include <string_view>
+
+#include "apps/option_table.h"
+#include "apps/options.h"
 
 namespace foreland::apps {
 namespace {
@@ -30,7 +35,41 @@ CLI::ConfigItem itemOf(std::string_view key, const toml::node& value) {
   return item;
 }
 
+bool isNumber(ValueKind kind) {
+  return kind == ValueKind::kWhole || kind == ValueKind::kNumber || kind == ValueKind::kNumberOrText;
+}
+
+std::string valueText(const std::string& value, ValueKind kind) {
+  const auto number = isNumber(kind) ? finiteNumber(value) : std::nullopt;
+  if (number) return kind == ValueKind::kWhole ? value : plainDigits(*number);
+  std::ostringstream quoted;
+  const toml::value<std::string> node(value);
+  quoted << toml::toml_formatter(node, toml::format_flags::none);
+  return quoted.str();
+}
+
+std::string settingOf(const OptionRow& row, const CLI::Option& option) {
+  std::vector<std::string> values = option.results();
+  if (values.empty() && !row.default_value.empty()) values.push_back(row.default_value);
+  for (std::string& value : values) value = valueText(value, row.kind);
+  if (row.is_repeatable) return "[" + CLI::detail::join(values, ", ") + "]";
+  return values.empty() ? "\"\"" : values.back();
+}
+
 }  // namespace
+
+std::string configText(CLI::App& app) {
+  std::string text = "# " + app.get_description() + "\n", group;
+  for (const OptionRow& row : optionTable(app)) {
+    if (!row.is_in_config) continue;
+    if (row.group != group && !group.empty()) text += fmt::format("\n# ---- {} ----\n", row.group);
+    group = row.group;
+    const std::string &name = row.names.back(), key = row.is_positional ? name : name.substr(2), facts = factsOf(row);
+    text += fmt::format("\n# {}{}\n{} = {}\n", row.description, facts.empty() ? "" : " [" + facts + "]", key,
+                        settingOf(row, *app.get_option(name)));
+  }
+  return text;
+}
 
 std::vector<CLI::ConfigItem> TomlConfig::from_config(std::istream& input) const try {
   std::vector<CLI::ConfigItem> all;

@@ -1,8 +1,10 @@
-// Lets CLI11 read its options from a TOML file, by toml++. CLI11's own reader takes a part of TOML only.
+// Lets CLI11 read its options from a TOML file, by toml++. CLI11's own reader takes a part of TOML only, and its writer
+// repeats numbers as they were given, which TOML may not allow (`.5`).
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <istream>
+#include <string>
 #include <vector>
 
 namespace foreland::apps {
@@ -13,5 +15,8 @@ class TomlConfig : public CLI::ConfigTOML {
   // Throws CLI::ConversionError, as CLI11 expects, which says what is wrong and in which line.
   std::vector<CLI::ConfigItem> from_config(std::istream& input) const override;
 };
+
+// All options that a file may set, with what they do, as such a file: after parsing with the values that are in force.
+std::string configText(CLI::App& app);
 
 }  // namespace foreland::apps

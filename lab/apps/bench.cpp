@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/command_line.h"
 #include "apps/options.h"
 #include "lab/apps/bench_animated.h"
 #include "lab/apps/bench_calibrate.h"
@@ -175,8 +176,10 @@ struct ReportArguments {
 
 CLI::App* addReport(CLI::App& app, ReportArguments& args) {
   CLI::App* sub = app.add_subcommand("report", "one page with the figures of an experiment");
-  sub->add_option("folder", args.folder, "that the experiment was told by --out")->required();
-  sub->add_option("--sources", args.sources, "folder of draw.mjs and its node_modules");
+  sub->add_option("FOLDER", args.folder, "that the experiment was told by --out")
+      ->type_name(apps::folder("DIR"))
+      ->required();
+  sub->add_option("--sources", args.sources, "folder of draw.mjs and its node_modules")->type_name(apps::folder("DIR"));
   return sub;
 }
 
@@ -195,10 +198,12 @@ CLI::App* addSections(CLI::App& app, SectionArguments& args) {
   apps::addFlightOptions(*sub, args.flight);
   sub->add_option("--measure-every", args.measure_every,
                   "judge one in so many shown frames; more if that shares a factor with the frames per keyframe")
-      ->check(CLI::Range(1, 1000))
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(1, 1000))
       ->capture_default_str();
   sub->add_option("--triangles", args.triangles, "in the mean, whatever tolerance that takes; instead of --tau")
-      ->check(CLI::Range(100.0, 1e8) & apps::isFinite())
+      ->type_name(apps::number("N"))
+      ->check(apps::within(100.0, 1e8))
       ->excludes("--tau");
   sub->add_flag("!--no-errors", args.has_errors, "leave out the oracle; costs only");
   return sub;
@@ -207,7 +212,8 @@ CLI::App* addSections(CLI::App& app, SectionArguments& args) {
 CLI::App* addRefine(CLI::App& app, RefineArguments& args) {
   CLI::App* sub = app.add_subcommand("refine", "refinement from scratch, beside MARTINI on the same heights");
   apps::addFlightOptions(*sub, args.flight);
-  sub->add_option("--martini", args.martini, "folder of martini.mjs and its node_modules");
+  sub->add_option("--martini", args.martini, "folder of martini.mjs and its node_modules")
+      ->type_name(apps::folder("DIR"));
   return sub;
 }
 
@@ -215,10 +221,13 @@ CLI::App* addWire(CLI::App& app, WireArguments& args) {
   CLI::App* sub = app.add_subcommand("wire", "bits and processor time of what a flight with the known path sends");
   apps::addFlightOptions(*sub, args.flight);
   sub->add_option("--peer-samples", args.peers.samples, "meshes in flight that the other codecs get")
-      ->check(CLI::Range(1, 1000))
+      ->type_name(apps::whole("N"))
+      ->check(apps::within(1, 1000))
       ->capture_default_str();
-  sub->add_option("--wasm-decoder", args.wasm_decoder, "module of the wasm preset that decodes");
-  sub->add_option("--quantized-mesh", args.peers.quantized_mesh, "folder of decode.mjs and its node_modules");
+  sub->add_option("--wasm-decoder", args.wasm_decoder, "module of the wasm preset that decodes")
+      ->type_name(apps::file("FILE.wasm"));
+  sub->add_option("--quantized-mesh", args.peers.quantized_mesh, "folder of decode.mjs and its node_modules")
+      ->type_name(apps::folder("DIR"));
   sub->add_flag("!--no-peers", args.has_peers, "leave out the other codecs");
   return sub;
 }
@@ -226,7 +235,8 @@ CLI::App* addWire(CLI::App& app, WireArguments& args) {
 CLI::App* addClient(CLI::App& app, ClientArguments& args) {
   CLI::App* sub = app.add_subcommand("client", "what keyframes cost a client: decoding, meshes, uploads");
   apps::addFlightOptions(*sub, args.flight);
-  sub->add_option("--wasm-mesher", args.wasm_mesher, "module of the wasm preset that makes meshes");
+  sub->add_option("--wasm-mesher", args.wasm_mesher, "module of the wasm preset that makes meshes")
+      ->type_name(apps::file("FILE.wasm"));
   return sub;
 }
 
@@ -267,9 +277,12 @@ int main(int argc, char** argv) {
                  *on_tiles = apps::addTiles(app, tiles_args), *on_client = addClient(app, client_args),
                  *on_drape = apps::addDrape(app, drape_args);
   apps::addSurfaces(app, surface_args);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) { return app.exit(e) == 0 ? 0 : 2; }
+  const auto exit_code =
+      apps::parseCommandLine(app, argc, argv,
+                             {{"bits and processor time of a flight", "foreland bench wire hills.fls --seconds 20"},
+                              {"an experiment, and its page", "foreland bench latency hills.fls --out latency"},
+                              {"", "foreland bench report latency"}});
+  if (exit_code) return *exit_code;
   latency_args.experiment.command = load_args.experiment.command = tiles_args.experiment.command =
       drape_args.experiment.command = apps::commandText(argc, argv);
   if (*on_tiles) return print(apps::tiles(tiles_args), tiles_args.flight.format);

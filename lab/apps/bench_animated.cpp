@@ -11,9 +11,11 @@ CLI::App* addAnimated(CLI::App& app, AnimatedArguments& args) {
   CLI::App* sub = app.add_subcommand("animated", "ground that changes in time, and blending of orders 1 to 3");
   addFlightOptions(*sub, args.flight);
   sub->add_option("--scene-speed", args.scene_speed, "how fast the scene's time goes; s, h, d and y are understood")
+      ->type_name(text("SPEED"))
       ->capture_default_str();
   sub->add_option("--judge-every", args.judge_every, "judge one in so many frames against the truth")
-      ->check(CLI::Range(1, 10'000))
+      ->type_name(whole("N"))
+      ->check(within(1, 10'000))
       ->capture_default_str();
   return sub;
 }

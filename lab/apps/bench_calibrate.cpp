@@ -9,10 +9,11 @@ namespace foreland::apps {
 
 CLI::App* addCalibrate(CLI::App& app, CalibrateArguments& args) {
   CLI::App* sub = app.add_subcommand("calibrate", "what a server's work costs on this machine, for experiments");
-  sub->add_option("scene", args.scene, "scene file (foreland build)")->required();
-  sub->add_option("-o,--output", args.output, "the calibration, a JSON file")->required();
+  sub->add_option("SCENE", args.scene, "scene file (`foreland build`)")->type_name(file("SCENE.fls"))->required();
+  sub->add_option("-o,--output", args.output, "the calibration")->type_name(file("FILE.json"))->required();
   sub->add_option("--seconds", args.seconds, "of each flight")
-      ->check(CLI::Range(1.0, 600.0) & isFinite())
+      ->type_name(number("S"))
+      ->check(within(1.0, 600.0))
       ->capture_default_str();
   sub->add_flag_callback(
       "--json", [&args] { args.format = apps::ReportFormat::kJson; }, "print JSON");

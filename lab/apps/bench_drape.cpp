@@ -1,4 +1,5 @@
 #include "lab/apps/bench_drape.h"
+#include "apps/options.h"
 
 #include <algorithm>
 #include <limits>
@@ -51,18 +52,23 @@ CLI::App* addDrape(CLI::App& app, DrapeArguments& args) {
   args.flight.flight.seconds = 60;
   addFlightOptions(*sub, args.flight);
   addScreenOptions(*sub, args.width_px, args.height_px);
-  sub->add_option("--layer", args.layer)->check(CLI::IsMember({"relief", "imagery"}))->capture_default_str();
+  sub->add_option("--layer", args.layer, "which tiles the viewer is sent")
+      ->check(oneOf({"relief", "imagery"}))
+      ->capture_default_str();
   sub->add_option("--predictor", args.predictor, "path: known; velocity: extrapolated")
-      ->check(CLI::IsMember({"path", "velocity"}))
+      ->check(oneOf({"path", "velocity"}))
       ->capture_default_str();
   sub->add_option("--mbit", args.mbit_s, "of the link down, megabits a second")
-      ->check(CLI::Range(0.01, 10000.0))
+      ->type_name(number("MBIT"))
+      ->check(within(0.01, 10'000.0))
       ->capture_default_str();
   sub->add_option("--round-trip", args.round_trip_ms, "of the link, milliseconds")
-      ->check(CLI::Range(0.0, 2000.0))
+      ->type_name(number("MS"))
+      ->check(within(0.0, 2000.0))
       ->capture_default_str();
   sub->add_option("--judge-every", args.judged_every_s, "seconds between the frames that are judged")
-      ->check(CLI::Range(0.1, 60.0))
+      ->type_name(number("S"))
+      ->check(within(0.1, 60.0))
       ->capture_default_str();
   addExperimentOptions(*sub, args.experiment);
   return sub;

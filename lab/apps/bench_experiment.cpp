@@ -1,4 +1,5 @@
 #include "lab/apps/bench_experiment.h"
+#include "apps/options.h"
 
 #include <unistd.h>
 
@@ -10,12 +11,26 @@
 
 namespace foreland::apps {
 
+void addThreadsOption(CLI::App& app, unsigned& threads) {
+  app.add_option("--threads", threads, "that compute; the result does not depend on it; 0: one per processor")
+      ->type_name(whole("N"))
+      ->check(within(0, 256))
+      ->capture_default_str()
+      ->group("The experiment");
+}
+
 void addExperimentOptions(CLI::App& app, ExperimentArguments& args) {
-  app.add_option("--out", args.out, "folder for the tables; without it a summary is printed and nothing is kept");
-  app.add_option("--calibration", args.calibration, "prices of a server's work (foreland bench calibrate)");
-  app.add_option("--seed", args.seed, "of the links' chance")->capture_default_str();
-  app.add_option("--threads", args.threads, "that compute; the result does not depend on it (default: all processors)")
-      ->check(CLI::Range(0, 256));
+  app.add_option("--out", args.out, "folder for the tables; without it a summary is printed and nothing is kept")
+      ->type_name(folder("DIR"))
+      ->group("The experiment");
+  app.add_option("--calibration", args.calibration, "prices of a server's work, by `foreland bench calibrate`")
+      ->type_name(file("FILE.json"))
+      ->group("The experiment");
+  app.add_option("--seed", args.seed, "of the links' chance")
+      ->type_name(whole("S"))
+      ->capture_default_str()
+      ->group("The experiment");
+  addThreadsOption(app, args.threads);
 }
 
 std::string commandText(int argc, char** argv) {

@@ -25,6 +25,8 @@ struct ExperimentArguments {
 };
 
 void addExperimentOptions(CLI::App& app, ExperimentArguments& args);
+// --threads alone.
+void addThreadsOption(CLI::App& app, unsigned& threads);
 
 // `foreland bench ...` as it was called, without --out, --threads and --json.
 std::string commandText(int argc, char** argv);

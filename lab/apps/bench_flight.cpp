@@ -14,21 +14,33 @@ namespace foreland::apps {
 
 namespace {
 
+const std::string kFlightGroup = "The flight";
+
 void addTrackOptions(CLI::App& app, FlightArguments& args) {
-  CLI::Option* tour = app.add_option("--tour", args.tour, "survey, canyon, spin or orbit")->capture_default_str();
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->group(kFlightGroup);
+  };
+  CLI::Option* tour = add("--tour", args.tour, "a built-in tour")
+                          ->type_name(text("NAME"))
+                          ->check(oneOf({"survey", "canyon", "spin", "orbit"}))
+                          ->capture_default_str();
   CLI::Option* track =
-      app.add_option(
-             "--track", args.track,
-             "fly this recorded track: an IGC or GPX file, camera frames, or what `foreland fly --record` wrote")
+      add("--track", args.track,
+          "fly this recorded track: an IGC or GPX file, camera frames, or what `foreland fly --record` wrote")
+          ->type_name(file("FILE"))
           ->excludes(tour);
-  app.add_option("--from", args.track_options.from_s, "begin so many seconds into the track")
+  add("--from", args.track_options.from_s, "begin so many seconds into the track")
+      ->type_name(number("S"))
       ->check(isFinite())
-      ->needs(track);
-  app.add_option("--speed", args.track_options.speed, "seconds of the track per second of flight (default 1)")
+      ->needs(track)
+      ->capture_default_str();
+  add("--speed", args.track_options.speed, "seconds of the track per second of flight")
+      ->type_name(number("X"))
       ->check(isFinite())
-      ->needs(track);
-  app.add_option("--agl", args.track_options.agl_m,
-                 "fly at least this many metres above ground, not at the recorded height")
+      ->needs(track)
+      ->capture_default_str();
+  add("--agl", args.track_options.agl_m, "fly at least this many metres above ground, not at the recorded height")
+      ->type_name(number("M"))
       ->check(isFinite())
       ->needs(track);
 }
@@ -67,15 +79,21 @@ Result<proto::Path> planTrack(const terrain::Scene& scene, const FlightArguments
 
 void addScreenOptions(CLI::App& app, uint32_t& width_px, uint32_t& height_px) {
   for (const auto& [name, size] : {std::pair<const char*, uint32_t&>{"--width", width_px}, {"--height", height_px}})
-    app.add_option(name, size, "of the screen, in pixels")->check(CLI::Range(16, 8192))->capture_default_str();
+    app.add_option(name, size, "of the screen, in pixels")
+        ->type_name(whole("PX"))
+        ->check(within(16, 8192))
+        ->capture_default_str()
+        ->group(kFlightGroup);
 }
 
 void addPathOptions(CLI::App& app, FlightArguments& args) {
-  app.add_option("scene", args.scene, "scene file (foreland build)")->required();
+  app.add_option("SCENE", args.scene, "scene file (`foreland build`)")->type_name(file("SCENE.fls"))->required();
   addTrackOptions(app, args);
   app.add_option("--seconds", args.flight.seconds, "of flight")
-      ->check(CLI::Range(1.0, 3600.0) & isFinite())
-      ->capture_default_str();
+      ->type_name(number("S"))
+      ->check(within(1.0, 3600.0))
+      ->capture_default_str()
+      ->group(kFlightGroup);
   app.add_flag_callback(
       "--json", [&args] { args.format = apps::ReportFormat::kJson; }, "print JSON");
 }
@@ -83,11 +101,15 @@ void addPathOptions(CLI::App& app, FlightArguments& args) {
 void addFlightOptions(CLI::App& app, FlightArguments& args) {
   addPathOptions(app, args);
   app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")
-      ->check(CLI::Range(0.01, 1000.0) & isFinite())
-      ->capture_default_str();
+      ->type_name(number("PX"))
+      ->check(within(0.01, 1000.0))
+      ->capture_default_str()
+      ->group(kFlightGroup);
   app.add_option("--keyframe-ms", args.keyframe_ms, "keyframe interval")
-      ->check(CLI::Range(20.0, 10000.0) & isFinite())
-      ->capture_default_str();
+      ->type_name(number("MS"))
+      ->check(within(20.0, 10'000.0))
+      ->capture_default_str()
+      ->group(kFlightGroup);
 }
 
 Result<PlannedFlight> planFlight(const FlightArguments& args) {

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "apps/options.h"
 #include "apps/report.h"
 #include "base/fnv1a.h"
 #include "lab/apps/bench_link.h"
@@ -13,19 +14,27 @@ namespace foreland::apps {
 namespace {
 
 void addGridOptions(CLI::App& sub, lab::GridRequest& grid) {
-  sub.add_option("--strategies", grid.strategies, "delay,current,predict (default: all)")->delimiter(',');
-  sub.add_option("--predictors", grid.predictors, "of predict: " + proto::predictorNames() + " (default: all)")
-      ->delimiter(',');
-  sub.add_option("--round-trips", grid.round_trips_ms, "of the link `fixed`, in ms (default: 0,50,100,200,400)")
-      ->delimiter(',');
-  sub.add_option("--links", grid.links, "fixed, wifi, lte, starlink, geo, trace (default: fixed)")->delimiter(',');
-  sub.add_option(
-         "--keyframes-ms", grid.keyframes_ms,
-         "intervals, which may be adaptive or such as 100-500 (default: 200, and 100, 500 and adaptive for some)")
-      ->delimiter(',');
-  sub.add_option("--taus", grid.taus_px, "tolerances in pixels (default: 1, and 2 for some)")->delimiter(',');
+  const auto add = [&](const char* name, auto& values, const char* what) {
+    return sub.add_option(name, values, what)->delimiter(',')->group("What is compared");
+  };
+  add("--strategies", grid.strategies, "of the viewer; by default all")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"delay", "current", "predict"}));
+  add("--predictors", grid.predictors, "of predict; by default all")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"hold", "velocity", "acceleration", "double-exponential", "kalman", "path"}));
+  add("--round-trips", grid.round_trips_ms, "of the link `fixed`, in milliseconds; by default 0,50,100,200,400")
+      ->type_name(number("MS"));
+  add("--links", grid.links, "by default fixed")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"fixed", "wifi", "lte", "starlink", "geo", "trace"}));
+  add("--keyframes-ms", grid.keyframes_ms,
+      "intervals, which may be adaptive or such as 100-500; by default 200, and 100, 500 and adaptive for some")
+      ->type_name(numberOrText("MS"));
+  add("--taus", grid.taus_px, "tolerances in pixels; by default 1, and 2 for some")->type_name(number("PX"));
   sub.add_flag_callback(
-      "--full", [&grid] { grid.size = lab::GridSize::kFull; }, "all combinations, with tolerances of 0.5, 1 and 2");
+         "--full", [&grid] { grid.size = lab::GridSize::kFull; }, "all combinations, with tolerances of 0.5, 1 and 2")
+      ->group("What is compared");
 }
 
 // The recorded link, if there is one; it has no latency of its own.
@@ -102,10 +111,13 @@ CLI::App* addLatency(CLI::App& app, LatencyArguments& args) {
   args.flight.flight.seconds = 6;
   addPathOptions(*sub, args.flight);
   addGridOptions(*sub, args.grid);
-  sub->add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server");
-  sub->add_option("--trace-down", args.trace_down, "mahimahi trace of the link `trace`, to the viewer");
+  sub->add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server")
+      ->type_name(file("FILE"));
+  sub->add_option("--trace-down", args.trace_down, "mahimahi trace of the link `trace`, to the viewer")
+      ->type_name(file("FILE"));
   sub->add_option("--judge-hz", args.judge_hz,
                   "frames judged a second, which takes most of the time: 10 or a whole part of it, such as 5, 2 or 0.5")
+      ->type_name(number("HZ"))
       ->capture_default_str();
   addScreenOptions(*sub, args.width_px, args.height_px);
   addExperimentOptions(*sub, args.experiment);

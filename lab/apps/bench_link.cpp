@@ -1,4 +1,5 @@
 #include "lab/apps/bench_link.h"
+#include "apps/options.h"
 
 #include <bit>
 
@@ -6,9 +7,14 @@ namespace foreland::apps {
 
 void addLinkOptions(CLI::App& app, LinkArguments& args, const char* usual) {
   args.link = usual;
-  app.add_option("--link", args.link, "fixed, wifi, lte, starlink, geo, trace")->capture_default_str();
-  app.add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server");
-  app.add_option("--trace-down", args.trace_down, "mahimahi trace of the link `trace`, to the viewer");
+  app.add_option("--link", args.link, "between server and viewer")
+      ->type_name(text("NAME"))
+      ->check(oneOf({"fixed", "wifi", "lte", "starlink", "geo", "trace"}))
+      ->capture_default_str();
+  app.add_option("--trace-up", args.trace_up, "mahimahi trace of the link `trace`, to the server")
+      ->type_name(file("FILE"));
+  app.add_option("--trace-down", args.trace_down, "mahimahi trace of the link `trace`, to the viewer")
+      ->type_name(file("FILE"));
 }
 
 Result<sim::LinkPair> linksOf(const LinkArguments& args) {

@@ -130,66 +130,106 @@ Result<nlohmann::ordered_json> loadInBoth(const std::shared_ptr<const server::Wo
   return about;
 }
 
-void addClusterOptions(CLI::App& sub, lab::LoadRequest& request) {
-  sub.add_option("--servers", request.base.cluster.servers, "with so many --workers each")
-      ->check(CLI::Range(1, 64))
+constexpr const char* kCompared = "What is compared";
+
+void addViewerOptions(CLI::App& sub, LoadArguments& args) {
+  lab::LoadRequest& request = args.request;
+  request.viewers = {request.base.viewers};
+  sub.add_option("--viewers", request.viewers,
+                 "how many; of several numbers, such as 50,100,200, each in turn; the first guess of --most-viewers")
+      ->delimiter(',')
+      ->type_name(whole("N"))
+      ->check(within(1, 4096))
       ->capture_default_str();
-  sub.add_option("--balance", request.balances,
-                 "random,round-robin,least-loaded,two-choices,migrate (default: all, of several servers)")
-      ->delimiter(',');
-  sub.add_option("--fail", request.fails, "SERVER@SECONDS: a server fails; may be repeated")->delimiter(',');
-  sub.add_option("--drain", request.drains, "SERVER@SECONDS: a server hands its viewers over")->delimiter(',');
-  sub.add_option("--join", request.joins, "SERVER@SECONDS: a server is added, or is there again")->delimiter(',');
+  sub.add_option("--workers", request.base.workers, "of the server")
+      ->type_name(whole("N"))
+      ->check(within(1, 64))
+      ->capture_default_str();
+  sub.add_option("--mix", args.mix, "what the viewers do")
+      ->check(oneOf({"mixed", "tours", "survey"}))
+      ->capture_default_str();
+  sub.add_option("--predictor", args.predictor, "of viewers who do not jump")
+      ->type_name(text("NAME"))
+      ->check(oneOf({"hold", "velocity", "acceleration", "double-exponential", "kalman", "path"}))
+      ->capture_default_str();
+  sub.add_option("--occlusion", args.occlusion, "on: what ridges hide is not sent")
+      ->check(oneOf({"off", "on"}))
+      ->capture_default_str();
+  addLinkOptions(sub, args.link, "fixed");
+}
+
+// Every combination of these is run.
+void addComparedOptions(CLI::App& sub, lab::LoadRequest& request) {
+  const auto add = [&](const char* name, auto& values, const char* what) {
+    return sub.add_option(name, values, what)->delimiter(',')->group(kCompared);
+  };
+  add("--policies", request.policies, "which job a worker takes next; by default all")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"fifo", "edf", "least-laxity", "fair"}));
+  add("--phases", request.phases, "when the viewers' keyframes are due; by default all")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"synchronised", "random", "staggered"}));
+  add("--starts", request.starts, "by when keyframes are begun; by default both")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"late", "early"}));
+  add("--slack-ms", request.slacks_ms,
+      "with early starts: begin keyframes so much sooner than they are expected to need; by default as servers")
+      ->type_name(number("MS"))
+      ->check(within(0.0, 1000.0))
+      ->capture_default_str();
+  add("--queues", request.queues,
+      "one queue for all workers, or one for each, from which idle workers steal; by default shared")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"shared", "stealing"}));
+}
+
+void addClusterOptions(CLI::App& sub, lab::LoadRequest& request) {
+  const std::string group = "Several servers";
+  const auto add = [&](const char* name, auto& values, const char* what) {
+    return sub.add_option(name, values, what)->delimiter(',')->group(group);
+  };
+  sub.add_option("--servers", request.base.cluster.servers, "with so many --workers each")
+      ->type_name(whole("N"))
+      ->check(within(1, 64))
+      ->capture_default_str()
+      ->group(group);
+  add("--balance", request.balances, "how viewers are shared among servers; by default all, of several servers")
+      ->type_name(text("NAMES"))
+      ->check(oneOf({"random", "round-robin", "least-loaded", "two-choices", "migrate"}));
+  add("--fail", request.fails, "a server fails")->type_name(text("SERVER@SECONDS"));
+  add("--drain", request.drains, "a server hands its viewers over")->type_name(text("SERVER@SECONDS"));
+  add("--join", request.joins, "a server is added, or is there again")->type_name(text("SERVER@SECONDS"));
+}
+
+void addTimeOptions(CLI::App& sub, lab::LoadRequest& request) {
+  sub.add_option("--seconds", request.base.seconds, "measured")
+      ->type_name(number("S"))
+      ->check(within(1.0, 3600.0))
+      ->capture_default_str();
+  sub.add_option("--run-in", request.base.run_in_s,
+                 "seconds before, in which viewers come and get their first sections")
+      ->type_name(number("S"))
+      ->check(within(2.0, 600.0))
+      ->capture_default_str();
+  sub.add_option("--tau", request.base.tau_px, "tolerance in pixels")
+      ->type_name(number("PX"))
+      ->check(within(0.05, 1000.0))
+      ->capture_default_str();
+  sub.add_option("--keyframe-ms", request.base.keyframe_ms, "keyframe interval")
+      ->type_name(number("MS"))
+      ->check(within(20.0, 10'000.0))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   CLI::App* sub = app.add_subcommand("load", "many viewers on few workers, in virtual time");
-  lab::LoadRequest& request = args.request;
-  sub->add_option("scene", args.scene, "scene file (foreland build)")->required();
-  request.viewers = {request.base.viewers};
-  sub->add_option("--viewers", request.viewers,
-                  "how many; of several numbers, such as 50,100,200, each in turn; the first guess of --most-viewers")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  sub->add_option("--workers", request.base.workers, "of the server")->check(CLI::Range(1, 64))->capture_default_str();
-  sub->add_option("--mix", args.mix, "mixed, tours or survey")->capture_default_str();
-  sub->add_option("--predictor", args.predictor,
-                  "of viewers who do not jump: velocity, path, or another of `foreland fly`")
-      ->capture_default_str();
-  sub->add_option("--occlusion", args.occlusion, "on: what ridges hide is not sent")
-      ->check(CLI::IsMember({"off", "on"}))
-      ->capture_default_str();
-  addLinkOptions(*sub, args.link, "fixed");
-  sub->add_option("--policies", request.policies, "fifo,edf,least-laxity,fair (default: all)")->delimiter(',');
-  sub->add_option("--phases", request.phases, "synchronised,random,staggered (default: all)")->delimiter(',');
-  sub->add_option("--starts", request.starts, "late,early (default: both)")->delimiter(',');
-  sub->add_option(
-         "--slack-ms", request.slacks_ms,
-         "with early starts: begin keyframes so much sooner than they are expected to need (default: as servers)")
-      ->delimiter(',')
-      ->check(CLI::Range(0.0, 1000.0) & isFinite())
-      ->capture_default_str();
-  sub->add_option("--queues", request.queues,
-                  "shared,stealing: one queue for all workers, or one for each, from which idle workers steal "
-                  "(default: shared)")
-      ->delimiter(',');
-  addClusterOptions(*sub, request);
-  sub->add_option("--seconds", request.base.seconds, "measured")
-      ->check(CLI::Range(1.0, 3600.0) & isFinite())
-      ->capture_default_str();
-  sub->add_option("--run-in", request.base.run_in_s,
-                  "seconds before, in which viewers come and get their first sections")
-      ->check(CLI::Range(2.0, 600.0) & isFinite())
-      ->capture_default_str();
-  sub->add_option("--tau", request.base.tau_px, "tolerance in pixels")
-      ->check(CLI::Range(0.05, 1000.0) & isFinite())
-      ->capture_default_str();
-  sub->add_option("--keyframe-ms", request.base.keyframe_ms, "keyframe interval")
-      ->check(CLI::Range(20.0, 10000.0) & isFinite())
-      ->capture_default_str();
+  sub->add_option("SCENE", args.scene, "scene file (`foreland build`)")->type_name(file("SCENE.fls"))->required();
+  addViewerOptions(*sub, args);
+  addComparedOptions(*sub, args.request);
+  addClusterOptions(*sub, args.request);
+  addTimeOptions(*sub, args.request);
   sub->add_flag_callback(
       "--most-viewers", [&args] { args.search = Search::kMostViewers; },
       "find the largest number of viewers with under 0.1 % missed, for each run");

@@ -1,4 +1,5 @@
 #include "lab/apps/bench_occlusion.h"
+#include "apps/options.h"
 
 #include <chrono>
 
@@ -11,11 +12,13 @@ CLI::App* addOcclusion(CLI::App& app, OcclusionArguments& args) {
   CLI::App* sub = app.add_subcommand("occlusion", "what leaving out hidden nodes saves, costs and shows");
   addFlightOptions(*sub, args.flight);
   sub->add_option("--predictor", args.predictor, "of the viewer's motion")
-      ->check(CLI::IsMember({"path", "hold", "velocity", "acceleration", "double-exponential", "kalman"}))
+      ->type_name(text("NAME"))
+      ->check(oneOf({"path", "hold", "velocity", "acceleration", "double-exponential", "kalman"}))
       ->capture_default_str();
   sub->add_option("--judge", args.judge.keyframes,
                   "keyframes that rays judge beside the first, and frames between; 0: none but the costs")
-      ->check(CLI::Range(0, 1000))
+      ->type_name(whole("N"))
+      ->check(within(0, 1000))
       ->capture_default_str();
   addScreenOptions(*sub, args.width_px, args.height_px);
   return sub;

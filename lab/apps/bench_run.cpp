@@ -5,6 +5,7 @@
 #include <set>
 #include <variant>
 
+#include "apps/options.h"
 #include "lab/apps/bench_latency.h"
 #include "lab/apps/bench_load.h"
 #include "lab/apps/bench_tiles.h"
@@ -152,10 +153,10 @@ Status addRows(const std::filesystem::path& out, const Part& part, uint64_t seed
 
 CLI::App* addRun(CLI::App& app, RunArguments& args) {
   CLI::App* sub = app.add_subcommand("run", "an experiment that is written down in a TOML file");
-  sub->add_option("experiment", args.file, "the file")->required();
-  sub->add_option("--out", args.out, "folder for the tables, and for finished cells, which are not computed again");
-  sub->add_option("--threads", args.threads, "that compute; the result does not depend on it (default: all processors)")
-      ->check(CLI::Range(0, 256));
+  sub->add_option("EXPERIMENT", args.file, "the file")->type_name(file("FILE.toml"))->required();
+  sub->add_option("--out", args.out, "folder for the tables, and for finished cells, which are not computed again")
+      ->type_name(folder("DIR"));
+  addThreadsOption(*sub, args.threads);
   sub->add_flag_callback(
       "--again", [&args] { args.mode = RunMode::kAgain; }, "compute finished cells again");
   sub->add_flag_callback(

@@ -11,26 +11,32 @@ namespace foreland::apps {
 
 CLI::App* addSurfaces(CLI::App& app, SurfaceArguments& args) {
   CLI::App* surfaces = app.add_subcommand("surfaces", "faces, errors and work along a session around a surface");
-  const auto pixels = CLI::Range(0.01, 1000.0) & isFinite();
-  surfaces->add_option("models", args.models, "Surface, OBJ or PLY files, in place of the shapes")
+  const auto pixels = within(0.01, 1000.0);
+  surfaces->add_option("MODEL", args.models, "surface, OBJ or PLY files, in place of the shapes")
+      ->type_name(file("MODEL"))
       ->check(CLI::ExistingFile);
   surfaces->add_option("--base-triangles", args.base_triangles, "of a model's base mesh")
-      ->check(CLI::Range(4, 100000))
+      ->type_name(whole("N"))
+      ->check(within(4, 100'000))
       ->capture_default_str();
-  surfaces->add_option("--shape", args.shape, "sphere, torus or both")
-      ->check(CLI::IsMember({"sphere", "torus", "both"}))
+  surfaces->add_option("--shape", args.shape, "which of the built-in ones")
+      ->check(oneOf({"sphere", "torus", "both"}))
       ->capture_default_str();
   surfaces->add_option("--halvings", args.halvings, "of each base edge; tori and models have one fewer")
-      ->check(CLI::Range(2, 8))
+      ->type_name(whole("N"))
+      ->check(within(2, 8))
       ->capture_default_str();
   surfaces->add_option("--silhouette", args.session.silhouette_px, "tolerance in pixels, on silhouettes")
+      ->type_name(number("PX"))
       ->check(pixels)
       ->capture_default_str();
   surfaces->add_option("--interior", args.session.interior_px, "tolerance in pixels elsewhere")
+      ->type_name(number("PX"))
       ->check(pixels)
       ->capture_default_str();
   surfaces->add_option("--frames", args.session.turning_frames, "of turning; half as many of coming near")
-      ->check(CLI::Range(2, 10000))
+      ->type_name(whole("N"))
+      ->check(within(2, 10'000))
       ->capture_default_str();
   surfaces->add_flag_callback(
       "--json", [&args] { args.format = apps::ReportFormat::kJson; }, "print JSON");

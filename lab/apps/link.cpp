@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "apps/command_line.h"
 #include "apps/options.h"
 #include "apps/stop_signal.h"
 #include "base/result.h"
@@ -33,24 +34,36 @@ int fail(const Error& error) {
 }
 
 void addOptions(CLI::App& app, LinkFlags& f) {
-  const auto number = [&](const char* name, std::optional<double>& value, double least, double most, const char* what) {
-    app.add_option(name, value, what)->check(CLI::Range(least, most) & apps::isFinite());
+  const auto change = [&](const char* name, std::optional<double>& value, const char* unit, double least, double most,
+                          const char* what) {
+    app.add_option(name, value, what)
+        ->type_name(apps::number(unit))
+        ->check(apps::within(least, most))
+        ->group("Changes of the model");
   };
-  app.add_option("--listen", f.listen, "address and port; port 0 picks a free one")->capture_default_str();
-  app.add_option("--to", f.to, "the server's")->capture_default_str();
-  app.add_option("--model", f.model, "fixed, wifi, lte, starlink or geo; the options below change it")
+  app.add_option("--listen", f.listen, "address and port; port 0 picks a free one")
+      ->type_name(apps::text("ADDRESS:PORT"))
       ->capture_default_str();
-  app.add_option("--trace-up", f.trace_up, "recorded rates in mahimahi's format, in place of the model's");
-  app.add_option("--trace-down", f.trace_down, "likewise");
-  number("--round-trip", f.round_trip_ms, 0, 60'000, "milliseconds, half of it each way");
-  number("--jitter", f.jitter_ms, 0, 60'000, "milliseconds at most, half of it each way");
-  number("--up", f.up_mbit_s, 0, 100'000, "Mbit/s; 0 for no limit");
-  number("--down", f.down_mbit_s, 0, 100'000, "likewise");
-  number("--queue", f.queue_kib, 0, 1 << 20, "KiB that the network takes off a sender ahead of the rate");
-  number("--loss", f.loss_percent, 0, 100, "percent of the packets that are sent again, a round trip later");
-  number("--stall-every", f.stall_every_s, 0.001, 86'400, "seconds from stall to stall");
-  number("--stall", f.stall_ms, 0, 60'000, "milliseconds for which nothing moves; 0 for never");
-  app.add_option("--seed", f.seed, "of the links' chance")->capture_default_str();
+  app.add_option("--to", f.to, "the server's")->type_name(apps::text("ADDRESS:PORT"))->capture_default_str();
+  app.add_option("--model", f.model, "the link; the options below change it")
+      ->type_name(apps::text("NAME"))
+      ->check(apps::oneOf({"fixed", "wifi", "lte", "starlink", "geo"}))
+      ->capture_default_str();
+  app.add_option("--seed", f.seed, "of the links' chance")->type_name(apps::whole("S"))->capture_default_str();
+  change("--round-trip", f.round_trip_ms, "MS", 0, 60'000, "milliseconds, half of it each way");
+  change("--jitter", f.jitter_ms, "MS", 0, 60'000, "milliseconds at most, half of it each way");
+  change("--up", f.up_mbit_s, "MBIT", 0, 100'000, "Mbit/s; 0 for no limit");
+  change("--down", f.down_mbit_s, "MBIT", 0, 100'000, "likewise");
+  change("--queue", f.queue_kib, "KIB", 0, 1 << 20, "KiB that the network takes off a sender ahead of the rate");
+  change("--loss", f.loss_percent, "PERCENT", 0, 100, "of the packets that are sent again, a round trip later");
+  change("--stall-every", f.stall_every_s, "S", 0.001, 86'400, "seconds from stall to stall");
+  change("--stall", f.stall_ms, "MS", 0, 60'000, "milliseconds for which nothing moves; 0 for never");
+  app.add_option("--trace-up", f.trace_up, "recorded rates in mahimahi's format, in place of the model's")
+      ->type_name(apps::file("FILE"))
+      ->group("Changes of the model");
+  app.add_option("--trace-down", f.trace_down, "likewise")
+      ->type_name(apps::file("FILE"))
+      ->group("Changes of the model");
 }
 
 Status readTrace(const std::filesystem::path& file, sim::LinkOptions& link) {
@@ -106,10 +119,12 @@ int run(const LinkFlags& flags) {
 
 int main(int argc, char** argv) {
   foreland::LinkFlags flags;
-  CLI::App app("Let connections to a server be as slow as over a real network.", "foreland link");
+  CLI::App app("Lets connections to a server be as slow as over a real network.", "foreland link");
   foreland::addOptions(app, flags);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
+  const auto exit_code = foreland::apps::parseCommandLine(
+      app, argc, argv,
+      {{"viewers at http://127.0.0.1:8081 as over a satellite",
+        "foreland link --listen 127.0.0.1:8081 --to 127.0.0.1:8080 --model starlink"}});
+  if (exit_code) return *exit_code;
   return foreland::run(flags);
 }

@@ -166,7 +166,7 @@ TEST_F(ServeProgram, NamesASceneThatIsCutShortWhileItIsServed) {
 
 TEST_F(ServeProgram, RefusesFlagsThatItDoesNotKnow) {
   expectRefusal(arguments({"--wings"}), {"--wings"});
-  expectRefusal(arguments({"--threads", "0"}), {"--threads"});
+  expectRefusal(arguments({"--threads", "1025"}), {"--threads"});
   expectRefusal(arguments({"--tau", "nan"}), {"--tau"});
   expectRefusal(arguments({"--keyframe-ms", "0"}), {"--keyframe-ms"});
   expectRefusal(arguments({"--drain-seconds", "-1"}), {"--drain-seconds"});
