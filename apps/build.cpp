@@ -166,7 +166,7 @@ void describeImagery(CLI::App& app, Arguments& arguments) {
       ->needs(imagery)
       ->capture_default_str();
   app.add_option("--attribution", arguments.attribution, "whom viewers name where they show the pictures")
-      ->type_name(apps::text("TEXT"))
+      ->type_name(apps::text("NAME"))
       ->needs(imagery);
 }
 

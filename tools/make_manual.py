@@ -9,6 +9,7 @@
 """
 
 import os
+import shutil
 import sys
 
 import source_files
@@ -37,8 +38,10 @@ def differences(programs, root, with_laboratory):
 
 
 def make(programs, root, out):
+    folder = os.path.join(out, "man/man1")
+    shutil.rmtree(folder, ignore_errors=True)  # a build may have lost a program
     for name, text in man.all_pages(programs, root).items():
-        write(os.path.join(out, "man/man1", name), text)
+        write(os.path.join(folder, name), text)
     write(os.path.join(out, "bash-completion/completions/foreland"), completion.bash(programs))
     write(os.path.join(out, "zsh/vendor-completions/_foreland"), completion.zsh(programs))
     write(os.path.join(out, "fish/vendor_completions.d/foreland.fish"), completion.fish(programs))

@@ -17,6 +17,12 @@ def suffixes(option):
     return re.findall(r"\.([a-z]+)", option["value"])
 
 
+def brief(option):
+    """The first sentence, of what fits beside an option."""
+    text = re.split(r"; |\. ", option["description"].replace("`", ""))[0]
+    return text if len(text) <= 90 else text[:text.rfind(" ", 0, 88)] + " ..."
+
+
 def path_of(program):
     """`bench load` of `foreland bench load`."""
     return program.name.split(" ", 1)[1]
@@ -221,7 +227,7 @@ def zsh_option(option):
     names, repeated = option["names"], "*" if option["repeatable"] else ""
     barred = list(option.get("excludes", [])) + ([] if repeated else names if len(names) > 1 else [])
     value = "" if option["type"] == "flag" else f":{zsh_text(option['value'])}:{zsh_action(option)}"
-    about = f"[{zsh_text(option['description'])}]{value}"
+    about = f"[{zsh_text(brief(option))}]{value}"
     shown = []
     for name in names:
         sign = name if not value else name + ("=" if name.startswith("--") else "+")
@@ -314,7 +320,7 @@ def fish_value(option):
     if takes_files(option):
         found = suffixes(option) if option["type"] == "file" else []
         if found:
-            return " -x -a " + fish_quoted(f"(__fish_complete_suffix {' '.join('.' + f for f in found)})")
+            return " -k -x -a " + fish_quoted(f"(__fish_complete_suffix {' '.join('.' + f for f in found)})")
         return " -r -F"
     return " -x -a '(__fish_complete_directories)'" if option["type"] == "folder" else " -x"
 
@@ -324,7 +330,7 @@ def fish_lines(program):
     begin = f"complete -c foreland -n '__foreland_is {path}'"
     for option in program.named():
         signs = "".join(f" -{'l' if n.startswith('--') else 's'} {n.lstrip('-')}" for n in option["names"])
-        yield f"{begin}{signs}{fish_value(option)} -d {fish_quoted(option['description'])}"
+        yield f"{begin}{signs}{fish_value(option)} -d {fish_quoted(brief(option))}"
     yield f"{begin} -s h -l help -d {fish_quoted(HELP[2])}"
     for option in program.positional()[:1]:
         if takes_files(option) or option["type"] == "folder":
