@@ -121,9 +121,9 @@ TEST_F(PublicPort, TakesItsOptionsFromAFile) {
   std::ofstream(folder_ / "serve.toml") << printed.output;
   const ProgramResult again = runProgram("serve", {"--config", folder_ / "serve.toml", "--print-config"});
   EXPECT_EQ(again.output, printed.output) << "the file has the same options";
-  EXPECT_TRUE(says(again, "tau=2.5")) << again.output;
+  EXPECT_TRUE(says(again, "tau = 2.5")) << again.output;
   const ProgramResult won = runProgram("serve", {"--config", folder_ / "serve.toml", "--tau", "3", "--print-config"});
-  EXPECT_TRUE(says(won, "tau=3")) << "the command line wins";
+  EXPECT_TRUE(says(won, "tau = 3")) << "the command line wins";
 }
 
 TEST_F(PublicPort, RefusesFilesAndFlagsByName) {
