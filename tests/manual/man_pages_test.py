@@ -14,13 +14,13 @@ FORMAT = ["man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8"]
 
 
 def warnings(path):
-    return subprocess.run([*FORMAT, "-Z", path], capture_output=True, check=False, text=True).stderr
+    return subprocess.run([*FORMAT, "-Z", path], capture_output=True, check=False, encoding="utf-8").stderr
 
 
 def shown(name):
     """The page as people see it, without bold and underlining, and with each run of spaces as one."""
     environment = {**os.environ, "MANPAGER": "cat", "MAN_KEEP_FORMATTING": "0", "MANWIDTH": "100", "GROFF_NO_SGR": "1"}
-    page = subprocess.run(["man", "-E", "UTF-8", "-l", os.path.join(DIR, name)], capture_output=True, check=True, text=True, env=environment)
+    page = subprocess.run(["man", "-E", "UTF-8", "-l", os.path.join(DIR, name)], capture_output=True, check=True, encoding="utf-8", env=environment)
     plain = []
     for character in page.stdout:
         if character == "\b":

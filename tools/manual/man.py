@@ -127,6 +127,7 @@ def overview(programs, root):
 
 
 def finish(lines):
+    lines = [l for before, l in zip(["", *lines], lines) if l != ".PP" or not before.startswith((".SH", ".SS"))]
     return '.\\" Made by tools/make_manual.py of the programs\' own tables of options.\n' + "\n".join(lines) + "\n"
 
 
