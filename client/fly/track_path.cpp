@@ -53,7 +53,7 @@ Status checkTrack(const Track& track, const proto::FrameTransform& frame, const 
   if (o.agl_m && (!(*o.agl_m >= 0) || *o.agl_m > 1e6)) return invalidArgument("--agl must be 0 to 1000000 m");
   if (o.from_s >= track.seconds())
     return invalidArgument("--from " + std::to_string(o.from_s) + " is after the track's end; it lasts " +
-                   std::to_string(track.seconds()) + " s");
+                           std::to_string(track.seconds()) + " s");
   if (!track.cameras.empty()) return {};
   if (frame.frame().kind != proto::FrameKind::kGeographic)
     return Error{

@@ -57,7 +57,9 @@ class Glide {
   bool hasTouched() const { return has_touched_; }
 
  private:
-  std::optional<GroundCell> cellAfter(const StraightMotion& m, double s) const { return ground_.cellAt(m.at(s + kNudge)); }
+  std::optional<GroundCell> cellAfter(const StraightMotion& m, double s) const {
+    return ground_.cellAt(m.at(s + kNudge));
+  }
 
   // Where the motion leaves the cell, or a square where nothing is known: what is known may begin half a sample
   // interval before a sample.
@@ -84,7 +86,8 @@ class Glide {
     return {sw + t.x * (se - sw) + t.y * (nw - sw), ne + (1 - t.x) * (nw - ne) + (1 - t.y) * (se - ne)};
   }
   // Where both planes are equally high between two places, or `end`.
-  static double creaseBetween(const StraightMotion& m, const std::optional<GroundCell>& cell, double begin, double end) {
+  static double creaseBetween(const StraightMotion& m, const std::optional<GroundCell>& cell, double begin,
+                              double end) {
     if (!cell) return end;
     const glm::dvec2 a = planesAt(*cell, m.at(begin)), b = planesAt(*cell, m.at(end));
     const double before = a.x - a.y, after = b.x - b.y;

@@ -96,6 +96,9 @@ class Reader {
       if (!table.contains(key)) addOption(key.str(), value, run.options);
     for (const auto& [key, value] : table)
       if (key != "name") addOption(key.str(), value, run.options);
+    if (!table.contains("scene") && !all.contains("scene"))
+      refuse(table,
+             "run '" + run.name + "': there is no scene; name its file as scene = \"FILE.fls\", here or under [all]");
     result_.runs.push_back(std::move(run));
   }
 

@@ -18,7 +18,7 @@ constexpr double kMostExtent_m = 200e3;    // from the origin
 constexpr double kMostLatitude_rad = 1.3;  // 75 degrees
 constexpr double kFinest = 0.25;           // of the samples' spacing
 constexpr double kCoarse = 1.2;            // the same, from which on corners will do
-constexpr double kFloatRounding_m = 0.01;       // of heights as floats
+constexpr double kFloatRounding_m = 0.01;  // of heights as floats
 
 using Corners = std::array<glm::dvec3, 3>;
 

@@ -77,7 +77,7 @@ Result<ByteSpan> GltfBuffers::buffer(uint32_t buffer) {
   }
   if (about.bytes > bytes.size())
     return malformedBuffer(nameOf("buffers", buffer) + " promises " + std::to_string(about.bytes) + " bytes, but has " +
-                     std::to_string(bytes.size()) + "; copy or export the model again");
+                           std::to_string(bytes.size()) + "; copy or export the model again");
   return bytes.first(about.bytes);
 }
 
@@ -85,7 +85,8 @@ Result<ByteSpan> GltfBuffers::slice(uint32_t buffer_index, uint64_t offset, uint
   const auto whole = buffer(buffer_index);
   if (!whole.ok()) return whole;
   if (offset > whole->size() || bytes > whole->size() - offset)
-    return malformedBuffer("has a view beyond the end of " + nameOf("buffers", buffer_index) + "; export the model again");
+    return malformedBuffer("has a view beyond the end of " + nameOf("buffers", buffer_index) +
+                           "; export the model again");
   return whole->subspan(offset, bytes);
 }
 
@@ -114,7 +115,8 @@ Status GltfBuffers::forNumbers(const GltfElements& elements, uint32_t components
                                                            : element;
   if (elements.offset > bytes->size() || element > bytes->size() - elements.offset ||
       (elements.count - 1) > (bytes->size() - elements.offset - element) / stride)
-    return malformedBuffer("reaches beyond the end of " + nameOf("bufferViews", elements.view) + "; export the model again");
+    return malformedBuffer("reaches beyond the end of " + nameOf("bufferViews", elements.view) +
+                           "; export the model again");
   for (uint64_t i = 0; i < elements.count; ++i)
     for (uint32_t k = 0; k < components; ++k)
       take(i * components + k, numberAt(bytes->data() + elements.offset + i * stride + k * size, elements.type));
@@ -176,7 +178,7 @@ Result<std::vector<uint32_t>> GltfBuffers::indices(uint32_t accessor) {
   const GltfAccessor& about = document_.accessors[accessor];
   if (about.components != 1 || about.elements.type == GltfType::kFloat)
     return malformedBuffer(nameOf("accessors", accessor) +
-                     " is used as indices, but holds no whole numbers; export the model again");
+                           " is used as indices, but holds no whole numbers; export the model again");
   const auto values = raw(accessor);
   if (!values.ok()) return values.error();
   std::vector<uint32_t> indices;

@@ -36,7 +36,8 @@ Status splitBinary(ByteSpan bytes, ByteSpan& text, ByteSpan& buffer) {
     return Error{ErrorCode::kUnsupported,
                  "is binary glTF of version " + std::to_string(wordAt(bytes, 4)) + "; export it as glTF 2.0"};
   const uint64_t size = wordAt(bytes, 8);
-  if (size > bytes.size() || size < kContainerHeaderBytes) return malformedContainer("is cut short; copy or export it again");
+  if (size > bytes.size() || size < kContainerHeaderBytes)
+    return malformedContainer("is cut short; copy or export it again");
   ByteSpan rest = bytes.subspan(kContainerHeaderBytes, size - kContainerHeaderBytes);
   const auto json = takeChunk(rest, kJson);
   if (!json.ok()) return json.error();

@@ -25,8 +25,8 @@ Status checkStride(const GltfMeshopt& p) {
                                             (p.filter == "QUATERNION" && p.stride == 8) || p.filter == "EXPONENTIAL"));
   if (fits_mode && fits_filter) return {};
   return refusedMeshopt("of the mode '" + p.mode.substr(0, 20) + "', the filter '" + p.filter.substr(0, 20) + "', " +
-                 std::to_string(p.count) + " elements and " + std::to_string(p.stride) +
-                 " bytes each, which do not go together");
+                        std::to_string(p.count) + " elements and " + std::to_string(p.stride) +
+                        " bytes each, which do not go together");
 }
 
 int decodeMeshopt(const GltfMeshopt& p, ByteSpan bytes, Bytes& out) {

@@ -14,7 +14,9 @@ namespace {
 
 constexpr uint32_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-Error malformedPrimitive(std::string what) { return {ErrorCode::kMalformed, std::move(what) + "; export the model again"}; }
+Error malformedPrimitive(std::string what) {
+  return {ErrorCode::kMalformed, std::move(what) + "; export the model again"};
+}
 
 // The numbers of an attribute, and how many each element has.
 struct Attribute {
@@ -71,12 +73,12 @@ class PrimitiveReader {
     if (read->numbers.empty()) return {};
     const bool lacks_alpha = wanted == 4 && read->components == 3;
     if (read->components != wanted && !lacks_alpha)
-      return malformedPrimitive(std::string(name) + " has " + std::to_string(read->components) + " components instead of " +
-                       std::to_string(wanted));
+      return malformedPrimitive(std::string(name) + " has " + std::to_string(read->components) +
+                                " components instead of " + std::to_string(wanted));
     const size_t count = read->numbers.size() / read->components;
     if (!made_.positions.empty() && count != made_.count())
       return malformedPrimitive(std::string(name) + " has " + std::to_string(count) + " elements, but there are " +
-                       std::to_string(made_.count()) + " positions");
+                                std::to_string(made_.count()) + " positions");
     if (!lacks_alpha) return out = std::move(read->numbers), Status();
     for (size_t i = 0; i < count; ++i)
       out.insert(out.end(), {read->numbers[3 * i], read->numbers[3 * i + 1], read->numbers[3 * i + 2], 1});
@@ -101,7 +103,7 @@ class PrimitiveReader {
       for (const uint32_t v : face)
         if (v >= made_.count())
           return malformedPrimitive("names vertex " + std::to_string(v) + ", but there are only " +
-                           std::to_string(made_.count()));
+                                    std::to_string(made_.count()));
     return {};
   }
   Status assemble(const std::vector<uint32_t>& order) {

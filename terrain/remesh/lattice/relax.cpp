@@ -17,12 +17,12 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint64_t kVerticesAtOnce = 256;    // vertices of a piece of work
-constexpr double kSoftness = 0.05;  // area, relative to the wanted one, at which the penalty for folding sets in
-constexpr double kSizeWeight = 1;   // of a triangle's size relative to its shape
-constexpr double kCrushed = 0.02;   // relative area below which a triangle counts as folded
-constexpr int kRepairs = 3;         // times that vertices are released from the creases where triangles fold
-constexpr int kTries = 4;           // step lengths of the line search, each 0.4 times the one before
+constexpr uint64_t kVerticesAtOnce = 256;  // vertices of a piece of work
+constexpr double kSoftness = 0.05;         // area, relative to the wanted one, at which the penalty for folding sets in
+constexpr double kSizeWeight = 1;          // of a triangle's size relative to its shape
+constexpr double kCrushed = 0.02;          // relative area below which a triangle counts as folded
+constexpr int kRepairs = 3;                // times that vertices are released from the creases where triangles fold
+constexpr int kTries = 4;                  // step lengths of the line search, each 0.4 times the one before
 
 // A triangle at a vertex: its other two corners, counter-clockwise.
 struct Wedge {
@@ -107,8 +107,8 @@ class Relaxer {
       for (const auto& vertices : colours)
         parallelFor((vertices.size() + kVerticesAtOnce - 1) / kVerticesAtOnce, options.threads,
                     [&](uint64_t chunk, unsigned) {
-                      for (uint64_t i = chunk * kVerticesAtOnce; i < std::min<uint64_t>(vertices.size(), (chunk + 1) * kVerticesAtOnce);
-                           ++i)
+                      for (uint64_t i = chunk * kVerticesAtOnce;
+                           i < std::min<uint64_t>(vertices.size(), (chunk + 1) * kVerticesAtOnce); ++i)
                         improve(vertices[i]);
                     },
                     [](uint64_t) { return true; });
