@@ -1,7 +1,5 @@
 // foreland-build: elevation files in, one scene file out. The only program besides foreland-synth that links GDAL and
 // OpenEXR. Exit codes: 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -21,6 +19,7 @@
 #include "apps/date.h"
 #include "apps/options.h"
 #include "apps/output_file.h"
+#include "apps/progress_line.h"
 #include "apps/stop_signal.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/pictures/open_pictures.h"
@@ -44,46 +43,6 @@ struct Arguments {
   std::vector<std::filesystem::path> imagery;
   int imagery_quality = terrain::kDefaultImageryQuality;
   std::string attribution;
-};
-
-// Shows progress: on a terminal by one line that is redrawn, otherwise by one line for each stage.
-class ProgressLine {
- public:
-  void show(std::string_view stage, double fraction) {
-    if (stage != stage_) begin(stage);
-    if (!is_terminal_) return;
-    const Clock::time_point now = Clock::now();
-    if (fraction < 1 && now - drawn_ < std::chrono::milliseconds(100)) return;
-    drawn_ = now;
-    const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBar);
-    const double elapsed_s = std::chrono::duration<double>(now - begun_).count();
-    std::fprintf(stderr, "\r  %-14s [%.*s%*s] %3.0f %%", stage_.c_str(), filled, "##############################",
-                 kBar - filled, "", fraction * 100);
-    if (fraction > 0.02 && fraction < 1)
-      std::fprintf(stderr, "  %.0f s left  ", elapsed_s * (1 - fraction) / fraction);
-    else
-      std::fprintf(stderr, "               ");
-    std::fflush(stderr);
-  }
-  void end() {
-    if (is_terminal_ && !stage_.empty()) std::fprintf(stderr, "\n");
-    stage_.clear();
-  }
-
- private:
-  static constexpr int kBar = 30;
-
-  void begin(std::string_view stage) {
-    end();
-    stage_ = stage;
-    begun_ = Clock::now();
-    drawn_ = {};
-    if (!is_terminal_) std::fprintf(stderr, "%s\n", stage_.c_str());
-  }
-
-  bool is_terminal_ = isatty(STDERR_FILENO) == 1;
-  std::string stage_;
-  Clock::time_point begun_, drawn_;
 };
 
 void describeElevation(CLI::App& app, Arguments& arguments) {
@@ -295,7 +254,7 @@ int build(const Arguments& arguments) {
     options.imagery_quality = arguments.imagery_quality;
     options.attribution = arguments.attribution;
   }
-  ProgressLine line;
+  apps::ProgressLine line;
   const auto report =
       terrain::buildScene(**source, options,
                           {.report = [&](std::string_view stage, double done) { line.show(stage, done); },

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -27,11 +27,11 @@ class Checker {
   }
 
  private:
+  // Of one triangle, at the lower of the two vertices, which are merged by lattice position.
   struct Edge {
-    uint32_t low, high;  // vertices, merged by lattice position
-    bool runs_up;        // from low to high in its triangle
-    bool operator<(const Edge& o) const { return std::tie(low, high, runs_up) < std::tie(o.low, o.high, o.runs_up); }
-    bool isSameLine(const Edge& o) const { return low == o.low && high == o.high; }
+    uint32_t high;  // the other
+    bool runs_up;   // to `high` in its triangle
+    bool operator<(const Edge& o) const { return std::tie(high, runs_up) < std::tie(o.high, o.runs_up); }
   };
 
   void found(const std::string& what) {
@@ -51,21 +51,30 @@ class Checker {
 
   // Gives vertices at one lattice position one name, and compares their positions.
   void mergeVertices() {
-    std::vector<uint32_t> order = mesh_.indices;  // not the places of vertices that no triangle uses
-    std::ranges::sort(order);
-    order.erase(std::unique(order.begin(), order.end()), order.end());
-    const auto key = [this](uint32_t i) { return std::pair(mesh_.parameters[i].y, mesh_.parameters[i].x); };
-    std::ranges::sort(order, {}, key);
+    struct Place {
+      float y, x;
+      uint32_t vertex;
+      bool operator<(const Place& o) const { return std::tie(y, x, vertex) < std::tie(o.y, o.x, o.vertex); }
+    };
+    std::vector<bool> is_used(mesh_.parameters.size());  // not the places of vertices that no triangle uses
+    for (const uint32_t i : mesh_.indices) is_used[i] = true;
+    std::vector<Place> places;
+    for (uint32_t i = 0; i < is_used.size(); ++i)
+      if (is_used[i]) places.push_back({mesh_.parameters[i].y, mesh_.parameters[i].x, i});
+    std::sort(places.begin(), places.end());
     name_.resize(mesh_.parameters.size());
-    for (size_t k = 0; k < order.size(); ++k) {
-      const uint32_t i = order[k];
-      name_[i] = k > 0 && key(order[k - 1]) == key(i) ? name_[order[k - 1]] : i;
-      if (mesh_.from_positions[i] != mesh_.from_positions[name_[i]] ||
-          mesh_.to_positions[i] != mesh_.to_positions[name_[i]] ||
-          (!mesh_.from_bends.empty() &&
-           (mesh_.from_bends[i] != mesh_.from_bends[name_[i]] || mesh_.to_bends[i] != mesh_.to_bends[name_[i]])))
-        found("two vertices at " + text(mesh_.parameters[i]) + " are apart");
+    for (size_t k = 0; k < places.size(); ++k) {
+      const uint32_t i = places[k].vertex;
+      const bool is_again = k > 0 && places[k - 1].y == places[k].y && places[k - 1].x == places[k].x;
+      name_[i] = is_again ? name_[places[k - 1].vertex] : i;
+      if (!isSamePosition(i, name_[i])) found("two vertices at " + text(mesh_.parameters[i]) + " are apart");
     }
+  }
+
+  bool isSamePosition(uint32_t i, uint32_t j) const {
+    return mesh_.from_positions[i] == mesh_.from_positions[j] && mesh_.to_positions[i] == mesh_.to_positions[j] &&
+           (mesh_.from_bends.empty() ||
+            (mesh_.from_bends[i] == mesh_.from_bends[j] && mesh_.to_bends[i] == mesh_.to_bends[j]));
   }
 
   void checkAreas() {
@@ -86,34 +95,47 @@ class Checker {
             std::to_string(twice_data / 2));
   }
 
-  bool isOnBorder(const Edge& e) const {
-    const glm::vec2 a = mesh_.parameters[e.low], b = mesh_.parameters[e.high];
+  bool isOnBorder(uint32_t low, uint32_t high) const {
+    const glm::vec2 a = mesh_.parameters[low], b = mesh_.parameters[high];
     const float max_x = static_cast<float>(shape_.samples_x - 1), max_y = static_cast<float>(shape_.samples_y - 1);
     return (a.x == b.x && (a.x == 0 || a.x == max_x)) || (a.y == b.y && (a.y == 0 || a.y == max_y));
   }
 
+  // Sorts the edges by vertex first: a few meet at each.
   void checkEdges() {
-    std::vector<Edge> edges;
-    edges.reserve(mesh_.indices.size());
-    for (size_t i = 0; i < mesh_.indices.size(); ++i) {
-      const uint32_t a = name_[mesh_.indices[i]], b = name_[mesh_.indices[i % 3 == 2 ? i - 2 : i + 1]];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b});
-    }
-    std::ranges::sort(edges, std::less<>{});
+    const auto visit = [&](auto&& use) {
+      for (size_t i = 0; i < mesh_.indices.size(); ++i) {
+        const uint32_t a = name_[mesh_.indices[i]], b = name_[mesh_.indices[i % 3 == 2 ? i - 2 : i + 1]];
+        use(std::min(a, b), Edge{std::max(a, b), a < b});
+      }
+    };
+    std::vector<size_t> first(name_.size() + 2);  // by vertex
+    visit([&](uint32_t low, Edge) { ++first[low + 2]; });
+    for (size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
+    std::vector<Edge> edges(mesh_.indices.size());
+    visit([&](uint32_t low, Edge e) { edges[first[low + 1]++] = e; });
+    for (uint32_t v = 0; v < name_.size(); ++v)
+      checkEdgesAt(v, std::span(edges).subspan(first[v], first[v + 1] - first[v]));
+  }
+
+  void checkEdgesAt(uint32_t low, std::span<Edge> edges) {
+    std::sort(edges.begin(), edges.end());
     for (size_t i = 0; i < edges.size();) {
       size_t end = i + 1;
-      while (end < edges.size() && edges[end].isSameLine(edges[i])) ++end;
-      checkLine(edges[i], end - i, end - i == 2 && edges[i].runs_up != edges[i + 1].runs_up);
+      while (end < edges.size() && edges[end].high == edges[i].high) ++end;
+      checkLine(low, edges.subspan(i, end - i));
       i = end;
     }
   }
 
-  void checkLine(const Edge& e, size_t triangles, bool is_opposed_pair) {
-    const bool on_border = isOnBorder(e);
-    if (on_border ? triangles == 1 : is_opposed_pair) return;
-    found("edge " + text(mesh_.parameters[e.low]) + " to " + text(mesh_.parameters[e.high]) +
-          (on_border ? " on the border" : "") + " has " + std::to_string(triangles) + " triangles" +
-          (triangles == 2 ? ", on one side" : ""));
+  // All triangles' edges between two vertices.
+  void checkLine(uint32_t low, std::span<const Edge> edges) {
+    const bool on_border = isOnBorder(low, edges[0].high);
+    const bool is_opposed_pair = edges.size() == 2 && edges[0].runs_up != edges[1].runs_up;
+    if (on_border ? edges.size() == 1 : is_opposed_pair) return;
+    found("edge " + text(mesh_.parameters[low]) + " to " + text(mesh_.parameters[edges[0].high]) +
+          (on_border ? " on the border" : "") + " has " + std::to_string(edges.size()) + " triangles" +
+          (edges.size() == 2 ? ", on one side" : ""));
   }
 
   const KeyframeMesh& mesh_;

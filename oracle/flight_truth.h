@@ -22,7 +22,7 @@
 // counterpart for the true pose gets the same region, for that is the error guarantee's doing, not extrapolation's.
 // Norms of the terms are taken over the samples that the frame sees. `max` is the largest over all frames of the
 // largest in a frame, `mean` the mean over frames of the largest in a frame, `rms` the root of the mean over frames of
-// the mean square in a frame. One owner.
+// the mean square in a frame.
 #pragma once
 
 #include <functional>
@@ -32,22 +32,9 @@
 #include "client/fly/player.h"
 #include "oracle/frame_sampling.h"
 #include "oracle/scene_oracle.h"
+#include "oracle/section_at.h"
 
 namespace foreland::oracle {
-
-// What a section is to be computed for. The region is that in which a keyframe guarantees its tolerance
-// (proto::KeyframeHeader); S_view has none.
-struct SectionRequest {
-  proto::Pose pose;
-  proto::Lens lens;
-  double tau_px = 1;
-  double region_radius_m = 0;
-  double region_angle_rad = 0;
-  Time scene_time{};  // of the ground, in scenes with epochs; before the first one is at it
-};
-
-// The mesh of the section computed from scratch for exactly that, both positions equal.
-using SectionAt = std::function<std::shared_ptr<const client::KeyframeMesh>(const SectionRequest&)>;
 
 struct TermNorms {
   double max_px = 0, mean_px = 0, rms_px = 0;
@@ -74,6 +61,7 @@ struct FlightTruth {
   double lod_motion_p99_px = 0;
   uint32_t frame_every = 1;  // the stride that was taken: at least the one asked for, without a factor in common with
                              // the frames per keyframe at 60 a second
+  uint32_t keyframe_every = 1;                                       // likewise, of keyframes
   JudgedWeights weights_judged;                                      // of frames
   double object_silhouette_error_px = 0;                             // largest, keyframes and frames
   double object_interior_error_px = 0, object_interior_per_tau = 1;  // the same; its tolerance, as a multiple of tau
@@ -81,12 +69,13 @@ struct FlightTruth {
   double delay_max_ms = 0, delay_mean_ms = 0;
   uint64_t frames_over_tau = 0;                   // of those measured
   uint64_t outside_measured = 0;                  // of those measured, frames that no region covers
+  uint64_t outside_over_tau = 0;                  // of these, those over tau
   double outside_p99_px = 0, outside_max_px = 0;  // their errors
   uint64_t uncovered_samples = 0;  // seen, but drawn by no triangle: samples of the terrain, vertices of objects
   uint64_t cracks = 0;
   std::string first_crack;
-  double seconds = 0;      // flown so far, for progress
-  bool has_terms = false;  // there was a SectionAt
+  bool has_terms = false;  // they were asked for
+  bool is_whole = true;    // false if on_progress ended it: then all this is of the beginning of the flight
 
   template <class Visit>
   void fields(const Visit& visit) const {
@@ -98,9 +87,11 @@ struct FlightTruth {
     visit("measured_keyframes", keyframes.count);
     visit("measured_frames", frames.count);
     visit("measure_every", frame_every);
+    visit("measure_keyframes_every", keyframe_every);
     visit("weights_judged", weights_judged);
     visit("frames_over_tau", frames_over_tau);
     visit("measured_frames_outside", outside_measured);
+    visit("outside_frames_over_tau", outside_over_tau);
     visit("outside_error_p99_px", outside_p99_px);
     visit("outside_error_max_px", outside_max_px);
     visit("cracks", cracks);
@@ -131,11 +122,19 @@ struct FlightTruth {
 };
 
 struct FlightTruthOptions {
-  uint32_t frame_every = 7;  // one frame in so many is measured, or more (FlightTruth); keyframes always
-  SectionAt section_at;      // absent: no error terms
-  std::function<void(const FlightTruth&)> on_progress;  // now and then; may be empty
+  uint32_t frame_every = 7;  // one frame in so many is measured, or more (FlightTruth)
+  // If not 0: not more frames are measured, nor more keyframes, evenly over the flight; otherwise all keyframes.
+  uint32_t most_frames = 0;
+  // Makes what computes sections for one thread; called on the calling thread. Absent: no error terms.
+  std::function<SectionAt()> sections;
+  uint32_t terms_every = 1;  // terms are measured for one in so many measured frames, and keyframes; 0: for none
+  unsigned threads = 1;      // that judge; 0 for one per processor. The result does not depend on it
+  // Told what share is done, after each piece of work, on the calling thread; ends the measurement by returning false.
+  std::function<bool(double)> on_progress{};
 };
 
+// Memory: for each thread two meshes that wait or are judged, an oracle's scratch (Oracle::twin) and what `sections`
+// needs; with meshes of 400,000 triangles MEASURED MB a thread.
 FlightTruth measureFlight(const client::FlightLog& log, SceneOracle& oracle, const FlightTruthOptions& options);
 
 }  // namespace foreland::oracle

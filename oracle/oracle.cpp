@@ -1,10 +1,12 @@
 #include "oracle/oracle.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
-#include <limits>
+#include <utility>
 
 #include "oracle/block_raster.h"
 #include "oracle/epoch_shares.h"
@@ -48,6 +50,7 @@ struct Camera {
   }
 };
 
+// The samples of kBlock rows and columns.
 struct HeightBlock {
   std::vector<double> heights;  // kBlock * kBlock, unused beyond the data; empty until first needed
   Sphere bound;                 // of the true positions
@@ -56,63 +59,105 @@ struct HeightBlock {
 struct Row {
   std::array<double, kBlock> x, y, z;
 };
+struct ScreenRow {
+  std::array<double, kBlock> x, y;
+};
 
 }  // namespace
 
-struct Oracle::Impl {
+// The truth, and the blocks of it that no epoch moves. Immutable once it is loaded, and then shared by twins.
+struct Oracle::Ground {
   Truth truth;
-  double near_m;
   proto::FrameGrid grid;
   uint32_t blocks_x, blocks_y;
-  std::vector<HeightBlock> blocks;
-  std::vector<int32_t> rank;
-  std::vector<uint32_t> seen;
-  std::vector<std::vector<TriangleBins>> bins;  // of each surface, of each of its shares
-  std::vector<Tile> tiles;                      // of each surface
-  TruthTime time;
-  std::vector<double> epoch_shares;  // at `time`, by epoch
+  std::vector<HeightBlock> still;  // by block; empty where the ground moves
+  bool is_loaded = false;
 
-  Impl(Truth t, double near)
+  explicit Ground(Truth t)
       : truth(std::move(t)),
-        near_m(near),
         grid(truth.frame, truth.shape.samples_x - 1, truth.shape.samples_y - 1),
         blocks_x((truth.shape.samples_x + kBlock - 1) >> kBlockLog2),
-        blocks_y((truth.shape.samples_y + kBlock - 1) >> kBlockLog2),
-        blocks(static_cast<size_t>(blocks_x) * blocks_y),
-        rank(blocks.size()) {}
+        blocks_y((truth.shape.samples_y + kBlock - 1) >> kBlockLog2) {}
 
-  uint32_t columns(uint32_t bx) const { return std::min(kBlock, truth.shape.samples_x - bx * kBlock); }
-  uint32_t rows(uint32_t by) const { return std::min(kBlock, truth.shape.samples_y - by * kBlock); }
-
-  glm::dvec3 truePosition(const HeightBlock& block, uint32_t bx, uint32_t by, uint32_t x, uint32_t y) const {
-    return grid.position(proto::NodeId::at(bx * kBlock + x, by * kBlock + y), block.heights[y * kBlock + x]);
+  size_t blockCount() const { return static_cast<size_t>(blocks_x) * blocks_y; }
+  uint32_t columns(size_t block) const {
+    return std::min(kBlock, truth.shape.samples_x - static_cast<uint32_t>(block % blocks_x) * kBlock);
   }
-
-  bool mayMove(uint32_t bx, uint32_t by) const {
+  uint32_t rows(size_t block) const {
+    return std::min(kBlock, truth.shape.samples_y - static_cast<uint32_t>(block / blocks_x) * kBlock);
+  }
+  glm::uvec2 firstSample(size_t block) const { return kBlock * glm::uvec2(block % blocks_x, block / blocks_x); }
+  bool mayMove(size_t block) const {
     const proto::LatticeWindow& w = truth.moved;
-    return w.x < (bx + 1) * kBlock && bx * kBlock < w.x + w.width && w.y < (by + 1) * kBlock &&
-           by * kBlock < w.y + w.height;
+    const glm::uvec2 first = firstSample(block);
+    return w.x < first.x + kBlock && first.x < w.x + w.width && w.y < first.y + kBlock && first.y < w.y + w.height;
   }
 
-  void readRow(uint32_t bx, uint32_t y, double* out) {
+  glm::dvec3 position(const HeightBlock& block, glm::uvec2 first, uint32_t x, uint32_t y) const {
+    return grid.position(proto::NodeId::at(first.x + x, first.y + y), block.heights[y * kBlock + x]);
+  }
+
+  // With the ground moved by `epoch_shares`, which is empty where it does not move.
+  HeightBlock read(size_t index, std::span<const double> epoch_shares) const {
+    HeightBlock block;
+    block.heights.resize(kBlock * kBlock);
+    const glm::uvec2 first = firstSample(index);
+    for (uint32_t y = 0; y < rows(index); ++y)
+      readRow(first + glm::uvec2(0, y), epoch_shares, std::span(block.heights).subspan(y * kBlock, columns(index)));
+    block.bound.centre = position(block, first, columns(index) / 2, rows(index) / 2);
+    for (uint32_t y = 0; y < rows(index); ++y)
+      for (uint32_t x = 0; x < columns(index); ++x)
+        block.bound.radius =
+            std::max(block.bound.radius, glm::distance(block.bound.centre, position(block, first, x, y)));
+    return block;
+  }
+
+  // All blocks are loaded by the first frame: culling needs their true bounds, and a bound from anything less would
+  // have to be believed.
+  void load() {
+    if (std::exchange(is_loaded, true)) return;
+    still.resize(blockCount());
+    for (size_t i = 0; i < still.size(); ++i)
+      if (!mayMove(i)) still[i] = read(i, {});
+  }
+
+ private:
+  void readRow(glm::uvec2 first, std::span<const double> epoch_shares, std::span<double> out) const {
     std::array<int32_t, kBlock> heights;
-    truth.heights(bx * kBlock, y, std::span(heights).first(columns(bx)));
-    std::copy_n(heights.begin(), columns(bx), out);
-    if (!mayMove(bx, y / kBlock)) return;
+    truth.heights(first.x, first.y, std::span(heights).first(out.size()));
+    std::copy_n(heights.begin(), out.size(), out.begin());
     std::array<double, kBlock> offsets;
     for (size_t epoch = 0; epoch < epoch_shares.size(); ++epoch) {
       if (epoch_shares[epoch] == 0) continue;
-      truth.offsets(epoch, bx * kBlock, y, std::span(offsets).first(columns(bx)));
-      for (uint32_t x = 0; x < columns(bx); ++x) out[x] += epoch_shares[epoch] * offsets[x];
+      truth.offsets(epoch, first.x, first.y, std::span(offsets).first(out.size()));
+      for (size_t x = 0; x < out.size(); ++x) out[x] += epoch_shares[epoch] * offsets[x];
     }
   }
+};
+
+struct Oracle::Impl {
+  std::shared_ptr<Ground> ground;
+  double near_m;
+  std::vector<HeightBlock> moving;  // by block, at `time`; empty where the ground is still, and until first needed
+  std::vector<int32_t> rank;
+  std::vector<uint32_t> seen;
+  std::vector<std::vector<BlockRaster>> rasters;  // of each surface, of each of its shares
+  std::vector<Tile> tiles;                        // of each surface
+  std::vector<Row> drawn;                         // likewise, of the row at hand
+  std::vector<ScreenRow> drawn_on_screen;
+  TruthTime time;
+  std::vector<double> epoch_shares;  // at `time`, by epoch
+
+  Impl(std::shared_ptr<Ground> shared, double near)
+      : ground(std::move(shared)), near_m(near), rank(ground->blockCount()) {}
 
   void addEpochs(Time at, double share) {
-    const std::vector<double> shares = epochShares(truth.epochs, truth.blend, at);
+    const std::vector<double> shares = epochShares(ground->truth.epochs, ground->truth.blend, at);
     for (size_t i = 0; i < shares.size(); ++i) epoch_shares[i] += share * shares[i];
   }
 
   void showAt(const TruthTime& wanted) {
+    const Truth& truth = ground->truth;
     if (truth.epochs.empty() || (wanted == time && !epoch_shares.empty())) return;
     time = wanted;
     epoch_shares.assign(truth.epochs.size(), 0);
@@ -127,55 +172,46 @@ struct Oracle::Impl {
       addEpochs(wanted.from, 1 - wanted.weight);
       addEpochs(wanted.to, wanted.weight);
     }
-    for (uint32_t by = 0; by < blocks_y; ++by)
-      for (uint32_t bx = 0; bx < blocks_x; ++bx)
-        if (mayMove(bx, by)) blocks[static_cast<size_t>(by) * blocks_x + bx] = {};
+    for (HeightBlock& block : moving) block = {};
   }
 
-  // Reads a block's heights and bounds it, once.
-  const HeightBlock& load(uint32_t bx, uint32_t by) {
-    HeightBlock& block = blocks[static_cast<size_t>(by) * blocks_x + bx];
-    if (!block.heights.empty()) return block;
-    block.heights.resize(kBlock * kBlock);
-    for (uint32_t y = 0; y < rows(by); ++y) readRow(bx, by * kBlock + y, &block.heights[y * kBlock]);
-    block.bound.centre = truePosition(block, bx, by, columns(bx) / 2, rows(by) / 2);
-    for (uint32_t y = 0; y < rows(by); ++y)
-      for (uint32_t x = 0; x < columns(bx); ++x)
-        block.bound.radius =
-            std::max(block.bound.radius, glm::distance(block.bound.centre, truePosition(block, bx, by, x, y)));
-    return block;
+  const HeightBlock& block(size_t index) {
+    const HeightBlock& still = ground->still[index];
+    if (!still.heights.empty()) return still;
+    moving.resize(ground->blockCount());
+    if (moving[index].heights.empty()) moving[index] = ground->read(index, epoch_shares);
+    return moving[index];
   }
 
-  // All blocks are loaded by the first frame: culling needs their true bounds, and a bound from anything less would
-  // have to be believed.
   void chooseBlocks(const Camera& camera) {
+    ground->load();
     seen.clear();
-    for (uint32_t by = 0; by < blocks_y; ++by)
-      for (uint32_t bx = 0; bx < blocks_x; ++bx) {
-        const uint32_t index = by * blocks_x + bx;
-        const bool may_see = camera.maySee(load(bx, by).bound);
-        rank[index] = may_see ? static_cast<int32_t>(seen.size()) : -1;
-        if (may_see) seen.push_back(index);
-      }
+    for (uint32_t index = 0; index < rank.size(); ++index) {
+      const bool may_see = camera.maySee(block(index).bound);
+      rank[index] = may_see ? static_cast<int32_t>(seen.size()) : -1;
+      if (may_see) seen.push_back(index);
+    }
   }
 
-  void bin(Surface surface, std::vector<TriangleBins>& out) {
+  void build(Surface surface, std::vector<BlockRaster>& out) {
     out.resize(std::max(out.size(), surface.size()));
-    for (size_t i = 0; i < surface.size(); ++i) out[i].build(*surface[i].mesh, rank, blocks_x, blocks_y, seen.size());
+    for (size_t i = 0; i < surface.size(); ++i)
+      out[i].build(*surface[i].mesh, surface[i].weight, surface[i].share,
+                   {rank, ground->blocks_x, ground->blocks_y, seen.size()});
   }
 
-  void fill(Surface surface, const std::vector<TriangleBins>& of_shares, size_t k, Tile& tile) {
-    for (auto& component : tile.position) component.fill(0);
+  void fill(std::span<const BlockRaster> shares, size_t k, Tile& tile) {
+    tile.position.fill({});
     tile.covered.fill(~0u);
     std::array<uint32_t, kBlock> covered;
-    for (size_t i = 0; i < surface.size(); ++i) {
-      rasterise(*surface[i].mesh, surface[i].weight, surface[i].share, of_shares[i].triangles(k), seen[k] % blocks_x,
-                seen[k] / blocks_x, tile, covered);
+    for (const BlockRaster& share : shares) {
+      share.add(k, seen[k] % ground->blocks_x, seen[k] / ground->blocks_x, tile, covered);
       for (uint32_t y = 0; y < kBlock; ++y) tile.covered[y] &= covered[y];
     }
   }
 
-  void judgeBlock(size_t k, const Camera& camera, std::span<const SurfacePair> pairs, std::span<Deviation> sums);
+  void judgeBlock(size_t k, size_t surfaces, const Camera& camera, std::span<const SurfacePair> pairs,
+                  std::span<Deviation> sums);
   static void finish(Deviation& d);
 };
 
@@ -183,53 +219,73 @@ namespace {
 
 struct RowErrors {
   std::array<double, kBlock> px2, m2;
-  std::array<uint8_t, kBlock> is_seen;
 };
 
-// Distance on the screen and in space between `a` and `b`, where `truth` is seen. Written for the compiler to
-// vectorise.
-void judgeRow(const Camera& camera, const Row& truth, const Row& a, const Row& b, RowErrors& out) {
-  const double nearest = 0.01 * camera.near_m;  // a drawn point behind the eye counts as very near, hence as very wrong
+// The part of points' distance from the eye that is along an axis. Written for the compiler to vectorise, and so are
+// those below: what they read and write is local, so that it is known not to overlap.
+std::array<double, kBlock> along(glm::dvec3 axis, glm::dvec3 eye, const Row& row) {
+  std::array<double, kBlock> out;
+  for (uint32_t i = 0; i < kBlock; ++i)
+    out[i] = axis.x * (row.x[i] - eye.x) + axis.y * (row.y[i] - eye.y) + axis.z * (row.z[i] - eye.z);
+  return out;
+}
+
+// Which points the camera sees; bit x.
+uint32_t seenIn(const Camera& camera, const Row& truth) {
+  const auto back = along(camera.back, camera.eye, truth), right = along(camera.right, camera.eye, truth),
+             up = along(camera.up, camera.eye, truth);
+  const double focal_px = camera.focal_px, near_m = camera.near_m, half_width_px = camera.half_width_px,
+               half_height_px = camera.half_height_px;
+  std::array<uint64_t, kBlock> is_seen;
   for (uint32_t i = 0; i < kBlock; ++i) {
-    const auto across = [&](const Row& r, const glm::dvec3& axis) {
-      return axis.x * (r.x[i] - camera.eye.x) + axis.y * (r.y[i] - camera.eye.y) + axis.z * (r.z[i] - camera.eye.z);
-    };
-    const double depth = -across(truth, camera.back);
-    const double reach = depth / camera.focal_px;
-    const int ahead = depth > camera.near_m;
-    const int within_width = std::fabs(across(truth, camera.right)) <= reach * camera.half_width_px;
-    const int within_height = std::fabs(across(truth, camera.up)) <= reach * camera.half_height_px;
-    out.is_seen[i] = static_cast<uint8_t>(ahead & within_width & within_height);  // `&&` would branch
-    const double scale_a = camera.focal_px / std::max(nearest, -across(a, camera.back));
-    const double scale_b = camera.focal_px / std::max(nearest, -across(b, camera.back));
-    const double dx = scale_a * across(a, camera.right) - scale_b * across(b, camera.right);
-    const double dy = scale_a * across(a, camera.up) - scale_b * across(b, camera.up);
+    const double depth = -back[i], reach = depth / focal_px;
+    const int ahead = depth > near_m;
+    const int within_width = std::fabs(right[i]) <= reach * half_width_px;
+    const int within_height = std::fabs(up[i]) <= reach * half_height_px;
+    is_seen[i] = static_cast<uint64_t>(ahead & within_width & within_height);  // `&&` would branch
+  }
+  uint32_t mask = 0;
+  for (uint32_t i = 0; i < kBlock; ++i) mask |= static_cast<uint32_t>(is_seen[i] << i);
+  return mask;
+}
+
+// Where points are on the screen, from its middle.
+ScreenRow project(const Camera& camera, const Row& row) {
+  const double nearest = 0.01 * camera.near_m;  // a drawn point behind the eye counts as very near, hence as very wrong
+  const double focal_px = camera.focal_px;
+  const auto back = along(camera.back, camera.eye, row), right = along(camera.right, camera.eye, row),
+             up = along(camera.up, camera.eye, row);
+  ScreenRow out;
+  for (uint32_t i = 0; i < kBlock; ++i) {
+    const double scale = focal_px / std::max(nearest, -back[i]);
+    out.x[i] = scale * right[i];
+    out.y[i] = scale * up[i];
+  }
+  return out;
+}
+
+// Squares of the distances on the screen and in space.
+void measure(const Row& a, const ScreenRow& on_a, const Row& b, const ScreenRow& on_b, RowErrors& out) {
+  for (uint32_t i = 0; i < kBlock; ++i) {
+    const double dx = on_a.x[i] - on_b.x[i], dy = on_a.y[i] - on_b.y[i];
     const double mx = a.x[i] - b.x[i], my = a.y[i] - b.y[i], mz = a.z[i] - b.z[i];
     out.px2[i] = dx * dx + dy * dy;
     out.m2[i] = mx * mx + my * my + mz * mz;
   }
 }
 
-Row rowOf(const Tile& tile, uint32_t y) {
-  Row row;
-  std::copy_n(tile.position[0].begin() + y * kBlock, kBlock, row.x.begin());
-  std::copy_n(tile.position[1].begin() + y * kBlock, kBlock, row.y.begin());
-  std::copy_n(tile.position[2].begin() + y * kBlock, kBlock, row.z.begin());
-  return row;
+void copyRow(const Tile& tile, uint32_t y, Row& row) {
+  for (uint32_t x = 0; x < kBlock; ++x) {
+    const auto& position = tile.position[y * kBlock + x].at;
+    row.x[x] = position[0], row.y[x] = position[1], row.z[x] = position[2];
+  }
 }
 
-}  // namespace
-
-namespace {
-
-void addRow(const RowErrors& errors, uint32_t covered, glm::uvec2 first, uint32_t columns, Deviation& sums) {
-  for (uint32_t x = 0; x < columns; ++x) {
-    if (!errors.is_seen[x]) continue;
-    if (!(covered >> x & 1)) {
-      ++sums.uncovered;
-      continue;
-    }
-    ++sums.samples;
+void addRow(const RowErrors& errors, uint32_t seen, uint32_t covered, glm::uvec2 first, Deviation& sums) {
+  sums.uncovered += static_cast<uint64_t>(std::popcount(seen & ~covered));
+  sums.samples += static_cast<uint64_t>(std::popcount(seen & covered));
+  for (uint32_t left = seen & covered; left != 0; left &= left - 1) {
+    const auto x = static_cast<uint32_t>(std::countr_zero(left));
     sums.rms_px += errors.px2[x];
     sums.rms_m += errors.m2[x];
     sums.max_m = std::max(sums.max_m, errors.m2[x]);
@@ -242,21 +298,32 @@ void addRow(const RowErrors& errors, uint32_t covered, glm::uvec2 first, uint32_
 }  // namespace
 
 // Sums squares into rms_*, and squares of the largest into max_*; finish() takes the roots.
-void Oracle::Impl::judgeBlock(size_t k, const Camera& camera, std::span<const SurfacePair> pairs,
+void Oracle::Impl::judgeBlock(size_t k, size_t surfaces, const Camera& camera, std::span<const SurfacePair> pairs,
                               std::span<Deviation> sums) {
-  const uint32_t bx = seen[k] % blocks_x, by = seen[k] / blocks_x;
-  const HeightBlock& block = load(bx, by);
-  Row truth_row{};
+  const HeightBlock& truth = block(seen[k]);
+  const glm::uvec2 first = ground->firstSample(seen[k]);
+  const uint32_t columns = ground->columns(seen[k]), inside = ~0u >> (kBlock - columns);
+  Row true_row{};
   RowErrors errors;
-  for (uint32_t y = 0; y < rows(by); ++y) {
-    for (uint32_t x = 0; x < columns(bx); ++x) {
-      const glm::dvec3 p = truePosition(block, bx, by, x, y);
-      truth_row.x[x] = p.x, truth_row.y[x] = p.y, truth_row.z[x] = p.z;
+  for (uint32_t y = 0; y < ground->rows(seen[k]); ++y) {
+    for (uint32_t x = 0; x < columns; ++x) {
+      const glm::dvec3 p = ground->position(truth, first, x, y);
+      true_row.x[x] = p.x, true_row.y[x] = p.y, true_row.z[x] = p.z;
+    }
+    const uint32_t seen_here = seenIn(camera, true_row) & inside;
+    if (seen_here == 0) continue;
+    const ScreenRow true_on_screen = project(camera, true_row);
+    for (size_t i = 0; i < surfaces; ++i) {
+      copyRow(tiles[i], y, drawn[i]);
+      drawn_on_screen[i] = project(camera, drawn[i]);
     }
     for (size_t i = 0; i < pairs.size(); ++i) {
-      const Tile &a = tiles[pairs[i].a], *b = pairs[i].b == SurfacePair::kTruth ? nullptr : &tiles[pairs[i].b];
-      judgeRow(camera, truth_row, rowOf(a, y), b ? rowOf(*b, y) : truth_row, errors);
-      addRow(errors, a.covered[y] & (b ? b->covered[y] : ~0u), {bx * kBlock, by * kBlock + y}, columns(bx), sums[i]);
+      const size_t a = pairs[i].a, b = pairs[i].b;
+      const bool is_truth = b == SurfacePair::kTruth;
+      measure(drawn[a], drawn_on_screen[a], is_truth ? true_row : drawn[b],
+              is_truth ? true_on_screen : drawn_on_screen[b], errors);
+      addRow(errors, seen_here, tiles[a].covered[y] & (is_truth ? ~0u : tiles[b].covered[y]), first + glm::uvec2(0, y),
+             sums[i]);
     }
   }
 }
@@ -267,18 +334,25 @@ void Oracle::Impl::finish(Deviation& d) {
   d.rms_px = std::sqrt(d.rms_px / count), d.rms_m = std::sqrt(d.rms_m / count);
 }
 
-Oracle::Oracle(Truth truth, double near_m) : impl_(std::make_unique<Impl>(std::move(truth), near_m)) {}
+Oracle::Oracle(Truth truth, double near_m)
+    : impl_(std::make_unique<Impl>(std::make_shared<Ground>(std::move(truth)), near_m)) {}
+Oracle::Oracle(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Oracle::~Oracle() = default;
 Oracle::Oracle(Oracle&&) noexcept = default;
+
+Oracle Oracle::twin() {
+  impl_->ground->load();
+  return Oracle(std::make_unique<Impl>(impl_->ground, impl_->near_m));
+}
 
 void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
 
 std::span<const double> Oracle::sharesShown() const { return impl_->epoch_shares; }
 
-std::span<const Time> Oracle::epochs() const { return impl_->truth.epochs; }
+std::span<const Time> Oracle::epochs() const { return impl_->ground->truth.epochs; }
 
 double Oracle::carriedAt(double x, double y) const {
-  const Truth& truth = impl_->truth;
+  const Truth& truth = impl_->ground->truth;
   x = std::clamp(x, 0.0, truth.shape.samples_x - 1.0), y = std::clamp(y, 0.0, truth.shape.samples_y - 1.0);
   double carried = 0;
   for (size_t epoch = 0; epoch < impl_->epoch_shares.size(); ++epoch) {
@@ -313,13 +387,18 @@ std::vector<Deviation> Oracle::compare(std::span<const Surface> surfaces, std::s
   Impl& impl = *impl_;
   const Camera camera(pose, lens, impl.near_m);
   impl.chooseBlocks(camera);
-  impl.bins.resize(std::max(impl.bins.size(), surfaces.size()));
-  impl.tiles.resize(std::max(impl.tiles.size(), surfaces.size()));
-  for (size_t i = 0; i < surfaces.size(); ++i) impl.bin(surfaces[i], impl.bins[i]);
+  if (impl.tiles.size() < surfaces.size()) {
+    impl.rasters.resize(surfaces.size());
+    impl.tiles.resize(surfaces.size());
+    impl.drawn.resize(surfaces.size());
+    impl.drawn_on_screen.resize(surfaces.size());
+  }
+  for (size_t i = 0; i < surfaces.size(); ++i) impl.build(surfaces[i], impl.rasters[i]);
   std::vector<Deviation> result(pairs.size());
   for (size_t k = 0; k < impl.seen.size(); ++k) {
-    for (size_t i = 0; i < surfaces.size(); ++i) impl.fill(surfaces[i], impl.bins[i], k, impl.tiles[i]);
-    impl.judgeBlock(k, camera, pairs, result);
+    for (size_t i = 0; i < surfaces.size(); ++i)
+      impl.fill(std::span(impl.rasters[i]).first(surfaces[i].size()), k, impl.tiles[i]);
+    impl.judgeBlock(k, surfaces.size(), camera, pairs, result);
   }
   for (Deviation& d : result) impl.finish(d);
   return result;

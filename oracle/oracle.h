@@ -85,6 +85,10 @@ class Oracle {
   ~Oracle();
   Oracle(Oracle&&) noexcept;
 
+  // Another oracle of the same truth, for another thread, which may work at the same time. It shares the heights that
+  // do not move, so it costs what it needs for a frame: about 100 bytes for each triangle of the surfaces compared.
+  Oracle twin();
+
   // Moves the ground of a truth that has epochs; at first it is as at the first one.
   void showAt(const TruthTime& time);
   // How far the ground at a lattice position, at the nearest one inside the data, has carried what stands there since
@@ -105,7 +109,10 @@ class Oracle {
                                  const proto::Pose& pose, const proto::Lens& lens);
 
  private:
+  struct Ground;
   struct Impl;
+  explicit Oracle(std::unique_ptr<Impl> impl);
+
   std::unique_ptr<Impl> impl_;
 };
 

@@ -7,7 +7,7 @@ namespace foreland::oracle {
 
 std::vector<glm::dvec3> SceneOracle::carried() const {
   std::vector<glm::dvec3> carried;
-  for (const ObjectTruth& object : objects_.truth().objects) {
+  for (const ObjectTruth& object : objects_->truth().objects) {
     const proto::LatticePosition stands = frame_.toLattice(object.placement.position);
     proto::LatticePosition goes = stands;
     goes.height_m += terrain_.carriedAt(stands.x, stands.y) * frame_.frame().height_quantum_m;
@@ -21,7 +21,7 @@ std::vector<std::vector<double>> SceneOracle::poseShares() const {
   std::vector<std::vector<double>> by_model;
   const std::span<const double> epochs = terrain_.sharesShown();
   const std::span<const Time> dates = terrain_.epochs();
-  for (const ModelTruth& model : objects_.truth().models) {
+  for (const ModelTruth& model : objects_->truth().models) {
     std::vector<double>& shares = by_model.emplace_back(model.pose_epochs.size());
     for (size_t pose = 0; pose < shares.size(); ++pose) {
       const Time own = dates[model.pose_epochs[pose]];
@@ -43,13 +43,13 @@ SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weigh
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
   terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight, mesh.to.is_scene_step});
   SceneDeviation all{terrain_.error({&drawn, 1}, pose, lens)};
-  const SurfaceJudgement objects = objects_.judge(mesh, weight, pose, lens, carried(), poseShares());
+  const SurfaceJudgement objects = objects_->judge(mesh, weight, pose, lens, carried(), poseShares());
   all.silhouette_px = objects.silhouette.max_px;
   all.interior_px = objects.interior.max_px;
   all.object_vertices = objects.silhouette.vertices + objects.interior.vertices;
   SurfaceErrors pixels{all.max_px, all.rms_px, all.samples}, interior = objects.interior;
-  interior.max_px /= objects_.interiorPerTau();
-  interior.rms_px /= objects_.interiorPerTau();
+  interior.max_px /= objects_->interiorPerTau();
+  interior.rms_px /= objects_->interiorPerTau();
   pixels.merge(objects.silhouette);
   pixels.merge(interior);
   all.max_px = pixels.max_px;
@@ -62,7 +62,7 @@ SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weigh
 
 CrackReport SceneOracle::findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const {
   CrackReport all = oracle::findCracks(mesh, shape);
-  const CrackReport objects = objects_.findCracks(mesh);
+  const CrackReport objects = objects_->findCracks(mesh);
   if (all.cracks == 0) all.first = objects.first;
   all.cracks += objects.cracks;
   return all;

@@ -8,6 +8,10 @@
 // One owner. Cost: that of the two oracles.
 #pragma once
 
+#include <memory>
+#include <utility>
+#include <vector>
+
 #include "oracle/crack_checker.h"
 #include "oracle/oracle.h"
 #include "oracle/surface/objects_oracle.h"
@@ -23,7 +27,12 @@ struct SceneDeviation : Deviation {  // of everything: a sample is one of the te
 class SceneOracle {
  public:
   explicit SceneOracle(Truth terrain, ObjectsTruth objects = {})
-      : frame_(terrain.frame), terrain_(std::move(terrain)), objects_(std::move(objects)) {}
+      : frame_(terrain.frame),
+        terrain_(std::move(terrain)),
+        objects_(std::make_shared<const ObjectsOracle>(std::move(objects))) {}
+
+  // Another judge of the same scene, for another thread, which may work at the same time (Oracle::twin).
+  SceneOracle twin() { return SceneOracle(frame_, terrain_.twin(), objects_); }
 
   // What is drawn is mix(from, to, weight).
   SceneDeviation error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
@@ -31,9 +40,12 @@ class SceneOracle {
   CrackReport findCracks(const client::KeyframeMesh& mesh, const proto::GridShape& shape) const;
 
   Oracle& terrain() { return terrain_; }
-  const ObjectsOracle& objects() const { return objects_; }
+  const ObjectsOracle& objects() const { return *objects_; }
 
  private:
+  SceneOracle(const proto::FrameTransform& frame, Oracle terrain, std::shared_ptr<const ObjectsOracle> objects)
+      : frame_(frame), terrain_(std::move(terrain)), objects_(std::move(objects)) {}
+
   // By object: how far the ground has carried it at the time shown, scene frame.
   std::vector<glm::dvec3> carried() const;
   // By model: how much each of its poses contributes at the time shown; empty if it has one.
@@ -41,7 +53,7 @@ class SceneOracle {
 
   proto::FrameTransform frame_;
   Oracle terrain_;
-  ObjectsOracle objects_;
+  std::shared_ptr<const ObjectsOracle> objects_;
 };
 
 }  // namespace foreland::oracle

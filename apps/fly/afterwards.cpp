@@ -6,6 +6,8 @@
 
 #include "apps/exact_sections.h"
 #include "apps/options.h"
+#include "apps/progress_line.h"
+#include "apps/stop_signal.h"
 #include "oracle/scene_truth.h"
 
 namespace foreland::apps {
@@ -21,6 +23,24 @@ void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& o) {
       ->type_name(whole("N"))
       ->needs(truth)
       ->check(within(1u, 1'000'000u))
+      ->capture_default_str();
+  add("--truth-frames", o.truth_frames,
+      "measure at most about N frames, and as many keyframes, evenly over the flight; 0: all that --truth-every gives, "
+      "and all keyframes")
+      ->type_name(whole("N"))
+      ->needs(truth)
+      ->check(within(0u, 1'000'000u))
+      ->capture_default_str();
+  add("--truth-terms-every", o.truth_terms_every,
+      "measure the terms of the error, for which sections are computed anew, in one of N measured frames and keyframes; "
+      "0: in none; by default 1 with --json, otherwise 0")
+      ->type_name(whole("N"))
+      ->needs(truth)
+      ->check(within(0u, 1'000'000u));
+  add("--threads", o.threads, "that measure; 0 for one per processor")
+      ->type_name(whole("N"))
+      ->needs(truth)
+      ->check(within(0u, 1024u))
       ->capture_default_str();
   CLI::Option* dump =
       add("--dump", o.dump,
@@ -60,17 +80,24 @@ Status Afterwards::checkScene(const client::Viewer& viewer) const {
                                                 "'); name that scene's file"};
 }
 
-std::optional<oracle::FlightTruth> Afterwards::measure(const client::FlightLog& log, double flown_s) {
+std::optional<oracle::FlightTruth> Afterwards::measure(const client::FlightLog& log, uint32_t terms_every) {
   if (!truth_) return std::nullopt;
-  oracle::FlightTruthOptions options{
-      .frame_every = options_.truth_every, .section_at = exactSections(truth_), .on_progress = {}};
-  double told_s = 0;
-  options.on_progress = [&](const oracle::FlightTruth& truth) {
-    if (truth.seconds < told_s + 5) return;
-    told_s = truth.seconds;
-    std::fprintf(stderr, "measured %.0f of %.0f s\n", truth.seconds, flown_s);
+  ProgressLine line;
+  const auto tell = [&line](double share) {
+    line.show("judging frames", share);
+    return !isStopRequested();
   };
-  return oracle::measureFlight(log, *oracle_, options);
+  const oracle::FlightTruth truth =
+      oracle::measureFlight(log, *oracle_,
+                            {.frame_every = options_.truth_every,
+                             .most_frames = options_.truth_frames,
+                             .sections = exactSectionsOf(truth_),
+                             .terms_every = options_.truth_terms_every.value_or(terms_every),
+                             .threads = options_.threads,
+                             .on_progress = tell});
+  if (truth.is_whole) line.show("judging frames", 1);
+  line.end();
+  return truth;
 }
 
 Result<uint64_t> Afterwards::dump(const client::FlightLog& log) {

@@ -22,11 +22,14 @@ namespace foreland::apps {
 struct AfterwardsOptions {
   std::filesystem::path truth;  // empty: nothing is measured
   uint32_t truth_every = oracle::FlightTruthOptions{}.frame_every;
+  uint32_t truth_frames = oracle::FlightTruthOptions{}.most_frames;
+  std::optional<uint32_t> truth_terms_every;
+  unsigned threads = 0;
   std::filesystem::path dump;  // empty: nothing is dumped
   uint32_t dump_every = 60;
 };
 
-// Adds --truth, --truth-every, --dump and --dump-every, which write into `options`.
+// Adds --truth and what belongs to it, --dump and --dump-every, which write into `options`.
 void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& options);
 
 class Afterwards {
@@ -36,8 +39,10 @@ class Afterwards {
 
   // An Error if the truth is not the scene that the server shows. Nothing before its welcome.
   Status checkScene(const client::Viewer& viewer) const;
-  // Measures, telling the progress of `flown_s` seconds on standard error. nullopt without --truth.
-  std::optional<oracle::FlightTruth> measure(const client::FlightLog& log, double flown_s);
+  // Measures on all threads, and tells the progress on standard error. A signal to stop (catchStopSignals) ends it:
+  // what was measured until then is returned. `terms_every` counts without --truth-terms-every. nullopt without
+  // --truth.
+  std::optional<oracle::FlightTruth> measure(const client::FlightLog& log, uint32_t terms_every);
   // Dumps; the number of frames written, 0 without --dump.
   Result<uint64_t> dump(const client::FlightLog& log);
 

@@ -80,8 +80,8 @@ int run(const FlyOptions& o) {
   FlySummary summary = summaryOf(player);
   if (!flown.ok()) summary.error = flown.error().message;
   if (summary.flight.frames == 0) return exit_code == 0 ? 2 : exit_code;  // there is nothing to report
-  if (Status s = addAfterwards(*afterwards, player.log(), summary); !s.ok()) exit_code = fail(s.error());
-  std::fputs(text(summary, o.format).c_str(), stdout);
+  if (Status s = addAfterwards(*afterwards, player.log(), o.format, summary); !s.ok()) exit_code = fail(s.error());
+  print(summary, o.format);
   return exit_code;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "apps/date.h"
+#include "apps/fly/fly_summary.h"
 
 namespace foreland::apps {
 
@@ -40,6 +41,8 @@ void addReplayed(const ReplayedDigest& replayed, Json& json) {
   json["same_sections"] = replayed.shown.sections == replayed.recorded->sections;
   json["same_drawn"] = replayed.shown == *replayed.recorded;
 }
+
+}  // namespace
 
 Json reportOf(const FlySummary& s) {
   const client::FlightReport& f = s.flight;
@@ -82,10 +85,9 @@ Json reportOf(const FlySummary& s) {
   return json;
 }
 
-}  // namespace
-
 const char* reportHelp() {
   return R"(
+Without --json it prints a summary for people, whose last line says whether all is well, or what is not. NO_COLOR is respected.
 Report (--json prints one object with these keys):
   keyframes, late_keyframes     received while flying; those that arrived after the time they were to be shown from
   bytes_down, bytes_up          everything since the connection was made, the first section included
@@ -110,9 +112,12 @@ With --truth SCENE, measured after landing on a replay of the flight:
   max_error_px_keyframes        each keyframe's section seen from the pose it was computed for (geomorphs: as it is
                                 drawn at its time)
   max_error_px_frames           frames as they were drawn, one in --truth-every; frames_over_tau counts those above tolerance
-  outside_error_p99_px, outside_error_max_px   of measured_frames_outside of these, which were outside of a keyframe's region
+  measured_frames, measured_keyframes   how many were judged
+  outside_error_p99_px, outside_error_max_px, outside_frames_over_tau   of measured_frames_outside of these, which were outside
+                                of a keyframe's region
   cracks, uncovered_samples     of terrain and objects; must be 0
-  measure_every, weights_judged the stride that was taken; how many weights between two keyframes were judged
+  measure_every, measure_keyframes_every, weights_judged   the strides that were taken; how many weights between two keyframes
+                                were judged
   object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times
                                 object_interior_per_tau is guaranteed; max_error_px_* count the latter divided by that
   interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
@@ -129,25 +134,39 @@ With --truth SCENE, measured after landing on a replay of the flight:
 
 FlySummary summaryOf(const client::Player& player) {
   const client::PlayerOptions& options = player.log().options;
-  FlySummary summary{.request = options.request,
+  FlySummary summary{.course = options.is_steered ? "by hand"
+                               : options.track    ? "a track"
+                                                  : "tour " + options.tour,
+                     .asked_s = options.track ? options.track_options.seconds : options.seconds,
+                     .is_steered = options.is_steered,
+                     .request = options.request,
                      .blend = options.blend,
                      .flight = player.report(),
                      .truth = {},
                      .notes = {},
                      .error = {},
                      .replayed = {}};
+  if (options.is_steered) summary.asked_s.reset();
   if (options.track) summary.notes = options.track->notes;
   summary.notes.insert(summary.notes.end(), player.notes().begin(), player.notes().end());
   return summary;
 }
 
-Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, FlySummary& summary) {
+Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, ReportFormat format, FlySummary& summary) {
   const Result<uint64_t> dumped = afterwards.dump(log);
+  Status status = dumped.ok() ? Status() : dumped.error();
   if (dumped.ok()) summary.dumped_frames = *dumped;
-  summary.truth = afterwards.measure(log, summary.flight.seconds);
-  return dumped.ok() ? Status() : dumped.error();
+  summary.truth = afterwards.measure(log, format == ReportFormat::kJson ? 1 : 0);
+  if (summary.truth && !summary.truth->is_whole)
+    status = Error{ErrorCode::kIo, "interrupted while frames were judged: errors are those of the beginning"};
+  if (!status.ok() && !summary.error) summary.error = status.error().message;
+  return status;
 }
 
-std::string text(const FlySummary& summary, apps::ReportFormat format) { return apps::text(reportOf(summary), format); }
+void print(const FlySummary& summary, ReportFormat format) {
+  const std::string printed =
+      format == ReportFormat::kJson ? text(reportOf(summary), format) : summaryFor(summary).text(paintFor(stdout));
+  std::fputs(printed.c_str(), stdout);
+}
 
 }  // namespace foreland::apps

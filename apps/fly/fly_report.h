@@ -1,4 +1,4 @@
-// The report that `foreland fly` prints. Any thread.
+// The report of `foreland fly` and `foreland replay`. Any thread.
 #pragma once
 
 #include <optional>
@@ -20,6 +20,9 @@ struct ReplayedDigest {
 };
 
 struct FlySummary {
+  std::string course;             // what was flown, for people
+  std::optional<double> asked_s;  // absent: all of a track
+  bool is_steered = false;        // by a person
   proto::ViewRequest request;
   client::Blend blend = client::Blend::kKeyframe;
   client::FlightReport flight;
@@ -32,10 +35,13 @@ struct FlySummary {
 
 // Of a player that has landed, or whose flight ended early.
 FlySummary summaryOf(const client::Player& player);
-// Measures and dumps, if asked to, and takes the results in.
-Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, FlySummary& summary);
+// Measures and dumps, if asked to, and takes the results in. Terms of the error are for programs, unless asked for.
+Status addAfterwards(Afterwards& afterwards, const client::FlightLog& log, ReportFormat format, FlySummary& summary);
 
-std::string text(const FlySummary& summary, apps::ReportFormat format);
+// Of all keys, for programs.
+nlohmann::ordered_json reportOf(const FlySummary& summary);
+// Prints the report on standard output, or what it says to people.
+void print(const FlySummary& summary, ReportFormat format);
 // What the keys of the report mean, for --help.
 const char* reportHelp();
 

@@ -11,6 +11,7 @@
 #include "apps/fly/afterwards.h"
 #include "apps/fly/fly_report.h"
 #include "apps/options.h"
+#include "apps/stop_signal.h"
 #include "client/fly/flight_digest.h"
 #include "client/fly/recording.h"
 
@@ -52,7 +53,7 @@ int run(const ReplayOptions& o) {
   client::FlightDigest digest;
   Status status;
   const client::Replayed replayed = client::replay(recording->log, [&](const client::Player& player, Time) {
-    status = afterwards->checkScene(player.viewer());
+    status = isStopRequested() ? Error{ErrorCode::kIo, "interrupted"} : afterwards->checkScene(player.viewer());
     digest.add(player.viewer(), player.view());
     return status.ok();
   });
@@ -60,8 +61,9 @@ int run(const ReplayOptions& o) {
   FlySummary summary = summaryOf(replayed.player);
   if (!replayed.status.ok()) summary.error = replayed.status.error().message;
   summary.replayed = ReplayedDigest{digest.value(), recording->shown};
-  if (Status s = addAfterwards(*afterwards, recording->log, summary); !s.ok()) return fail(s.error());
-  std::fputs(text(summary, o.format).c_str(), stdout);
+  const Status added = addAfterwards(*afterwards, recording->log, o.format, summary);
+  print(summary, o.format);
+  if (!added.ok()) return fail(added.error());
   return compare(*summary.replayed, o.recording.string());
 }
 
@@ -80,7 +82,9 @@ int main(int argc, char** argv) {
       parseCommandLine(app, argc, argv,
                        {{"record a flight", "foreland fly ws://127.0.0.1:8080 --tour canyon --record flight.rec"},
                         {"fly it again, and measure it", "foreland replay flight.rec --truth hills.fls"}});
-  return exit_code ? *exit_code : run(o);
+  if (exit_code) return *exit_code;
+  catchStopSignals();
+  return run(o);
 }
 
 }  // namespace

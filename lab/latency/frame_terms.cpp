@@ -42,7 +42,7 @@ FrameJudge::Mesh FrameJudge::viewAt(const oracle::SectionAt& chain, Time t) cons
 }
 
 FrameJudge::Mesh FrameJudge::trueKeyframe(const proto::KeyframeHeader& header) {
-  return true_keyframes_.at(keyframes_, flight_.path->at(header.time), flight_.lens, header);
+  return true_keyframes_.at(flight_.path->at(header.time), flight_.lens, header)->mesh(keyframes_);
 }
 
 FrameTerms FrameJudge::judge(const client::FrameView& view, Time now) {

@@ -138,5 +138,34 @@ TEST(Oracle, AgreesWithProjectingEveryVertexOfAFullResolutionMesh) {
   }
 }
 
+// Ground that rises by 2 quanta in all of a window between two dates.
+Truth risingTruth() {
+  Truth truth = flatTruth();
+  truth.epochs = {Time::seconds(0), Time::seconds(10)};
+  truth.moved = {.x = 8, .y = 8, .width = 40, .height = 30};
+  truth.offsets = [](size_t epoch, uint32_t x, uint32_t y, std::span<double> out) {
+    for (uint32_t i = 0; i < out.size(); ++i)
+      out[i] = epoch == 1 && x + i >= 8 && x + i < 48 && y >= 8 && y < 38 ? 2 : 0;
+  };
+  return truth;
+}
+
+TEST(Oracle, HasTwinsThatEachShowATimeOfTheirOwn) {
+  Oracle oracle(risingTruth());
+  Oracle twin = oracle.twin();
+  const client::KeyframeMesh mesh = test::flatMesh(1, kSize);
+  const auto showAt = [](Oracle& which, int64_t second) {
+    which.showAt({Time::seconds(second), Time::seconds(second), 0, false});
+  };
+  showAt(oracle, 10);
+  showAt(twin, 5);
+  EXPECT_EQ(errorOf(oracle, mesh, 0, fromAbove(200)).max_m, 0.2);
+  EXPECT_EQ(errorOf(twin, mesh, 0, fromAbove(200)).max_m, 0.1);
+  showAt(oracle, 0);
+  EXPECT_EQ(errorOf(oracle, mesh, 0, fromAbove(200)).max_m, 0);
+  EXPECT_EQ(errorOf(twin, mesh, 0, fromAbove(200)).max_m, 0.1);
+  EXPECT_EQ(errorOf(oracle, mesh, 0, fromAbove(200)).samples, errorOf(twin, mesh, 0, fromAbove(200)).samples);
+}
+
 }  // namespace
 }  // namespace foreland::oracle
