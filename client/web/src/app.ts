@@ -157,8 +157,7 @@ export class App {
 
   private showWaiting(seconds: number, reason: string): void {
     const title = this.welcome ? 'Connection lost' : 'The server does not answer';
-    const said = reason === '' ? '' : `The server said: ${reason}. `;
-    const text = `${said}Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
+    const text = `${reason === '' ? '' : `${reason} `}Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
     showNotice(byId('notice'), { kind: 'wait', title, text });
   }
 

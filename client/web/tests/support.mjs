@@ -9,11 +9,12 @@ import { createInterface } from 'node:readline';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
+import { createServer } from 'vite';
 
 const here = dirname(fileURLToPath(import.meta.url));
 export const root = resolve(here, '../../..');
 const bin = resolve(process.env.FORELAND_BIN ?? join(root, 'build/release/bin'));
-const page_folder = resolve(here, '../dist');
+export const page_folder = resolve(here, '../dist');
 const run = promisify(execFile);
 
 const chromium_flags = [
@@ -23,6 +24,15 @@ const chromium_flags = [
 
 function need(path, how) {
   if (!existsSync(path)) throw new Error(`${path} is missing: ${how}`);
+}
+
+// Loads modules of the page's sources without a browser. `fresh()` makes them be evaluated anew.
+export async function openSources() {
+  const vite = await createServer({
+    root: join(root, 'client/web'), configFile: false, appType: 'custom', logLevel: 'error', optimizeDeps: { noDiscovery: true },
+    server: { middlewareMode: true, hmr: false, ws: false, watch: null },
+  });
+  return { load: (path) => vite.ssrLoadModule(`/src/${path}`), fresh: () => vite.moduleGraph.invalidateAll(), close: () => vite.close() };
 }
 
 // What a command prints.

@@ -1,21 +1,24 @@
 // The WebSocket to the server: one binary message is one protocol message. When it is lost, it tries again after a growing wait, at
 // random, so that the viewers of a server that dies do not all come in one instant. A server that stops asks its viewers to connect
-// again at once (close code 1012), and says nothing to the user.
+// again at once (close code 1012), and says nothing to the user. A connection that takes up nothing more is given up, and made anew.
 // A session that the server refused is not tried again automatically.
+import { reasonOf } from './failure';
 
 export interface ConnectionEvents {
   onOpen(): void;
   onMessage(message: Uint8Array): void;
-  onWaiting(seconds: number, reason: string): void; // until the next attempt; the reason is the server's, or empty
+  onWaiting(seconds: number, reason: string): void; // until the next attempt; the reason is a sentence, or empty
+  onImpossible(reason: string): void; // the browser does not connect to such an address; a sentence
 }
 
 const kFirstWait_ms = 500;
 const kLongestWait_ms = 8000;
 const kHandOver = 1012;
-const kMostUnsent_bytes = 1 << 20; // poses are dropped beyond it: newer ones follow
+const kMostUnsent_bytes = 1 << 20; // beside the largest message
 
 export class Connection {
   private socket: WebSocket | null = null;
+  private largest_bytes = 0; // of the messages of this connection: sections to resume from and paths are large
   private wait_ms = kFirstWait_ms;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private is_hidden = false;
@@ -27,9 +30,11 @@ export class Connection {
     this.waits_to_be_seen = false;
     clearTimeout(this.timer);
     this.close();
-    const socket = new WebSocket(this.url);
+    const socket = this.newSocket();
+    if (!socket) return;
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
+    this.largest_bytes = 0;
     socket.onopen = () => this.events.onOpen();
     socket.onmessage = (event) => {
       if (socket !== this.socket || !(event.data instanceof ArrayBuffer)) return;
@@ -39,7 +44,7 @@ export class Connection {
     socket.onclose = (event) => {
       if (socket !== this.socket) return;
       if (event.code === kHandOver && this.wait_ms === kFirstWait_ms) this.reopenAtOnce();
-      else this.waitAndReopen(event.reason);
+      else this.waitAndReopen(event.reason === '' ? '' : `The server said: ${event.reason}.`);
     };
   }
 
@@ -56,8 +61,27 @@ export class Connection {
     return this.socket?.readyState === WebSocket.OPEN;
   }
 
+  // Messages are coded against earlier ones, so none of a connection may be left out: all are sent until it is given up.
   send(message: Uint8Array<ArrayBuffer>): void {
-    if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < kMostUnsent_bytes) this.socket.send(message);
+    const { socket } = this;
+    if (socket?.readyState !== WebSocket.OPEN) return;
+    this.largest_bytes = Math.max(this.largest_bytes, message.length);
+    if (socket.bufferedAmount > kMostUnsent_bytes + this.largest_bytes) this.giveUp();
+    else socket.send(message);
+  }
+
+  private giveUp(): void {
+    this.close();
+    this.waitAndReopen('The network took up nothing more.');
+  }
+
+  private newSocket(): WebSocket | null {
+    try {
+      return new WebSocket(this.url);
+    } catch (error) {
+      this.events.onImpossible(`The browser does not connect to ${this.url}: ${reasonOf(error)}`);
+      return null;
+    }
   }
 
   // Once, until a message has arrived.

@@ -24,7 +24,7 @@ export type ToWorker =
 
 export type FromWorker =
   | { kind: 'open' } // a connection is open, and a session begins
-  | { kind: 'waiting'; seconds: number; reason: string } // for the next attempt to connect
+  | { kind: 'waiting'; seconds: number; reason: string } // for the next attempt to connect; the reason is a sentence, or empty
   | { kind: 'refused'; reason: string } // the session has ended
   | { kind: 'welcome'; message: Uint8Array }
   | { kind: 'tour'; message: Uint8Array } // has come

@@ -7,7 +7,7 @@ import type { Pose, Statistics } from './values';
 
 export interface SessionEvents {
   onOpen(): void;
-  onWaiting(seconds: number, reason: string): void;
+  onWaiting(seconds: number, reason: string): void; // a sentence, or empty
   onRefused(reason: string): void;
   onWelcome(message: Uint8Array): void;
   onMesh(update: MeshUpdate): void;

@@ -42,6 +42,7 @@ class Session {
       onOpen: () => this.begin(),
       onMessage: (message) => this.receive(message),
       onWaiting: (seconds, reason) => this.post({ kind: 'waiting', seconds, reason }),
+      onImpossible: (reason) => this.post({ kind: 'refused', reason }),
     });
     this.connection.open();
   }
