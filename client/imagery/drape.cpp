@@ -122,8 +122,12 @@ bool Drape::decodeRelief() {
   if (!tile) return false;
   const HeldTile* held = store_.find(*tile);
   steps_.resize(proto::kTileTexels);
+  if (held == nullptr) return true;
   // A tile that is damaged never becomes ready: its parent stays in its place.
-  if (held == nullptr || !proto::decodeRelief(held->coded, steps_).ok()) return true;
+  if (!proto::decodeRelief(held->coded, steps_).ok()) {
+    ++damaged_;
+    return true;
+  }
   const proto::TileLayer& layer = store_.layers()[tile->layer];
   Relief& made = relief_[tile->key()];
   made = {};

@@ -46,6 +46,8 @@ class Drape {
 
   // Decodes a tile of relief that is wanted; false if none is. About 6 ms as WebAssembly.
   bool decodeRelief();
+  // Tiles of relief that could not be decoded. They count as missing: their parents stay in their place.
+  uint32_t damaged() const { return damaged_; }
   // Of a tile of relief that arrives with the last advance(): its slopes (slopes.h), and those of its half-size image.
   const std::vector<uint32_t>& slopes(const proto::TileId& tile) const { return relief_.at(tile.key()).slopes; }
   const std::vector<uint32_t>& halfSlopes(const proto::TileId& tile);
@@ -81,6 +83,7 @@ class Drape {
   std::optional<glm::dvec3> sun_;
   uint32_t suns_ = 1;  // counts
   std::vector<int32_t> steps_;
+  uint32_t damaged_ = 0;
 };
 
 }  // namespace foreland::client

@@ -394,7 +394,7 @@ FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* ho
                              .keyframes = from.keyframes,
                              .late_keyframes = from.late_keyframes,
                              .tiles = static_cast<uint32_t>(tiles.count()),
-                             .unused = 0};
+                             .damaged_tiles = host->drape ? host->drape->damaged() : 0};
   return &host->statistics_record;
 }
 

@@ -185,7 +185,7 @@ inline constexpr RecordField kStatisticsFields[] = {
     FORELAND_FIELD(StatisticsRecord, keyframes),
     FORELAND_FIELD(StatisticsRecord, late_keyframes),
     FORELAND_FIELD(StatisticsRecord, tiles),
-    FORELAND_FIELD(StatisticsRecord, unused),
+    FORELAND_FIELD(StatisticsRecord, damaged_tiles),
 };
 inline constexpr RecordField kTextFields[] = {FORELAND_FIELD(TextRecord, text), FORELAND_FIELD(TextRecord, size)};
 

@@ -189,8 +189,8 @@ struct StatisticsRecord {
   double imagery_texel_px;
   uint32_t keyframes;
   uint32_t late_keyframes;
-  uint32_t tiles;  // held
-  uint32_t unused;
+  uint32_t tiles;          // held
+  uint32_t damaged_tiles;  // of relief, in this scene; images are decoded by the page
 };
 
 struct TextRecord {

@@ -6,9 +6,13 @@ import { lookOf } from './ui/camera';
 import { ColourMaps, takeFiles } from './ui/colour_maps';
 import { Controls } from './ui/controls';
 import type { Core } from './core/core';
+import { failureOf, reasonOf, type Failure } from './core/failure';
+import { Guard } from './core/guard';
 import { Session } from './core/session';
 import type { MapPosition, Pose, Request, ScreenFrame, Welcome } from './core/values';
 import { Picture, type Shot } from './draw/picture';
+import { wordsOf } from './ui/failure_words';
+import { Hint } from './ui/hint';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './core/prediction_check';
@@ -21,7 +25,6 @@ import { startView } from './ui/start_view';
 import { Tours } from './ui/tours';
 
 const kResizeQuiet_ms = 200; // a new lens is requested when resizing has paused
-const kHintShown_ms = 9000;
 // Phones have less to spare.
 
 const kIsPhone = window.matchMedia('(pointer: coarse)').matches;
@@ -37,6 +40,9 @@ function byId(id: string): HTMLElement {
 
 export class App {
   private readonly canvas = byId('scene') as HTMLCanvasElement;
+  private readonly guard = new Guard((error) => this.fail(failureOf(error)));
+  private readonly hint = new Hint(byId('hint'));
+  private has_told_missing = false; // images of models
   private readonly picture: Picture;
   private may_occlude = false; // this connection's deltas can tell hidden blocks
   private readonly controls = new Controls(this.canvas);
@@ -64,9 +70,10 @@ export class App {
   // The worker is to be core/worker.ts; nothing has been said to it.
   constructor(core: Core, worker: Worker, private readonly address: Address) {
     this.settings = address.settings;
-    this.picture = new Picture(this.canvas, { layers: kTextureLayers, anisotropy: address.anisotropy, models: modelsOf(address.server) });
+    this.picture = new Picture(this.canvas, { layers: kTextureLayers, anisotropy: address.anisotropy, models: modelsOf(address.server) },
+      (what) => this.tellMissing(what));
     this.resize();
-    this.tours = new Tours(byId('tours'), (tour) => this.chooseTour(tour));
+    this.tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
     this.session = new Session(core, worker, {
       onOpen: () => (this.may_occlude = this.settings.occlusion),
       onWaiting: (seconds, reason) => this.showWaiting(seconds, reason),
@@ -78,8 +85,9 @@ export class App {
         this.picture.show(this.settings);
       },
       onRecording: (file) => saveFile(file, 'flight.rec'),
-      onFailure: (reason) => this.fail(reason),
-    });
+      onDamaged: () => this.hint.show('A tile of the ground is damaged: a coarser one stays in its place.'),
+      onFailure: (failure) => this.guard.run(() => this.fail(failure)),
+    }, this.guard);
     const { server, token } = address;
     this.session.tell({
       kind: 'start', module: core.module, server: token === null ? server : `${server}?token=${encodeURIComponent(token)}`,
@@ -87,24 +95,27 @@ export class App {
       texture_layers: kTextureLayers, clock_origin_ms: performance.timeOrigin, is_recorded: address.is_recorded,
     });
     this.sent_request = JSON.stringify(this.request());
-    this.controls.onTakeOver = () => this.tours.current && this.chooseTour(null);
+    this.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
     const file = document.createElement('input');
-    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.applySettings());
-    takeFiles(file, (name, text) => this.addColours(name, text), (reason) => this.refuseColours(reason));
+    this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.guard.run(() => this.applySettings()));
+    takeFiles(file, (name, text) => this.guard.run(() => this.addColours(name, text)),
+      (reason) => this.guard.run(() => this.refuseColours(reason)));
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => this.session.tell({ kind: 'save recording' }));
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.resize());
-    this.canvas.addEventListener('webglcontextlost', () => this.stop('The graphics card was reset.', 'Reload the page to continue.'));
+    this.canvas.addEventListener('webglcontextlost', () => this.guard.run(() => {
+      this.end();
+      this.offerReload('The graphics card was reset.', 'Reload the page to fly on from here.');
+    }));
   }
 
   start(): void {
+    if (this.guard.isOver) return;
     showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
     if (this.address.tour) this.chooseTour(this.address.tour);
-    this.picture.renderer.setAnimationLoop(() => this.drawOrStop(performance.now()));
-    byId('hint').textContent = window.matchMedia('(pointer: coarse)').matches
-      ? 'One finger looks, two fingers fly'
-      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed';
-    window.setTimeout(() => byId('hint').classList.add('gone'), kHintShown_ms);
+    this.picture.renderer.setAnimationLoop(() => this.guard.run(() => this.draw(performance.now())));
+    this.hint.show(kIsPhone ? 'One finger looks, two fingers fly'
+      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed');
   }
 
   // For tests, and for anyone who opens the console.
@@ -166,16 +177,53 @@ export class App {
     showNotice(byId('notice'), { kind: 'error', title, text, action });
   }
 
+  // An image of a model that did not come is asked for again with the next connection.
+  private tellMissing(what: string): void {
+    console.warn(`An image of a model did not come: ${what}`);
+    if (!this.has_told_missing) this.hint.show('An image of a model did not come: it is drawn in a plain colour.');
+    this.has_told_missing = true;
+  }
+
+  // ---- the end
+
+  private fail(failure: Failure): void {
+    this.end();
+    const { title, text } = wordsOf(failure);
+    this.offerReload(title, text);
+  }
+
+  // Nothing is drawn, sent or chosen any more; only a recording can still be saved.
+  private end(): void {
+    this.guard.end();
+    this.picture.renderer.setAnimationLoop(null);
+    window.clearTimeout(this.lens_timer);
+    this.session.close();
+  }
+
+  private offerReload(title: string, text: string): void {
+    const run = () => {
+      window.history.replaceState(null, '', `?${this.addressHere()}${window.location.hash}`);
+      window.location.reload();
+    };
+    showNotice(byId('notice'), { kind: 'error', title, text, action: { label: 'Reload the page', run } });
+  }
+
   // ---- what the user chooses
 
   // A recording begins with its session, so the page begins anew where the camera is.
   private recordFromHere(): void {
+    const query = this.addressHere();
+    query.set('record', '1');
+    window.location.search = query.toString();
+  }
+
+  // The page's query, with where the camera is once it is in a scene.
+  private addressHere(): URLSearchParams {
     const query = new URLSearchParams(window.location.search);
     const { heading, pitch } = this.controls.look;
     const degrees = [heading, pitch].map((angle) => ((angle * 180) / Math.PI).toFixed(2));
-    query.set('view', [...this.controls.eye.toArray().map((metres) => metres.toFixed(1)), ...degrees].join(','));
-    query.set('record', '1');
-    window.location.search = query.toString();
+    if (this.welcome) query.set('view', [...this.controls.eye.toArray().map((metres) => metres.toFixed(1)), ...degrees].join(','));
+    return query;
   }
 
   private request(): Request {
@@ -215,7 +263,7 @@ export class App {
     try {
       this.colour_maps.add(name, text);
     } catch (error) {
-      return this.refuseColours((error as Error).message);
+      return this.refuseColours(reasonOf(error));
     }
     showNotice(byId('notice'), null);
     Object.assign(this.settings, { colours: name, ground: 'heights' });
@@ -271,25 +319,10 @@ export class App {
   private resize(): void {
     this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
     window.clearTimeout(this.lens_timer);
-    this.lens_timer = window.setTimeout(() => this.sendRequest(), kResizeQuiet_ms);
+    this.lens_timer = window.setTimeout(() => this.guard.run(() => this.sendRequest()), kResizeQuiet_ms);
   }
 
   // ---- a frame
-
-  private drawOrStop(now_ms: number): void {
-    try {
-      this.draw(now_ms);
-    } catch (error) {
-      this.fail((error as Error).message);
-      throw error;
-    }
-  }
-
-  private fail(reason: string): void {
-    this.picture.renderer.setAnimationLoop(null);
-    this.session.tell({ kind: 'close' });
-    this.stop('The page failed.', reason);
-  }
 
   private draw(now_ms: number): void {
     const frame_ms = now_ms - this.last_ms;

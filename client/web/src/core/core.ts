@@ -1,6 +1,7 @@
 // The client core (client/wasm) as the page sees it: a module to compile once, with an instance for each thread. The worker has a
 // Viewer for each session (viewer.ts), the drawing thread a Screen (screen.ts). Arrays point into the instance's memory and are valid
 // until the next call into it.
+import { CoreError, reasonOf } from './failure';
 import { kRecordLayout, readTextRecord, readWelcomeRecord } from './records';
 import type { Welcome } from './values';
 
@@ -66,8 +67,15 @@ export class Core {
     return core;
   }
 
-  // An instance of a module that another thread has loaded.
+  // An instance of a module that another thread has loaded. Throws a CoreError.
   static async of(module: WebAssembly.Module): Promise<Core> {
+    try {
+      return await Core.startOf(module);
+    } catch (error) {
+      throw new CoreError('core start', reasonOf(error), { cause: error });
+    }
+  }
+  private static async startOf(module: WebAssembly.Module): Promise<Core> {
     let memory: WebAssembly.Memory | undefined;
     const instance = await WebAssembly.instantiate(module, wasiImports(module, () => memory!));
     const exports = instance.exports as unknown as Exports;
@@ -103,7 +111,7 @@ function wasiImports(module: WebAssembly.Module, memory: () => WebAssembly.Memor
     if (from === 'wasi_snapshot_preview1') imports[name] = () => kNotSupported;
   }
   imports.proc_exit = (code: number) => {
-    throw new Error(`The client core stopped (code ${code}).`);
+    throw new CoreError('core', `It stopped with code ${code}.`);
   };
   imports.fd_write = (_file: number, parts: number, count: number, written: number) => {
     const view = new DataView(memory().buffer);

@@ -1,6 +1,7 @@
 // What the page's two threads say to each other. The worker has the connection, the client core's viewer and the meshes; the drawing
 // thread has the camera, the graphics card and what a person chooses. Times are milliseconds of the drawing thread's clock.
 import type { Blend, Pose, Request, Statistics, TextureLayers } from './values';
+import type { Failure } from './failure';
 import type { MeshUpdate, PartLines } from './mesh_update';
 
 export type ToWorker =
@@ -31,4 +32,6 @@ export type FromWorker =
   | { kind: 'mesh'; update: MeshUpdate }
   | { kind: 'lines'; version: number; terrain: PartLines; objects: PartLines } // of a mesh that was sent without
   | { kind: 'recording'; file: Blob } // so far
+  | { kind: 'damaged'; what: string } // the first tile that cannot be decoded
+  | { kind: 'failed'; failure: Failure } // nothing but a recording comes any more
   | { kind: 'state'; statistics: Statistics; is_open: boolean; ground: Uint8Array | null };

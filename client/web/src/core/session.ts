@@ -1,5 +1,7 @@
 // The drawing thread's end of a session: what comes from the worker, and what it is told.
 import type { Core } from './core';
+import type { Failure } from './failure';
+import type { Guard } from './guard';
 import type { PartLines, MeshUpdate } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
 import { Screen } from './screen';
@@ -13,7 +15,8 @@ export interface SessionEvents {
   onMesh(update: MeshUpdate): void;
   onLines(version: number, terrain: PartLines, objects: PartLines): void;
   onRecording(file: Blob): void;
-  onFailure(reason: string): void; // of the worker
+  onDamaged(what: string): void; // the first tile that cannot be decoded
+  onFailure(failure: Failure): void; // of the worker, which has logged it; only a recording can still come
 }
 
 export class Session {
@@ -21,14 +24,19 @@ export class Session {
   is_open = false;
   statistics: Statistics = {
     bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
-    tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, unused: 0,
+    tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
   };
   private tour: Uint8Array | null = null; // has come, and has not been started
 
-  constructor(core: Core, private readonly worker: Worker, private readonly events: SessionEvents) {
+  // What is received is handled under `guard`.
+  constructor(core: Core, private readonly worker: Worker, private readonly events: SessionEvents, guard: Guard) {
     this.screen = new Screen(core);
-    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.receive(data);
-    worker.onerror = (event) => events.onFailure(event.message || 'Its worker did not load.');
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
+      if (data.kind === 'recording') events.onRecording(data.file);
+      else guard.run(() => this.receive(data));
+    };
+    worker.onmessageerror = () => guard.fail(new Error('A message of its worker could not be read.'));
+    worker.onerror = (event) => events.onFailure(failureOfWorker(event));
     const tellHidden = () => this.tell({ kind: 'hidden', is_hidden: document.hidden });
     document.addEventListener('visibilitychange', tellHidden);
   }
@@ -39,6 +47,12 @@ export class Session {
 
   frame(now_ms: number, pose: Pose, eye: readonly number[], ground_reach: number, staged_version: number): void {
     this.tell({ kind: 'frame', now_ms, pose, eye, ground_reach, staged_version });
+  }
+
+  // Ends it for good.
+  close(): void {
+    this.is_open = false;
+    this.tell({ kind: 'close' });
   }
 
   // The camera of the next frame is jumped to.
@@ -78,11 +92,19 @@ export class Session {
         this.screen.add(message.update.interval, message.update.oldest_version);
         return this.events.onMesh(message.update);
       case 'lines': return this.events.onLines(message.version, message.terrain, message.objects);
-      case 'recording': return this.events.onRecording(message.file);
+      case 'damaged': return this.events.onDamaged(message.what);
+      case 'failed': return this.events.onFailure(message.failure);
       case 'state':
         this.statistics = message.statistics;
         this.is_open = message.is_open;
         if (message.ground) this.screen.setGround(message.ground);
     }
   }
+}
+
+// An event without a message is of a worker that cannot be loaded. The browser logs others.
+export function failureOfWorker({ message }: ErrorEvent): Failure {
+  if (message) return { part: 'page', reason: message };
+  console.error('The worker did not load.');
+  return { part: 'worker start', reason: '' };
 }

@@ -1,5 +1,7 @@
 // The worker's end of relief and imagery: tiles are decoded a few at a time, between messages, and those that come with a mesh are
 // handed over with it. The client core decides which (client/imagery/residency.h).
+import { reasonOf } from './failure';
+import type { Guard } from './guard';
 import { kContents, type Content, type TileArrival, type TileSelection } from './values';
 import type { Viewer } from './viewer';
 
@@ -38,8 +40,10 @@ export class Tiles {
   private decoding = 0;
   private is_scheduled = false;
   private is_stopped = false;
+  damaged = 0; // images that could not be decoded
 
-  constructor(private readonly viewer: Viewer) {}
+  // What fails beside an image ends the guard's thread. `onDamaged` is told of each damaged image.
+  constructor(private readonly viewer: Viewer, private readonly guard: Guard, private readonly onDamaged: (what: string) => void) {}
 
   // What is drawn with the mesh that was taken.
   take(): Record<Content, TileUpdate | null> {
@@ -52,6 +56,7 @@ export class Tiles {
   stop(): void {
     this.is_stopped = true;
     for (const image of this.images.values()) image.close();
+    this.images.clear();
   }
 
   private updateOf(content: Content, selection: TileSelection | null): TileUpdate | null {
@@ -78,10 +83,10 @@ export class Tiles {
   private schedule(): void {
     if (this.is_scheduled || this.is_stopped) return;
     this.is_scheduled = true;
-    setTimeout(() => {
+    setTimeout(() => this.guard.run(() => {
       this.is_scheduled = false;
       if (!this.is_stopped && this.decodeSome()) this.schedule();
-    }, 0);
+    }), 0);
   }
 
   // Whether there may be more.
@@ -90,15 +95,18 @@ export class Tiles {
       const next = this.viewer.nextImage();
       if (!next) break;
       ++this.decoding;
-      void this.decodeImage(next.key, next.coded);
+      void this.guard.runToEnd(() => this.decodeImage(next.key, next.coded));
     }
     return this.viewer.decodeRelief();
   }
 
-  // An image that is damaged never becomes ready: its parent stays in its place.
+  // An image that is damaged never becomes ready, as if it had not come: its parent stays in its place.
   private async decodeImage(key: Key, coded: Uint8Array<ArrayBuffer>): Promise<void> {
-    const blob = new Blob([coded], { type: 'image/webp' });
-    const image = await createImageBitmap(blob, { colorSpaceConversion: 'none', premultiplyAlpha: 'none' }).catch(() => null);
+    const image = await bitmapOf(coded).catch((error: unknown) => {
+      ++this.damaged;
+      this.onDamaged(`imagery ${nameOf(key)}: ${reasonOf(error)}`);
+      return null;
+    });
     --this.decoding;
     if (this.is_stopped) return image?.close();
     if (image) {
@@ -107,4 +115,8 @@ export class Tiles {
     }
     this.schedule();
   }
+}
+
+async function bitmapOf(coded: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> {
+  return createImageBitmap(new Blob([coded], { type: 'image/webp' }), { colorSpaceConversion: 'none', premultiplyAlpha: 'none' });
 }

@@ -2,14 +2,19 @@
 // soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMostUnstaged).
 import { Connection } from './connection';
 import { Core } from './core';
+import { failureOf } from './failure';
+import { Guard } from './guard';
 import { Recording } from './recording';
 import { Tiles } from './tiles';
 import { linesOf, memoryOf, updateOf } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
-import type { Blend, Request } from './values';
+import type { Blend, Request, Statistics } from './values';
 import { Viewer } from './viewer';
 
-const thread = self as unknown as { postMessage(message: FromWorker, memory: Transferable[]): void; onmessage: ((event: MessageEvent) => void) | null };
+const thread = self as unknown as {
+  postMessage(message: FromWorker, memory: Transferable[]): void;
+  addEventListener<E extends Event>(name: string, listener: (event: E) => void): void;
+};
 
 // Meshes that were sent and are not on the graphics card. While there are so many, as behind a page that is not seen, none is sent; the
 // next one has all changes since.
@@ -33,16 +38,17 @@ class Session {
   private last_version = 0; // that was sent
   private tour: string | null = null; // asked for, and has not come; asked for again on a new connection
   private tour_seconds = 0;
+  private has_told_damage = false;
 
   constructor(private readonly core: Core, private readonly start: Start) {
     ({ request: this.request, blend: this.blend, wants_lines: this.wants_lines } = start);
     this.viewer = this.newViewer();
-    this.tiles = new Tiles(this.viewer);
+    this.tiles = this.newTiles();
     this.connection = new Connection(start.server, {
-      onOpen: () => this.begin(),
-      onMessage: (message) => this.receive(message),
-      onWaiting: (seconds, reason) => this.post({ kind: 'waiting', seconds, reason }),
-      onImpossible: (reason) => this.post({ kind: 'refused', reason }),
+      onOpen: () => guard.run(() => this.begin()),
+      onMessage: (message) => guard.run(() => this.receive(message)),
+      onWaiting: (seconds, reason) => guard.run(() => this.post({ kind: 'waiting', seconds, reason })),
+      onImpossible: (reason) => guard.run(() => this.post({ kind: 'refused', reason })),
     });
     this.connection.open();
   }
@@ -86,14 +92,21 @@ class Session {
       case 'reopen':
         if (this.connection.isOpen()) this.connection.open();
         break;
-      case 'save recording':
-        if (this.recording) this.post({ kind: 'recording', file: this.recording.file() });
-        break;
-      case 'close':
-        this.connection.close();
-        break;
+      case 'save recording': return this.saveRecording();
+      case 'close': return this.end();
     }
     this.sendOutgoing();
+  }
+
+  // Also after end(), and after a failure.
+  saveRecording(): void {
+    if (this.recording) this.post({ kind: 'recording', file: this.recording.file() });
+  }
+
+  // Calls nothing of the client core, which may have failed.
+  end(): void {
+    this.connection.close();
+    this.tiles.stop();
   }
 
   private post(message: FromWorker, memory: Transferable[] = []): void {
@@ -113,6 +126,17 @@ class Session {
     viewer.setSun(this.sun);
     return viewer;
   }
+  private newTiles(): Tiles {
+    return new Tiles(this.viewer, guard, (what) => this.tellDamage(what));
+  }
+
+  // Once: the read-out counts the others.
+  private tellDamage(what: string): void {
+    if (this.has_told_damage) return;
+    this.has_told_damage = true;
+    console.warn(`A tile cannot be decoded, and counts as missing: ${what}`);
+    this.post({ kind: 'damaged', what });
+  }
 
   // Begins a session on a new connection. After a lost connection the viewer resumes from the section that it holds.
   private begin(): void {
@@ -126,7 +150,7 @@ class Session {
       this.tiles.stop();
       this.viewer.destroy();
       this.viewer = this.newViewer();
-      this.tiles = new Tiles(this.viewer);
+      this.tiles = this.newTiles();
     }
     if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
     this.post({ kind: 'open' });
@@ -179,7 +203,13 @@ class Session {
     this.sendOutgoing();
     this.sendMesh();
     const ground = this.is_greeted ? this.viewer.ground(eye, ground_reach) : null;
-    this.post({ kind: 'state', statistics: this.viewer.statistics(), is_open: this.connection.isOpen(), ground });
+    this.post({ kind: 'state', statistics: this.statistics(), is_open: this.connection.isOpen(), ground });
+  }
+
+  private statistics(): Statistics {
+    const statistics = this.viewer.statistics();
+    if (statistics.damaged_tiles > 0) this.tellDamage('relief');
+    return { ...statistics, damaged_tiles: statistics.damaged_tiles + this.tiles.damaged };
   }
 
   private sendMesh(): void {
@@ -205,8 +235,33 @@ class Session {
   }
 }
 
-let session: Promise<Session> | null = null;
-thread.onmessage = ({ data: message }: MessageEvent<ToWorker>) => {
-  if (message.kind === 'start') session = Core.of(message.module).then((core) => new Session(core, message));
-  else void session!.then((s) => s.handle(message));
-};
+let session: Session | null = null;
+const early: ToWorker[] = []; // what was said before the session was there
+
+const guard = new Guard((error) => {
+  session?.end();
+  thread.postMessage({ kind: 'failed', failure: failureOf(error) }, []);
+});
+
+async function begin(message: Start): Promise<void> {
+  const begun = (session = new Session(await Core.of(message.module), message));
+  for (const said of early.splice(0)) guard.run(() => begun.handle(said));
+}
+
+function receive(message: ToWorker): void {
+  if (message.kind === 'start') void guard.runToEnd(() => begin(message));
+  else if (guard.isOver && message.kind === 'save recording') session?.saveRecording();
+  else guard.run(() => (session ? session.handle(message) : early.push(message)));
+}
+
+thread.addEventListener<MessageEvent<ToWorker>>('message', ({ data }) => receive(data));
+thread.addEventListener('messageerror', () => guard.fail(new Error('A message of the page could not be read.')));
+// What no guard has seen.
+thread.addEventListener<ErrorEvent>('error', (event) => {
+  event.preventDefault();
+  guard.fail(event.error ?? event.message);
+});
+thread.addEventListener<PromiseRejectionEvent>('unhandledrejection', (event) => {
+  event.preventDefault();
+  guard.fail(event.reason);
+});

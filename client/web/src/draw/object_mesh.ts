@@ -1,6 +1,7 @@
 // The scene's objects on the graphics card, blended between two keyframes by the terrain's weight and textured with the images
 // of their models.
 import * as THREE from 'three';
+import { reasonOf } from '../core/failure';
 import { BufferSet, shader } from './blend_buffers';
 import type { MeshUpdate } from '../core/mesh_update';
 import { kObjectFragment, kObjectVertex } from './shaders';
@@ -17,14 +18,16 @@ export class ObjectMesh {
   private readonly materials: THREE.RawShaderMaterial[] = [];
   private readonly origin = new THREE.Vector3();
   private has_image: readonly boolean[] = []; // by model
+  private readonly missing = new Map<number, { value: THREE.Texture }>(); // images that did not come, by model
   triangles = 0;
   images = 0; // how many have been loaded
 
-  // `uniforms` are the terrain's: weight, eye, light and haze.
+  // `uniforms` are the terrain's: weight, eye, light and haze. `onMissing` is told of each image that does not come.
   constructor(
     renderer: THREE.WebGLRenderer,
     private readonly uniforms: Record<string, THREE.IUniform>,
     private readonly models: URL,
+    private readonly onMissing: (what: string) => void,
   ) {
     this.sets = [new BufferSet(renderer), new BufferSet(renderer)];
     this.set = this.sets[0];
@@ -35,8 +38,12 @@ export class ObjectMesh {
     this.object.visible = false;
   }
 
+  // With each connection: images that did not come are asked for again.
   setScene(scene: { model_has_image: readonly boolean[] }): void {
     this.has_image = scene.model_has_image;
+    const missing = [...this.missing];
+    this.missing.clear();
+    for (const [model, image] of missing) if (this.has_image[model]) void this.load(model, image);
   }
 
   show(options: { wireframe: boolean }): void {
@@ -71,16 +78,27 @@ export class ObjectMesh {
     return shader(kObjectVertex, kObjectFragment, { ...this.uniforms, u_image: image });
   }
 
+  // Never rejects.
   private async load(model: number, image: { value: THREE.Texture }): Promise<void> {
-    const reply = await fetch(new URL(`${model}.rgba`, this.models)).catch(() => null);
-    if (!reply?.ok) return;
-    const bytes = new Uint8Array(await reply.arrayBuffer());
-    if (bytes.length < 8) return;
-    const [width, height] = new Uint32Array(bytes.buffer, 0, 2) as unknown as [number, number];
-    if (width === 0 || bytes.length !== 8 + 4 * width * height) return;
-    image.value = textureOf(bytes.subarray(8), width, height);
-    ++this.images;
+    const url = new URL(`${model}.rgba`, this.models);
+    try {
+      image.value = await imageAt(url);
+      ++this.images;
+    } catch (error) {
+      this.missing.set(model, image);
+      this.onMissing(`${url.href}: ${reasonOf(error)}`);
+    }
   }
+}
+
+// Throws an Error.
+async function imageAt(url: URL): Promise<THREE.Texture> {
+  const reply = await fetch(url);
+  if (!reply.ok) throw new Error(`HTTP ${reply.status}`);
+  const bytes = new Uint8Array(await reply.arrayBuffer());
+  const [width, height] = bytes.length < 8 ? [0, 0] : (new Uint32Array(bytes.buffer, 0, 2) as unknown as [number, number]);
+  if (width === 0 || bytes.length !== 8 + 4 * width * height) throw new Error(`${bytes.length} bytes are no image`);
+  return textureOf(bytes.subarray(8), width, height);
 }
 
 // The first row is the upper one, as in texture coordinates. Bilinear and without mipmaps, which the images' gutters suffice for.

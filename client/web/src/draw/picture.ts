@@ -47,12 +47,14 @@ export class Picture {
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
   private frames = 0;
 
-  constructor(private readonly canvas: HTMLCanvasElement, from: { layers: TextureLayers; anisotropy: number | null; models: URL }) {
+  // `onMissing` is told of each image of a model that does not come.
+  constructor(private readonly canvas: HTMLCanvasElement, from: { layers: TextureLayers; anisotropy: number | null; models: URL },
+              onMissing: (what: string) => void) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
     this.drape = new Drape(this.renderer, from.layers, from.anisotropy ?? cheapAnisotropy(this.renderer));
     this.terrain = new TerrainMesh(this.renderer, this.sun, this.up, this.drape.uniforms);
-    this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, from.models);
+    this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, from.models, onMissing);
     this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
     const [sets, object_sets] = [this.terrain.sets, this.objects.sets];
     this.stage = new Stage({ terrain: sets[0], objects: object_sets[0] }, { terrain: sets[1], objects: object_sets[1] });

@@ -1,4 +1,5 @@
 // The colour maps that can be chosen: those of src/colours, and files that are opened or dropped on the page.
+import { reasonOf } from '../core/failure';
 import { colourAt, readColourMap, stretched, type ColourMap } from '../core/colour_map';
 
 const kTexels = 2048; // of a baked map
@@ -48,13 +49,19 @@ function tintsOf(map: ColourMap, low: number, high: number): Tints {
   return { low, high, texels, legend: { gradient: `linear-gradient(90deg, ${stops.join(', ')})`, words } };
 }
 
-// Files that are dropped on the page, and one that `input` opens. `onFile` is given what is in it.
+// Files that are dropped on the page, and one that `input` opens. `onFile`, which is not to throw, is given what is in it.
 export function takeFiles(input: HTMLInputElement, onFile: (name: string, text: string) => void, onFailure: (reason: string) => void): void {
   const take = async (files: FileList | null | undefined) => {
     const file = files?.[0];
     if (!file) return;
     if (file.size > kMostBytes) return onFailure(`${file.name} has more than ${kMostBytes >> 20} MB.`);
-    onFile(file.name.replace(/\.cpt$/i, ''), await file.text());
+    let text: string;
+    try {
+      text = await file.text();
+    } catch (error) {
+      return onFailure(`${file.name} cannot be read: ${reasonOf(error)}`);
+    }
+    onFile(file.name.replace(/\.cpt$/i, ''), text);
   };
   input.onchange = () => {
     void take(input.files);

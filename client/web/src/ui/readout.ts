@@ -76,7 +76,7 @@ export class Readout {
     this.set('Lateness', lateness, m.is_late ? 'next is late' : shown);
     const bound = m.mesh && Number.isFinite(m.mesh.tau_px) ? `\u2264 ${m.mesh.tau_px.toFixed(2)} px` : 'not known yet';
     this.set('Error', bound, m.prediction_error_m === null ? '' : `eye ${metresText(m.prediction_error_m)} off`);
-    const tiles = `${s.tiles} tiles`;
+    const tiles = s.damaged_tiles > 0 ? `${s.damaged_tiles} of ${s.tiles} damaged` : `${s.tiles} tiles`;
     this.showTexels('Relief', s.relief_texel_px, tiles);
     this.showTexels('Imagery', s.imagery_texel_px, isStated(s.relief_texel_px) ? '' : tiles);
     this.history.push(rate.bytes);
