@@ -1,11 +1,13 @@
 // Makes the pictures of relief and imagery in the documents: a valley, the summit and the whole scene with imagery and without, and a strip
-// of hours, by the page in headless Chromium. The programs are those of FORELAND_BIN (default build/release/bin), the page is dist/.
+// of hours; and the one of the page in README. They are made by the page in headless Chromium. The programs are those of FORELAND_BIN
+// (default build/release/bin), the page is dist/.
 //
 //   foreland synth --imagery msh.tif --over msh_base_utm10_10m.tif --imagery-detail 10
 //   foreland build msh_base_utm10_10m.tif --imagery msh.tif -o msh.fls
 //   node make_pictures.mjs msh.fls [NAME...]         writes docs/images/msh-NAME.jpg: valley, summit, scene, relief, hours
+//   node make_pictures.mjs build/demo/SCENE.fls page  writes docs/images/page.jpg
 //
-// The views are those of Mount St. Helens (USGS, before 2004).
+// The views are those of Mount St. Helens (USGS, before 2004); that of the page is of the landscape that `./demo` makes.
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { openBrowser, openPage, root, startServer, status, until } from './tests/support.mjs';
@@ -18,12 +20,15 @@ const kViews = {
   scene: { at: [3200, 9800], height: 5200, look: [197, -17], sun: kEvening },
   relief: { at: [600, -2300], height: 2560, look: [188, -14], sun: kEvening, more: 'imagery=0&ground=heights' },
 };
+// Of the page, which flies to its view from behind it.
+const kPage = { at: [-9277, 1236], height: 3010, look: [55, -14], sun: { azimuth: 320, height: 22 }, tau: 1 };
+const kPageFlight_m = 450;
 // Of 21 September at 46 degrees north.
 const kHours = [['7:00', 101, 10], ['10:00', 142, 37], ['15:00', 234, 29], ['17:30', 264, 5]];
 
-function addressOf({ at, height, look, sun, more = '' }, server) {
+function addressOf({ at, height, look, sun, tau = 0.7, more = '' }, server) {
   const light = `sun=free&azimuth=${sun.azimuth}&height=${sun.height}&shadows=1`;
-  return new URL(`?sharpness=1&tau=0.7&view=${[...at, height, ...look].join(',')}&${light}&${more}`, server.url).href;
+  return new URL(`?sharpness=1&tau=${tau}&view=${[...at, height, ...look].join(',')}&${light}&${more}`, server.url).href;
 }
 
 // Nothing comes any more.
@@ -35,6 +40,7 @@ async function untilWhole(page) {
     same = is_same ? same + 1 : 0;
     last = now;
   }
+  return last;
 }
 
 async function look(browser, server, view, size) {
@@ -54,6 +60,42 @@ async function look(browser, server, view, size) {
     return await page.screenshot({ type: 'jpeg', quality: 84 });
   } finally {
     await close();
+  }
+}
+
+// The page after a flight, as a person sees it, with its settings folded. The picture is drawn once the camera rests and all is there, and not
+// again: drawn by a processor each frame would take half a second, and the read-out would say so. So it says what it says where a graphics
+// card draws beside the page.
+async function lookAtPage(browser, server, size) {
+  const { page, close } = await openPage(browser, size);
+  try {
+    await page.addInitScript(drawOnDemand);
+    await page.goto(addressOf(kPage, server));
+    await page.locator('#panel .toggle').click();
+    await page.evaluate(() => document.querySelector('#hint').toggleAttribute('hidden', true));
+    const { eye } = await untilWhole(page);
+    await page.locator('#scene').focus();
+    await page.keyboard.down('KeyW');
+    await until(page, (s, [from, metres]) => Math.hypot(...s.eye.map((v, i) => v - from[i])) > metres, [eye, kPageFlight_m]);
+    await page.keyboard.up('KeyW');
+    const { frames } = await untilWhole(page);
+    await page.evaluate(() => (window.draws = true));
+    const drawn = await until(page, (s, n) => s.frames > n, frames, 240_000);
+    await page.evaluate(() => (window.draws = false));
+    await until(page, (s, n) => s.frames > n + 120, drawn.frames); // over which the read-out averages
+    return await page.screenshot({ type: 'jpeg', quality: 88 });
+  } finally {
+    await close();
+  }
+}
+
+// In the page: the canvas is drawn on while window.draws is true. It keeps what was drawn last.
+function drawOnDemand() {
+  for (const name of ['clear', 'drawArrays', 'drawElements']) {
+    const draw = WebGL2RenderingContext.prototype[name];
+    WebGL2RenderingContext.prototype[name] = function (...all) {
+      if (window.draws) draw.apply(this, all);
+    };
   }
 }
 
@@ -86,11 +128,14 @@ try {
         pictures.push({ words, data: await look(browser, server, view, size) });
       }
       picture = await stripOf(browser, pictures, size);
+    } else if (name === 'page') {
+      picture = await lookAtPage(browser, server, { width: 1280, height: 720 });
     } else {
       picture = await look(browser, server, kViews[name], { width: 1280, height: 720 });
     }
-    await writeFile(join(root, 'docs/images', `msh-${name}.jpg`), picture);
-    console.log(`msh-${name}.jpg: ${(picture.length / 1000).toFixed(0)} kB`);
+    const file = name === 'page' ? 'page.jpg' : `msh-${name}.jpg`;
+    await writeFile(join(root, 'docs/images', file), picture);
+    console.log(`${file}: ${(picture.length / 1000).toFixed(0)} kB`);
   }
 } finally {
   await browser.close();

@@ -369,14 +369,13 @@ async function pinch(page) {
 
 test('fifty objects fly by, each in the colours of its model', kTest, async () => {
   const crowded = await startServer(await makeSceneWithObjects(folder.folder, 50));
-  const { page, complaints, close } = await openPage(browser, { width: 1280, height: 720 });
+  const { page, complaints, close } = await openPage(browser);
   try {
-    await page.goto(new URL('?sharpness=1&tour=orbit', crowded.url).href);
+    await page.goto(new URL('?sharpness=0.6&tour=orbit', crowded.url).href);
     await untilTerrain(page);
     const before_ = await until(page, (s) => s.object_images === 1 && s.touring);
     const after_ = await until(page, (s, b) => s.keyframes >= b.keyframes + 15 && s.mesh_version > b.mesh_version, before_);
     assert.ok(after_.object_triangles > 50 * 96, `${after_.object_triangles} triangles of 50 objects`);
-    await save(page, 'objects.png');
     await page.locator('[name=wireframe]').check();
     const wired = await status(page);
     await until(page, (s, n) => s.mesh_version >= n, wired.mesh_version + 2);
@@ -784,13 +783,6 @@ test('a model without an image is drawn, and none is asked for', kTest, async ()
   }
 });
 
-// Pictures go to docs/images only when asked for, so that a test run leaves the checkout as it was.
-test('the picture for the README', kTest, () =>
-  visit('', async (page) => {
-    await until(page, (s) => s.keyframes > 30);
-    await save(page, 'viewer.png');
-  }, { width: 1280, height: 720, sharpness: 1 }));
-
 // Small, but when the picture is asked for.
 test('the picture of hidden valleys, frozen and seen from outside', kTest, async () => {
   const occluding = await startServer(scene, 0, ['--occlusion', 'on']);
@@ -820,6 +812,7 @@ test('the picture of hidden valleys, frozen and seen from outside', kTest, async
   }
 });
 
+// Pictures go to docs/images only when asked for, so that a test run leaves the checkout as it was.
 async function save(page, name) {
   await page.evaluate(() => document.getElementById('hint')?.toggleAttribute('hidden', true));
   const to = kSaves ? join(root, 'docs/images') : folder.folder;
