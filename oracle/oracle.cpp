@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <mutex>
 #include <utility>
 
 #include "oracle/block_raster.h"
@@ -71,7 +72,7 @@ struct Oracle::Ground {
   proto::FrameGrid grid;
   uint32_t blocks_x, blocks_y;
   std::vector<HeightBlock> still;  // by block; empty where the ground moves
-  bool is_loaded = false;
+  std::once_flag loaded;           // threads that judge pieces of a flight share the ground
 
   explicit Ground(Truth t)
       : truth(std::move(t)),
@@ -115,13 +116,16 @@ struct Oracle::Ground {
   // All blocks are loaded by the first frame: culling needs their true bounds, and a bound from anything less would
   // have to be believed.
   void load() {
-    if (std::exchange(is_loaded, true)) return;
+    std::call_once(loaded, [this] { readAll(); });
+  }
+
+ private:
+  void readAll() {
     still.resize(blockCount());
     for (size_t i = 0; i < still.size(); ++i)
       if (!mayMove(i)) still[i] = read(i, {});
   }
 
- private:
   void readRow(glm::uvec2 first, std::span<const double> epoch_shares, std::span<double> out) const {
     std::array<int32_t, kBlock> heights;
     truth.heights(first.x, first.y, std::span(heights).first(out.size()));

@@ -20,8 +20,8 @@ def of(name, under, line, instead, *tests):
     return Mutation(name, under, line, instead, tests)
 
 
-GRID, ADAPT, DELTA = "proto_test:*Grid*", "refine_test:*Adaptation*:MotionMargin*", "proto_test:DeltaCodec*"
-BOUNDS = "terrain_bounds_test"
+GRID, ADAPT, DELTA = "proto_test:*Grid*", "proto_test:*Adaptation*:MotionMargin*", "proto_test:DeltaCodec*"
+BOUNDS = "terrain_threads_test"
 FLIGHT = "world_test:World.ErrorInEveryFrame*:*EveryStrategy*"
 
 MUTATIONS = [
@@ -39,7 +39,7 @@ MUTATIONS = [
     of("error: tail of a row", "terrain/bounds", "std::fabs(samples[i] - (value + slope * i))", "0.0", BOUNDS),
     # the test and its slack
     of("frustum: sign", "proto/refine/metric", "is_visible & (frustum_.sideDistance(p) + R >= 0)", "is_visible & (frustum_.sideDistance(p) - R >= 0)",
-       "refine_test:MotionMargin*", FLIGHT),
+       "proto_test:MotionMargin*", FLIGHT),
     of("region: radius ignored", "proto/refine/metric", "view.region_radius_m", "0.0", FLIGHT, "protocol_test"),
     of("region: angle ignored", "proto/refine/frustum", "std::min(view.region_angle_rad, 1.5)", "0.0", FLIGHT, "protocol_test"),
     of("slack: side planes ignored", "proto/refine/motion_margin", "passed ? std::min(visible_margin, n.side_margin) : -visible_margin",
@@ -54,7 +54,7 @@ MUTATIONS = [
     of("slack: distance ignored", "proto/refine", "_mm256_mul_ps(_mm256_permutevar_ps(per_distance, sensitivity), max_distance)",
        "_mm256_setzero_ps()", ADAPT),
     of("constraint: rounded down", "proto/refine", "(std::bit_cast<uint32_t>(max_distance_m) + 0x1ffff)", "std::bit_cast<uint32_t>(max_distance_m)",
-       "refine_test:MotionConstraint*"),
+       "proto_test:MotionConstraint*"),
     # the step
     of("removal: closure dropped", "proto/refine/adapter", "inner.add(low, hasChildInSection(nodes.at(low), level));", "inner.add(low, false);", ADAPT),
     of("addition: parents stay removable", "proto/refine/adapter",
@@ -65,39 +65,39 @@ MUTATIONS = [
     of("decision: context", "proto/codec", "(2 * before_ + (got ? 1 : 0)) & 3", "(2 * before_ + (got ? 1 : 0)) & 1", DELTA),
     of("height: displacement", "proto/codec/delta_codec", "height - record.middle()", "height", DELTA),
     of("section: closure dropped", "proto/codec/section_codec", "(has_all ? page.candidates : page.half).set(low);",
-       "page.candidates.set(low);", "refine_test:HeldSectionsCodec*"),
+       "page.candidates.set(low);", "proto_test:HeldSectionsCodec*"),
     of("object: frontier", "proto/codec/surface_cut", "if (!hasChild(parent, level - 1)) addToFrontier(mesh_->slot(parent, level - 1));",
-       "addToFrontier(mesh_->slot(parent, level - 1));", "refine_test:*SurfaceCodec*"),
+       "addToFrontier(mesh_->slot(parent, level - 1));", "proto_test:*SurfaceCodec*"),
     # what is remembered
-    of("memory: the oldest is presented first", "proto/refine/node_memory", "std::reverse(pages.begin(), pages.end());", ";", "refine_test:NodeMemory*"),
-    of("memory: budget ignored", "proto/refine/node_memory", "client_bytes_ > budget_", "false", "refine_test:NodeMemory*"),
+    of("memory: the oldest is presented first", "proto/refine/node_memory", "std::reverse(pages.begin(), pages.end());", ";", "proto_test:NodeMemory*"),
+    of("memory: budget ignored", "proto/refine/node_memory", "client_bytes_ > budget_", "false", "proto_test:NodeMemory*"),
     of("memory: finest question forgotten", "proto/refine/terrain_tester", "std::max(kLeastError, nodes.page(c.page).knowledge.finest)", "kLeastError",
-       "refine_test:*Predicates*"),
-    of("memory: decisions not noted", "proto/refine/terrain_tester", "frontier.noteDecision(c.page, least);", ";", "refine_test:*Predicates*"),
-    of("memory: settled too early", "proto/refine/terrain_tester", "low != high", "false", "refine_test:*Predicates*"),
-    of("memory: finest question not presented", "proto/codec/section_codec", "page.knowledge.finest = given->knowledge.finest;", ";", "refine_test:SectionCodec*"),
+       "proto_test:*Predicates*"),
+    of("memory: decisions not noted", "proto/refine/terrain_tester", "frontier.noteDecision(c.page, least);", ";", "proto_test:*Predicates*"),
+    of("memory: settled too early", "proto/refine/terrain_tester", "low != high", "false", "proto_test:*Predicates*"),
+    of("memory: finest question not presented", "proto/codec/section_codec", "page.knowledge.finest = given->knowledge.finest;", ";", "proto_test:SectionCodec*"),
     of("epochs: both ends at one time", "client/mesh/end_heights", "offsets_->at(weights_[end], v)", "offsets_->at(weights_[1], v)",
-       "client_session_test"),
+       "client_test"),
     of("epochs: passed unshown", "server/session", "epochs.towards(from, wanted)", "wanted", "world_test:SceneTime*"),
-    of("epochs: errors of the first alone", "terrain/bounds", "job_.least_errors.empty()", "true", "epochs_test"),
+    of("epochs: errors of the first alone", "terrain/bounds", "job_.least_errors.empty()", "true", "terrain_test"),
     of("epochs: spheres of the first alone", "terrain/bounds", "corners(samples, row, radii_m, child_errors);", ";",
-       "epochs_test"),
+       "terrain_test"),
     of("epochs: known after a resumption", "proto/codec/epoch_stream", "offsets_.forget();", ";", "world_test:MovingGroundLost*"),
     of("orders: knots", "client/mesh/order_blend", "u + order - 1 - static_cast<double>(i)", "u + order - static_cast<double>(i)",
-       "client_session_test:Basis*"),
+       "client_test:Basis*"),
     # the server
     of("fingerprint: removals", "server/section", "proto::fingerprint(scratch.delta.added) - proto::fingerprint(scratch.delta.removed)",
        "proto::fingerprint(scratch.delta.added)", FLIGHT),
     of("acknowledgement: off by one", "server/session", "update.received_keyframe > keyframe().index",
-       "update.received_keyframe > keyframe().index + 1", "session_test"),
+       "update.received_keyframe > keyframe().index + 1", "server_test"),
     of("region: half the interval", "server/view/region", "growth.advanceTo(timeBetween(begin, end, i, steps));",
        "growth.advanceTo(timeBetween(begin, end, i, 2 * steps));", FLIGHT),
     of("deadline: an interval late", "server/session", "clocks_.sendBy(*target_ - leadOf(interval_))", "clocks_.sendBy(*target_)", FLIGHT),
     of("budget: sign", "server/section", "std::log(triangles_ / (kMiddle * budget.triangles))", "-std::log(triangles_ / (kMiddle * budget.triangles))",
-       "view_test:ToleranceControl*"),
+       "server_test:ToleranceControl*"),
     # the client
-    of("resumption: refused", "server/session", "resume.scene_id != hierarchy.scene().id()", "true", "faults_test"),
-    of("acknowledgements: never waited for", "server/session", "in_flight_.size() >= options_.max_unacknowledged", "false", "faults_test"),
+    of("resumption: refused", "server/session", "resume.scene_id != hierarchy.scene().id()", "true", "world_test:*Faults*"),
+    of("acknowledgements: never waited for", "server/session", "in_flight_.size() >= options_.max_unacknowledged", "false", "world_test:*Faults*"),
     of("timeline: jump", "client", "begin = std::max(begin, schedule_.back().end);", ";", "client_test:*Timeline*", "world_test:World.Strategies*"),
     of("blend: weight", "client", "weight * displacement()", "(1 - weight) * displacement()", "world_test:*Geomorph*"),
     of("mesh: crack at the border", "client", "from + u * (to - from)", "from + 0.9 * u * (to - from)", "client_test:MeshAtTheBorder*"),
@@ -105,7 +105,7 @@ MUTATIONS = [
     of("object: both ends alike", "client/mesh/object_mesh", "weight[s]", "weight[1]", "world_test:Objects.AreDrawn*"),
     of("poses: both ends alike", "client/mesh/object_mesh", "stream.moves(object, slot), weights[end]", "stream.moves(object, slot), weights[0]",
        "world_test:MovingGroundWithObjects*"),
-    of("poses: only the first bounded", "terrain/surface/bounds", "pose < displacements_.size()", "pose < 1", "terrain_surface_test:*Mix*"),
+    of("poses: only the first bounded", "terrain/surface/bounds", "pose < displacements_.size()", "pose < 1", "terrain_threads_test:*Mix*"),
     of("morph: off by one", "client", "m.from + left / steps", "m.from + left / (steps + 1)", "client_test"),
     of("morph: region ignored", "client", "radius_m + region_radius_", "radius_m - region_radius_", "client_test"),
 ]

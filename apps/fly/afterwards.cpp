@@ -32,7 +32,8 @@ void addAfterwardsOptions(CLI::App& app, AfterwardsOptions& o) {
       ->check(within(0u, 1'000'000u))
       ->capture_default_str();
   add("--truth-terms-every", o.truth_terms_every,
-      "measure the terms of the error, for which sections are computed anew, in one of N measured frames and keyframes; "
+      "measure the terms of the error, for which sections are computed anew, in one of N measured frames and "
+      "keyframes; "
       "0: in none; by default 1 with --json, otherwise 0")
       ->type_name(whole("N"))
       ->needs(truth)

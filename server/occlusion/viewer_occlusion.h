@@ -75,7 +75,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
   std::optional<EyeOutlook> outlook_;  // of the next keyframe
-  int64_t origin_ = 0;      // of the numbers of intervals here and in what follows
+  int64_t origin_ = 0;                 // of the numbers of intervals here and in what follows
   EyeIntervals intervals_;
   Stretches stretches_;
   double tau_px_ = 0;  // that proofs allow for

@@ -32,7 +32,8 @@ Importance::AttemptCost Importance::update(const std::vector<Triangle>& triangle
   std::vector<double> shares(original_.positions.size());
   parallelFor((shares.size() + kSharesAtOnce - 1) / kSharesAtOnce, threads_,
               [&](uint64_t chunk, unsigned) {
-                for (uint64_t v = chunk * kSharesAtOnce; v < std::min<uint64_t>(shares.size(), (chunk + 1) * kSharesAtOnce); ++v)
+                for (uint64_t v = chunk * kSharesAtOnce;
+                     v < std::min<uint64_t>(shares.size(), (chunk + 1) * kSharesAtOnce); ++v)
                   shares[v] = attempt.find(original_.positions[v]).distance;
               },
               [](uint64_t) { return true; });

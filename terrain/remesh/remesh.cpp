@@ -84,8 +84,8 @@ class Attempt {
     const uint32_t n = lattice.side();
     parallelFor((coordinates.size() + kCoordinatesAtOnce - 1) / kCoordinatesAtOnce, options_.threads,
                 [&](uint64_t chunk, unsigned) {
-                  for (uint64_t v = chunk * kCoordinatesAtOnce; v < std::min<uint64_t>(coordinates.size(), (chunk + 1) * kCoordinatesAtOnce);
-                       ++v) {
+                  for (uint64_t v = chunk * kCoordinatesAtOnce;
+                       v < std::min<uint64_t>(coordinates.size(), (chunk + 1) * kCoordinatesAtOnce); ++v) {
                     const auto [face, i, j] = coordinates[v];
                     points[v] = base_.map.toOriginal({base_.map_faces[face], dvec3(n - i - j, i, j) / double(n)});
                   }

@@ -3,7 +3,7 @@
 // memory grew. They are printed. A test may run beside others, so what it asserts are counts, and memory by budgets;
 // the figures are held against their bars on a quiet machine, where their time is given:
 //
-//   FORELAND_HOSTILE_SECONDS=10 FORELAND_HOSTILE_SCENE=SCENE.fls hostile_test
+//   FORELAND_HOSTILE_SECONDS=10 FORELAND_HOSTILE_SCENE=SCENE.fls programs_test --gtest_filter=Hostile*
 #include <gtest/gtest.h>
 
 #include <atomic>

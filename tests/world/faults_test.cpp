@@ -10,8 +10,8 @@
 //   * no section exceeds the limit of nodes, and what waits to be sent stays within its bounds, as does what a session
 //     makes while nobody is at the other end (World).
 //
-//   FORELAND_SEED=17 faults_test                  one scenario
-//   FORELAND_FAULT_SEEDS=10000 faults_test        many
+//   FORELAND_FAULT_SEED=17 world_test --gtest_filter=*Faults*        one scenario
+//   FORELAND_FAULT_SEEDS=10000 world_test --gtest_filter=*Faults*    many
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -241,13 +241,13 @@ class Faults : public testing::TestWithParam<int> {};
 constexpr int kParts = 4;
 
 TEST_P(Faults, EveryScenarioKeepsTheLaws) {
-  const char* one = std::getenv("FORELAND_SEED");
+  const char* one = std::getenv("FORELAND_FAULT_SEED");
   const char* many = std::getenv("FORELAND_FAULT_SEEDS");
   const uint64_t count = one ? 1 : many ? std::strtoull(many, nullptr, 10) : kIsSanitized ? 40 : 200;
   const uint64_t begin = one ? std::strtoull(one, nullptr, 10) : 1;
   for (uint64_t seed = begin; seed < begin + count; ++seed) {
     if (static_cast<int>(seed % kParts) != GetParam()) continue;
-    SCOPED_TRACE("this scenario alone: FORELAND_SEED=" + std::to_string(seed) + " faults_test");
+    SCOPED_TRACE("this scenario alone: FORELAND_FAULT_SEED=" + std::to_string(seed));
     Scenario(seed).run();
     if (HasFailure()) return;
   }

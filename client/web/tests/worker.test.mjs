@@ -6,7 +6,7 @@ import { setImmediate } from 'node:timers/promises';
 import { openSocket } from './socket.mjs';
 import { makeFolder, makeSceneWithPicture, openSources, startServer } from './support.mjs';
 
-const kTest = { timeout: 120_000 };
+const kTest = { timeout: 180_000 };
 const kRequest = {
   fov_rad: 1.05, width_px: 640, height_px: 360, tau_px: 1, strategy: 'predict', predictor: 'velocity', keyframe_ms: 100,
   occlusion: false, memory_bytes: 16 << 20, relief: true, imagery: true, tile_bytes: 64 << 20,
