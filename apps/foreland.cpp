@@ -1,11 +1,14 @@
-// The program `foreland`: `foreland NAME ARGS...` runs the executable foreland-NAME beside it, as git does with its
-// subcommands, so that only the programs that read foreign files are linked with the libraries that do. The exit code
-// is the subcommand's; for an unknown name it is 2, after a list of the subcommands. One thread.
+// The program `foreland`: `foreland NAME ARGS...` runs the executable foreland-NAME, as git does with its subcommands,
+// so that only the programs that read foreign files are linked with the libraries that do. These lie beside it where
+// they were built, and in libexec where they are installed, so that PATH has one name. The exit code is the
+// subcommand's; for an unknown name it is 2, after a list of the subcommands, and also if the processor cannot run what
+// was compiled: this program alone is compiled for every x86-64. One thread.
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -18,9 +21,12 @@ namespace {
 
 constexpr int kUsageError = 2;
 
+enum class Part : uint8_t { kProduct, kLaboratory };
+
 struct Subcommand {
   std::string_view name;
   std::string_view summary;
+  Part part = Part::kProduct;
 };
 
 constexpr std::array kSubcommands{
@@ -31,17 +37,23 @@ constexpr std::array kSubcommands{
     Subcommand{"verify", "check a file's checksums and invariants"},
     Subcommand{"serve", "serve a scene to viewers, and the page that shows it"},
     Subcommand{"token", "make a token with which viewers may connect"},
-    Subcommand{"link", "let connections to a server be as slow as over a real network"},
+    Subcommand{"link", "let connections to a server be as slow as over a real network", Part::kLaboratory},
     Subcommand{"fly", "fly through a served scene without a screen, and report"},
     Subcommand{"replay", "fly a recorded flight again, and report"},
     Subcommand{"render", "make reference pictures by ray casting"},
-    Subcommand{"bench", "run a measurement"},
+    Subcommand{"bench", "run a measurement", Part::kLaboratory},
 };
+
+void printList(Part part, std::FILE* out) {
+  for (const Subcommand& subcommand : kSubcommands)
+    if (subcommand.part == part) std::fprintf(out, "  %-8s %s\n", subcommand.name.data(), subcommand.summary.data());
+}
 
 void printHelp(std::FILE* out) {
   std::fputs("usage: foreland SUBCOMMAND [ARGS...]\n\n", out);
-  for (const Subcommand& subcommand : kSubcommands)
-    std::fprintf(out, "  %-8s %s\n", subcommand.name.data(), subcommand.summary.data());
+  printList(Part::kProduct, out);
+  std::fputs("\nThe laboratory (package foreland-lab):\n", out);
+  printList(Part::kLaboratory, out);
   std::fputs("\n`foreland help SUBCOMMAND` tells more; `foreland --version` prints the version.\n", out);
 }
 
@@ -65,25 +77,68 @@ bool isName(std::string_view word) {
   return !word.empty() && word.front() != '-' && std::all_of(word.begin(), word.end(), allowed);
 }
 
+bool isOfLaboratory(const std::string& name) {
+  return std::any_of(kSubcommands.begin(), kSubcommands.end(),
+                     [&](const Subcommand& s) { return s.name == name && s.part == Part::kLaboratory; });
+}
+
+int refuseMissing(const std::string& name) {
+  if (!isOfLaboratory(name)) return refuse("there is no subcommand", name);
+  std::fprintf(
+      stderr,
+      "foreland: `foreland %s` is a part of the laboratory, which is not here: install the package foreland-lab, "
+      "or build with -DFORELAND_LAB=ON\n",
+      name.c_str());
+  return kUsageError;
+}
+
+// Whether this processor, and the system, have the level of x86-64 that the subcommands were compiled for. Says what to
+// do if not.
+bool canRunHere() {
+#ifdef FORELAND_LEVEL  // absent where any processor will do, and for a kind of processor that is no level
+  if (__builtin_cpu_supports(FORELAND_LEVEL)) return true;
+  std::fputs(
+      "foreland: this processor lacks instructions that these programs use, which were compiled for " FORELAND_LEVEL
+      " (v3 has AVX2: most of Intel since 2013, of AMD since 2015); "
+      "build them with -DFORELAND_ARCH=x86-64, which suits every processor\n",
+      stderr);
+  return false;
+#else
+  return true;
+#endif
+}
+
+// Beside this program, or where it is installed; the first if it is nowhere.
+std::filesystem::path executableOf(const std::string& name, const std::filesystem::path& own_folder) {
+  const std::filesystem::path beside = own_folder / ("foreland-" + name);
+  const std::filesystem::path installed = own_folder / FORELAND_SUBCOMMANDS / ("foreland-" + name);
+  std::error_code ignored;
+  return !std::filesystem::exists(beside, ignored) && std::filesystem::exists(installed, ignored) ? installed : beside;
+}
+
 // Returns only if the executable cannot be run.
-int runSubcommand(const std::string& name, const std::vector<std::string>& arguments) {
-  if (!isName(name)) return refuse("there is no subcommand", name);
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) {
-    std::fprintf(stderr, "foreland: cannot tell where it lies (%s); is /proc mounted?\n", error.message().c_str());
-    return kUsageError;
-  }
-  std::string program = self.parent_path() / ("foreland-" + name);
+int execute(const std::string& program, const std::string& name, const std::vector<std::string>& arguments) {
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
-  if (errno == ENOENT) return refuse("there is no subcommand", name);
+  if (errno == ENOENT) return refuseMissing(name);
   std::fprintf(stderr, "foreland: cannot run %s: %s\n", program.c_str(), std::strerror(errno));
   return kUsageError;
+}
+
+int runSubcommand(const std::string& name, const std::vector<std::string>& arguments) {
+  if (!isName(name)) return refuse("there is no subcommand", name);
+  if (!canRunHere()) return kUsageError;
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) {
+    std::fprintf(stderr, "foreland: cannot tell where it lies (%s); is /proc mounted?\n", error.message().c_str());
+    return kUsageError;
+  }
+  return execute(executableOf(name, self.parent_path()), name, arguments);
 }
 
 }  // namespace

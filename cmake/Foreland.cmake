@@ -19,6 +19,10 @@ target_compile_options(foreland_options INTERFACE -Wall -Wextra -Wpedantic -Wsha
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms in g++ 12's std::string, GCC bug 105651
   $<$<CXX_COMPILER_ID:Clang>:-Wreserved-identifier>
   -ffp-contract=off $<$<BOOL:${FORELAND_WARNINGS_AS_ERRORS}>:-Werror>)
+# What distributions ask of programs that read foreign bytes: checked copies in the C library, and a table of its functions that is
+# read-only once the program runs.
+target_compile_options(foreland_options INTERFACE $<$<AND:$<CONFIG:Release>,$<NOT:$<PLATFORM_ID:WASI>>>:SHELL:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
+target_link_options(foreland_options INTERFACE $<$<PLATFORM_ID:Linux>:-Wl,-z,relro,-z,now>)
 if(FORELAND_ARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   # Without fused operations: g++ 12 fuses the products and sums of rotations that it makes vectors of, whatever -ffp-contract says.
   target_compile_options(foreland_options INTERFACE -march=${FORELAND_ARCH} -mno-fma)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The one list of Debian packages, in groups; installs those of the named groups that are missing. Says nothing and needs no
-# network when none is. Groups: build (the programs), page (WebAssembly module and web page), test (what ./check adds).
+# network when none is. Groups: build (the programs), page (WebAssembly module and web page), test (what ./check adds),
+# package (what makes and tests Debian's packages).
 # With --check as the first word nothing is installed; exits 1 if something is missing.
 set -euo pipefail
 
@@ -21,9 +22,10 @@ readonly build_packages=(
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
 readonly test_packages=(curl openssl clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev haproxy chromium fonts-dejavu-core man-db)
+readonly package_packages=(dpkg-dev file lintian debootstrap systemd qemu-user)
 
 usage() {
-  echo "usage: tools/install_packages.sh [--check] GROUP...   (groups: build page test)" >&2
+  echo "usage: tools/install_packages.sh [--check] GROUP...   (groups: build page test package)" >&2
   exit 2
 }
 
@@ -56,6 +58,7 @@ for group in "$@"; do
     build) wanted+=("${build_packages[@]}") ;;
     page) wanted+=("${page_packages[@]}"); hasNode || wanted+=(nodejs npm) ;;
     test) wanted+=("${test_packages[@]}") ;;
+    package) wanted+=("${package_packages[@]}") ;;
     *) usage ;;
   esac
 done

@@ -39,12 +39,12 @@ int fail(const Error& error) {
   return kUsageError;
 }
 
-// build/release/bin/foreland-serve beside client/web/dist in the checkout, or bin/ beside share/ in an installation.
+// In an installation among its data, in a checkout where it was built.
 fs::path findPage(const std::string& flag) {
   if (!flag.empty()) return flag;
   std::error_code error;
   const fs::path bin = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (const char* relative : {"../../../client/web/dist", "../share/foreland/web"})
+  for (const char* relative : {FORELAND_DATA "/web", "../../../client/web/dist"})
     if (const fs::path candidate = (bin / relative).lexically_normal(); fs::exists(candidate / "index.html", error))
       return candidate;
   return {};

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lab/programs/lab_folder.h"
 #include "lab/wire/wasm_stream.h"
 
 namespace foreland::lab {
@@ -11,7 +12,7 @@ std::filesystem::path wasmMesherPath() { return wasmModulePath("foreland-mesher"
 Result<ClientCosts> measureInWasm(const std::filesystem::path& module, const proto::Welcome& welcome,
                                   const std::vector<RecordedKeyframe>& flight,
                                   const std::vector<KeyframeCosts>& keyframes) {
-  const auto report = runInWasm("lab/client/make_meshes.mjs", module, welcome, flight);
+  const auto report = runInWasm("client/make_meshes.mjs", module, welcome, flight);
   if (!report) return report.error();
   std::vector<KeyframeCosts> all = keyframes;
   for (size_t i = 0; i < all.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "lab/martini/refine_speed.h"
 #include "lab/martini/rival.h"
 #include "lab/martini/uniform.h"
+#include "lab/programs/lab_folder.h"
 #include "proto/refine/refine.h"
 
 namespace foreland::lab {
@@ -90,7 +91,7 @@ ordered_json sameError(const std::shared_ptr<const terrain::Scene>& scene, const
 
 }  // namespace
 
-std::filesystem::path martiniSources() { return std::filesystem::path(FORELAND_SOURCE_DIR) / "lab/martini"; }
+std::filesystem::path martiniSources() { return labFolder() / "martini"; }
 
 ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene, const std::vector<proto::View>& views,
                           const std::filesystem::path& martini_folder) {

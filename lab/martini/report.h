@@ -18,7 +18,7 @@ namespace foreland::lab {
 nlohmann::ordered_json refineReport(const std::shared_ptr<const terrain::Scene>& scene,
                                     const std::vector<proto::View>& views, const std::filesystem::path& martini_folder);
 
-// Where martini.mjs lies in the sources this was built from.
+// Where martini.mjs lies.
 std::filesystem::path martiniSources();
 
 }  // namespace foreland::lab

@@ -9,7 +9,7 @@
 
 namespace foreland::lab {
 
-// Where draw.mjs and its packages are.
+// Where draw.mjs is, with the packages that it needs beside it or within it.
 std::filesystem::path reportSources();
 
 // Writes report.html into `folder`, and its figures as SVG files beside it; what it says is how many they are. Errors

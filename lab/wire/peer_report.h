@@ -17,7 +17,7 @@ struct PeerOptions {
   uint32_t samples = 8;                  // keyframes in flight, evenly spread
 };
 
-// Where decode.mjs lies in the sources this was built from.
+// Where decode.mjs lies.
 std::filesystem::path peerSources();
 
 // `views` are those of a flight's keyframes; the first is that of the first section. Without node or the npm package

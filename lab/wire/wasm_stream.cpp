@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lab/programs/lab_folder.h"
 #include "lab/programs/run_program.h"
 #include "lab/programs/temporary_folder.h"
 #include "lab/programs/write_file.h"
@@ -27,10 +28,6 @@ Status writeStream(const proto::Welcome& welcome, const std::vector<RecordedKeyf
 
 }  // namespace
 
-fs::path wasmModulePath(const std::string& name) {
-  return fs::path(FORELAND_SOURCE_DIR) / "build/wasm/bin" / (name + ".wasm");
-}
-
 Result<nlohmann::json> runInWasm(const std::string& script, const fs::path& module, const proto::Welcome& welcome,
                                  const std::vector<RecordedKeyframe>& flight) {
   std::error_code ignored;
@@ -42,7 +39,7 @@ Result<nlohmann::json> runInWasm(const std::string& script, const fs::path& modu
     return Error{ErrorCode::kIo, "no temporary folder can be made; set TMPDIR to where one can"};
   const fs::path stream = scratch.path() / "flight.stream";
   if (Status s = writeStream(welcome, flight, stream); !s.ok()) return s.error();
-  const fs::path path = fs::path(FORELAND_SOURCE_DIR) / script;
+  const fs::path path = labFolder() / script;
   const auto printed = runProgram({"node", path.string(), module.string(), stream.string()});
   if (!printed && printed.error().code == ErrorCode::kNotFound)
     return Error{ErrorCode::kNotFound, "node is not installed; install nodejs"};

@@ -11,10 +11,7 @@
 
 namespace foreland::lab {
 
-// Where the wasm preset puts the module of this name.
-std::filesystem::path wasmModulePath(const std::string& name);
-
-// Runs a script of this repository on the module and the flight's messages, and takes the JSON that it prints.
+// Runs a script of lab/ on the module and the flight's messages, and takes the JSON that it prints.
 // kNotFound, with what to do, if the module is not built or there is no node; kMalformed if the script fails.
 Result<nlohmann::json> runInWasm(const std::string& script, const std::filesystem::path& module,
                                  const proto::Welcome& welcome, const std::vector<RecordedKeyframe>& flight);

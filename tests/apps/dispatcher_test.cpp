@@ -1,5 +1,6 @@
-// What `foreland NAME ARGS...` is to do: it runs the executable beside it, hands over every word and returns its exit
-// code. Each test lays out a folder with a copy of `foreland` and small shell scripts for subcommands.
+// What `foreland NAME ARGS...` is to do: it runs the executable beside it, or in libexec as it is installed, hands over
+// every word and returns its exit code. Each test lays out a folder with a copy of `foreland` and small shell scripts
+// for subcommands.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -33,19 +34,29 @@ class Dispatcher : public testing::Test {
  protected:
   void SetUp() override {
     std::string pattern = fs::temp_directory_path() / "foreland_dispatcher_XXXXXX";
-    folder_ = mkdtemp(pattern.data());
+    root_ = mkdtemp(pattern.data());
+    folder_ = root_ / "bin";
+    fs::create_directory(folder_);
     fs::copy_file(fs::path(FORELAND_BIN_DIR) / "foreland", folder_ / "foreland");
   }
-  void TearDown() override { fs::remove_all(folder_); }
+  void TearDown() override { fs::remove_all(root_); }
 
   std::string program() const { return folder_ / "foreland"; }
-  void addSubcommand(const std::string& name, const std::string& body) const {
-    const fs::path path = folder_ / ("foreland-" + name);
+  void addSubcommand(const std::string& name, const std::string& body) const { addSubcommand(name, body, folder_); }
+  void addInstalled(const std::string& name, const std::string& body) const {
+    const fs::path libexec = root_ / "libexec" / "foreland";
+    fs::create_directories(libexec);
+    addSubcommand(name, body, libexec);
+  }
+
+  fs::path root_, folder_;
+
+ private:
+  static void addSubcommand(const std::string& name, const std::string& body, const fs::path& folder) {
+    const fs::path path = folder / ("foreland-" + name);
     std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
     fs::permissions(path, fs::perms::owner_all);
   }
-
-  fs::path folder_;
 };
 
 TEST_F(Dispatcher, HandsOverEveryWord) {
@@ -65,6 +76,30 @@ TEST_F(Dispatcher, FindsSubcommandsBesideItThroughALink) {
   fs::create_directory(folder_ / "elsewhere");
   fs::create_symlink(folder_ / "foreland", folder_ / "elsewhere" / "foreland");
   EXPECT_EQ(run("cd / && " + (folder_ / "elsewhere" / "foreland").string() + " info").output, "found\n");
+}
+
+TEST_F(Dispatcher, FindsInstalledSubcommandsFromWherever) {
+  addInstalled("info", R"(echo "installed: $*")");
+  EXPECT_EQ(run("cd / && " + program() + " info a.fls").output, "installed: a.fls\n");
+  fs::create_symlink(program(), root_ / "link");
+  EXPECT_EQ(run((root_ / "link").string() + " help info").output, "installed: --help\n");
+}
+
+TEST_F(Dispatcher, PrefersASubcommandBesideIt) {
+  addInstalled("info", "echo installed");
+  addSubcommand("info", "echo beside");
+  EXPECT_EQ(run(program() + " info").output, "beside\n");
+}
+
+TEST_F(Dispatcher, SaysHowToGetTheLaboratory) {
+  for (const char* words : {"bench", "link", "bench sections x.fls", "help bench"}) {
+    const ProgramResult result = run(program() + " " + words);
+    EXPECT_EQ(result.exit_code, 2) << words;
+    EXPECT_NE(result.output.find("install the package foreland-lab"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("FORELAND_LAB=ON"), std::string::npos) << result.output;
+  }
+  addInstalled("bench", "echo measured");
+  EXPECT_EQ(run(program() + " bench").output, "measured\n");
 }
 
 TEST_F(Dispatcher, HelpOfASubcommandIsTheSubcommandsOwn) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -124,6 +125,44 @@ TEST_F(PublicPort, TakesItsOptionsFromAFile) {
   EXPECT_TRUE(says(again, "tau = 2.5")) << again.output;
   const ProgramResult won = runProgram("serve", {"--config", folder_ / "serve.toml", "--tau", "3", "--print-config"});
   EXPECT_TRUE(says(won, "tau = 3")) << "the command line wins";
+}
+
+// The options of a printed configuration that are something: what stands before and after each first equals sign.
+std::map<std::string, std::string> optionsOf(const std::string& text) {
+  std::map<std::string, std::string> options;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::erase(line, ' ');
+    const size_t equals = line.find('=');
+    if (equals == std::string::npos || line.starts_with('#')) continue;
+    const std::string value = line.substr(equals + 1);
+    if (value != "\"\"" && value != "[]") options[line.substr(0, equals)] = value;
+  }
+  return options;
+}
+
+// Each option that the shipped file comments out, put in force: the server knows it, and if the option has a value
+// anyway, it is the one that the file states.
+TEST_F(PublicPort, ItsShippedFileNamesOptionsAndTheirDefaults) {
+  std::ifstream shipped(FORELAND_SOURCE_DIR "/deploy/serve.toml");
+  ASSERT_TRUE(shipped);
+  std::string in_force;
+  for (std::string line; std::getline(shipped, line);)
+    if (line.starts_with('#') && !line.starts_with("# ") && !line.starts_with("#:")) in_force += line.substr(1) + "\n";
+  std::ofstream(folder_ / "serve.toml") << in_force;
+  const ProgramResult taken = runProgram("serve", {"--config", folder_ / "serve.toml", "--print-config"});
+  ASSERT_EQ(taken.exit_code, 0) << taken.output;
+  const auto stated = optionsOf(in_force);
+  auto defaults = optionsOf(runProgram("serve", {"x.fls", "--print-config"}).output);
+  defaults.erase("SCENE");
+  EXPECT_GT(stated.size(), 10u);
+  size_t compared = 0;
+  for (const auto& [name, value] : stated) {
+    if (!defaults.contains(name)) continue;
+    EXPECT_EQ(value, defaults[name]) << name;
+    ++compared;
+  }
+  EXPECT_GT(compared, 5u);
 }
 
 TEST_F(PublicPort, RefusesFilesAndFlagsByName) {

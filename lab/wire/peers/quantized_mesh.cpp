@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "base/check.h"
+#include "lab/programs/lab_folder.h"
 #include "lab/programs/run_program.h"
 #include "lab/programs/temporary_folder.h"
 #include "lab/programs/write_file.h"
@@ -113,7 +114,7 @@ Result<PeerMesh> readDecoded(const fs::path& path, const Box& box) {
 
 }  // namespace
 
-fs::path quantizedMeshSources() { return fs::path(FORELAND_SOURCE_DIR) / "lab/wire/peers"; }
+fs::path quantizedMeshSources() { return labFolder() / "wire/peers"; }
 
 Bytes encodeQuantizedMesh(const PeerMesh& mesh) {
   const PeerMesh ordered = orderedForVertexCache(mesh);

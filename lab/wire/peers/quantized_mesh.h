@@ -25,7 +25,7 @@ Bytes encodeQuantizedMesh(const PeerMesh& mesh);
 // zlib's gzip at level 9.
 Bytes gzip(ByteSpan bytes);
 
-// Where decode.mjs lies in the sources this was built from.
+// Where decode.mjs lies.
 std::filesystem::path quantizedMeshSources();
 
 // Encodes, compresses, and lets the package in `folder` (decode.mjs and node_modules) decode. kNotFound, with the way
