@@ -10,6 +10,7 @@
 
 #include "base/bytes.h"
 #include "base/check.h"
+#include "base/zigzag.h"
 
 namespace foreland {
 
@@ -28,12 +29,6 @@ inline constexpr int kGroupWidthBits = 5;
 inline constexpr int kMaxGroupWidth = (1 << kGroupWidthBits) - 1;
 inline constexpr int64_t kGroupLimit = int64_t{1} << (kMaxGroupWidth - 1);
 
-constexpr uint64_t toZigzag(int64_t value) {
-  return (static_cast<uint64_t>(value) << 1) ^ static_cast<uint64_t>(value >> 63);
-}
-constexpr int64_t fromZigzag(uint64_t code) {
-  return static_cast<int64_t>(code >> 1) ^ -static_cast<int64_t>(code & 1);
-}
 inline bool fitsGroup(std::span<const int64_t> values) {
   return std::all_of(values.begin(), values.end(), [](int64_t v) { return v >= -kGroupLimit && v < kGroupLimit; });
 }

@@ -12,6 +12,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/zigzag.h"
+
 namespace foreland {
 
 static_assert(std::endian::native == std::endian::little, "wire and file are little-endian");
@@ -38,7 +40,7 @@ class ByteWriter {
     }
     out_.push_back(static_cast<uint8_t>(value));
   }
-  void putZigzag(int64_t value) { putVarint((static_cast<uint64_t>(value) << 1) ^ static_cast<uint64_t>(value >> 63)); }
+  void putZigzag(int64_t value) { putVarint(toZigzag(value)); }
 
  private:
   Bytes& out_;
@@ -73,10 +75,7 @@ class ByteReader {
     ok_ = false;
     return 0;
   }
-  int64_t getZigzag() {
-    const uint64_t raw = getVarint();
-    return static_cast<int64_t>(raw >> 1) ^ -static_cast<int64_t>(raw & 1);
-  }
+  int64_t getZigzag() { return fromZigzag(getVarint()); }
 
  private:
   bool take(size_t count) {

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 // For a file's name alone: what was asked stands in the file, too, and is compared.
 uint64_t hashOf(const std::string& text) {
   Fnv1a hash;
-  for (const char c : text) hash.add(static_cast<uint8_t>(c));
+  hash.add(text);
   return hash.value();
 }
 

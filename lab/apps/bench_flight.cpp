@@ -132,7 +132,7 @@ Result<server::Hierarchy> hierarchyOf(const std::shared_ptr<const terrain::Scene
 }
 
 void addPath(const proto::Path& path, Fnv1a& hash) {
-  const auto add = [&](double value) { hash.add(std::bit_cast<uint64_t>(value)); };
+  const auto add = [&](double value) { hash.addWord(std::bit_cast<uint64_t>(value)); };
   for (const proto::Pose& pose : path.poses) {
     for (int i = 0; i < 3; ++i) add(pose.eye[i]);
     for (int i = 0; i < 4; ++i) add(pose.orientation[i]);

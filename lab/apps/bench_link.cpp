@@ -42,7 +42,7 @@ void addRecordings(const sim::LinkPair& links, Fnv1a& hash) {
   for (const sim::LinkOptions* link : {&links.up, &links.down})
     for (size_t packets = 1; link->trace && packets < 4096; packets *= 2) {
       sim::LinkTrace::Position at;
-      hash.add(
+      hash.addWord(
           std::bit_cast<uint64_t>(link->trace->transmit(packets * sim::LinkTrace::kPacketBytes, {}, at).toSeconds()));
     }
 }

@@ -1,6 +1,7 @@
 #include "server/net/http_fields.h"
 
 #include <algorithm>
+#include <boost/beast/http/rfc7230.hpp>
 #include <charconv>
 
 namespace foreland::server {
@@ -25,12 +26,14 @@ bool equalsIgnoringCase(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
+std::string_view textOf(boost::beast::string_view text) { return {text.data(), text.size()}; }
+
 // q=0, q=0.0 and so on.
-bool isRefused(std::string_view parameters) {
-  const size_t at = parameters.find("q=");
-  if (at == std::string_view::npos) return false;
-  const std::string_view value = trimmed(parameters.substr(at + 2));
-  return !value.empty() && value.find_first_not_of("0.") == std::string_view::npos;
+bool isRefused(const boost::beast::http::param_list& parameters) {
+  for (const auto& [name, value] : parameters)
+    if (equalsIgnoringCase(textOf(name), "q"))
+      return !value.empty() && textOf(value).find_first_not_of("0.") == std::string_view::npos;
+  return false;
 }
 
 // A number that takes all of the text.
@@ -54,11 +57,9 @@ bool namesTag(std::string_view if_none_match, std::string_view etag) {
 }
 
 bool acceptsCoding(std::string_view accept_encoding, std::string_view coding) {
-  while (!accept_encoding.empty()) {
-    const std::string_view element = takeElement(accept_encoding);
-    const size_t end = std::min(element.find(';'), element.size());
-    if (equalsIgnoringCase(trimmed(element.substr(0, end)), coding)) return !isRefused(element.substr(end));
-  }
+  const boost::beast::http::ext_list codings({accept_encoding.data(), accept_encoding.size()});
+  for (const auto& [name, parameters] : codings)
+    if (equalsIgnoringCase(textOf(name), coding)) return !isRefused(parameters);
   return false;
 }
 

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/fnv1a.h"
 #include "server/net/compression.h"
 
 namespace foreland::server {
@@ -42,11 +43,10 @@ std::string cacheControl(std::string_view path) {
   return path.starts_with("/assets/") ? "public, max-age=31536000, immutable" : "no-cache";
 }
 
-// FNV-1a, 64 bits: it distinguishes versions of a file, and secures nothing.
 std::string etagOf(const std::string& body) {
-  uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : body) hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3ull;
-  return fmt::format("\"{:016x}-{:x}\"", hash, body.size());
+  Fnv1a hash;
+  hash.add(body);
+  return fmt::format("\"{:016x}-{:x}\"", hash.value(), body.size());
 }
 
 // Not compressed.

@@ -122,15 +122,24 @@ uint32_t strideFor(const proto::GridShape& shape, size_t max_vertices) {
   return stride;
 }
 
-bool countBytes(void* total, ssize_t bytes, bool) {
-  static_cast<std::atomic<ssize_t>*>(total)->fetch_add(bytes);
-  return true;
+struct Memory {
+  std::atomic<ssize_t> bytes{0};
+  ssize_t most = 0;
+};
+
+// Called by Embree before it takes memory, when it must not be refused, and after it has freed some.
+bool countBytes(void* memory, ssize_t bytes, bool is_done) {
+  auto& m = *static_cast<Memory*>(memory);
+  const ssize_t total = m.bytes.fetch_add(bytes) + bytes;
+  if (is_done || bytes <= 0 || total <= m.most) return true;
+  m.bytes.fetch_sub(bytes);
+  return false;
 }
 
 }  // namespace
 
 struct Occluder::Embree {
-  std::atomic<ssize_t> bytes{0};
+  Memory memory;
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = rtcNewScene(device);
 
@@ -139,12 +148,15 @@ struct Occluder::Embree {
     rtcReleaseDevice(device);
   }
 
-  void build(const Vertices& vertices, const glm::dvec3& origin) {
-    rtcSetDeviceMemoryMonitorFunction(device, countBytes, &bytes);
+  // Where memory is short a buffer is null, and Embree keeps an error that tells so.
+  void build(const Vertices& vertices, const glm::dvec3& origin, size_t max_bytes) {
+    memory.most = static_cast<ssize_t>(max_bytes);
+    rtcSetDeviceMemoryMonitorFunction(device, countBytes, &memory);
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
     const auto& points = vertices.points();
     auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), points.size() + 1));
+    if (position == nullptr) return rtcReleaseGeometry(geometry);
     for (const glm::dvec3& p : points)
       for (int axis = 0; axis < 3; ++axis)
         *position++ = static_cast<float>(p[axis] - origin[axis] - (axis == 2 ? kBelow_m : 0));
@@ -156,6 +168,7 @@ struct Occluder::Embree {
                          static_cast<uint16_t>(std::min(kGridSquares + 1, vertices.rows() - j))});
     auto* buffer = static_cast<RTCGrid*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), grids.size()));
+    if (buffer == nullptr) return rtcReleaseGeometry(geometry);
     std::copy(grids.begin(), grids.end(), buffer);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
@@ -183,10 +196,15 @@ Result<std::shared_ptr<const Occluder>> Occluder::create(const Hierarchy& hierar
   occluder->origin_ = vertices.points()[vertices.points().size() / 2];
   occluder->steepness_ = std::sqrt(2.0) * kEdgeSteepness;
   occluder->embree_ = std::make_unique<Embree>();
-  occluder->embree_->build(vertices, occluder->origin_);
-  if (rtcGetDeviceError(occluder->embree_->device) != RTC_ERROR_NONE)
-    return Error{ErrorCode::kUnsupported, "occlusion: Embree could not build the occluder"};
-  occluder->bytes_ = static_cast<size_t>(occluder->embree_->bytes.load());
+  if (occluder->embree_->device == nullptr)
+    return Error{ErrorCode::kUnsupported,
+                 "occlusion: Embree does not run on this processor; serve with --occlusion off"};
+  occluder->embree_->build(vertices, occluder->origin_, options.max_bytes);
+  const RTCError error = rtcGetDeviceError(occluder->embree_->device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY)
+    return Error{ErrorCode::kLimit, "occlusion: memory is too short for the occluder; serve with --occlusion off"};
+  if (error != RTC_ERROR_NONE) return Error{ErrorCode::kUnsupported, "occlusion: Embree could not build the occluder"};
+  occluder->bytes_ = static_cast<size_t>(occluder->embree_->memory.bytes.load());
   return std::shared_ptr<const Occluder>(std::move(occluder));
 }
 

@@ -23,6 +23,7 @@ namespace foreland::server {
 
 struct OccluderOptions {
   size_t max_vertices = 4u << 20;
+  size_t max_bytes = size_t{4} << 30;  // that Embree may take
 };
 
 class Occluder {
