@@ -25,7 +25,7 @@ EyeOutlook outlookOf(const ExpectedMotion& motion, Time begin, Time end, Duratio
 class EyeIntervals {
  public:
   static constexpr int64_t kAhead = 40;  // intervals with eyes of their own while a keyframe is shown; after it, half
-  static constexpr int64_t kMaxShown = 1 << 12;  // numbers for the time that a keyframe is shown
+  static constexpr int64_t kMaxShown = 100;  // numbers for the time that a keyframe is shown
 
   void expect(EyeOutlook outlook) { outlook_ = std::move(outlook); }
 

@@ -36,21 +36,29 @@ void Stretches::revise(uint32_t keyframe) {
 }
 
 // What was proved for more eyes holds for fewer, but less could be proved: so a loose stretch is made anew, if that
-// needs no other eyes.
+// needs no other eyes. What was proved before then holds for as long as the eyes lie in those of that time, whether or
+// not anybody asks for the stretch again.
 void Stretches::revise(Stretch& stretch, uint32_t keyframe) {
   if (stretch.end <= intervals_.first()) {
     dropHorizon(stretch);
     stretch = {};
     return;
   }
-  if (!stretch.is_made) return;
   const auto parts = intervals_.eyes(stretch.begin, stretch.end);
-  const bool holds =
-      std::all_of(parts.begin(), parts.end(), [&](const EyeSweep& part) { return stretch.eyes.contains(part); });
-  if (!holds) stretch.changed_at = keyframe;
-  if (holds && stretch.end <= intervals_.end() && isLoose(stretch.eyes, roomyEyes(stretch)))
-    stretch.is_made = !stretch.eyes.contains(roomyEyes(stretch));
+  const auto holdsFor = [&](const EyeSweep& eyes) {
+    return std::all_of(parts.begin(), parts.end(), [&](const EyeSweep& part) { return eyes.contains(part); });
+  };
+  const bool holds = !stretch.is_made || holdsFor(stretch.eyes);
+  if (!holds || !std::all_of(stretch.earlier_eyes.begin(), stretch.earlier_eyes.end(), holdsFor)) {
+    stretch.changed_at = keyframe;
+    stretch.earlier_eyes.clear();
+  }
   stretch.is_made = stretch.is_made && holds;
+  if (stretch.is_made && stretch.end <= intervals_.end() && isLoose(stretch.eyes, roomyEyes(stretch)) &&
+      stretch.eyes.contains(roomyEyes(stretch))) {
+    stretch.is_made = false;
+    stretch.earlier_eyes.push_back(stretch.eyes);
+  }
   if (!stretch.is_made) dropHorizon(stretch);
 }
 
@@ -90,6 +98,7 @@ int64_t Stretches::lastCoveredUpTo(int64_t interval) const {
   return std::min(interval, (intervals_.end() & -shortest()) - 1);
 }
 
+// One that is held may be a part of proofs, so it makes room for no other before it is past.
 Stretch* Stretches::at(size_t length, int64_t interval) {
   const uint32_t log2 = intervalsLog2(length);
   const int64_t number = interval >> log2, begin = number << log2, end = (number + 1) << log2;
@@ -98,8 +107,11 @@ Stretch* Stretches::at(size_t length, int64_t interval) {
   const bool is_same = stretch.begin == begin && stretch.end == end;
   if (is_same && stretch.is_made) return &stretch;
   if (!is_same) {
+    if (stretch.end > intervals_.first() && stretch.begin < stretch.end) return nullptr;
     dropHorizon(stretch);
-    stretch = {.begin = begin, .end = end, .is_made = false, .changed_at = 0, .eyes = {}, .horizon = nullptr};
+    stretch = {};
+    stretch.begin = begin;
+    stretch.end = end;
   }
   stretch.eyes = roomyEyes(stretch);
   stretch.horizon = sightOf(stretch.eyes);
@@ -114,6 +126,7 @@ Stretch& Stretches::now() {
           .is_made = true,
           .changed_at = 0,
           .eyes = hullOf(intervals_.eyes(intervals_.first(), intervals_.last() + 2)),
+          .earlier_eyes = {},
           .horizon = nullptr};
   now_.eyes.radius_m += 0.5 * intervals_.room(intervals_.last());
   return now_;
@@ -154,6 +167,13 @@ void Stretches::clear() {
     }
   dropHorizon(now_);
   now_ = {};
+}
+
+void Stretches::dropHorizons() {
+  for (auto& held : held_)
+    for (Stretch& stretch : held) stretch.horizon.reset();
+  now_.horizon.reset();
+  spare_.clear();
 }
 
 // A horizon that several stretches share counts once.

@@ -22,7 +22,8 @@ struct Stretch {
   bool is_made = false;
   uint32_t changed_at = 0;  // the last keyframe whose eyes were not those that it was made for; 0 if there is none
   EyeSweep eyes;
-  std::shared_ptr<Horizon> horizon;  // null without a grid, and until it is asked for
+  std::vector<EyeSweep> earlier_eyes;  // for which it was made before, and what was proved may still hold
+  std::shared_ptr<Horizon> horizon;    // null without a grid, and until it is asked for
 };
 
 class Stretches {
@@ -44,8 +45,8 @@ class Stretches {
   int64_t shortestEnd(int64_t interval) const { return (interval & -shortest()) + shortest(); }
   // The last of some intervals up to which the shortest stretches go at most.
   int64_t lastCoveredUpTo(int64_t interval) const;
-  // The stretch of a length that holds an interval; null if not all of its eyes are expected. Valid until the next
-  // keyframe.
+  // The stretch of a length that holds an interval; null if not all of its eyes are expected, or if there is no room
+  // for it beside those that are held. Valid until the next keyframe.
   Stretch* at(size_t length, int64_t interval);
   // The intervals in which the keyframe is shown, and perhaps the next one; made anew once the eyes of these are
   // elsewhere. What is hidden behind it is so in this keyframe; in the next one it may be another. Valid until then.
@@ -59,11 +60,15 @@ class Stretches {
   // Increases with each keyframe in which firstChangedAfter() may be one of the intervals shown that it was not before.
   uint32_t revision() const { return revision_; }
 
+  // All horizons; those that are asked for again are made again.
+  void dropHorizons();
   size_t bytes() const;
 
  private:
   static constexpr size_t kHeld = 32;  // of a length
   static constexpr std::array<uint32_t, kLengths> kKnownLog2{4, 3}, kGuessLog2{3, 2};
+  // There is room for all of outlookOf().
+  static_assert(EyeIntervals::kMaxShown + EyeIntervals::kAhead / 2 <= int64_t{kHeld - 2} << kGuessLog2.back());
 
   // Guesses are soon others, so stretches of them are short.
   uint32_t intervalsLog2(size_t length) const { return (intervals_.isPredicted() ? kGuessLog2 : kKnownLog2)[length]; }

@@ -123,6 +123,53 @@ TEST(Stretches, HoldTheEyesOfTheProofsThatHold) {
   EXPECT_GT(lost, 100u);
 }
 
+// However many intervals a keyframe is shown for. What there is no room for is not proved at all.
+TEST(Stretches, ForgetNoProofThatCeasesToHold) {
+  for (const int64_t shown : {1, 2, 20, 40, 41, 50, 100, 101, 130, 400, 3000})
+    for (const double error_m : {0.0, 1.0}) {
+      Asked asked;
+      const auto& [intervals, stretches] = asked;
+      const auto outlookOver = [&](int64_t first, const glm::dvec3& offset) {
+        EyeOutlook outlook{Duration::milliseconds(20), first, first + shown - 1, {}, error_m};
+        for (int64_t i = first; i < first + shown + 20; ++i)
+          outlook.eyes.push_back({straight(i) + offset, straight(i + 1) - straight(i), 1 + error_m});
+        return outlook;
+      };
+      asked.expect(outlookOver(7, {}), 1);
+      struct Proved {
+        int64_t interval;
+        Stretches::Lengths length;
+      };
+      std::vector<Proved> proved;
+      for (int64_t i = intervals.first(); i < intervals.end(); ++i)
+        for (size_t length = 0; length < Stretches::kLengths; ++length)
+          if (asked.stretches.at(length, i)) proved.push_back({i, static_cast<Stretches::Lengths>(1u << length)});
+      EXPECT_GE(proved.size(), 8u) << shown;
+      asked.expect(outlookOver(8, {0, 0, 90}), 2);
+      for (const Proved& p : proved)
+        EXPECT_LE(stretches.firstChangedAfter(1, p.length), std::max(p.interval, intervals.first()))
+            << shown << " intervals, interval " << p.interval;
+    }
+}
+
+// A stretch is for far more eyes than are expected by now, and nobody asks for it before the eyes are elsewhere.
+TEST(Stretches, HoldTheEyesOfProofsThatAreNotAskedForAgain) {
+  EyeIntervals intervals;
+  Stretches stretches(intervals, nullptr);
+  const auto revise = [&](uint32_t keyframe, double radius_m, const glm::dvec3& offset) {
+    EyeOutlook outlook = outlookAt(16, 0, [&](int64_t i) { return straight(i) + offset; });
+    for (EyeSweep& eyes : outlook.eyes) eyes.radius_m = radius_m;
+    intervals.expect(outlook);
+    stretches.revise(keyframe);
+  };
+  revise(1, 60, {});
+  ASSERT_NE(stretches.at(1, 16), nullptr);
+  revise(2, 1, {});
+  EXPECT_GE(stretches.firstChangedAfter(1, kAll), intervals.end());
+  revise(3, 1, {0, 0, 90});
+  EXPECT_EQ(stretches.firstChangedAfter(1, kAll), 16);
+}
+
 TEST(Stretches, ProveNothingMoreOnceTheyAreInvalid) {
   Asked asked;
   asked.expect(outlookAt(5, 0, straight), 1);

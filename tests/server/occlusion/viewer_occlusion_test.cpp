@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <thread>
 
 #include "tests/support/height_field.h"
@@ -70,6 +71,10 @@ class Flight {
   }
   // `clock` is the number of the interval at which the client's clock began.
   void begin(ViewerOcclusion& viewer, int keyframe, int64_t clock = 0) const {
+    expect(viewer, keyframe, clock);
+    viewer.begin(viewOf(keyframe));
+  }
+  void expect(ViewerOcclusion& viewer, int keyframe, int64_t clock = 0) const {
     const Duration interval = server::at(1) - server::at(0);
     EyeOutlook outlook =
         outlookOf(ExpectedMotion(path_), server::at(keyframe - 1), server::at(keyframe + 1), interval, error_m_);
@@ -80,7 +85,6 @@ class Flight {
     outlook.first += clock;
     outlook.last += clock;
     viewer.expect(outlook);
-    viewer.begin(viewOf(keyframe));
   }
 
  private:
@@ -148,6 +152,51 @@ INSTANTIATE_TEST_SUITE_P(Guesses, Viewer,
                                          Guess{proto::FrameKind::kGeographic, BehindRidge::kHorizons, 0, 0.02},
                                          Guess{proto::FrameKind::kGeographic, BehindRidge::kHorizons, 0.5, 0.02},
                                          Guess{proto::FrameKind::kGeographic, BehindRidge::kRays, 0, 0.02}));
+
+// A keyframe that is shown for many intervals: in a stall, or where a viewer's intervals are long and their least is
+// short.
+TEST(ViewerOcclusion, CallsHiddenWhatIsHiddenForAsLongAsAKeyframeIsShown) {
+  const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Rng rng(seed);
+  const Flight flight(proto::FrameKind::kPlanar, 0);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  const Duration interval = Duration::milliseconds(20);
+  for (const int64_t shown : {1, 2, 19, 20, 21, 40, 41, 50, 99, 100, 101, 130, 250, 400}) {
+    ViewerOcclusion viewer(flight.hierarchy(), *shared);
+    Watcher watcher(256 / kSide);
+    uint64_t hidden = 0;
+    for (int keyframe = 0; keyframe < 4; ++keyframe) {
+      const Time begin = at(0) + interval * (keyframe * std::max<int64_t>(1, shown / 2)),
+                 end = begin + interval * shown;
+      // What was expected at first was another way.
+      EyeOutlook outlook = outlookOf(ExpectedMotion(flight.path()), begin, end, interval, 0);
+      if (keyframe == 0)
+        for (EyeSweep& eyes : outlook.eyes) eyes.eye.z -= 30;
+      proto::View view = flight.viewOf(0);
+      view.pose.eye = outlook.eyes.front().eye;
+      viewer.expect(outlook);
+      viewer.begin(view);
+      watcher.see(viewer);
+      if (keyframe == 0) continue;
+      for (uint32_t j = 0; j < 256 / kSide; ++j)
+        for (uint32_t i = 0; i < 256 / kSide; ++i) {
+          const glm::dvec2 eye_at = flight.at(0);
+          if (!watcher.isHidden(i, j) || kSide * i < eye_at.x + 60 ||
+              std::abs(kSide * (j + 0.5) - eye_at.y) > 0.3 * (kSide * i - eye_at.x))
+            continue;
+          ++hidden;
+          const double sx = kSide * (i + rng.uniform()), sy = kSide * (j + rng.uniform());
+          const glm::dvec3 point =
+              flight.hierarchy().frame().transform().toScene(proto::LatticePosition{sx, sy, flight.field().at(sx, sy)});
+          const Time when = begin + Duration{static_cast<int64_t>(rng.below(static_cast<uint64_t>((end - begin).us)))};
+          EXPECT_FALSE(flight.field().isClear(flight.path().at(when).eye, point, 0.5))
+              << shown << " intervals, keyframe " << keyframe << " block " << i << " " << j;
+        }
+    }
+    EXPECT_GT(hidden, 30u) << shown;
+  }
+}
 
 // The camera is expected to fly on at its height, but rises all of a sudden.
 TEST(ViewerOcclusion, ForgetsProofsOfEyesThatAreElsewhere) {
