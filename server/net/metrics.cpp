@@ -98,7 +98,8 @@ void renderBytes(const Metrics& m, Page& page) {
   page.gauge("foreland_section_nodes", "Nodes in the sections of all viewers.", m.section_nodes.load());
   page.gauge("foreland_remembered_nodes", "Nodes that viewers remember beside their sections.",
              m.remembered_nodes.load());
-  page.gauge("foreland_memory_bytes", "Bytes that the server needs to know which.", m.memory_bytes.load());
+  page.gauge("foreland_memory_bytes", "Bytes that the server needs to know which, and what ridges hide.",
+             m.memory_bytes.load());
   page.gauge("foreland_queue_bytes", "Bytes received and not read, kept for viewers, or made and not sent.",
              m.queue_bytes.load());
   page.counter("foreland_bytes_down_total", "Payload bytes written to viewers.", m.bytes_down.load());

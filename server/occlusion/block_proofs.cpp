@@ -17,7 +17,10 @@ BlockProofs::Tile BlockProofs::of(const proto::BlockId& block, uint32_t keyframe
   const uint32_t x = block.x >> HiddenBlocks::kTileLog2, y = block.y >> HiddenBlocks::kTileLog2;
   Scale& scale = scales_[block.scale];
   auto& chunk = scale.chunks[size_t{y >> kChunkLog2} * scale.columns + (x >> kChunkLog2)];
-  if (!chunk) chunk = std::make_unique<Chunk>();
+  if (!chunk) {
+    chunk = std::make_unique<Chunk>();
+    ++chunks_;
+  }
   chunk->keyframe = keyframe;
   const uint32_t tile = (y & kMask) << kChunkLog2 | (x & kMask);
   return {chunk->due[tile], chunk->proofs[tile]};
@@ -26,15 +29,15 @@ BlockProofs::Tile BlockProofs::of(const proto::BlockId& block, uint32_t keyframe
 void BlockProofs::forgetUnused(uint32_t keyframe) {
   for (Scale& scale : scales_)
     for (auto& chunk : scale.chunks)
-      if (chunk && chunk->keyframe < keyframe) chunk.reset();
+      if (chunk && chunk->keyframe < keyframe) {
+        chunk.reset();
+        --chunks_;
+      }
 }
 
 size_t BlockProofs::bytes() const {
-  size_t bytes = 0;
-  for (const Scale& scale : scales_) {
-    bytes += scale.chunks.capacity() * sizeof(scale.chunks[0]);
-    for (const auto& chunk : scale.chunks) bytes += chunk ? sizeof(Chunk) : 0;
-  }
+  size_t bytes = chunks_ * sizeof(Chunk);
+  for (const Scale& scale : scales_) bytes += scale.chunks.capacity() * sizeof(scale.chunks[0]);
   return bytes;
 }
 

@@ -48,7 +48,7 @@ class BlockProofs {
   Tile of(const proto::BlockId& block, uint32_t keyframe);
   // Forgets chunks that were last asked for before `keyframe`.
   void forgetUnused(uint32_t keyframe);
-  size_t bytes() const;
+  size_t bytes() const;  // in constant time
 
  private:
   static constexpr uint32_t kChunkLog2 = 2;  // of a chunk's side, in tiles
@@ -63,6 +63,7 @@ class BlockProofs {
     std::vector<std::unique_ptr<Chunk>> chunks;
   };
   std::vector<Scale> scales_;
+  size_t chunks_ = 0;  // that are there
 };
 
 }  // namespace foreland::server

@@ -15,7 +15,7 @@ constexpr double kRounding_m = 0.1;
 
 void Horizon::look(const EyeSweep& eyes, double bin) {
   eyes_ = eyes;
-  bin_ = bin;
+  bin_ = std::max(bin, HorizonSide::kLeastBin);
   extent_m_ = glm::length(eyes.way) + 2 * eyes.radius_m;
   eyes_in_grid_ = {grid_.toGrid(glm::dvec2(eyes.eye)), grid_.directionToGrid(glm::dvec2(eyes.way)),
                    eyes.radius_m * grid_.stepsOfMetre(),

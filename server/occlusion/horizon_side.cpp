@@ -38,9 +38,11 @@ void HorizonSide::look(const HorizonGrid& grid, const HorizonEyes& eyes, uint32_
   depth_ = ball_ - back_.x;
   slopes_of_step_ = static_cast<float>(std::numeric_limits<int16_t>::max() / (kMostSlope * grid.metresOfStep()));
   segments_.resize(static_cast<size_t>(std::ceil(2 * kMostTangent / bin / kBins)));
+  kept_bytes_ = 0;
   for (Segment& segment : segments_) {
     segment.kept.clear();
     segment.is_whole = false;
+    kept_bytes_ += segment.kept.capacity() * sizeof(int16_t);
   }
   findLines();
 }
@@ -98,9 +100,10 @@ bool HorizonSide::isClosed(const std::array<float, kBins>& slopes, float ahead) 
   return *std::min_element(slopes.begin(), slopes.end()) > enough;
 }
 
-void HorizonSide::keep(Segment& segment) const {
-  const size_t size = segment.kept.size();
+void HorizonSide::keep(Segment& segment) {
+  const size_t size = segment.kept.size(), capacity = segment.kept.capacity();
   segment.kept.resize(size + kBins);
+  kept_bytes_ += (segment.kept.capacity() - capacity) * sizeof(int16_t);
   HorizonLine::round(segment.slopes, slopes_of_step_, &segment.kept[size]);
 }
 
@@ -159,9 +162,7 @@ int HorizonSide::slope(uint32_t bin, double ahead) {
 }
 
 size_t HorizonSide::bytes() const {
-  size_t bytes = lines_.capacity() * sizeof(Line) + segments_.capacity() * sizeof(Segment);
-  for (const Segment& segment : segments_) bytes += segment.kept.capacity() * sizeof(int16_t);
-  return bytes;
+  return lines_.capacity() * sizeof(Line) + segments_.capacity() * sizeof(Segment) + kept_bytes_;
 }
 
 }  // namespace foreland::server

@@ -23,6 +23,8 @@ class HorizonSide {
  public:
   static constexpr double kMostTangent = 1.25;  // squares across a diagonal belong to one side
   static constexpr uint32_t kNearest = 2;       // steps ahead, of what may be hidden
+  // Of bins, so that a side has at most 128 segments: 3 pixels of a lens of 9800 pixels' focal length.
+  static constexpr double kLeastBin = 2 * kMostTangent / (128 * HorizonLine::kBins);
 
   // Ahead is along +x, +y, -x or -y: side 0 to 3. Forgets all that was found for other eyes.
   void look(const HorizonGrid& grid, const HorizonEyes& eyes, uint32_t number, double bin);
@@ -46,7 +48,7 @@ class HorizonSide {
   float slopesOfStep() const { return slopes_of_step_; }  // in a metre per step
 
   uint64_t segmentsBuilt() const { return built_; }  // in part at least
-  size_t bytes() const;
+  size_t bytes() const;                              // in constant time
 
  private:
   static constexpr uint32_t kBins = HorizonLine::kBins;
@@ -80,7 +82,7 @@ class HorizonSide {
   };
   Cut cutOf(const Line& line, const Reach& reach) const;
   void build(uint32_t number, size_t distance);
-  void keep(Segment& segment) const;
+  void keep(Segment& segment);
   bool isClosed(const std::array<float, kBins>& slopes, float ahead) const;
 
   const HorizonGrid* grid_ = nullptr;
@@ -94,6 +96,7 @@ class HorizonSide {
   std::vector<Line> lines_;  // by distance
   std::vector<Segment> segments_;
   uint64_t built_ = 0;
+  size_t kept_bytes_ = 0;  // of all segments
 };
 
 }  // namespace foreland::server

@@ -55,6 +55,8 @@ void ViewerOcclusion::begin(const proto::View& view) {
   outlook_.reset();
   if (has_new_lens) stretches_.clear();
   stretches_.revise(keyframe_);
+  if (stretches_.bytes() > options_.horizon_bytes / 2) stretches_.dropHorizons();
+  horizon_bytes_ = stretches_.bytes();
   if (has_new_lens || view.tau_px > tau_px_) {
     tau_px_ = (tau_px_ > 0 ? kSpareTau : 1) * view.tau_px;
     stretches_.invalidate(keyframe_);
@@ -86,10 +88,13 @@ bool ViewerOcclusion::hides(Stretch& stretch, const BlockId& block, Towards towa
     statistics_.rays = test_.rayCount();
     return is_hidden;
   }
+  if (horizon_bytes_ >= options_.horizon_bytes) return false;
   Horizon& horizon = stretches_.horizonOf(stretch, kBin_px / view_->lens.focalPx());
   const uint64_t built = horizon.segmentsBuilt();
+  const size_t bytes = horizon.bytes();
   const bool is_hidden = test_.isBehind(block, tolerance, horizon);
   statistics_.segments += horizon.segmentsBuilt() - built;
+  horizon_bytes_ += horizon.bytes() - bytes;
   return is_hidden;
 }
 

@@ -8,7 +8,8 @@
 // it is past, and more and more seldom as long as it stays visible.
 //
 // Blocks are tested behind horizons (horizon.h); by rays (block_test.h), at most so many in a keyframe, in scenes that
-// have no grid for these.
+// have no grid for these. Horizons take so many bytes at most: while they do, no block is proved to be hidden; and a
+// keyframe that begins with more than half as many begins without any, which costs time, and no proof.
 //
 // One owner (a session), which sets the view before each keyframe. The results depend on nothing but what it is told.
 #pragma once
@@ -35,7 +36,8 @@ struct OcclusionStatistics {
 class ViewerOcclusion final : public proto::BlockVisibility {
  public:
   struct Options {
-    uint64_t rays = 120'000;  // in a keyframe, at most
+    uint64_t rays = 120'000;          // in a keyframe, at most
+    size_t horizon_bytes = 32 << 20;  // at any time; one test may exceed it by what it looks at
   };
 
   // Both must outlive it.
@@ -53,7 +55,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override;
 
   const OcclusionStatistics& statistics() const { return statistics_; }
-  size_t bytes() const;
+  size_t bytes() const;  // in constant time
 
  private:
   enum class Towards : uint8_t { kVisible, kHidden };  // what a test is to find out for
@@ -81,6 +83,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   double tau_px_ = 0;  // that proofs allow for
   uint32_t keyframe_ = 0;
   uint64_t last_ray_ = 0;
+  size_t horizon_bytes_ = 0;  // at most, of this keyframe
   BlockProofs proofs_;
   OcclusionStatistics statistics_;
 };

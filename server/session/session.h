@@ -68,7 +68,7 @@ struct SessionStatistics {
   uint64_t nodes_measured = 0;  // of sections that were refined from scratch to be counted
   size_t section_nodes = 0;
   size_t remembered_nodes = 0;    // of the terrain, that the viewer knows beside those around its section
-  size_t memory_bytes = 0;        // that the server needs to know which
+  size_t memory_bytes = 0;        // that the server needs to know which, and what ridges hide
   OcclusionStatistics occlusion;  // of this connection
   uint64_t prefetches = 0;
   uint64_t replies = 0;                // to requests

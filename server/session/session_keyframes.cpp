@@ -140,7 +140,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   if (occlusion_) statistics_.occlusion = occlusion_->statistics();
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
-  statistics_.memory_bytes = sender_.adapter().memory().pages.bytes();
+  statistics_.memory_bytes = sender_.adapter().memory().pages.bytes() + (occlusion_ ? occlusion_->bytes() : 0);
 }
 
 // A keyframe's message, and what goes with it. Tiles follow the keyframe that shows them, and those for where the

@@ -292,6 +292,61 @@ TEST(ViewerOcclusion, KeepsNoMoreThanTheSceneAsksFor) {
   }
 }
 
+// Looks all around with a lens of one degree, which makes bins of a thousandth of one.
+proto::View narrowViewOf(const Flight& flight, int keyframe) {
+  proto::View view = flight.viewOf(keyframe);
+  const double turn = 0.4 * keyframe;
+  view.pose.orientation = proto::lookAlong({std::cos(turn), std::sin(turn), -0.05}, {0, 0, 1});
+  view.lens = {.vertical_fov_rad = 0.0175, .width_px = 16384, .height_px = 16384};
+  return view;
+}
+
+TEST(ViewerOcclusion, KeepsNoMoreForANarrowLens) {
+  const Flight flight(proto::FrameKind::kPlanar, 1);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion viewer(flight.hierarchy(), *shared);
+  Watcher watcher(256 / kSide);
+  for (int keyframe = 0; keyframe < 20; ++keyframe) {
+    flight.expect(viewer, keyframe);
+    viewer.begin(narrowViewOf(flight, keyframe));
+    watcher.see(viewer);
+    EXPECT_LT(viewer.bytes(), 4u << 20) << keyframe;
+  }
+}
+
+// With less memory for horizons, more is done again and less is hidden, but nothing else is.
+TEST(ViewerOcclusion, HidesOnlyWhatItHasMemoryToProve) {
+  const Flight flight(proto::FrameKind::kPlanar, 0);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  constexpr size_t kOneTest = 256 << 10;
+  struct Seen {
+    uint64_t hidden = 0, segments = 0;
+    size_t most_bytes = 0;
+  };
+  const auto fly = [&](size_t horizon_bytes) {
+    ViewerOcclusion viewer(flight.hierarchy(), *shared, {.rays = 0, .horizon_bytes = horizon_bytes});
+    const size_t others = viewer.bytes();
+    Watcher watcher(256 / kSide);
+    Seen seen;
+    for (int keyframe = 0; keyframe < 30; ++keyframe) {
+      flight.begin(viewer, keyframe);
+      watcher.see(viewer);
+      for (const int32_t tile : watcher.all()) seen.hidden += static_cast<uint64_t>(std::popcount(uint32_t(tile)));
+      seen.most_bytes = std::max(seen.most_bytes, viewer.bytes() - others);
+    }
+    seen.segments = viewer.statistics().segments;
+    return seen;
+  };
+  const Seen all = fly(32 << 20), half = fly(all.most_bytes), little = fly(all.most_bytes / 4), none = fly(0);
+  EXPECT_EQ(half.hidden, all.hidden);
+  EXPECT_GT(half.segments, all.segments);
+  EXPECT_GT(little.hidden, 0u);
+  EXPECT_LT(little.hidden, all.hidden);
+  EXPECT_LT(little.most_bytes, all.most_bytes / 4 + none.most_bytes + kOneTest);
+  EXPECT_GT(all.most_bytes, all.most_bytes / 4 + none.most_bytes + kOneTest);
+  EXPECT_EQ(none.hidden, 0u);
+}
+
 // Without an outlook the eye is taken to stay where it is.
 TEST(ViewerOcclusion, NeedsNoOutlook) {
   const Flight flight(proto::FrameKind::kPlanar, 0);

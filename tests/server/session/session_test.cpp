@@ -77,6 +77,23 @@ TEST(Session, MakesNoKeyframeWhileOneIsUnsent) {
   EXPECT_EQ(session.statistics().keyframes, 2u);
 }
 
+TEST(Session, CountsTheMemoryForWhatRidgesHide) {
+  const auto world = openWorld(test::makeScene(65, 65, 5), Occlusion::kOn).value();
+  const auto bytesWith = [&](bool occlusion) {
+    Session session(world, {});
+    SessionScratch scratch;
+    std::vector<Bytes> out;
+    proto::ViewRequest request;
+    request.occlusion = occlusion;
+    EXPECT_TRUE(session.receive(proto::encode(request), Time{}).ok());
+    EXPECT_TRUE(session.receive(proto::encode(poseAt(0)), Time{}).ok());
+    session.step(Time::seconds(1), scratch, out);
+    EXPECT_EQ(session.statistics().keyframes, 1u);
+    return session.statistics().memory_bytes;
+  };
+  EXPECT_GT(bytesWith(true), bytesWith(false) + sizeof(ViewerOcclusion));
+}
+
 // By half an interval at most, and only if it is told to.
 TEST(Session, ComputesAKeyframeEarlyIfItIsToldTo) {
   Session session(smallWorld(), {.most_early = Duration::milliseconds(1000)});
