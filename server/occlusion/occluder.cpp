@@ -122,59 +122,84 @@ uint32_t strideFor(const proto::GridShape& shape, size_t max_vertices) {
   return stride;
 }
 
-struct Memory {
-  std::atomic<ssize_t> bytes{0};
-  ssize_t most = 0;
-};
-
-// Called by Embree before it takes memory, when it must not be refused, and after it has freed some.
-bool countBytes(void* memory, ssize_t bytes, bool is_done) {
-  auto& m = *static_cast<Memory*>(memory);
-  const ssize_t total = m.bytes.fetch_add(bytes) + bytes;
-  if (is_done || bytes <= 0 || total <= m.most) return true;
-  m.bytes.fetch_sub(bytes);
-  return false;
+std::vector<RTCGrid> gridsOf(const Vertices& vertices) {
+  std::vector<RTCGrid> grids;
+  for (uint32_t j = 0; j + 1 < vertices.rows(); j += kGridSquares)
+    for (uint32_t i = 0; i + 1 < vertices.columns(); i += kGridSquares)
+      grids.push_back({j * vertices.columns() + i, vertices.columns(),
+                       static_cast<uint16_t>(std::min(kGridSquares + 1, vertices.columns() - i)),
+                       static_cast<uint16_t>(std::min(kGridSquares + 1, vertices.rows() - j))});
+  return grids;
 }
 
 }  // namespace
 
 struct Occluder::Embree {
-  Memory memory;
-  RTCDevice device = rtcNewDevice(nullptr);
-  RTCScene scene = rtcNewScene(device);
-
+  explicit Embree(size_t max_bytes) : most_bytes(static_cast<ssize_t>(max_bytes)) {
+    rtcSetDeviceMemoryMonitorFunction(device, countBytes, this);
+  }
   ~Embree() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+  Embree(const Embree&) = delete;
+  Embree& operator=(const Embree&) = delete;
+
+  // Embree does not allocate what is refused, nor report it as freed.
+  static bool countBytes(void* self, ssize_t change, bool) {
+    auto& embree = *static_cast<Embree*>(self);
+    if (embree.bytes.fetch_add(change) + change <= embree.most_bytes || change < 0) return true;
+    embree.bytes.fetch_sub(change);
+    return false;
   }
 
-  // Where memory is short a buffer is null, and Embree keeps an error that tells so.
-  void build(const Vertices& vertices, const glm::dvec3& origin, size_t max_bytes) {
-    memory.most = static_cast<ssize_t>(max_bytes);
-    rtcSetDeviceMemoryMonitorFunction(device, countBytes, &memory);
+  Status build(const Vertices& vertices, const glm::dvec3& origin) {
+    scene = rtcNewScene(device);
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+    const bool is_filled = scene != nullptr && geometry != nullptr && fill(geometry, vertices, origin);
+    const RTCError refusal = is_filled ? RTC_ERROR_NONE : rtcGetDeviceError(device);
+    if (is_filled) {
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometry(scene, geometry);
+    }
+    if (geometry != nullptr) rtcReleaseGeometry(geometry);
+    if (!is_filled) return errorOf(refusal);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(scene);
+    const RTCError failure = rtcGetDeviceError(device);
+    return failure == RTC_ERROR_NONE ? Status() : errorOf(failure);
+  }
+
+  const ssize_t most_bytes;
+  std::atomic<ssize_t> bytes{0};
+  RTCDevice device = rtcNewDevice(nullptr);
+  RTCScene scene = nullptr;
+
+ private:
+  // False if Embree has no memory for it.
+  static bool fill(RTCGeometry geometry, const Vertices& vertices, const glm::dvec3& origin) {
     const auto& points = vertices.points();
     auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), points.size() + 1));
-    if (position == nullptr) return rtcReleaseGeometry(geometry);
+    if (position == nullptr) return false;
     for (const glm::dvec3& p : points)
       for (int axis = 0; axis < 3; ++axis)
         *position++ = static_cast<float>(p[axis] - origin[axis] - (axis == 2 ? kBelow_m : 0));
-    std::vector<RTCGrid> grids;
-    for (uint32_t j = 0; j + 1 < vertices.rows(); j += kGridSquares)
-      for (uint32_t i = 0; i + 1 < vertices.columns(); i += kGridSquares)
-        grids.push_back({j * vertices.columns() + i, vertices.columns(),
-                         static_cast<uint16_t>(std::min(kGridSquares + 1, vertices.columns() - i)),
-                         static_cast<uint16_t>(std::min(kGridSquares + 1, vertices.rows() - j))});
+    const std::vector<RTCGrid> grids = gridsOf(vertices);
     auto* buffer = static_cast<RTCGrid*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), grids.size()));
-    if (buffer == nullptr) return rtcReleaseGeometry(geometry);
+    if (buffer == nullptr) return false;
     std::copy(grids.begin(), grids.end(), buffer);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    rtcCommitScene(scene);
+    return true;
+  }
+
+  static Error errorOf(RTCError failure) {
+    if (failure == RTC_ERROR_OUT_OF_MEMORY)
+      return {ErrorCode::kLimit,
+              "occlusion: the surface that rays are cast on does not fit into memory; serve the scene with --occlusion "
+              "off"};
+    return {ErrorCode::kUnsupported, "occlusion: Embree refuses the surface that rays are cast on with its error " +
+                                         std::to_string(failure) + "; serve the scene with --occlusion off"};
   }
 };
 
@@ -195,16 +220,9 @@ Result<std::shared_ptr<const Occluder>> Occluder::create(const Hierarchy& hierar
   vertices.flatten();
   occluder->origin_ = vertices.points()[vertices.points().size() / 2];
   occluder->steepness_ = std::sqrt(2.0) * kEdgeSteepness;
-  occluder->embree_ = std::make_unique<Embree>();
-  if (occluder->embree_->device == nullptr)
-    return Error{ErrorCode::kUnsupported,
-                 "occlusion: Embree does not run on this processor; serve with --occlusion off"};
-  occluder->embree_->build(vertices, occluder->origin_, options.max_bytes);
-  const RTCError error = rtcGetDeviceError(occluder->embree_->device);
-  if (error == RTC_ERROR_OUT_OF_MEMORY)
-    return Error{ErrorCode::kLimit, "occlusion: memory is too short for the occluder; serve with --occlusion off"};
-  if (error != RTC_ERROR_NONE) return Error{ErrorCode::kUnsupported, "occlusion: Embree could not build the occluder"};
-  occluder->bytes_ = static_cast<size_t>(occluder->embree_->memory.bytes.load());
+  occluder->embree_ = std::make_unique<Embree>(options.max_bytes);
+  if (const Status status = occluder->embree_->build(vertices, occluder->origin_); !status.ok()) return status.error();
+  occluder->bytes_ = static_cast<size_t>(occluder->embree_->bytes.load());
   return std::shared_ptr<const Occluder>(std::move(occluder));
 }
 

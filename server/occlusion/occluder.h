@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <memory>
 
 #include "base/result.h"
@@ -23,7 +24,7 @@ namespace foreland::server {
 
 struct OccluderOptions {
   size_t max_vertices = 4u << 20;
-  size_t max_bytes = size_t{4} << 30;  // that Embree may take
+  size_t max_bytes = std::numeric_limits<ptrdiff_t>::max();  // of Embree's memory
 };
 
 class Occluder {
@@ -31,7 +32,8 @@ class Occluder {
   static constexpr double kBelow_m = 0.25;       // more than the rounding of positions to floats
   static constexpr double kMaxExtent_m = 400e3;  // of a scene: up turns by 2 degrees from its middle to its border
 
-  // kUnsupported for a scene that extends beyond kMaxExtent_m. O(samples); uses all cores.
+  // kUnsupported for a scene that extends beyond kMaxExtent_m; kLimit if memory does not suffice. O(samples); uses all
+  // cores.
   static Result<std::shared_ptr<const Occluder>> create(const Hierarchy& hierarchy,
                                                         const OccluderOptions& options = {});
   ~Occluder();

@@ -16,21 +16,23 @@ namespace foreland::terrain {
 namespace {
 
 struct Device {
-  Device() : handle(rtcNewDevice(nullptr)) {
+  explicit Device(int64_t max_bytes) : handle(rtcNewDevice(nullptr)), most_bytes(max_bytes) {
     CHECK_TRUE(handle != nullptr);  // a processor without SSE2, which this is not built for
     rtcSetDeviceMemoryMonitorFunction(
-        handle,
-        [](void* self, ssize_t change, bool) {
-          static_cast<Device*>(self)->bytes += change;
-          return true;
-        },
-        this);
+        handle, [](void* self, ssize_t change, bool) { return static_cast<Device*>(self)->count(change); }, this);
   }
   ~Device() { rtcReleaseDevice(handle); }
+  // Whether Embree may have more. It does not allocate what is refused, nor report it as freed.
+  bool count(int64_t change) {
+    if (bytes.fetch_add(change) + change <= most_bytes || change < 0) return true;
+    bytes.fetch_sub(change);
+    return false;
+  }
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
   RTCDevice handle;
+  const int64_t most_bytes;
   std::atomic<int64_t> bytes{0};
 };
 
@@ -39,25 +41,44 @@ struct Device {
 struct EmbreeScene::Impl {
   explicit Impl(std::shared_ptr<Device> shared) : device(std::move(shared)), scene(rtcNewScene(device->handle)) {
     // Robust: no ray passes between two triangles that share an edge. Compact: a tenth less memory.
-    rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
+    if (scene == nullptr)
+      keepFailure();
+    else
+      rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
   }
-  ~Impl() { rtcReleaseScene(scene); }
+  ~Impl() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+  }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void attach(RTCGeometry geometry) {
+  // `is_filled` says whether Embree had memory for all of its buffers.
+  void attach(RTCGeometry geometry, bool is_filled) {
+    if (scene == nullptr || geometry == nullptr || !is_filled) {
+      keepFailure();
+      if (geometry != nullptr) rtcReleaseGeometry(geometry);
+      return;
+    }
     rtcCommitGeometry(geometry);
     is_quads.push_back(false);
     rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(is_quads.size() - 1));
     rtcReleaseGeometry(geometry);
   }
 
+  // Embree forgets its errors when asked for them, by whichever scene.
+  void keepFailure() {
+    const RTCError error = rtcGetDeviceError(device->handle);
+    if (failure == RTC_ERROR_NONE) failure = error == RTC_ERROR_NONE ? RTC_ERROR_OUT_OF_MEMORY : error;
+  }
+
   std::shared_ptr<Device> device;
   RTCScene scene;
-  std::vector<bool> is_quads;  // by geometry
+  std::vector<bool> is_quads;         // by geometry
+  RTCError failure = RTC_ERROR_NONE;  // to take what was added
 };
 
-EmbreeScene::EmbreeScene() : EmbreeScene(std::make_unique<Impl>(std::make_shared<Device>())) {}
+EmbreeScene::EmbreeScene(int64_t max_bytes)
+    : EmbreeScene(std::make_unique<Impl>(std::make_shared<Device>(max_bytes))) {}
 EmbreeScene EmbreeScene::partOf(const EmbreeScene& whole) {
   return EmbreeScene(std::make_unique<Impl>(whole.impl_->device));
 }
@@ -72,10 +93,10 @@ void EmbreeScene::addQuads(size_t vertices, size_t quads, const FillQuads& fill)
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices);
   void* corners =
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(glm::uvec4), quads);
-  if (at != nullptr && corners != nullptr)  // else commit() tells
-    fill({static_cast<glm::vec3*>(at), vertices}, {static_cast<glm::uvec4*>(corners), quads});
-  impl_->attach(geometry);
-  impl_->is_quads.back() = true;
+  const bool is_filled = (at != nullptr || vertices == 0) && (corners != nullptr || quads == 0);
+  if (is_filled) fill({static_cast<glm::vec3*>(at), vertices}, {static_cast<glm::uvec4*>(corners), quads});
+  impl_->attach(geometry, is_filled);
+  if (impl_->failure == RTC_ERROR_NONE) impl_->is_quads.back() = true;
 }
 
 void EmbreeScene::addTriangles(std::span<const glm::vec3> vertices, std::span<const uint32_t> indices) {
@@ -84,24 +105,27 @@ void EmbreeScene::addTriangles(std::span<const glm::vec3> vertices, std::span<co
                                      vertices.size());
   void* corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
                                           indices.size() / 3);
-  if (at != nullptr) std::copy(vertices.begin(), vertices.end(), static_cast<glm::vec3*>(at));
-  if (corners != nullptr) std::copy(indices.begin(), indices.end(), static_cast<uint32_t*>(corners));
-  impl_->attach(geometry);
+  const bool is_filled = (at != nullptr || vertices.empty()) && (corners != nullptr || indices.empty());
+  if (is_filled) {
+    std::copy(vertices.begin(), vertices.end(), static_cast<glm::vec3*>(at));
+    std::copy(indices.begin(), indices.end(), static_cast<uint32_t*>(corners));
+  }
+  impl_->attach(geometry, is_filled);
 }
 
 void EmbreeScene::addInstance(const EmbreeScene& part, const glm::mat3& linear, const glm::vec3& offset) {
-  CHECK_TRUE(part.impl_->device == impl_->device);
+  CHECK_TRUE(part.impl_->device == impl_->device && part.impl_->failure == RTC_ERROR_NONE);
   RTCGeometry geometry = rtcNewGeometry(impl_->device->handle, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, part.impl_->scene);
   rtcSetGeometryTimeStepCount(geometry, 1);
   const std::array<glm::vec3, 4> columns{linear[0], linear[1], linear[2], offset};
   rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-  impl_->attach(geometry);
+  impl_->attach(geometry, true);
 }
 
 Status EmbreeScene::commit() {
-  rtcCommitScene(impl_->scene);
-  const RTCError error = rtcGetDeviceError(impl_->device->handle);
+  if (impl_->failure == RTC_ERROR_NONE) rtcCommitScene(impl_->scene);
+  const RTCError error = impl_->failure == RTC_ERROR_NONE ? rtcGetDeviceError(impl_->device->handle) : impl_->failure;
   if (error == RTC_ERROR_NONE) return {};
   if (error == RTC_ERROR_OUT_OF_MEMORY)
     return Error{ErrorCode::kLimit, "ray casting: the scene at full resolution does not fit into memory"};

@@ -8,6 +8,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,14 +30,16 @@ struct EmbreeHit {
 
 class EmbreeScene {
  public:
-  EmbreeScene();
+  // Of which Embree takes at most `max_bytes`, with all that share its device.
+  explicit EmbreeScene(int64_t max_bytes = std::numeric_limits<int64_t>::max());
   // A scene for instances in `whole`.
   static EmbreeScene partOf(const EmbreeScene& whole);
   ~EmbreeScene();
   EmbreeScene(EmbreeScene&&) noexcept;
   EmbreeScene& operator=(EmbreeScene&&) noexcept;
 
-  // `fill` is called at once, and writes all vertices and all corner numbers.
+  // `fill` is called at once, and writes all vertices and all corner numbers; not if there is no memory for them, of
+  // which commit() tells.
   using FillQuads = std::function<void(std::span<glm::vec3> vertices, std::span<glm::uvec4> quads)>;
   void addQuads(size_t vertices, size_t quads, const FillQuads& fill);
   void addTriangles(std::span<const glm::vec3> vertices, std::span<const uint32_t> indices);  // copied

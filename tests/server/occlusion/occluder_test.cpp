@@ -62,6 +62,21 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Strides,
                          testing::Combine(testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic),
                                           testing::Values(size_t{1} << 20, size_t{4000}, size_t{1000})));
 
+// Whatever Embree has no memory for: a buffer, or what makes rays fast.
+TEST(Occluder, IsRefusedWithoutTheMemoryForIt) {
+  const Hierarchy hierarchy(test::makeScene(129, 97, 5, proto::FrameKind::kPlanar));
+  const auto whole = Occluder::create(hierarchy);
+  ASSERT_TRUE(whole.ok());
+  const size_t bytes = (*whole)->bytes();
+  for (const size_t max_bytes : {size_t{0}, size_t{1000}, bytes / 4, bytes / 2}) {
+    const auto occluder = Occluder::create(hierarchy, {.max_vertices = 4u << 20, .max_bytes = max_bytes});
+    ASSERT_FALSE(occluder.ok()) << max_bytes;
+    EXPECT_EQ(occluder.error().code, ErrorCode::kLimit) << occluder.error().message;
+    EXPECT_NE(occluder.error().message.find("memory"), std::string::npos);
+  }
+  EXPECT_TRUE(Occluder::create(hierarchy, {.max_vertices = 4u << 20, .max_bytes = 4 * bytes}).ok());
+}
+
 TEST(Occluder, IsRefusedForAPlanet) {
   test::FormulaSource source(65, 65, [](uint32_t, uint32_t) { return 100.0; });
   source.info().frame.axis_x_m = {100e3, 0};
