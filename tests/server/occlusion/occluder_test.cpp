@@ -19,15 +19,6 @@ double heightOf(const Occluder& occluder, glm::dvec3 at) {
   return low;
 }
 
-TEST(OccluderTest, IsRefusedWhereMemoryIsShort) {
-  const Hierarchy hierarchy(test::makeScene(129, 97, 5));
-  for (const size_t max_bytes : {size_t{0}, size_t{1000}, size_t{200'000}}) {
-    const auto occluder = Occluder::create(hierarchy, {.max_bytes = max_bytes});
-    ASSERT_FALSE(occluder.ok()) << max_bytes;
-    EXPECT_EQ(occluder.error().code, ErrorCode::kLimit);
-  }
-}
-
 class Strides : public testing::TestWithParam<std::tuple<proto::FrameKind, size_t>> {};
 
 TEST_P(Strides, LieBelowTheTerrainAndAreNotSteep) {
