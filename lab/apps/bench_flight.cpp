@@ -14,11 +14,9 @@ namespace foreland::apps {
 
 namespace {
 
-const std::string kFlightGroup = "The flight";
-
 void addTrackOptions(CLI::App& app, FlightArguments& args) {
   const auto add = [&](const char* name, auto& value, const char* what) {
-    return app.add_option(name, value, what)->group(kFlightGroup);
+    return app.add_option(name, value, what)->group("The path");
   };
   CLI::Option* tour = add("--tour", args.tour, "a built-in tour")
                           ->type_name(text("NAME"))
@@ -83,7 +81,7 @@ void addScreenOptions(CLI::App& app, uint32_t& width_px, uint32_t& height_px) {
         ->type_name(whole("PX"))
         ->check(within(16, 8192))
         ->capture_default_str()
-        ->group(kFlightGroup);
+        ->group("The screen");
 }
 
 void addPathOptions(CLI::App& app, FlightArguments& args) {
@@ -92,8 +90,7 @@ void addPathOptions(CLI::App& app, FlightArguments& args) {
   app.add_option("--seconds", args.flight.seconds, "of flight")
       ->type_name(number("S"))
       ->check(within(1.0, 3600.0))
-      ->capture_default_str()
-      ->group(kFlightGroup);
+      ->capture_default_str();
   app.add_flag_callback(
       "--json", [&args] { args.format = apps::ReportFormat::kJson; }, "print JSON");
 }
@@ -103,13 +100,11 @@ void addFlightOptions(CLI::App& app, FlightArguments& args) {
   app.add_option("--tau", args.flight.tau_px, "tolerance in pixels")
       ->type_name(number("PX"))
       ->check(within(0.01, 1000.0))
-      ->capture_default_str()
-      ->group(kFlightGroup);
+      ->capture_default_str();
   app.add_option("--keyframe-ms", args.keyframe_ms, "keyframe interval")
       ->type_name(number("MS"))
       ->check(within(20.0, 10'000.0))
-      ->capture_default_str()
-      ->group(kFlightGroup);
+      ->capture_default_str();
 }
 
 Result<PlannedFlight> planFlight(const FlightArguments& args) {
