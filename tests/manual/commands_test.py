@@ -25,7 +25,8 @@ def commands(text):
     for number, line in enumerate(text.split("\n"), 1):
         spans = [line.strip().removeprefix("$ ")] if line.startswith("    ") else re.findall(r"`([^`]+)`", line)
         for span in spans:
-            found = re.match(r"(?:build/release/bin/)?foreland[ -](.*)", span)
+            # `foreland-lab_VERSION_amd64.deb` is a file, and `foreland-*` are many: no subcommand has such a name.
+            found = re.match(r"(?:build/release/bin/)?foreland[ -]((?:[A-Za-z0-9-]+)?(?:\s.*)?)$", span)
             if found:
                 yield number, words_of(found[1])
 
