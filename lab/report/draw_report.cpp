@@ -15,10 +15,9 @@ Result<std::string> drawReport(const std::filesystem::path& folder, const std::f
   if (!std::filesystem::is_regular_file(results, error))
     return Error{ErrorCode::kNotFound,
                  "there is no '" + results.string() + "'; run an experiment with --out " + folder.string() + " first"};
-  if (!std::filesystem::exists(sources / "draw.mjs", error))
-    return Error{ErrorCode::kNotFound, "there is no '" + (sources / "draw.mjs").string() + "'"};
-  // As it is installed, draw.mjs holds its packages, and no package.json names any.
-  const bool needs_packages = std::filesystem::exists(sources / "package.json", error);
+  // As it is installed, draw.mjs holds its packages, and no package.json beside it names any.
+  const bool needs_packages =
+      !std::filesystem::exists(sources / "draw.mjs", error) || std::filesystem::exists(sources / "package.json", error);
   const std::string install = "npm ci --prefix " + sources.string();
   if (needs_packages && !std::filesystem::exists(sources / "node_modules" / "@observablehq" / "plot", error))
     return Error{ErrorCode::kNotFound, "Observable Plot is not installed; run: " + install};
