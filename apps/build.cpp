@@ -171,7 +171,7 @@ void describeScene(const terrain::BuildReport& report, const std::filesystem::pa
   for (const std::string& note : report.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   for (const terrain::EpochReport& epoch : report.epochs)
     std::printf("  epoch %s: %llu samples changed, by %.1f m at most, %.3f MB\n", epoch.date.c_str(),
-                static_cast<unsigned long long>(epoch.changed_samples), epoch.most_m,
+                static_cast<unsigned long long>(epoch.changed_samples), epoch.max_m,
                 static_cast<double>(epoch.bytes) * 1e-6);
   if (report.imagery.tiles > 0)
     std::printf("  imagery: %llu tiles, and %llu whose parents show the same\n",

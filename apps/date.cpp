@@ -44,7 +44,7 @@ std::optional<double> parseSceneSpeed(const std::string& text) {
   const auto unit = kUnits.find(end);
   if (end == text.c_str() || unit == kUnits.end()) return std::nullopt;
   const double rate = count * unit->second;
-  if (!(std::fabs(rate) <= proto::SceneClock::kMostRate)) return std::nullopt;
+  if (!(std::fabs(rate) <= proto::SceneClock::kMaxRate)) return std::nullopt;
   return rate;
 }
 
@@ -52,7 +52,7 @@ Result<std::optional<proto::SceneClock>> parseSceneClock(const std::optional<std
                                                          const std::optional<std::string>& speed) {
   if (!from && !speed) return std::optional<proto::SceneClock>();
   const auto invalid = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
-  proto::SceneClock clock{.at = {}, .scene_time = {-proto::Epochs::kMostTime_us}, .rate = 0};
+  proto::SceneClock clock{.at = {}, .scene_time = {-proto::Epochs::kMaxTime_us}, .rate = 0};
   if (from) {
     const auto date = parseDate(*from);
     if (!date) return invalid("--scene-from " + *from + ": write a date as YYYY-MM-DD");

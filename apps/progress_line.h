@@ -46,7 +46,7 @@ class ProgressLine {
   static constexpr int kBar = 30;
   static constexpr std::chrono::milliseconds kBetweenDrawings{100};
   static constexpr std::chrono::seconds kBetweenLines{30};
-  static constexpr double kLeastShare = 0.02;  // before it, the time left cannot be told
+  static constexpr double kMinShare = 0.02;  // before it, the time left cannot be told
 
   void begin(std::string_view stage, Clock::time_point now) {
     end();
@@ -73,7 +73,7 @@ class ProgressLine {
   }
 
   std::string left(double share, Clock::time_point now) const {
-    if (!(share > kLeastShare && share < 1)) return {};
+    if (!(share > kMinShare && share < 1)) return {};
     const double elapsed_s = std::chrono::duration<double>(now - begun_).count();
     return ", " + timeText(elapsed_s * (1 - share) / share) + " left";
   }

@@ -13,7 +13,7 @@ namespace foreland::apps {
 namespace {
 
 constexpr size_t kNameWidth = 12;
-constexpr double kLeast = 0.001;  // smaller figures tell people nothing
+constexpr double kMin = 0.001;  // smaller figures tell people nothing
 constexpr const char *kGreen = "\033[1;32m", *kRed = "\033[1;31m", *kEnd = "\033[0m";
 
 std::string line(const std::string& name, const std::string& figures) {
@@ -53,7 +53,7 @@ std::string Summary::text(Paint paint) const {
 std::string digits(double value) {
   if (!std::isfinite(value)) return value > 0 ? "infinite" : value < 0 ? "-infinite" : "none";
   if (value == 0) return "0";
-  if (std::fabs(value) < kLeast) return value > 0 ? "below 0.001" : "above -0.001";
+  if (std::fabs(value) < kMin) return value > 0 ? "below 0.001" : "above -0.001";
   // Rounding may give another digit before the point: 9.996 is 10.0.
   const auto decimalsOf = [](double v) { return 2 - static_cast<int>(std::floor(std::log10(std::fabs(v)))); };
   double scale = std::pow(10.0, decimalsOf(value));

@@ -39,9 +39,9 @@ inline bool isControl(uint32_t code) {
          (code >= 0x2028 && code <= 0x202e) || (code >= 0x2060 && code <= 0x206f) || code == 0xfeff;
 }
 
-inline std::string hexadecimal(uint32_t value, size_t least_digits) {
+inline std::string hexadecimal(uint32_t value, size_t min_digits) {
   std::string digits;
-  for (; value > 0 || digits.size() < least_digits; value >>= 4)
+  for (; value > 0 || digits.size() < min_digits; value >>= 4)
     digits.insert(digits.begin(), "0123456789abcdef"[value & 15]);
   return digits;
 }
@@ -58,17 +58,17 @@ inline bool isUtf8(std::string_view text) {
   return true;
 }
 
-// The longest beginning of `text` that has at most `most_bytes` and does not end within a character of UTF-8.
-inline std::string_view cutText(std::string_view text, size_t most_bytes) {
-  if (text.size() <= most_bytes) return text;
-  size_t end = most_bytes;
+// The longest beginning of `text` that has at most `max_bytes` and does not end within a character of UTF-8.
+inline std::string_view cutText(std::string_view text, size_t max_bytes) {
+  if (text.size() <= max_bytes) return text;
+  size_t end = max_bytes;
   while (end > 0 && (static_cast<uint8_t>(text[end]) & 0xc0) == 0x80) --end;
   return text.substr(0, end);
 }
 
 // `text` with every byte that is no valid UTF-8, and every control character (line ends, escapes, those that change the
-// direction of writing), written as \xNN or \u{NNNN}; at most `most_bytes` of it, and "..." for what was cut.
-inline std::string printable(std::string_view text, size_t most_bytes = 80) {
+// direction of writing), written as \xNN or \u{NNNN}; at most `max_bytes` of it, and "..." for what was cut.
+inline std::string printable(std::string_view text, size_t max_bytes = 80) {
   using namespace printable_detail;
   std::string out;
   while (!text.empty()) {
@@ -80,7 +80,7 @@ inline std::string printable(std::string_view text, size_t most_bytes = 80) {
       next = "\\u{" + hexadecimal(c.code, 1) + "}";
     else
       next = text.substr(0, c.bytes);
-    if (out.size() + next.size() > most_bytes) return out + "...";
+    if (out.size() + next.size() > max_bytes) return out + "...";
     out += next;
     text.remove_prefix(c.bytes == 0 ? 1 : c.bytes);
   }

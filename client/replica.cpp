@@ -183,12 +183,12 @@ class KnownRadii final : public proto::TerrainSource {
 
 }  // namespace
 
-std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome, size_t most_bytes) {
+std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome, size_t max_bytes) {
   if (is_broken_ || to_.index == 0) return std::nullopt;
   proto::HeldSections held{section(), {}, {}};
   for (const ObjectReplica& object : objects_) held.objects.push_back(object.section());
   proto::Resume resume{welcome.scene_id, to_.index, to_.time, fingerprint_, {}};
-  const std::vector<proto::KnownPage> known = encodeHeld(held, most_bytes, resume.section);
+  const std::vector<proto::KnownPage> known = encodeHeld(held, max_bytes, resume.section);
 
   KnownRadii radii(adapter_);
   proto::TerrainAdapter adapter(*domain_, held.terrain.slots, radii);
@@ -202,7 +202,7 @@ std::optional<proto::Resume> Replica::makeResume(const proto::Welcome& welcome, 
 }
 
 // The bytes of the sections and of what is remembered, and the pages of what they say is known, with their radii.
-std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, size_t most_bytes, Bytes& out) const {
+std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, size_t max_bytes, Bytes& out) const {
   const std::vector<proto::KnownPage> remembered = memory().pages();
   std::vector<proto::KnownPage> known;
   for (size_t count = remembered.size();; count /= 2) {
@@ -212,7 +212,7 @@ std::vector<proto::KnownPage> Replica::encodeHeld(proto::HeldSections& held, siz
                    [](const auto& a, const auto& b) { return a.first < b.first; });
     out.clear();
     known = proto::encodeSections(domain_->grid, *object_set_, held, out);
-    if (out.size() <= most_bytes || count == 0) break;
+    if (out.size() <= max_bytes || count == 0) break;
   }
   for (proto::KnownPage& page : known) page.knowledge.radius = *adapter_.radius(page.first);
   return known;

@@ -41,9 +41,9 @@ class Replica {
 
   // The request to resume from the newest sections over a new connection; nullopt before the first keyframe and after
   // an Error. The next keyframe must start from these sections or from nothing. It says what else of the terrain is
-  // remembered, what was used last first, as far as it takes no more than `most_bytes` in all; the rest is forgotten.
+  // remembered, what was used last first, as far as it takes no more than `max_bytes` in all; the rest is forgotten.
   // `welcome` is the new connection's.
-  std::optional<proto::Resume> makeResume(const proto::Welcome& welcome, size_t most_bytes = kResumeBytes);
+  std::optional<proto::Resume> makeResume(const proto::Welcome& welcome, size_t max_bytes = kResumeBytes);
   static constexpr size_t kResumeBytes = 128u << 10;
 
   // The mesh of the last apply() or extend(), made from nothing. After the first keyframe it shows that keyframe's
@@ -86,7 +86,7 @@ class Replica {
 
  private:
   void reset();
-  std::vector<proto::KnownPage> encodeHeld(proto::HeldSections& held, size_t most_bytes, Bytes& out) const;
+  std::vector<proto::KnownPage> encodeHeld(proto::HeldSections& held, size_t max_bytes, Bytes& out) const;
   void makeObjects();
   void setMemory(uint32_t bytes);
   Status step(const proto::KeyframeHeader& header, ByteSpan bytes);

@@ -107,7 +107,7 @@ class Measurement {
   void chooseStrides(const Player& player) {
     const Duration interval = asked_interval_.us > 0 ? asked_interval_ : player.viewer().welcome()->keyframe_interval;
     const auto frames_per_keyframe = static_cast<uint32_t>(std::max(1L, std::lround(60 * interval.toSeconds())));
-    const uint64_t most = options_.most_frames > 0 ? options_.most_frames : all_frames_;
+    const uint64_t most = options_.max_frames > 0 ? options_.max_frames : all_frames_;
     const auto stride = [&](uint64_t count) { return static_cast<uint32_t>((count + most - 1) / most); };
     truth_.frame_every = coprimeStride(std::max({1u, options_.frame_every, stride(all_frames_)}), frames_per_keyframe);
     truth_.keyframe_every = std::max(1u, stride(all_frames_ / frames_per_keyframe));

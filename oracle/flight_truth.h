@@ -124,7 +124,7 @@ struct FlightTruth {
 struct FlightTruthOptions {
   uint32_t frame_every = 7;  // one frame in so many is measured, or more (FlightTruth)
   // If not 0: not more frames are measured, nor more keyframes, evenly over the flight; otherwise all keyframes.
-  uint32_t most_frames = 0;
+  uint32_t max_frames = 0;
   // Makes what computes sections for one thread; called on the calling thread. Absent: no error terms.
   std::function<SectionAt()> sections;
   uint32_t terms_every = 1;  // terms are measured for one in so many measured frames, and keyframes; 0: for none

@@ -208,7 +208,7 @@ void World::serve(Client& client, Connection& c, Time now) {
     client.traffic.largest_down = std::max(client.traffic.largest_down, message.size());
     c.down.send(std::move(message), now + (work.keyframes > 0 ? spent : Duration{}));
   }
-  client.traffic.most_unsent_bytes = std::max(client.traffic.most_unsent_bytes, c.down.unsentBytes(now));
+  client.traffic.max_unsent_bytes = std::max(client.traffic.max_unsent_bytes, c.down.unsentBytes(now));
   if (!out.empty()) c.waits_for_drain = true;
 }
 

@@ -49,7 +49,7 @@ struct Traffic {
   Part headers, deltas, other_down;           // down: of keyframes; everything else
   Part poses, other_up;                       // up
   uint64_t framing_down = 0, framing_up = 0;  // what carries the messages: bytes of WebSocket
-  size_t most_unsent_bytes = 0, largest_down = 0;
+  size_t max_unsent_bytes = 0, largest_down = 0;
 };
 
 // A keyframe as it arrived.

@@ -71,7 +71,7 @@ MUTATIONS = [
     # what is remembered
     of("memory: the oldest is presented first", "proto/refine/node_memory", "std::reverse(pages.begin(), pages.end());", ";", "proto_test:NodeMemory*"),
     of("memory: budget ignored", "proto/refine/node_memory", "client_bytes_ > budget_", "false", "proto_test:NodeMemory*"),
-    of("memory: finest question forgotten", "proto/refine/terrain_tester", "std::max(kLeastError, nodes.page(c.page).knowledge.finest)", "kLeastError",
+    of("memory: finest question forgotten", "proto/refine/terrain_tester", "std::max(kMinError, nodes.page(c.page).knowledge.finest)", "kMinError",
        "proto_test:*Predicates*"),
     of("memory: decisions not noted", "proto/refine/terrain_tester", "frontier.noteDecision(c.page, least);", ";", "proto_test:*Predicates*"),
     of("memory: settled too early", "proto/refine/terrain_tester", "low != high", "false", "proto_test:*Predicates*"),
@@ -79,7 +79,7 @@ MUTATIONS = [
     of("epochs: both ends at one time", "client/mesh/end_heights", "offsets_->at(weights_[end], v)", "offsets_->at(weights_[1], v)",
        "client_test"),
     of("epochs: passed unshown", "server/session", "epochs.towards(from, wanted)", "wanted", "world_test:SceneTime*"),
-    of("epochs: errors of the first alone", "terrain/bounds", "job_.least_errors.empty()", "true", "terrain_test"),
+    of("epochs: errors of the first alone", "terrain/bounds", "job_.min_errors.empty()", "true", "terrain_test"),
     of("epochs: spheres of the first alone", "terrain/bounds", "corners(samples, row, radii_m, child_errors);", ";",
        "terrain_test"),
     of("epochs: known after a resumption", "proto/codec/epoch_stream", "offsets_.forget();", ";", "world_test:MovingGroundLost*"),

@@ -91,7 +91,7 @@ std::optional<oracle::FlightTruth> Afterwards::measure(const client::FlightLog& 
   const oracle::FlightTruth truth =
       oracle::measureFlight(log, *oracle_,
                             {.frame_every = options_.truth_every,
-                             .most_frames = options_.truth_frames,
+                             .max_frames = options_.truth_frames,
                              .sections = exactSectionsOf(truth_),
                              .terms_every = options_.truth_terms_every.value_or(terms_every),
                              .threads = options_.threads,

@@ -22,7 +22,7 @@ namespace foreland::apps {
 struct AfterwardsOptions {
   std::filesystem::path truth;  // empty: nothing is measured
   uint32_t truth_every = oracle::FlightTruthOptions{}.frame_every;
-  uint32_t truth_frames = oracle::FlightTruthOptions{}.most_frames;
+  uint32_t truth_frames = oracle::FlightTruthOptions{}.max_frames;
   std::optional<uint32_t> truth_terms_every;
   unsigned threads = 0;
   std::filesystem::path dump;  // empty: nothing is dumped

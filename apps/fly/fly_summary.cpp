@@ -14,11 +14,10 @@ constexpr double kFramesPerSecond = 60, kFewFramesPerSecond = 57;  // asked for;
 std::string asked(const std::string& what) { return " (asked: " + what + ")"; }
 
 std::string keyframeInterval(const proto::ViewRequest& request) {
-  const double least_ms = request.keyframe_interval.toMilliseconds(),
-               most_ms = request.longest_interval.toMilliseconds();
-  if (least_ms == 0) return "as the server likes";
-  return most_ms > 0 ? "one in " + shortest(least_ms) + " to " + shortest(most_ms) + " ms"
-                     : "one in " + shortest(least_ms) + " ms";
+  const double min_ms = request.keyframe_interval.toMilliseconds(), max_ms = request.longest_interval.toMilliseconds();
+  if (min_ms == 0) return "as the server likes";
+  return max_ms > 0 ? "one in " + shortest(min_ms) + " to " + shortest(max_ms) + " ms"
+                    : "one in " + shortest(min_ms) + " ms";
 }
 
 void addFlight(const FlySummary& s, Summary& out) {

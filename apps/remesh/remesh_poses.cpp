@@ -12,9 +12,9 @@ namespace foreland::apps {
 Result<std::vector<Pose>> readPoses(const std::vector<std::string>& texts, std::optional<terrain::UpAxis> up,
                                     const terrain::Model& model, const terrain::Original& original) {
   const auto refuse = [](const std::string& what) { return Error{ErrorCode::kInvalidArgument, what}; };
-  if (texts.size() == 1 || texts.size() > proto::kMostPoses)
+  if (texts.size() == 1 || texts.size() > proto::kMaxPoses)
     return refuse("--pose is given " + std::to_string(texts.size()) + " times; a surface has 2 to " +
-                  std::to_string(proto::kMostPoses) + " poses, or none");
+                  std::to_string(proto::kMaxPoses) + " poses, or none");
   std::vector<Pose> poses;
   for (const std::string& text : texts) {
     const size_t split = text.find('=');

@@ -185,7 +185,7 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   if (!interval) return Error{interval.error().code, "--keyframe-ms: " + interval.error().message};
   options.session.keyframe_interval = interval->shortest;
   options.session.longest_interval = interval->longest;
-  options.session.most_early = Duration::milliseconds(100);  // at most half an interval (decision 0024)
+  options.session.max_early = Duration::milliseconds(100);  // at most half an interval (decision 0024)
   options.session.max_memory_bytes = static_cast<uint32_t>(flags.viewer_memory_mib * 1048576);
   options.version = FORELAND_VERSION;
   return options;

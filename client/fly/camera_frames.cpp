@@ -14,8 +14,8 @@ namespace foreland::client {
 namespace {
 
 constexpr double kFramesPerSecond = 30;
-constexpr double kFarthest = 1e9;     // model units
-constexpr double kMostSkewed = 0.01;  // an axis' length may differ from 1 by so much, two axes from a right angle
+constexpr double kFarthest = 1e9;    // model units
+constexpr double kMaxSkewed = 0.01;  // an axis' length may differ from 1 by so much, two axes from a right angle
 
 // The numbers of a line after its first letter; nothing if they are not `count` finite ones.
 template <size_t count>
@@ -38,9 +38,9 @@ std::optional<CameraFrame> frameOf(std::string_view line) {
   const auto vector = [&](size_t i) { return glm::dvec3((*n)[i], (*n)[i + 1], (*n)[i + 2]); };
   const glm::dvec3 forward = vector(1), left = vector(4), up = vector(7);
   for (const glm::dvec3& axis : {forward, left, up})
-    if (std::fabs(glm::length(axis) - 1) > kMostSkewed) return std::nullopt;
+    if (std::fabs(glm::length(axis) - 1) > kMaxSkewed) return std::nullopt;
   for (const double skew : {glm::dot(forward, left), glm::dot(left, up), glm::dot(up, forward)})
-    if (std::fabs(skew) > kMostSkewed) return std::nullopt;
+    if (std::fabs(skew) > kMaxSkewed) return std::nullopt;
   if (glm::dot(glm::cross(forward, left), up) < 0) return std::nullopt;  // a mirror image
   return CameraFrame{0, vector(10), proto::lookAlong(glm::normalize(forward), glm::normalize(up))};
 }

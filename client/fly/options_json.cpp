@@ -109,8 +109,8 @@ class Members {
   std::string& wrong_;
 };
 
-constexpr double kMost = 1e9;
-constexpr int64_t kMostWord = std::numeric_limits<uint32_t>::max();
+constexpr double kMax = 1e9;
+constexpr int64_t kMaxWord = std::numeric_limits<uint32_t>::max();
 
 proto::ViewRequest requestFrom(Members json) {
   constexpr int64_t kWidest = 16384;
@@ -123,13 +123,13 @@ proto::ViewRequest requestFrom(Members json) {
   r.predictor = json.named("predictor", proto::predictorNamed, r.predictor);
   r.keyframe_interval.us = json.integer<int64_t>("keyframe_us", 0, 10'000'000);
   r.longest_interval.us = json.integer<int64_t>("longest_keyframe_us", 0, 10'000'000);
-  r.max_triangles = json.integer<uint32_t>("max_triangles", 0, kMostWord);
-  r.max_bytes_per_second = json.integer<uint32_t>("max_bytes_per_second", 0, kMostWord);
+  r.max_triangles = json.integer<uint32_t>("max_triangles", 0, kMaxWord);
+  r.max_bytes_per_second = json.integer<uint32_t>("max_bytes_per_second", 0, kMaxWord);
   r.occlusion = json.flag("occlusion");
-  r.memory_bytes = json.integer<uint32_t>("memory_bytes", 0, kMostWord);
+  r.memory_bytes = json.integer<uint32_t>("memory_bytes", 0, kMaxWord);
   r.relief = json.flag("relief");
   r.imagery = json.flag("imagery");
-  r.tile_bytes = json.integer<uint32_t>("tile_bytes", 0, kMostWord);
+  r.tile_bytes = json.integer<uint32_t>("tile_bytes", 0, kMaxWord);
   return r;
 }
 
@@ -140,7 +140,7 @@ std::vector<std::array<double, count>> rowsFrom(Members& json, const char* key) 
   const Json* array = json.array(key);
   for (size_t i = 0; array && i < array->size(); ++i) {
     const Json& row = (*array)[i];
-    const auto isSound = [](const Json& n) { return n.is_number() && std::abs(n.get<double>()) <= kMost; };
+    const auto isSound = [](const Json& n) { return n.is_number() && std::abs(n.get<double>()) <= kMax; };
     if (!row.is_array() || row.size() != count || !std::all_of(row.begin(), row.end(), isSound)) {
       json.note(key);
       break;
@@ -175,11 +175,11 @@ std::shared_ptr<const Track> trackFrom(Members json) {
 
 TrackOptions trackOptionsFrom(Members json) {
   TrackOptions o;
-  o.speed = json.number("speed", -kMost, kMost);
-  o.from_s = json.number("from_s", -kMost, kMost);
-  o.clearance_m = json.number("clearance_m", -kMost, kMost);
-  if (json.has("seconds")) o.seconds = json.number("seconds", -kMost, kMost);
-  if (json.has("agl_m")) o.agl_m = json.number("agl_m", -kMost, kMost);
+  o.speed = json.number("speed", -kMax, kMax);
+  o.from_s = json.number("from_s", -kMax, kMax);
+  o.clearance_m = json.number("clearance_m", -kMax, kMax);
+  if (json.has("seconds")) o.seconds = json.number("seconds", -kMax, kMax);
+  if (json.has("agl_m")) o.agl_m = json.number("agl_m", -kMax, kMax);
   return o;
 }
 
@@ -232,17 +232,17 @@ Result<PlayerOptions> optionsFromJson(const std::string& text) {
   }
   o.knowledge = json.flag("announces_path") ? PathKnowledge::kAnnounced : PathKnowledge::kPrivate;
   o.tour = json.text("tour");
-  o.seconds = json.number("seconds", 0, kMost);
+  o.seconds = json.number("seconds", 0, kMax);
   o.standing.us = json.integer<int64_t>("standing_us", 0, kLongest_us);
   o.timeout.us = json.integer<int64_t>("timeout_us", 0, kLongest_us);
   o.track_options = trackOptionsFrom(json.object("track_options"));
   if (json.has("track")) o.track = trackFrom(json.object("track"));
   if (json.has("scene")) {
     Members scene = json.object("scene");
-    constexpr int64_t kMost_us = proto::Epochs::kMostTime_us;
+    constexpr int64_t kMost_us = proto::Epochs::kMaxTime_us;
     o.scene = {{},
                Time{scene.integer<int64_t>("from_us", -kMost_us, kMost_us)},
-               scene.number("rate", -proto::SceneClock::kMostRate, proto::SceneClock::kMostRate)};
+               scene.number("rate", -proto::SceneClock::kMaxRate, proto::SceneClock::kMaxRate)};
   }
   if (!wrong.empty()) return wrongly(wrong);
   return o;

@@ -12,9 +12,9 @@ namespace {
 
 // The part of a path that is flown, from time 0: as many poses a second of the path as it has.
 proto::Path partOf(const proto::Path& path, const TrackOptions& options) {
-  constexpr Duration kLeastStep = Duration::milliseconds(1), kMostStep = Duration::milliseconds(60'000);
+  constexpr Duration kMinStep = Duration::milliseconds(1), kMaxStep = Duration::milliseconds(60'000);
   const Duration step = Duration::seconds(path.step.toSeconds() / options.speed);
-  proto::Path part{.start = {}, .step = std::clamp(step, kLeastStep, kMostStep), .poses = {}};
+  proto::Path part{.start = {}, .step = std::clamp(step, kMinStep, kMaxStep), .poses = {}};
   const Time from = path.start + Duration::seconds(options.from_s);
   const double rest_s = (path.end() - from).toSeconds() / options.speed,
                flown_s = std::min(rest_s, options.seconds.value_or(rest_s));

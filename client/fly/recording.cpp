@@ -28,8 +28,8 @@ enum RecordKind : uint8_t {
 constexpr size_t kPoseBytes = 7 * sizeof(double), kEndBytes = 24;
 constexpr double kFarthest_m = 1e9;
 constexpr size_t kHeadBytes = 13;
-constexpr size_t kMostOptionsBytes = 512u << 20;  // a track of Track::kMaxFixes fits
-constexpr int64_t kMostTime_us = int64_t{1} << 60;
+constexpr size_t kMaxOptionsBytes = 512u << 20;  // a track of Track::kMaxFixes fits
+constexpr int64_t kMaxTime_us = int64_t{1} << 60;
 
 Error invalid(const std::string& what) { return {ErrorCode::kMalformed, what}; }
 
@@ -86,7 +86,7 @@ std::optional<Record> takeRecord(ByteSpan& file) {
 Status check(const Record& record, Time last) {
   if (std::string_view("fmrscje").find(static_cast<char>(record.kind)) == std::string_view::npos)
     return invalid("a record of a kind that this version does not know");
-  if (record.time < last || record.time.us > kMostTime_us) return invalid("times that go back");
+  if (record.time < last || record.time.us > kMaxTime_us) return invalid("times that go back");
   if (record.kind == kMessage || record.kind == kChoice) return {};
   const size_t size = record.kind == kEnd ? kEndBytes : record.kind == kSteered ? kPoseBytes : 0;
   if (record.bytes.size() != size) return invalid("a record of the wrong size");
@@ -124,12 +124,12 @@ Result<Recording> parse(ByteSpan file) {
     return invalid("it does not begin as recordings of `foreland fly --record` do");
   file = file.subspan(kRecordingLine.size());
   const auto first = takeRecord(file);
-  if (!first || first->kind != kOptions || first->bytes.size() > kMostOptionsBytes)
+  if (!first || first->kind != kOptions || first->bytes.size() > kMaxOptionsBytes)
     return invalid("it ends before it says what is flown");
   auto options = optionsFromJson({first->bytes.begin(), first->bytes.end()});
   if (!options.ok()) return options.error();
   Recording recording{.log = {std::move(options).value(), {}}, .shown = {}};
-  Time last{-kMostTime_us};
+  Time last{-kMaxTime_us};
   while (const auto record = takeRecord(file)) {
     if (Status s = check(*record, last); !s.ok()) return s.error();
     last = record->time;
@@ -180,7 +180,7 @@ Status RecordingWriter::finish(const FlightDigest::Value& shown) {
   Bytes bytes;
   for (uint64_t number : {shown.frames, shown.sections, shown.drawn})
     for (char byte : littleEndian<8>(number)) bytes.push_back(static_cast<uint8_t>(byte));
-  put(kEnd, {kMostTime_us}, bytes);
+  put(kEnd, {kMaxTime_us}, bytes);
   return flush();
 }
 

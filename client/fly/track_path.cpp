@@ -223,10 +223,10 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
   const double track_s = std::min(o.seconds ? *o.seconds * o.speed : 1e300, track.seconds() - o.from_s);
   const double flight_s = track_s / o.speed;
   // A step of whole milliseconds such that the path holds all poses.
-  const double least_step_ms = flight_s * 1000 / static_cast<double>(proto::Path::kMaxPoses - 2);
+  const double min_step_ms = flight_s * 1000 / static_cast<double>(proto::Path::kMaxPoses - 2);
   const int64_t wanted_ms = track.cameras.empty() ? 100 : 50;  // hands turn a camera more abruptly than wings
   const Duration step =
-      Duration::milliseconds(std::max<int64_t>(wanted_ms, static_cast<int64_t>(std::ceil(least_step_ms))));
+      Duration::milliseconds(std::max<int64_t>(wanted_ms, static_cast<int64_t>(std::ceil(min_step_ms))));
   if (step > Duration::milliseconds(60'000))
     return Error{ErrorCode::kLimit, "the flight would last more than a month: raise --speed or state --seconds"};
   const double step_s = step.toSeconds() * o.speed;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kExactReach = 16;    // samples; faster cameras do with what there is
 constexpr uint32_t kExactMargin = 8;  // asked for beyond the reach
-constexpr uint32_t kMostExactSide = 2 * (static_cast<uint32_t>(kExactReach) + kExactMargin) + 2;
+constexpr uint32_t kMaxExactSide = 2 * (static_cast<uint32_t>(kExactReach) + kExactMargin) + 2;
 
 // Both ends are instances of the same module, so values travel as they are.
 template <class T>
@@ -116,7 +116,7 @@ void GroundSupply::putTiles(const TileStore& tiles, const std::vector<proto::Til
   steps_.resize(proto::kTileTexels);
   // A tile that is damaged tells nothing: all of its heights are far below.
   if (!proto::decodeRelief(tiles.find(*news)->coded, steps_).ok())
-    std::fill(steps_.begin(), steps_.end(), -proto::kMostReliefSteps);
+    std::fill(steps_.begin(), steps_.end(), -proto::kMaxReliefSteps);
   out.put(news->key());
   putSome(out, steps_);
 }
@@ -165,7 +165,7 @@ void GroundSupply::ask(Viewer& viewer, const proto::LatticePosition& eye, double
   };
   const glm::dvec2 x = range(eye.x, shape.samples_x), y = range(eye.y, shape.samples_y);
   GroundPatch patch{.low = {x.x, y.x}, .columns = static_cast<uint32_t>(x.y - x.x) + 1, .heights_m = {}};
-  CHECK_LE(patch.columns, kMostExactSide);
+  CHECK_LE(patch.columns, kMaxExactSide);
   std::vector<glm::dvec2> samples;
   for (double row = y.x; row <= y.y; ++row)
     for (double column = x.x; column <= x.y; ++column) samples.emplace_back(column, row);

@@ -85,7 +85,7 @@ void Drape::relight() {
   foreland::sort(relit_.begin(), relit_.end(), [](const Residency::Shown& a, const Residency::Shown& b) {
     return a.tile.level != b.tile.level ? a.tile.level > b.tile.level : a.tile.key() < b.tile.key();
   });
-  if (relit_.size() > kMostRelit) relit_.resize(kMostRelit);
+  if (relit_.size() > kMaxRelit) relit_.resize(kMaxRelit);
   for (const Residency::Shown& shown : relit_) relief_.at(shown.tile.key()).handed = suns_;
 }
 

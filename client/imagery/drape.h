@@ -24,7 +24,7 @@ class Drape {
     uint32_t of(proto::TileContent content) const { return content == proto::TileContent::kRelief ? relief : imagery; }
   };
 
-  static constexpr size_t kMostRelit = 16;  // tiles with one mesh
+  static constexpr size_t kMaxRelit = 16;  // tiles with one mesh
 
   // For the scene that `store` is in.
   Drape(const TileStore& store, const Sizes& sizes);

@@ -13,7 +13,7 @@ namespace {
 // sends what it guarantees, and more where that is of use.
 constexpr double kTexelPx = 0.5;
 // Selected at most: far more than a view sees.
-constexpr size_t kMostSeen = 4096;
+constexpr size_t kMaxSeen = 4096;
 
 }  // namespace
 
@@ -76,8 +76,8 @@ void Residency::select(const proto::FrameTransform& frame, const proto::View& to
   };
   // The rest is for those that go.
   const size_t most = residents_.size() - residents_.size() / 8;
-  selectTiles(layer_, index_, frame, to, kTexelPx, kMostSeen, lookup, seen_);
-  selectTiles(layer_, index_, frame, expected, kTexelPx, kMostSeen, lookup, expected_);
+  selectTiles(layer_, index_, frame, to, kTexelPx, kMaxSeen, lookup, seen_);
+  selectTiles(layer_, index_, frame, expected, kTexelPx, kMaxSeen, lookup, expected_);
   selected_ = seen_;
   std::unordered_map<uint64_t, uint32_t> numbers;
   for (uint32_t i = 0; i < selected_.size(); ++i) numbers[selected_[i].tile.key()] = i;
@@ -126,7 +126,7 @@ void Residency::admit() {
   for (const proto::SelectedTile& s : selected_) {
     const Resident* r = find(s.tile);
     if (r != nullptr && r->went == 0) continue;
-    if (arrivals_.size() == kMostArrivals) break;
+    if (arrivals_.size() == kMaxArrivals) break;
     if (canCome(s.tile)) addIfReady(s.tile);
   }
 }

@@ -24,7 +24,7 @@ class Residency {
  public:
   // The page table has so many pages along each side of each level; page (x, y) is at (x, y) modulo this.
   static constexpr uint32_t kPageSide = 32;
-  static constexpr uint32_t kMostArrivals = 16;  // tiles that come with one mesh
+  static constexpr uint32_t kMaxArrivals = 16;  // tiles that come with one mesh
 
   enum class Fade : uint8_t { kNone = 0, kComing = 1, kGoing = 2 };
   struct Shown {

@@ -15,7 +15,7 @@ namespace foreland::client {
 namespace {
 
 constexpr int kSide = proto::kTileSide;
-constexpr double kMostCode = 65535;
+constexpr double kMaxCode = 65535;
 constexpr uint32_t kHeightBits = 0xffff;
 // A sun that stands lower casts shadows as if it stood so high.
 constexpr double kLowestSun_rad = 0.008;
@@ -192,7 +192,7 @@ class Pass {
 HeightCode HeightCode::of(const proto::TileLayer& layer, double lowest_m, double highest_m) {
   // Coarser levels are rounded to larger steps.
   const double rounding_m = 0.5 * layer.step_m * static_cast<double>(uint64_t{1} << (layer.levels() - 1));
-  return {lowest_m - rounding_m, (highest_m - lowest_m + 2 * rounding_m) / kMostCode + 1e-9};
+  return {lowest_m - rounding_m, (highest_m - lowest_m + 2 * rounding_m) / kMaxCode + 1e-9};
 }
 
 void groundOf(const proto::TileLayer& layer, const proto::TileId& tile, const HeightCode& code,
@@ -201,7 +201,7 @@ void groundOf(const proto::TileLayer& layer, const proto::TileId& tile, const He
   CHECK_EQ(out.size(), steps.size());
   const double step_m = layer.step_m * static_cast<double>(uint64_t{1} << tile.level);
   for (size_t i = 0; i < steps.size(); ++i)
-    out[i] = static_cast<uint32_t>(std::clamp((steps[i] * step_m - code.low_m) / code.step_m + 0.5, 0.0, kMostCode));
+    out[i] = static_cast<uint32_t>(std::clamp((steps[i] * step_m - code.low_m) / code.step_m + 0.5, 0.0, kMaxCode));
 }
 
 void halfGroundOf(std::span<const uint32_t> own, std::span<uint32_t> out) {

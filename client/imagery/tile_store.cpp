@@ -5,17 +5,17 @@
 
 namespace foreland::client {
 
-void TileStore::enter(std::vector<proto::TileLayer> layers, uint32_t most_bytes) {
+void TileStore::enter(std::vector<proto::TileLayer> layers, uint32_t max_bytes) {
   layers_ = std::move(layers);
-  memory_ = proto::TileMemory(most_bytes);
+  memory_ = proto::TileMemory(max_bytes);
   tiles_.clear();
   statement_.reset(), earlier_statement_.reset();
   received_ = 0;
   ++scene_;
 }
 
-void TileStore::reenter(uint32_t most_bytes) {
-  const proto::TileMemory before = std::exchange(memory_, proto::TileMemory(most_bytes));
+void TileStore::reenter(uint32_t max_bytes) {
+  const proto::TileMemory before = std::exchange(memory_, proto::TileMemory(max_bytes));
   before.visit([&](const proto::TileId& tile, uint32_t bytes) { remember(tile, bytes); });
   statement_.reset(), earlier_statement_.reset();
 }

@@ -22,9 +22,9 @@ struct HeldTile {
 class TileStore {
  public:
   // Enters a scene with these layers; what was held before is dropped.
-  void enter(std::vector<proto::TileLayer> layers, uint32_t most_bytes);
+  void enter(std::vector<proto::TileLayer> layers, uint32_t max_bytes);
   // Enters the same scene on a new connection, which may allow less memory.
-  void reenter(uint32_t most_bytes);
+  void reenter(uint32_t max_bytes);
 
   // An Error if the scene has no such tile.
   Status add(proto::TileMessage message);

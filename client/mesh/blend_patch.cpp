@@ -10,7 +10,7 @@ namespace foreland::client {
 namespace {
 
 // A host that does not ask for changes any more is not to collect them for ever.
-constexpr size_t kMostNoted = 4;
+constexpr size_t kMaxNoted = 4;
 constexpr size_t kTriangleBytes = 3 * sizeof(uint32_t);
 
 // Makes ranges of the elements, joining those that are less than `gap` elements apart. Sorts `elements`.
@@ -107,7 +107,7 @@ void PatchedMesh::settle() {
 void PatchedMesh::apply(const BlendPatch& patch) {
   resize(patch);
   settle();
-  if (noted() > kMostNoted * mesh_->parameters.size()) clearChanges(), is_all_changed_ = true;
+  if (noted() > kMaxNoted * mesh_->parameters.size()) clearChanges(), is_all_changed_ = true;
   const bool notes = !is_all_changed_;
   glm::vec4 *from_positions = mesh_->from_positions.data(), *to_positions = mesh_->to_positions.data();
   forEach(

@@ -62,12 +62,12 @@ class HeldNodes {
   proto::SparseNodes records_;
   std::vector<Membership> memberships_;  // by block
   std::vector<uint32_t> changed_;        // blocks in which the two sections may differ
-  uint32_t most_blocks_ = kFewBlocks;
+  uint32_t max_blocks_ = kFewBlocks;
 };
 
 template <class IsKnown>
 void HeldNodes::forget(const IsKnown& isKnown) {
-  if (records_.blockCount() <= most_blocks_) return;
+  if (records_.blockCount() <= max_blocks_) return;
   memberships_.resize(records_.blockCount());
   uint32_t kept = 1;
   changed_.clear();
@@ -79,7 +79,7 @@ void HeldNodes::forget(const IsKnown& isKnown) {
     return true;
   });
   memberships_.resize(kept);
-  most_blocks_ = 2 * kept + kFewBlocks;
+  max_blocks_ = 2 * kept + kFewBlocks;
 }
 
 // A view of the nodes, valid until they change.

@@ -22,7 +22,7 @@ namespace foreland::client {
 // its last two keyframes.
 struct EarlierKeyframes {
   uint32_t count = 0;
-  std::array<proto::KeyframeHeader, proto::kMostOrder - 1> headers{};
+  std::array<proto::KeyframeHeader, proto::kMaxOrder - 1> headers{};
   Duration from_age{}, to_age{};
 };
 

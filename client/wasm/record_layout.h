@@ -119,7 +119,7 @@ inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, highest_m),
     FORELAND_FIELD(WelcomeRecord, tau_px),
     FORELAND_FIELD(WelcomeRecord, keyframe_ms),
-    FORELAND_FIELD(WelcomeRecord, most_moved_m),
+    FORELAND_FIELD(WelcomeRecord, max_moved_m),
     FORELAND_FIELD(WelcomeRecord, title),
     FORELAND_FIELD(WelcomeRecord, title_size),
     FORELAND_FIELD(WelcomeRecord, crs),

@@ -97,8 +97,8 @@ struct WelcomeRecord {
   double highest_m;
   double tau_px;
   double keyframe_ms;
-  double most_moved_m;  // by which the ground moves at most from the first epoch to another
-  Address title;        // UTF-8
+  double max_moved_m;  // by which the ground moves at most from the first epoch to another
+  Address title;       // UTF-8
   uint32_t title_size;
   Address crs;
   uint32_t crs_size;

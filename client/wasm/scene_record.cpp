@@ -70,7 +70,7 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
   for (const proto::Epoch& epoch : from.epochs) epochs_ms_.push_back(millisecondsOf(epoch.time));
   out.epoch_count = static_cast<uint32_t>(epochs_ms_.size());
   out.epochs = addressOf(epochs_ms_.data());
-  out.most_moved_m = from.most_offset * from.frame.height_quantum_m;
+  out.max_moved_m = from.max_offset * from.frame.height_quantum_m;
   model_sides_.clear();
   for (const proto::ObjectModel& model : from.models) model_sides_.push_back(model.atlas_side);
   out.model_count = static_cast<uint32_t>(model_sides_.size());

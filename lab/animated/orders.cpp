@@ -14,8 +14,8 @@ namespace foreland::lab {
 
 namespace {
 
-constexpr int kMostOrder = 3;
-constexpr size_t kWindow = 2 * kMostOrder + 1;  // keyframes around a joint
+constexpr int kMaxOrder = 3;
+constexpr size_t kWindow = 2 * kMaxOrder + 1;  // keyframes around a joint
 
 // The weights of a window's keyframes, a keyframe before the joint at `first`.
 std::vector<double> spread(const std::vector<double>& weights, size_t first) {
@@ -33,7 +33,7 @@ struct Joint {
     const bool is_spline = basis == client::Basis::kBSpline;
     // The window that ends at the joint, and the next one: a spline's moves on by one keyframe, a Bernstein curve's
     // begins where the other ended.
-    const size_t first = kMostOrder - n, second = is_spline ? first + 1 : kMostOrder;
+    const size_t first = kMaxOrder - n, second = is_spline ? first + 1 : kMaxOrder;
     const double scale = is_spline ? 1 : 1.0 / order;
     position = spread(client::basisWeights(basis, order, 1), first);
     before = spread(client::basisSlopes(basis, order, 1), first);
@@ -117,7 +117,7 @@ std::vector<OrderFigures> measureOrders(const server::Hierarchy& hierarchy, std:
   std::vector<OrderFigures> figures;
   std::vector<Joint> joints;
   for (const client::Basis basis : {client::Basis::kBSpline, client::Basis::kBernstein})
-    for (int order = 1; order <= kMostOrder; ++order) {
+    for (int order = 1; order <= kMaxOrder; ++order) {
       figures.push_back({.basis = basis, .order = order});
       figures.back().lead_ms = leadIntervals(basis, order) * interval.toMilliseconds();
       joints.emplace_back(basis, order);
@@ -127,7 +127,7 @@ std::vector<OrderFigures> measureOrders(const server::Hierarchy& hierarchy, std:
   for (size_t k = 0; k < views.size(); ++k) {
     keyframes.add(views[k], k);
     if (!keyframes.isFull()) continue;
-    const proto::View& at = views[k - kMostOrder];
+    const proto::View& at = views[k - kMaxOrder];
     const client::OrderMesh mesh = keyframes.mesh(at.pose.eye);
     const std::vector<bool> is_drawn = oracle::drawnVertices(mesh.parameters.size(), mesh.indices);
     for (size_t i = 0; i < figures.size(); ++i) {

@@ -47,7 +47,7 @@ std::string capacityLine(const nlohmann::ordered_json& way) {
 
 // Searches run one after another on each thread, so that the most viewers of each is found on its own.
 void search(const std::shared_ptr<const server::World>& world, std::vector<lab::LoadOptions>& runs) {
-  for (lab::LoadOptions& run : runs) run.viewers = std::max<size_t>(1, lab::mostViewers(world, run));
+  for (lab::LoadOptions& run : runs) run.viewers = std::max<size_t>(1, lab::maxViewers(world, run));
 }
 
 // One number as such, several as a list.
@@ -231,7 +231,7 @@ CLI::App* addLoad(CLI::App& app, LoadArguments& args) {
   addClusterOptions(*sub, args.request);
   addTimeOptions(*sub, args.request);
   sub->add_flag_callback(
-      "--most-viewers", [&args] { args.search = Search::kMostViewers; },
+      "--most-viewers", [&args] { args.search = Search::kMaxViewers; },
       "find the largest number of viewers with under 0.1 % missed, for each run");
   sub->add_flag_callback(
       "--real", [&args] { args.in_time = InTime::kBoth; },
@@ -278,10 +278,10 @@ Result<lab::LoadRequest> requestOf(const LoadArguments& args) {
 }
 
 Status checkBoth(const LoadArguments& args, const std::vector<lab::LoadOptions>& runs) {
-  if (args.search == Search::kMostViewers && args.request.viewers.size() > 1)
+  if (args.search == Search::kMaxViewers && args.request.viewers.size() > 1)
     return Error{ErrorCode::kInvalidArgument, "--most-viewers searches from one number of --viewers, not from several"};
   if (args.in_time == InTime::kVirtual) return {};
-  if (args.search == Search::kMostViewers)
+  if (args.search == Search::kMaxViewers)
     return Error{ErrorCode::kInvalidArgument, "--real runs one load; --most-viewers would run many"};
   for (const lab::LoadOptions& run : runs)
     if (Status s = lab::checkReal(run); !s.ok()) return Error{s.error().code, "--real: " + s.error().message};
@@ -313,7 +313,7 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   if (!opened) return opened.error();
   const std::shared_ptr<const server::World>& world = *opened;
 
-  if (args.search == Search::kMostViewers) search(world, *runs);
+  if (args.search == Search::kMaxViewers) search(world, *runs);
   nlohmann::ordered_json about{{"experiment", "load"}};
   about.update(aboutExperiment(args.experiment, request.base.prices));
   about.update({{"scene", std::filesystem::path(args.scene).filename().string()},

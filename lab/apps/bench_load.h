@@ -12,7 +12,7 @@
 
 namespace foreland::apps {
 
-enum class Search : uint8_t { kNone, kMostViewers };
+enum class Search : uint8_t { kNone, kMaxViewers };
 enum class InTime : uint8_t { kVirtual, kBoth };  // virtual time alone, or real time as well
 
 struct LoadArguments {

@@ -43,11 +43,11 @@ Result<std::vector<lab::CellTables>> compare(const lab::RivalFlight& flight,
     asked.update({{"way", way}, {"asked_px", asked_px}});
     return lab::keptOr(kept, asked, fly);
   };
-  const auto tilesOf = [&](const char* way, double most_error_px, lab::TileCodec codec) {
-    return cell(way, most_error_px, [&, most_error_px, codec]() -> Result<lab::CellTables> {
+  const auto tilesOf = [&](const char* way, double max_error_px, lab::TileCodec codec) {
+    return cell(way, max_error_px, [&, max_error_px, codec]() -> Result<lab::CellTables> {
       const auto figures = lab::flyTiles(flight,
                                          {.lens = flight.lens,
-                                          .most_error_px = most_error_px,
+                                          .max_error_px = max_error_px,
                                           .codec = codec,
                                           .links = flight.links,
                                           .seed = flight.seed},

@@ -14,7 +14,7 @@ namespace foreland::lab {
 
 namespace {
 
-constexpr size_t kMostKept = 1200;  // tiles, of half a megabyte each
+constexpr size_t kMaxKept = 1200;  // tiles, of half a megabyte each
 
 float spacingOf(const terrain::Scene& scene) {
   const proto::GridShape& shape = scene.grid().shape();
@@ -67,7 +67,7 @@ const LayerImage::Texels& LayerImage::texels(const proto::TileId& tile) {
     order_.splice(order_.begin(), order_, found->second.place);
     return found->second.texels;
   }
-  if (kept_.size() >= kMostKept) {
+  if (kept_.size() >= kMaxKept) {
     kept_.erase(order_.back());
     order_.pop_back();
   }

@@ -37,7 +37,7 @@ void TilePuller::frame(Time now, const proto::Pose& pose) {
   for (const proto::TileId& tile : needed_) {
     if (loaded_.contains(tile.key())) {
       drawn_[tile.key()] = 0;
-    } else if (requested_.size() < options_.most_requests && requested_.insert(tile.key()).second) {
+    } else if (requested_.size() < options_.max_requests && requested_.insert(tile.key()).second) {
       asked_.push_back(tile);
       up_.send(Bytes(1), now);
     }

@@ -28,7 +28,7 @@ enum class TileRule : uint8_t {
 struct PullOptions {
   TileRule rule = TileRule::kDistance;
   double texel_px = 2;
-  size_t most_requests = 6;
+  size_t max_requests = 6;
   sim::LinkPair links{};
   uint64_t seed = 1;
 };

@@ -60,8 +60,8 @@ class ResumePace {
   bool isPausing(Time now) const { return now < until_; }
   // A viewer comes whose resuming takes `work`, to a server whose workers have `spare` of a worker's time left.
   void take(Duration work, double spare, Time now) {
-    constexpr double kUsed = 0.5, kLeast = 0.05;
-    until_ = now + Duration::seconds(work.toSeconds() / std::max(kLeast, kUsed * spare));
+    constexpr double kUsed = 0.5, kMin = 0.05;
+    until_ = now + Duration::seconds(work.toSeconds() / std::max(kMin, kUsed * spare));
   }
 
  private:

@@ -12,9 +12,9 @@ namespace foreland::lab {
 
 namespace {
 
-constexpr double kMostMissed = 1e-3;
+constexpr double kMaxMissed = 1e-3;
 
-bool isServed(uint64_t keyframes, double missed_share) { return keyframes > 0 && missed_share < kMostMissed; }
+bool isServed(uint64_t keyframes, double missed_share) { return keyframes > 0 && missed_share < kMaxMissed; }
 
 bool isServed(const std::shared_ptr<const server::World>& world, const LoadOptions& options) {
   const LoadFigures figures = runLoad(world, options).figures;
@@ -225,14 +225,14 @@ std::string capacityCsv(const std::vector<nlohmann::ordered_json>& capacities) {
   return table.text();
 }
 
-size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOptions options) {
-  constexpr size_t kMost = 4096;
+size_t maxViewers(const std::shared_ptr<const server::World>& world, LoadOptions options) {
+  constexpr size_t kMax = 4096;
   const auto serves = [&](size_t viewers) {
     options.viewers = viewers;
     return isServed(world, options);
   };
   size_t good = 0, bad = std::max<size_t>(options.viewers, 1);
-  while (bad <= kMost && serves(bad)) good = bad, bad *= 2;
+  while (bad <= kMax && serves(bad)) good = bad, bad *= 2;
   while (bad - good > std::max<size_t>(1, good / 20)) {
     const size_t middle = good + (bad - good) / 2;
     (serves(middle) ? good : bad) = middle;

@@ -48,6 +48,6 @@ std::string capacityCsv(const std::vector<nlohmann::ordered_json>& capacities);
 
 // The largest number of viewers that miss fewer than a thousandth of their deadlines, to a twentieth of it: doubled
 // until too many do, then halved in between. 0 if not even one viewer is served so.
-size_t mostViewers(const std::shared_ptr<const server::World>& world, LoadOptions options);
+size_t maxViewers(const std::shared_ptr<const server::World>& world, LoadOptions options);
 
 }  // namespace foreland::lab

@@ -37,7 +37,7 @@ LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const
       balancing_(options.seed + 1) {
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
   for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, bins);
-  if (options.start == LoadStart::kEarly) session_options_.most_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
+  if (options.start == LoadStart::kEarly) session_options_.max_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
   session_options_.slack = Duration::seconds(1e-3 * options.slack_ms);
   addViewers(world_);
   if (isCluster()) addClusterEvents();

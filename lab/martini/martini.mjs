@@ -8,7 +8,7 @@
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 
-const kEnoughTotal_ms = 1500, kFewest = 5, kMost = 41; // repetitions of a measurement
+const kEnoughTotal_ms = 1500, kFewest = 5, kMax = 41; // repetitions of a measurement
 
 // The ES module that the package has for bundlers is faster than what node takes by itself, and MARTINI shall show its best; node
 // does not know it for a module, so it is handed over as text.
@@ -35,7 +35,7 @@ function median(values) {
 function medianTime_ms(work) {
   const times = [];
   let total = 0;
-  while (times.length < kFewest || (times.length < kMost && total < kEnoughTotal_ms)) {
+  while (times.length < kFewest || (times.length < kMax && total < kEnoughTotal_ms)) {
     times.push(timed(work).ms);
     total += times[times.length - 1];
   }

@@ -76,9 +76,9 @@ double milliseconds(const Work& work) {
 // As martini.mjs repeats: at least five times, then until a second and a half has gone.
 template <class Work>
 double medianMilliseconds(const Work& work) {
-  constexpr size_t kFewest = 5, kMost = 41;
+  constexpr size_t kFewest = 5, kMax = 41;
   std::vector<double> times;
-  for (double total = 0; times.size() < kFewest || (times.size() < kMost && total < 1500); total += times.back())
+  for (double total = 0; times.size() < kFewest || (times.size() < kMax && total < 1500); total += times.back())
     times.push_back(milliseconds(work));
   return median(times);
 }

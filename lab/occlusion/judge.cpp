@@ -84,7 +84,7 @@ class Jury {
     if (keyframe == 0) return {};
     const double weight = nextWeight();
     ++judgement_.judged_frames;
-    judgement_.least_weight = std::min(judgement_.least_weight, weight);
+    judgement_.min_weight = std::min(judgement_.min_weight, weight);
     judgement_.largest_weight = std::max(judgement_.largest_weight, weight);
     return judgePixels({with, without, weight}, static_cast<double>(keyframe) - 1 + weight, judgement_.frames);
   }

@@ -19,7 +19,7 @@ struct OcclusionJudgement {
   PixelCounts keyframes, frames;
   uint64_t late_reveals = 0;      // nodes left out at a keyframe judged and at the one before, visible at both
   uint64_t withheld_visible = 0;  // nodes left out at a keyframe judged and visible at it
-  double least_weight = 1, largest_weight = 0;  // of the frames judged
+  double min_weight = 1, largest_weight = 0;  // of the frames judged
 
   template <class Visit>
   void fields(const Visit& visit) const {
@@ -44,7 +44,7 @@ struct OcclusionJudgement {
     visit("withheld_visible", withheld_visible);
     visit("judged_keyframes", judged_keyframes);
     visit("judged_frames", judged_frames);
-    visit("judged_weight_least", least_weight);
+    visit("judged_weight_least", min_weight);
     visit("judged_weight_largest", largest_weight);
     visit("pixels_keyframes", keyframes.pixels);
     visit("pixels_over_tau_with_keyframes", keyframes.visible_over_tau);

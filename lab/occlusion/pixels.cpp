@@ -51,13 +51,13 @@ class Judgement {
         with_(with),
         without_(without),
         projector_(projector),
-        most_px_(tau_px + kRounding_px) {}
+        max_px_(tau_px + kRounding_px) {}
 
   void look(const Ray& ray, PixelCounts& counts) const {
     ++counts.pixels;
     judgeTruePoint(ray, counts);
-    const bool is_over = drawnError(with_, ray) > most_px_;
-    counts.drawn_over_tau_hidden += is_over && !(drawnError(without_, ray) > most_px_) ? 1 : 0;
+    const bool is_over = drawnError(with_, ray) > max_px_;
+    counts.drawn_over_tau_hidden += is_over && !(drawnError(without_, ray) > max_px_) ? 1 : 0;
   }
 
  private:
@@ -66,7 +66,7 @@ class Judgement {
     if (!hit || hit->object != RayHit::kTerrain) return;
     const double with_px = screenDistance(projector_, hit->position, with_.lookup.at(*hit)),
                  without_px = screenDistance(projector_, hit->position, without_.lookup.at(*hit));
-    const bool is_over = with_px > most_px_, is_over_without = without_px > most_px_;
+    const bool is_over = with_px > max_px_, is_over_without = without_px > max_px_;
     if (std::isfinite(with_px)) counts.max_px = std::max(counts.max_px, with_px);
     counts.visible_over_tau += is_over ? 1 : 0;
     counts.visible_over_tau_without += is_over_without ? 1 : 0;
@@ -83,7 +83,7 @@ class Judgement {
   const oracle::LineOfSight& terrain_;
   const Drawn &with_, &without_;
   const Projector& projector_;
-  double most_px_;
+  double max_px_;
 };
 
 }  // namespace

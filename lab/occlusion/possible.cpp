@@ -60,7 +60,7 @@ VisibleSamples::VisibleSamples(const oracle::LineOfSight& terrain)
 
 void VisibleSamples::see(const proto::Pose& pose, const proto::Lens& lens, double raised_px) {
   const double up = lens.tanHalfFov(), aside = up * lens.width_px / lens.height_px,
-               least_cosine = std::cos(std::min(3.1, std::atan(std::hypot(up, aside)) + kConeMargin_rad));
+               min_cosine = std::cos(std::min(3.1, std::atan(std::hypot(up, aside)) + kConeMargin_rad));
   const uint32_t columns = terrain_.shape().samples_x;
   terrain::parallelFor(
       terrain_.shape().samples_y, 0,
@@ -70,7 +70,7 @@ void VisibleSamples::see(const proto::Pose& pose, const proto::Lens& lens, doubl
           if (seen != 0) continue;
           glm::dvec3 point = terrain_.pointAt({x, static_cast<double>(row)});
           const glm::dvec3 ahead = point - pose.eye;
-          if (glm::dot(ahead, pose.forward()) < least_cosine * glm::length(ahead)) continue;
+          if (glm::dot(ahead, pose.forward()) < min_cosine * glm::length(ahead)) continue;
           point += metresOf(point, pose.eye, lens, raised_px) * terrain_.upAt(point);
           seen = terrain_.isClear(point, pose.eye) ? 1 : 0;
         }

@@ -9,14 +9,14 @@ namespace foreland::lab {
 
 namespace {
 
-constexpr size_t kMostPieceBytes = 64u << 10;
+constexpr size_t kMaxPieceBytes = 64u << 10;
 constexpr double kPiece_s = 0.01;
 
 size_t pieceOf(const sim::LinkOptions& options) {
   const double rate = options.trace ? options.trace->bytesPerSecond() : options.bytes_per_second;
-  if (rate <= 0) return kMostPieceBytes;
+  if (rate <= 0) return kMaxPieceBytes;
   return static_cast<size_t>(std::clamp(rate * kPiece_s, static_cast<double>(sim::LinkTrace::kPacketBytes),
-                                        static_cast<double>(kMostPieceBytes)));
+                                        static_cast<double>(kMaxPieceBytes)));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace foreland::lab {
 class LinkStream {
  public:
   // On the way or not fetched by its receiver; one piece more at most, where a link has no rate that limits it sooner.
-  static constexpr size_t kMostBytes = 16u << 20;
+  static constexpr size_t kMaxBytes = 16u << 20;
 
   LinkStream(const sim::LinkOptions& options, uint64_t seed);
 
@@ -25,7 +25,7 @@ class LinkStream {
   size_t pieceBytes() const { return piece_bytes_; }
   // Whether the sender gets rid of more: all that it has sent has left it, the stream has not ended, and the receiver
   // keeps up.
-  bool mayRead(Time now) const { return !has_ended_ && link_.drainedAt() <= now && bytes_ < kMostBytes; }
+  bool mayRead(Time now) const { return !has_ended_ && link_.drainedAt() <= now && bytes_ < kMaxBytes; }
   void take(Bytes piece, Time now);  // not empty; not after end()
   // The sender sends no more.
   void end(Time now);

@@ -131,8 +131,8 @@ double meanTriangles(const server::Hierarchy& hierarchy, const std::vector<proto
 }
 
 Result<double> tauForTriangles(const server::Hierarchy& hierarchy, std::vector<proto::View> views, double triangles) {
-  constexpr size_t kMostViews = 40;
-  const size_t step = views.size() / kMostViews + 1;
+  constexpr size_t kMaxViews = 40;
+  const size_t step = views.size() / kMaxViews + 1;
   std::vector<proto::View> sample;
   for (size_t i = 0; i < views.size(); i += step) sample.push_back(views[i]);
   const auto with = [&](double tau_px) {

@@ -30,7 +30,7 @@ bool TileClient::select(const TileId& tile, const proto::Pose& pose, Frame& fram
   use(tile);
   const bool is_loaded = loaded_.contains(tile);
   const std::vector<TileId> children = tree_.children(tile);
-  if (children.empty() || tree_.screenError(tile, pose, options_.lens) <= options_.most_error_px) {
+  if (children.empty() || tree_.screenError(tile, pose, options_.lens) <= options_.max_error_px) {
     if (is_loaded) frame.drawn.push_back(tile);
     frame.is_complete = frame.is_complete && is_loaded;
     return is_loaded;
@@ -79,7 +79,7 @@ Status TileClient::receive(Time now) {
 
 void TileClient::request(Time now) {
   for (const TileId& tile : wanted_) {
-    if (requested_.size() >= options_.most_requests) return;
+    if (requested_.size() >= options_.max_requests) return;
     requested_.insert(tile);
     asked_.push_back(tile);
     up_.send(Bytes(1), now);

@@ -15,9 +15,9 @@ namespace foreland::lab {
 
 struct TileOptions {
   proto::Lens lens{};
-  double most_error_px = 2;   // CesiumJS: maximumScreenSpaceError
-  size_t cache_tiles = 100;   // CesiumJS: tileCacheSize, beside what is in use
-  size_t most_requests = 18;  // CesiumJS: RequestScheduler.maximumRequestsPerServer
+  double max_error_px = 2;   // CesiumJS: maximumScreenSpaceError
+  size_t cache_tiles = 100;  // CesiumJS: tileCacheSize, beside what is in use
+  size_t max_requests = 18;  // CesiumJS: RequestScheduler.maximumRequestsPerServer
   TileCodec codec = TileCodec::kQuantizedMesh;
   sim::LinkPair links{};
   uint64_t seed = 1;

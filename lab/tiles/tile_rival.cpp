@@ -143,7 +143,7 @@ Result<RivalFigures> flyTiles(const RivalFlight& flight, const TileOptions& opti
   }
   RivalFigures figures = judge.take();
   figures.way = options.codec == TileCodec::kDraco ? "draco" : "quantized-mesh";
-  figures.asked_px = options.most_error_px;
+  figures.asked_px = options.max_error_px;
   figures.bytes = client.statistics().bytes;
   figures.bytes_once = client.statistics().bytes_once;
   figures.bytes_in_flight = figures.bytes - before;
@@ -154,10 +154,10 @@ Result<RivalFigures> flyTiles(const RivalFlight& flight, const TileOptions& opti
 Result<double> errorForRms(const RivalFlight& flight, double rms_px, TileTree& tree, oracle::Oracle& oracle) {
   double low = 0.1, high = 100;
   while (high > 1.05 * low) {
-    TileOptions options{.lens = flight.lens, .most_error_px = std::sqrt(low * high), .links = flight.links};
+    TileOptions options{.lens = flight.lens, .max_error_px = std::sqrt(low * high), .links = flight.links};
     const auto figures = flyTiles(flight, options, tree, oracle);
     if (!figures) return figures.error();
-    (figures->rms_px < rms_px ? low : high) = options.most_error_px;
+    (figures->rms_px < rms_px ? low : high) = options.max_error_px;
   }
   return std::sqrt(low * high);
 }

@@ -191,7 +191,7 @@ bool DeltaEncoder::isHidden(const HiddenBlocks& blocks, const BlockId& block) {
 
 QuantisedRadius DeltaDecoder::radius(Slot) {
   const uint32_t value = Symbols(coder_, model_.escape).treeOrByte<3>(model_.radius[0], 0);
-  return {static_cast<uint8_t>(std::min<uint32_t>(value, QuantisedRadius::kMost))};
+  return {static_cast<uint8_t>(std::min<uint32_t>(value, QuantisedRadius::kMax))};
 }
 
 // Until a node is added, only the middle of its edge is known.

@@ -76,7 +76,7 @@ bool EpochStream::codeEpoch(uint32_t epoch, std::span<const Slot> slots, Coder& 
 }
 
 void EpochStream::forget(const EpochWeights& next) {
-  if (offsets_.blockCount() <= kMostBlocks) return;
+  if (offsets_.blockCount() <= kMaxBlocks) return;
   const auto isBlended = [&](uint32_t epoch) {
     const auto has = [epoch](const EpochWeights& w) {
       return std::ranges::find(w.epochs(), epoch) != w.epochs().end();

@@ -30,7 +30,7 @@ struct EpochBits {
 class EpochStream {
  public:
   // Blocks of offsets that both ends know at most before they forget those of epochs that are not blended: 4 MB.
-  static constexpr size_t kMostBlocks = 1u << 14;
+  static constexpr size_t kMaxBlocks = 1u << 14;
 
   // `grid` must outlive it.
   EpochStream(const GridTopology& grid, const Epochs& epochs, std::span<const BaseOffset> base)

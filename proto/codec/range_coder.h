@@ -18,7 +18,7 @@ struct AdaptiveBit {
   // Kept away from certainty, so that whatever happens costs 1/89 bit at least, and 7 at most.
   uint32_t probability() const {
     const uint32_t p = (uint32_t{fast} + slow) >> 1;
-    return p < kLeast ? kLeast : p > 32768 - kLeast ? 32768 - kLeast : p;
+    return p < kMin ? kMin : p > 32768 - kMin ? 32768 - kMin : p;
   }
   void learn(bool value) {
     if (value)
@@ -26,7 +26,7 @@ struct AdaptiveBit {
     else
       fast -= fast >> 4, slow -= slow >> 7;
   }
-  static constexpr uint32_t kLeast = 256;
+  static constexpr uint32_t kMin = 256;
 };
 
 class RangeEncoder {

@@ -17,7 +17,7 @@ glm::ivec3 middleOf(const glm::ivec3& a, const glm::ivec3& b) {
   return {sum.x >> 1, sum.y >> 1, sum.z >> 1};
 }
 
-constexpr int64_t kMostMove = 2 * int64_t{kMaxObjectQuanta};
+constexpr int64_t kMaxMove = 2 * int64_t{kMaxObjectQuanta};
 
 size_t scaleOf(int64_t size) {
   return std::min<size_t>(static_cast<size_t>(std::bit_width(static_cast<uint64_t>(size))), SurfaceModel::kScales - 1);
@@ -238,7 +238,7 @@ class Transcoder {
       for (int axis = 0; axis < 3; ++axis)
         like += 4 * std::abs(int64_t{beside[axis]}) + std::abs(int64_t{a[k][axis]} - b[k][axis]);
       for (int axis = 0; axis < 3; ++axis) {
-        const int64_t guess = std::clamp<int64_t>(int64_t{middle[axis]} + beside[axis], -kMostMove, kMostMove);
+        const int64_t guess = std::clamp<int64_t>(int64_t{middle[axis]} + beside[axis], -kMaxMove, kMaxMove);
         const size_t prior = axis == 0 ? 0 : most == 0 ? 1 : most * 8 < like ? 2 : 3;
         auto& model = end_.model.move[prior * SurfaceModel::kScales + scaleOf(like)];
         const int64_t off = symbols_.number(model, 0, static_cast<int32_t>(wanted[axis] - guess));

@@ -77,7 +77,7 @@ int32_t mixOf(const Guesses& guesses, const Trust::Errors& errors) {
     weights += weight;
   }
   const int64_t mean = sum >= 0 ? (sum + weights / 2) / weights : -((-sum + weights / 2) / weights);
-  return static_cast<int32_t>(std::clamp<int64_t>(mean, -kMostReliefSteps, kMostReliefSteps));
+  return static_cast<int32_t>(std::clamp<int64_t>(mean, -kMaxReliefSteps, kMaxReliefSteps));
 }
 
 // Two to an octave where most ground is.
@@ -110,7 +110,7 @@ bool codeTile(Coder& coder, int32_t* steps) {
                                                           : 0;
       const int32_t residual = symbols.number(model, sign_context, *steps - guess);
       const int64_t height = int64_t{guess} + residual;
-      if (std::abs(height) > kMostReliefSteps) return false;
+      if (std::abs(height) > kMaxReliefSteps) return false;
       *steps = static_cast<int32_t>(height);
       trust.note(x, guesses, *steps, guess);
       west_sign = signs[x] = residual == 0 ? 0 : residual < 0 ? 1 : 2;

@@ -17,9 +17,9 @@ namespace foreland::proto {
 
 inline constexpr uint32_t kTileTexels = kTileSide * kTileSide;
 // Of a height, in steps: what a decoder makes of any bytes stays within it.
-inline constexpr int32_t kMostReliefSteps = 1 << 28;
+inline constexpr int32_t kMaxReliefSteps = 1 << 28;
 
-// `steps`: kTileTexels heights, row by row from the south, each within kMostReliefSteps. About 5 ms.
+// `steps`: kTileTexels heights, row by row from the south, each within kMaxReliefSteps. About 5 ms.
 Bytes encodeRelief(std::span<const int32_t> steps);
 // Into `steps`, which has kTileTexels. Any bytes end in heights or in an Error. About 5 ms.
 Status decodeRelief(ByteSpan bytes, std::span<int32_t> steps);

@@ -10,12 +10,12 @@
 
 namespace foreland::proto {
 
-inline constexpr size_t kMostTilesHeld = 4096;
+inline constexpr size_t kMaxTilesHeld = 4096;
 inline constexpr uint32_t kDefaultTileBytes = 64u << 20;
 
 class TileMemory {
  public:
-  explicit TileMemory(uint32_t most_bytes = kDefaultTileBytes) : most_bytes_(most_bytes) {}
+  explicit TileMemory(uint32_t max_bytes = kDefaultTileBytes) : max_bytes_(max_bytes) {}
 
   // Takes a tile of so many bytes, and drops the oldest until what is held fits; calls `drop(id)` for each. The newest
   // is always held. A tile that is held already becomes the newest.
@@ -25,7 +25,7 @@ class TileMemory {
     held_[tile.key()] = {bytes, ++newest_};
     order_.push_back({tile.key(), newest_});
     bytes_ += bytes;
-    while (held_.size() > 1 && (bytes_ > most_bytes_ || held_.size() > kMostTilesHeld)) dropOldest(drop);
+    while (held_.size() > 1 && (bytes_ > max_bytes_ || held_.size() > kMaxTilesHeld)) dropOldest(drop);
     if (order_.size() > 2 * held_.size() + 16) compact();
   }
 
@@ -64,7 +64,7 @@ class TileMemory {
     std::erase_if(order_, [&](const Entry& e) { return !isCurrent(e); });
   }
 
-  uint64_t most_bytes_;
+  uint64_t max_bytes_;
   uint64_t bytes_ = 0, newest_ = 0;
   std::unordered_map<uint64_t, Held> held_;
   std::deque<Entry> order_;  // oldest first; tiles that became newer are in it twice

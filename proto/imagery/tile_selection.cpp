@@ -12,10 +12,10 @@ namespace foreland::proto {
 namespace {
 
 // Level ground that is seen at a grazing angle counts as if it were seen at one of three degrees.
-constexpr double kLeastFacing = 0.05;
+constexpr double kMinFacing = 0.05;
 // Slopes over 60 degrees count as such: a texel there is no larger.
-constexpr double kMostFacing = 2;
-constexpr double kMostBend = 0.1;
+constexpr double kMaxFacing = 2;
+constexpr double kMaxBend = 0.1;
 constexpr double kQuarterTurn = 1.57079632679489662;
 
 class Selection {
@@ -90,11 +90,11 @@ class Selection {
     if (!isInView(ground)) return std::nullopt;
     const double facing = largestFacing(slopes, ground);
     if (facing <= 0) return std::nullopt;
-    return levelTexelSize(level, ground) * stretch(ground) * std::sqrt(std::clamp(facing, kLeastFacing, kMostFacing));
+    return levelTexelSize(level, ground) * stretch(ground) * std::sqrt(std::clamp(facing, kMinFacing, kMaxFacing));
   }
   // No less than that, and sooner known.
-  double mostTexelSize(uint8_t level, const Ground& ground) const {
-    return levelTexelSize(level, ground) * largest_stretch_ * std::sqrt(kMostFacing);
+  double maxTexelSize(uint8_t level, const Ground& ground) const {
+    return levelTexelSize(level, ground) * largest_stretch_ * std::sqrt(kMaxFacing);
   }
 
   // Pixels of a part of a tile that the tile makes finer, as SelectedTile counts them.
@@ -105,8 +105,8 @@ class Selection {
     const Axes& axes = ground.axes;
     const glm::dvec3 v = -ground.from_eye / ground.distance;
     const double facing = glm::dot(v, axes.up) -
-                          0.5 * (part.least_rise_m[0] + part.largest_rise_m[0]) / axes.spacing.x * glm::dot(v, axes.x) -
-                          0.5 * (part.least_rise_m[1] + part.largest_rise_m[1]) / axes.spacing.y * glm::dot(v, axes.y);
+                          0.5 * (part.min_rise_m[0] + part.largest_rise_m[0]) / axes.spacing.x * glm::dot(v, axes.x) -
+                          0.5 * (part.min_rise_m[1] + part.largest_rise_m[1]) / axes.spacing.y * glm::dot(v, axes.y);
     if (facing <= 0) return 0;
     const double texel = layer_.texelAt(level);
     const double across_px = std::sqrt(axes.spacing.x * axes.spacing.y) * texel * focal_px_ / ground.distance;
@@ -149,10 +149,10 @@ class Selection {
   double largestFacing(const TileBounds& bounds, const Ground& g) const {
     const glm::dvec3 axis(bounds.axis[0], bounds.axis[1], bounds.axis[2]);
     const double length = glm::length(axis);
-    if (length < 1) return kMostFacing;
+    if (length < 1) return kMaxFacing;
     const double half = bounds.half_angle * (kQuarterTurn / 255);
     const double steepest = std::acos(std::clamp(glm::dot(axis, g.axes.up) / length, -1.0, 1.0)) + half;
-    const double upright = std::max(1 / kMostFacing, std::cos(std::min(steepest, kQuarterTurn)));
+    const double upright = std::max(1 / kMaxFacing, std::cos(std::min(steepest, kQuarterTurn)));
     if (g.isAround()) return 1 / upright;
     const double away = std::acos(std::clamp(-glm::dot(axis, g.from_eye) / (length * g.distance), -1.0, 1.0));
     return std::cos(std::max(0.0, away - half - std::asin(g.sin_spread))) / upright;
@@ -162,12 +162,12 @@ class Selection {
   // v u - a (v x) - b (v y): largest at a corner of the eight-sided bounds of (a, b).
   double largestFacing(const TilePart& part, const Ground& g) const {
     const double bend = bendOf(g);
-    if (g.isAround() || bend > kMostBend) return kMostFacing;
+    if (g.isAround() || bend > kMaxBend) return kMaxFacing;
     const Axes& axes = g.axes;
     const glm::dvec3 v = -g.from_eye / g.distance;
     const double a = -glm::dot(v, axes.x) / axes.spacing.x, b = -glm::dot(v, axes.y) / axes.spacing.y;
     const auto most = [&](size_t k, double along) {
-      return along * double{along < 0 ? part.least_rise_m[k] : part.largest_rise_m[k]};
+      return along * double{along < 0 ? part.min_rise_m[k] : part.largest_rise_m[k]};
     };
     // (a, b) as a sum of multiples of the nearer axis and the nearer diagonal.
     const double diagonal = std::copysign(std::min(std::fabs(a), std::fabs(b)), a);
@@ -175,7 +175,7 @@ class Selection {
         std::fabs(a) > std::fabs(b) ? most(0, a - diagonal) : most(1, b - std::copysign(diagonal, b));
     const double along_diagonal = most((a < 0) == (b < 0) ? 2 : 3, diagonal);
     const auto steepest = [&](size_t k) {
-      return std::max(std::fabs(part.least_rise_m[k]), std::fabs(part.largest_rise_m[k])) / axes.spacing[int(k)];
+      return std::max(std::fabs(part.min_rise_m[k]), std::fabs(part.largest_rise_m[k])) / axes.spacing[int(k)];
     };
     // From elsewhere in the spread v differs, and the bend turns the axes.
     const double slopes = steepest(0) * steepest(0) + steepest(1) * steepest(1);
@@ -193,7 +193,7 @@ class Selection {
                            frame_.toScene(LatticePosition{x + 1, y, height_m}));
     };
     const double south = spacingAt(g.box.low.y), north = spacingAt(g.box.high.y);
-    return g.radius / frame_.frame().leastRadius() + std::fabs(std::log(std::max(south, 1e-9) / std::max(north, 1e-9)));
+    return g.radius / frame_.frame().minRadius() + std::fabs(std::log(std::max(south, 1e-9) / std::max(north, 1e-9)));
   }
 
   // How much larger things are on a plane screen at an angle from its middle, at the tile's visible point where that is
@@ -265,8 +265,8 @@ class PartSearch {
   };
   // False if the part is small, hidden or out of view.
   bool add(uint8_t level, const Selection::Ground& ground, const TilePart& part, double enough_px) {
-    const double most_px = selection_.mostTexelSize(level, ground);
-    const auto size_px = most_px <= enough_px ? most_px : selection_.texelSize(level, ground, part);
+    const double max_px = selection_.maxTexelSize(level, ground);
+    const auto size_px = max_px <= enough_px ? max_px : selection_.texelSize(level, ground, part);
     if (!size_px) return false;
     if (*size_px <= enough_px) {
       small_px_ = std::max(small_px_, *size_px);

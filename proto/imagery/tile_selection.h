@@ -51,7 +51,7 @@ struct TilePart {
   float lowest_m = 0, highest_m = 0;
   // By how much the ground rises at least and at most, metres a sample: along x, along y, along x and y, along x and
   // against y.
-  std::array<float, 4> least_rise_m{}, largest_rise_m{};
+  std::array<float, 4> min_rise_m{}, largest_rise_m{};
   // Of use to whoever made it.
   uint32_t level = 0, i = 0, j = 0, splits_left = 0;
 };

@@ -266,8 +266,8 @@ std::optional<KeyframeMessage> getHeaderStep(ByteSpan bytes, KeyframeMemory& mem
 }
 
 bool isSane(const KeyframeHeader& h) {
-  constexpr float kMost = 1e9f;
-  const auto is_size = [](float v) { return v >= 0 && v <= kMost; };
+  constexpr float kMax = 1e9f;
+  const auto is_size = [](float v) { return v >= 0 && v <= kMax; };
   return h.base_index < h.index && isUsable(h.pose) && isUsable(h.lens) && is_size(h.tau_px) && h.tau_px > 0 &&
          is_size(h.region_radius_m) && is_size(h.region_angle_rad) && isNear(h.time);
 }

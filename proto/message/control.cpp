@@ -105,7 +105,7 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
        out.longest_interval > Duration::milliseconds(10'000)))
     return malformed("the longest keyframe interval must be from the shortest to 10000 ms, or 0 for a fixed one");
   out.order = std::max<uint32_t>(m.order(), 1);
-  if (out.order > kMostOrder) return malformed("the order of the blend must be 1 to 3");
+  if (out.order > kMaxOrder) return malformed("the order of the blend must be 1 to 3");
   if (out.order > 1 && out.longest_interval != Duration{})
     return malformed("keyframes that adapt are blended two at a time: an order above 1 needs a fixed interval");
   return ClientControl(out);
@@ -137,8 +137,8 @@ Result<ClientControl> read(const fb::GroundRequest& m) {
 
 Result<ClientControl> read(const fb::SceneClock& m) {
   const SceneClock clock{Time{m.at_us()}, Time{m.scene_time_us()}, m.rate()};
-  const auto isAbsurd = [](Time t) { return t.us < -Epochs::kMostTime_us || t.us > Epochs::kMostTime_us; };
-  if (isAbsurd(clock.at) || isAbsurd(clock.scene_time) || !(std::abs(clock.rate) <= SceneClock::kMostRate))
+  const auto isAbsurd = [](Time t) { return t.us < -Epochs::kMaxTime_us || t.us > Epochs::kMaxTime_us; };
+  if (isAbsurd(clock.at) || isAbsurd(clock.scene_time) || !(std::abs(clock.rate) <= SceneClock::kMaxRate))
     return malformed("a scene clock's time or rate is absurd");
   return ClientControl(clock);
 }
@@ -146,7 +146,7 @@ Result<ClientControl> read(const fb::SceneClock& m) {
 Result<ClientControl> read(const fb::HeldTiles& m) {
   HeldTiles out;
   if (!m.tiles()) return ClientControl(std::move(out));
-  if (m.tiles()->size() > kMostTilesHeld) return malformed("more tiles are held than may be");
+  if (m.tiles()->size() > kMaxTilesHeld) return malformed("more tiles are held than may be");
   for (const uint64_t key : *m.tiles()) {
     out.tiles.push_back(TileId::of(key));
     if (out.tiles.back().layer >= kMaxTileLayers || out.tiles.back().level >= kMaxTileLevels)

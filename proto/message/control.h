@@ -27,7 +27,7 @@ inline constexpr uint32_t kProtocolVersion = 13;
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
 inline constexpr size_t kMaxGroundPoints = 65'536;
-inline constexpr uint32_t kMostOrder = 3;
+inline constexpr uint32_t kMaxOrder = 3;
 
 // P section 4; DESIGN section 4.
 enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
@@ -67,7 +67,7 @@ struct ViewRequest {
   bool relief = false, imagery = false;
   uint32_t tile_bytes = kDefaultTileBytes;
   // A frame blends one keyframe more, so a keyframe is shown, in part, for order + 1 intervals around its time, and its
-  // region holds for that. 1 to kMostOrder; above 1 keyframes do not adapt.
+  // region holds for that. 1 to kMaxOrder; above 1 keyframes do not adapt.
   uint32_t order = 1;
 
   bool wants(TileContent content) const { return content == TileContent::kRelief ? relief : imagery; }
@@ -75,7 +75,7 @@ struct ViewRequest {
 
 // The tiles that a client holds from an earlier connection, the oldest first. Follows the first request.
 struct HeldTiles {
-  std::vector<TileId> tiles;  // at most kMostTilesHeld
+  std::vector<TileId> tiles;  // at most kMaxTilesHeld
 };
 
 struct TourRequest {
@@ -108,7 +108,7 @@ struct Welcome {
   std::vector<Epoch> epochs;             // what Epochs::create accepts; empty: the scene does not change in time
   EpochBlend epoch_blend = EpochBlend::kLinear;
   std::vector<BaseOffset> base_offsets;  // those that are not zero
-  uint32_t most_offset = 0;              // the largest either way, of all vertices and epochs; at most kMaxOffset
+  uint32_t max_offset = 0;               // the largest either way, of all vertices and epochs; at most kMaxOffset
   std::vector<TileLayer> tile_layers;    // at most one of each content
   uint32_t tile_bytes = 0;               // that the client holds, at most what it asked for
 };

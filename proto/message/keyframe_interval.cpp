@@ -12,7 +12,7 @@ std::optional<Duration> millisecondsFrom(std::string_view text) {
   int64_t ms = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ms);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  if (ms < KeyframeInterval::kLeast.us / 1000 || ms > KeyframeInterval::kMost.us / 1000) return std::nullopt;
+  if (ms < KeyframeInterval::kMin.us / 1000 || ms > KeyframeInterval::kMax.us / 1000) return std::nullopt;
   return Duration::milliseconds(ms);
 }
 

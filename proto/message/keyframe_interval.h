@@ -11,7 +11,7 @@
 namespace foreland::proto {
 
 struct KeyframeInterval {
-  static constexpr Duration kLeast = Duration::milliseconds(20), kMost = Duration::milliseconds(10'000);
+  static constexpr Duration kMin = Duration::milliseconds(20), kMax = Duration::milliseconds(10'000);
 
   Duration shortest = Duration::milliseconds(200);  // and the only one, unless `longest` is larger
   Duration longest{};                               // 0: the interval is fixed

@@ -81,11 +81,11 @@ Result<ObjectModel> modelOf(const fb::Model& m) {
   model.quantum_m = m.quantum_m();
   model.atlas_side = m.atlas_side();
   if (m.pose_epochs()) {
-    if (m.pose_epochs()->size() > kMostPoses) return malformed("a model has too many poses");
+    if (m.pose_epochs()->size() > kMaxPoses) return malformed("a model has too many poses");
     model.pose_epochs.assign(m.pose_epochs()->begin(), m.pose_epochs()->end());
   }
   if (m.base_moves()) {
-    if (m.base_moves()->size() % 3 != 0 || m.base_moves()->size() > kMostPoses * m.base()->size())
+    if (m.base_moves()->size() % 3 != 0 || m.base_moves()->size() > kMaxPoses * m.base()->size())
       return malformed("the moves of a model's base vertices are not in threes, or too many");
     for (uint32_t i = 0; i < m.base_moves()->size(); i += 3)
       model.base_moves.emplace_back(m.base_moves()->Get(i), m.base_moves()->Get(i + 1), m.base_moves()->Get(i + 2));
@@ -122,7 +122,7 @@ Status readObjects(const fb::Welcome& m, Welcome& out) {
 
 Status readEpochs(const fb::Welcome& m, Welcome& out) {
   if (m.epochs()) {
-    if (m.epochs()->size() > Epochs::kMost) return malformed("too many epochs");
+    if (m.epochs()->size() > Epochs::kMax) return malformed("too many epochs");
     for (size_t i = 0; i < m.epochs()->size(); ++i) {
       const fb::Epoch e = structAt(*m.epochs(), i);
       out.epochs.push_back({Time{e.time_us()}, {e.x(), e.y(), e.width(), e.height()}});
@@ -132,8 +132,8 @@ Status readEpochs(const fb::Welcome& m, Welcome& out) {
   if (!blend) return malformed("its epochs are blended in an unknown way; reload or update");
   out.epoch_blend = *blend;
   if (auto epochs = Epochs::create(out.shape, out.epochs, *blend); !epochs) return epochs.error();
-  out.most_offset = m.most_offset();
-  if (out.most_offset > uint32_t{kMaxOffset}) return malformed("the largest offset is absurd");
+  out.max_offset = m.max_offset();
+  if (out.max_offset > uint32_t{kMaxOffset}) return malformed("the largest offset is absurd");
   if (!m.base_offsets()) return {};
   const size_t vertices = out.corner_heights.size() + out.centre_heights.size();
   if (m.base_offsets()->size() > vertices * out.epochs.size()) return malformed("too many offsets of base vertices");
@@ -291,7 +291,7 @@ Bytes encode(const Welcome& m) {
   const auto body = fb::CreateWelcome(b, kProtocolVersion, m.scene_id, title, crs, frame, shape, m.lowest, m.highest,
                                       corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,
                                       objects, m.occlusion, m.memory_bytes, epochs, base_offsets, layers, m.tile_bytes,
-                                      static_cast<uint32_t>(m.longest_interval.us), m.most_offset, object_rises,
+                                      static_cast<uint32_t>(m.longest_interval.us), m.max_offset, object_rises,
                                       static_cast<uint32_t>(m.epoch_blend));
   return finish(b, fb::Body_Welcome, body.Union());
 }

@@ -17,7 +17,7 @@ bool arePageMates(Slot a, Slot b) { return a / kPageSlots == b / kPageSlots; }
 // Unbounded if the views cannot be compared.
 template <class Tester>
 MotionBound Adapter<Tester>::motionBoundTo(const View& view) const {
-  if (last_ && last_->lens == view.lens && steps_ % kMostSteps != 0) return domain_->motionBound(*last_, view);
+  if (last_ && last_->lens == view.lens && steps_ % kMaxSteps != 0) return domain_->motionBound(*last_, view);
   return MotionBound::unbounded();
 }
 

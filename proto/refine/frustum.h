@@ -58,7 +58,7 @@ class Frustum {
     const double distance = std::sqrt(centre.x * centre.x + centre.y * centre.y + centre.z * centre.z);
     return std::max((distance - radius) * cos_corner_, nearest_);
   }
-  [[gnu::always_inline]] double leastDepth(const ViewPosition& centre, double radius) const {
+  [[gnu::always_inline]] double minDepth(const ViewPosition& centre, double radius) const {
     return std::max(axisDepth(centre, radius), cornerDepth(centre, radius));
   }
   // The largest distance of the sphere's centre from the axis while it is in front of the camera.

@@ -10,7 +10,7 @@ Metric::Metric(const View& view, bool vertical_errors)
       region_radius_(view.region_radius_m) {}
 
 int Metric::leastPassing(const NodePosition& p, double radius_m) const {
-  const double guess_m = leastError(p, radius_m);
+  const double guess_m = minError(p, radius_m);
   if (guess_m == std::numeric_limits<double>::infinity()) return 256;
   int c = QuantisedError::roundUp(std::min(guess_m, 1e9)).value;  // the loops below make it exact
   const auto passesAt = [&](int k) { return passes(p, radius_m, QuantisedError{static_cast<uint8_t>(k)}.metres()); };

@@ -42,7 +42,7 @@ class Metric {
   const glm::dvec3& eye() const { return eye_; }
 
   [[gnu::always_inline]] bool passes(const NodePosition& p, double radius_m, double error_m) const {
-    const double R = radius_m + region_radius_, z = frustum_.leastDepth(p, R), K = error_m * focal_over_tau_;
+    const double R = radius_m + region_radius_, z = frustum_.minDepth(p, R), K = error_m * focal_over_tau_;
     const bool is_visible = (K * frustum_.inverseCosCorner() > z) & (K * (p.horizontal + R + any_direction_) > z * z);
     return is_visible & (frustum_.sideDistance(p) + R >= 0);
   }
@@ -51,8 +51,8 @@ class Metric {
   int leastPassing(const NodePosition& p, double radius_m) const;
 
   // The least error that passes, up to rounding, metres; infinite if none does.
-  [[gnu::always_inline]] double leastError(const NodePosition& p, double radius_m) const {
-    const double R = radius_m + region_radius_, z = frustum_.leastDepth(p, R);
+  [[gnu::always_inline]] double minError(const NodePosition& p, double radius_m) const {
+    const double R = radius_m + region_radius_, z = frustum_.minDepth(p, R);
     const double any = z * frustum_.cosCorner(), vertical = z * z / (p.horizontal + R + any_direction_);
     const double least = std::max(any, vertical) / focal_over_tau_;
     return frustum_.sideDistance(p) + R >= 0 ? least : std::numeric_limits<double>::infinity();
@@ -66,7 +66,7 @@ class Metric {
     double side_margin;     // positive if the sphere meets the frustum, by how far it reaches in
   };
   [[gnu::always_inline]] Terms terms(const NodePosition& p, double radius_m, double error_m) const {
-    const double R = radius_m + region_radius_, z = frustum_.leastDepth(p, R), K = error_m * focal_over_tau_;
+    const double R = radius_m + region_radius_, z = frustum_.minDepth(p, R), K = error_m * focal_over_tau_;
     return {R,
             z,
             K,

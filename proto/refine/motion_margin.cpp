@@ -11,7 +11,7 @@ MotionMargin::MotionMargin(const Metric& metric) : metric_(metric) {
   ahead_ = {glm::dot(frustum.right(), level_), glm::dot(frustum.up(), level_), glm::dot(frustum.forward(), level_)};
   sinking_ = std::max(0.0, glm::length(level_) * frustum.cosAngle() - frustum.sinAngle());
   per_sinking2_ = 1 / (sinking_ * sinking_ + 1e-300);
-  least_vertical_margin_ = metric.hasVerticalErrors() ? -std::numeric_limits<double>::infinity() : Metric::kEndless_m;
+  min_vertical_margin_ = metric.hasVerticalErrors() ? -std::numeric_limits<double>::infinity() : Metric::kEndless_m;
 }
 
 // The eye moves first, then turns. Moving by t changes depth by exactly -t.z and side distances by -t.n; turning moves
@@ -37,7 +37,7 @@ MotionBound MotionMargin::motionBoundTo(const View& from, const View& next) cons
     motion.set(static_cast<size_t>(sensitivity), fixed, per_distance);
   };
   set(Sensitivity::kMotion, moved + region, turned + scaled);
-  const double least = kLeastCharge * moved;
+  const double least = kMinCharge * moved;
   set(Sensitivity::kTowardsSidePlane, std::max(least, frustum.sideApproach(seen, moved)) + region, turned);
   set(Sensitivity::kApproach,
       std::max({least, nearer, ahead * level}) + kStray * (std::max(0.0, nearer - ahead) + aside + region),

@@ -9,7 +9,7 @@
 //   kTowardsSidePlane  fails because the node lies beside the frustum: stands until a side plane nears it by the margin
 //   kApproach          fails because the error would not be seen: stands until the approach towards the node plus kStray
 //                      times any other motion reaches the margin
-//                      Both take kLeastCharge of any motion, else the camera might fly away from the node for nothing,
+//                      Both take kMinCharge of any motion, else the camera might fly away from the node for nothing,
 //                      and turns, charged by the distance (MotionConstraint), would be charged too little afterwards.
 //   kAdvance           passes: stands until the motion ahead, up and down plus kAdvanceStray times any other motion and
 //                      the growth of depth reaches the margin
@@ -54,7 +54,7 @@ class MotionMargin {
 
   const Metric& metric() const { return metric_; }
 
-  static constexpr double kStray = 3, kAdvanceStray = 12, kLeastCharge = 0.25;
+  static constexpr double kStray = 3, kAdvanceStray = 12, kMinCharge = 0.25;
 
   // Which motion the result of metric.passes() with the same arguments is sensitive to, and how much of it is safe.
   [[gnu::always_inline]] TestResult testResult(const NodePosition& p, double radius_m, double error_m,
@@ -65,7 +65,7 @@ class MotionMargin {
     // s^2 + b s - c = 0 if passed (c > 0), s^2 - b s - c = 0 if not: the smaller root's size is the same expression.
     const double b = 2 * z + K, c = K * (p.horizontal + n.R) - z * z;
     const double vertical_margin =
-        std::max(2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))), least_vertical_margin_);
+        std::max(2 * c / (b + std::sqrt(std::max(0.0, b * b + 4 * c))), min_vertical_margin_);
     const double visible_margin = std::min(n.any_margin, vertical_margin);
 
     const double motion_margin = passed ? std::min(visible_margin, n.side_margin) : -visible_margin;
@@ -91,9 +91,9 @@ class MotionMargin {
   }
 
   // How much farther away the node can be while the slack of such a result lasts, at most.
-  [[gnu::always_inline]] static double mostGrowthOfDistance(Sensitivity sensitivity, double slack) {
+  [[gnu::always_inline]] static double maxGrowthOfDistance(Sensitivity sensitivity, double slack) {
     const bool goes_free = sensitivity == Sensitivity::kTowardsSidePlane || sensitivity == Sensitivity::kApproach;
-    return goes_free ? slack / kLeastCharge : slack;
+    return goes_free ? slack / kMinCharge : slack;
   }
 
   // The motion from the view of this metric to `next`, which has the same lens and kind of error.
@@ -117,7 +117,7 @@ class MotionMargin {
     const double z1 = frustum.axisDepth(p, n.R), z2 = frustum.cornerDepth(p, n.R), per_K = 1 / (n.K + 1e-300);
     const double by_axis = std::max((n.vertical_reach - z1 * z1) * per_K, (2 * z1 * sinking_ - n.K) * per_sinking2_);
     const double by_corner = std::min((n.vertical_reach - z2 * z2) * per_K, std::sqrt(n.vertical_reach) - z2);
-    return std::min(std::max(least_vertical_margin_, std::min(by_axis, by_corner)),
+    return std::min(std::max(min_vertical_margin_, std::min(by_axis, by_corner)),
                     n.K * frustum.inverseCosCorner() - z2);
   }
 
@@ -126,7 +126,7 @@ class MotionMargin {
   glm::dvec3 ahead_;  // the same in view coordinates
   double sinking_;    // the least that going ahead by one takes off the axis depth, however the camera turns
   double per_sinking2_;
-  double least_vertical_margin_;  // -infinite for vertical errors; endless for others, which have no such condition
+  double min_vertical_margin_;  // -infinite for vertical errors; endless for others, which have no such condition
 };
 
 }  // namespace foreland::proto

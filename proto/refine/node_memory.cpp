@@ -20,13 +20,13 @@ void reserveMore(Bytes& v, size_t more) {
 void NodeMemory::keep(Slot first, const PageKnowledge& knowledge) {
   if (budget_ == 0) return;
   const uint32_t key = first / kPageSlots;
-  static_assert((uint64_t{kMostKey} + 1) * kPageSlots == uint64_t{1} << 32);
+  static_assert((uint64_t{kMaxKey} + 1) * kPageSlots == uint64_t{1} << 32);
   if (4 * (count_ + 1) > 3 * cells_.size()) makeCells(kFewCells + cells_.size() + cells_.size() / 4);
   const size_t cell = cellOf(key);
   CHECK_EQ(cells_[cell], kNowhere);
 
   const size_t begin = log_.size();
-  reserveMore(log_, kHead + kMostPackedBytes);
+  reserveMore(log_, kHead + kMaxPackedBytes);
   for (const uint32_t byte : {0u, key, key >> 8, key >> 16}) log_.push_back(static_cast<uint8_t>(byte));
   packPage(knowledge, log_);
   log_[begin] = static_cast<uint8_t>(log_.size() - begin - kHead);

@@ -64,7 +64,7 @@ class NodeMemory {
   };
   // Before what is packed: how many bytes of it follow, and the key.
   static constexpr size_t kHead = 4;
-  static constexpr uint32_t kMostKey = (1u << 24) - 1;
+  static constexpr uint32_t kMaxKey = (1u << 24) - 1;
 
   Entry entryAt(Place place) const;
   std::optional<Entry> entryOf(Slot slot) const;

@@ -40,7 +40,7 @@ struct KnownPage {
 // are written by bytes, in that of four prefix codes which makes them shortest; the codes were fitted to flights
 // (docs/decisions/0057-packed-memory.md). Below a microsecond.
 void packPage(const PageKnowledge& page, Bytes& out);
-inline constexpr size_t kMostPackedBytes = 67;
+inline constexpr size_t kMaxPackedBytes = 67;
 // The inverse. `packed` is what packPage() wrote; what follows is not read.
 PageKnowledge unpackPage(ByteSpan packed);
 // Of a packed page, without unpacking it: PageKnowledge::radius and knowsAnyOf64().

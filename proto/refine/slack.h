@@ -8,6 +8,6 @@ namespace foreland::proto {
 // A step rounds a slack by at most 2^-24 of it. Slacks are kept 2^-9 short, and all entries are tested anew before 2^15
 // steps can use that up.
 inline constexpr double kSlackShare = 1 - 0x1p-9;
-inline constexpr uint32_t kMostSteps = 1u << 15;
+inline constexpr uint32_t kMaxSteps = 1u << 15;
 
 }  // namespace foreland::proto

@@ -59,7 +59,7 @@ class SurfaceMetric {
         silhouette_(std::min(view.tau_px, test.interior_px) / view.lens.focalPx()),
         interior_(test.interior_px / view.lens.focalPx()),
         region_radius_(view.region_radius_m),
-        least_front_(test.is_closed ? 0 : -std::numeric_limits<double>::infinity()),
+        min_front_(test.is_closed ? 0 : -std::numeric_limits<double>::infinity()),
         end_on_(test.shape == ErrorShape::kSpheroid ? 1 : 0) {}
 
   [[gnu::always_inline]] bool passes(const SurfaceBounds& n) const {
@@ -68,7 +68,7 @@ class SurfaceMetric {
     const bool is_silhouette = (f.front > 0) & (f.back > 0);
     const double tolerance = is_silhouette ? silhouette_ : interior_;
     const bool is_visible = (s.B > tolerance * s.z * s.z) & (s.longest * frustum_.inverseCosCorner() > tolerance * s.z);
-    return is_visible & (f.front > least_front_) & (s.side_margin >= 0);
+    return is_visible & (f.front > min_front_) & (s.side_margin >= 0);
   }
 
   struct TestResult {
@@ -82,7 +82,7 @@ class SurfaceMetric {
     // hold by the least of their margins, any of them by the largest.
     const double as_silhouette = std::min(visibleMargin(s, silhouette_), std::min(f.front, f.back));
     const double visible = std::max(visibleMargin(s, interior_), as_silhouette);
-    const double margin = std::min(std::min(visible, f.front - least_front_), s.side_margin);
+    const double margin = std::min(std::min(visible, f.front - min_front_), s.side_margin);
     return {passes(n), std::fabs(margin)};
   }
 
@@ -128,7 +128,7 @@ class SurfaceMetric {
     Seen s;
     s.g = -(n.normal_x * x + n.normal_y * y + n.normal_z * z);
     s.h = std::sqrt(std::max(0.0, d2 - s.g * s.g));
-    s.z = frustum_.leastDepth(position, R);
+    s.z = frustum_.minDepth(position, R);
     s.longest = std::max(n.along, n.across);
     const double offset = frustum_.largestOffset(position) + R;
     s.B = std::min(errorAcross(n, s.g, s.h, std::sqrt(d2)) + s.longest * R,
@@ -159,8 +159,8 @@ class SurfaceMetric {
   glm::dvec3 eye_;
   double silhouette_, interior_;  // as shares of the focal length
   double region_radius_;
-  double least_front_;  // 0, or no bound for surfaces of which both sides are seen
-  double end_on_;       // 1 if the shape seen along its normal has an extent of its own: 0 for Hoppe's
+  double min_front_;  // 0, or no bound for surfaces of which both sides are seen
+  double end_on_;     // 1 if the shape seen along its normal has an extent of its own: 0 for Hoppe's
 };
 
 }  // namespace foreland::proto

@@ -53,7 +53,7 @@ struct TerrainBatch::Loops {
     const size_t n = b.count;
     for (size_t i = 0; i < n; ++i) {
       const NodePosition p = b.position(i);
-      const double r = b.radius[i], error_m = m.leastError(p, r);
+      const double r = b.radius[i], error_m = m.minError(p, r);
       const bool any = error_m < std::numeric_limits<double>::infinity();
       const int32_t guess = QuantisedError::roundUpFast(static_cast<float>(std::clamp(error_m, 0x1p-23, 0x1p80)));
       const uint8_t passes_it = m.passes(p, r, QuantisedError::metresFast(guess)),
@@ -76,7 +76,7 @@ struct TerrainBatch::Loops {
       b.slack[i] = static_cast<float>(safe);
       b.constraint[i] = MotionConstraint::of(
           static_cast<uint32_t>(result.sensitivity),
-          static_cast<float>(distance + MotionMargin::mostGrowthOfDistance(result.sensitivity, safe)));
+          static_cast<float>(distance + MotionMargin::maxGrowthOfDistance(result.sensitivity, safe)));
     }
   }
 

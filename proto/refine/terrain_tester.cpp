@@ -4,7 +4,7 @@ namespace foreland::proto {
 
 namespace {
 
-constexpr QuantisedError kLeastError{1}, kAnyError{255};
+constexpr QuantisedError kMinError{1}, kAnyError{255};
 
 }  // namespace
 
@@ -21,8 +21,8 @@ void TerrainTester::setBounds(std::span<const AdaptCandidate> candidates, const 
     const AdaptCandidate& c = candidates[i];
     if (c.is_settled)
       batch_.bound[i] = batch_.recorded[i];
-    else if (c.is_in_section && batch_.bound[i] == kLeastError)
-      batch_.bound[i] = std::max(kLeastError, nodes.page(c.page).knowledge.finest);
+    else if (c.is_in_section && batch_.bound[i] == kMinError)
+      batch_.bound[i] = std::max(kMinError, nodes.page(c.page).knowledge.finest);
   }
 }
 

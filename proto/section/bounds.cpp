@@ -43,8 +43,8 @@ SphereLevels::SphereLevels(const GridTopology& grid, const Frame& frame) {
 QuantisedRadius SphereLevels::roundUp(int level, double radius_m) const {
   const double factor = radius_m / static_cast<double>(flat_m_[static_cast<size_t>(level)]);
   int c = factor <= 1 ? 0 : (bounds_detail::eighthsAbove(bounds_detail::floatAbove(factor)) + 1) / 2;
-  c = std::clamp(c, 0, QuantisedRadius::kMost);
-  while (c < QuantisedRadius::kMost && static_cast<double>(this->radius(level, {static_cast<uint8_t>(c)})) < radius_m)
+  c = std::clamp(c, 0, QuantisedRadius::kMax);
+  while (c < QuantisedRadius::kMax && static_cast<double>(this->radius(level, {static_cast<uint8_t>(c)})) < radius_m)
     ++c;
   return {static_cast<uint8_t>(c)};
 }

@@ -85,18 +85,18 @@ struct QuantisedError {
 // A sphere's radius as a multiple of what it would be on level ground: 2^(value/4). Level ground nests exactly, and so
 // does any even slope, so rounding up does not add up from level to level.
 struct QuantisedRadius {
-  static constexpr int kMost = 127;
+  static constexpr int kMax = 127;
 
   uint8_t value = 0;
   float factor() const { return table()[value]; }
   auto operator<=>(const QuantisedRadius&) const = default;
 
  private:
-  // Of any byte: a damaged file may hold more than kMost.
+  // Of any byte: a damaged file may hold more than kMax.
   static const std::array<float, 256>& table() {
     static constexpr std::array<float, 256> kTable = [] {
       std::array<float, 256> t{};
-      for (int i = 0; i < 256; ++i) t[static_cast<size_t>(i)] = bounds_detail::power(2 * (i < kMost ? i : kMost));
+      for (int i = 0; i < 256; ++i) t[static_cast<size_t>(i)] = bounds_detail::power(2 * (i < kMax ? i : kMax));
       return t;
     }();
     return kTable;

@@ -61,11 +61,11 @@ Result<Epochs> Epochs::create(const GridShape& shape, std::vector<Epoch> epochs,
   const auto malformed = [](size_t i, const char* what) {
     return Error{ErrorCode::kMalformed, "epoch " + std::to_string(i + 1) + " " + what};
   };
-  if (epochs.size() > kMost) return Error{ErrorCode::kLimit, "a scene has at most 1024 epochs"};
+  if (epochs.size() > kMax) return Error{ErrorCode::kLimit, "a scene has at most 1024 epochs"};
   for (size_t i = 0; i < epochs.size(); ++i) {
     const Epoch& epoch = epochs[i];
     const LatticeWindow& w = epoch.moved;
-    if (epoch.time.us < -kMostTime_us || epoch.time.us > kMostTime_us) return malformed(i, "has an absurd date");
+    if (epoch.time.us < -kMaxTime_us || epoch.time.us > kMaxTime_us) return malformed(i, "has an absurd date");
     if (i > 0 && epoch.time <= epochs[i - 1].time) return malformed(i, "is not later than the one before it");
     if (uint64_t{w.x} + w.width > shape.samples_x || uint64_t{w.y} + w.height > shape.samples_y)
       return malformed(i, "reaches beyond the data");

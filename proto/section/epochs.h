@@ -113,8 +113,8 @@ struct EpochCurve {
 
 class Epochs {
  public:
-  static constexpr size_t kMost = 1024;
-  static constexpr int64_t kMostTime_us = int64_t{1} << 61;  // either way; 73,000 years
+  static constexpr size_t kMax = 1024;
+  static constexpr int64_t kMaxTime_us = int64_t{1} << 61;  // either way; 73,000 years
 
   // Of a scene that does not change.
   Epochs() = default;
@@ -173,7 +173,7 @@ class OffsetSource {
 // How scene time goes: it is `scene_time` until the client's time `at`, and goes on from there at `rate` scene seconds
 // a second.
 struct SceneClock {
-  static constexpr double kMostRate = 1e12;
+  static constexpr double kMaxRate = 1e12;
 
   Time at;
   Time scene_time;

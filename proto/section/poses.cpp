@@ -10,8 +10,8 @@ namespace foreland::proto {
 Result<PoseBlend> PoseBlend::create(const Epochs& scene, std::span<const uint32_t> epochs) {
   const auto refuse = [](const std::string& what) { return Error{ErrorCode::kMalformed, what}; };
   if (epochs.empty()) return PoseBlend();
-  if (epochs.size() < 2 || epochs.size() > kMostPoses)
-    return refuse(std::to_string(epochs.size()) + " poses; a model has 2 to " + std::to_string(kMostPoses));
+  if (epochs.size() < 2 || epochs.size() > kMaxPoses)
+    return refuse(std::to_string(epochs.size()) + " poses; a model has 2 to " + std::to_string(kMaxPoses));
   if (std::ranges::adjacent_find(epochs, std::greater_equal<>()) != epochs.end() || epochs.back() >= scene.size())
     return refuse("poses of no epochs, or out of order");
   if (scene.blend() == EpochBlend::kCatmullRom)

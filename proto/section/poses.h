@@ -20,13 +20,13 @@
 
 namespace foreland::proto {
 
-inline constexpr size_t kMostPoses = 64;
+inline constexpr size_t kMaxPoses = 64;
 
 class PoseBlend {
  public:
   // Of a model that has one pose and does not change.
   PoseBlend() = default;
-  // `epochs` of the poses, ascending. An Error if they are one, more than kMostPoses, out of order or none of the
+  // `epochs` of the poses, ascending. An Error if they are one, more than kMaxPoses, out of order or none of the
   // scene's, or if the scene's blend may overshoot, which the bounds of a model do not allow for.
   static Result<PoseBlend> create(const Epochs& scene, std::span<const uint32_t> epochs);
 

@@ -49,7 +49,7 @@ struct Frame {
   Geodetic origin;
 
   // Geographic: the radius of curvature, at least, of level surfaces down to 20 km below the ellipsoid; metres.
-  double leastRadius() const { return semi_major_m * (1 - flattening) * (1 - flattening) - 20e3; }
+  double minRadius() const { return semi_major_m * (1 - flattening) * (1 - flattening) - 20e3; }
 
   // Finite, non-degenerate, right-handed; latitude within the poles for any lattice position up to (max_x, max_y).
   Status validate(double max_x, double max_y) const;

@@ -14,7 +14,7 @@ namespace foreland::proto {
 inline constexpr double kFastestMotion_m = 1000, kFastestMotion_heights = 5;
 inline constexpr double kFastestTurn_rad = 20;
 // A smaller turn between two poses is never a jump: it changes little of what is seen.
-inline constexpr double kLeastJump_rad = 0.5;
+inline constexpr double kMinJump_rad = 0.5;
 
 // Whether the camera jumps between two poses, `after` being the later one, at `height_m` above the ground (0 if
 // unknown).
@@ -23,7 +23,7 @@ inline bool isJump(const TimedPose& before, const TimedPose& after, double heigh
   const double turn_rad = angleBetween(before.pose.orientation, after.pose.orientation);
   return glm::distance(before.pose.eye, after.pose.eye) >
              seconds * std::max(kFastestMotion_m, kFastestMotion_heights * height_m) ||
-         turn_rad > std::max(kLeastJump_rad, seconds * kFastestTurn_rad);
+         turn_rad > std::max(kMinJump_rad, seconds * kFastestTurn_rad);
 }
 
 }  // namespace foreland::proto

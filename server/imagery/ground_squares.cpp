@@ -18,7 +18,7 @@ void include(float height_m, GroundSquares::Square& square) {
 void includeRise(float x, float y, GroundSquares::Square& square) {
   const std::array<float, 4> rise{x, y, x + y, x - y};
   for (size_t k = 0; k < rise.size(); ++k) {
-    square.least_rise_m[k] = std::min(square.least_rise_m[k], rise[k]);
+    square.min_rise_m[k] = std::min(square.min_rise_m[k], rise[k]);
     square.largest_rise_m[k] = std::max(square.largest_rise_m[k], rise[k]);
   }
 }
@@ -26,8 +26,8 @@ void includeRise(float x, float y, GroundSquares::Square& square) {
 void include(const GroundSquares::Square& part, GroundSquares::Square& square) {
   include(part.lowest_m, square);
   include(part.highest_m, square);
-  for (size_t k = 0; k < part.least_rise_m.size(); ++k) {
-    square.least_rise_m[k] = std::min(square.least_rise_m[k], part.least_rise_m[k]);
+  for (size_t k = 0; k < part.min_rise_m.size(); ++k) {
+    square.min_rise_m[k] = std::min(square.min_rise_m[k], part.min_rise_m[k]);
     square.largest_rise_m[k] = std::max(square.largest_rise_m[k], part.largest_rise_m[k]);
   }
 }

@@ -18,7 +18,7 @@ class GroundSquares {
   struct Square {
     float lowest_m, highest_m;
     // Metres a sample at least and at most: along x, along y, along x and y, along x and against y.
-    std::array<float, 4> least_rise_m, largest_rise_m;
+    std::array<float, 4> min_rise_m, largest_rise_m;
   };
   uint32_t levels() const { return static_cast<uint32_t>(levels_.size()); }
   // In samples. Square (i, j) is from (i, j) times that to (i + 1, j + 1) times that.

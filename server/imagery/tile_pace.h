@@ -49,7 +49,7 @@ class TilePace {
   std::optional<Time> batch_at_;     // when the last keyframe was given to the transport, until that has sent it
   double batch_bytes_ = 0;           // of it, and of the tiles that followed
   std::optional<double> link_;       // bytes a second that the transport sends, once that is known; at least
-  std::optional<double> least_us_;   // delay, with the offset between the clocks
+  std::optional<double> min_us_;     // delay, with the offset between the clocks
   bool is_measured_ = false;         // a keyframe has arrived
   bool was_full_ = false;            // keyframes have queued
 };

@@ -11,7 +11,7 @@ TileSender::TileSender(const Hierarchy& hierarchy, std::shared_ptr<const SceneGr
     : table_(hierarchy.scene().tiles()),
       frame_(hierarchy.scene().frame()),
       held_(held_bytes),
-      most_needed_bytes_(held_bytes / 2) {
+      max_needed_bytes_(held_bytes / 2) {
   if (ground) ground_.emplace(table_.layers(), std::move(ground), held_);
 }
 
@@ -36,7 +36,7 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std:
     for (size_t at = 0; at < layers.size(); ++at) {
       const auto layer = static_cast<uint8_t>(at);
       if (!request.wants(layers[layer].content)) continue;
-      select(targets[i], layer, kTexel_px, kMostSelected);
+      select(targets[i], layer, kTexel_px, kMaxSelected);
       if (i == 0) state(layer);
       queueSelected([](const proto::SelectedTile&) { return true; });
     }
@@ -52,7 +52,7 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std:
   for (size_t at = 0; at < layers.size(); ++at) {
     const auto layer = static_cast<uint8_t>(at);
     if (layers[layer].content != proto::TileContent::kImagery || !request.wants(layers[layer].content)) continue;
-    select(targets.back(), layer, kFinestTexel_px, kMostFiner);
+    select(targets.back(), layer, kFinestTexel_px, kMaxFiner);
     queueSelected([&](const proto::SelectedTile& tile) { return isWorthItsBytes(tile, last.pose); });
   }
 }
@@ -82,7 +82,7 @@ bool TileSender::isViewWhole(const proto::ViewRequest& request) const {
 template <class IsQueued>
 void TileSender::queueSelected(const IsQueued& isQueued) {
   for (const proto::SelectedTile& each : selected_) {
-    if (needed_bytes_ > most_needed_bytes_) return;
+    if (needed_bytes_ > max_needed_bytes_) return;
     if (!isQueued(each) || needed_.contains(each.tile.key())) continue;
     const auto parent = needed_.find(each.tile.parent().key());
     const float texel_px = parent == needed_.end() ? each.texel_px : std::min(each.texel_px, parent->second);
@@ -106,7 +106,7 @@ void TileSender::sortWaiting() {
 // Only if its parent is there, or will be.
 bool TileSender::isWorthItsBytes(const proto::SelectedTile& each, const proto::Pose& from) const {
   const double detail = table_.detail(each.tile),
-               least = kLeastGain * static_cast<double>(table_.bytes(each.tile).size());
+               least = kMinGain * static_cast<double>(table_.bytes(each.tile).size());
   if (detail * detail * each.finer_px * secondsOfUse(each.tile, from) < least) return false;
   const proto::TileId parent = each.tile.parent();
   return held_.has(parent) || needed_.contains(parent.key());

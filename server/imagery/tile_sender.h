@@ -26,9 +26,9 @@ class TileSender {
   static constexpr double kTexel_px = 2;
   // Finer tiles of imagery are sent as well, if they make the picture better by so much a byte while they are expected
   // to be seen: squared error of luminance (1 is black against white), times pixels and seconds.
-  static constexpr double kLeastGain = 2.4e-4;
+  static constexpr double kMinGain = 2.4e-4;
   // Of one view and layer, and with the finer ones.
-  static constexpr size_t kMostSelected = 256, kMostFiner = 512;
+  static constexpr size_t kMaxSelected = 256, kMaxFiner = 512;
   static constexpr uint32_t kWantEvery = 5, kShortFor = 25;  // keyframes
   static constexpr double kFinestTexel_px = 0.5;             // of a parent; finer tiles than its children are of no use
 
@@ -86,7 +86,7 @@ class TileSender {
   const terrain::TileTable& table_;
   proto::FrameTransform frame_;
   proto::TileMemory held_;
-  uint64_t most_needed_bytes_;  // half of what the viewer holds, so that what is needed is not dropped for the rest
+  uint64_t max_needed_bytes_;  // half of what the viewer holds, so that what is needed is not dropped for the rest
   TilePace pace_;
   std::optional<VisibleGround> ground_;
   proto::TileStatement statement_, told_;

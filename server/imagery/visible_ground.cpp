@@ -13,7 +13,7 @@ namespace {
 constexpr double kBin_px = 8;  // width of the horizon's bins
 constexpr size_t kHorizons = 6;
 constexpr double kPartsAcross = 4;  // a tile, at least, before they are split
-constexpr uint32_t kMostSplits = 3;
+constexpr uint32_t kMaxSplits = 3;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ bool VisibleGround::parts(const proto::TileId& tile, std::vector<proto::TilePart
   const glm::uvec2 low(glm::clamp(glm::floor(box.low / side), glm::dvec2(0), last)),
       high(glm::clamp(glm::floor(box.high / side), glm::dvec2(0), last));
   for (uint32_t j = low.y; j <= high.y; ++j)
-    for (uint32_t i = low.x; i <= high.x; ++i) add(box, level, i, j, kMostSplits, out);
+    for (uint32_t i = low.x; i <= high.x; ++i) add(box, level, i, j, kMaxSplits, out);
   return true;
 }
 
@@ -76,7 +76,7 @@ void VisibleGround::add(const proto::LatticeBox& within, uint32_t level, uint32_
   if (!(box.low.x < box.high.x && box.low.y < box.high.y)) return;
   const GroundSquares::Square& square = squares.square(level, i, j);
   out.push_back(
-      {box, square.lowest_m, square.highest_m, square.least_rise_m, square.largest_rise_m, level, i, j, splits_left});
+      {box, square.lowest_m, square.highest_m, square.min_rise_m, square.largest_rise_m, level, i, j, splits_left});
 }
 
 // The part's top is raised by what the tolerance is at its own distance, seen from above as from the side.

@@ -8,7 +8,7 @@ namespace foreland::server {
 
 bool MemoryReturn::isDue(size_t viewers, Time now) {
   most_ = std::max(most_, viewers);
-  if (4 * viewers > 3 * most_ || most_ == 0 || now - last_ < kLeastInterval) return false;
+  if (4 * viewers > 3 * most_ || most_ == 0 || now - last_ < kMinInterval) return false;
   most_ = viewers;
   last_ = now;
   return true;

@@ -10,7 +10,7 @@ namespace foreland::server {
 
 class MemoryReturn {
  public:
-  static constexpr Duration kLeastInterval = Duration::seconds(2);
+  static constexpr Duration kMinInterval = Duration::seconds(2);
 
   // To be asked from time to time. True if so many viewers are fewer by a quarter than there have been since the last
   // time that it was true.

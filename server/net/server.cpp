@@ -38,7 +38,7 @@ namespace {
 std::chrono::microseconds chrono(Duration d) { return std::chrono::microseconds(d.us); }
 
 // Connections beyond max_connections, in which operators alone are answered, and those of their own port.
-constexpr int64_t kReserve = 16, kMostMetricsConnections = 64;
+constexpr int64_t kReserve = 16, kMaxMetricsConnections = 64;
 
 }  // namespace
 
@@ -159,7 +159,7 @@ class Server::Impl {
   }
 
   void admitOperator(tcp::socket socket) {
-    if (metrics_.metrics_connections < kMostMetricsConnections)
+    if (metrics_.metrics_connections < kMaxMetricsConnections)
       serveHttp(std::move(socket), Admission::kMetrics, context_);
   }
 

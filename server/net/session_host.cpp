@@ -43,9 +43,9 @@ SessionHost::SessionHost(std::shared_ptr<const World> world, SessionOptions opti
 
 SessionHost::~SessionHost() = default;
 
-std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t most_nodes) {
+std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t max_nodes) {
   SessionOptions options = options_;
-  if (most_nodes > 0) options.max_section_nodes = std::min(options.max_section_nodes, most_nodes);
+  if (max_nodes > 0) options.max_section_nodes = std::min(options.max_section_nodes, max_nodes);
   return std::make_shared<SessionActor>(*this, options, std::move(outlet));
 }
 

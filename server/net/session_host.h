@@ -48,8 +48,8 @@ class SessionHost {
               Metrics& metrics);
   ~SessionHost();
 
-  // `most_nodes` of its section, at most; 0 for the server's limit.
-  std::shared_ptr<SessionActor> open(Outlet outlet, size_t most_nodes = 0);
+  // `max_nodes` of its section, at most; 0 for the server's limit.
+  std::shared_ptr<SessionActor> open(Outlet outlet, size_t max_nodes = 0);
 
   // Whether the workers are too busy for further viewers. Any thread.
   bool isOverloaded() const { return load_.isOverloaded(clock_()); }

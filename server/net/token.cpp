@@ -18,8 +18,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::string_view kHeader = R"({"alg":"HS256","typ":"JWT"})";
-constexpr size_t kMostBytes = 4096, kLeastSecret = 32, kMostName = 200;
-constexpr size_t kMost = 1'000'000'000;  // of any limit
+constexpr size_t kMaxBytes = 4096, kMinSecret = 32, kMaxName = 200;
+constexpr size_t kMax = 1'000'000'000;  // of any limit
 
 // RFC 4648, section 5, without padding.
 std::string toBase64Url(std::string_view bytes) {
@@ -81,13 +81,13 @@ Result<Token> readClaims(std::string_view payload) {
   const auto bytes = fromBase64Url(payload);
   const Json claims = bytes ? Json::parse(*bytes, nullptr, false) : Json();
   if (!claims.is_object()) return wrong("is malformed");
-  const auto expires = numberIn(claims, "exp", -1, INT64_MAX), viewers = numberIn(claims, "viewers", 0, kMost),
-             nodes = numberIn(claims, "nodes", 0, kMost);
+  const auto expires = numberIn(claims, "exp", -1, INT64_MAX), viewers = numberIn(claims, "viewers", 0, kMax),
+             nodes = numberIn(claims, "nodes", 0, kMax);
   const auto name = claims.find("sub");
   if (!expires || *expires < 0) return wrong("does not say when it expires");
   if (!viewers || !nodes || name == claims.end() || !name->is_string()) return wrong("is malformed");
   Token token{name->get<std::string>(), *expires, static_cast<size_t>(*viewers), static_cast<size_t>(*nodes)};
-  if (token.name.size() > kMostName) return wrong("has too long a name");
+  if (token.name.size() > kMaxName) return wrong("has too long a name");
   return token;
 }
 
@@ -98,10 +98,10 @@ Result<std::string> readTokenSecret(const std::filesystem::path& file) {
   if (!in) return Error{ErrorCode::kNotFound, fmt::format("cannot read the tokens' secret '{}'", file.string())};
   std::string secret{std::istreambuf_iterator<char>(in), {}};
   secret.resize(secret.find_last_not_of(" \t\r\n") + 1);
-  if (secret.size() < kLeastSecret || secret.size() > kMostBytes)
+  if (secret.size() < kMinSecret || secret.size() > kMaxBytes)
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("the tokens' secret '{}' must have {} to {} bytes; make one with: openssl rand -base64 48",
-                             file.string(), kLeastSecret, kMostBytes)};
+                             file.string(), kMinSecret, kMaxBytes)};
   return secret;
 }
 
@@ -114,7 +114,7 @@ std::string signToken(const Token& token, std::string_view secret) {
 }
 
 Result<Token> verifyToken(std::string_view text, std::string_view secret, int64_t now_s) {
-  if (text.size() > kMostBytes) return wrong("is too long");
+  if (text.size() > kMaxBytes) return wrong("is too long");
   const size_t first = text.find('.'), last = text.rfind('.');
   if (first == std::string_view::npos || first == last) return wrong("is malformed");
   if (!isSignedBy(text.substr(0, last), text.substr(last + 1), secret)) return wrong("is not signed by this server");

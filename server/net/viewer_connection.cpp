@@ -22,7 +22,7 @@ constexpr size_t kKeptBufferBytes = 64u << 10;
 constexpr Duration kCloseGrace = Duration::seconds(2);
 constexpr size_t kMaxReasonBytes = 120;  // of a close frame
 // The slowest that a viewer may read what waits for it, over as long as it may be silent.
-constexpr double kLeastBytesPerSecond = 1000;
+constexpr double kMinBytesPerSecond = 1000;
 
 constexpr size_t kMaxLoggedBytes = 300;
 
@@ -65,7 +65,7 @@ void ViewerConnection::countQueues() {
 bool ViewerConnection::drainsTooSlowly(Time now) const {
   const Duration busy = now - busy_since_;
   return is_writing_ && busy > context_.options.idle_timeout &&
-         static_cast<double>(written_since_) < kLeastBytesPerSecond * busy.toSeconds();
+         static_cast<double>(written_since_) < kMinBytesPerSecond * busy.toSeconds();
 }
 
 template <class Work>

@@ -11,10 +11,10 @@ namespace foreland::server {
 namespace {
 
 constexpr double kNearest_m = 1;    // of a block that may be hidden
-constexpr double kMostAside = 0.8;  // wider blocks are too near
+constexpr double kMaxAside = 0.8;   // wider blocks are too near
 constexpr double kWidest = 1.3;     // horizontal distance over distance ahead, at most
 constexpr double kFinest_px = 0.5;  // half of an interval
-constexpr int kFirstHalvings = 2, kMostHalvings = 6;
+constexpr int kFirstHalvings = 2, kMaxHalvings = 6;
 constexpr uint32_t kSquares = proto::BlockId::kSide / 2;  // a side
 constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
@@ -102,7 +102,7 @@ bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& ey
         square.aside_low = std::min(square.aside_low, aside);
         square.aside_high = std::max(square.aside_high, aside);
       }
-      if (square.aside_low < -kMostAside || square.aside_high > kMostAside) return false;
+      if (square.aside_low < -kMaxAside || square.aside_high > kMaxAside) return false;
       squares_.push_back(square);
       ahead_.length_m = std::min(ahead_.length_m, square.nearest);
       low_ = std::min(low_, square.aside_low);
@@ -163,7 +163,7 @@ bool BlockTest::isCovered(double low, double high, int halvings) {
   if (slope == kNothing) return true;
   if (rays_ >= last_ray_) return false;
   if (halvings >= kFirstHalvings && isBlocked(middle, slope + scene_.occluder->steepness() * half)) return true;
-  if (halvings == kMostHalvings || half < finest_) return false;
+  if (halvings == kMaxHalvings || half < finest_) return false;
   const double bare = slopeOver(middle, middle);
   if (bare != kNothing && !isBlocked(middle, bare)) return false;
   return isCovered(low, middle, halvings + 1) && isCovered(middle, high, halvings + 1);

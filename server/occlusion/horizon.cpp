@@ -15,7 +15,7 @@ constexpr double kRounding_m = 0.1;
 
 void Horizon::look(const EyeSweep& eyes, double bin) {
   eyes_ = eyes;
-  bin_ = std::max(bin, HorizonSide::kLeastBin);
+  bin_ = std::max(bin, HorizonSide::kMinBin);
   extent_m_ = glm::length(eyes.way) + 2 * eyes.radius_m;
   eyes_in_grid_ = {grid_.toGrid(glm::dvec2(eyes.eye)), grid_.directionToGrid(glm::dvec2(eyes.way)),
                    eyes.radius_m * grid_.stepsOfMetre(),
@@ -67,14 +67,14 @@ HorizonSide& Horizon::sideTowards(const Square& square) {
 bool Horizon::hides(const Square& square) {
   HorizonSide& side = sideTowards(square);
   const Wedge wedge(square, side, eyes_in_grid_.highest_m);
-  if (wedge.near < HorizonSide::kNearest || wedge.low < -HorizonSide::kMostTangent ||
-      wedge.high >= HorizonSide::kMostTangent)
+  if (wedge.near < HorizonSide::kNearest || wedge.low < -HorizonSide::kMaxTangent ||
+      wedge.high >= HorizonSide::kMaxTangent)
     return false;
   const uint32_t last = side.binOf(wedge.high);
   if (last >= side.binCount()) return false;
   for (uint32_t bin = side.binOf(wedge.low); bin <= last; ++bin) {
     const double slope = wedge.slope(side.tangentOf(bin), side.tangentOf(bin + 1)) * side.slopesOfStep();
-    if (side.slope(bin, wedge.near) < std::max(slope, HorizonSide::kLeastSlope)) return false;
+    if (side.slope(bin, wedge.near) < std::max(slope, HorizonSide::kMinSlope)) return false;
   }
   return true;
 }

@@ -39,7 +39,7 @@ class Horizon {
   explicit Horizon(const HorizonGrid& grid) : grid_(grid) {}
 
   // From these eyes from now on. `bin` is the width of a bin: the tangent of its angle ahead. Narrower ones than
-  // HorizonSide::kLeastBin are made so wide, for a horizon has bins all around, however little of it a lens shows.
+  // HorizonSide::kMinBin are made so wide, for a horizon has bins all around, however little of it a lens shows.
   void look(const EyeSweep& eyes, double bin);
 
   // A square of the lattice, in steps of the grid. All that belongs to it lies below `top_m` and below a plane: metres,

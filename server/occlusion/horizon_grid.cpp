@@ -17,7 +17,7 @@ namespace foreland::server {
 namespace {
 
 constexpr uint32_t kFewestVertices = 17;  // along the shorter side, of a level
-constexpr double kMostBend = 0.6;         // of a square of the size over the radius: an eighth of it upward, and that
+constexpr double kMaxBend = 0.6;          // of a square of the size over the radius: an eighth of it upward, and that
                                           // times the tangent of the latitude sideways, 3.7 at most
 
 class Samples {
@@ -95,13 +95,13 @@ std::vector<LevelHeights> heightsOf(const Samples& samples, uint32_t stride) {
 }
 
 HorizonGrid::Steps stepsOf(const std::vector<LevelHeights>& levels) {
-  constexpr double kMost = std::numeric_limits<uint16_t>::max();
+  constexpr double kMax = std::numeric_limits<uint16_t>::max();
   float least = std::numeric_limits<float>::infinity(), most = -least;
   for (const LevelHeights& level : levels) {
     const auto [low, high] = std::ranges::minmax(level.heights_m);
     least = std::min(least, low), most = std::max(most, high);
   }
-  return {least, std::max(1e-6, (double{most} - least) / kMost)};
+  return {least, std::max(1e-6, (double{most} - least) / kMax)};
 }
 
 // The largest step that is no higher.
@@ -203,7 +203,7 @@ HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::FrameGrid& frame, const g
 // and sideways as parallels do, more towards the poles; lower ground lies farther inward along its vertical.
 HorizonGrid::Bounds HorizonGrid::boundsAbout(const glm::dvec3& low, const glm::dvec3& high) const {
   const glm::dvec2 size(high - low);
-  const double bend_m = kMostBend * glm::dot(size, size) / geographic_->frame().leastRadius();
+  const double bend_m = kMaxBend * glm::dot(size, size) / geographic_->frame().minRadius();
   return {toGrid(glm::dvec2(low) - bend_m), toGrid(glm::dvec2(high) + bend_m), high.z + bend_m};
 }
 

@@ -45,11 +45,11 @@ class HorizonGrid {
     double of(double metres) const { return (metres - lowest_m) / step_m; }
   };
 
-  static constexpr size_t kMostVertices = 8u << 20;
+  static constexpr size_t kMaxVertices = 8u << 20;
   // The hierarchy's frame must be planar. O(samples).
-  explicit HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices = kMostVertices);
+  explicit HorizonGrid(const Hierarchy& hierarchy, size_t max_vertices = kMaxVertices);
   // Of any frame; nullptr if the scene extends too far over the earth. O(samples).
-  static std::shared_ptr<const HorizonGrid> of(const Hierarchy& hierarchy, size_t max_vertices = kMostVertices);
+  static std::shared_ptr<const HorizonGrid> of(const Hierarchy& hierarchy, size_t max_vertices = kMaxVertices);
 
   // Whether the grid's lines are the lattice's.
   static bool supports(const Hierarchy& hierarchy) {

@@ -15,9 +15,9 @@ namespace foreland::server {
 
 class HorizonLine {
  public:
-  static constexpr int kBins = 64, kMostHalo = 64;
+  static constexpr int kBins = 64, kMaxHalo = 64;
   static constexpr float kNone = -1e30f;  // where there is no terrain
-  static constexpr float kMostStep = 1;   // vertices from one border of bins to the next
+  static constexpr float kMaxStep = 1;    // vertices from one border of bins to the next
 
   // Heights of vertices at 0, 1, ..., in steps of any size; eight more may be read beyond them.
   struct Vertices {
@@ -36,7 +36,7 @@ class HorizonLine {
     __builtin_prefetch(vertices.heights + last);
   }
   // The least height in each bin: bin k reaches from the vertex position first + k * step to the next one's. `count`
-  // bins, at most kBins + kMostHalo.
+  // bins, at most kBins + kMaxHalo.
   void findLeast(const Vertices& vertices, float first, float step, int count) {
     sample(vertices, first, step, count + 1);
     for (int k = 0; k < count; ++k) {
@@ -79,7 +79,7 @@ class HorizonLine {
   }
 
  private:
-  static constexpr int kSize = kBins + kMostHalo + 16;
+  static constexpr int kSize = kBins + kMaxHalo + 16;
 
   void lower(int by, int count) {
     for (int k = 0; k < count; ++k) least_[k] = std::min(least_[k], least_[k + by]);

@@ -9,7 +9,7 @@ namespace foreland::server {
 namespace {
 
 constexpr double kLineStep = 0.008;     // between two lines, of their distance
-constexpr double kMostSlope = 2;        // that is kept: metres per metre
+constexpr double kMaxSlope = 2;         // that is kept: metres per metre
 constexpr uint32_t kDistancesLog2 = 4;  // of distances between two powers of two
 
 // Slopes are kept for distances that are evenly spread between powers of two: the first bits of a float are their
@@ -36,8 +36,8 @@ void HorizonSide::look(const HorizonGrid& grid, const HorizonEyes& eyes, uint32_
   reference_ = (way.x > 0 ? begin + way : begin) + glm::dvec2(ball_, 0);
   back_ = (way.x > 0 ? -way : way) - glm::dvec2(ball_, 0);
   depth_ = ball_ - back_.x;
-  slopes_of_step_ = static_cast<float>(std::numeric_limits<int16_t>::max() / (kMostSlope * grid.metresOfStep()));
-  segments_.resize(static_cast<size_t>(std::ceil(2 * kMostTangent / bin / kBins)));
+  slopes_of_step_ = static_cast<float>(std::numeric_limits<int16_t>::max() / (kMaxSlope * grid.metresOfStep()));
+  segments_.resize(static_cast<size_t>(std::ceil(2 * kMaxTangent / bin / kBins)));
   kept_bytes_ = 0;
   for (Segment& segment : segments_) {
     segment.kept.clear();
@@ -57,7 +57,7 @@ void HorizonSide::findLines() {
   uint32_t level = 0;
   for (auto line = static_cast<int64_t>(first);;) {
     while (level < levels.size() &&
-           (static_cast<double>(line) - reference_.x) * bin_ > HorizonLine::kMostStep * (1u << level))
+           (static_cast<double>(line) - reference_.x) * bin_ > HorizonLine::kMaxStep * (1u << level))
       ++level;
     if (level == levels.size()) return;
     const int64_t size = int64_t{1} << level;
@@ -65,7 +65,7 @@ void HorizonSide::findLines() {
     const int64_t number = (sign_ > 0 ? line : -line) >> level;
     if (number < 0 || number >= levels[level].lines[along]) return;
     const double ahead = static_cast<double>(line) - reference_.x;
-    if (ahead * bin_ <= HorizonLine::kMostStep * static_cast<double>(size))
+    if (ahead * bin_ <= HorizonLine::kMaxStep * static_cast<double>(size))
       lines_.push_back({level, static_cast<uint32_t>(number), static_cast<float>(ahead)});
     line += std::max<int64_t>(1, static_cast<int64_t>(kLineStep * ahead) >> level) << level;
   }
@@ -89,7 +89,7 @@ HorizonSide::Cut HorizonSide::cutOf(const Line& line, const Reach& reach) const 
   return {{level.line(along_, line.number), static_cast<int>(level.vertices[static_cast<size_t>(along_)])},
           static_cast<float>((reference_.y + line.ahead * (reach.first + below * bin_)) * vertices),
           static_cast<float>(width * vertices),
-          static_cast<int>(std::min(halo, HorizonLine::kMostHalo + 1.0))};
+          static_cast<int>(std::min(halo, HorizonLine::kMaxHalo + 1.0))};
 }
 
 // Whether nothing farther away can be seen.

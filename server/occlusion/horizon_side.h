@@ -21,10 +21,10 @@ struct HorizonEyes {
 
 class HorizonSide {
  public:
-  static constexpr double kMostTangent = 1.25;  // squares across a diagonal belong to one side
-  static constexpr uint32_t kNearest = 2;       // steps ahead, of what may be hidden
+  static constexpr double kMaxTangent = 1.25;  // squares across a diagonal belong to one side
+  static constexpr uint32_t kNearest = 2;      // steps ahead, of what may be hidden
   // Of bins, so that a side has at most 128 segments: 3 pixels of a lens of 9800 pixels' focal length.
-  static constexpr double kLeastBin = 2 * kMostTangent / (128 * HorizonLine::kBins);
+  static constexpr double kMinBin = 2 * kMaxTangent / (128 * HorizonLine::kBins);
 
   // Ahead is along +x, +y, -x or -y: side 0 to 3. Forgets all that was found for other eyes.
   void look(const HorizonGrid& grid, const HorizonEyes& eyes, uint32_t number, double bin);
@@ -35,13 +35,13 @@ class HorizonSide {
   glm::dvec2 turned(const glm::dvec2& v) const { return {sign_ * (is_x_ ? v.x : v.y), is_x_ ? v.y : v.x}; }
   const glm::dvec2& reference() const { return reference_; }  // turned
 
-  // Bins of directions with tangents from -kMostTangent to kMostTangent.
-  uint32_t binOf(double tangent) const { return static_cast<uint32_t>((tangent + kMostTangent) / bin_); }
+  // Bins of directions with tangents from -kMaxTangent to kMaxTangent.
+  uint32_t binOf(double tangent) const { return static_cast<uint32_t>((tangent + kMaxTangent) / bin_); }
   uint32_t binCount() const { return static_cast<uint32_t>(segments_.size()) * kBins; }
-  double tangentOf(uint32_t bin) const { return bin * bin_ - kMostTangent; }
+  double tangentOf(uint32_t bin) const { return bin * bin_ - kMaxTangent; }
 
   // Below it nothing is hidden.
-  static constexpr double kLeastSlope = std::numeric_limits<int16_t>::min() + 1;
+  static constexpr double kMinSlope = std::numeric_limits<int16_t>::min() + 1;
   // What the slope of a point in a bin is less than, times slopesOfStep(), if the point is hidden from all eyes;
   // `ahead` is its distance, at least kNearest.
   int slope(uint32_t bin, double ahead);
@@ -78,7 +78,7 @@ class HorizonSide {
     HorizonLine::Vertices vertices;
     float first, step;
     int halo;
-    bool isNear() const { return halo > HorizonLine::kMostHalo; }
+    bool isNear() const { return halo > HorizonLine::kMaxHalo; }
   };
   Cut cutOf(const Line& line, const Reach& reach) const;
   void build(uint32_t number, size_t distance);

@@ -135,7 +135,7 @@ std::vector<RTCGrid> gridsOf(const Vertices& vertices) {
 }  // namespace
 
 struct Occluder::Embree {
-  explicit Embree(size_t max_bytes) : most_bytes(static_cast<ssize_t>(max_bytes)) {
+  explicit Embree(size_t max_bytes) : max_bytes(static_cast<ssize_t>(max_bytes)) {
     rtcSetDeviceMemoryMonitorFunction(device, countBytes, this);
   }
   ~Embree() {
@@ -148,7 +148,7 @@ struct Occluder::Embree {
   // Embree does not allocate what is refused, nor report it as freed.
   static bool countBytes(void* self, ssize_t change, bool) {
     auto& embree = *static_cast<Embree*>(self);
-    if (embree.bytes.fetch_add(change) + change <= embree.most_bytes || change < 0) return true;
+    if (embree.bytes.fetch_add(change) + change <= embree.max_bytes || change < 0) return true;
     embree.bytes.fetch_sub(change);
     return false;
   }
@@ -170,7 +170,7 @@ struct Occluder::Embree {
     return failure == RTC_ERROR_NONE ? Status() : errorOf(failure);
   }
 
-  const ssize_t most_bytes;
+  const ssize_t max_bytes;
   std::atomic<ssize_t> bytes{0};
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = nullptr;

@@ -6,12 +6,12 @@ namespace foreland::server {
 
 namespace {
 
-constexpr size_t kMostSpare = 1;
-constexpr double kMostLoose = 4, kLoose_m = 2;  // room that is kept, over what is needed
+constexpr size_t kMaxSpare = 1;
+constexpr double kMaxLoose = 4, kLoose_m = 2;  // room that is kept, over what is needed
 
 // Whether a sweep is for far more eyes than another one.
 bool isLoose(const EyeSweep& known, const EyeSweep& wanted) {
-  return known.radius_m > kMostLoose * wanted.radius_m + kLoose_m;
+  return known.radius_m > kMaxLoose * wanted.radius_m + kLoose_m;
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ Horizon& Stretches::horizonOf(Stretch& stretch, double bin) {
 }
 
 void Stretches::dropHorizon(Stretch& stretch) {
-  if (stretch.horizon && stretch.horizon.use_count() == 1 && spare_.size() < kMostSpare)
+  if (stretch.horizon && stretch.horizon.use_count() == 1 && spare_.size() < kMaxSpare)
     spare_.push_back(std::move(stretch.horizon));
   stretch.horizon.reset();
 }

@@ -14,8 +14,8 @@ namespace foreland::server {
 
 namespace {
 
-constexpr double kMostExtent_m = 200e3;    // from the origin
-constexpr double kMostLatitude_rad = 1.3;  // 75 degrees
+constexpr double kMaxExtent_m = 200e3;     // from the origin
+constexpr double kMaxLatitude_rad = 1.3;   // 75 degrees
 constexpr double kFinest = 0.25;           // of the samples' spacing
 constexpr double kCoarse = 1.2;            // the same, from which on corners will do
 constexpr double kFloatRounding_m = 0.01;  // of heights as floats
@@ -45,7 +45,7 @@ class Ground {
 
 // A rectangle along the scene's axes that the ground fills.
 struct Inside {
-  glm::dvec2 low{-kMostExtent_m}, high{kMostExtent_m};
+  glm::dvec2 low{-kMaxExtent_m}, high{kMaxExtent_m};
   double farthest_m = 0;  // of the border, from the origin
 };
 
@@ -132,9 +132,9 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
   if (frame.kind != proto::FrameKind::kGeographic) return std::nullopt;
   const Ground ground(hierarchy);
   const double north_rad = frame.latitude0_rad + (ground.rows - 1) * frame.latitude_step_rad;
-  if (std::max(std::fabs(frame.latitude0_rad), std::fabs(north_rad)) > kMostLatitude_rad) return std::nullopt;
+  if (std::max(std::fabs(frame.latitude0_rad), std::fabs(north_rad)) > kMaxLatitude_rad) return std::nullopt;
   const Inside inside = insideOf(ground);
-  if (inside.farthest_m > kMostExtent_m) return std::nullopt;
+  if (inside.farthest_m > kMaxExtent_m) return std::nullopt;
   const uint32_t x = ground.columns / 2, y = ground.rows / 2;
   const glm::dvec3 middle = ground.at(x, y);
   const glm::dvec2 cell(glm::length(glm::dvec2(ground.at(x - 1, y) - middle)),
@@ -169,7 +169,7 @@ std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t 
     south.swap(north);
   }
   // The ground between samples bends below their triangles where the scene is not level.
-  const double bend_m = glm::dot(cell, cell) / frame.leastRadius();
+  const double bend_m = glm::dot(cell, cell) / frame.minRadius();
   heights.heights_m.reserve(size_t{heights.columns} * heights.rows);
   for (uint32_t j = 0; j < heights.rows; ++j)
     for (uint32_t i = 0; i < heights.columns; ++i)

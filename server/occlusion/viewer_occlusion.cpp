@@ -18,7 +18,7 @@ constexpr int64_t kWorth = 11;             // intervals after a keyframe's for w
 constexpr int64_t kSpread = 8;             // intervals over which proofs that end together are renewed
 constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer stretch
 constexpr int64_t kRayRest = 48;           // intervals more until rays try a visible block again
-constexpr uint8_t kMostFailures = 2;       // in a row that prolong the rest of a visible block, to twice as much each
+constexpr uint8_t kMaxFailures = 2;        // in a row that prolong the rest of a visible block, to twice as much each
 constexpr double kSpareTau = 1.25;         // a tolerance that rises is taken to be larger by this
 constexpr uint32_t kUnusedKeyframes = 32;  // until proofs are dropped
 constexpr uint32_t kTileMask = (1u << HiddenBlocks::kTileLog2) - 1;
@@ -139,7 +139,7 @@ bool ViewerOcclusion::turnsHidden(const BlockId& block, TileProofs& tile) {
                 past = may_be ? shortest_end + shown : far->end - (last - intervals_.last()),
                 rest = length * ((1 << proof.failures) - 1) + (scene_.grid ? 0 : kRayRest);
   next = static_cast<int32_t>(std::max(past, intervals_.last() + 1) + phaseOf(block) % kSpread + rest);
-  proof.failures = std::min<uint8_t>(proof.failures + 1, kMostFailures);
+  proof.failures = std::min<uint8_t>(proof.failures + 1, kMaxFailures);
   return false;
 }
 

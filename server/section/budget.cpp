@@ -12,7 +12,7 @@ constexpr double kTrianglePower = 1.2;    // triangles fall as tau^-1.2
 constexpr double kShare = 0.5;            // of the distance to the middle that a keyframe covers
 constexpr double kLargestStep = 0.08;     // of log tau, for a keyframe
 constexpr double kUsual_s = 0.2;          // between keyframes; after longer intervals it falls by more at once
-constexpr double kMostLonger = 5;         // by this factor at most
+constexpr double kMaxLonger = 5;          // by this factor at most
 constexpr double kBytesRise = 0.06;       // of log tau at most, while too many bytes are sent
 constexpr double kBytesLow = 0.7;         // below this share of the budget tau falls again
 constexpr double kBytesFall = 0.01;       // of log tau at kBytesLow; more at a lower rate, where it costs less
@@ -28,10 +28,10 @@ constexpr double kCoarser = 4;      // by this factor, and its powers, while not
 
 double ToleranceControl::next(double wanted_px, const Budget& budget) {
   if (tau_px_ == 0) tau_px_ = wanted_px;
-  const double least_px = std::max(wanted_px, unforced_px_);
-  const double largest_fall = kLargestStep * std::clamp(interval_s_ / kUsual_s, 1.0, kMostLonger);
+  const double min_px = std::max(wanted_px, unforced_px_);
+  const double largest_fall = kLargestStep * std::clamp(interval_s_ / kUsual_s, 1.0, kMaxLonger);
   const double fall = unforced_px_ > 0
-                          ? std::clamp(std::log(tau_px_ / least_px), largest_fall, std::max(largest_fall, kForcedFall))
+                          ? std::clamp(std::log(tau_px_ / min_px), largest_fall, std::max(largest_fall, kForcedFall))
                           : largest_fall;
   double by_triangles = -fall, by_bytes = -fall;  // without a limit tau falls back to what is wanted
   if (budget.triangles > 0 && triangles_ > 0)
@@ -49,7 +49,7 @@ double ToleranceControl::next(double wanted_px, const Budget& budget) {
   was_scarce_ = was_scarce_ || budget.processors == Processors::kScarce;
   const double step = std::clamp(std::max({by_triangles, by_bytes, by_processors}), -fall, kLargestStep);
   tau_px_ = std::max(wanted_px, tau_px_ * std::exp(step));
-  if (tau_px_ <= least_px) unforced_px_ = 0;
+  if (tau_px_ <= min_px) unforced_px_ = 0;
   return tau_px_;
 }
 
@@ -88,16 +88,16 @@ double toleranceThatFits(double tau_px, double guess_px, const std::function<dou
   double too_fine_px = tau_px, enough_px = 0, tried_px = tau_px;
   double loaded = load(tau_px);
   if (loaded <= 1) return tau_px;
-  for (int tries = 0; tries + 1 < kMostTries; ++tries) {
+  for (int tries = 0; tries + 1 < kMaxTries; ++tries) {
     const bool is_guess = tries == 0 && guess_px > tau_px;
     const double next_px = is_guess ? guess_px : nextTry(too_fine_px, enough_px, loaded, tried_px, tries);
-    tried_px = std::min(static_cast<float>(next_px), kMostTolerance_px);
+    tried_px = std::min(static_cast<float>(next_px), kMaxTolerance_px);
     loaded = load(tried_px);
     (loaded <= 1 ? enough_px : too_fine_px) = tried_px;
     const bool is_tight = enough_px > 0 && enough_px <= 1.1 * too_fine_px;
-    if (is_tight || tried_px >= kMostTolerance_px || (loaded <= 1 && loaded >= kLeastLoad)) break;
+    if (is_tight || tried_px >= kMaxTolerance_px || (loaded <= 1 && loaded >= kMinLoad)) break;
   }
-  return enough_px > 0 ? enough_px : kMostTolerance_px;
+  return enough_px > 0 ? enough_px : kMaxTolerance_px;
 }
 
 }  // namespace foreland::server

@@ -49,13 +49,13 @@ class ToleranceControl {
 };
 
 // The tolerance at which a section fits: tau_px if it does there, else one that is larger, at which the load is mostly
-// above kLeastLoad, rounded to a float; or kMostTolerance_px, which is beyond any error on a screen and the most that a
+// above kMinLoad, rounded to a float; or kMaxTolerance_px, which is beyond any error on a screen and the most that a
 // keyframe can carry. `load` is the share of what is allowed that the section of a tolerance takes, at most 1 if it
 // fits, and infinite if it was not measured whole; it must not rise with the tolerance. `guess_px` is tried first if it
-// is above tau_px. Cost: one call of `load` if the section fits at once, else about 4 and at most kMostTries.
-inline constexpr int kMostTries = 12;
-inline constexpr double kLeastLoad = 0.8;
-inline constexpr float kMostTolerance_px = 1e9f;
+// is above tau_px. Cost: one call of `load` if the section fits at once, else about 4 and at most kMaxTries.
+inline constexpr int kMaxTries = 12;
+inline constexpr double kMinLoad = 0.8;
+inline constexpr float kMaxTolerance_px = 1e9f;
 double toleranceThatFits(double tau_px, double guess_px, const std::function<double(double tau_px)>& load);
 
 }  // namespace foreland::server

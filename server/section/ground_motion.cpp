@@ -11,9 +11,9 @@ namespace foreland::server {
 
 namespace {
 
-constexpr uint32_t kMostSquares = 64;  // of ground, a side
-constexpr uint32_t kLeastSide = 4;     // samples
-constexpr double kMost = std::numeric_limits<float>::max();
+constexpr uint32_t kMaxSquares = 64;  // of ground, a side
+constexpr uint32_t kMinSide = 4;      // samples
+constexpr double kMax = std::numeric_limits<float>::max();
 constexpr double kRoundUp = 1 + 1e-6;  // of floats, and of a limit that is found up to rounding
 
 // Calls visit(position in the first pose, moves) for all vertices of the object's model.
@@ -33,7 +33,7 @@ GroundMotion::GroundMotion(const Hierarchy& hierarchy) : hierarchy_(hierarchy) {
   const proto::Epochs& epochs = hierarchy.epochs().epochs();
   for (uint32_t i = 0; i + 1 < epochs.size(); ++i) curves_.push_back(epochs.curveAfter(i));
   const proto::GridShape& shape = hierarchy.grid().shape();
-  side_ = std::max(kLeastSide, (std::max(shape.samples_x, shape.samples_y) - 1) / kMostSquares + 1);
+  side_ = std::max(kMinSide, (std::max(shape.samples_x, shape.samples_y) - 1) / kMaxSquares + 1);
   columns_ = (shape.samples_x - 1) / side_ + 1;
   movers_.resize(size_t{columns_} * ((shape.samples_y - 1) / side_ + 1));
   hierarchy.epochs().forEachMoving(hierarchy.grid(),
@@ -73,7 +73,7 @@ void GroundMotion::raise(Mover& mover, std::span<const int32_t> quanta, double o
         off += std::fabs(weights[k]) * off_quanta;
       }
       const double most = (std::fabs(sum) + off) * hierarchy_.scene().frame().height_quantum_m / (seconds * seconds);
-      mover.acceleration[i] = std::max(mover.acceleration[i], static_cast<float>(std::min(kRoundUp * most, kMost)));
+      mover.acceleration[i] = std::max(mover.acceleration[i], static_cast<float>(std::min(kRoundUp * most, kMax)));
     }
   }
 }
@@ -117,7 +117,7 @@ void GroundMotion::addPoses(Mover& mover, size_t object) const {
         most = std::max(most, glm::length(sum));
       });
     const double all = kRoundUp * (double{mover.acceleration[i]} + most * metres / (seconds * seconds));
-    mover.acceleration[i] = static_cast<float>(std::min(all, kMost));
+    mover.acceleration[i] = static_cast<float>(std::min(all, kMax));
   }
 }
 
@@ -129,11 +129,11 @@ std::vector<double> GroundMotion::longestSteps(const proto::View& view) const {
   std::vector<double> steps_s(curves_.size(), std::numeric_limits<double>::infinity());
   for (const Mover& mover : movers_) {
     const glm::dvec3 d = mover.centre - view.pose.eye;
-    const double least_m =
-        metric.leastError({metric.frustum().toView(d.x, d.y, d.z), std::hypot(d.x, d.y)}, mover.radius_m) / kRoundUp;
+    const double min_m =
+        metric.minError({metric.frustum().toView(d.x, d.y, d.z), std::hypot(d.x, d.y)}, mover.radius_m) / kRoundUp;
     for (size_t i = 0; i < steps_s.size(); ++i)
       if (mover.acceleration[i] > 0)
-        steps_s[i] = std::min(steps_s[i], std::sqrt(8 * least_m / double{mover.acceleration[i]}));
+        steps_s[i] = std::min(steps_s[i], std::sqrt(8 * min_m / double{mover.acceleration[i]}));
   }
   return steps_s;
 }

@@ -35,7 +35,7 @@ class Hierarchy {
       : scene_(std::move(scene)),
         domain_(scene_->grid(), scene_->frame(), bound),
         objects_(std::move(objects)),
-        most_offset_(scene_->epochs().mostOffset()) {}
+        max_offset_(scene_->epochs().maxOffset()) {}
 
   const terrain::Scene& scene() const { return *scene_; }
   const proto::TerrainDomain& domain() const { return domain_; }
@@ -43,7 +43,7 @@ class Hierarchy {
   // How the ground moves in time.
   const terrain::EpochTable& epochs() const { return scene_->epochs(); }
   // The largest offset of any vertex at any epoch, either way; quanta.
-  uint32_t mostOffset() const { return most_offset_; }
+  uint32_t maxOffset() const { return max_offset_; }
   const proto::GridTopology& grid() const { return domain_.grid; }
   const proto::FrameGrid& frame() const { return domain_.frame; }
   std::span<const proto::NodeRecord> nodes() const { return scene_->nodes(); }
@@ -57,7 +57,7 @@ class Hierarchy {
   std::shared_ptr<const terrain::Scene> scene_;
   proto::TerrainDomain domain_;
   SceneObjects objects_;
-  uint32_t most_offset_;
+  uint32_t max_offset_;
 };
 
 // The section of a view, from scratch (proto/refine/refine.h).

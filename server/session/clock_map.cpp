@@ -9,7 +9,7 @@ namespace foreland::server {
 bool ClockMap::poseArrived(Time stamp_client, Time now) {
   const int64_t up_us = (now - stamp_client).us;
   const bool is_set_anew =
-      last_stamp_ && (up_us < least_up_ - kLeastStep_us || stamp_client.us < last_stamp_->us - kLeastStep_us);
+      last_stamp_ && (up_us < min_up_ - kMinStep_us || stamp_client.us < last_stamp_->us - kMinStep_us);
   if (is_set_anew) {
     up_.clear();
     down_.clear();
@@ -17,15 +17,15 @@ bool ClockMap::poseArrived(Time stamp_client, Time now) {
   last_stamp_ = stamp_client;
   up_.push_back((now - stamp_client).us);
   if (up_.size() > kMemory) up_.pop_front();
-  least_up_ = *std::min_element(up_.begin(), up_.end());
-  if (down_.empty()) most_down_ = kFirstGuess_us - least_up_;
+  min_up_ = *std::min_element(up_.begin(), up_.end());
+  if (down_.empty()) max_down_ = kFirstGuess_us - min_up_;
   return !is_set_anew;
 }
 
 void ClockMap::keyframeArrived(Time arrival_client, Time sent) {
   down_.push_back(arrival_client - sent);
   if (down_.size() > kMemory) down_.pop_front();
-  most_down_ = slowestUsual(down_).us;
+  max_down_ = slowestUsual(down_).us;
 }
 
 }  // namespace foreland::server

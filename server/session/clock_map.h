@@ -24,24 +24,24 @@ class ClockMap {
   // Whether a pose has arrived; what follows needs one.
   bool isKnown() const { return !up_.empty(); }
   // The client's time less the fastest recent L_up.
-  Time clientTime(Time now) const { return now - Duration{least_up_}; }
+  Time clientTime(Time now) const { return now - Duration{min_up_}; }
   // The time that a message and its answer take, by the same latencies as clientTime() and sendBy().
-  Duration roundTrip() const { return Duration{least_up_ + most_down_}; }
+  Duration roundTrip() const { return Duration{min_up_ + max_down_}; }
   // The server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down that is
   // no outage (slowestUsual in base/latency.h).
-  Time sendBy(Time arrival_client) const { return Time{arrival_client.us - most_down_}; }
+  Time sendBy(Time arrival_client) const { return Time{arrival_client.us - max_down_}; }
 
  private:
   static constexpr size_t kMemory = 32;               // messages, each way
   static constexpr int64_t kFirstGuess_us = 150'000;  // of L_up + L_down, until a keyframe has been acknowledged
 
-  static constexpr int64_t kLeastStep_us = 2'000'000;  // of a clock that is set anew
+  static constexpr int64_t kMinStep_us = 2'000'000;  // of a clock that is set anew
 
   std::optional<Time> last_stamp_;
   std::deque<int64_t> up_;
   std::deque<Duration> down_;
-  int64_t least_up_ = 0;
-  int64_t most_down_ = 0;
+  int64_t min_up_ = 0;
+  int64_t max_down_ = 0;
 };
 
 }  // namespace foreland::server

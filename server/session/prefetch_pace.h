@@ -1,6 +1,6 @@
 // When a session reads ahead what its next keyframes will need of a scene that may be larger than memory. Where all of
 // it is in memory, reading ahead is of no use: after a prefetch that read nothing from the disk the next one comes
-// twice as late, up to kMost, and as soon as anything had to be read they are kLeast apart again. One owner.
+// twice as late, up to kMax, and as soon as anything had to be read they are kMin apart again. One owner.
 #pragma once
 
 #include <algorithm>
@@ -12,25 +12,25 @@ namespace foreland::server {
 
 class PrefetchPace {
  public:
-  static constexpr Duration kLeast = Duration::milliseconds(500), kMost = kLeast * 32;
+  static constexpr Duration kMin = Duration::milliseconds(500), kMax = kMin * 32;
 
   // The time of the next prefetch.
   Time next() const { return next_; }
   void begun(Time now) { next_ = now + every_; }
   // It is done, and has read so many pages from the disk.
   void ended(Time now, uint64_t pages_read) {
-    every_ = pages_read > 0 ? kLeast : std::min(every_ * 2, kMost);
+    every_ = pages_read > 0 ? kMin : std::min(every_ * 2, kMax);
     next_ = now + every_;
   }
   // A keyframe had to wait for so many pages.
   void keyframeRead(Time now, uint64_t pages_read) {
     if (pages_read == 0) return;
-    every_ = kLeast;
+    every_ = kMin;
     next_ = std::min(next_, now + every_);
   }
 
  private:
-  Duration every_ = kLeast;
+  Duration every_ = kMin;
   Time next_;
 };
 

@@ -39,7 +39,7 @@ size_t Requests::bytes() const {
 }
 
 Status Requests::checkRoom() const {
-  if (waiting_.size() < kMost) return {};
+  if (waiting_.size() < kMax) return {};
   return Error{ErrorCode::kLimit, "you ask for more than you read; wait for the replies to earlier requests"};
 }
 

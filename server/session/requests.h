@@ -15,7 +15,7 @@ namespace foreland::server {
 
 class Requests {
  public:
-  static constexpr size_t kMost = 16;
+  static constexpr size_t kMax = 16;
 
   // An Error if there is no such tour, or if too many requests wait. A tour takes the place of one that waits, behind
   // all else.

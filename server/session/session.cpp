@@ -132,9 +132,9 @@ void Session::jumpTo(const proto::TimedPose& pose) {
 // resumed, for a time stamp that was wrong. No keyframe could follow it for long. Poses that a stalled link holds back
 // say nothing of the kind.
 bool Session::isTooFarAhead() const {
-  constexpr Duration kMostAhead = Duration::seconds(2);
+  constexpr Duration kMaxAhead = Duration::seconds(2);
   return keyframe().index > 0 &&
-         keyframe().time > clocks_.clientTime(now_) + clocks_.roundTrip() + bounds().most() * 2 + kMostAhead;
+         keyframe().time > clocks_.clientTime(now_) + clocks_.roundTrip() + bounds().most() * 2 + kMaxAhead;
 }
 
 Status Session::take(const proto::Resume& resume, Time) {
@@ -210,17 +210,17 @@ std::optional<Session::Plan> Session::plan() const {
   const bool first = isFirst();
   const Time next = nextKeyframe();
   // No more than real time has gone by, whatever the client's clock says.
-  const int64_t most_skipped = (now_ - last_keyframe_at_).us / T.us + 1;
+  const int64_t max_skipped = (now_ - last_keyframe_at_).us / T.us + 1;
   const auto skippedTo = [&](Time t) {
-    return first || t < next ? 0 : static_cast<uint64_t>(std::min((t - next).us / T.us, most_skipped));
+    return first || t < next ? 0 : static_cast<uint64_t>(std::min((t - next).us / T.us, max_skipped));
   };
 
   if (request_->strategy == proto::Strategy::kPredict) {
     if (!target_) return std::nullopt;
     const Time deadline = clocks_.sendBy(*target_ - leadOf(interval_)) - options_.safety;
     Due due{deadline - compute_time_, deadline, false, compute_time_};
-    if (options_.most_early > Duration{} && !first) {
-      due.earliest = due.release - std::min(options_.most_early, Duration{T.us / 2});
+    if (options_.max_early > Duration{} && !first) {
+      due.earliest = due.release - std::min(options_.max_early, Duration{T.us / 2});
       due.release = std::max(*due.earliest, due.release - options_.slack);
     }
     return notTooSoon({*target_, due, skippedTo(*target_), {}});
@@ -257,7 +257,7 @@ std::optional<Session::Due> Session::requestDue() const {
 // Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.
 std::optional<Session::Due> Session::prefetchDue() const {
   if (options_.prefetch_ahead == Duration{} || isFirst() || processors_ != Processors::kFree) return std::nullopt;
-  return Due{prefetch_pace_.next(), prefetch_pace_.next() + PrefetchPace::kLeast, true};
+  return Due{prefetch_pace_.next(), prefetch_pace_.next() + PrefetchPace::kMin, true};
 }
 
 // Refining for where the viewer will be reads the pages of the scene that its keyframes will need, while nobody waits.
@@ -265,7 +265,7 @@ void Session::prefetch(SessionScratch& scratch) {
   proto::View view = viewFor(motion_.newest().time + options_.prefetch_ahead, {});
   view.tau_px = keyframe().tau_px;
   // If the section is too large, more than enough has been read.
-  (void)refine(world_->hierarchy, view, mostNodes(), scratch.send.refine, scratch.send.section);
+  (void)refine(world_->hierarchy, view, maxNodes(), scratch.send.refine, scratch.send.section);
   prefetch_pace_.begun(now_);
   did_ = Did::kPrefetch;
   ++statistics_.prefetches;

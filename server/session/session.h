@@ -46,8 +46,8 @@ struct SessionOptions {
   size_t max_added_nodes = 250'000, max_added_after_jump = 40'000;
   Duration prefetch_ahead{};  // reads what will be needed this much later, for scenes larger than memory; 0: never
   uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs a fortieth of that for it
-  Duration most_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
-                          // half an interval
+  Duration max_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
+                         // half an interval
   // Where that is permitted it is always begun so much earlier, for it may cost more than the last ones did, or wait
   // for another that was begun before (decision 0056).
   Duration slack = Duration::milliseconds(15);
@@ -175,14 +175,14 @@ class Session {
   double sectionTolerance() const;
   RegionParts regionFor(Time t_client, Duration until_next) const;
   proto::View viewFor(Time t_client, const RegionParts& parts) const;
-  size_t mostNodes() const;
+  size_t maxNodes() const;
   std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
   void answer(std::vector<Bytes>& out);
   void tryToResume();
   void prefetch(SessionScratch& scratch);
   void fitBudget(proto::View& view, SessionScratch& scratch);
-  double mostAddedForLink() const;
+  double maxAddedForLink() const;
   double loadOf(const proto::View& view, SessionScratch& scratch);
   bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   bool isRegionGuessed() const;

@@ -106,7 +106,7 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
   moveGround(plan.time_client, view);
   Bytes message;
   // The second one starts from nothing, and so is as large as it was measured.
-  if (!sendKeyframe(view, plan, mostNodes(), scratch, message))
+  if (!sendKeyframe(view, plan, maxNodes(), scratch, message))
     CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
   sendWithTiles(std::move(message), plan, view, out);
@@ -147,14 +147,14 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
 // camera will be in the next seconds, one of them each time. What is predicted for later is worth less, so it is looked
 // at only while the link keeps tiles waiting.
 void Session::sendWithTiles(Bytes message, const Plan& plan, const proto::View& view, std::vector<Bytes>& out) {
-  constexpr int64_t kMostSecondsAhead = 3;
+  constexpr int64_t kMaxSecondsAhead = 3;
   constexpr double kRoom = 1.25, kRoom_m = 0.1;
   if (!tiles_ || !(request_->relief || request_->imagery)) {
     out.push_back(std::move(message));
     return;
   }
   const bool looks_far = tiles_->isShort() || motion_.isOnPath(*request_);
-  const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMostSecondsAhead : 1);
+  const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMaxSecondsAhead : 1);
   const ExpectedMotion motion = motion_.expected(*request_);
   const double unknown_m = motion_.eyeError(leadOf(std::max(interval_, plan.until_next)));
   const auto eyesOf = [&](Time begin, Time end) {
@@ -163,7 +163,7 @@ void Session::sendWithTiles(Bytes message, const Plan& plan, const proto::View& 
     return eyes;
   };
   // With some room, so that what is found for later serves again when it is there.
-  EyeSweep later_eyes = eyesOf(later, later + plan.until_next * kMostSecondsAhead);
+  EyeSweep later_eyes = eyesOf(later, later + plan.until_next * kMaxSecondsAhead);
   later_eyes.radius_m = kRoom * later_eyes.radius_m + kRoom_m;
   const std::array targets{
       TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + leadOf(plan.until_next))},

@@ -18,7 +18,7 @@ constexpr Duration kFirstThrough = Duration::seconds(1);
 }  // namespace
 
 // A mesh has four triangles a root and two a node; the union of two sections is a little larger.
-size_t Session::mostNodes() const {
+size_t Session::maxNodes() const {
   if (request_->max_triangles == 0) return options_.max_section_nodes;
   const proto::GridShape& shape = world_->hierarchy.grid().shape();
   const double nodes = 0.5 * (0.97 * request_->max_triangles - 4.0 * shape.roots_x * shape.roots_y);
@@ -27,7 +27,7 @@ size_t Session::mostNodes() const {
 
 // How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
 // late, and the next ones.
-double Session::mostAddedForLink() const {
+double Session::maxAddedForLink() const {
   const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : interval_;
   return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
 }
@@ -35,15 +35,15 @@ double Session::mostAddedForLink() const {
 // The share that the section of `view` takes of what viewer, link and server allow; infinite if it is not even
 // measured whole.
 double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
-  const size_t most_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
+  const size_t max_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
   // What starts from nothing is added whole, though what is remembered is not sent.
-  const size_t most = sender_.startsFromNothing() ? std::min(mostNodes(), options_.max_added_nodes) : mostNodes();
+  const size_t most = sender_.startsFromNothing() ? std::min(maxNodes(), options_.max_added_nodes) : maxNodes();
   const SectionSize size = sender_.measure(view, most, scratch.send);
   statistics_.nodes_measured += size.nodes;
   if (!size.fits) return std::numeric_limits<double>::infinity();
-  double load = std::max(double(size.nodes) / double(most), double(size.added) / double(most_added));
+  double load = std::max(double(size.nodes) / double(most), double(size.added) / double(max_added));
   if (request_->max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
-    load = std::max(load, double(size.added) / mostAddedForLink());
+    load = std::max(load, double(size.added) / maxAddedForLink());
   return load;
 }
 
@@ -55,13 +55,13 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
   const double before_px = tolerance_.tolerance();
   const double wanted_px = static_cast<float>(tolerance_.next(sectionTolerance(), budget));
   view.tau_px = wanted_px;
-  if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, mostNodes())) return tolerance_.force(wanted_px);
+  if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, maxNodes())) return tolerance_.force(wanted_px);
   const auto load = [&](double tau_px) {
     view.tau_px = tau_px;
     return loadOf(view, scratch);
   };
   view.tau_px = toleranceThatFits(wanted_px, before_px, load);
-  if (view.tau_px == kMostTolerance_px) {
+  if (view.tau_px == kMaxTolerance_px) {
     // No section guarantees anything for a region that holds much of the scene, so this one does for its pose alone.
     view.region_radius_m = view.region_angle_rad = 0;
     view.tau_px = toleranceThatFits(wanted_px, before_px, load);

@@ -43,7 +43,7 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   w.epochs.assign(epochs.epochs().all().begin(), epochs.epochs().all().end());
   w.epoch_blend = epochs.epochs().blend();
   w.base_offsets.assign(epochs.baseOffsets().begin(), epochs.baseOffsets().end());
-  w.most_offset = hierarchy.mostOffset();
+  w.max_offset = hierarchy.maxOffset();
   w.tile_layers.assign(scene.tiles().layers().begin(), scene.tiles().layers().end());
   return w;
 }

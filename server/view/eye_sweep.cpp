@@ -31,25 +31,25 @@ EyeSweep hullOf(std::span<const EyeSweep> parts) {
 // As in region.cpp: on a chord between two times the distance is largest at an end, and a curve leaves its chord by at
 // most h^2 / 8 times its largest acceleration.
 EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end) {
-  constexpr int64_t kStep_us = 20'000, kMostSteps = 16;
+  constexpr int64_t kStep_us = 20'000, kMaxSteps = 16;
   const glm::dvec3 first = motion.at(begin).eye;
   EyeSweep sweep{first, motion.at(end).eye - first, 0};
-  double farthest_m = 0, most_bend_m = 0;
+  double farthest_m = 0, max_bend_m = 0;
   Time time = begin;
   const auto advanceTo = [&](Time next) {
     const double h = (next - time).toSeconds();
-    most_bend_m = std::max(most_bend_m, h * h / 8 * motion.maxAcceleration(time, next));
+    max_bend_m = std::max(max_bend_m, h * h / 8 * motion.maxAcceleration(time, next));
     farthest_m = std::max(farthest_m, distanceTo(sweep, motion.at(next).eye));
     time = next;
   };
-  const int64_t steps = std::clamp<int64_t>(((end - begin).us + kStep_us - 1) / kStep_us, 1, kMostSteps);
+  const int64_t steps = std::clamp<int64_t>(((end - begin).us + kStep_us - 1) / kStep_us, 1, kMaxSteps);
   for (int64_t i = 1; i <= steps; ++i) {
     const Time next = timeBetween(begin, end, i, steps);
     for (auto corner = motion.nextCorner(time); corner && *corner < next; corner = motion.nextCorner(time))
       advanceTo(*corner);
     advanceTo(next);
   }
-  sweep.radius_m = farthest_m + most_bend_m;
+  sweep.radius_m = farthest_m + max_bend_m;
   return sweep;
 }
 

@@ -31,7 +31,7 @@ class Growth {
   // Of the poses at which the motion was cut, and for orientations of all between.
   const Region& region() const { return region_; }
   // How far the eye may leave the chords between the cuts.
-  double mostBend() const { return most_bend_m_; }
+  double maxBend() const { return max_bend_m_; }
 
  private:
   void include(const proto::Pose& pose) {
@@ -49,7 +49,7 @@ class Growth {
   void includePiece(Time end) {
     const double h = (end - time_).toSeconds();
     const proto::Pose next = motion_.at(end);
-    most_bend_m_ = std::max(most_bend_m_, h * h / 8 * motion_.maxAcceleration(time_, end));
+    max_bend_m_ = std::max(max_bend_m_, h * h / 8 * motion_.maxAcceleration(time_, end));
     const double sense = glm::dot(pose_.orientation, next.orientation) < 0 ? -1 : 1;
     const double before = glm::dot(centre_.orientation, pose_.orientation);
     const double after = glm::dot(centre_.orientation, next.orientation) * sense;
@@ -64,17 +64,17 @@ class Growth {
   Time time_;
   proto::Pose pose_;
   Region region_;
-  double most_bend_m_ = 0;
+  double max_bend_m_ = 0;
 };
 
 }  // namespace
 
 Region regionOf(const proto::Pose& centre, const ExpectedMotion& motion, Time begin, Time end) {
-  constexpr int64_t kStep_us = 20'000, kMostSteps = 200;
+  constexpr int64_t kStep_us = 20'000, kMaxSteps = 200;
   // The bound needs the bend alone, which is far less than this where a path is smooth. This much was always added;
   // without it the regions on the wire, and with them recorded streams, would change to save half a percent.
   constexpr double kAllowance = 0.05;
-  const int64_t steps = std::clamp<int64_t>(((end - begin).us + kStep_us - 1) / kStep_us, 1, kMostSteps);
+  const int64_t steps = std::clamp<int64_t>(((end - begin).us + kStep_us - 1) / kStep_us, 1, kMaxSteps);
   Growth growth(centre, motion, begin);
   Region longest;  // step
   for (int64_t i = 1; i <= steps; ++i) {
@@ -83,7 +83,7 @@ Region regionOf(const proto::Pose& centre, const ExpectedMotion& motion, Time be
     longest.radius_m = std::max(longest.radius_m, glm::distance(growth.pose().eye, last.eye));
     longest.angle_rad = std::max(longest.angle_rad, proto::angleBetween(growth.pose().orientation, last.orientation));
   }
-  return {growth.region().radius_m + std::max(growth.mostBend(), kAllowance * longest.radius_m),
+  return {growth.region().radius_m + std::max(growth.maxBend(), kAllowance * longest.radius_m),
           growth.region().angle_rad + kAllowance * longest.angle_rad};
 }
 

@@ -18,11 +18,11 @@ double RegionShare::shareOf(const RegionParts& parts) const {
 }
 
 double RegionShare::expectedExcess(const Region& region) const {
-  constexpr double kLeast = 0.01;  // sections of small regions differ by chance
+  constexpr double kMin = 0.01;  // sections of small regions differ by chance
   constexpr double kRadius_m = 1e-3, kAngle_rad = 1e-5;
   const double growth = std::max(region.radius_m / std::max(observed_.radius_m, kRadius_m),
                                  region.angle_rad / std::max(observed_.angle_rad, kAngle_rad));
-  return growth * std::max(excess_, kLeast);
+  return growth * std::max(excess_, kMin);
 }
 
 // Viewers who came together would all be observed in the same keyframe for ever. The nodes of a section are as good as
@@ -36,14 +36,14 @@ bool RegionShare::isDue(size_t nodes) {
 
 // What the region adds to a section is about proportional to its share.
 void RegionShare::observe(const Region& region, size_t nodes, size_t pose_alone) {
-  constexpr double kWide = 1.2, kLeast = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
+  constexpr double kWide = 1.2, kMin = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
   observed_ = region;
   nodes_ = nodes;
   keyframes_ = 0;
   excess_ = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
   is_wide_ = excess_ > kWide - 1 || share_ < 1;
   const double change = excess_ > 0 ? (kAim - 1) / excess_ : kRise;
-  share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kLeast, 1.0);
+  share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kMin, 1.0);
 }
 
 }  // namespace foreland::server

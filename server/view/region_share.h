@@ -1,7 +1,7 @@
 // How much of a keyframe's region a viewer gets whose poses are hard to predict. The region holds the expected motion
 // around the keyframe and what predictions were off by of late. For a camera that turns fast and irregularly it would
 // make sections several times as large as the pose alone needs, and so late that nothing is gained. So a section may be
-// kMost times as large as the pose alone needs; of a larger one the share of prediction errors is reduced first, then
+// kMax times as large as the pose alone needs; of a larger one the share of prediction errors is reduced first, then
 // that of the motion. The header states the region that is left, and the client counts the frames outside of it.
 //
 // The share follows the sizes of some of the keyframes, and holds for the next ones as far as these are alike. Where
@@ -21,7 +21,7 @@ namespace foreland::server {
 
 class RegionShare {
  public:
-  static constexpr double kMost = 1.5;  // nodes of a section over those that the pose alone needs
+  static constexpr double kMax = 1.5;  // nodes of a section over those that the pose alone needs
   static constexpr uint32_t kOften = 8, kSeldom = 96;
 
   // What is left of the region.
@@ -30,7 +30,7 @@ class RegionShare {
   double shareOf(const RegionParts& parts) const;
 
   // Before a keyframe: raises a reduced share where what was observed leaves room for more, and reduces it until the
-  // section is within kMost. `nodesOf(region, most)` gives the nodes of the section for a region, or nothing if there
+  // section is within kMax. `nodesOf(region, most)` gives the nodes of the section for a region, or nothing if there
   // are more than `most`. Cost: nothing as long as the region is small by what was observed; else a refinement from
   // scratch for the pose alone, which may be of any size, and one for each try, seldom more than three, of 2.5 times as
   // many nodes at most.
@@ -47,7 +47,7 @@ class RegionShare {
   double share() const { return share_; }  // 0 to 1
 
  private:
-  static constexpr double kAim = 1.35;  // what the share is chosen for: less than kMost, for sections differ
+  static constexpr double kAim = 1.35;  // what the share is chosen for: less than kMax, for sections differ
 
   // What the region adds to a section, as a share of what the pose alone needs, if that grows as its radius and angle.
   double expectedExcess(const Region& region) const;
@@ -64,9 +64,9 @@ template <class NodesOf>
 void RegionShare::fit(const RegionParts& parts, const NodesOf& nodesOf) {
   constexpr int kTries = 8;
   constexpr double kMeasured = 2.5;  // times the nodes for the pose alone
-  constexpr double kRise = 4, kLeastRise = 1.1, kSmall = 0.9 * (kMost - 1);
+  constexpr double kRise = 4, kMinRise = 1.1, kSmall = 0.9 * (kMax - 1);
   const double reduced = share_;
-  for (double rise = kRise; reduced < 1 && rise > kLeastRise; rise = 1 + (rise - 1) / 2) {
+  for (double rise = kRise; reduced < 1 && rise > kMinRise; rise = 1 + (rise - 1) / 2) {
     share_ = std::min(1.0, rise * reduced);
     if (expectedExcess(of(parts)) <= kAim - 1) break;
     share_ = reduced;
@@ -79,7 +79,7 @@ void RegionShare::fit(const RegionParts& parts, const NodesOf& nodesOf) {
     const Region region = of(parts);
     const std::optional<size_t> nodes = nodesOf(region, times(kMeasured));
     observe(region, nodes.value_or(times(kMeasured)), *alone);
-    if (nodes && *nodes <= times(kMost)) return;
+    if (nodes && *nodes <= times(kMax)) return;
   }
 }
 

@@ -14,10 +14,10 @@ namespace {
 constexpr Region kPoseRounding{0.01, 4e-4};
 
 // A camera within this of its announced path follows it.
-constexpr Region kMostOffPath{50, 0.2};
-constexpr double kMostUnknownTurn_rad = 0.3;
+constexpr Region kMaxOffPath{50, 0.2};
+constexpr double kMaxUnknownTurn_rad = 0.3;
 
-constexpr size_t kMostPredictions = 64;  // whose true poses have not arrived
+constexpr size_t kMaxPredictions = 64;  // whose true poses have not arrived
 
 }  // namespace
 
@@ -56,7 +56,7 @@ bool ViewerMotion::isPathFollowed(const proto::TimedPose& pose) const {
   const proto::Pose expected = path_->at(pose.time);
   const Region off{glm::distance(expected.eye, pose.pose.eye),
                    proto::angleBetween(expected.orientation, pose.pose.orientation)};
-  return off.radius_m <= kMostOffPath.radius_m && off.angle_rad <= kMostOffPath.angle_rad;
+  return off.radius_m <= kMaxOffPath.radius_m && off.angle_rad <= kMaxOffPath.angle_rad;
 }
 
 bool ViewerMotion::isOnPath(const proto::ViewRequest& request) const {
@@ -71,7 +71,7 @@ ExpectedMotion ViewerMotion::expected(const proto::ViewRequest& request) const {
 
 void ViewerMotion::notePrediction(const proto::TimedPose& expected, Duration interval) {
   if (expected.time > history_.newest().time) predictions_.push_back({expected, interval});
-  if (predictions_.size() > kMostPredictions) predictions_.pop_front();
+  if (predictions_.size() > kMaxPredictions) predictions_.pop_front();
 }
 
 double ViewerMotion::eyeError(Duration interval) const {
@@ -89,7 +89,7 @@ RegionParts ViewerMotion::regionAround(const proto::Pose& centre, const Expected
 Region ViewerMotion::unknownMotion(Duration time) const {
   if (isMotionKnown()) return {};
   const double s = time.toSeconds();
-  return {before_jump_.radius_m * s, std::min(before_jump_.angle_rad * s, kMostUnknownTurn_rad)};
+  return {before_jump_.radius_m * s, std::min(before_jump_.angle_rad * s, kMaxUnknownTurn_rad)};
 }
 
 }  // namespace foreland::server

@@ -144,8 +144,8 @@ class BoundsPass {
   bool isWanted(const NodeLevel& level, const NodeRow& row) const {
     return row.y + level.s >= job_.first_row && row.y <= uint64_t{job_.last_row} + level.s;
   }
-  proto::QuantisedError leastError(proto::Slot slot) const {
-    return job_.least_errors.empty() ? proto::QuantisedError{} : job_.least_errors[slot];
+  proto::QuantisedError minError(proto::Slot slot) const {
+    return job_.min_errors.empty() ? proto::QuantisedError{} : job_.min_errors[slot];
   }
 
   void fillRow(int level, const NodeRow& row, Scratch& band) {
@@ -163,7 +163,7 @@ class BoundsPass {
             NodeRecord::of(height, height - positions_.middleQuanta(row.node(i)),
                            std::max({proto::QuantisedError::roundUp(band.errors_m[i] + job_.rounding_m),
                                      proto::QuantisedError{band.child_errors[i]},
-                                     leastError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
+                                     minError(band.first + static_cast<proto::Slot>(record - band.records.data()))}),
                            levels_.roundUp(level, band.radii_m[i] + kPad_m));
       }
     });

@@ -27,7 +27,7 @@ struct BoundsJob {
   // at all of them. Otherwise empty.
   Heights lowest{}, highest{};
   // By slot, errors that the nodes' must not be below; empty: none.
-  std::span<const proto::QuantisedError> least_errors{};
+  std::span<const proto::QuantisedError> min_errors{};
   // What heights were rounded by makes of an error at most; errors are larger by as much. Metres.
   double rounding_m = 0;
   // Only nodes whose supports reach a lattice row from first_row to last_row get errors; the others' are zero.

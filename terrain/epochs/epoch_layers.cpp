@@ -24,7 +24,7 @@ EpochLayers::EpochLayers(const proto::GridTopology& grid, const proto::Frame& fr
       ground_(first.quanta.begin(), first.quanta.end()),
       lowest_(ground_),
       highest_(ground_),
-      least_errors_(grid.slotCount()),
+      min_errors_(grid.slotCount()),
       scratch_(grid.slotCount()) {}
 
 void EpochLayers::begin(const EpochSamples& first) {
@@ -46,7 +46,7 @@ Status EpochLayers::move(const EpochSamples& epoch, EpochReport& report) {
     const size_t at = static_cast<size_t>(y) * first_.width + x;
     if (!height || *height == ground_[at]) return;
     ++report.changed_samples;
-    report.most_m = std::max(report.most_m, std::abs(*height - ground_[at]) * frame_.height_quantum_m);
+    report.max_m = std::max(report.max_m, std::abs(*height - ground_[at]) * frame_.height_quantum_m);
     ground_[at] = *height;
     lowest_[at] = std::min(lowest_[at], *height);
     highest_[at] = std::max(highest_[at], *height);
@@ -63,7 +63,7 @@ bool EpochLayers::raiseErrors(const proto::LatticeWindow& rows, const std::funct
   const auto store = [this](proto::Slot first, std::span<const NodeRecord> records) {
     std::copy(records.begin(), records.end(), scratch_.begin() + static_cast<std::ptrdiff_t>(first));
     for (size_t i = 0; i < records.size(); ++i)
-      least_errors_[first + i] = std::max(least_errors_[first + i], records[i].error());
+      min_errors_[first + i] = std::max(min_errors_[first + i], records[i].error());
     return true;
   };
   return computeBounds({.grid = grid_,
@@ -114,7 +114,7 @@ Status EpochLayers::raiseToControl(const proto::LatticeWindow& changed, const st
     std::copy(records.begin(), records.end(), scratch_.begin() + static_cast<std::ptrdiff_t>(first));
     for (size_t i = 0; i < records.size(); ++i)
       if (meets(first + static_cast<proto::Slot>(i), changed))
-        least_errors_[first + i] = std::max(least_errors_[first + i], records[i].error());
+        min_errors_[first + i] = std::max(min_errors_[first + i], records[i].error());
     return true;
   };
   const bool is_complete = computeBounds({.grid = grid_,

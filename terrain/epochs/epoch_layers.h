@@ -24,7 +24,7 @@ namespace foreland::terrain {
 struct EpochReport {
   std::string date;
   uint64_t changed_samples = 0;  // since the epoch before
-  double most_m = 0;             // by which a height changed since then
+  double max_m = 0;              // by which a height changed since then
   uint64_t bytes = 0;            // in the scene file
 };
 
@@ -40,7 +40,7 @@ class EpochLayers {
 
   Heights lowest() const { return {lowest_, first_.width, first_.height}; }
   Heights highest() const { return {highest_, first_.width, first_.height}; }
-  std::span<const proto::QuantisedError> leastErrors() const { return least_errors_; }
+  std::span<const proto::QuantisedError> minErrors() const { return min_errors_; }
   HeightRange range() const;
   Bytes section() const { return section_.bytes(); }
   const std::vector<EpochReport>& reports() const { return reports_; }
@@ -67,7 +67,7 @@ class EpochLayers {
   std::vector<int32_t> before_, before_that_, control_;
   proto::LatticeWindow changed_, changed_before_;  // from the epoch before the last to it, and from the one before that
   std::vector<int32_t> ground_, lowest_, highest_;  // at the last epoch; over all so far
-  std::vector<proto::QuantisedError> least_errors_;
+  std::vector<proto::QuantisedError> min_errors_;
   std::vector<NodeRecord> scratch_;
   proto::LatticeWindow moved_;  // hull of all epochs' so far
   EpochSection section_;

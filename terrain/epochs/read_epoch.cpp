@@ -11,7 +11,7 @@ namespace foreland::terrain {
 namespace {
 
 // How far samples may lie from the scene's, in sample spacings.
-constexpr double kMostOff = 0.01;
+constexpr double kMaxOff = 0.01;
 
 bool isNear(double a, double b, double scale) { return std::fabs(a - b) <= 1e-6 * scale; }
 bool isNear(const glm::dvec2& a, const glm::dvec2& b) { return glm::distance(a, b) <= 1e-6 * glm::length(b); }
@@ -43,7 +43,7 @@ Result<proto::LatticeWindow> windowOf(const ElevationInfo& epoch, const Elevatio
   if (!origin)
     return refused("its samples are spaced otherwise than those of " + base.title + "; resample it onto the same grid");
   const glm::dvec2 whole(std::round(origin->x), std::round(origin->y));
-  if (glm::distance(whole, *origin) > kMostOff)
+  if (glm::distance(whole, *origin) > kMaxOff)
     return refused("its samples lie between those of " + base.title + "; resample it onto the same grid");
   if (whole.x < 0 || whole.y < 0 || whole.x + epoch.width > base.width || whole.y + epoch.height > base.height)
     return refused("it reaches beyond " + base.title + "; cut it to the scene's extent");

@@ -222,7 +222,7 @@ class ImageryMaker {
     }
     const std::vector<Rgb> colours = filled(scratch.texels);
     const float detail = detailOf(scratch.texels, colours);
-    if (!layer_.isCoarsest(tile) && !has_finer && detail < kLeastDetail) return;
+    if (!layer_.isCoarsest(tile) && !has_finer && detail < kMinDetail) return;
     const auto bytes = encodeTile(colours, options_.quality);
     keep(bytes ? section_.add(tile, *bytes, bounds, detail) : Status(bytes.error()));
     ++stored_;

@@ -22,7 +22,7 @@ namespace foreland::terrain {
 
 inline constexpr int kDefaultImageryQuality = 75;
 // RMS of luminance below which a tile is left out.
-inline constexpr float kLeastDetail = 1.5F / 255;
+inline constexpr float kMinDetail = 1.5F / 255;
 
 struct ImageryOptions {
   int quality = kDefaultImageryQuality;  // of WebP, 1 to 100

@@ -41,8 +41,8 @@ std::array<int8_t, 3> quantisedAxis(const glm::dvec3& middle) {
   return {rounded(n.x), rounded(n.y), rounded(n.z)};
 }
 
-NormalCone coneOf(const std::array<int8_t, 3>& axis, double least_cosine) {
-  return coneWith(axis, std::acos(std::clamp(least_cosine, -1.0, 1.0)));
+NormalCone coneOf(const std::array<int8_t, 3>& axis, double min_cosine) {
+  return coneWith(axis, std::acos(std::clamp(min_cosine, -1.0, 1.0)));
 }
 
 NormalCone unionOf(std::span<const NormalCone> cones) {

@@ -27,7 +27,7 @@ struct NormalCone {
 
 // About `middle` (of any length but 0), with room for normals of which none has a smaller cosine with its stored axis.
 std::array<int8_t, 3> quantisedAxis(const glm::dvec3& middle);
-NormalCone coneOf(const std::array<int8_t, 3>& axis, double least_cosine);
+NormalCone coneOf(const std::array<int8_t, 3>& axis, double min_cosine);
 // A cone that holds all of `cones`, of which there is one at least.
 NormalCone unionOf(std::span<const NormalCone> cones);
 

@@ -70,13 +70,13 @@ class ReliefCheck {
   double step(uint32_t level) const { return layer_.step_m * static_cast<double>(uint64_t{1} << level); }
 
   bool isOfSamples(const TileId& tile, const proto::TileBounds& bounds, const Scratch& scratch) const {
-    const double most_m = layer_.step_m * (0.5 + kStepRounding), quantum_m = scene_.frame().height_quantum_m;
+    const double max_m = layer_.step_m * (0.5 + kStepRounding), quantum_m = scene_.frame().height_quantum_m;
     size_t i = 0;
     for (uint32_t y = 0; y < kTileSide; ++y)
       for (uint32_t x = 0; x < kTileSide; ++x, ++i) {
         const auto n = proto::NodeId::at(clamped(tile.x, x, layer_.width), clamped(tile.y, y, layer_.height));
         const double height_m = scene_.height(n) * quantum_m;
-        if (!(std::abs(scratch.steps[i] * layer_.step_m - height_m) <= most_m)) return false;
+        if (!(std::abs(scratch.steps[i] * layer_.step_m - height_m) <= max_m)) return false;
         if (isOwn(tile, x, y) && !(height_m >= bounds.lowest_m && height_m <= bounds.highest_m)) return false;
       }
     return true;
@@ -105,7 +105,7 @@ class ReliefCheck {
     const uint32_t width = layer_.widthAt(child.level), height = layer_.heightAt(child.level);
     const uint32_t left = child.x % 2 ? kTileSide / 2 - kTileGutter / 2 : kTileGutter / 2,
                    below = child.y % 2 ? kTileSide / 2 - kTileGutter / 2 : kTileGutter / 2;
-    const double most_m = (0.5 + kStepRounding) * (step(child.level) + step(child.level + 1u));
+    const double max_m = (0.5 + kStepRounding) * (step(child.level) + step(child.level + 1u));
     for (uint32_t y = 0; y < kTileSide / 2; ++y)
       for (uint32_t x = 0; x < kTileSide / 2; ++x) {
         const int64_t east = unclamped(child.x, 2 * x + 1), north = unclamped(child.y, 2 * y + 1);
@@ -113,7 +113,7 @@ class ReliefCheck {
         const int32_t* fine = &scratch.finer[size_t{2 * y} * kTileSide + 2 * x];
         const double mean = 0.25 * (int64_t{fine[0]} + fine[1] + fine[kTileSide] + fine[kTileSide + 1]);
         const double own = scratch.steps[size_t{below + y} * kTileSide + left + x];
-        if (!(std::abs(own * step(child.level + 1u) - mean * step(child.level)) <= most_m)) return false;
+        if (!(std::abs(own * step(child.level + 1u) - mean * step(child.level)) <= max_m)) return false;
       }
     return true;
   }

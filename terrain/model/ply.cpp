@@ -27,7 +27,7 @@ class PlyNumbers {
   bool ok() const { return ok_; }
   // An element with this many numbers cannot take fewer bytes.
   uint64_t remainingBytes() const { return is_ascii_ ? text_.size() : bytes_.size(); }
-  static uint64_t leastBytes(PlyType type, PlyForm form) { return form == PlyForm::kAscii ? 2 : plyTypeBytes(type); }
+  static uint64_t minBytes(PlyType type, PlyForm form) { return form == PlyForm::kAscii ? 2 : plyTypeBytes(type); }
 
   double next(PlyType type) { return is_ascii_ ? nextWord() : nextBinary(type); }
 
@@ -123,7 +123,7 @@ class PlyParser {
   Status checkCount(const PlyElement& element) const {
     uint64_t least = 0;
     for (const PlyProperty& property : element.properties)
-      least += PlyNumbers::leastBytes(property.is_list ? property.count_type : property.type, header_.form);
+      least += PlyNumbers::minBytes(property.is_list ? property.count_type : property.type, header_.form);
     if (element.count > 0 && (least == 0 || element.count - 1 > numbers_.remainingBytes() / least))
       return Error{ErrorCode::kMalformed, "promises " + std::to_string(element.count) + " of '" + element.name +
                                               "', more than the file can hold; export or copy it again"};
@@ -194,7 +194,7 @@ class PlyParser {
 
   Result<uint64_t> listLength(const PlyProperty& property) {
     const double count = numbers_.next(property.count_type);
-    const uint64_t least = PlyNumbers::leastBytes(property.type, header_.form);
+    const uint64_t least = PlyNumbers::minBytes(property.type, header_.form);
     if (!(count >= 0) || count - 1 > static_cast<double>(numbers_.remainingBytes()) / static_cast<double>(least) ||
         count != std::floor(count))
       return Error{ErrorCode::kMalformed, "has a list '" + property.name + "' longer than the file; export it again"};

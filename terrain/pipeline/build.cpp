@@ -219,7 +219,7 @@ Status bound(const Terrain& terrain, unsigned threads, const SceneWriter& writer
        .heights = terrain.heights,
        .lowest = terrain.epochs ? terrain.epochs->lowest() : Heights{},
        .highest = terrain.epochs ? terrain.epochs->highest() : Heights{},
-       .least_errors = terrain.epochs ? terrain.epochs->leastErrors() : std::span<const proto::QuantisedError>{},
+       .min_errors = terrain.epochs ? terrain.epochs->minErrors() : std::span<const proto::QuantisedError>{},
        .nodes = writer.nodes(),
        .threads = threads,
        .store = store,

@@ -16,7 +16,7 @@ namespace foreland::terrain {
 namespace {
 
 struct Device {
-  explicit Device(int64_t max_bytes) : handle(rtcNewDevice(nullptr)), most_bytes(max_bytes) {
+  explicit Device(int64_t max_bytes) : handle(rtcNewDevice(nullptr)), max_bytes(max_bytes) {
     CHECK_TRUE(handle != nullptr);  // a processor without SSE2, which this is not built for
     rtcSetDeviceMemoryMonitorFunction(
         handle, [](void* self, ssize_t change, bool) { return static_cast<Device*>(self)->count(change); }, this);
@@ -24,7 +24,7 @@ struct Device {
   ~Device() { rtcReleaseDevice(handle); }
   // Whether Embree may have more. It does not allocate what is refused, nor report it as freed.
   bool count(int64_t change) {
-    if (bytes.fetch_add(change) + change <= most_bytes || change < 0) return true;
+    if (bytes.fetch_add(change) + change <= max_bytes || change < 0) return true;
     bytes.fetch_sub(change);
     return false;
   }
@@ -32,7 +32,7 @@ struct Device {
   Device& operator=(const Device&) = delete;
 
   RTCDevice handle;
-  const int64_t most_bytes;
+  const int64_t max_bytes;
   std::atomic<int64_t> bytes{0};
 };
 

@@ -69,8 +69,7 @@ class RayCaster {
   // All that the scene file holds, at full resolution; in scenes that change in time as it is at `scene_time`, before
   // the first epoch as at it. An Error if its objects are damaged, or if it does not fit into memory (more than 2^28
   // samples are refused at once).
-  static Result<RayCaster> ofScene(std::shared_ptr<const Scene> scene,
-                                   Time scene_time = {-proto::Epochs::kMostTime_us});
+  static Result<RayCaster> ofScene(std::shared_ptr<const Scene> scene, Time scene_time = {-proto::Epochs::kMaxTime_us});
   static Result<RayCaster> ofSurface(DrawnSurface surface);
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;

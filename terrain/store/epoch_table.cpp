@@ -75,7 +75,7 @@ int32_t EpochTable::offset(uint32_t epoch, const proto::GridTopology& grid, prot
   return proto::baseOffsetAt(base_, epoch, proto::baseVertexNumber(grid, v));
 }
 
-uint32_t EpochTable::mostOffset() const {
+uint32_t EpochTable::maxOffset() const {
   int64_t most = 0;
   for (const OffsetBlock& block : blocks_)
     for (const int32_t quanta : block) most = std::max(most, std::abs(int64_t{quanta}));

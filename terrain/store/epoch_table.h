@@ -31,7 +31,7 @@ class EpochTable final : public proto::OffsetSource {
   int32_t offset(uint32_t epoch, const proto::GridTopology& grid, proto::NodeId v) const;
 
   // The largest offset either way. O(offsets).
-  uint32_t mostOffset() const;
+  uint32_t maxOffset() const;
   // Calls visit(i, what is wrong) for every fault in the entries and offsets of epoch i. O(offsets).
   template <class Visit>
   void check(const proto::GridTopology& grid, const Visit& visit) const;

@@ -47,7 +47,7 @@ struct AllOf {
 // Bounds of one node while they are gathered.
 struct Gathered {
   glm::dvec3 position, normal;  // the normal as its record will have it
-  double radius = 0, bulge = 0, least_cosine = 1, cone_rad = 0;
+  double radius = 0, bulge = 0, min_cosine = 1, cone_rad = 0;
   std::vector<Extent> errors;
 };
 
@@ -90,13 +90,13 @@ class BoundsPass {
     all.position = full_.position(full_.vertex(n));
     all.normal = record.normal.unpack();
     all.radius = all.bulge = 0;
-    all.least_cosine = 1;
+    all.min_cosine = 1;
     all.errors.clear();
     if (mesh_.rule() == proto::MeshRule::kQuadrisection)
       gatherAll<AnyOf>(n, all);
     else
       gatherAll<AllOf>(n, all);
-    all.cone_rad = std::acos(std::clamp(all.least_cosine, -1.0, 1.0)) + kPad_rad;
+    all.cone_rad = std::acos(std::clamp(all.min_cosine, -1.0, 1.0)) + kPad_rad;
     if (!surface_.poses.empty()) all.cone_rad = kAnyAngle_rad;
     for (NodeId child : mesh_.children(n)) includeSphereAndCone(records_[mesh_.slot(child)], all);
     const Extent error = errorShape(n, all);
@@ -160,7 +160,7 @@ class BoundsPass {
           all.radius = std::max(all.radius, glm::length(full_.position(corner) - all.position) + drawn);
         const glm::dvec3& normal = full_.normal(t);
         if (normal == glm::dvec3(0)) continue;
-        all.least_cosine = std::min(all.least_cosine, glm::dot(normal, all.normal));
+        all.min_cosine = std::min(all.min_cosine, glm::dot(normal, all.normal));
         all.bulge = std::max(all.bulge, std::fabs(glm::dot(normal, full_.position(vertex) - all.position)));
       }
     };

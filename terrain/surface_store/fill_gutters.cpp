@@ -13,7 +13,7 @@ namespace {
 
 using proto::HalfEdge;
 
-constexpr int kMostEdgesCrossed = 16;
+constexpr int kMaxEdgesCrossed = 16;
 
 class Sewing {
  public:
@@ -67,7 +67,7 @@ class Sewing {
   // parallelogram over their edge. Beyond a border, or after too many faces, the weights are clamped to the last face.
   Texel unfolded(uint32_t face, int32_t i, int32_t j) {
     std::array<int32_t, 3> weights{side_ - i - j, i, j};
-    for (int crossed = 0; crossed < kMostEdgesCrossed; ++crossed) {
+    for (int crossed = 0; crossed < kMaxEdgesCrossed; ++crossed) {
       const auto least = static_cast<uint32_t>(std::min_element(weights.begin(), weights.end()) - weights.begin());
       if (weights[least] >= 0) break;
       const HalfEdge across = 3 * face + (least + 1) % 3, twin = mesh_.twin(across);

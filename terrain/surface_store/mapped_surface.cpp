@@ -15,7 +15,7 @@ namespace foreland::terrain {
 
 namespace {
 
-constexpr uint32_t kMostFaces = proto::BaseMesh::kMaxFaces;
+constexpr uint32_t kMaxFaces = proto::BaseMesh::kMaxFaces;
 
 Status malformed(const char* what) { return Error{ErrorCode::kMalformed, what}; }
 
@@ -23,10 +23,10 @@ Status malformed(const char* what) { return Error{ErrorCode::kMalformed, what}; 
 Status checkNumbers(const SurfaceHeader& h) {
   if (h.rule > static_cast<uint32_t>(proto::MeshRule::kBisection))
     return malformed("its rule of refinement is unknown");
-  if (h.base_faces == 0 || h.base_faces > kMostFaces || h.base_vertices > proto::BaseMesh::kMaxVertices)
+  if (h.base_faces == 0 || h.base_faces > kMaxFaces || h.base_vertices > proto::BaseMesh::kMaxVertices)
     return malformed("its base mesh has too many or no faces");
   if (h.error_shape > static_cast<uint32_t>(proto::ErrorShape::kHoppe)) return malformed("its error shape is unknown");
-  if (h.poses == 1 || h.poses > proto::kMostPoses || (h.poses > 0) != (h.version == kSurfaceVersion))
+  if (h.poses == 1 || h.poses > proto::kMaxPoses || (h.poses > 0) != (h.version == kSurfaceVersion))
     return malformed("its number of poses is impossible");
   if (!(h.quantum_m > 0) || !std::isfinite(h.quantum_m)) return malformed("its step is no positive number");
   for (int axis = 0; axis < 3; ++axis)
@@ -59,7 +59,7 @@ Status MappedSurface::readPoseTimes() {
   for (uint32_t pose = 0; pose < header_.poses; ++pose) {
     Time time;
     std::memcpy(&time.us, vertices.data() + begin + sizeof(time.us) * pose, sizeof(time.us));
-    const bool is_absurd = time.us < -proto::Epochs::kMostTime_us || time.us > proto::Epochs::kMostTime_us;
+    const bool is_absurd = time.us < -proto::Epochs::kMaxTime_us || time.us > proto::Epochs::kMaxTime_us;
     if (is_absurd || (pose > 0 && time <= pose_times_.back()))
       return malformed("the dates of its poses are out of order");
     pose_times_.push_back(time);

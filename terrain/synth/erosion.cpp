@@ -148,7 +148,7 @@ void Eroder::fillValleys(ErosionGrid& grid, const Alluvium& gravel) {
   collectArea(grid);
   for (const uint32_t cell : order_) {
     const double area = area_[cell] * grid.cell * grid.cell;
-    const double share = std::clamp(std::log2(area / gravel.least_area) / kDoublings, 0.0, 1.0);
+    const double share = std::clamp(std::log2(area / gravel.min_area) / kDoublings, 0.0, 1.0);
     const double own = grid.height[cell] + gravel.depth * share;
     const uint32_t to = receiver_[cell];
     const double floor = to == cell ? own : std::max(own, grid.height[to] + kFloorSlope * grid.cell);

@@ -27,8 +27,8 @@ struct ErosionStep {
 };
 
 struct Alluvium {
-  double depth = 1;       // of the gravel under the largest rivers
-  double least_area = 1;  // drained by a river that leaves any
+  double depth = 1;     // of the gravel under the largest rivers
+  double min_area = 1;  // drained by a river that leaves any
   uint32_t seed = 0;
 };
 

@@ -152,7 +152,7 @@ void Landscape::erode() {
                         .diffusion = 0.15});
     rounds = std::max(6, rounds / 3);
   }
-  eroder.fillValleys(grid, {.depth = 0.02 * relief, .least_area = 150, .seed = seed_});
+  eroder.fillValleys(grid, {.depth = 0.02 * relief, .min_area = 150, .seed = seed_});
   grid_ = std::move(grid.height);
 }
 

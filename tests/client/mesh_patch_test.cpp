@@ -167,7 +167,7 @@ TEST(MovedGround, IsTheGroundOfTheFirstEpochAndWhatItHasMoved) {
   const uint64_t seed = randomSeed();
   SCOPED_TRACE(seed);
   Rng rng(seed);
-  double most_m = 0;  // of some of the scenes next to nothing moves in view
+  double max_m = 0;  // of some of the scenes next to nothing moves in view
   for (uint64_t k = 0; k < 6; ++k) {
     const auto scene = makeMovingScene(130, 110, seed + k / 2, 5,
                                        k % 2 == 0 ? proto::FrameKind::kPlanar : proto::FrameKind::kGeographic);
@@ -199,11 +199,11 @@ TEST(MovedGround, IsTheGroundOfTheFirstEpochAndWhatItHasMoved) {
         ASSERT_EQ(still.from_moved[v], 0);
         ASSERT_NEAR(moving.from_positions[v].w - moving.from_moved[v], still.from_positions[v].w, 1e-3);
         ASSERT_NEAR(moving.to_positions[v].w - moving.to_moved[v], still.to_positions[v].w, 1e-3);
-        most_m = std::max(most_m, std::fabs(double{moving.to_moved[v]}));
+        max_m = std::max(max_m, std::fabs(double{moving.to_moved[v]}));
       }
     }
   }
-  EXPECT_GT(most_m, 5);
+  EXPECT_GT(max_m, 5);
 }
 
 }  // namespace

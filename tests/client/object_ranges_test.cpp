@@ -20,7 +20,7 @@ TEST(ObjectRanges, AreDisjointAndTakenAgain) {
   };
   std::vector<Taken> taken;
   std::vector<bool> is_taken;
-  uint32_t asked = 0, most_asked = 0;
+  uint32_t asked = 0, max_asked = 0;
   for (int i = 0; i < 4000; ++i) {
     if (taken.empty() || rng.below(100) < (i % 1000 < 500 ? 60u : 40u)) {
       const auto size = static_cast<uint32_t>(rng.below(2000));
@@ -34,7 +34,7 @@ TEST(ObjectRanges, AreDisjointAndTakenAgain) {
         is_taken[at] = true;
       }
       taken.push_back({range, size});
-      most_asked = std::max(most_asked, asked += size);
+      max_asked = std::max(max_asked, asked += size);
     } else {
       const size_t which = rng.below(taken.size());
       ranges.free(taken[which].range);
@@ -45,7 +45,7 @@ TEST(ObjectRanges, AreDisjointAndTakenAgain) {
     }
     ASSERT_EQ(ranges.taken(), static_cast<uint32_t>(std::count(is_taken.begin(), is_taken.end(), true)));
   }
-  EXPECT_LT(ranges.count(), 3 * most_asked);
+  EXPECT_LT(ranges.count(), 3 * max_asked);
 }
 
 }  // namespace

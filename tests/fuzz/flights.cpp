@@ -18,7 +18,7 @@
 namespace foreland::test {
 namespace {
 
-constexpr size_t kMostNodes = 4000;
+constexpr size_t kMaxNodes = 4000;
 constexpr int kUnnoticed = 3;  // keyframes, since each tells a quarter of the fingerprint
 
 // Near the middle of the scene, low or high, looking down ahead and back.
@@ -64,7 +64,7 @@ void fly(const server::Hierarchy& hierarchy, uint8_t how) {
       sender.showAt(shown, step % 3 != 0);
     }
     Bytes message;
-    if (!sender.send(view, Time{step * 200'000}, kMostNodes, scratch, message)) return;
+    if (!sender.send(view, Time{step * 200'000}, kMaxNodes, scratch, message)) return;
     auto decoded = proto::decodeServerMessage(message, memory);
     CHECK_TRUE(decoded.ok());
     const auto& keyframe = std::get<proto::KeyframeMessage>(*decoded);

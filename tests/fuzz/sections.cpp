@@ -10,14 +10,14 @@ namespace foreland {
 namespace {
 
 void run(ByteSpan bytes) {
-  constexpr size_t kMostNodes = 5000;
+  constexpr size_t kMaxNodes = 5000;
   static const proto::ObjectSet none;
   if (bytes.empty()) return;
   const proto::GridTopology& grid = test::sectionGrids()[bytes[0] % test::sectionGrids().size()];
   const proto::ObjectSet& objects = bytes[0] >= 128 ? test::toyObjects() : none;
-  const auto sections = proto::decodeSections(grid, objects, bytes.subspan(1), kMostNodes);
+  const auto sections = proto::decodeSections(grid, objects, bytes.subspan(1), kMaxNodes);
   if (!sections) return;
-  CHECK_LE(sections->terrain.slots.size(), kMostNodes);
+  CHECK_LE(sections->terrain.slots.size(), kMaxNodes);
   CHECK_TRUE(validate(grid, sections->terrain).ok());
   for (size_t i = 0; i < objects.size(); ++i) {
     proto::SurfaceCut cut(objects.domain(i).topology());
@@ -26,7 +26,7 @@ void run(ByteSpan bytes) {
   }
   Bytes again;
   proto::encodeSections(grid, objects, *sections, again);
-  const auto heard = proto::decodeSections(grid, objects, again, kMostNodes);
+  const auto heard = proto::decodeSections(grid, objects, again, kMaxNodes);
   CHECK_TRUE(heard.ok());
   CHECK_TRUE(*heard == *sections);
 }

@@ -29,9 +29,9 @@ Time now() {
 }
 
 // The bars for a quiet machine with two processors, at five keyframes a second.
-constexpr double kLeastKeyframesPerSecond = 4.5, kLongestGap_ms = 600;
+constexpr double kMinKeyframesPerSecond = 4.5, kLongestGap_ms = 600;
 // Beyond what the server says that it holds for its viewers, which is bounded by its budget for all of them.
-constexpr int64_t kMostGrown_kib = 64 << 10, kQueues_kib = 256 << 10;
+constexpr int64_t kMaxGrown_kib = 64 << 10, kQueues_kib = 256 << 10;
 
 const char* givenSeconds() { return std::getenv("FORELAND_HOSTILE_SECONDS"); }
 
@@ -81,12 +81,12 @@ struct Figures {
 void expectWithinBars(const Figures& figures) {
   EXPECT_TRUE(figures.stayed) << "the honest viewer was disconnected";
   EXPECT_GT(figures.keyframes, 0u);
-  EXPECT_LE(figures.held_kib, kQueues_kib + kMostGrown_kib);
-  if (!kIsSanitized) { EXPECT_LE(figures.grown_kib, kQueues_kib + kMostGrown_kib); }
+  EXPECT_LE(figures.held_kib, kQueues_kib + kMaxGrown_kib);
+  if (!kIsSanitized) { EXPECT_LE(figures.grown_kib, kQueues_kib + kMaxGrown_kib); }
   if (!givenSeconds()) return;
-  EXPECT_GE(figures.keyframes_per_s, kLeastKeyframesPerSecond);
+  EXPECT_GE(figures.keyframes_per_s, kMinKeyframesPerSecond);
   EXPECT_LE(figures.longest_gap_ms, kLongestGap_ms);
-  EXPECT_LE(figures.grown_kib - figures.held_kib, kMostGrown_kib);
+  EXPECT_LE(figures.grown_kib - figures.held_kib, kMaxGrown_kib);
 }
 
 class Hostile : public testing::Test {

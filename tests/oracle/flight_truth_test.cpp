@@ -48,7 +48,7 @@ TEST(FlightTruth, OfAFewFramesIsOfTheWholeFlight) {
   const Flight flight = flown(tourOptions(proto::Strategy::kPredict));
   double last = 0;
   const FlightTruth truth = measured(flight.player, {.frame_every = 1,
-                                                     .most_frames = 15,
+                                                     .max_frames = 15,
                                                      .sections = apps::exactSectionsOf(alps()),
                                                      .terms_every = 4,
                                                      .on_progress = [&](double share) {

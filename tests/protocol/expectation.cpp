@@ -31,9 +31,9 @@ class Crc {
 // The least number from 0 to 10^30 that passes, to the last bit, or 10^30. `passes` grows with the number.
 template <class Passes>
 double leastNumber(const Passes& passes) {
-  constexpr double kMost = 1e30;
+  constexpr double kMax = 1e30;
   if (passes(0.0)) return 0;
-  uint64_t low = 0, high = std::bit_cast<uint64_t>(kMost);
+  uint64_t low = 0, high = std::bit_cast<uint64_t>(kMax);
   while (high - low > 1) {
     const uint64_t middle = (low + high) / 2;
     (passes(std::bit_cast<double>(middle)) ? high : low) = middle;

@@ -223,9 +223,9 @@ TEST(Landslide, KeepsTheToleranceWhileItFalls) {
   after.info() = info;
   const Time first{}, last = first + Duration::seconds(kDay);
   const auto scene = makeScene(**before, 0.1, 1, {{first, "before", nullptr}, {last, "after", &after}});
-  double most_m = 0;
-  for (const float change : changes) most_m = std::max(most_m, std::isnan(change) ? 0.0 : std::fabs(double{change}));
-  EXPECT_GT(most_m, 1);
+  double max_m = 0;
+  for (const float change : changes) max_m = std::max(max_m, std::isnan(change) ? 0.0 : std::fabs(double{change}));
+  EXPECT_GT(max_m, 1);
 
   World world(scene, {}, Duration::milliseconds(4), 1);
   ClientOptions options = onKnownTour(*scene, "orbit", 20);

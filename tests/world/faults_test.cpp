@@ -34,7 +34,7 @@ using sim::ClientOptions;
 using sim::LinkOptions;
 using sim::World;
 
-constexpr size_t kMostNodes = 20'000;
+constexpr size_t kMaxNodes = 20'000;
 constexpr Duration kFaulty = Duration::seconds(6), kQuiet = Duration::seconds(5), kSettled = Duration::seconds(4);
 
 const std::array<std::shared_ptr<const terrain::Scene>, 2>& scenes() {
@@ -124,7 +124,7 @@ bool keepsWhatItClaims(const World& world, size_t client, const client::FrameVie
   const server::Hierarchy& hierarchy = world.session(client).world().hierarchy;
   proto::Section needed;
   proto::View at{view.pose, view.mesh->to.lens, view.tolerance_px};
-  if (!server::refine(hierarchy, at, kMostNodes, scratch, needed)) return false;
+  if (!server::refine(hierarchy, at, kMaxNodes, scratch, needed)) return false;
   const proto::Section section = replica.section();
   return std::includes(section.slots.begin(), section.slots.end(), needed.slots.begin(), needed.slots.end());
 }
@@ -148,7 +148,7 @@ struct Scenario {
 
   static server::SessionOptions options() {
     server::SessionOptions options;
-    options.max_section_nodes = kMostNodes;
+    options.max_section_nodes = kMaxNodes;
     options.max_added_nodes = 6000;
     options.max_added_after_jump = 2000;
     return options;
@@ -221,8 +221,8 @@ struct Scenario {
       if (!cameras[i]->turns()) {
         EXPECT_GE(4 * guaranteed[i], quiet_frames[i]) << "viewer " << i << " has left the regions of its keyframes";
       }
-      EXPECT_LE(world.session(i).statistics().section_nodes, kMostNodes);
-      EXPECT_LE(world.traffic(i).most_unsent_bytes, 2 * world.traffic(i).largest_down);
+      EXPECT_LE(world.session(i).statistics().section_nodes, kMaxNodes);
+      EXPECT_LE(world.traffic(i).max_unsent_bytes, 2 * world.traffic(i).largest_down);
     }
   }
 

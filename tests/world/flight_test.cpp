@@ -53,7 +53,7 @@ TEST(Flight, IsTheSameWithEmptyMeshes) {
     uint64_t bytes;
     client::ViewerStatistics statistics;
     proto::Section section;
-    size_t most_triangles = 0;
+    size_t max_triangles = 0;
   };
   const auto fly = [&](bool has_meshes) {
     World world(scene, {}, Duration::milliseconds(4), 1);
@@ -62,7 +62,7 @@ TEST(Flight, IsTheSameWithEmptyMeshes) {
     world.addClient(client);
     Flown flown{};
     world.on_frame = [&](size_t, const client::FrameView& view, Time) {
-      if (view.mesh) flown.most_triangles = std::max(flown.most_triangles, view.mesh->triangleCount());
+      if (view.mesh) flown.max_triangles = std::max(flown.max_triangles, view.mesh->triangleCount());
     };
     world.run(Time::seconds(3));
     world.loseConnection(0);
@@ -74,8 +74,8 @@ TEST(Flight, IsTheSameWithEmptyMeshes) {
     return flown;
   };
   const Flown drawn = fly(true), empty = fly(false);
-  EXPECT_GT(drawn.most_triangles, 1000u);
-  EXPECT_EQ(empty.most_triangles, 0u);
+  EXPECT_GT(drawn.max_triangles, 1000u);
+  EXPECT_EQ(empty.max_triangles, 0u);
   EXPECT_EQ(empty.bytes, drawn.bytes);
   EXPECT_EQ(empty.section.slots, drawn.section.slots);
   EXPECT_EQ(empty.statistics.resumed, 1u);
@@ -269,16 +269,16 @@ TEST(World, AByteBudgetIsKeptOnceTheToleranceHasAdapted) {
   c.request.tau_px = 0.5;
   c.request.max_bytes_per_second = 600;
   world.addClient(c);
-  double most_tau_px = 0;
+  double max_tau_px = 0;
   world.on_frame = [&](size_t, const client::FrameView& view, Time) {
-    most_tau_px = std::max<double>(most_tau_px, view.mesh->to.tau_px);
+    max_tau_px = std::max<double>(max_tau_px, view.mesh->to.tau_px);
   };
   world.run(Time::seconds(15));
   const uint64_t before = world.viewer(0).statistics().bytes_down;
   world.run(Time::seconds(45));
   EXPECT_EQ(world.report(), "");
   EXPECT_LE((world.viewer(0).statistics().bytes_down - before) / 30.0, 600 * 1.1);
-  EXPECT_GT(most_tau_px, 0.5);
+  EXPECT_GT(max_tau_px, 0.5);
 }
 
 TEST(World, StrategiesSwitchInFlightWithoutAJump) {

@@ -90,10 +90,10 @@ TEST_P(ReadingNothing, LeavesNothingPiledUpAndComesBackInSeconds) {
   world.run(Time{end.us - 1});
   const uint32_t made = world.session(0).keyframe().index - before;
   EXPECT_LE(made, buffered ? 8u : 1u) << "of what nobody reads";
-  EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down);
+  EXPECT_LE(world.traffic(0).max_unsent_bytes, world.traffic(0).largest_down);
   world.run(Time::seconds(70));
   EXPECT_EQ(world.report(), "");
-  EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down);
+  EXPECT_LE(world.traffic(0).max_unsent_bytes, world.traffic(0).largest_down);
   EXPECT_GT(world.viewer(0).statistics().keyframes, before + made + 130);
   EXPECT_LE(worst, Duration::milliseconds(predicts ? 100 : 600));
 }
@@ -125,19 +125,19 @@ TEST_P(SlowLink, KeyframesStayCurrentAt20KilobitsASecond) {
   c.down.bytes_per_second = kBytesPerSecond;
   world.addClient(c);
   Duration worst{};
-  float most_tau_px = 0, least_tau_px = 1e9f;
+  float max_tau_px = 0, min_tau_px = 1e9f;
   world.on_frame = [&](size_t, const client::FrameView& view, Time now) {
-    most_tau_px = std::max(most_tau_px, view.mesh->to.tau_px);
-    least_tau_px = std::min(least_tau_px, view.mesh->to.tau_px);
+    max_tau_px = std::max(max_tau_px, view.mesh->to.tau_px);
+    min_tau_px = std::min(min_tau_px, view.mesh->to.tau_px);
     if (now > kBegun) worst = std::max(worst, now - view.shown_time);
   };
   world.run(kBegun + Duration::seconds(kSeconds));
   EXPECT_EQ(world.report(), "");
-  EXPECT_GT(most_tau_px, 4 * c.request.tau_px);
-  EXPECT_LT(least_tau_px, 0.5 * most_tau_px);
+  EXPECT_GT(max_tau_px, 4 * c.request.tau_px);
+  EXPECT_LT(min_tau_px, 0.5 * max_tau_px);
   EXPECT_GT(world.viewer(0).statistics().bytes_down, 0.2 * kSeconds * kBytesPerSecond) << "no load to speak of";
   EXPECT_LE(worst, Duration::milliseconds(400)) << "more than two intervals late";
-  EXPECT_LE(world.traffic(0).most_unsent_bytes, world.traffic(0).largest_down) << "more than one delta waits";
+  EXPECT_LE(world.traffic(0).max_unsent_bytes, world.traffic(0).largest_down) << "more than one delta waits";
 }
 
 INSTANTIATE_TEST_SUITE_P(Flow, SlowLink, testing::Values("survey", "canyon", "orbit", "spin"),

@@ -30,7 +30,7 @@ struct Camera {
   proto::FrameTransform frame{scene->frame()};
   glm::dvec3 eye{0}, ahead{40, 0, -30};
   uint64_t frames = 0, known = 0, touched = 0;
-  double least_m = 1e9;
+  double min_m = 1e9;
 
   void step(client::Viewer& viewer) {
     if (random() % 90 == 0) {
@@ -61,7 +61,7 @@ struct Camera {
     const auto cell = feed.heights().cellAt({p.x, p.y});
     if (!cell || cell->side > 1) return;
     ++known;
-    least_m = std::min(least_m, p.height_m - server::groundHeight(*scene, p.x, p.y).value());
+    min_m = std::min(min_m, p.height_m - server::groundHeight(*scene, p.x, p.y).value());
   }
 };
 
@@ -85,7 +85,7 @@ TEST_P(Ground, ACameraStaysAboveTheTruthWhileHeightsArrive) {
   EXPECT_EQ(world.report(), "");
   EXPECT_GT(camera.known, camera.frames * 9 / 10);
   EXPECT_GT(camera.touched, 200u);
-  EXPECT_GE(camera.least_m, kClearance_m - 0.02);
+  EXPECT_GE(camera.min_m, kClearance_m - 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sources, Ground, testing::Bool(),

@@ -63,12 +63,12 @@ class HostileViewer {
     return choices_.below(3) == 0 ? kNumbers[choices_.below(std::size(kNumbers))] : choices_.uniform(-5000, 5000);
   }
   int64_t anyTime(Time now) {
-    constexpr int64_t kMost = int64_t{1} << 60;
+    constexpr int64_t kMax = int64_t{1} << 60;
     switch (choices_.below(8)) {
       case 0:
         return static_cast<int64_t>(choices_.next());
       case 1:
-        return choices_.below(2) == 0 ? kMost : -kMost;
+        return choices_.below(2) == 0 ? kMax : -kMax;
       case 2:
         return now.us + static_cast<int64_t>(choices_.below(1'000'000'000'000));
       default:

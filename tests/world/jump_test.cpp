@@ -22,7 +22,7 @@ using sim::World;
 using proto::Strategy;
 
 constexpr Duration kEvery = Duration::seconds(4);
-constexpr size_t kMostNodes = 30000;
+constexpr size_t kMaxNodes = 30000;
 
 glm::dvec3 aboveGround(double x, double y, double height_m) {
   return {x, y, 5000 - server::heightAboveGround(*alps(), {x, y, 5000}) + height_m};
@@ -55,13 +55,13 @@ class Jumps : public testing::TestWithParam<Strategy> {};
 
 TEST_P(Jumps, AreOverInASecondAndNoFrameClaimsMoreThanIsGuaranteed) {
   server::SessionOptions options;
-  options.max_section_nodes = kMostNodes;
+  options.max_section_nodes = kMaxNodes;
   options.max_added_after_jump = 5000;
   World world(alps(), options, Duration::milliseconds(30), 51);
   world.addClient(jumping(GetParam()));
   uint64_t coarse_frames = 0, frames = 0;
   Duration worst{};
-  size_t view = 0, most_nodes = 0;
+  size_t view = 0, max_nodes = 0;
   bool is_recovered = true;
   world.on_frame = [&](size_t, const client::FrameView& shown, Time now) {
     const Duration since{now.us % kEvery.us};
@@ -70,7 +70,7 @@ TEST_P(Jumps, AreOverInASecondAndNoFrameClaimsMoreThanIsGuaranteed) {
       view = at;
       is_recovered = false;
     }
-    most_nodes = std::max<size_t>(most_nodes, shown.mesh->to_nodes);
+    max_nodes = std::max<size_t>(max_nodes, shown.mesh->to_nodes);
     if (view == 0) return;
     ++frames;
     const bool shows_view = glm::distance(shown.pose.eye, jumper(now).eye) < 50;
@@ -86,7 +86,7 @@ TEST_P(Jumps, AreOverInASecondAndNoFrameClaimsMoreThanIsGuaranteed) {
   EXPECT_GT(frames, 1800u);
   EXPECT_LE(worst, Duration::milliseconds(1000));
   EXPECT_EQ(coarse_frames, 0u);
-  EXPECT_LE(most_nodes, kMostNodes);
+  EXPECT_LE(max_nodes, kMaxNodes);
   EXPECT_EQ(world.session(0).statistics().jumps, 8u);
   EXPECT_EQ(world.viewer(0).statistics().started_afresh, 0u) << "that is for new connections";
 }
@@ -188,7 +188,7 @@ TEST(Turns, ThatCannotBePredictedMakeNoSectionMuchLarger) {
     proto::View alone = proto::viewOf(session.keyframe());
     alone.region_radius_m = alone.region_angle_rad = 0;
     proto::Section needed;
-    ASSERT_TRUE(server::refine(session.world().hierarchy, alone, kMostNodes, scratch, needed));
+    ASSERT_TRUE(server::refine(session.world().hierarchy, alone, kMaxNodes, scratch, needed));
     const double factor = double(session.section().slots.size()) / double(needed.slots.size());
     sum += factor;
     worst = std::max(worst, factor);

@@ -52,9 +52,9 @@ class Orders : public testing::Test {
     note();
   }
   void note() {
-    if (keyframes_.empty()) keyframes_.assign(proto::kMostOrder, {replica_->section(), {}});
+    if (keyframes_.empty()) keyframes_.assign(proto::kMaxOrder, {replica_->section(), {}});
     keyframes_.push_back({replica_->section(), {}});
-    if (keyframes_.size() > proto::kMostOrder + 1) keyframes_.pop_front();
+    if (keyframes_.size() > proto::kMaxOrder + 1) keyframes_.pop_front();
   }
 
   // The last order + 1 keyframes, by the reference.
@@ -167,10 +167,10 @@ TEST_F(Orders, AreChangedInFlightWithoutAJump) {
 
 // Of one client in flight: how much the velocity of the surface changes where meshes meet, metres a second.
 struct Joints {
-  double most_m_per_s = 0;
+  double max_m_per_s = 0;
   uint64_t count = 0, frames_outside = 0;
   uint32_t late_keyframes = 0;
-  double most_triangles = 0;
+  double max_triangles = 0;
 };
 
 Joints fly(Blend blend, proto::Strategy strategy) {
@@ -201,7 +201,7 @@ Joints fly(Blend blend, proto::Strategy strategy) {
       for (uint32_t x = 0; x < shape.samples_x; ++x) {
         if (!ended.empty()) {
           const glm::dvec3 jump = velocity(begin, next, x, y) - ended[ends.size()];
-          joints.most_m_per_s = std::max(joints.most_m_per_s, glm::length(jump));
+          joints.max_m_per_s = std::max(joints.max_m_per_s, glm::length(jump));
         }
         ends.push_back(velocity(before, end, x, y));
       }
@@ -211,7 +211,7 @@ Joints fly(Blend blend, proto::Strategy strategy) {
   world.run(Time::seconds(10));
   EXPECT_EQ(world.report(), "");
   joints.late_keyframes = world.viewer(0).statistics().late_keyframes;
-  std::printf("%s, %s: %.3f m/s, %.0f nodes\n", client::name(blend), proto::name(strategy), joints.most_m_per_s,
+  std::printf("%s, %s: %.3f m/s, %.0f nodes\n", client::name(blend), proto::name(strategy), joints.max_m_per_s,
               static_cast<double>(world.session(0).statistics().section_nodes));
   return joints;
 }
@@ -222,11 +222,11 @@ TEST(OrderFlight, NothingChangesItsVelocityAtOnce) {
   for (proto::Strategy strategy : {proto::Strategy::kPredict, proto::Strategy::kDelay}) {
     const Joints linear = fly(Blend::kKeyframe, strategy);
     EXPECT_GT(linear.count, 30u);
-    EXPECT_GT(linear.most_m_per_s, 1);
+    EXPECT_GT(linear.max_m_per_s, 1);
     for (Blend blend : kSplines) {
       const Joints spline = fly(blend, strategy);
       EXPECT_GT(spline.count, 30u);
-      EXPECT_LT(spline.most_m_per_s, 0.1 * linear.most_m_per_s) << client::name(blend) << proto::name(strategy);
+      EXPECT_LT(spline.max_m_per_s, 0.1 * linear.max_m_per_s) << client::name(blend) << proto::name(strategy);
       EXPECT_LE(spline.frames_outside, linear.frames_outside + 15) << client::name(blend) << proto::name(strategy);
       EXPECT_LE(spline.late_keyframes, linear.late_keyframes + 1) << client::name(blend) << proto::name(strategy);
     }

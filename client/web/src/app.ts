@@ -153,7 +153,7 @@ export class App {
     this.welcome = welcome;
     this.picture.setScene(welcome, this.session.screen);
     this.showColours();
-    this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.most_moved_m, welcome.is_geographic);
+    this.panel.setScene(welcome.lowest_m, welcome.highest_m, welcome.max_moved_m, welcome.is_geographic);
     this.applyLook();
     this.scene_time.setEpochs(welcome.epochs_ms);
     byId('scene-title').textContent = welcome.title;

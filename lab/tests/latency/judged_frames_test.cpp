@@ -10,7 +10,7 @@
 namespace foreland::lab {
 namespace {
 
-constexpr uint32_t kMostOneIn = 100;
+constexpr uint32_t kMaxOneIn = 100;
 
 std::vector<uint64_t> judgedOf(uint32_t one_in, size_t count) {
   const JudgedFrames judged(one_in);
@@ -28,7 +28,7 @@ std::map<uint64_t, double> phasesOf(const std::vector<uint64_t>& frames, uint64_
 }
 
 TEST(JudgedFrames, AreAsManyASecondAsAskedFor) {
-  for (uint32_t one_in = 1; one_in <= kMostOneIn; ++one_in) {
+  for (uint32_t one_in = 1; one_in <= kMaxOneIn; ++one_in) {
     const std::vector<uint64_t> frames = judgedOf(one_in, 500);
     for (size_t i = 0; i < frames.size(); ++i) ASSERT_EQ(frames[i] / (6 * one_in), i) << one_in;
     EXPECT_DOUBLE_EQ(JudgedFrames(one_in).hz() * one_in, 10);
@@ -37,7 +37,7 @@ TEST(JudgedFrames, AreAsManyASecondAsAskedFor) {
 
 TEST(JudgedFrames, AreSomeOfThoseOfTenASecond) {
   const JudgedFrames most;
-  for (uint32_t one_in = 1; one_in <= kMostOneIn; ++one_in)
+  for (uint32_t one_in = 1; one_in <= kMaxOneIn; ++one_in)
     for (const uint64_t frame : judgedOf(one_in, 500)) ASSERT_TRUE(most.has(frame)) << one_in << " " << frame;
 }
 
@@ -45,7 +45,7 @@ TEST(JudgedFrames, AreSomeOfThoseOfTenASecond) {
 TEST(JudgedFrames, FallOnAllPhasesOfAnIntervalEquallyOften) {
   constexpr size_t kCount = 3600;
   const std::vector<uint64_t> most = judgedOf(1, kCount);
-  for (uint32_t one_in = 1; one_in <= kMostOneIn; ++one_in) {
+  for (uint32_t one_in = 1; one_in <= kMaxOneIn; ++one_in) {
     const std::vector<uint64_t> frames = judgedOf(one_in, kCount);
     for (const uint64_t interval : {6, 12, 18, 30, 60}) {
       const auto phases = phasesOf(frames, interval), wanted = phasesOf(most, interval);
@@ -59,12 +59,12 @@ TEST(JudgedFrames, FallOnAllPhasesOfAnIntervalEquallyOften) {
 
 TEST(JudgedFrames, FallOnAllPhasesOfShortIntervalsSoon) {
   for (const uint64_t interval : {6, 12, 18})
-    for (uint32_t one_in = 1; one_in <= kMostOneIn; ++one_in)
+    for (uint32_t one_in = 1; one_in <= kMaxOneIn; ++one_in)
       EXPECT_EQ(phasesOf(judgedOf(one_in, 64), interval).size(), 6u) << interval << " " << one_in;
 }
 
 TEST(JudgedFrames, AreRefusedAtRatesThatAreNoPartOfTen) {
-  for (uint32_t one_in = 1; one_in <= kMostOneIn; ++one_in) {
+  for (uint32_t one_in = 1; one_in <= kMaxOneIn; ++one_in) {
     const auto judged = JudgedFrames::atRate(10.0 / one_in);
     ASSERT_TRUE(judged.ok()) << one_in;
     EXPECT_DOUBLE_EQ(judged->hz(), 10.0 / one_in);

@@ -111,7 +111,7 @@ TEST(LinkStream, ReadsNoMoreThanItHolds) {
   LinkStream stream(sim::LinkOptions{}, 1);
   size_t taken = 0;
   for (; stream.mayRead(Time{}); taken += stream.pieceBytes()) stream.take(Bytes(stream.pieceBytes()), Time{});
-  EXPECT_EQ(taken, LinkStream::kMostBytes);
+  EXPECT_EQ(taken, LinkStream::kMaxBytes);
   EXPECT_EQ(stream.arrived(Time::seconds(1)).size(), taken);
   EXPECT_TRUE(stream.mayRead(Time::seconds(1)));
 }

@@ -112,7 +112,7 @@ TEST(TileClient, LoadsWhatIsInViewOnceAndThenRests) {
 TEST(TileClient, NeverDrawsATileInAnother) {
   TileTree tree(smallScene());
   const proto::Path path = tour("spin", 6);
-  TileClient client(tree, {.lens = kLens, .most_error_px = 0.7, .links = sim::linkNamed("lte")->links()});
+  TileClient client(tree, {.lens = kLens, .max_error_px = 0.7, .links = sim::linkNamed("lte")->links()});
   double jump_px = 0;
   for (Time now; now < Time::seconds(6); now = now + Duration::milliseconds(33)) {
     const TileClient::Frame frame = client.frame(now, path.at(now)).value();
@@ -128,7 +128,7 @@ TEST(TileClient, AsksAgainForWhatASmallCacheLost) {
     TileTree tree(smallScene());
     const proto::Path path = tour("spin", 10);
     TileClient client(tree, {.lens = kLens,
-                             .most_error_px = 0.7,
+                             .max_error_px = 0.7,
                              .cache_tiles = cache_tiles,
                              .links = sim::fixedLink(Duration::milliseconds(20))});
     Time now;
@@ -153,11 +153,11 @@ TEST(TileRival, FindsTilesOfEqualErrorAndIsTheSameInEveryRun) {
   EXPECT_EQ(ours.bytes, flyOurs(flight, oracle).bytes);
   const auto equal_px = errorForRms(flight, ours.rms_px, tree, oracle);
   ASSERT_TRUE(equal_px.ok());
-  TileOptions options{.lens = kLens, .most_error_px = *equal_px, .links = flight.links};
+  TileOptions options{.lens = kLens, .max_error_px = *equal_px, .links = flight.links};
   const auto tiles = flyTiles(flight, options, tree, oracle);
   ASSERT_TRUE(tiles.ok());
   EXPECT_EQ(tiles->bytes, flyTiles(flight, options, tree, oracle)->bytes);
-  options.most_error_px *= 4;
+  options.max_error_px *= 4;
   EXPECT_GE(flyTiles(flight, options, tree, oracle)->rms_px, tiles->rms_px);
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostShortIndices = 65536;  // more vertices take indices of 32 bits
+constexpr size_t kMaxShortIndices = 65536;  // more vertices take indices of 32 bits
 
 using Quantized = std::array<uint16_t, 3>;
 
@@ -124,7 +124,7 @@ Bytes encodeQuantizedMesh(const PeerMesh& mesh) {
   ByteWriter w(out);
   putHeader(box, w);
   putVertices(vertices, w);
-  if (vertices.size() <= kMostShortIndices)
+  if (vertices.size() <= kMaxShortIndices)
     putTopology<uint16_t>(ordered, vertices, out);
   else
     putTopology<uint32_t>(ordered, vertices, out);

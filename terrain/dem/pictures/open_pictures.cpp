@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kFinest = 10, kCoarsest = -10;  // texels are 2^-10 to 2^10 sample intervals
 constexpr double kSlack = 1.01;
-constexpr double kMostTexels = 0x1p26;  // a side
+constexpr double kMaxTexels = 0x1p26;  // a side
 
 // The largest power of two that is not above a resolution but by the slack.
 double texelFor(double resolution) {
@@ -106,7 +106,7 @@ Result<std::unique_ptr<PictureSource>> openPictures(const std::vector<std::files
   }
   const double finest = pictures.back().resolution, most = std::max(lattice.samples_x, lattice.samples_y);
   info.texel = texelFor(finest);
-  while (most / info.texel > kMostTexels) info.texel *= 2;
+  while (most / info.texel > kMaxTexels) info.texel *= 2;
   if (info.texel > finest * kSlack)
     info.notes.push_back(
         fmt::format("{}: its pixels are finer than the finest texels, {:g} of the distance between "

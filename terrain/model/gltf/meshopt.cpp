@@ -10,7 +10,7 @@ namespace foreland::terrain {
 namespace {
 
 // The codec needs at least 4 bytes for 256 vertices of each byte of the stride, and a byte for an index.
-constexpr uint64_t kMostShrunk = 64;
+constexpr uint64_t kMaxShrunk = 64;
 
 Error refusedMeshopt(std::string what) {
   return {ErrorCode::kMalformed, "has meshopt data " + std::move(what) + "; export the model again"};
@@ -49,7 +49,7 @@ Result<Bytes> unpackMeshopt(const GltfMeshopt& packed, ByteSpan bytes) {
   if (packed.mode != "ATTRIBUTES" && packed.mode != "TRIANGLES" && packed.mode != "INDICES")
     return refusedMeshopt("of the unknown mode '" + packed.mode.substr(0, 20) + "'");
   if (Status status = checkStride(packed); !status.ok()) return status.error();
-  if (packed.count > kMaxModelVertices * 3 || packed.count * packed.stride / kMostShrunk > bytes.size())
+  if (packed.count > kMaxModelVertices * 3 || packed.count * packed.stride / kMaxShrunk > bytes.size())
     return refusedMeshopt("that promises " + std::to_string(packed.count) + " elements, more than its bytes can hold");
   Bytes out(packed.count * packed.stride);
   if (packed.count == 0) return out;

@@ -15,7 +15,7 @@ TEST(Spline, ByEndsAndControlsIsTheSplineOfTheKeyframes) {
   SCOPED_TRACE(seed);
   Rng rng(seed);
   for (int trial = 0; trial < 100; ++trial)
-    for (uint32_t order = 1; order <= proto::kMostOrder; ++order) {
+    for (uint32_t order = 1; order <= proto::kMaxOrder; ++order) {
       std::vector<double> values;  // of the keyframes, the newest first
       for (uint32_t i = 0; i <= order; ++i) values.push_back(rng.uniform(-3, 3));
       const double from = splineEnd(order, [&](uint32_t i) { return values[i + 1]; }),
@@ -32,7 +32,7 @@ TEST(Spline, ByEndsAndControlsIsTheSplineOfTheKeyframes) {
 }
 
 TEST(Spline, OfEqualValuesIsThatValueExactly) {
-  for (uint32_t order = 1; order <= proto::kMostOrder; ++order)
+  for (uint32_t order = 1; order <= proto::kMaxOrder; ++order)
     for (double value : {0.0, 1.0}) {
       const auto at = [&](uint32_t) { return value; };
       EXPECT_EQ(splineEnd(order, at), value);

@@ -103,7 +103,7 @@ TEST(AdaptiveBit, StaysAwayFromCertainty) {
   for (bool value : {false, true}) {
     AdaptiveBit bit;
     for (int i = 0; i < 5000; ++i) bit.learn(value);
-    EXPECT_EQ(bit.probability(), value ? 32768 - AdaptiveBit::kLeast : AdaptiveBit::kLeast);
+    EXPECT_EQ(bit.probability(), value ? 32768 - AdaptiveBit::kMin : AdaptiveBit::kMin);
   }
 }
 

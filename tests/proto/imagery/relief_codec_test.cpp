@@ -37,7 +37,7 @@ TEST(ReliefCodec, GivesBackAnyHeights) {
     const uint64_t most = uint64_t{2} << rng.below(29);
     expectRoundTrip(tileOf([&](uint32_t, uint32_t) {
                       const auto height = static_cast<int64_t>(rng.below(most + 1)) - static_cast<int64_t>(most / 2);
-                      return static_cast<int32_t>(std::clamp<int64_t>(height, -kMostReliefSteps, kMostReliefSteps));
+                      return static_cast<int32_t>(std::clamp<int64_t>(height, -kMaxReliefSteps, kMaxReliefSteps));
                     }),
                     "noise");
     const double slope = rng.uniform(-200, 200), bend = rng.uniform(-2, 2);
@@ -49,12 +49,12 @@ TEST(ReliefCodec, GivesBackAnyHeights) {
 }
 
 TEST(ReliefCodec, GivesBackTheHighestAndLowestHeights) {
-  expectRoundTrip(tileOf([](uint32_t, uint32_t) { return kMostReliefSteps; }), "highest");
-  expectRoundTrip(tileOf([](uint32_t, uint32_t) { return -kMostReliefSteps; }), "lowest");
-  expectRoundTrip(tileOf([](uint32_t x, uint32_t y) { return (x + y) % 2 ? kMostReliefSteps : -kMostReliefSteps; }),
+  expectRoundTrip(tileOf([](uint32_t, uint32_t) { return kMaxReliefSteps; }), "highest");
+  expectRoundTrip(tileOf([](uint32_t, uint32_t) { return -kMaxReliefSteps; }), "lowest");
+  expectRoundTrip(tileOf([](uint32_t x, uint32_t y) { return (x + y) % 2 ? kMaxReliefSteps : -kMaxReliefSteps; }),
                   "a board");
   Rng rng(test::randomSeed());
-  expectRoundTrip(tileOf([&](uint32_t, uint32_t) { return rng.below(2) ? kMostReliefSteps : -kMostReliefSteps; }),
+  expectRoundTrip(tileOf([&](uint32_t, uint32_t) { return rng.below(2) ? kMaxReliefSteps : -kMaxReliefSteps; }),
                   "random extremes");
 }
 
@@ -78,7 +78,7 @@ TEST(ReliefCodec, AnyBytesEndInHeightsOrInAnError) {
       for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(rng.next());
     if (i % 3 == 2) bytes.resize(rng.below(bytes.size()));
     if (!decodeRelief(bytes, steps).ok()) continue;
-    for (const int32_t height : steps) ASSERT_LE(std::abs(height), kMostReliefSteps);
+    for (const int32_t height : steps) ASSERT_LE(std::abs(height), kMaxReliefSteps);
   }
 }
 

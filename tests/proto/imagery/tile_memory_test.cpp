@@ -53,8 +53,8 @@ TEST(TileMemory, HoldsTheNewestThatFit) {
 TEST(TileMemory, HoldsNoMoreTilesThanAllowed) {
   TileMemory memory;
   size_t drops = 0;
-  for (uint32_t i = 0; i < kMostTilesHeld + 10; ++i) memory.add({0, 0, i, 0}, 1, [&](const TileId&) { ++drops; });
-  EXPECT_EQ(memory.count(), kMostTilesHeld);
+  for (uint32_t i = 0; i < kMaxTilesHeld + 10; ++i) memory.add({0, 0, i, 0}, 1, [&](const TileId&) { ++drops; });
+  EXPECT_EQ(memory.count(), kMaxTilesHeld);
   EXPECT_EQ(drops, 10u);
   EXPECT_FALSE(memory.has({0, 0, 9, 0}));
   EXPECT_TRUE(memory.has({0, 0, 10, 0}));

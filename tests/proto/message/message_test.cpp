@@ -69,12 +69,12 @@ TEST(Message, AnOrderIsOneToThreeAndAboveOneOfAFixedInterval) {
                                                   .longest_interval = Duration::milliseconds(longest_ms),
                                                   .order = order}));
   };
-  for (uint32_t order = 1; order <= kMostOrder; ++order) {
+  for (uint32_t order = 1; order <= kMaxOrder; ++order) {
     ASSERT_TRUE(asking(order, 0).ok());
     EXPECT_EQ(std::get<ViewRequest>(*asking(order, 0)).order, order);
   }
   EXPECT_TRUE(asking(1, 500).ok());
-  for (const auto& refused : {asking(kMostOrder + 1, 0), asking(2, 500)}) {
+  for (const auto& refused : {asking(kMaxOrder + 1, 0), asking(2, 500)}) {
     ASSERT_FALSE(refused.ok());
     EXPECT_NE(refused.error().message.find("order"), std::string::npos);
   }

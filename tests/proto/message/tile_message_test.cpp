@@ -56,7 +56,7 @@ TEST(TileMessage, LayersAndTilesHeldRoundTrip) {
 
   const HeldTiles held{{{0, 3, 5, 6}, {1, 0, 70000, 9}}};
   EXPECT_EQ(std::get<HeldTiles>(*decodeClientMessage(encode(held))).tiles, held.tiles);
-  EXPECT_FALSE(decodeClientMessage(encode(HeldTiles{std::vector<TileId>(kMostTilesHeld + 1)})).ok());
+  EXPECT_FALSE(decodeClientMessage(encode(HeldTiles{std::vector<TileId>(kMaxTilesHeld + 1)})).ok());
   EXPECT_FALSE(decodeClientMessage(encode(HeldTiles{{{2, 0, 0, 0}}})).ok());
 
   ViewRequest request;

@@ -74,7 +74,7 @@ Node randomNode(const View& view, bool vertical, Rng& rng) {
   const double distance = std::exp(rng.uniform(2, 9));
   const glm::dvec3 at = view.pose.eye + distance * (view.pose.forward() + rng.uniform(-1.2, 1.2) * view.pose.right() +
                                                     rng.uniform(-0.8, 0.8) * view.pose.up());
-  const double radius = distance * rng.uniform(0, 0.2), least = m.leastError(positionOf(m, at), radius);
+  const double radius = distance * rng.uniform(0, 0.2), least = m.minError(positionOf(m, at), radius);
   const double error = std::isinf(least) ? rng.uniform(0, 10) : least * std::exp(rng.uniform(-0.5, 0.5));
   return {at, radius, error};
 }
@@ -84,7 +84,7 @@ int flyOut(Flight flight, bool vertical, const Node& node, Sensitivity sensitivi
            const std::string& what) {
   const bool passed = passes(flight.view(), vertical, node);
   const double max_distance =
-      glm::distance(node.at, flight.view().pose.eye) + MotionMargin::mostGrowthOfDistance(sensitivity, slack);
+      glm::distance(node.at, flight.view().pose.eye) + MotionMargin::maxGrowthOfDistance(sensitivity, slack);
   for (int steps = 0; steps < 50; ++steps) {
     const View last = flight.view();
     flight.step();

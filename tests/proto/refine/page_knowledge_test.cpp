@@ -37,7 +37,7 @@ Bytes packed(const PageKnowledge& page) {
 RC_GTEST_PROP(PageKnowledge, IsUnpackedAsItWasPackedWhateverFollows, ()) {
   const PageKnowledge page = anyPage();
   Bytes bytes = packed(page);
-  RC_ASSERT(bytes.size() <= kMostPackedBytes);
+  RC_ASSERT(bytes.size() <= kMaxPackedBytes);
   RC_ASSERT(unpackPage(bytes) == page);
   bytes.resize(bytes.size() + 8, *rc::gen::arbitrary<uint8_t>());
   RC_ASSERT(unpackPage(bytes) == page);
@@ -56,7 +56,7 @@ TEST(PageKnowledge, OfAnyBitsTakesTheMostAtMost) {
   for (uint32_t low = 0; low < kPageSlots; ++low)
     page.known.add(static_cast<uint8_t>(low), (low * low * 7 + low / 3) % 5 != 0 || low % 2 == 0);
   page.settled = page.known;
-  EXPECT_LE(packed(page).size(), kMostPackedBytes);
+  EXPECT_LE(packed(page).size(), kMaxPackedBytes);
   EXPECT_EQ(unpackPage(packed(page)), page);
 }
 

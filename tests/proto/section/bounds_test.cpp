@@ -91,7 +91,7 @@ TEST(QuantisedRadius, EveryByteHasAFactorAndThoseBeyondTheLargestHaveItsOwn) {
   float last = 0;
   for (int value = 0; value < 256; ++value) {
     const float factor = QuantisedRadius{static_cast<uint8_t>(value)}.factor();
-    EXPECT_TRUE(factor > last || (value > QuantisedRadius::kMost && factor == last)) << value;
+    EXPECT_TRUE(factor > last || (value > QuantisedRadius::kMax && factor == last)) << value;
     last = factor;
   }
 }

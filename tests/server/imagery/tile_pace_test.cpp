@@ -16,7 +16,7 @@ namespace {
 struct Outcome {
   double bytes_per_second;  // of tiles, in the second half
   Duration p95_queued;      // keyframes, in the second half: later than on an empty link
-  Duration most_queued;     // of all keyframes
+  Duration max_queued;      // of all keyframes
 };
 
 // A minute of keyframes every 200 ms and, always, tiles that wait.
@@ -31,7 +31,7 @@ Outcome run(double link_bytes_per_second, uint32_t limit, Rng& rng, double first
   };
   double tiles = 0;
   std::vector<Duration> queued;
-  Duration most_queued;
+  Duration max_queued;
   const Time end = Time::seconds(60), half = Time::seconds(30);
   struct Arrival {
     Time at, arrived_client;
@@ -46,7 +46,7 @@ Outcome run(double link_bytes_per_second, uint32_t limit, Rng& rng, double first
     const Time arrived = transmit(now, bytes) + kLatency + jitter;
     const Duration waited = arrived - now - kLatency - Duration::seconds(bytes / link_bytes_per_second);
     if (now > half) queued.push_back(waited);
-    most_queued = std::max(most_queued, waited);
+    max_queued = std::max(max_queued, waited);
     acknowledged.push_back({arrived + kLatency, arrived + kOffset, ++index, arrived + kLatency - now});
     while (!acknowledged.empty() && acknowledged.front().at <= now) {
       pace.keyframeArrived(acknowledged.front().index, acknowledged.front().arrived_client,
@@ -62,7 +62,7 @@ Outcome run(double link_bytes_per_second, uint32_t limit, Rng& rng, double first
     }
   }
   std::sort(queued.begin(), queued.end());
-  return {tiles / 30, queued[queued.size() * 95 / 100], most_queued};
+  return {tiles / 30, queued[queued.size() * 95 / 100], max_queued};
 }
 
 TEST(TilePace, UsesTheLinkAndDoesNotDelayKeyframes) {
@@ -81,7 +81,7 @@ TEST(TilePace, UsesTheLinkAndDoesNotDelayKeyframes) {
 TEST(TilePace, BeginsSlowlyOnALinkThatTheFirstKeyframeFills) {
   Rng rng(test::randomSeed());
   const Outcome outcome = run(31'250, 0, rng, 62'500);
-  EXPECT_LE(outcome.most_queued.toMilliseconds(), 2000 + 2500);
+  EXPECT_LE(outcome.max_queued.toMilliseconds(), 2000 + 2500);
   EXPECT_GE(outcome.bytes_per_second, 12e3);
 }
 
@@ -93,7 +93,7 @@ struct Waiting {
 // A minute of keyframes of so many bytes and, but for some seconds, tiles that wait; the first one is large. The
 // transport has no queue but its own, so a keyframe is not given to it before it has sent all. Everything takes
 // `overhead` before it is sent.
-Waiting runWaiting(double link_bytes_per_second, double most_bytes, Duration overhead, Rng& rng) {
+Waiting runWaiting(double link_bytes_per_second, double max_bytes, Duration overhead, Rng& rng) {
   constexpr Duration kInterval = Duration::milliseconds(200), kLatency = Duration::milliseconds(25);
   TilePace pace;
   double tiles = 0;
@@ -103,7 +103,7 @@ Waiting runWaiting(double link_bytes_per_second, double most_bytes, Duration ove
     const Time now = std::max(due, sent);
     pace.drained(sent);
     if (index > 1) pace.keyframeArrived(index - 1, arrived, kLatency * 2);
-    double bytes = index == 1 ? 100e3 : rng.uniform(0.1 * most_bytes, most_bytes);
+    double bytes = index == 1 ? 100e3 : rng.uniform(0.1 * max_bytes, max_bytes);
     arrived = now + overhead + Duration::seconds(bytes / link_bytes_per_second) + kLatency;
     pace.keyframeSent(index, static_cast<size_t>(bytes), now, kInterval.toSeconds(), 0);
     const bool has_tiles = index < 50 || index >= 80;

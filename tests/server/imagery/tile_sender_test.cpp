@@ -112,7 +112,7 @@ TEST_F(TileSenderTest, WhatIsLargestOnTheScreenComesFirst) {
   for (const proto::View* each : {&view, &later}) {
     std::vector<proto::SelectedTile> needed;
     proto::selectTiles(
-        table.layers()[1], 1, hierarchy.frame().transform(), *each, TileSender::kTexel_px, TileSender::kMostSelected,
+        table.layers()[1], 1, hierarchy.frame().transform(), *each, TileSender::kTexel_px, TileSender::kMaxSelected,
         [&](const proto::TileId& tile) { return table.bounds(tile); }, needed);
     for (const proto::SelectedTile& tile : needed) {
       const auto parent = sizes_px.find(tile.tile.parent().key());

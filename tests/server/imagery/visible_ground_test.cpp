@@ -137,7 +137,7 @@ TEST_P(VisibleGroundTest, SquaresHoldTheGround) {
       // A point on an edge may see the triangle beside its own.
       if (std::floor(x + d) != std::floor(x) || std::floor(y + d) != std::floor(y)) continue;
       for (size_t i = 0; i < rise.size(); ++i) {
-        EXPECT_GE(rise[i], s.least_rise_m[i] - 1e-2) << "level " << level;
+        EXPECT_GE(rise[i], s.min_rise_m[i] - 1e-2) << "level " << level;
         EXPECT_LE(rise[i], s.largest_rise_m[i] + 1e-2) << "level " << level;
       }
     }

@@ -9,7 +9,7 @@ namespace {
 TEST(MemoryReturn, IsDueWhenAQuarterOfTheViewersHaveLeft) {
   MemoryReturn memory;
   Time now = Time::seconds(100);
-  const auto isDue = [&](size_t viewers) { return memory.isDue(viewers, now = now + MemoryReturn::kLeastInterval); };
+  const auto isDue = [&](size_t viewers) { return memory.isDue(viewers, now = now + MemoryReturn::kMinInterval); };
   EXPECT_FALSE(isDue(0)) << "nobody was there";
   EXPECT_FALSE(isDue(8));
   EXPECT_FALSE(isDue(7));
@@ -30,8 +30,8 @@ TEST(MemoryReturn, IsNotDueOften) {
   memory.isDue(10, now);
   EXPECT_TRUE(memory.isDue(5, now));
   memory.isDue(10, now);
-  EXPECT_FALSE(memory.isDue(5, now + MemoryReturn::kLeastInterval - Duration{1}));
-  EXPECT_TRUE(memory.isDue(5, now + MemoryReturn::kLeastInterval));
+  EXPECT_FALSE(memory.isDue(5, now + MemoryReturn::kMinInterval - Duration{1}));
+  EXPECT_TRUE(memory.isDue(5, now + MemoryReturn::kMinInterval));
 }
 
 }  // namespace

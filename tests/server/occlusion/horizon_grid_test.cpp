@@ -89,9 +89,9 @@ std::shared_ptr<const terrain::Scene> geographicScene(uint64_t seed, double step
   Rng rng(seed);
   const double a = rng.uniform(5, 9), b = rng.uniform(5, 9);
   const Body body = someBody(rng);
-  const double most_m = 900 * body.semi_major_m / 6378137;  // as steep everywhere
+  const double max_m = 900 * body.semi_major_m / 6378137;  // as steep everywhere
   test::FormulaSource source(
-      129, 97, [=](uint32_t x, uint32_t y) { return 1500 + most_m * std::sin(x / a) * std::cos(y / b) + 7 * (x % 3); },
+      129, 97, [=](uint32_t x, uint32_t y) { return 1500 + max_m * std::sin(x / a) * std::cos(y / b) + 7 * (x % 3); },
       proto::FrameKind::kGeographic);
   proto::Frame& frame = source.info().frame;
   frame.semi_major_m = body.semi_major_m, frame.flattening = body.flattening;
@@ -108,7 +108,7 @@ TEST_P(GeographicGrids, LieBelowTheTerrain) {
   Rng rng(seed);
   const Hierarchy hierarchy(geographicScene(seed, GetParam()));
   const bool is_fine = rng.below(2) == 0;
-  const auto grid = HorizonGrid::of(hierarchy, is_fine ? HorizonGrid::kMostVertices : 8000);
+  const auto grid = HorizonGrid::of(hierarchy, is_fine ? HorizonGrid::kMaxVertices : 8000);
   ASSERT_NE(grid, nullptr);
   const proto::FrameTransform& frame = hierarchy.frame().transform();
   const test::HeightField field(hierarchy);

@@ -38,7 +38,7 @@ TEST(HorizonSides, HaveTheSameSlopesInWhateverOrderTheyAreAsked) {
         fresh.look(grid, eyes, number, bin);
         const int slope = fresh.slope(at, ahead);
         ASSERT_EQ(used[number].slope(at, ahead), slope) << number << ", bin " << at << ", " << ahead << " steps ahead";
-        hiding += slope > HorizonSide::kLeastSlope ? 1 : 0;
+        hiding += slope > HorizonSide::kMinSlope ? 1 : 0;
         ++tried;
       }
     }

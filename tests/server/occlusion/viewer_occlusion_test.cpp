@@ -321,7 +321,7 @@ TEST(ViewerOcclusion, HidesOnlyWhatItHasMemoryToProve) {
   constexpr size_t kOneTest = 256 << 10;
   struct Seen {
     uint64_t hidden = 0, segments = 0;
-    size_t most_bytes = 0;
+    size_t max_bytes = 0;
   };
   const auto fly = [&](size_t horizon_bytes) {
     ViewerOcclusion viewer(flight.hierarchy(), *shared, {.rays = 0, .horizon_bytes = horizon_bytes});
@@ -332,18 +332,18 @@ TEST(ViewerOcclusion, HidesOnlyWhatItHasMemoryToProve) {
       flight.begin(viewer, keyframe);
       watcher.see(viewer);
       for (const int32_t tile : watcher.all()) seen.hidden += static_cast<uint64_t>(std::popcount(uint32_t(tile)));
-      seen.most_bytes = std::max(seen.most_bytes, viewer.bytes() - others);
+      seen.max_bytes = std::max(seen.max_bytes, viewer.bytes() - others);
     }
     seen.segments = viewer.statistics().segments;
     return seen;
   };
-  const Seen all = fly(32 << 20), half = fly(all.most_bytes), little = fly(all.most_bytes / 4), none = fly(0);
+  const Seen all = fly(32 << 20), half = fly(all.max_bytes), little = fly(all.max_bytes / 4), none = fly(0);
   EXPECT_EQ(half.hidden, all.hidden);
   EXPECT_GT(half.segments, all.segments);
   EXPECT_GT(little.hidden, 0u);
   EXPECT_LT(little.hidden, all.hidden);
-  EXPECT_LT(little.most_bytes, all.most_bytes / 4 + none.most_bytes + kOneTest);
-  EXPECT_GT(all.most_bytes, all.most_bytes / 4 + none.most_bytes + kOneTest);
+  EXPECT_LT(little.max_bytes, all.max_bytes / 4 + none.max_bytes + kOneTest);
+  EXPECT_GT(all.max_bytes, all.max_bytes / 4 + none.max_bytes + kOneTest);
   EXPECT_EQ(none.hidden, 0u);
 }
 

@@ -163,8 +163,8 @@ TEST(ToleranceThatFits, FindsOneThatFitsAndIsHardlyCoarserThanNeeded) {
         const double tau_px = toleranceThatFits(0.25, guess_px, [&](double tau) { return sections.load(tau); });
         SCOPED_TRACE(testing::Message() << exponent << ", " << most << ", " << guess_px << ": " << tau_px);
         EXPECT_LE(sections.nodes(tau_px), most);
-        EXPECT_TRUE(sections.nodes(tau_px) >= kLeastLoad * most || sections.nodes(tau_px / 1.11) > most);
-        EXPECT_LE(sections.calls, kMostTries);
+        EXPECT_TRUE(sections.nodes(tau_px) >= kMinLoad * most || sections.nodes(tau_px / 1.11) > most);
+        EXPECT_LE(sections.calls, kMaxTries);
       }
 }
 
@@ -179,8 +179,8 @@ TEST(ToleranceThatFits, AGuessThatFitsEndsTheSearch) {
 TEST(ToleranceThatFits, EndsThoughNothingFits) {
   int calls = 0;
   const auto never = [&](double) { return ++calls, std::numeric_limits<double>::infinity(); };
-  EXPECT_EQ(toleranceThatFits(0.01, 0, never), kMostTolerance_px);
-  EXPECT_LE(calls, kMostTries);
+  EXPECT_EQ(toleranceThatFits(0.01, 0, never), kMaxTolerance_px);
+  EXPECT_LE(calls, kMaxTries);
 }
 
 }  // namespace

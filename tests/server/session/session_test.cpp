@@ -96,7 +96,7 @@ TEST(Session, CountsTheMemoryForWhatRidgesHide) {
 
 // By half an interval at most, and only if it is told to.
 TEST(Session, ComputesAKeyframeEarlyIfItIsToldTo) {
-  Session session(smallWorld(), {.most_early = Duration::milliseconds(1000)});
+  Session session(smallWorld(), {.max_early = Duration::milliseconds(1000)});
   SessionScratch scratch;
   std::vector<Bytes> out;
   ASSERT_TRUE(session.receive(proto::encode(proto::ViewRequest{}), Time{}).ok());
@@ -133,9 +133,8 @@ Session::Due dueOfSecond(const SessionOptions& options) {
 
 // The slack moves the beginning and nothing else, not beyond the earliest, and only where that is permitted.
 TEST(Session, BeginsAKeyframeEarlierByItsSlack) {
-  const auto dueWith = [](int64_t most_early_ms, int64_t slack_ms) {
-    return dueOfSecond(
-        {.most_early = Duration::milliseconds(most_early_ms), .slack = Duration::milliseconds(slack_ms)});
+  const auto dueWith = [](int64_t max_early_ms, int64_t slack_ms) {
+    return dueOfSecond({.max_early = Duration::milliseconds(max_early_ms), .slack = Duration::milliseconds(slack_ms)});
   };
   const Session::Due tight = dueWith(40, 0), loose = dueWith(40, 20), most = dueWith(40, 90);
   EXPECT_EQ(loose.release, tight.release - Duration::milliseconds(20));
@@ -318,7 +317,7 @@ TEST(Session, NoJumpIsAnnouncedByAPoseThatIsNotNew) {
 // does not.
 TEST(Session, JumpsAnnouncedWithoutEndAreMotion) {
   std::array<uint64_t, 2> added{};
-  uint64_t most_nodes = 0;
+  uint64_t max_nodes = 0;
   for (const bool is_announced : {false, true}) {
     Jumper jumper(smallWorld(), {}, proto::Strategy::kPredict);
     uint64_t from_nothing = 0;
@@ -326,14 +325,14 @@ TEST(Session, JumpsAnnouncedWithoutEndAreMotion) {
     for (int i = 0; i < 400; ++i) {
       jumper.pose(0.05 * i, {600 * std::sin(0.03 * i), 0, 900}, {0.3, 0, -1}, is_announced);
       const proto::KeyframeHeader& keyframe = jumper.session.keyframe();
-      most_nodes = std::max<uint64_t>(most_nodes, jumper.session.statistics().section_nodes);
+      max_nodes = std::max<uint64_t>(max_nodes, jumper.session.statistics().section_nodes);
       if (keyframe.index != std::exchange(last, keyframe.index) && keyframe.base_index == 0) ++from_nothing;
     }
     added[is_announced] = jumper.session.statistics().nodes_added;
     EXPECT_GT(jumper.session.statistics().keyframes, 90u) << "it is served";
     EXPECT_LE(from_nothing, is_announced ? 4u + 20u + 1u : 1u);
   }
-  EXPECT_LE(added[true], added[false] + 25 * most_nodes);
+  EXPECT_LE(added[true], added[false] + 25 * max_nodes);
 }
 
 TEST(Session, NoSectionIsLargerThanItsLimitHoweverTheCameraMoves) {
@@ -399,7 +398,7 @@ TEST(Session, RefusesMoreRequestsThanMayWait) {
   const auto ask = [&](uint32_t id) {
     return session.receive(proto::encode(proto::GroundRequest{id, {{1, 2}}}), Time{});
   };
-  for (uint32_t i = 0; i < Requests::kMost; ++i) ASSERT_TRUE(ask(i).ok());
+  for (uint32_t i = 0; i < Requests::kMax; ++i) ASSERT_TRUE(ask(i).ok());
   EXPECT_FALSE(ask(99).ok());
 }
 

@@ -17,12 +17,12 @@ double distanceFrom(const EyeSweep& sweep, const glm::dvec3& p) {
   return least;
 }
 
-proto::Path crookedPath(Rng& rng, double most_m) {
+proto::Path crookedPath(Rng& rng, double max_m) {
   proto::Path path{Time{static_cast<int64_t>(rng.below(1'000'000))}, Duration::milliseconds(100), {}};
   glm::dvec3 eye(0);
   for (int i = 0; i < 80; ++i) {
     path.poses.push_back({eye, {1, 0, 0, 0}});
-    eye += most_m * glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    eye += max_m * glm::dvec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
   }
   return path;
 }

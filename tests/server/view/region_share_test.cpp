@@ -91,20 +91,20 @@ TEST(RegionShare, IsObservedAtOnceWhenSectionsGrowOrShrink) {
 
 TEST(RegionShare, LeavesOutErrorsBeforeMotion) {
   RegionShare share;
-  double least_angle = 1e9;
+  double min_angle = 1e9;
   for (int i = 0; i < 40; ++i) {
     share.observe(share.of(kParts), 500'000, 100'000);  // whatever the share
     const Region region = share.of(kParts);
-    EXPECT_LE(region.angle_rad, least_angle);
+    EXPECT_LE(region.angle_rad, min_angle);
     EXPECT_LE(region.radius_m, kMotion.radius_m + kError.radius_m);
     if (region.angle_rad < kMotion.angle_rad) { EXPECT_LT(region.radius_m, kMotion.radius_m) << "no errors are left"; }
-    least_angle = region.angle_rad;
+    min_angle = region.angle_rad;
   }
-  EXPECT_LT(least_angle, 0.1 * kMotion.angle_rad);
+  EXPECT_LT(min_angle, 0.1 * kMotion.angle_rad);
 }
 
 // Sections grow with the share by one of several laws, unknown to it and with noise; whatever the law, they are soon
-// within kMost and stay there, and are not smaller than they need be.
+// within kMax and stay there, and are not smaller than they need be.
 TEST(RegionShare, KeepsSectionsWithinTheFactorWhateverTheLaw) {
   const uint64_t seed = test::randomSeed();
   Rng rng(seed);
@@ -116,7 +116,7 @@ TEST(RegionShare, KeepsSectionsWithinTheFactorWhateverTheLaw) {
       const double alone = 1e5 * rng.uniform(0.9, 1.1);
       const double nodes = alone * (1 + most * std::pow(share.share(), power));
       if (i > 60) {
-        EXPECT_LE(nodes / alone, RegionShare::kMost) << "seed " << seed << ", most " << most << ", power " << power;
+        EXPECT_LE(nodes / alone, RegionShare::kMax) << "seed " << seed << ", most " << most << ", power " << power;
         EXPECT_GE(nodes / alone, std::min(1 + most, 1.25)) << "seed " << seed;
       }
       if (!share.isDue(static_cast<size_t>(nodes))) continue;
@@ -174,7 +174,7 @@ TEST(RegionShare, IsReducedBeforeASectionIsTooLarge) {
       keyframes.next();
       if (is_at_rest) measured_at_rest += keyframes.measured - measured;
       reduced += keyframes.share.share() < before;
-      ASSERT_LE(double(keyframes.nodes()) / alone, 1.05 * RegionShare::kMost) << "seed " << seed << ", " << i;
+      ASSERT_LE(double(keyframes.nodes()) / alone, 1.05 * RegionShare::kMax) << "seed " << seed << ", " << i;
       keyframes.observe();
     }
   }

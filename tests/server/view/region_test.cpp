@@ -24,21 +24,21 @@ glm::dquat randomOrientation(Rng& rng) {
   return glm::normalize(q);
 }
 
-// Turned by up to `most_rad` about any axis.
-glm::dquat turned(const glm::dquat& q, double most_rad, Rng& rng) {
-  const double half = 0.5 * rng.uniform(0, most_rad);
+// Turned by up to `max_rad` about any axis.
+glm::dquat turned(const glm::dquat& q, double max_rad, Rng& rng) {
+  const double half = 0.5 * rng.uniform(0, max_rad);
   const glm::dvec3 axis = glm::normalize(glm::dvec3(rng.uniform(0.1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)));
   return glm::normalize(glm::dquat(std::cos(half), axis * std::sin(half)) * q);
 }
 
 // Every pose turns to anywhere and moves in any direction.
-proto::Path crookedPath(Duration step, size_t poses, double most_turn_rad, Rng& rng) {
+proto::Path crookedPath(Duration step, size_t poses, double max_turn_rad, Rng& rng) {
   proto::Path path{Time{static_cast<int64_t>(rng.below(1'000'000))}, step, {}};
   proto::Pose pose{{0, 0, 0}, randomOrientation(rng)};
   for (size_t i = 0; i < poses; ++i) {
     path.poses.push_back(pose);
     pose.eye += glm::dvec3(rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9));
-    pose.orientation = turned(pose.orientation, most_turn_rad, rng);
+    pose.orientation = turned(pose.orientation, max_turn_rad, rng);
   }
   return path;
 }

@@ -129,8 +129,8 @@ TEST_P(EpochScenes, HaveBoundsThatHoldBetweenEpochs) {
             const NodeId v = NodeId::at(x, y);
             if (grid.isBase(v)) continue;
             // The other's is rounded up, by less than a step of half an octave.
-            const double least_m = alone->node(v).error().metres() / std::sqrt(2.0) - 2 * quantum_m / kFine;
-            loose += scene->node(v).error().metres() < least_m ? 1 : 0;
+            const double min_m = alone->node(v).error().metres() / std::sqrt(2.0) - 2 * quantum_m / kFine;
+            loose += scene->node(v).error().metres() < min_m ? 1 : 0;
             const double height = quanta(v), rounding = 1e-6;
             loose +=
                 height < scene->heightRange().lowest - rounding || height > scene->heightRange().highest + rounding;

@@ -86,7 +86,7 @@ TEST(Imagery, TilesThatShowNothingNewAreNotStoredNorAreFinerOnes) {
     if (!tiles.bounds(tile)) return;
     ++stored;
     EXPECT_TRUE(tile.level + 1u == layer.levels() || tiles.bounds(tile.parent())) << "a tile without its parent";
-    EXPECT_TRUE(tile.level > 0 || tiles.detail(tile) >= kLeastDetail);
+    EXPECT_TRUE(tile.level > 0 || tiles.detail(tile) >= kMinDetail);
   });
   EXPECT_TRUE(tiles.bounds(TileId{1, 0, 0, 0}));
   EXPECT_FALSE(tiles.bounds(TileId{1, 0, 3, 2}));

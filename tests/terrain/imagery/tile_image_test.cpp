@@ -84,7 +84,7 @@ TEST(TileImage, DetailIsWhatTheParentDoesNotShow) {
   });
   EXPECT_GT(detailOf(board, filled(board)), 0.4);
   const auto smooth = hills();
-  EXPECT_LT(detailOf(smooth, filled(smooth)), kLeastDetail);
+  EXPECT_LT(detailOf(smooth, filled(smooth)), kMinDetail);
   const std::vector<Rgba> none(flat.size());
   EXPECT_EQ(detailOf(none, filled(none)), 0);
 }
@@ -93,11 +93,11 @@ TEST(Webp, GivesBackATileNearlyAsItWas) {
   const std::vector<Rgb> before = filled(hills());
   std::vector<Rgb> after(before.size());
   size_t last = 0;
-  for (const auto& [quality, least_db] : {std::pair(30, 30.0), std::pair(75, 34.0), std::pair(100, 40.0)}) {
+  for (const auto& [quality, min_db] : {std::pair(30, 30.0), std::pair(75, 34.0), std::pair(100, 40.0)}) {
     const auto bytes = encodeTile(before, quality);
     ASSERT_TRUE(bytes.ok());
     ASSERT_TRUE(decodeTile(*bytes, after).ok());
-    EXPECT_GT(psnr(before, after), least_db) << quality;
+    EXPECT_GT(psnr(before, after), min_db) << quality;
     EXPECT_GT(bytes->size(), last);
     last = bytes->size();
   }

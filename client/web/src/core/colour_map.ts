@@ -21,7 +21,7 @@ export interface ColourMap {
   is_normalised: boolean; // heights from 0 to 1, for any scene
 }
 
-const kMostLines = 20_000;
+const kMaxLines = 20_000;
 const kNames: Record<string, Rgb> = {
   black: [0, 0, 0], white: [255, 255, 255], red: [255, 0, 0], green: [0, 255, 0], blue: [0, 0, 255], yellow: [255, 255, 0],
   cyan: [0, 255, 255], magenta: [255, 0, 255], gray: [190, 190, 190], grey: [190, 190, 190], brown: [165, 42, 42], orange: [255, 165, 0],
@@ -131,7 +131,7 @@ export function readColourMap(text: string, name: string): ColourMap {
   const slices: Slice[] = [];
   const ends: Partial<Record<'B' | 'F' | 'N', Rgb>> = {};
   const lines = text.split(/\r?\n/);
-  if (lines.length > kMostLines) throw new Error(`${name}: more than ${kMostLines} lines`);
+  if (lines.length > kMaxLines) throw new Error(`${name}: more than ${kMaxLines} lines`);
   lines.forEach((line, i) => {
     try {
       if (/^\s*#(?![0-9a-f]{6}\b)/i.test(line)) return readComment(line, header);

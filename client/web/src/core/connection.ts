@@ -14,7 +14,7 @@ export interface ConnectionEvents {
 const kFirstWait_ms = 500;
 const kLongestWait_ms = 8000;
 const kHandOver = 1012;
-const kMostUnsent_bytes = 1 << 20; // beside the largest message
+const kMaxUnsent_bytes = 1 << 20; // beside the largest message
 
 export class Connection {
   private socket: WebSocket | null = null;
@@ -66,7 +66,7 @@ export class Connection {
     const { socket } = this;
     if (socket?.readyState !== WebSocket.OPEN) return;
     this.largest_bytes = Math.max(this.largest_bytes, message.length);
-    if (socket.bufferedAmount > kMostUnsent_bytes + this.largest_bytes) this.giveUp();
+    if (socket.bufferedAmount > kMaxUnsent_bytes + this.largest_bytes) this.giveUp();
     else socket.send(message);
   }
 

@@ -146,7 +146,7 @@ export function welcomeAt(core: Core, at: number): Welcome {
     samples: [r.samples_x, r.samples_y],
     model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
     epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
-    most_moved_m: r.most_moved_m,
+    max_moved_m: r.max_moved_m,
     landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
   };
 }

@@ -30,7 +30,7 @@ export function tileMemoryOf(update: TileUpdate): Transferable[] {
   return [update.page_table.buffer, ...uploads];
 }
 
-const kMostDecoding = 4; // images at a time
+const kMaxDecoding = 4; // images at a time
 
 type Key = readonly [number, number];
 const nameOf = ([low, high]: Key) => `${high} ${low}`;
@@ -91,7 +91,7 @@ export class Tiles {
 
   // Whether there may be more.
   private decodeSome(): boolean {
-    while (this.decoding < kMostDecoding) {
+    while (this.decoding < kMaxDecoding) {
       const next = this.viewer.nextImage();
       if (!next) break;
       ++this.decoding;

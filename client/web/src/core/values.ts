@@ -131,7 +131,7 @@ export interface Welcome {
   samples: [number, number];
   model_has_image: boolean[]; // of the objects' models
   epochs_ms: number[]; // since 1970, of a scene that changes in time
-  most_moved_m: number; // by which its ground moves at most from the first epoch to another
+  max_moved_m: number; // by which its ground moves at most from the first epoch to another
   landmarks: [number, number, number][];
 }
 

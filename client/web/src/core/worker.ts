@@ -1,5 +1,5 @@
 // The page's worker: the connection, the client core's viewer, and the meshes, out of the way of what draws. It sends each mesh as
-// soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMostUnstaged).
+// soon as it is made, as what changes since the one before, and no more than the drawing thread can hold (kMaxUnstaged).
 import { Connection } from './connection';
 import { Core } from './core';
 import { failureOf } from './failure';
@@ -18,7 +18,7 @@ const thread = self as unknown as {
 
 // Meshes that were sent and are not on the graphics card. While there are so many, as behind a page that is not seen, none is sent; the
 // next one has all changes since.
-const kMostUnstaged = 8;
+const kMaxUnstaged = 8;
 
 type Start = ToWorker & { kind: 'start' };
 
@@ -213,7 +213,7 @@ class Session {
   }
 
   private sendMesh(): void {
-    if (this.sent.length >= kMostUnstaged || !this.viewer.takeNewest()) return;
+    if (this.sent.length >= kMaxUnstaged || !this.viewer.takeNewest()) return;
     const interval = this.viewer.interval();
     const tiles = this.tiles.take();
     const changes = this.viewer.takeChanges();

@@ -14,7 +14,7 @@ import { Stage } from './stage';
 import { TerrainMesh } from './terrain_mesh';
 
 // Of the next mesh, in a frame, in bytes; a call counts as some (blend_buffers.ts).
-const kLeastSlice = 128 << 10;
+const kMinSlice = 128 << 10;
 const kLargestSlice = 2 << 20; // at 60 frames a second
 
 const kVisible = 8; // of 255
@@ -134,7 +134,7 @@ export class Picture {
     }
     const frames = Math.max(1, Math.floor(left_ms / Math.max(frame_ms, 4)) - 1);
     const cost = this.stage.costTo(next) + this.drape.costTo(next);
-    const budget = Math.min(Math.max(kLeastSlice, cost / frames), this.upload_limit);
+    const budget = Math.min(Math.max(kMinSlice, cost / frames), this.upload_limit);
     this.uploaded = this.drape.upload(next, budget);
     this.uploaded += this.stage.upload(next, budget - this.uploaded);
   }

@@ -21,7 +21,7 @@ export class TerrainMesh {
   private noise_period_m = 1;
   private haze = 0;
   private contour_m = 100;
-  private most_moved_m = 0;
+  private max_moved_m = 0;
   version = 0; // of the mesh that is drawn; 0: none
   triangles = 0;
 
@@ -49,7 +49,7 @@ export class TerrainMesh {
     this.uniforms.u_far!.value = 0.35 * across_m;
     this.haze = 1.8 / across_m;
     this.contour_m = niceStep(relief_m / 60);
-    this.most_moved_m = welcome.most_moved_m;
+    this.max_moved_m = welcome.max_moved_m;
   }
 
   // `north`: the earth's axis, or north on the map.
@@ -58,9 +58,9 @@ export class TerrainMesh {
   }
 
   show(options: { wireframe: boolean; contours: boolean; fog: boolean; ground: Ground; snow_line: number; change: number }): void {
-    const tells_change = options.ground !== 'change' || this.most_moved_m > 0;
+    const tells_change = options.ground !== 'change' || this.max_moved_m > 0;
     this.uniforms.u_ground!.value = kGrounds.indexOf(tells_change ? options.ground : 'natural');
-    this.uniforms.u_change_m!.value = Math.max(options.change * this.most_moved_m, 1e-3);
+    this.uniforms.u_change_m!.value = Math.max(options.change * this.max_moved_m, 1e-3);
     this.uniforms.u_snow_line!.value = options.snow_line;
     this.wire.wanted = options.wireframe;
     this.wire.show(this.set);

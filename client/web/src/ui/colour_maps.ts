@@ -3,7 +3,7 @@ import { reasonOf } from '../core/failure';
 import { colourAt, readColourMap, stretched, type ColourMap } from '../core/colour_map';
 
 const kTexels = 2048; // of a baked map
-const kMostBytes = 1 << 20; // of a file
+const kMaxBytes = 1 << 20; // of a file
 const kLegendColours = 24;
 
 const texts = import.meta.glob('../colours/*.cpt', { query: '?raw', import: 'default', eager: true }) as Record<string, string>;
@@ -54,7 +54,7 @@ export function takeFiles(input: HTMLInputElement, onFile: (name: string, text: 
   const take = async (files: FileList | null | undefined) => {
     const file = files?.[0];
     if (!file) return;
-    if (file.size > kMostBytes) return onFailure(`${file.name} has more than ${kMostBytes >> 20} MB.`);
+    if (file.size > kMaxBytes) return onFailure(`${file.name} has more than ${kMaxBytes >> 20} MB.`);
     let text: string;
     try {
       text = await file.text();

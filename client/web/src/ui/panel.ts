@@ -37,9 +37,9 @@ function hourText(hour: number): string {
 function metresText(metres: number): string {
   return metres.toFixed(metres < 1 ? 2 : metres < 10 ? 1 : 0);
 }
-function changeWords(most_m: number): string[] {
-  const half = metresText(most_m / 2);
-  return [`\u2212${metresText(most_m)} m`, `\u2212${half}`, '0', `+${half}`, `+${metresText(most_m)} m`];
+function changeWords(max_m: number): string[] {
+  const half = metresText(max_m / 2);
+  return [`\u2212${metresText(max_m)} m`, `\u2212${half}`, '0', `+${half}`, `+${metresText(max_m)} m`];
 }
 
 export class Panel {
@@ -54,7 +54,7 @@ export class Panel {
   private readonly colour_rows: HTMLElement[] = [];
   private heights_legend: { gradient: string; words: string[] } = { gradient: '', words: [] };
   private heights: [number, number] | null = null;
-  private most_moved_m = 0;
+  private max_moved_m = 0;
   private change_row!: HTMLElement;
   private adaptive_row!: HTMLElement;
   private is_geographic = true;
@@ -131,7 +131,7 @@ export class Panel {
     look.append(this.legend);
     this.addColourRows();
     this.addSlider('Snow line', 'snow_line', [0, 1.1, 0.01], same, same, (v) => this.heightText(v));
-    this.change_row = this.addSlider('Strongest colours', 'change', [-6, 0, 0.5], (v) => 2 ** v, Math.log2, (v) => `\u00b1 ${metresText(v * this.most_moved_m)} m`);
+    this.change_row = this.addSlider('Strongest colours', 'change', [-6, 0, 0.5], (v) => 2 ** v, Math.log2, (v) => `\u00b1 ${metresText(v * this.max_moved_m)} m`);
     this.addSelect('Sun', 'sun', kSunModes);
     this.sun_rows.clock.push(this.addSlider('Day', 'sun_day', [1, 365, 1], same, same, dayText));
     this.sun_rows.clock.push(this.addSlider('Hour', 'sun_hour', [0, 24, 0.25], same, same, hourText));
@@ -150,9 +150,9 @@ export class Panel {
   }
 
   // The scene's lowest and highest ground, by how much it changes in time, and whether it is on the earth.
-  setScene(lowest_m: number, highest_m: number, most_moved_m: number, is_geographic: boolean): void {
-    [this.heights, this.most_moved_m, this.is_geographic] = [[lowest_m, highest_m], most_moved_m, is_geographic];
-    this.body.querySelector<HTMLOptionElement>('option[value=change]')!.hidden = most_moved_m === 0;
+  setScene(lowest_m: number, highest_m: number, max_moved_m: number, is_geographic: boolean): void {
+    [this.heights, this.max_moved_m, this.is_geographic] = [[lowest_m, highest_m], max_moved_m, is_geographic];
+    this.body.querySelector<HTMLOptionElement>('option[value=change]')!.hidden = max_moved_m === 0;
     for (const show of this.texts) show();
     this.showRows();
   }
@@ -171,10 +171,10 @@ export class Panel {
     for (const row of this.sun_rows.free) row.hidden = sun === 'map' || is_clock;
     this.legend.className = `legend ${ground}`;
     for (const row of this.colour_rows) row.hidden = ground !== 'heights';
-    const tells_change = ground === 'change' && this.most_moved_m > 0;
+    const tells_change = ground === 'change' && this.max_moved_m > 0;
     this.change_row.hidden = !tells_change;
     const ramp_words = ground === 'heights' ? this.heights_legend.words : kLegends[ground] ?? [];
-    const words = tells_change ? changeWords(this.settings.change * this.most_moved_m) : ramp_words;
+    const words = tells_change ? changeWords(this.settings.change * this.max_moved_m) : ramp_words;
     this.legend.style.backgroundImage = ground === 'heights' ? this.heights_legend.gradient : '';
     this.legend.replaceChildren(...words.map((text) => Object.assign(element('span'), { textContent: text })));
     this.legend.hidden = words.length === 0;

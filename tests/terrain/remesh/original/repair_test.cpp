@@ -60,7 +60,7 @@ void expectManifold(const Original& made) {
 }
 
 // A few vertices and many faces on them: everything that can be wrong is.
-Model makeSoup(Rng& rng, uint64_t most_corners = 3) {
+Model makeSoup(Rng& rng, uint64_t max_corners = 3) {
   std::vector<dvec3> p(4 + rng.below(30));
   const auto side = 2 + rng.below(3);
   for (dvec3& at : p)
@@ -68,7 +68,7 @@ Model makeSoup(Rng& rng, uint64_t most_corners = 3) {
           static_cast<double>(rng.below(side))};
   Faces faces(1 + rng.below(40));
   for (auto& face : faces)
-    for (uint64_t count = 3 + rng.below(most_corners - 2); count > 0; --count)
+    for (uint64_t count = 3 + rng.below(max_corners - 2); count > 0; --count)
       face.push_back(static_cast<uint32_t>(rng.below(p.size())));
   return test::makeModel(p, faces);
 }
