@@ -3,8 +3,9 @@
 #include <glm/common.hpp>
 #include <limits>
 
-#include "client/mesh/mesh_builder.h"
 #include "client/replica.h"
+#include "oracle/reference/mesh_builder.h"
+#include "oracle/reference/whole_mesh.h"
 #include "proto/message/compact.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
@@ -43,7 +44,7 @@ class ExactSections {
     auto mesh = std::make_shared<client::KeyframeMesh>();
     mesh->from = mesh->to = header;
     mesh->origin = glm::round(header.pose.eye);
-    client::MeshBuilder(hierarchy_->domain(), nodes, {}, {}, *mesh).run();
+    oracle::MeshBuilder(hierarchy_->domain(), nodes, {}, {}, *mesh).run();
     return mesh;
   }
 
@@ -57,7 +58,7 @@ class ExactSections {
     sender.send(view, Time{}, scratch_, message);
     client::Replica replica(welcome_);
     CHECK_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes())).ok());
-    return std::make_shared<client::KeyframeMesh>(replica.buildMesh());
+    return std::make_shared<client::KeyframeMesh>(oracle::wholeMesh(replica));
   }
 
  private:

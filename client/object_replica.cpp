@@ -55,11 +55,6 @@ void ObjectReplica::blend(const MeshSpan& span, const proto::ObjectStream& strea
   std::erase_if(removed_, [this](const auto& node) { return !mesh_.isDrawn(node.first); });
 }
 
-void ObjectReplica::buildMesh(const proto::ObjectStream& stream, KeyframeMesh& mesh) const {
-  buildObjectMesh(*objects_, positions(stream), {from_, to_, section_, morphs_.all(), mesh_.carried()})
-      .appendTo(mesh, model());
-}
-
 // The triangles that a node changes are taken to lie within two lengths of its edge.
 double ObjectReplica::intervals(const MorphTiming& timing, const ObjectPositions& positions, Slot slot) const {
   if (timing.isUniform()) return timing.intervals({}, 0);

@@ -10,8 +10,8 @@
 #include "client/mesh/keyframe_mesh.h"
 #include "client/mesh/morph_timing.h"
 #include "client/mesh/morphs.h"
-#include "client/mesh/object_mesh.h"
 #include "client/mesh/object_patcher.h"
+#include "client/mesh/object_positions.h"
 #include "proto/codec/object_stream.h"
 
 namespace foreland::client {
@@ -30,18 +30,22 @@ class ObjectReplica {
 
   // Whether the object's mesh has changed since the last call.
   bool takeChanged() { return std::exchange(has_changed_, false); }
-  // The last mesh, by change; and the same made anew, appended to the objects' mesh.
-  const ObjectPatcher& mesh() const { return mesh_; }
-  void buildMesh(const proto::ObjectStream& stream, KeyframeMesh& mesh) const;
+  const ObjectPatcher& mesh() const { return mesh_; }  // the last one
   uint32_t model() const { return objects_->placement(object_).model; }
 
+  const proto::ObjectSet& set() const { return *objects_; }
+  // The newest section, and those that are drawn at the mesh's ends.
   const proto::Section& section() const { return section_; }
+  const proto::Section& from() const { return from_; }
+  const proto::Section& to() const { return to_; }
   const Morphs& morphs() const { return morphs_; }
 
- private:
+  // Valid until the replica changes.
   ObjectPositions positions(const proto::ObjectStream& stream) const {
     return {*objects_, stream, object_, removed_, pose_weights_};
   }
+
+ private:
   double intervals(const MorphTiming& timing, const ObjectPositions& positions, proto::Slot slot) const;
   bool facesAway(const proto::View& from, proto::Slot slot) const;
 

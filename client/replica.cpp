@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/sort.h"
-#include "client/mesh/mesh_builder.h"
 #include "client/mesh/spline.h"
 #include "proto/codec/section_codec.h"
 
@@ -33,6 +32,19 @@ proto::Epochs epochsOf(const proto::Welcome& welcome) {
 }
 
 }  // namespace
+
+// What the last mesh is drawn from.
+struct Replica::Drawn {
+  HeldNodes nodes;
+  Morphs morphs;
+  std::vector<ObjectReplica> objects;
+  std::unique_ptr<proto::ObjectStream> stream;
+  std::unique_ptr<proto::EpochStream> epochs;
+  proto::KeyframeHeader from, to;
+  EarlierKeyframes earlier;
+  uint32_t order;
+  uint64_t meshes;
+};
 
 Replica::Replica(const proto::Welcome& welcome)
     : domain_(std::make_unique<proto::TerrainDomain>(std::move(proto::GridTopology::create(welcome.shape)).value(),
@@ -68,7 +80,12 @@ std::optional<int32_t> Replica::knownHeight(NodeId v) const {
 }
 
 Status Replica::apply(const proto::KeyframeHeader& header, ByteSpan bytes, Blend blend) {
-  if (header.base_index == 0 && to_.index != 0) reset();
+  if (header.base_index == 0 && to_.index != 0) {
+    Drawn drawn = reset();
+    Status s = apply(header, bytes, blend);
+    if (!s.ok()) restore(std::move(drawn));
+    return s;
+  }
   if (is_broken_ && header.base_index != 0) return refused("an earlier keyframe of this connection was malformed");
   if (header.base_index != to_.index)
     return refused("its delta starts from keyframe " + std::to_string(header.base_index) + ", but the client holds " +
@@ -154,16 +171,34 @@ double Replica::intervals(const MorphTiming& timing, Slot slot) const {
 }
 
 // Back to the state before the first keyframe, but for what is remembered of the terrain and the model: the server has
-// sent a keyframe that starts from nothing.
-void Replica::reset() {
-  morphs_ = {};
+// sent a keyframe that starts from nothing. Returns what was drawn, for that keyframe may be malformed.
+Replica::Drawn Replica::reset() {
+  Drawn drawn{nodes_,
+              std::exchange(morphs_, {}),
+              std::move(objects_),
+              std::move(stream_),
+              epochs_ ? std::make_unique<proto::EpochStream>(*epochs_) : nullptr,
+              std::exchange(from_, {}),
+              std::exchange(to_, {}),
+              std::exchange(earlier_, {}),
+              std::exchange(order_, 1),
+              meshes_++};  // the next mesh follows from none
   fingerprint_ = 0;
-  from_ = to_ = {};
-  earlier_ = {};
-  order_ = 1;
-  ++meshes_;  // the next one follows from none
   makeObjects();
   setMemory(static_cast<uint32_t>(memory().budget()));
+  return drawn;
+}
+
+void Replica::restore(Drawn drawn) {
+  nodes_ = std::move(drawn.nodes);
+  morphs_ = std::move(drawn.morphs);
+  objects_ = std::move(drawn.objects);
+  stream_ = std::move(drawn.stream);
+  epochs_ = std::move(drawn.epochs);
+  from_ = drawn.from, to_ = drawn.to;
+  earlier_ = drawn.earlier;
+  order_ = drawn.order;
+  meshes_ = drawn.meshes;
 }
 
 namespace {
@@ -270,17 +305,6 @@ size_t Replica::patcherBytes() const {
   size_t bytes = patcher_ ? patcher_->bytes() : 0;
   for (const ObjectReplica& object : objects_) bytes += object.mesh().bytes();
   return bytes;
-}
-
-KeyframeMesh Replica::buildMesh() const {
-  KeyframeMesh mesh;
-  mesh.from = from_;
-  mesh.to = to_;
-  mesh.earlier = earlier_;
-  mesh.origin = origin_;
-  MeshBuilder(*domain_, nodes_, morphs_.all(), heights(), mesh, order_).run();
-  for (const ObjectReplica& object : objects_) object.buildMesh(*stream_, mesh);
-  return mesh;
 }
 
 void Replica::makeEmptyPatch(MeshPatch& out) const {

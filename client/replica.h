@@ -46,13 +46,11 @@ class Replica {
   std::optional<proto::Resume> makeResume(const proto::Welcome& welcome, size_t max_bytes = kResumeBytes);
   static constexpr size_t kResumeBytes = 128u << 10;
 
-  // The mesh of the last apply() or extend(), made from nothing. After the first keyframe it shows that keyframe's
-  // section at both ends. Its origin is within kOriginReach_m of the newer keyframe's eye.
-  KeyframeMesh buildMesh() const;
-  // The same mesh as changes of the one that was made so last: O(changes). The first one is whole, and so is one before
-  // which a mesh was left out. Reuses the vectors of `out`.
+  // The mesh of the last apply() or extend(), as changes of the one that was made so last: O(changes). The first one is
+  // whole, and so is one before which a mesh was left out. Its origin is within kOriginReach_m of the newer keyframe's
+  // eye. Reuses the vectors of `out`.
   void makePatch(MeshPatch& out);
-  // The same of a mesh without vertices and triangles.
+  // Such a mesh without vertices and triangles.
   void makeEmptyPatch(MeshPatch& out) const;
   // Memory that makePatch() keeps.
   size_t patcherBytes() const;
@@ -63,6 +61,7 @@ class Replica {
   std::vector<proto::KnownPage> knownPages() const { return adapter_.knownPages(); }
   const proto::NodeMemory& memory() const { return adapter_.memory().pages; }
   const proto::GridTopology& grid() const { return domain_->grid; }
+  const proto::TerrainDomain& domain() const { return *domain_; }
   const proto::FrameGrid& frameGrid() const { return domain_->frame; }
   const proto::KeyframeHeader& newest() const { return to_; }
   // The terrain's nodes that are drawn at the mesh's two ends, and those of them that are in transition.
@@ -71,6 +70,10 @@ class Replica {
   const proto::CutDelta& lastDelta() const { return delta_; }  // sorted
   proto::Section section() const { return morphs_.sectionOf(nodes_.newest()); }
   const std::vector<ObjectReplica>& objects() const { return objects_; }
+  // Null in scenes without objects.
+  const proto::ObjectStream* objectStream() const { return stream_.get(); }
+  // The mesh blends one keyframe more than this.
+  uint32_t order() const { return order_; }
 
   // Height (m above the zero surface) of the newest section's surface at a lattice position. Removed nodes that are
   // still drawn refine it further. Nullopt outside the data and before the first keyframe. O(levels).
@@ -85,7 +88,9 @@ class Replica {
   }
 
  private:
-  void reset();
+  struct Drawn;
+  Drawn reset();
+  void restore(Drawn drawn);
   std::vector<proto::KnownPage> encodeHeld(proto::HeldSections& held, size_t max_bytes, Bytes& out) const;
   void makeObjects();
   void setMemory(uint32_t bytes);

@@ -8,7 +8,7 @@ glm::vec2 BorderCuts::parameterOf(uint32_t v, const TerrainVertices& vertices) c
   return {static_cast<float>(id.x()), static_cast<float>(id.y())};
 }
 
-// Sutherland and Hodgman's clipping against the two far borders, as MeshBuilder::clip.
+// Sutherland and Hodgman's clipping against the two far borders, as oracle::MeshBuilder::clip.
 uint32_t BorderCuts::add(const TrianglePlaces::Corners& corners, const Mesh& mesh) {
   const uint32_t leaf = takePlace(leaves_, free_leaves_);
   leaves_[leaf] = {};

@@ -20,7 +20,7 @@
 #include "client/mesh/complete_normals.h"
 #include "client/mesh/face_normal.h"
 #include "client/mesh/morphs.h"
-#include "client/mesh/object_mesh.h"
+#include "client/mesh/object_positions.h"
 #include "client/mesh/triangle_places.h"
 #include "proto/section/index_table.h"
 

@@ -173,7 +173,7 @@ void TerrainPatcher::writeBends(BlendPatch& out) const {
   for (const CurveBend& bend : bends) out.bends.push_back({glm::vec3(bend.from), glm::vec3(bend.to)});
 }
 
-// As MeshBuilder::vertexOf.
+// As oracle::MeshBuilder::vertexOf.
 TerrainPatcher::Move TerrainPatcher::drawnAt(uint32_t v, Slot slot, double weight, End end) const {
   const std::array<uint32_t, 2> ends = vertices_[v].endpoints();
   const auto own = [&] { return truePosition(vertices_[v].id, now().nodes.records().at(slot).height(), end); };

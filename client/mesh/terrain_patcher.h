@@ -1,5 +1,6 @@
 // The terrain's mesh by change: from the mesh of one interval to that of the next by as much work as nodes change. The
-// meshes are those that MeshBuilder makes from nothing, bit for bit, but for the order of vertices and triangles.
+// meshes are those that oracle::MeshBuilder makes from nothing, bit for bit, but for the order of vertices and
+// triangles.
 //
 // It keeps the mesh's vertices with their state at the newest end, which is where the next mesh begins. A step
 //   1. brings the state to the next mesh's beginning: nodes that jump are removed, moved and added,

@@ -28,24 +28,24 @@ std::vector<double> spread(const std::vector<double>& weights, size_t first) {
 struct Joint {
   std::vector<double> position, before, after;
 
-  Joint(client::Basis basis, int order) {
+  Joint(oracle::Basis basis, int order) {
     const auto n = static_cast<size_t>(order);
-    const bool is_spline = basis == client::Basis::kBSpline;
+    const bool is_spline = basis == oracle::Basis::kBSpline;
     // The window that ends at the joint, and the next one: a spline's moves on by one keyframe, a Bernstein curve's
     // begins where the other ended.
     const size_t first = kMaxOrder - n, second = is_spline ? first + 1 : kMaxOrder;
     const double scale = is_spline ? 1 : 1.0 / order;
-    position = spread(client::basisWeights(basis, order, 1), first);
-    before = spread(client::basisSlopes(basis, order, 1), first);
-    after = spread(client::basisSlopes(basis, order, 0), second);
+    position = spread(oracle::basisWeights(basis, order, 1), first);
+    before = spread(oracle::basisSlopes(basis, order, 1), first);
+    after = spread(oracle::basisSlopes(basis, order, 0), second);
     for (auto* slopes : {&before, &after})
       for (double& slope : *slopes) slope *= scale;
   }
 };
 
 // A spline of order n shows the middle of its n + 1 keyframes.
-double leadIntervals(client::Basis basis, int order) {
-  return basis == client::Basis::kBSpline ? 0.5 * (order + 1) : order;
+double leadIntervals(oracle::Basis basis, int order) {
+  return basis == oracle::Basis::kBSpline ? 0.5 * (order + 1) : order;
 }
 
 class Keyframes {
@@ -56,22 +56,22 @@ class Keyframes {
         offsets_(hierarchy.grid(), hierarchy.epochs().epochs(), hierarchy.epochs().baseOffsets()) {}
 
   void add(const proto::View& view, size_t index) {
-    client::BlendedKeyframe keyframe;
+    oracle::BlendedKeyframe keyframe;
     CHECK_TRUE(server::refine(hierarchy_, view, hierarchy_.grid().slotCount(), scratch_, keyframe.section));
     if (!scene_times_.empty()) keyframe.scene_time = scene_times_[index];
     window_.push_back(std::move(keyframe));
     if (window_.size() > kWindow) window_.pop_front();
-    const client::BlendedKeyframe& newest = window_.back();
-    for (const client::BlendedKeyframe& each : window_) {
+    const oracle::BlendedKeyframe& newest = window_.back();
+    for (const oracle::BlendedKeyframe& each : window_) {
       learn(each.section, newest.scene_time);
       learn(newest.section, each.scene_time);
     }
   }
   bool isFull() const { return window_.size() == kWindow; }
-  client::OrderMesh mesh(const glm::dvec3& eye) const {
-    const std::vector<client::BlendedKeyframe> keyframes(window_.begin(), window_.end());
+  oracle::OrderMesh mesh(const glm::dvec3& eye) const {
+    const std::vector<oracle::BlendedKeyframe> keyframes(window_.begin(), window_.end());
     const terrain::Scene& scene = hierarchy_.scene();
-    return client::blendSections(
+    return oracle::blendSections(
         hierarchy_.domain(), {scene.cornerHeights(), scene.centreHeights()},
         [this](proto::Slot slot) { return hierarchy_.nodes()[slot]; }, scene_times_.empty() ? nullptr : &offsets_,
         keyframes, eye);
@@ -94,11 +94,11 @@ class Keyframes {
   std::span<const Time> scene_times_;
   proto::EpochOffsets offsets_;
   proto::RefineScratch scratch_;
-  std::deque<client::BlendedKeyframe> window_;
+  std::deque<oracle::BlendedKeyframe> window_;
 };
 
 // Jumps of velocity at one joint, in pixels a second, seen by an eye at rest.
-void judge(const client::OrderMesh& mesh, const std::vector<bool>& is_drawn, const Joint& joint,
+void judge(const oracle::OrderMesh& mesh, const std::vector<bool>& is_drawn, const Joint& joint,
            const oracle::OracleEye& eye, double interval_s, std::vector<double>& jumps_px_s) {
   constexpr double kMoment = 1e-6;  // intervals, over which a velocity is a distance
   for (size_t v = 0; v < mesh.parameters.size(); ++v) {
@@ -116,7 +116,7 @@ std::vector<OrderFigures> measureOrders(const server::Hierarchy& hierarchy, std:
                                         std::span<const Time> scene_times, Duration interval) {
   std::vector<OrderFigures> figures;
   std::vector<Joint> joints;
-  for (const client::Basis basis : {client::Basis::kBSpline, client::Basis::kBernstein})
+  for (const oracle::Basis basis : {oracle::Basis::kBSpline, oracle::Basis::kBernstein})
     for (int order = 1; order <= kMaxOrder; ++order) {
       figures.push_back({.basis = basis, .order = order});
       figures.back().lead_ms = leadIntervals(basis, order) * interval.toMilliseconds();
@@ -128,7 +128,7 @@ std::vector<OrderFigures> measureOrders(const server::Hierarchy& hierarchy, std:
     keyframes.add(views[k], k);
     if (!keyframes.isFull()) continue;
     const proto::View& at = views[k - kMaxOrder];
-    const client::OrderMesh mesh = keyframes.mesh(at.pose.eye);
+    const oracle::OrderMesh mesh = keyframes.mesh(at.pose.eye);
     const std::vector<bool> is_drawn = oracle::drawnVertices(mesh.parameters.size(), mesh.indices);
     for (size_t i = 0; i < figures.size(); ++i) {
       judge(mesh, is_drawn, joints[i], oracle::OracleEye(at.pose, at.lens), interval.toSeconds(), jumps_px_s[i]);

@@ -1,18 +1,18 @@
-// What blending of a higher order buys (client/mesh/order_blend.h): the largest jump of a vertex's velocity on the
+// What blending of a higher order buys (oracle/reference/order_blend.h): the largest jump of a vertex's velocity on the
 // screen where one keyframe joins the blend and another leaves it, and how much later, or further ahead, keyframes are
 // needed. One caller.
 #pragma once
 
 #include <vector>
 
-#include "client/mesh/order_blend.h"
+#include "oracle/reference/order_blend.h"
 #include "proto/space/view.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::lab {
 
 struct OrderFigures {
-  client::Basis basis = client::Basis::kBSpline;
+  oracle::Basis basis = oracle::Basis::kBSpline;
   int order = 1;
   double velocity_jump_max_px_s = 0, velocity_jump_p99_px_s = 0;  // over vertices seen, the camera at rest
   uint64_t joints = 0, vertices = 0;                              // judged

@@ -52,7 +52,7 @@ Result<nlohmann::ordered_json> animated(const AnimatedArguments& args) {
   }
   for (const lab::OrderFigures& figures :
        lab::measureOrders(world->hierarchy, views, scene_times, options.keyframe_interval))
-    report[figures.basis == client::Basis::kBSpline ? "b_spline" : "bernstein"]
+    report[figures.basis == oracle::Basis::kBSpline ? "b_spline" : "bernstein"]
           ["order_" + std::to_string(figures.order)] = apps::toJson(figures);
   return report;
 }

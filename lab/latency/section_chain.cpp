@@ -1,6 +1,7 @@
 #include "lab/latency/section_chain.h"
 
 #include "client/replica.h"
+#include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 
 namespace foreland::lab {
@@ -18,7 +19,7 @@ class SectionChain {
     time_ = time_ + Duration{1000};
     sender_.send(view, time_, scratch_, message_);
     CHECK_TRUE(replica_.apply(sender_.keyframe(), ByteSpan(message_).subspan(sender_.headerBytes())).ok());
-    return std::make_shared<client::KeyframeMesh>(replica_.buildMesh());
+    return std::make_shared<client::KeyframeMesh>(oracle::wholeMesh(replica_));
   }
 
  private:

@@ -11,15 +11,19 @@ namespace {
 
 using server::Session;
 
-server::JobOrder orderOf(LoadPolicy policy) {
-  if (policy == LoadPolicy::kFifo) return server::JobOrder::kRelease;
-  return policy == LoadPolicy::kLeastLaxity ? server::JobOrder::kLaxity : server::JobOrder::kDeadline;
+// Servers take jobs by their deadlines; the other orders are here to be compared with that.
+Time releaseOf(const server::Due& due) { return due.release; }
+Time laxityOf(const server::Due& due) { return due.deadline - due.work; }
+
+server::JobKey keyOf(LoadPolicy policy) {
+  if (policy == LoadPolicy::kFifo) return releaseOf;
+  return policy == LoadPolicy::kLeastLaxity ? laxityOf : server::deadlineOf;
 }
 
 }  // namespace
 
 LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
-    : queues(options.queues, options.workers, orderOf(options.policy)), is_free(options.workers, true), busy_us(bins) {}
+    : queues(options.queues, options.workers, keyOf(options.policy)), is_free(options.workers, true), busy_us(bins) {}
 
 LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds holds)
     : light(viewer.cast.request, viewer.cast.flight, holds),

@@ -5,11 +5,11 @@
 
 namespace foreland::lab {
 
-WorkerQueues::WorkerQueues(LoadQueues kind, size_t workers, server::JobOrder order) {
+WorkerQueues::WorkerQueues(LoadQueues kind, size_t workers, server::JobKey keyOf) {
   if (kind == LoadQueues::kShared)
-    queues_.emplace_back(workers, order);
+    queues_.emplace_back(workers, keyOf);
   else
-    for (size_t worker = 0; worker < workers; ++worker) queues_.emplace_back(1, order);
+    for (size_t worker = 0; worker < workers; ++worker) queues_.emplace_back(1, keyOf);
 }
 
 WorkerQueues::Ticket WorkerQueues::add(size_t home, server::Due due, server::Job job) {

@@ -25,7 +25,7 @@ class WorkerQueues {
     server::DeadlineQueue::Ticket job;
   };
 
-  WorkerQueues(LoadQueues kind, size_t workers, server::JobOrder order);
+  WorkerQueues(LoadQueues kind, size_t workers, server::JobKey keyOf);
 
   // Adds a job for the worker number `home`, which may be any number: workers are counted round.
   Ticket add(size_t home, server::Due due, server::Job job);

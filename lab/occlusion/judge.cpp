@@ -6,6 +6,7 @@
 #include <set>
 
 #include "lab/occlusion/viewer_stream.h"
+#include "oracle/reference/whole_mesh.h"
 #include "oracle/scene_truth.h"
 #include "terrain/parallel.h"
 
@@ -152,7 +153,8 @@ Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, pr
     Sections now = sectionsOf(without, with);
     if (isJudged(i)) {
       jury.judgeNodes(now, before, i);
-      if (Status s = jury.judgePixels(with.replica().buildMesh(), without.replica().buildMesh(), i); !s.ok())
+      if (Status s = jury.judgePixels(oracle::wholeMesh(with.replica()), oracle::wholeMesh(without.replica()), i);
+          !s.ok())
         return s.error();
     }
     before = std::move(now);

@@ -5,6 +5,7 @@
 #include "base/quantile.h"
 #include "client/replica.h"
 #include "oracle/lod_motion.h"
+#include "oracle/reference/whole_mesh.h"
 #include "oracle/scene_truth.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
@@ -39,7 +40,7 @@ class Replay {
     Bytes message;
     sender_.send(view, Time{} + options_.keyframe_interval * keyframes_++, scratch_, message);
     CHECK_TRUE(replica_.apply(sender_.keyframe(), ByteSpan(message).subspan(sender_.headerBytes())).ok());
-    const client::KeyframeMesh mesh = replica_.buildMesh();
+    const client::KeyframeMesh mesh = oracle::wholeMesh(replica_);
     errors_.cracks += oracle_.findCracks(mesh, hierarchy_.grid().shape()).cracks;
     const oracle::SceneDeviation error = judge(mesh, 1, view.pose);
     errors_.max_error_px_keyframes = std::max(errors_.max_error_px_keyframes, error.max_px);

@@ -7,6 +7,7 @@
 
 #include "client/replica.h"
 #include "lab/sections/errors.h"
+#include "oracle/reference/whole_mesh.h"
 #include "oracle/scene_truth.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
@@ -40,7 +41,7 @@ class ObjectsOracleTest : public testing::Test {
       Bytes message;
       sender.send({path_.at(Time::seconds(t)), kLens, 1}, Time::seconds(t), scratch, message);
       CHECK_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes())).ok());
-      mesh = replica.buildMesh();
+      mesh = oracle::wholeMesh(replica);
     }
     return mesh;
   }

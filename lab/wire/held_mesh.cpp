@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lab/wire/wire_client.h"
+#include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 
 namespace foreland::lab {
@@ -48,7 +49,7 @@ HeldMesh meshHeldFor(const server::Hierarchy& hierarchy, const proto::View& view
   held.bytes = message.size();
   WireClient client(hierarchy);
   client.take(message);
-  takeMesh(client.replica().buildMesh(), hierarchy.scene().frame().height_quantum_m, held);
+  takeMesh(oracle::wholeMesh(client.replica()), hierarchy.scene().frame().height_quantum_m, held);
   takeNodes(client.replica(), held);
   return held;
 }

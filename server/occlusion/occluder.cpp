@@ -135,7 +135,7 @@ std::vector<RTCGrid> gridsOf(const Vertices& vertices) {
 }  // namespace
 
 struct Occluder::Embree {
-  explicit Embree(size_t max_bytes) : max_bytes(static_cast<ssize_t>(max_bytes)) {
+  explicit Embree(size_t limit_bytes) : max_bytes(static_cast<ssize_t>(limit_bytes)) {
     rtcSetDeviceMemoryMonitorFunction(device, countBytes, this);
   }
   ~Embree() {

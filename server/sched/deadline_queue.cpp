@@ -12,7 +12,7 @@ DeadlineQueue::Ticket DeadlineQueue::add(Due due, Job job) {
 
 std::optional<Job> DeadlineQueue::cancel(const Ticket& ticket) {
   auto node = waiting_.extract(Key{ticket.due.release, ticket.sequence});
-  if (!node) node = readyOf(ticket.due).extract(Key{keyOf(ticket.due), ticket.sequence});
+  if (!node) node = readyOf(ticket.due).extract(Key{keyOf_(ticket.due), ticket.sequence});
   if (!node) return std::nullopt;
   return std::move(node.mapped().job);
 }
@@ -59,16 +59,11 @@ std::optional<Time> DeadlineQueue::earliestStart() const {
   return earliest;
 }
 
-Time DeadlineQueue::keyOf(const Due& due) const {
-  if (order_ == JobOrder::kRelease) return due.release;
-  return order_ == JobOrder::kLaxity ? due.deadline - due.work : due.deadline;
-}
-
 DeadlineQueue::Jobs::iterator DeadlineQueue::makeReady(Jobs::iterator waiting) {
   const auto next = std::next(waiting);
   auto node = waiting_.extract(waiting);
   const Due& due = node.mapped().due;
-  node.key() = Key{keyOf(due), node.key().second};
+  node.key() = Key{keyOf_(due), node.key().second};
   readyOf(due).insert(std::move(node));
   return next;
 }
@@ -86,7 +81,7 @@ void DeadlineQueue::releaseEarly(Time now) {
   for (auto it = waiting_.begin(); it != waiting_.end() && count < kLookAhead; ++it, ++count) {
     const Due& due = it->second.due;
     const bool may_start = !due.is_costly && due.earliest && *due.earliest <= now;
-    if (may_start && (best == waiting_.end() || keyOf(due) < keyOf(best->second.due))) best = it;
+    if (may_start && (best == waiting_.end() || keyOf_(due) < keyOf_(best->second.due))) best = it;
   }
   if (best != waiting_.end()) makeReady(best);
 }

@@ -1,5 +1,6 @@
-// The order of jobs: of those whose release time has come, the one with the earliest deadline is next; of equal
-// deadlines, the one added first. Costly jobs wait while the taker wants none.
+// The order of jobs: of those whose release time has come, the one with the earliest deadline is next, or with the
+// earliest key of another kind (JobKey); of equal keys, the one added first. Costly jobs wait while the taker wants
+// none.
 //
 // Jobs are released as late as they can be, so that they use the newest pose; but if several are due together, some
 // would end late though nobody worked before. So a job that permits it is started before its release when nothing is
@@ -33,15 +34,16 @@ struct Due {
   std::optional<Time> earliest{};
 };
 
-// Which of the released jobs is next. Servers use kDeadline; the others are there to be compared with it.
-enum class JobOrder : uint8_t { kDeadline, kRelease, kLaxity };
+// Of the released jobs, the one with the earliest key is next.
+using JobKey = Time (*)(const Due&);
+inline Time deadlineOf(const Due& due) { return due.deadline; }
 
 class DeadlineQueue {
  public:
   static constexpr size_t kLookAhead = 128;  // jobs that wait, by release
 
-  explicit DeadlineQueue(size_t workers = 1, JobOrder order = JobOrder::kDeadline)
-      : workers_(static_cast<int64_t>(workers)), order_(order) {}
+  explicit DeadlineQueue(size_t workers = 1, JobKey keyOf = deadlineOf)
+      : workers_(static_cast<int64_t>(workers)), keyOf_(keyOf) {}
 
   // Identifies one job of one queue; tickets are never reused.
   struct Ticket {
@@ -79,14 +81,13 @@ class DeadlineQueue {
   void releaseEarly(Time now);
   std::optional<Time> latestStart() const;
   std::optional<Time> earliestStart() const;
-  Time keyOf(const Due& due) const;
   Jobs::iterator makeReady(Jobs::iterator waiting);
   Jobs& readyOf(const Due& due) { return due.is_costly ? costly_ : cheap_; }
 
   int64_t workers_;
-  JobOrder order_;
+  JobKey keyOf_;
   Jobs waiting_;         // by release
-  Jobs cheap_, costly_;  // released; by the order
+  Jobs cheap_, costly_;  // released; by key
   uint64_t next_sequence_ = 0;
 };
 

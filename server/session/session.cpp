@@ -63,13 +63,13 @@ Status Session::take(const proto::Path& path, Time) {
   return {};
 }
 
-// A scene without epochs does not mind.
 Status Session::take(const proto::HeldTiles& held, Time) {
   if (!isFirst() || !tiles_ || tiles_->statistics().tiles > 0)
     return Error{ErrorCode::kMalformed, "a client tells the tiles that it holds before its first pose, or not at all"};
   return tiles_->hold(held);
 }
 
+// Where the scene has no epochs, its clock changes nothing.
 Status Session::take(const proto::SceneClock& clock, Time) {
   scene_time_.take(clock);
   return {};

@@ -170,9 +170,9 @@ class Session {
   // How long before and after its time a keyframe is shown, in part, if keyframes are an interval apart.
   Duration leadOf(Duration interval) const { return {interval.us * (request_->order + 1) / 2}; }
   Time shownFrom(Time t) const;
-  // For a keyframe that is shown until the next one, which is `until_next` later.
   void moveGround(Time t_client, const proto::View& view);
   double sectionTolerance() const;
+  // For a keyframe that is shown until the next one, which is `until_next` later.
   RegionParts regionFor(Time t_client, Duration until_next) const;
   proto::View viewFor(Time t_client, const RegionParts& parts) const;
   size_t maxNodes() const;

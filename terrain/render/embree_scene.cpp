@@ -16,7 +16,7 @@ namespace foreland::terrain {
 namespace {
 
 struct Device {
-  explicit Device(int64_t max_bytes) : handle(rtcNewDevice(nullptr)), max_bytes(max_bytes) {
+  explicit Device(int64_t limit_bytes) : handle(rtcNewDevice(nullptr)), max_bytes(limit_bytes) {
     CHECK_TRUE(handle != nullptr);  // a processor without SSE2, which this is not built for
     rtcSetDeviceMemoryMonitorFunction(
         handle, [](void* self, ssize_t change, bool) { return static_cast<Device*>(self)->count(change); }, this);

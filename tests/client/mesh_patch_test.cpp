@@ -9,6 +9,7 @@
 
 #include "client/mesh/blend_patch.h"
 #include "client/replica.h"
+#include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "tests/support/same_mesh.h"
@@ -103,7 +104,7 @@ class MeshPatches : public testing::Test {
     replica_->makePatch(patch);
     terrain_->apply(patch.terrain);
     objects_->apply(patch.objects);
-    const KeyframeMesh anew = replica_->buildMesh();
+    const KeyframeMesh anew = oracle::wholeMesh(*replica_);
     ASSERT_EQ(patch.origin, anew.origin);
     ASSERT_TRUE(isSameMesh(shown_, anew));
     shown_.object_parts = patch.object_parts;
@@ -191,7 +192,7 @@ TEST(MovedGround, IsTheGroundOfTheFirstEpochAndWhatItHasMoved) {
                         .apply(senders[end].keyframe(), ByteSpan(message).subspan(senders[end].headerBytes()),
                                i % 2 == 0 ? Blend::kKeyframe : Blend::kGeomorph)
                         .ok());
-        meshes[end] = replicas[end].buildMesh();
+        meshes[end] = oracle::wholeMesh(replicas[end]);
       }
       const auto& [still, moving] = meshes;
       ASSERT_EQ(moving.parameters, still.parameters);

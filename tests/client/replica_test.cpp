@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "sim/world.h"
@@ -36,7 +37,7 @@ TEST(FirstMesh, ShowsTheKeyframesSectionsAtBothEnds) {
         sender.send(viewAt(hierarchy, 75 + i, 55, 1200, 0.3, -1), Time::seconds(1 + i), scratch, message);
         ASSERT_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes()), blend).ok());
         if (i > 0) continue;
-        const client::KeyframeMesh mesh = replica.buildMesh();
+        const client::KeyframeMesh mesh = oracle::wholeMesh(replica);
         EXPECT_EQ(mesh.from.index, mesh.to.index);
         EXPECT_GT(mesh.from_nodes, 100u);
         EXPECT_EQ(mesh.from_positions, mesh.to_positions);
@@ -49,6 +50,39 @@ TEST(FirstMesh, ShowsTheKeyframesSectionsAtBothEnds) {
   }
 }
 
+// Cut short anywhere, a keyframe that starts from nothing changes nothing that is drawn, but what it was sent over has
+// to begin anew.
+TEST(Restart, LeavesWhatIsDrawnWhereItsKeyframeIsMalformed) {
+  const auto scene = makeScene(150, 110, 41);
+  const server::Hierarchy hierarchy(scene, proto::ErrorBound::kSpheroid, objectsIn(*scene, 6));
+  server::SendScratch scratch;
+  Replica replica(server::welcomeTo(hierarchy));
+  server::SectionSender sender(hierarchy);
+  Bytes message;
+  for (int i = 0; i < 3; ++i) {
+    message.clear();
+    sender.send(viewAt(hierarchy, 75 + i, 55, 1200, 0.3, -1), Time::seconds(1 + i), scratch, message);
+    ASSERT_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes())).ok());
+  }
+  const client::KeyframeMesh before = oracle::wholeMesh(replica);
+  server::SectionSender anew(hierarchy);
+  message.clear();
+  anew.send(viewAt(hierarchy, 20, 30, 900, 0.3, -1), Time::seconds(9), scratch, message);
+  const ByteSpan delta = ByteSpan(message).subspan(anew.headerBytes());
+  for (size_t kept : {size_t{0}, delta.size() / 3, delta.size() - 1}) {
+    ASSERT_FALSE(replica.apply(anew.keyframe(), delta.first(kept)).ok()) << kept;
+    const client::KeyframeMesh after = oracle::wholeMesh(replica);
+    EXPECT_EQ(after.to.index, before.to.index);
+    EXPECT_EQ(after.from_positions, before.from_positions);
+    EXPECT_EQ(after.to_positions, before.to_positions);
+    EXPECT_EQ(after.indices, before.indices);
+    EXPECT_EQ(after.objects.to_positions, before.objects.to_positions);
+    EXPECT_EQ(replica.makeResume(server::welcomeTo(hierarchy)), std::nullopt);
+  }
+  ASSERT_TRUE(replica.apply(anew.keyframe(), delta).ok());
+  EXPECT_EQ(replica.newest().index, anew.keyframe().index);
+}
+
 TEST(HeightAt, IsTheDrawnSurfaceAtEverySampleAndLinearBetween) {
   const auto scene = makeScene(201, 151, 41);
   World world(scene, {}, Duration::milliseconds(4), 1);
@@ -57,7 +91,7 @@ TEST(HeightAt, IsTheDrawnSurfaceAtEverySampleAndLinearBetween) {
   ASSERT_EQ(world.report(), "");
   const Replica& replica = *world.viewer(0).replica();
   ASSERT_GT(replica.section().slots.size(), 500u);
-  const LatticeSurface drawn(replica.buildMesh(), 1, scene->grid().shape());
+  const LatticeSurface drawn(oracle::wholeMesh(replica), 1, scene->grid().shape());
   constexpr double kRounding_m = 2e-3;  // positions of meshes are floats, kilometres from their origin
   for (uint32_t y = 0; y < 151; ++y)
     for (uint32_t x = 0; x < 201; ++x) {

@@ -4,6 +4,7 @@
 
 #include "base/rng.h"
 #include "client/replica.h"
+#include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "tests/support/same_mesh.h"
@@ -21,7 +22,7 @@ client::KeyframeMesh sentFor(const server::Hierarchy& hierarchy, const oracle::S
               scratch, message);
   client::Replica replica(server::welcomeTo(hierarchy));
   EXPECT_TRUE(replica.apply(sender.keyframe(), ByteSpan(message).subspan(sender.headerBytes())).ok());
-  return replica.buildMesh();
+  return oracle::wholeMesh(replica);
 }
 
 TEST(ExactSections, AreToTheBitWhatANewViewerIsSent) {

@@ -8,6 +8,7 @@
 
 #include "client/replica.h"
 #include "oracle/crack_checker.h"
+#include "oracle/reference/whole_mesh.h"
 #include "proto/topology/mesh_triangles.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
@@ -166,7 +167,7 @@ TEST_F(Geomorphs, AreDrawnAsTheWeightsHaveThemAndWithoutCracks) {
     for (int i = 0; i < 60; ++i) {
       keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
       if (rng_.below(4) == 0) replica_->extend(anyInterval(), Blend::kGeomorph);
-      const KeyframeMesh mesh = replica_->buildMesh();
+      const KeyframeMesh mesh = oracle::wholeMesh(*replica_);
       const oracle::CrackReport cracks = oracle::findCracks(mesh, scene_->grid().shape());
       ASSERT_EQ(cracks.cracks, 0u) << cracks.first;
       ASSERT_NO_FATAL_FAILURE(expectWeighted(mesh)) << "step " << i;
@@ -188,7 +189,7 @@ TEST_F(Geomorphs, NeverJumpWhereTheyAreSeen) {
       replica_->extend(anyInterval(), Blend::kGeomorph);
     else
       keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
-    const KeyframeMesh mesh = replica_->buildMesh();
+    const KeyframeMesh mesh = oracle::wholeMesh(*replica_);
     const LatticeSurface begin(mesh, 0, shape);
     for (uint32_t y = 0; last && y < shape.samples_y; ++y)
       for (uint32_t x = 0; x < shape.samples_x; ++x) {
@@ -212,7 +213,7 @@ TEST_F(Geomorphs, OfObjectsAreDrawnAsTheWeightsHaveThem) {
   std::map<std::pair<size_t, proto::Slot>, double> last;            // weights
   for (int i = 0; i < 60 || (turned_away == 0 && i < 2000); ++i) {  // until something has turned away in view
     keyframe(onlooker.next(), anyInterval(), rng_.below(8) == 0 ? Blend::kKeyframe : Blend::kGeomorph);
-    const KeyframeMesh mesh = replica_->buildMesh();
+    const KeyframeMesh mesh = oracle::wholeMesh(*replica_);
     const proto::View view = proto::viewOf(mesh.from);
     const proto::ObjectSet& set = hierarchy_->objects().set;
     size_t at = 0;

@@ -8,9 +8,10 @@
 #include <deque>
 #include <optional>
 
-#include "client/mesh/order_blend.h"
 #include "client/replica.h"
 #include "oracle/crack_checker.h"
+#include "oracle/reference/order_blend.h"
+#include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"
 #include "server/session/world.h"
 #include "sim/world.h"
@@ -59,11 +60,11 @@ class Orders : public testing::Test {
 
   // The last order + 1 keyframes, by the reference.
   KeyframeMesh reference(uint32_t order, double u, const glm::dvec3& origin) const {
-    const std::vector<client::BlendedKeyframe> last(keyframes_.end() - order - 1, keyframes_.end());
-    const client::OrderMesh blended = client::blendSections(
+    const std::vector<oracle::BlendedKeyframe> last(keyframes_.end() - order - 1, keyframes_.end());
+    const oracle::OrderMesh blended = oracle::blendSections(
         hierarchy_->domain(), {scene_->cornerHeights(), scene_->centreHeights()},
         [this](proto::Slot slot) { return hierarchy_->nodes()[slot]; }, nullptr, last, origin);
-    const auto weights = client::basisWeights(client::Basis::kBSpline, static_cast<int>(order), u);
+    const auto weights = oracle::basisWeights(oracle::Basis::kBSpline, static_cast<int>(order), u);
     KeyframeMesh mesh;
     mesh.origin = blended.origin;
     mesh.parameters = blended.parameters;
@@ -80,7 +81,7 @@ class Orders : public testing::Test {
   std::optional<server::SectionSender> sender_;
   std::optional<client::Replica> replica_;
   server::SendScratch scratch_;
-  std::deque<client::BlendedKeyframe> keyframes_;
+  std::deque<oracle::BlendedKeyframe> keyframes_;
   Time now_ = Time::seconds(1);
 };
 
@@ -106,7 +107,7 @@ TEST_F(Orders, AMeshIsTheBlendOfTheLastKeyframesAndWatertight) {
         } else {
           keyframe(wanderer.next(), blend);
         }
-        const KeyframeMesh mesh = replica_->buildMesh();
+        const KeyframeMesh mesh = oracle::wholeMesh(*replica_);
         const oracle::CrackReport cracks = oracle::findCracks(mesh, hierarchy_->grid().shape());
         ASSERT_EQ(cracks.cracks, 0u) << cracks.first;
         for (double u : {0.0, 0.4, 1.0})
@@ -127,13 +128,13 @@ TEST_F(Orders, OfEqualKeyframesAreThatKeyframe) {
     keyframe(wanderer.next(), blend);
     const proto::View view = wanderer.next();
     for (uint32_t i = 0; i <= client::orderOf(blend); ++i) keyframe(view, blend);
-    const KeyframeMesh mesh = replica_->buildMesh();
+    const KeyframeMesh mesh = oracle::wholeMesh(*replica_);
     EXPECT_FALSE(replica_->isInTransition());
     EXPECT_EQ(mesh.from_positions, mesh.to_positions);
     for (size_t v = 0; v < mesh.from_bends.size(); ++v)
       ASSERT_TRUE(mesh.from_bends[v] == glm::vec3(0) && mesh.to_bends[v] == glm::vec3(0));
     keyframe(view, Blend::kKeyframe);
-    const KeyframeMesh linear = replica_->buildMesh();
+    const KeyframeMesh linear = oracle::wholeMesh(*replica_);
     EXPECT_EQ(mesh.to_positions, linear.to_positions);
     EXPECT_EQ(mesh.indices, linear.indices);
   }
@@ -150,7 +151,7 @@ TEST_F(Orders, AreChangedInFlightWithoutAJump) {
   Time shown_until;
   for (int i = 0; i < 60; ++i) {
     keyframe(wanderer.next(), kGuaranteed[rng_.below(3)]);
-    const KeyframeMesh mesh = replica_->buildMesh();
+    const KeyframeMesh mesh = oracle::wholeMesh(*replica_);
     const Time from = mesh.from.time - mesh.earlier.from_age, to = mesh.to.time - mesh.earlier.to_age;
     ASSERT_LE(from, to);
     if (last) {

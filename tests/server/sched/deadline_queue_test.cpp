@@ -118,17 +118,17 @@ TEST(DeadlineQueue, EndsAllInTimeThatCanBeDoneInTime) {
   }));
 }
 
-TEST(DeadlineQueue, OrdersByReleaseOrLaxityIfAskedTo) {
-  const auto first = [](JobOrder order) {
-    DeadlineQueue queue(1, order);
+TEST(DeadlineQueue, OrdersByAnotherKeyIfAskedTo) {
+  const auto first = [](JobKey keyOf) {
+    DeadlineQueue queue(1, keyOf);
     queue.add({Time{5}, Time{100}, false, Duration{90}}, [](size_t) {});
     queue.add({Time{1}, Time{80}, false, Duration{10}}, [](size_t) {});
     queue.add({Time{6}, Time{60}, false, Duration{10}}, [](size_t) {});
     return queue.take(Time{10})->due.deadline;
   };
-  EXPECT_EQ(first(JobOrder::kDeadline), Time{60});
-  EXPECT_EQ(first(JobOrder::kRelease), Time{80});
-  EXPECT_EQ(first(JobOrder::kLaxity), Time{100});
+  EXPECT_EQ(first(deadlineOf), Time{60});
+  EXPECT_EQ(first([](const Due& due) { return due.release; }), Time{80});
+  EXPECT_EQ(first([](const Due& due) { return due.deadline - due.work; }), Time{100});
 }
 
 TEST(DeadlineQueue, LeavesCostlyJobsToWhoeverTakesThem) {

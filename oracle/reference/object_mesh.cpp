@@ -1,4 +1,4 @@
-#include "client/mesh/object_mesh.h"
+#include "oracle/reference/object_mesh.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -9,8 +9,21 @@
 #include "client/mesh/pack_normal.h"
 #include "proto/topology/mesh_triangles.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
 
+using client::BlendMesh;
+using client::blendPosition;
+using client::completeNormals;
+using client::DrawnPosition;
+using client::FaceNormal;
+using client::findMorph;
+using client::KeyframeMesh;
+using client::kNoVertex;
+using client::Morph;
+using client::objectFaceNormal;
+using client::ObjectPositions;
+using client::packNormal;
+using client::parameterLayout;
 using proto::NodeId;
 using proto::Slot;
 
@@ -159,34 +172,6 @@ class Builder {
 
 }  // namespace
 
-glm::dvec3 ObjectPositions::at(NodeId v, size_t end) const {
-  const proto::MeshTopology& mesh = objects.domain(object).topology();
-  const proto::ObjectModel& model = objects.modelOf(object);
-  const size_t moves_each = objects.posesOf(object).poses() - 1;
-  if (mesh.isBase(v)) {
-    const uint32_t base = proto::baseVertexOf(v);
-    const auto moves = std::span(model.base_moves).subspan(base * moves_each, moves_each);
-    return proto::posed(model.base[base], moves, weights[end]) * model.quantum_m;
-  }
-  const Slot slot = mesh.slot(v);
-  if (const auto it = removed.find(slot); it != removed.end())
-    return proto::posed(it->second.position, it->second.moves, weights[end]) * model.quantum_m;
-  const glm::ivec3& position = stream.position(object, slot);
-  if (moves_each == 0) return glm::dvec3(position) * model.quantum_m;
-  return proto::posed(position, stream.moves(object, slot), weights[end]) * model.quantum_m;
-}
-
-// Edges are no longer than the model's box in all poses, twice over for what nodes add to it.
-FaceNormal objectFaceNormal(const proto::ObjectModel& model) {
-  glm::dvec3 low(0), high(0);
-  const auto include = [&](const glm::dvec3& p) { low = glm::min(low, p), high = glm::max(high, p); };
-  for (const glm::ivec3& p : model.base) include(glm::dvec3(p));
-  for (size_t i = 0; i < model.base_moves.size(); ++i)
-    include(glm::dvec3(model.base[i / (model.base_moves.size() / model.base.size())]) +
-            glm::dvec3(model.base_moves[i]));
-  return FaceNormal(2 * glm::distance(low, high) * model.quantum_m);
-}
-
 ObjectMesh buildObjectMesh(const proto::ObjectSet& objects, const ObjectPositions& positions,
                            const ObjectSections& sections) {
   ObjectMesh mesh;
@@ -209,4 +194,4 @@ void ObjectMesh::appendTo(KeyframeMesh& mesh, uint32_t model) const {
   for (uint32_t corner : indices) out.indices.push_back(first + corner);
 }
 
-}  // namespace foreland::client
+}  // namespace foreland::oracle

@@ -1,5 +1,5 @@
 // The terrain's mesh at the data's border: it is the mesh of the whole roots, cut off, for any sections and heights.
-#include "client/mesh/mesh_builder.h"
+#include "oracle/reference/mesh_builder.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,12 @@
 
 #include "base/rng.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
 namespace {
 
+using client::EndHeights;
+using client::HeldNodes;
+using client::KeyframeMesh;
 using proto::NodeId;
 using proto::Slot;
 
@@ -145,4 +148,4 @@ TEST_F(MeshAtTheBorder, IsTheWholeMeshCutOff) {
 }
 
 }  // namespace
-}  // namespace foreland::client
+}  // namespace foreland::oracle

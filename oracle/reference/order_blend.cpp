@@ -1,12 +1,19 @@
-#include "client/mesh/order_blend.h"
+#include "oracle/reference/order_blend.h"
 
 #include <algorithm>
 
 #include "base/check.h"
 #include "base/sort.h"
-#include "client/mesh/mesh_builder.h"
+#include "oracle/reference/mesh_builder.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
+
+using client::EndHeights;
+using client::HeldNodes;
+using client::KeyframeMesh;
+using client::kInFrom;
+using client::kInTo;
+using client::Morph;
 
 namespace {
 
@@ -99,4 +106,4 @@ OrderMesh blendSections(const proto::TerrainDomain& domain, proto::BaseHeights b
   return mesh;
 }
 
-}  // namespace foreland::client
+}  // namespace foreland::oracle

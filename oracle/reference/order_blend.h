@@ -2,7 +2,7 @@
 // keyframes' sections is a section, with a position for each vertex and keyframe; a frame is the sum of these positions
 // with the weights of a Bernstein or uniform B-spline basis. It uses the builder of two-keyframe meshes, whose nodes
 // have weights of their own: a node of the union that a section lacks has weight 0 there. For experiments, and as the
-// reference of what the viewer shows by curves (curve_bend.h).
+// reference of what the viewer shows by curves (client/mesh/curve_bend.h).
 //
 // Pure; any thread. O(n * vertices).
 #pragma once
@@ -17,7 +17,7 @@
 #include "proto/section/node_tables.h"
 #include "proto/section/section.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
 
 // How n + 1 keyframes are blended while u goes from 0 to 1.
 //   Bernstein  the curve begins at the first keyframe and ends at the last: a mesh serves for n intervals
@@ -53,4 +53,4 @@ OrderMesh blendSections(const proto::TerrainDomain& domain, proto::BaseHeights b
                         const proto::EpochOffsets* offsets, std::span<const BlendedKeyframe> keyframes,
                         const glm::dvec3& eye);
 
-}  // namespace foreland::client
+}  // namespace foreland::oracle

@@ -1,11 +1,27 @@
-#include "client/mesh/mesh_builder.h"
+#include "oracle/reference/mesh_builder.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "client/mesh/pack_normal.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
+
+using client::bendOf;
+using client::blendPosition;
+using client::completeNormals;
+using client::EndHeights;
+using client::GroundPoint;
+using client::groundPointAt;
+using client::HeldNodes;
+using client::KeyframeMesh;
+using client::kInFrom;
+using client::kInTo;
+using client::kNoVertex;
+using client::mixOf;
+using client::Morph;
+using client::packNormal;
+using client::terrainFaceNormal;
 
 MeshBuilder::MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
                          const EndHeights& heights, KeyframeMesh& mesh, uint32_t order)
@@ -199,4 +215,4 @@ void MeshBuilder::writePositions() {
   mesh_.to_nodes = nodes_.toCount();
 }
 
-}  // namespace foreland::client
+}  // namespace foreland::oracle

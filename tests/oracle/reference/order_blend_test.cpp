@@ -1,5 +1,5 @@
 // Blending of any order: the laws of P's theorem 1, on random sections of still and of moving ground.
-#include "client/mesh/order_blend.h"
+#include "oracle/reference/order_blend.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,10 @@
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
 namespace {
 
+using client::KeyframeMesh;
 using proto::NodeId;
 
 TEST(Basis, WeightsAreAPartitionOfUnity) {
@@ -208,4 +209,4 @@ TEST(OrderBlend, BackwardsIsTheSameInReverse) {
 }
 
 }  // namespace
-}  // namespace foreland::client
+}  // namespace foreland::oracle

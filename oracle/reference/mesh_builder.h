@@ -1,10 +1,10 @@
 // Builds the terrain's part of a keyframe mesh: descends from the root triangles through the union of the sections
 // drawn at its two ends, and writes two positions and two normals per vertex and the triangles, clipped to the data.
-//   position  from the weights of the nodes at either end (blend_position.h)
+//   position  from the weights of the nodes at either end (client/mesh/blend_position.h)
 //   normal    area-weighted over the triangles of that end's section alone, so shading does not jump where two meshes
 //             meet
-// Makes a mesh from nothing: for tools, and as the reference that the mesh by change (terrain_patcher.h) must equal.
-// Used once per mesh; one owner. O(vertices).
+// Makes a mesh from nothing: for tools, and as the reference that the mesh by change (client/mesh/terrain_patcher.h)
+// must equal. Used once per mesh; one owner. O(vertices).
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@
 #include "client/mesh/keyframe_mesh.h"
 #include "proto/refine/terrain_domain.h"
 
-namespace foreland::client {
+namespace foreland::oracle {
 
 class MeshBuilder {
  public:
   // Fills the terrain's part of `mesh`, whose keyframe headers and origin are set. `morphs` are those of the terrain's
   // nodes. One keyframe more than the `order` is blended.
-  MeshBuilder(const proto::TerrainDomain& domain, const HeldNodes& nodes, std::span<const Morph> morphs,
-              const EndHeights& heights, KeyframeMesh& mesh, uint32_t order = 1);
+  MeshBuilder(const proto::TerrainDomain& domain, const client::HeldNodes& nodes, std::span<const client::Morph> morphs,
+              const client::EndHeights& heights, client::KeyframeMesh& mesh, uint32_t order = 1);
   void run();
 
  private:
@@ -45,19 +45,19 @@ class MeshBuilder {
 
   // What is known of a vertex at the two ends of the mesh. In one record, because triangles reach vertices in no order.
   struct Vertex {
-    std::array<DrawnPosition<GroundPoint>, 2> drawn;
-    std::array<uint32_t, 2> endpoints{kNoVertex, kNoVertex};
+    std::array<client::DrawnPosition<client::GroundPoint>, 2> drawn;
+    std::array<uint32_t, 2> endpoints{client::kNoVertex, client::kNoVertex};
     std::array<glm::dvec3, 2> normal{};
-    uint8_t in = kInFrom | kInTo;  // the sections (HeldNodes::in) of which it is a vertex
-    CurveBend bend{};
+    uint8_t in = client::kInFrom | client::kInTo;  // the sections (HeldNodes::in) of which it is a vertex
+    client::CurveBend bend{};
   };
 
   void addBaseVertices();
   void visitRoot(uint32_t root_x, uint32_t root_y);
   void visit(const Triangle& t);
-  uint32_t vertexOf(const Triangle& t, const HeldNodes::Index::Found& node);
-  GroundPoint positionAt(LatticePoint at, int32_t height, size_t end) const;
-  GroundPoint truePosition(LatticePoint at, size_t end) const;
+  uint32_t vertexOf(const Triangle& t, const client::HeldNodes::Index::Found& node);
+  client::GroundPoint positionAt(LatticePoint at, int32_t height, size_t end) const;
+  client::GroundPoint truePosition(LatticePoint at, size_t end) const;
   void addNormals(uint8_t sections, const Triangle& t);
   void emit(uint32_t a, uint32_t b, uint32_t c);
   void clip(std::array<uint32_t, 3> corners);
@@ -68,16 +68,16 @@ class MeshBuilder {
 
   const proto::TerrainDomain& domain_;
   const proto::GridTopology& grid_;
-  const HeldNodes& held_;
-  const HeldNodes::Index nodes_;
-  const EndHeights heights_;
-  const FaceNormal face_normal_;
-  KeyframeMesh& mesh_;
+  const client::HeldNodes& held_;
+  const client::HeldNodes::Index nodes_;
+  const client::EndHeights heights_;
+  const client::FaceNormal face_normal_;
+  client::KeyframeMesh& mesh_;
   const uint32_t order_;
   glm::vec2 limit_;                       // the data's last samples
   std::vector<Vertex> vertices_;          // in the order of the descent, so that it finds recent ones in the cache
-  std::vector<uint32_t> vertex_of_node_;  // by the node's position in the index; kNoVertex until it is reached
+  std::vector<uint32_t> vertex_of_node_;  // by the node's position in the index; client::kNoVertex until it is reached
   std::map<std::array<uint32_t, 3>, uint32_t> cuts_;  // inside, outside, axis: the vertex on the border
 };
 
-}  // namespace foreland::client
+}  // namespace foreland::oracle
