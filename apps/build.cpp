@@ -15,11 +15,11 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/command_line.h"
-#include "apps/date.h"
-#include "apps/options.h"
-#include "apps/output_file.h"
-#include "apps/progress_line.h"
+#include "apps/options/command_line.h"
+#include "apps/options/date.h"
+#include "apps/options/options.h"
+#include "apps/options/output_file.h"
+#include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/pictures/open_pictures.h"

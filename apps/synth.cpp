@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "apps/command_line.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
 #include "apps/synth_picture.h"
 #include "terrain/dem/write.h"
 #include "terrain/parallel.h"

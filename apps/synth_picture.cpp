@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "apps/output_file.h"
+#include "apps/options/output_file.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/pictures/write_picture.h"
 #include "terrain/dem/voids/voids.h"

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/command_line.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
 #include "base/printable.h"
-#include "server/net/token.h"
+#include "server/net/access/token.h"
 
 int main(int argc, char** argv) {
   using namespace foreland;

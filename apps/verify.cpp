@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <string>
 
-#include "apps/command_line.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
 #include "terrain/imagery/verify_tiles.h"
 #include "terrain/objects/placed_objects.h"
 #include "terrain/store/verify.h"

@@ -5,7 +5,7 @@
 #include <deque>
 #include <memory>
 
-#include "client/mesh/blend_patch.h"
+#include "client/mesh/patch/blend_patch.h"
 
 namespace foreland::client {
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "client/mesh/blend_patch.h"
+#include "client/mesh/patch/blend_patch.h"
 #include "client/object_replica.h"
 
 namespace foreland::client {

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "client/mesh/pack_normal.h"
+#include "client/mesh/patch/pack_normal.h"
 
 namespace foreland::client {
 

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "base/result.h"
-#include "client/mesh/keyframe_mesh.h"
-#include "client/mesh/morph_timing.h"
-#include "client/mesh/morphs.h"
-#include "client/mesh/object_patcher.h"
-#include "client/mesh/object_positions.h"
+#include "client/mesh/objects/object_patcher.h"
+#include "client/mesh/objects/object_positions.h"
+#include "client/mesh/patch/keyframe_mesh.h"
+#include "client/mesh/weights/morph_timing.h"
+#include "client/mesh/weights/morphs.h"
 #include "proto/codec/object_stream.h"
 
 namespace foreland::client {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/sort.h"
-#include "client/mesh/spline.h"
+#include "client/mesh/weights/spline.h"
 #include "proto/codec/section_codec.h"
 
 namespace foreland::client {

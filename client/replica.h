@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "client/mesh/blend_patch.h"
-#include "client/mesh/end_heights.h"
-#include "client/mesh/held_nodes.h"
-#include "client/mesh/keyframe_mesh.h"
-#include "client/mesh/morph_timing.h"
-#include "client/mesh/terrain_patcher.h"
+#include "client/mesh/patch/blend_patch.h"
+#include "client/mesh/patch/keyframe_mesh.h"
+#include "client/mesh/terrain/end_heights.h"
+#include "client/mesh/terrain/held_nodes.h"
+#include "client/mesh/terrain/terrain_patcher.h"
+#include "client/mesh/weights/morph_timing.h"
 #include "client/object_patches.h"
 #include "client/object_replica.h"
 #include "proto/codec/delta_codec.h"

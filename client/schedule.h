@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "base/time.h"
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/message/compact.h"
 
 namespace foreland::client {

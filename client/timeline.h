@@ -23,7 +23,7 @@
 #include <memory>
 
 #include "base/time.h"
-#include "client/mesh/blend_patch.h"
+#include "client/mesh/patch/blend_patch.h"
 #include "client/schedule.h"
 #include "proto/message/keyframe_interval.h"
 

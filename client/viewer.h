@@ -11,8 +11,8 @@
 
 #include "client/drawn_mesh.h"
 #include "client/imagery/tile_store.h"
-#include "client/mesh/blend.h"
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
+#include "client/mesh/weights/blend.h"
 #include "client/replica.h"
 #include "client/shown_frame.h"
 #include "client/timeline.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "base/result.h"
 
 namespace foreland::lab {
@@ -15,7 +15,7 @@ namespace foreland::lab {
 // The shortest text that reads as this number.
 std::string numberText(double value);
 
-// A CSV table (RFC 4180, but lines end in \n) whose columns follow from the first row's fields (apps/report.h).
+// A CSV table (RFC 4180, but lines end in \n) whose columns follow from the first row's fields (apps/report/report.h).
 class CsvTable {
  public:
   template <class Figures>

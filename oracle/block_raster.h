@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 
 namespace foreland::oracle {
 

@@ -10,7 +10,7 @@
 
 #include <string>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::oracle {

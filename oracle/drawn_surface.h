@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "terrain/render/ray_caster.h"
 
 namespace foreland::oracle {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/space/pose.h"
 
 namespace foreland::oracle {

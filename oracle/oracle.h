@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "base/time.h"
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/section/epochs.h"
 #include "proto/space/frame_grid.h"
 #include "proto/space/pose.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "base/time.h"
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/space/pose.h"
 
 namespace foreland::oracle {

@@ -19,27 +19,30 @@ def top(room):
 
 
 # A room is a folder; a file belongs to the deepest room that holds it. Each room sees itself and what is listed.
-PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine", "proto/codec", "proto/imagery",
-               "proto/message"]
+PROTO_ROOMS = ["proto/topology", "proto/space", "proto/section", "proto/refine/memory", "proto/refine/hidden", "proto/refine/metric",
+               "proto/refine/surface", "proto/refine", "proto/codec", "proto/imagery", "proto/message"]
 PROTO = ["base", *PROTO_ROOMS]
 SEES = {"base": [], "transport": ["base"]}
 for at, room in enumerate(PROTO_ROOMS):
     SEES[room] = ["base", *PROTO_ROOMS[:at]]
+STORE = ["terrain/store/file", "terrain/store/tables", "terrain/store"]
 SEES |= {
     "terrain": PROTO,  # elevation_source.h and its like: what the rooms below share
     "terrain/geo": [*PROTO, "terrain"],
-    "terrain/store": [*PROTO, "terrain"],
-    "terrain/bounds": [*PROTO, "terrain", "terrain/store"],
-    "terrain/epochs": [*PROTO, "terrain", "terrain/store", "terrain/bounds"],
-    "terrain/imagery": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds"],
+    "terrain/store/file": [*PROTO, "terrain"],
+    "terrain/store/tables": [*PROTO, "terrain", "terrain/store/file"],
+    "terrain/store": [*PROTO, "terrain", "terrain/store/file", "terrain/store/tables"],
+    "terrain/bounds": [*PROTO, "terrain", *STORE],
+    "terrain/epochs": [*PROTO, "terrain", *STORE, "terrain/bounds"],
+    "terrain/imagery": [*PROTO, "terrain", "terrain/geo", *STORE, "terrain/bounds"],
     "terrain/surface": [*PROTO, "terrain"],
-    "terrain/pipeline": [*PROTO, "terrain", "terrain/geo", "terrain/store", "terrain/bounds", "terrain/dem/voids",
+    "terrain/pipeline": [*PROTO, "terrain", "terrain/geo", *STORE, "terrain/bounds", "terrain/dem/voids",
                       "terrain/epochs", "terrain/imagery", "terrain/surface", "terrain/surface_store", "terrain/objects"],
     "terrain/model": [*PROTO, "terrain"],
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
-    "terrain/surface_store": [*PROTO, "terrain", "terrain/store", "terrain/surface"],
-    "terrain/objects": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store"],
-    "terrain/render": [*PROTO, "terrain", "terrain/store", "terrain/surface", "terrain/surface_store", "terrain/objects",
+    "terrain/surface_store": [*PROTO, "terrain", *STORE, "terrain/surface"],
+    "terrain/objects": [*PROTO, "terrain", *STORE, "terrain/surface", "terrain/surface_store"],
+    "terrain/render": [*PROTO, "terrain", *STORE, "terrain/surface", "terrain/surface_store", "terrain/objects",
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
 DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
@@ -53,16 +56,17 @@ for at, room in enumerate(REMESH_ROOMS):
                   *REMESH_ROOMS[:at]]
 
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
-SERVER_SEES = [*PROTO, "terrain", "terrain/store", "terrain/bounds", "terrain/geo", "terrain/surface",
+SERVER_SEES = [*PROTO, "terrain", *STORE, "terrain/bounds", "terrain/geo", "terrain/surface",
                "terrain/surface_store", "terrain/objects"]
-SERVER_ROOMS = ["server/view", "server/section", "server/occlusion", "server/imagery", "server/sched", "server/session", "server/net", "server"]
+SERVER_ROOMS = ["server/view", "server/section", "server/occlusion/horizon", "server/occlusion/proofs", "server/occlusion", "server/imagery",
+                "server/sched", "server/session", "server/net/http", "server/net/metrics", "server/net/access", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
 
-SEES["client/mesh"] = PROTO
-SEES["client/imagery"] = PROTO
-SEES["client"] = [*PROTO, "client/mesh", "client/imagery"]
-CLIENT = [*PROTO, "client/mesh", "client/imagery", "client"]
+CLIENT_ROOMS = ["client/mesh/patch", "client/mesh/weights", "client/mesh/terrain", "client/mesh/objects", "client/imagery", "client/ground", "client"]
+for at, room in enumerate(CLIENT_ROOMS):
+    SEES[room] = [*PROTO, *CLIENT_ROOMS[:at]]
+CLIENT = [*PROTO, *CLIENT_ROOMS]
 SEES["client/wasm"] = CLIENT
 SEES["client/fly/net"] = [*CLIENT, "transport"]
 SEES["server/net"] = [*SEES["server/net"], "transport"]
@@ -103,10 +107,10 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
-    (r"boost/", "Boost", ["transport", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
-    (r"openssl/", "OpenSSL", ["transport", "server/net", *EDGES]),
+    (r"boost/", "Boost", ["transport", "server/net/http", "server/net/access", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
+    (r"openssl/", "OpenSSL", ["transport", "server/net/access", *EDGES]),
     (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "lab/wire/peers", *TESTS]),
-    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["lab/wire/peers", "server/net", *TESTS]),
+    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["lab/wire/peers", "server/net/http", *TESTS]),
     (r"CLI/", "CLI11", EDGES),
     (r"toml\+\+/", "toml++", EDGES),
     (r"benchmark/", "Google Benchmark", ["lab"]),
@@ -175,7 +179,10 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("base/b.h", '#include "proto/space/a.h"\n', "base must not include proto/space"),
     ("client/a.cpp", '#include "server/net/a.h"\n', "client must not include server/net"),
     ("client/b.cpp", '#include "terrain/a.h"\n', "client must not include terrain"),
-    ("client/mesh/a.h", '#include "client/a.h"\n', "client/mesh must not include client"),
+    ("client/mesh/patch/a.h", '#include "client/a.h"\n', "client/mesh/patch must not include client"),
+    ("client/ground/a.h", '#include "client/viewer.h"\n', "client/ground must not include client"),
+    ("proto/refine/memory/a.h", '#include "proto/refine/a.h"\n', "proto/refine/memory must not include proto/refine"),
+    ("terrain/store/file/a.h", '#include "terrain/store/scene.h"\n', "terrain/store/file must not include terrain/store"),
     ("client/d.cpp", "#include <pugixml.hpp>\n", "must not use pugixml"),
     ("client/c.cpp", "#include <spdlog/spdlog.h>\n", "a library that WebAssembly lacks"),
     ("server/sched/c.cpp", "#include <chrono>\nc.wait_for(l, std::chrono::microseconds(1));\n", ""),

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "apps/exact_sections.h"
-#include "apps/options.h"
-#include "apps/progress_line.h"
+#include "apps/options/options.h"
+#include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "oracle/scene_truth.h"
 

@@ -4,12 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "apps/command_line.h"
-#include "apps/date.h"
 #include "apps/fly/fly_report.h"
-#include "apps/keyframe_option.h"
-#include "apps/lens_option.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/date.h"
+#include "apps/options/keyframe_option.h"
+#include "apps/options/lens_option.h"
+#include "apps/options/options.h"
 #include "proto/message/keyframe_interval.h"
 
 namespace foreland::apps {

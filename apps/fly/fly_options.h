@@ -7,7 +7,7 @@
 #include <string>
 
 #include "apps/fly/afterwards.h"
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "base/result.h"
 #include "client/fly/net/web_socket_client.h"
 #include "client/fly/player.h"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "apps/date.h"
 #include "apps/fly/fly_summary.h"
+#include "apps/options/date.h"
 
 namespace foreland::apps {
 

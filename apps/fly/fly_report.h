@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/fly/afterwards.h"
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "client/fly/flight_digest.h"
 #include "client/fly/player.h"
 #include "oracle/flight_truth.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/date.h"
+#include "apps/options/date.h"
 
 namespace foreland::apps {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/fly/fly_report.h"
-#include "apps/summary.h"
+#include "apps/report/summary.h"
 
 namespace foreland::apps {
 

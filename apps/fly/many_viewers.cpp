@@ -12,8 +12,8 @@
 
 #include "apps/fly/flight.h"
 #include "apps/fly/link.h"
-#include "apps/report.h"
-#include "apps/summary.h"
+#include "apps/report/report.h"
+#include "apps/report/summary.h"
 
 namespace foreland::apps {
 namespace {

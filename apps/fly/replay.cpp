@@ -7,10 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "apps/command_line.h"
 #include "apps/fly/afterwards.h"
 #include "apps/fly/fly_report.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
 #include "apps/stop_signal.h"
 #include "client/fly/flight_digest.h"
 #include "client/fly/recording.h"

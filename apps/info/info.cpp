@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "apps/command_line.h"
-#include "apps/date.h"
 #include "apps/info/info_objects.h"
 #include "apps/info/info_surface.h"
 #include "apps/info/info_tiles.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/date.h"
+#include "apps/options/options.h"
 #include "terrain/store/scene.h"
 
 namespace {

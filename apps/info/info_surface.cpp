@@ -3,7 +3,7 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "apps/date.h"
+#include "apps/options/date.h"
 #include "terrain/surface/surface.h"
 
 namespace foreland::apps {

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
-#include "apps/command_line.h"
-#include "apps/options.h"
-#include "apps/output_file.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
+#include "apps/options/output_file.h"
 #include "apps/remesh/remesh_poses.h"
 #include "apps/remesh/remesh_report.h"
 #include "apps/stop_signal.h"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "apps/date.h"
+#include "apps/options/date.h"
 #include "proto/section/poses.h"
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/remeshed_surface.h"

@@ -7,13 +7,13 @@
 #include <thread>
 #include <utility>
 
-#include "apps/command_line.h"
-#include "apps/keyframe_option.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/keyframe_option.h"
+#include "apps/options/options.h"
 #include "apps/serve/toml_config.h"
 #include "base/time.h"
-#include "server/net/listen_address.h"
-#include "server/net/token.h"
+#include "server/net/access/listen_address.h"
+#include "server/net/access/token.h"
 
 namespace foreland::apps {
 namespace {

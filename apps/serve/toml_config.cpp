@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "apps/option_table.h"
-#include "apps/options.h"
+#include "apps/options/option_table.h"
+#include "apps/options/options.h"
 
 namespace foreland::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "client/ground/ground_supply.h"
+#include "client/ground_supply.h"
 #include "client/imagery/drape.h"
 #include "client/viewer.h"
 #include "client/wasm/conversions.h"

@@ -9,8 +9,8 @@
 #include <optional>
 #include <variant>
 
-#include "client/ground/ground_supply.h"
 #include "client/ground/sweep.h"
+#include "client/ground_supply.h"
 #include "client/imagery/shadows.h"
 #include "client/schedule.h"
 #include "client/shown_frame.h"

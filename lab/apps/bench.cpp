@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "apps/command_line.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
 #include "lab/apps/bench_animated.h"
 #include "lab/apps/bench_calibrate.h"
 #include "lab/apps/bench_drape.h"

@@ -1,7 +1,7 @@
 #include "lab/apps/bench_animated.h"
 
-#include "apps/date.h"
-#include "apps/options.h"
+#include "apps/options/date.h"
+#include "apps/options/options.h"
 #include "lab/animated/flights.h"
 #include "lab/animated/orders.h"
 

@@ -1,6 +1,6 @@
 #include "lab/apps/bench_calibrate.h"
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 #include "lab/apps/bench_flight.h"
 #include "lab/calibrate.h"
 #include "lab/tables.h"

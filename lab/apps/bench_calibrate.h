@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "base/result.h"
 
 namespace foreland::apps {

@@ -1,10 +1,10 @@
 #include "lab/apps/bench_drape.h"
-#include "apps/options.h"
+#include "apps/options/options.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "lab/drape/drape_flight.h"
 #include "lab/tables.h"
 

@@ -1,12 +1,12 @@
 #include "lab/apps/bench_experiment.h"
-#include "apps/options.h"
+#include "apps/options/options.h"
 
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstring>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "proto/message/control.h"
 
 namespace foreland::apps {

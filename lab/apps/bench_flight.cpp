@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 #include "client/fly/recorded_path.h"
 #include "client/fly/track.h"
 #include "server/view/ground.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "base/fnv1a.h"
 #include "base/result.h"
 #include "client/fly/track_path.h"

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "apps/options.h"
-#include "apps/report.h"
+#include "apps/options/options.h"
+#include "apps/report/report.h"
 #include "base/fnv1a.h"
 #include "lab/apps/bench_link.h"
 #include "lab/latency/experiment.h"

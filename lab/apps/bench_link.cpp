@@ -1,5 +1,5 @@
 #include "lab/apps/bench_link.h"
-#include "apps/options.h"
+#include "apps/options/options.h"
 
 #include <bit>
 

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 #include "lab/apps/bench_flight.h"
 #include "lab/load/real_load.h"
 #include "lab/tables.h"

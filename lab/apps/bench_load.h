@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "lab/apps/bench_experiment.h"
 #include "lab/apps/bench_link.h"
 #include "lab/load/experiment.h"

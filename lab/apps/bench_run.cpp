@@ -5,7 +5,7 @@
 #include <set>
 #include <variant>
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 #include "lab/apps/bench_latency.h"
 #include "lab/apps/bench_load.h"
 #include "lab/apps/bench_tiles.h"

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 #include "lab/surfaces/model.h"
 #include "lab/surfaces/report.h"
 #include "terrain/surface/shapes.h"

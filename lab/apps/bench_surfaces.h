@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "base/result.h"
 #include "lab/surfaces/measure.h"
 

@@ -1,6 +1,6 @@
 #include "lab/apps/bench_tiles.h"
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "lab/tables.h"
 #include "lab/tiles/tile_rival.h"
 #include "oracle/scene_truth.h"

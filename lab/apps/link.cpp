@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "apps/command_line.h"
-#include "apps/options.h"
+#include "apps/options/command_line.h"
+#include "apps/options/options.h"
 #include "apps/stop_signal.h"
 #include "base/result.h"
 #include "lab/proxy/proxy.h"

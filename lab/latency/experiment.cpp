@@ -1,6 +1,6 @@
 #include "lab/latency/experiment.h"
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "lab/tables.h"
 #include "oracle/scene_truth.h"
 #include "terrain/parallel.h"

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <map>
 
-#include "apps/report.h"
+#include "apps/report/report.h"
 #include "lab/tables.h"
 
 namespace foreland::lab {

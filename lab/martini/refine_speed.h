@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "proto/refine/metric.h"
+#include "proto/refine/metric/metric.h"
 #include "proto/refine/refine.h"
 #include "server/section/hierarchy.h"
 

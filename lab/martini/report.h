@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/refine/metric.h"
+#include "proto/refine/metric/metric.h"
 #include "server/section/hierarchy.h"
 
 namespace foreland::lab {

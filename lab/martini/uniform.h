@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "proto/refine/metric.h"
+#include "proto/refine/metric/metric.h"
 #include "proto/section/section.h"
 #include "server/section/hierarchy.h"
 

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "oracle/line_of_sight.h"
 #include "terrain/render/picture.h"
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <unordered_set>
 
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 #include "terrain/parallel.h"
 
 namespace foreland::lab {

@@ -18,8 +18,8 @@ struct PossibleNodes {
   double vertices = 0;  // the same
   double raised = 0;    // whose vertex is visible from the eye if raised by the tolerance
   double supports = 0;  // where a sample so raised is visible in the supports of the node and its descendants
-  double blocks = 0;    // where one is visible in a block that those supports meet (proto/refine/hidden_blocks.h)
-  double region = 0;    // the same from the eyes of the keyframes before and after, too
+  double blocks = 0;  // where one is visible in a block that those supports meet (proto/refine/hidden/hidden_blocks.h)
+  double region = 0;  // the same from the eyes of the keyframes before and after, too
 
   void add(const PossibleNodes& other);
 };

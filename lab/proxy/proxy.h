@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "server/net/listen_address.h"
+#include "server/net/access/listen_address.h"
 #include "server/sched/clock.h"
 #include "sim/link_models.h"
 

@@ -36,7 +36,7 @@ TEST(Animated, HigherOrdersHaveNoJumpsOfVelocity) {
       SCOPED_TRACE(f.order);
       EXPECT_GT(f.vertices, 1000u);
       EXPECT_EQ(f.joints, views.size() - 6);
-      const bool is_smooth = f.basis == client::Basis::kBSpline && f.order > 1;
+      const bool is_smooth = f.basis == oracle::Basis::kBSpline && f.order > 1;
       if (is_smooth)
         EXPECT_LE(f.velocity_jump_max_px_s, 0.001 * figures[0].velocity_jump_max_px_s);
       else

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "lab/wire/peers/peer_mesh.h"
 #include "proto/space/frame_grid.h"
 #include "proto/space/pose.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "client/mesh/pack_normal.h"
+#include "client/mesh/patch/pack_normal.h"
 
 namespace foreland::oracle {
 

@@ -1,10 +1,10 @@
 // Builds the terrain's part of a keyframe mesh: descends from the root triangles through the union of the sections
 // drawn at its two ends, and writes two positions and two normals per vertex and the triangles, clipped to the data.
-//   position  from the weights of the nodes at either end (client/mesh/blend_position.h)
+//   position  from the weights of the nodes at either end (client/mesh/weights/blend_position.h)
 //   normal    area-weighted over the triangles of that end's section alone, so shading does not jump where two meshes
 //             meet
-// Makes a mesh from nothing: for tools, and as the reference that the mesh by change (client/mesh/terrain_patcher.h)
-// must equal. Used once per mesh; one owner. O(vertices).
+// Makes a mesh from nothing: for tools, and as the reference that the mesh by change
+// (client/mesh/terrain/terrain_patcher.h) must equal. Used once per mesh; one owner. O(vertices).
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@
 #include <span>
 #include <vector>
 
-#include "client/mesh/blend_position.h"
-#include "client/mesh/complete_normals.h"
-#include "client/mesh/curve_bend.h"
-#include "client/mesh/face_normal.h"
-#include "client/mesh/ground_point.h"
-#include "client/mesh/held_nodes.h"
-#include "client/mesh/keyframe_mesh.h"
-#include "proto/refine/terrain_domain.h"
+#include "client/mesh/patch/complete_normals.h"
+#include "client/mesh/patch/face_normal.h"
+#include "client/mesh/patch/keyframe_mesh.h"
+#include "client/mesh/terrain/curve_bend.h"
+#include "client/mesh/terrain/ground_point.h"
+#include "client/mesh/terrain/held_nodes.h"
+#include "client/mesh/weights/blend_position.h"
+#include "proto/refine/metric/terrain_domain.h"
 
 namespace foreland::oracle {
 

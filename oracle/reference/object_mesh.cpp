@@ -4,9 +4,9 @@
 #include <glm/geometric.hpp>
 #include <unordered_map>
 
-#include "client/mesh/blend_position.h"
-#include "client/mesh/complete_normals.h"
-#include "client/mesh/pack_normal.h"
+#include "client/mesh/patch/complete_normals.h"
+#include "client/mesh/patch/pack_normal.h"
+#include "client/mesh/weights/blend_position.h"
 #include "proto/topology/mesh_triangles.h"
 
 namespace foreland::oracle {

@@ -1,6 +1,7 @@
 // The part of a keyframe mesh that is one object's, made from nothing: the union of the sections drawn at its two ends,
 // with two positions per vertex and the same weights as the terrain's (mesh_builder.h). It is the reference that the
-// mesh by change (client/mesh/object_patcher.h) must equal. One owner; cost and memory are linear in the sections.
+// mesh by change (client/mesh/objects/object_patcher.h) must equal. One owner; cost and memory are linear in the
+// sections.
 #pragma once
 
 #include <array>
@@ -9,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
-#include "client/mesh/morphs.h"
-#include "client/mesh/object_positions.h"
+#include "client/mesh/objects/object_positions.h"
+#include "client/mesh/patch/keyframe_mesh.h"
+#include "client/mesh/weights/morphs.h"
 
 namespace foreland::oracle {
 

@@ -2,7 +2,7 @@
 // keyframes' sections is a section, with a position for each vertex and keyframe; a frame is the sum of these positions
 // with the weights of a Bernstein or uniform B-spline basis. It uses the builder of two-keyframe meshes, whose nodes
 // have weights of their own: a node of the union that a section lacks has weight 0 there. For experiments, and as the
-// reference of what the viewer shows by curves (client/mesh/curve_bend.h).
+// reference of what the viewer shows by curves (client/mesh/terrain/curve_bend.h).
 //
 // Pure; any thread. O(n * vertices).
 #pragma once
@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
-#include "proto/refine/terrain_domain.h"
+#include "client/mesh/patch/keyframe_mesh.h"
+#include "proto/refine/metric/terrain_domain.h"
 #include "proto/section/epoch_offsets.h"
 #include "proto/section/node_tables.h"
 #include "proto/section/section.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "oracle/surface/surface_oracle.h"
-#include "proto/refine/surface_metric.h"
+#include "proto/refine/surface/surface_metric.h"
 #include "terrain/surface/surface.h"
 
 namespace foreland::oracle {

@@ -2,7 +2,7 @@
 // change.
 #pragma once
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "client/replica.h"
 
 namespace foreland::oracle {

@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "oracle/crack_checker.h"
 #include "oracle/surface/surface_oracle.h"
-#include "proto/refine/objects.h"
+#include "proto/refine/surface/objects.h"
 #include "proto/section/poses.h"
 
 namespace foreland::oracle {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "proto/codec/range_coder.h"
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 
 namespace foreland::proto {
 

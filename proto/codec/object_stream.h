@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "proto/codec/surface_codec.h"
-#include "proto/refine/objects.h"
+#include "proto/refine/surface/objects.h"
 
 namespace foreland::proto {
 

@@ -11,8 +11,8 @@
 #include "base/sort.h"
 #include "proto/codec/range_coder.h"
 #include "proto/codec/symbols.h"
-#include "proto/refine/paged_nodes.h"
-#include "proto/refine/slot_bits.h"
+#include "proto/refine/memory/paged_nodes.h"
+#include "proto/refine/memory/slot_bits.h"
 #include "proto/section/index_table.h"
 
 namespace foreland::proto {

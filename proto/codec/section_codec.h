@@ -9,8 +9,8 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/refine/node_memory.h"
-#include "proto/refine/objects.h"
+#include "proto/refine/memory/node_memory.h"
+#include "proto/refine/surface/objects.h"
 #include "proto/section/section.h"
 #include "proto/topology/grid.h"
 

@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "proto/refine/paged_nodes.h"
+#include "proto/refine/memory/paged_nodes.h"
 #include "proto/section/section.h"
 #include "proto/topology/mesh_topology.h"
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/sort.h"
-#include "proto/refine/frustum.h"
+#include "proto/refine/metric/frustum.h"
 
 namespace foreland::proto {
 

@@ -13,7 +13,7 @@
 #include "base/result.h"
 #include "proto/imagery/tile.h"
 #include "proto/imagery/tile_memory.h"
-#include "proto/refine/objects.h"
+#include "proto/refine/surface/objects.h"
 #include "proto/section/epochs.h"
 #include "proto/space/frame.h"
 #include "proto/space/path.h"

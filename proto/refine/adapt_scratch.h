@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "proto/refine/paged_nodes.h"
+#include "proto/refine/memory/paged_nodes.h"
 #include "proto/refine/terrain_source.h"
 
 namespace foreland::proto {

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "base/sort.h"
-#include "proto/refine/slack.h"
+#include "proto/refine/metric/slack.h"
 
 namespace foreland::proto {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "proto/refine/frontier.h"
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 
 namespace foreland::proto {
 

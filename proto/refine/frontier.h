@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <span>
 
-#include "proto/refine/entry_pool.h"
-#include "proto/refine/motion_bound.h"
-#include "proto/refine/node_memory.h"
-#include "proto/refine/paged_nodes.h"
+#include "proto/refine/memory/entry_pool.h"
+#include "proto/refine/memory/node_memory.h"
+#include "proto/refine/memory/paged_nodes.h"
+#include "proto/refine/metric/motion_bound.h"
 #include "proto/section/bounds.h"
 
 namespace foreland::proto {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "proto/refine/hidden_blocks.h"
-#include "proto/refine/metric.h"
-#include "proto/refine/terrain_domain.h"
+#include "proto/refine/hidden/hidden_blocks.h"
+#include "proto/refine/metric/metric.h"
+#include "proto/refine/metric/terrain_domain.h"
 #include "proto/section/section.h"
 
 namespace foreland::proto {

@@ -1,6 +1,6 @@
 #include "proto/refine/surface_tester.h"
 
-#include "proto/refine/slack.h"
+#include "proto/refine/metric/slack.h"
 
 namespace foreland::proto {
 

@@ -8,7 +8,7 @@
 
 #include "proto/refine/adapt_scratch.h"
 #include "proto/refine/frontier.h"
-#include "proto/refine/surface_domain.h"
+#include "proto/refine/surface/surface_domain.h"
 
 namespace foreland::proto {
 

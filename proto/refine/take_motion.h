@@ -13,9 +13,9 @@
 #include <wasm_simd128.h>
 #endif
 
-#include "proto/refine/entry_pool.h"
-#include "proto/refine/motion_bound.h"
-#include "proto/refine/slot_bits.h"
+#include "proto/refine/memory/entry_pool.h"
+#include "proto/refine/memory/slot_bits.h"
+#include "proto/refine/metric/motion_bound.h"
 
 namespace foreland::proto {
 

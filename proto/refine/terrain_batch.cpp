@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proto/refine/motion_margin.h"
-#include "proto/refine/node_positions.h"
-#include "proto/refine/slack.h"
+#include "proto/refine/metric/motion_margin.h"
+#include "proto/refine/metric/node_positions.h"
+#include "proto/refine/metric/slack.h"
 
 namespace foreland::proto {
 

@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdint>
 
-#include "proto/refine/entry_pool.h"
-#include "proto/refine/metric.h"
-#include "proto/refine/motion_bound.h"
-#include "proto/refine/terrain_domain.h"
+#include "proto/refine/memory/entry_pool.h"
+#include "proto/refine/metric/metric.h"
+#include "proto/refine/metric/motion_bound.h"
+#include "proto/refine/metric/terrain_domain.h"
 
 namespace foreland::proto {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 #include "proto/refine/terrain_batch.h"
 #include "proto/section/bounds.h"
 

@@ -14,7 +14,7 @@
 #include "proto/refine/adapt_scratch.h"
 #include "proto/refine/block_nodes.h"
 #include "proto/refine/frontier.h"
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 #include "proto/refine/terrain_batch.h"
 #include "proto/refine/terrain_source.h"
 

@@ -10,7 +10,7 @@
 // So each node has at most two parents and four children, and a set closed under parents is a conforming mesh.
 //
 // The raster need not fill the roots: samples_x, samples_y say how far the data goes; triangles beyond are never drawn
-// (client/mesh/mesh_builder.cpp clips). Immutable after creation; any thread; every function is O(1) integer
+// (oracle/reference/mesh_builder.cpp clips). Immutable after creation; any thread; every function is O(1) integer
 // arithmetic.
 #pragma once
 

@@ -13,7 +13,7 @@
 #include "proto/imagery/tile_memory.h"
 #include "proto/imagery/tile_selection.h"
 #include "proto/message/message.h"
-#include "proto/refine/frustum.h"
+#include "proto/refine/metric/frustum.h"
 #include "server/imagery/tile_pace.h"
 #include "server/imagery/visible_ground.h"
 #include "server/section/hierarchy.h"

@@ -1,8 +1,8 @@
 // The ground of tiles in parts, and which of them ridges hide from a set of eyes: behind a horizon
-// (server/occlusion/horizon.h), whatever of the true ground and of what is drawn of it lies in a part. Exact in one
-// direction: what is called hidden is hidden. One owner. Cost: some 20 microseconds for each segment of a horizon that
-// is looked at first, then 0.1 us a part, and in
-// geographic frames the places of its corners. Memory: some 100 KiB for each of six horizons.
+// (server/occlusion/horizon/horizon.h), whatever of the true ground and of what is drawn of it lies in a part. Exact in
+// one direction: what is called hidden is hidden. One owner. Cost: some 20 microseconds for each segment of a horizon
+// that is looked at first, then 0.1 us a part, and in geographic frames the places of its corners. Memory: some 100 KiB
+// for each of six horizons.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 #include "proto/imagery/tile_memory.h"
 #include "proto/imagery/tile_selection.h"
 #include "server/imagery/ground_squares.h"
-#include "server/occlusion/horizon.h"
+#include "server/occlusion/horizon/horizon.h"
 #include "server/view/eye_sweep.h"
 
 namespace foreland::server {

@@ -13,9 +13,9 @@
 #include <string>
 #include <utility>
 
-#include "server/net/gate.h"
-#include "server/net/http_reply.h"
-#include "server/net/metrics.h"
+#include "server/net/access/gate.h"
+#include "server/net/http/http_reply.h"
+#include "server/net/metrics/metrics.h"
 #include "server/net/server.h"
 #include "server/net/session_host.h"
 

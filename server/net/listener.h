@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "server/net/listen_address.h"
+#include "server/net/access/listen_address.h"
 
 namespace foreland::server {
 

@@ -19,13 +19,13 @@
 #include <vector>
 
 #include "base/guarded.h"
+#include "server/net/access/tls.h"
 #include "server/net/context.h"
 #include "server/net/drain.h"
 #include "server/net/http_connection.h"
 #include "server/net/listener.h"
 #include "server/net/memory_return.h"
 #include "server/net/repeater.h"
-#include "server/net/tls.h"
 #include "server/net/viewer_connection.h"
 #include "server/sched/pool.h"
 

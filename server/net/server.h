@@ -12,8 +12,8 @@
 #include <string>
 
 #include "base/result.h"
-#include "server/net/gate.h"
-#include "server/net/listen_address.h"
+#include "server/net/access/gate.h"
+#include "server/net/access/listen_address.h"
 #include "server/net/session_host.h"
 #include "server/sched/clock.h"
 #include "server/session/session.h"

@@ -10,7 +10,7 @@
 
 #include "base/result.h"
 #include "server/net/host_limits.h"
-#include "server/net/metrics.h"
+#include "server/net/metrics/metrics.h"
 
 namespace foreland::server {
 

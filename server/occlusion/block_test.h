@@ -4,9 +4,9 @@
 // The eyes are a ball of radius b that is swept along a line (EyeSweep): where the camera may be now, and is expected
 // to be in the next keyframes.
 //
-// A block of scale t is a square of the lattice with a side of 4 s, s = 2^t (proto/refine/hidden_blocks.h). It is taken
-// as its columns over squares of 2 s, each up to its top (block_tops.h). For a height field a column is hidden from its
-// top down, so one line of sight to the top, blocked in front of the block, stands for all below it.
+// A block of scale t is a square of the lattice with a side of 4 s, s = 2^t (proto/refine/hidden/hidden_blocks.h). It
+// is taken as its columns over squares of 2 s, each up to its top (block_tops.h). For a height field a column is hidden
+// from its top down, so one line of sight to the top, blocked in front of the block, stands for all below it.
 //
 // Behind a horizon (horizon.h) each square is hidden or not. The surface may be drawn lower than it is, by what is seen
 // as tau, where the horizon is: tops are raised by as much as that is at their own distance.
@@ -37,9 +37,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 #include "proto/space/view.h"
-#include "server/occlusion/horizon.h"
+#include "server/occlusion/horizon/horizon.h"
 #include "server/occlusion/scene_occlusion.h"
 #include "server/view/eye_sweep.h"
 

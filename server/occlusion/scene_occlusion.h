@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "server/occlusion/block_tops.h"
-#include "server/occlusion/horizon_grid.h"
+#include "server/occlusion/horizon/block_tops.h"
+#include "server/occlusion/horizon/horizon_grid.h"
 #include "server/occlusion/occluder.h"
 
 namespace foreland::server {

@@ -18,12 +18,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "proto/refine/frustum.h"
-#include "server/occlusion/block_proofs.h"
+#include "proto/refine/metric/frustum.h"
 #include "server/occlusion/block_test.h"
-#include "server/occlusion/eye_intervals.h"
+#include "server/occlusion/proofs/block_proofs.h"
+#include "server/occlusion/proofs/eye_intervals.h"
+#include "server/occlusion/proofs/stretches.h"
 #include "server/occlusion/scene_occlusion.h"
-#include "server/occlusion/stretches.h"
 
 namespace foreland::server {
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "proto/refine/metric.h"
+#include "proto/refine/metric/metric.h"
 
 namespace foreland::server {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "proto/codec/delta_codec.h"
-#include "proto/refine/objects.h"
+#include "proto/refine/metric/terrain_domain.h"
 #include "proto/refine/refine.h"
-#include "proto/refine/terrain_domain.h"
+#include "proto/refine/surface/objects.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::server {

@@ -15,8 +15,8 @@
 #include "base/result.h"
 #include "terrain/bounds/bounds.h"
 #include "terrain/epochs/read_epoch.h"
-#include "terrain/store/epoch_section.h"
 #include "terrain/store/scene.h"
+#include "terrain/store/tables/epoch_section.h"
 
 namespace foreland::terrain {
 

@@ -10,7 +10,7 @@
 
 #include "terrain/imagery/tile_image.h"
 #include "terrain/parallel.h"
-#include "terrain/store/new_file.h"
+#include "terrain/store/file/new_file.h"
 
 namespace foreland::terrain {
 

@@ -16,7 +16,7 @@
 #include "terrain/imagery/ground_bounds.h"
 #include "terrain/imagery/relief.h"
 #include "terrain/picture_source.h"
-#include "terrain/store/tile_section.h"
+#include "terrain/store/tables/tile_section.h"
 
 namespace foreland::terrain {
 

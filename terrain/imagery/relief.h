@@ -9,7 +9,7 @@
 #include "proto/imagery/tile.h"
 #include "proto/space/frame.h"
 #include "terrain/bounds/heights.h"
-#include "terrain/store/tile_section.h"
+#include "terrain/store/tables/tile_section.h"
 
 namespace foreland::terrain {
 

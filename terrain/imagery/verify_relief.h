@@ -2,7 +2,7 @@
 #pragma once
 
 #include "terrain/imagery/verify_tiles.h"
-#include "terrain/store/faults.h"
+#include "terrain/store/file/faults.h"
 
 namespace foreland::terrain {
 

@@ -12,7 +12,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "proto/refine/objects.h"
+#include "proto/refine/surface/objects.h"
 #include "proto/space/frame.h"
 #include "terrain/store/scene.h"
 #include "terrain/surface_store/mapped_surface.h"

@@ -50,7 +50,7 @@ struct PixelErrors {
 PixelErrors measureErrors(const RayCaster& truth, const ParameterLookup& drawn, const Camera& camera);
 
 // Of the pixels of a picture where there is an error. Sections keep the tolerance on the terrain; on objects at
-// silhouettes, and seven times as much elsewhere (proto/refine/surface_domain.h), so those are apart.
+// silhouettes, and seven times as much elsewhere (proto/refine/surface/surface_domain.h), so those are apart.
 struct ErrorSummary {
   double terrain_max_px = 0, objects_max_px = 0;
   uint64_t terrain_pixels = 0, terrain_over_tau = 0;

@@ -11,8 +11,8 @@
 #include "base/result.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
+#include "terrain/store/file/sections.h"
 #include "terrain/store/scene.h"
-#include "terrain/store/sections.h"
 
 namespace foreland::terrain {
 

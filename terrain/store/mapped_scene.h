@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
+#include "terrain/store/file/mapped_file.h"
 #include "terrain/store/format.h"
-#include "terrain/store/mapped_file.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::terrain {

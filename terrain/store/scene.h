@@ -15,8 +15,8 @@
 #include "proto/section/bounds.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
-#include "terrain/store/epoch_table.h"
-#include "terrain/store/tile_table.h"
+#include "terrain/store/tables/epoch_table.h"
+#include "terrain/store/tables/tile_table.h"
 
 namespace foreland::terrain {
 

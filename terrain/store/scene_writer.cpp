@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "terrain/store/seal.h"
+#include "terrain/store/file/seal.h"
 
 namespace foreland::terrain {
 

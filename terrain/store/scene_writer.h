@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "base/result.h"
+#include "terrain/store/file/new_file.h"
 #include "terrain/store/format.h"
-#include "terrain/store/new_file.h"
 #include "terrain/store/scene.h"
-#include "terrain/store/tile_section.h"
+#include "terrain/store/tables/tile_section.h"
 
 namespace foreland::terrain {
 

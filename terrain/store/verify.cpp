@@ -7,7 +7,7 @@
 
 #include "proto/space/frame_grid.h"
 #include "terrain/store/check_slots.h"
-#include "terrain/store/faults.h"
+#include "terrain/store/file/faults.h"
 #include "terrain/store/mapped_scene.h"
 
 namespace foreland::terrain {

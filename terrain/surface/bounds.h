@@ -24,8 +24,8 @@
 //
 // So every vertex's error is held by the shape of some missing node whose support holds the vertex. A point of a
 // triangle is off by a mean of the errors of its three vertices; three missing nodes hold those, and their spheres the
-// triangle, so what the screen tests (proto/refine/surface_metric.h) say of each error at that point holds for the
-// mean: texels are as safe as vertices. All of it nests from child to parent, so the tests are monotone.
+// triangle, so what the screen tests (proto/refine/surface/surface_metric.h) say of each error at that point holds for
+// the mean: texels are as safe as vertices. All of it nests from child to parent, so the tests are monotone.
 #pragma once
 
 #include <functional>

@@ -13,7 +13,7 @@
 #include "base/result.h"
 #include "base/time.h"
 #include "proto/topology/mesh_topology.h"
-#include "terrain/store/mapped_file.h"
+#include "terrain/store/file/mapped_file.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/verify.h"
 #include "terrain/surface_store/surface_format.h"

@@ -11,7 +11,7 @@
 #include "proto/section/surface_bounds.h"
 #include "proto/topology/atlas_layout.h"
 #include "proto/topology/mesh_topology.h"
-#include "terrain/store/sections.h"
+#include "terrain/store/file/sections.h"
 
 namespace foreland::terrain {
 

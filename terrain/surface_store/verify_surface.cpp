@@ -6,7 +6,7 @@
 
 #include "proto/section/poses.h"
 #include "terrain/store/check_slots.h"
-#include "terrain/store/faults.h"
+#include "terrain/store/file/faults.h"
 #include "terrain/surface/error_shape.h"
 #include "terrain/surface_store/fill_gutters.h"
 #include "terrain/surface_store/mapped_surface.h"

@@ -5,8 +5,8 @@
 #include <glm/common.hpp>
 
 #include "base/check.h"
+#include "terrain/store/file/seal.h"
 #include "terrain/store/format.h"
-#include "terrain/store/seal.h"
 
 namespace foreland::terrain {
 

@@ -1,4 +1,4 @@
-// Writes a surface's file, whole or not at all (terrain/store/new_file.h). Any thread.
+// Writes a surface's file, whole or not at all (terrain/store/file/new_file.h). Any thread.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // How programs read their command lines: what ends them at once, and with which words.
-#include "apps/command_line.h"
+#include "apps/options/command_line.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 
 namespace foreland::apps {
 namespace {

@@ -1,5 +1,5 @@
 // The table of options: what is read from CLI11's description of them, and what --help and the JSON say of it.
-#include "apps/option_table.h"
+#include "apps/options/option_table.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/options.h"
+#include "apps/options/options.h"
 
 namespace foreland::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/progress_line.h"
+#include "apps/report/progress_line.h"
 
 #include <gtest/gtest.h>
 

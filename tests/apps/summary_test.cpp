@@ -1,4 +1,4 @@
-#include "apps/summary.h"
+#include "apps/report/summary.h"
 
 #include <gtest/gtest.h>
 

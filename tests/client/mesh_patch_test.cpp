@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "client/mesh/blend_patch.h"
+#include "client/mesh/patch/blend_patch.h"
 #include "client/replica.h"
 #include "oracle/reference/whole_mesh.h"
 #include "server/section/sender.h"

@@ -2,7 +2,7 @@
 // like deltas of the terrain (toy_flight.h).
 #pragma once
 
-#include "proto/refine/objects.h"
+#include "proto/refine/surface/objects.h"
 #include "tests/fuzz/toy_flight.h"
 
 namespace foreland::test {

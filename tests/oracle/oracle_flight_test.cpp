@@ -3,7 +3,7 @@
 
 #include "client/fly/recorded_path.h"
 #include "client/fly/recording.h"
-#include "client/mesh/morph_timing.h"
+#include "client/mesh/weights/morph_timing.h"
 #include "tests/oracle/virtual_flight.h"
 #include "tests/support/files.h"
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "oracle/epoch_shares.h"
-#include "proto/refine/node_positions.h"
+#include "proto/refine/metric/node_positions.h"
 
 namespace foreland::test {
 

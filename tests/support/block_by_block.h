@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 
 namespace foreland::test {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "terrain/store/checksum.h"
+#include "terrain/store/file/checksum.h"
 #include "terrain/store/format.h"
 
 namespace foreland::test {

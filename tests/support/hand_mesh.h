@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::test {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "client/mesh/keyframe_mesh.h"
+#include "client/mesh/patch/keyframe_mesh.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::test {

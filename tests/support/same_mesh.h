@@ -9,7 +9,7 @@
 #include <bit>
 #include <vector>
 
-#include "client/mesh/blend_patch.h"
+#include "client/mesh/patch/blend_patch.h"
 
 namespace foreland::test {
 

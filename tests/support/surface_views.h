@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "proto/refine/surface_metric.h"
+#include "proto/refine/surface/surface_metric.h"
 #include "proto/space/pose.h"
 #include "tests/support/surfaces.h"
 

@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "client/ground/ground_supply.h"
 #include "client/ground/sweep.h"
+#include "client/ground_supply.h"
 #include "server/view/ground.h"
 #include "sim/world.h"
 #include "tests/support/scene.h"

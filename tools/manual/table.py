@@ -1,4 +1,4 @@
-"""The programs' own tables of options, as they print them with --options-as-json (apps/option_table.h)."""
+"""The programs' own tables of options, as they print them with --options-as-json (apps/options/option_table.h)."""
 
 import json
 import os

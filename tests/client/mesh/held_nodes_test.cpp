@@ -1,5 +1,5 @@
 // The nodes of two sections equal two sets of slots, through any steps.
-#include "client/mesh/held_nodes.h"
+#include "client/mesh/terrain/held_nodes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How long transitions take: the laws that the header states.
-#include "client/mesh/morph_timing.h"
+#include "client/mesh/weights/morph_timing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The weights of nodes in transition, compared with a table of all nodes that is stepped one by one.
-#include "client/mesh/morphs.h"
+#include "client/mesh/weights/morphs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A mesh's curve is the uniform B-spline's part over one interval.
-#include "client/mesh/spline.h"
+#include "client/mesh/weights/spline.h"
 
 #include <gtest/gtest.h>
 

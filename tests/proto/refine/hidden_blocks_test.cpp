@@ -1,7 +1,7 @@
 // Whatever a server says of blocks, and however it changes its mind: both ends hold the section that refinement from
 // scratch gives when it leaves out the nodes that they know to be hidden; that section is closed; and nothing of what
 // is known is left over once nothing is hidden.
-#include "proto/refine/hidden_blocks.h"
+#include "proto/refine/hidden/hidden_blocks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The law of margins: a result of the refinement test stands until the motions it is sensitive to have used up its
 // slack, whatever the camera does. The flights here judge by passes() alone.
-#include "proto/refine/motion_margin.h"
+#include "proto/refine/metric/motion_margin.h"
 
 #include <gtest/gtest.h>
 

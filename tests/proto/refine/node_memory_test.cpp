@@ -1,5 +1,5 @@
 // The memory of pages is a list of them, the one used last first, cut off where the budget ends.
-#include "proto/refine/node_memory.h"
+#include "proto/refine/memory/node_memory.h"
 
 #include <gtest/gtest.h>
 

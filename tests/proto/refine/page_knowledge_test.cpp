@@ -1,5 +1,5 @@
 // Packing loses nothing of what is known of a page, and takes few bytes where nodes share their neighbours' fate.
-#include "proto/refine/page_knowledge.h"
+#include "proto/refine/memory/page_knowledge.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

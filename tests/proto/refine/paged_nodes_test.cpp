@@ -1,5 +1,5 @@
 // Paged sets of slots against two sets that do the same slowly.
-#include "proto/refine/paged_nodes.h"
+#include "proto/refine/memory/paged_nodes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Sets of slots against std::set.
-#include "proto/refine/slot_bits.h"
+#include "proto/refine/memory/slot_bits.h"
 
 #include <gtest/gtest.h>
 

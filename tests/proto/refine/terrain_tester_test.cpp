@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "proto/refine/node_positions.h"
+#include "proto/refine/metric/node_positions.h"
 #include "tests/support/scene.h"
 #include "tests/support/wanderer.h"
 

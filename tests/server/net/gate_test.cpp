@@ -1,5 +1,5 @@
 // Who is let in: pages by their origin, viewers by their tokens, and whom a proxy speaks for.
-#include "server/net/gate.h"
+#include "server/net/access/gate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/net/http_fields.h"
+#include "server/net/http/http_fields.h"
 
 #include <gtest/gtest.h>
 

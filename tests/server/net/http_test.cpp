@@ -7,10 +7,10 @@
 #include <fstream>
 #include <string>
 
-#include "server/net/http_fields.h"
-#include "server/net/http_reply.h"
-#include "server/net/listen_address.h"
-#include "server/net/metrics.h"
+#include "server/net/access/listen_address.h"
+#include "server/net/http/http_fields.h"
+#include "server/net/http/http_reply.h"
+#include "server/net/metrics/metrics.h"
 #include "tests/support/scene.h"
 
 namespace foreland::server {

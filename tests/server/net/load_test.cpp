@@ -1,5 +1,5 @@
 // When the workers count as too busy for further viewers, which /readyz tells.
-#include "server/net/load.h"
+#include "server/net/metrics/load.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The law of expected eyes: at every time at which a keyframe is shown, the eye lies in the sweep of that time's
 // interval, for however long the keyframe is shown.
-#include "server/occlusion/eye_intervals.h"
+#include "server/occlusion/proofs/eye_intervals.h"
 
 #include <gtest/gtest.h>
 

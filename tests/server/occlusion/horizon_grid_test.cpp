@@ -1,5 +1,5 @@
 // The lines of a horizon's grid lie nowhere above the terrain, and on it where no sample is left out.
-#include "server/occlusion/horizon_grid.h"
+#include "server/occlusion/horizon/horizon_grid.h"
 
 #include <gtest/gtest.h>
 

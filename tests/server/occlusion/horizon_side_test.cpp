@@ -1,5 +1,5 @@
 // What is asked of a segment of a horizon does not depend on what was asked of it before.
-#include "server/occlusion/horizon_side.h"
+#include "server/occlusion/horizon/horizon_side.h"
 
 #include <gtest/gtest.h>
 

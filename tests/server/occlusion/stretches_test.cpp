@@ -1,5 +1,5 @@
 // What was proved of an interval's eyes is kept as long as these are where the eye is expected to be, and no longer.
-#include "server/occlusion/stretches.h"
+#include "server/occlusion/proofs/stretches.h"
 
 #include <gtest/gtest.h>
 

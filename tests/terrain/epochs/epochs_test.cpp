@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "terrain/store/file/sections.h"
 #include "terrain/store/format.h"
-#include "terrain/store/sections.h"
 #include "terrain/store/verify.h"
 #include "tests/support/scene.h"
 #include "tests/support/seed.h"

@@ -1,5 +1,5 @@
 // The section of tiles: what is written is read, and damage ends in an error or in tiles that are not there.
-#include "terrain/store/tile_table.h"
+#include "terrain/store/tables/tile_table.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 
 #include "base/rng.h"
-#include "terrain/store/tile_section.h"
+#include "terrain/store/tables/tile_section.h"
 #include "tests/support/files.h"
 #include "tests/support/forged_scene.h"
 #include "tests/support/scene.h"

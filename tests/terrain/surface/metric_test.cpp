@@ -1,6 +1,6 @@
-// Laws of the screen tests (proto/refine/surface_metric.h): monotone from child to parent, equal to the closed
+// Laws of the screen tests (proto/refine/surface/surface_metric.h): monotone from child to parent, equal to the closed
 // forms' definitions by sampling, and test results that hold as long as their slack says.
-#include "proto/refine/surface_metric.h"
+#include "proto/refine/surface/surface_metric.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@ export type Pose = PoseRecord; // eye: scene frame, metres; orientation: x, y, z
 
 export const kStrategies = ['delay', 'current', 'predict'] as const;
 export const kPredictors = ['hold', 'velocity', 'acceleration', 'path', 'double-exponential', 'kalman'] as const;
-export const kBlends = ['keyframe', 'geomorph', 'b-spline-2', 'b-spline-3'] as const; // client/mesh/blend.h
+export const kBlends = ['keyframe', 'geomorph', 'b-spline-2', 'b-spline-3'] as const; // client/mesh/weights/blend.h
 export type Strategy = (typeof kStrategies)[number];
 export type Predictor = (typeof kPredictors)[number];
 export type Blend = (typeof kBlends)[number];

@@ -1,0 +1,117 @@
+#include "proto/refine/hidden/hidden_blocks.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace foreland::proto {
+
+namespace {
+
+uint32_t divideUp(uint32_t a, uint32_t log2) { return (a + (1u << log2) - 1) >> log2; }
+
+}  // namespace
+
+HiddenBlocks::HiddenBlocks(const GridTopology& grid)
+    : root_log2_(grid.shape().root_log2), max_x_(grid.maxX()), max_y_(grid.maxY()) {
+  uint32_t chunks = 0;
+  for (uint32_t scale = 0; scale < root_log2_; ++scale) {
+    const uint32_t side_log2 = scale + BlockId::kSideLog2 + kTileLog2;
+    const Scale s{divideUp(max_x_, side_log2), divideUp(max_y_, side_log2), chunks};
+    chunks += divideUp(s.tiles_x * s.tiles_y, kChunkLog2);
+    scales_.push_back(s);
+  }
+  chunk_of_.assign(chunks, 0);
+}
+
+const HiddenBlocks::Tile* HiddenBlocks::find(uint8_t scale, uint32_t tile_x, uint32_t tile_y) const {
+  const Scale& level = scales_[scale];
+  const uint32_t at = tile_y * level.tiles_x + tile_x, chunk = chunk_of_[level.first_chunk + at / kChunkTiles];
+  return chunk == 0 ? nullptr : &chunks_[chunk][at % kChunkTiles];
+}
+
+HiddenBlocks::Tile& HiddenBlocks::make(uint8_t scale, uint32_t tile_x, uint32_t tile_y) {
+  const Scale& level = scales_[scale];
+  const uint32_t at = tile_y * level.tiles_x + tile_x;
+  uint32_t& chunk = chunk_of_[level.first_chunk + at / kChunkTiles];
+  if (chunk == 0) {
+    chunk = static_cast<uint32_t>(chunks_.size());
+    chunks_.emplace_back();
+  }
+  return chunks_[chunk][at % kChunkTiles];
+}
+
+BlockState HiddenBlocks::state(const BlockId& block) const {
+  for (BlockId b = block; b.scale < scales_.size(); b = b.parent()) {
+    const Tile* tile = find(b.scale, b.x >> kTileLog2, b.y >> kTileLog2);
+    if (!tile || !(tile->known & bitOf(b))) continue;
+    if (tile->hidden & bitOf(b)) return BlockState::kHidden;
+    return b == block ? BlockState::kVisible : BlockState::kUnknown;
+  }
+  return BlockState::kUnknown;
+}
+
+BlockState HiddenBlocks::stateInside(const BlockId& block) const {
+  const Scale& level = scales_[block.scale];
+  const bool is_inside = block.x >> kTileLog2 < level.tiles_x && block.y >> kTileLog2 < level.tiles_y;
+  return is_inside ? state(block) : BlockState::kUnknown;
+}
+
+void HiddenBlocks::set(const BlockId& block, bool is_hidden) {
+  Tile& tile = make(block.scale, block.x >> kTileLog2, block.y >> kTileLog2);
+  const uint32_t bit = bitOf(block);
+  const uint32_t is_new = (tile.known & bit) ? 0 : 1;
+  known_ += is_new;
+  scales_[block.scale].known += is_new;
+  tile.known |= static_cast<uint16_t>(bit);
+  tile.hidden = static_cast<uint16_t>(is_hidden ? tile.hidden | bit : tile.hidden & ~bit);
+  if (is_hidden) forgetFiner(block);
+}
+
+void HiddenBlocks::forgetFiner(const BlockId& block) {
+  forEachFiner(*this, block, [this](uint32_t scale, Tile& tile, uint32_t bits) {
+    const auto count = static_cast<uint32_t>(std::popcount(bits));
+    known_ -= count;
+    scales_[scale].known -= count;
+    tile.known &= static_cast<uint16_t>(~bits);
+    tile.hidden &= static_cast<uint16_t>(~bits);
+  });
+}
+
+bool HiddenBlocks::holdsVisible(const BlockId& block) const {
+  bool any = false;
+  forEachFiner(*this, block,
+               [&](uint32_t, const Tile& tile, uint32_t bits) { any = any || (bits & ~tile.hidden) != 0; });
+  return any;
+}
+
+HiddenBlocks::Range HiddenBlocks::blocksOf(NodeId n) const {
+  const uint32_t t = static_cast<uint32_t>(std::countr_zero((n.x() | n.y()) | (1u << root_log2_))), s = 1u << t;
+  const bool is_centre = (n.x() >> t & 1) && (n.y() >> t & 1);
+  const uint32_t reach = is_centre ? 3 * s : 2 * s, side_log2 = t + BlockId::kSideLog2;
+  const auto low = [&](uint32_t v) { return (v > reach ? v - reach : 0) >> side_log2; };
+  const auto high = [&](uint32_t v, uint32_t most) { return (std::min(v + reach, most) - 1) >> side_log2; };
+  return {static_cast<uint8_t>(t), low(n.x()), low(n.y()), high(n.x(), max_x_), high(n.y(), max_y_)};
+}
+
+bool HiddenBlocks::isKnownHidden(NodeId n) const {
+  const Range r = blocksOf(n);
+  for (uint32_t y = r.y0; y <= r.y1; ++y)
+    for (uint32_t x = r.x0; x <= r.x1; ++x)
+      if (state({r.scale, x, y}) != BlockState::kHidden) return false;
+  return true;
+}
+
+void HiddenBlocks::clear() {
+  std::fill(chunk_of_.begin(), chunk_of_.end(), 0u);
+  chunks_.resize(1);
+  for (Scale& scale : scales_) scale.known = 0;
+  known_ = 0;
+}
+
+size_t HiddenBlocks::bytes() const {
+  return chunk_of_.capacity() * sizeof(uint32_t) + chunks_.capacity() * sizeof(chunks_[0]) +
+         scales_.capacity() * sizeof(Scale);
+}
+
+}  // namespace foreland::proto

@@ -1,0 +1,78 @@
+// What the server counts, and the text of it for Prometheus. The counters are atomic: any thread adds, the I/O thread
+// reads, and may see one counter a step ahead of another.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "server/net/metrics/process_metrics.h"
+#include "server/sched/histogram.h"
+
+namespace foreland::server {
+
+// Why a connection or a viewer was refused.
+enum class RefusedFor : uint8_t {
+  kFull,     // there were too many connections
+  kAddress,  // likewise, from its address
+  kStopping,
+  kOrigin,   // the page that it comes from may not
+  kToken,    // it has no token, or not one that lets it in
+  kMessage,  // what it sent
+  kQueues,   // more waited for this server than it takes
+  kUnread,   // it read nothing, or too slowly
+  kSilent,   // it sent nothing for too long, or did not end a message
+};
+inline constexpr size_t kRefusals = 9;
+
+// That replies to plain requests may have. Others are counted as the last one.
+inline constexpr std::array kHttpStatuses = {101u, 200u, 206u, 304u, 400u, 401u, 403u,
+                                             404u, 405u, 416u, 426u, 503u, 500u};
+
+struct Metrics {
+  void count(RefusedFor reason) { ++refusals[static_cast<size_t>(reason)]; }
+  void countHttpReply(unsigned status);
+
+  std::atomic<int64_t> connections{0};                        // open sockets of the public port
+  std::atomic<int64_t> metrics_connections{0};                // of the port for operators
+  std::atomic<int64_t> sessions{0};                           // connected viewers
+  std::atomic<int64_t> section_nodes{0};                      // of all viewers together
+  std::atomic<int64_t> remembered_nodes{0}, memory_bytes{0};  // likewise, of what viewers know beside their sections
+  std::atomic<uint64_t> sessions_opened{0};
+  std::array<std::atomic<uint64_t>, kRefusals> refusals{};
+  std::atomic<uint64_t> handed_over{0};  // viewers asked to connect elsewhere, because the server stops
+  std::array<std::atomic<uint64_t>, kHttpStatuses.size()> http_replies{};
+  std::atomic<uint64_t> keyframes{0};
+  std::atomic<uint64_t> skipped_keyframes{0};  // because the last delta was still unsent
+  std::atomic<uint64_t> late_keyframes{0};     // ready after their deadline
+  std::atomic<uint64_t> bytes_down{0};         // payload written to viewers
+  std::atomic<uint64_t> bytes_up{0};           // payload read from viewers
+  std::atomic<uint64_t> messages_up{0};
+  std::atomic<uint64_t> replies{0};        // to requests for tours and ground heights
+  std::atomic<uint64_t> resumed{0};        // sessions that started from a section that the viewer held
+  std::atomic<uint64_t> jumps{0};          // of viewers' cameras
+  std::atomic<uint64_t> failures{0};       // exceptions, each of which ended one viewer or request
+  std::atomic<int64_t> queue_bytes{0};     // that are held for viewers (viewer_bytes.h)
+  std::atomic<int64_t> flying{0};          // viewers that have been sent a keyframe
+  std::atomic<int64_t> tolerances_mpx{0};  // of all flying viewers, in force, thousandths of a pixel
+  std::atomic<int64_t> coarse{0};          // flying viewers whose tolerance is above what they asked for
+  Histogram messages;                      // the time that reading one lease's messages took
+  Histogram compute;                       // the time of one step of a session
+};
+
+// The state of the server beside its counters.
+struct ServerState {
+  std::string version;
+  double uptime_s = 0;
+  ProcessMetrics process;
+
+  size_t threads = 0;
+  size_t queue_depth = 0;
+  const Histogram* lateness = nullptr;
+};
+
+// The text exposition format, version 0.0.4.
+std::string renderPrometheus(const Metrics& metrics, const ServerState& state);
+
+}  // namespace foreland::server

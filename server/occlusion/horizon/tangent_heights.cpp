@@ -1,0 +1,180 @@
+#include "server/occlusion/horizon/tangent_heights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "proto/space/geographic_tables.h"
+#include "server/section/height_bounds.h"
+
+namespace foreland::server {
+
+namespace {
+
+constexpr double kMaxExtent_m = 200e3;     // from the origin
+constexpr double kMaxLatitude_rad = 1.3;   // 75 degrees
+constexpr double kFinest = 0.25;           // of the samples' spacing
+constexpr double kCoarse = 1.2;            // the same, from which on corners will do
+constexpr double kFloatRounding_m = 0.01;  // of heights as floats
+
+using Corners = std::array<glm::dvec3, 3>;
+
+class Ground {
+ public:
+  explicit Ground(const Hierarchy& hierarchy)
+      : columns(hierarchy.grid().shape().samples_x),
+        rows(hierarchy.grid().shape().samples_y),
+        bounds_(hierarchy),
+        transform_(hierarchy.frame().transform()),
+        tables_(transform_, columns - 1, rows - 1) {}
+  glm::dvec3 at(uint32_t x, uint32_t y) const {
+    return transform_.fromTables(tables_.rows[y], tables_.columns[x],
+                                 bounds_.lowest(proto::NodeId::at(x, y)) * transform_.frame().height_quantum_m);
+  }
+
+  const uint32_t columns, rows;
+
+ private:
+  HeightBounds bounds_;
+  proto::FrameTransform transform_;
+  proto::GeographicTables tables_;
+};
+
+// A rectangle along the scene's axes that the ground fills.
+struct Inside {
+  glm::dvec2 low{-kMaxExtent_m}, high{kMaxExtent_m};
+  double farthest_m = 0;  // of the border, from the origin
+};
+
+Inside insideOf(const Ground& ground) {
+  Inside inside;
+  const auto include = [&](const glm::dvec3& p) { inside.farthest_m = std::max(inside.farthest_m, glm::length(p)); };
+  for (uint32_t y = 0; y < ground.rows; ++y) {
+    const glm::dvec3 west = ground.at(0, y), east = ground.at(ground.columns - 1, y);
+    inside.low.x = std::max(inside.low.x, west.x), inside.high.x = std::min(inside.high.x, east.x);
+    include(west), include(east);
+  }
+  for (uint32_t x = 0; x < ground.columns; ++x) {
+    const glm::dvec3 south = ground.at(x, 0), north = ground.at(x, ground.rows - 1);
+    inside.low.y = std::max(inside.low.y, south.y), inside.high.y = std::min(inside.high.y, north.y);
+    include(south), include(north);
+  }
+  return inside;
+}
+
+// The lowest ground of each cell between vertices.
+class Cells {
+ public:
+  explicit Cells(const TangentHeights& lattice)
+      : lattice_(lattice),
+        columns_(lattice.columns - 1),
+        rows_(lattice.rows - 1),
+        lowest_(size_t{columns_} * rows_, std::numeric_limits<float>::infinity()) {}
+
+  // Within a triangle's corners, and above its plane.
+  void include(const Corners& corners) {
+    const glm::dvec3 low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
+                     high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    if (std::fabs(normal.z) < 1e-3 * glm::length(normal)) return include(low, high);  // too steep
+    const glm::dvec2 rise = -glm::dvec2(normal) / normal.z;
+    const double within = 0.5 * lattice_.spacing_m * (std::fabs(rise.x) + std::fabs(rise.y));
+    forEachCell(low, high, [&](const glm::dvec2& middle) {
+      return std::max(low.z, corners[0].z + glm::dot(rise, middle - glm::dvec2(corners[0])) - within);
+    });
+  }
+  // Within a box.
+  void include(const glm::dvec3& low, const glm::dvec3& high) {
+    forEachCell(low, high, [&](const glm::dvec2&) { return low.z; });
+  }
+
+  float lowestAbout(uint32_t i, uint32_t j) const {
+    float lowest = std::numeric_limits<float>::infinity();
+    for (uint32_t y = std::max(j, 1u) - 1; y <= std::min(j, rows_ - 1); ++y)
+      for (uint32_t x = std::max(i, 1u) - 1; x <= std::min(i, columns_ - 1); ++x) lowest = std::min(lowest, of(x, y));
+    return lowest;
+  }
+
+ private:
+  // That the box from `low` to `high` may lie over; `boundOver` takes the middle of a cell.
+  template <class Bound>
+  void forEachCell(const glm::dvec3& low, const glm::dvec3& high, const Bound& boundOver) {
+    const glm::dvec2 first = glm::floor((glm::dvec2(low) - lattice_.low_m) / lattice_.spacing_m),
+                     last = glm::floor((glm::dvec2(high) - lattice_.low_m) / lattice_.spacing_m);
+    if (last.x < 0 || last.y < 0 || first.x >= columns_ || first.y >= rows_) return;
+    const glm::uvec2 begin(glm::max(first, glm::dvec2(0))), end(glm::min(last, glm::dvec2(columns_ - 1, rows_ - 1)));
+    for (uint32_t j = begin.y; j <= end.y; ++j)
+      for (uint32_t i = begin.x; i <= end.x; ++i) {
+        const glm::dvec2 middle = lattice_.low_m + (glm::dvec2(i, j) + 0.5) * lattice_.spacing_m;
+        float& lowest = lowest_[size_t{j} * columns_ + i];
+        lowest = std::min(lowest, static_cast<float>(boundOver(middle)));
+      }
+  }
+  float of(uint32_t i, uint32_t j) const {
+    constexpr float kNothing_m = -1e6f;  // where there is no ground
+    const float lowest = lowest_[size_t{j} * columns_ + i];
+    return std::isinf(lowest) ? kNothing_m : lowest;
+  }
+
+  const TangentHeights& lattice_;
+  const uint32_t columns_, rows_;
+  std::vector<float> lowest_;
+};
+
+}  // namespace
+
+std::optional<TangentHeights> tangentHeights(const Hierarchy& hierarchy, size_t max_vertices) {
+  const proto::FrameTransform& transform = hierarchy.frame().transform();
+  const proto::Frame& frame = transform.frame();
+  if (frame.kind != proto::FrameKind::kGeographic) return std::nullopt;
+  const Ground ground(hierarchy);
+  const double north_rad = frame.latitude0_rad + (ground.rows - 1) * frame.latitude_step_rad;
+  if (std::max(std::fabs(frame.latitude0_rad), std::fabs(north_rad)) > kMaxLatitude_rad) return std::nullopt;
+  const Inside inside = insideOf(ground);
+  if (inside.farthest_m > kMaxExtent_m) return std::nullopt;
+  const uint32_t x = ground.columns / 2, y = ground.rows / 2;
+  const glm::dvec3 middle = ground.at(x, y);
+  const glm::dvec2 cell(glm::length(glm::dvec2(ground.at(x - 1, y) - middle)),
+                        glm::length(glm::dvec2(ground.at(x, y - 1) - middle)));
+  const glm::dvec2 size = inside.high - inside.low;
+  if (size.x <= 2 * cell.x || size.y <= 2 * cell.y) return std::nullopt;
+  TangentHeights heights;
+  heights.low_m = inside.low;
+  heights.spacing_m = std::max(kFinest * std::min(cell.x, cell.y), std::sqrt(size.x * size.y / double(max_vertices)));
+  heights.columns = static_cast<uint32_t>(size.x / heights.spacing_m);
+  heights.rows = static_cast<uint32_t>(size.y / heights.spacing_m);
+  if (heights.columns < 2 || heights.rows < 2) return std::nullopt;
+  Cells cells(heights);
+  // Of coarser cells planes say little more than corners, which take less than half the time.
+  const bool by_planes = heights.spacing_m < kCoarse * std::max(cell.x, cell.y);
+  std::vector<glm::dvec3> south(ground.columns), north(ground.columns);
+  const auto readRow = [&](uint32_t row, std::vector<glm::dvec3>& into) {
+    for (uint32_t i = 0; i < ground.columns; ++i) into[i] = ground.at(i, row);
+  };
+  readRow(0, south);
+  for (uint32_t j = 1; j < ground.rows; ++j) {
+    readRow(j, north);
+    for (uint32_t i = 1; i < ground.columns; ++i) {
+      const glm::dvec3 &a = south[i - 1], &b = south[i], &c = north[i - 1], &d = north[i];
+      if (!by_planes) {
+        cells.include(glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d)));
+        continue;
+      }
+      for (const Corners& corners : {Corners{a, b, c}, Corners{d, c, b}, Corners{a, b, d}, Corners{a, d, c}})
+        cells.include(corners);
+    }
+    south.swap(north);
+  }
+  // The ground between samples bends below their triangles where the scene is not level.
+  const double bend_m = glm::dot(cell, cell) / frame.minRadius();
+  heights.heights_m.reserve(size_t{heights.columns} * heights.rows);
+  for (uint32_t j = 0; j < heights.rows; ++j)
+    for (uint32_t i = 0; i < heights.columns; ++i)
+      heights.heights_m.push_back(cells.lowestAbout(i, j) - static_cast<float>(bend_m + kFloatRounding_m));
+  return heights;
+}
+
+}  // namespace foreland::server

@@ -1,0 +1,69 @@
+// What a viewer's server remembers of blocks of which it has said whether they are hidden (viewer_occlusion.h): by
+// tiles, as HiddenBlocks keeps them. One owner. Memory: 400 bytes a tile, in chunks of 16 that are freed once unused.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "proto/refine/hidden/hidden_blocks.h"
+
+namespace foreland::server {
+
+// Times are numbers of intervals (eye_intervals.h).
+struct BlockProof {
+  int32_t until = 0;      // the last interval for which it is known to be hidden, if it is
+  uint32_t keyframe = 0;  // when that was found out
+  // The last interval in which no stretch hides it, as these are at a revision.
+  int32_t open_until = std::numeric_limits<int32_t>::min();
+  uint32_t revision = 0;
+  uint8_t length = 1;    // of the stretch that was the last proof
+  uint8_t lengths = 0;   // of all stretches that are a part of the proof (Stretches::Lengths)
+  uint8_t failures = 0;  // tries in a row to prove it hidden
+};
+
+struct TileProofs {
+  static constexpr uint32_t kBlocks = proto::HiddenBlocks::kTileBlocks;
+  std::array<int32_t, kBlocks> next{};  // the interval of each block's next review; apart, for most are not due
+  std::array<BlockProof, kBlocks> blocks;
+};
+
+// Whether any block of a tile is due. Side by side for neighbouring tiles, for most have none.
+struct TileDue {
+  int32_t first = 0;      // the first of its blocks' next reviews; at most
+  uint32_t revision = 0;  // of the stretches, at the last review
+};
+
+class BlockProofs {
+ public:
+  explicit BlockProofs(const proto::GridTopology& grid);
+
+  struct Tile {
+    TileDue& due;
+    TileProofs& proofs;
+  };
+  // The tile that holds a block; new if there is none.
+  Tile of(const proto::BlockId& block, uint32_t keyframe);
+  // Forgets chunks that were last asked for before `keyframe`.
+  void forgetUnused(uint32_t keyframe);
+  size_t bytes() const;  // in constant time
+
+ private:
+  static constexpr uint32_t kChunkLog2 = 2;  // of a chunk's side, in tiles
+  static constexpr uint32_t kChunkTiles = 1u << (2 * kChunkLog2);
+  struct Chunk {
+    uint32_t keyframe = 0;
+    std::array<TileDue, kChunkTiles> due;
+    std::array<TileProofs, kChunkTiles> proofs;
+  };
+  struct Scale {
+    uint32_t columns = 0;
+    std::vector<std::unique_ptr<Chunk>> chunks;
+  };
+  std::vector<Scale> scales_;
+  size_t chunks_ = 0;  // that are there
+};
+
+}  // namespace foreland::server

@@ -1,0 +1,67 @@
+#include "terrain/store/file/spool_file.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace foreland::terrain {
+
+Error SpoolFile::systemError(const char* doing) const {
+  return {ErrorCode::kIo, target_.string() + ": " + doing + " a temporary file beside it: " + std::strerror(errno)};
+}
+
+Result<SpoolFile> SpoolFile::create(const std::filesystem::path& target) {
+  SpoolFile spool(target);
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+  spool.file_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (spool.file_ < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+    std::string name = (folder / ".foreland-XXXXXX").string();
+    spool.file_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (spool.file_ >= 0) ::unlink(name.c_str());
+  }
+  if (spool.file_ < 0) return spool.systemError("cannot create");
+  return spool;
+}
+
+SpoolFile::SpoolFile(SpoolFile&& other) noexcept
+    : target_(std::move(other.target_)), file_(std::exchange(other.file_, -1)), end_(other.end_.load()) {}
+
+SpoolFile::~SpoolFile() {
+  if (file_ >= 0) ::close(file_);
+}
+
+Result<uint64_t> SpoolFile::append(ByteSpan what) {
+  const uint64_t offset = end_.fetch_add(what.size());
+  // Writing beyond a file size limit would raise a signal instead of returning an error.
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      offset + what.size() > limit.rlim_cur) {
+    errno = EFBIG;
+    return systemError("cannot write");
+  }
+  for (size_t done = 0; done < what.size();) {
+    const ssize_t n = ::pwrite(file_, what.data() + done, what.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return systemError("cannot write");
+    done += static_cast<size_t>(n);
+  }
+  return offset;
+}
+
+Status SpoolFile::read(uint64_t offset, std::span<uint8_t> out) const {
+  for (size_t done = 0; done < out.size();) {
+    const ssize_t n = ::pread(file_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return systemError("cannot read");
+    done += static_cast<size_t>(n);
+  }
+  return {};
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,116 @@
+#include "terrain/store/tables/tile_section.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/check.h"
+
+namespace foreland::terrain {
+
+namespace {
+
+template <class T>
+void putAll(std::span<const T> values, uint8_t*& at) {
+  if (!values.empty()) std::memcpy(at, values.data(), values.size_bytes());
+  at += values.size_bytes();
+}
+
+StoredLayer stored(const proto::TileLayer& l) {
+  return {static_cast<uint32_t>(l.content),
+          static_cast<uint32_t>(l.coding),
+          l.width,
+          l.height,
+          {l.origin.x, l.origin.y},
+          l.texel,
+          l.step_m,
+          static_cast<uint32_t>(l.attribution.size()),
+          0};
+}
+
+}  // namespace
+
+uint64_t tileCount(const proto::TileLayer& layer) {
+  uint64_t count = 0;
+  for (uint32_t level = 0; level < layer.levels(); ++level)
+    count += uint64_t{layer.tilesX(level)} * layer.tilesY(level);
+  return count;
+}
+
+uint64_t tileNumber(const proto::TileLayer& layer, const proto::TileId& tile) {
+  uint64_t number = 0;
+  for (uint32_t level = 0; level < tile.level; ++level) number += uint64_t{layer.tilesX(level)} * layer.tilesY(level);
+  return number + uint64_t{tile.y} * layer.tilesX(tile.level) + tile.x;
+}
+
+Result<TileSection> TileSection::create(const std::filesystem::path& target) {
+  auto spool = SpoolFile::create(target);
+  if (!spool) return spool.error();
+  return TileSection(std::move(spool).value());
+}
+
+uint8_t TileSection::addLayer(const proto::TileLayer& layer) {
+  CHECK_TRUE(layer.validate().ok());
+  CHECK_LE(layer.attribution.size(), size_t{kMaxAttributionBytes});
+  CHECK_LT(layers_.size(), size_t{proto::kMaxTileLayers});
+  layers_.push_back(layer);
+  tiles_.emplace_back(tileCount(layer), StoredTile{});
+  return static_cast<uint8_t>(layers_.size() - 1);
+}
+
+Status TileSection::add(const proto::TileId& tile, ByteSpan bytes, const proto::TileBounds& bounds, float detail) {
+  CHECK_TRUE(layers_[tile.layer].has(tile) && !bytes.empty());
+  if (bytes.size() > proto::kMaxTileBytes)
+    return Error{ErrorCode::kLimit, "a tile of " + std::to_string(bytes.size()) + " bytes; a scene file takes " +
+                                        std::to_string(proto::kMaxTileBytes)};
+  const auto offset = spool_.append(bytes);
+  if (!offset) return offset.error();
+  const auto& a = bounds.axis;
+  tiles_[tile.layer][tileNumber(layers_[tile.layer], tile)] = {*offset,
+                                                               static_cast<uint32_t>(bytes.size()),
+                                                               detail,
+                                                               bounds.lowest_m,
+                                                               bounds.highest_m,
+                                                               {a[0], a[1], a[2]},
+                                                               bounds.half_angle,
+                                                               0};
+  return {};
+}
+
+proto::TileBounds TileSection::bounds(const proto::TileId& tile) const {
+  const StoredTile& t = at(tile);
+  return {t.lowest_m, t.highest_m, {t.axis[0], t.axis[1], t.axis[2]}, t.half_angle};
+}
+
+uint64_t TileSection::bytes() const {
+  if (layers_.empty()) return 0;
+  uint64_t size = sizeof(TileSectionStart) + layers_.size() * sizeof(StoredLayer) + spool_.bytes();
+  for (size_t i = 0; i < layers_.size(); ++i)
+    size += tiles_[i].size() * sizeof(StoredTile) + layers_[i].attribution.size();
+  return size;
+}
+
+Status TileSection::write(std::span<uint8_t> out) const {
+  CHECK_EQ(out.size(), bytes());
+  uint8_t* at = out.data();
+  const TileSectionStart start{static_cast<uint32_t>(layers_.size()), 0};
+  putAll(std::span(&start, 1), at);
+  for (const proto::TileLayer& layer : layers_) {
+    const StoredLayer about = stored(layer);
+    putAll(std::span(&about, 1), at);
+  }
+  uint64_t offset = out.size() - spool_.bytes();
+  for (const auto& tiles : tiles_)
+    for (StoredTile tile : tiles) {
+      if (tile.bytes > 0) {
+        if (Status s = spool_.read(tile.offset, out.subspan(offset, tile.bytes)); !s.ok()) return s;
+        tile.offset = offset;
+        offset += tile.bytes;
+      }
+      putAll(std::span<const StoredTile>(&tile, 1), at);
+    }
+  for (const proto::TileLayer& layer : layers_)
+    putAll(std::span(reinterpret_cast<const uint8_t*>(layer.attribution.data()), layer.attribution.size()), at);
+  return {};
+}
+
+}  // namespace foreland::terrain

@@ -1,0 +1,80 @@
+// The section of tiles as it lies in a scene file, and how it is made. Change docs/SCENE_FORMAT.md with it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "proto/imagery/tile.h"
+#include "terrain/store/file/spool_file.h"
+
+namespace foreland::terrain {
+
+// Followed by `layers` StoredLayer, then for each layer a StoredTile for every tile it has (in the order of
+// tileNumber), then the attributions, then the tiles' bytes.
+struct TileSectionStart {
+  uint32_t layers = 0, zero = 0;
+};
+struct StoredLayer {
+  uint32_t content, coding, width, height;
+  double origin[2], texel, step_m;
+  uint32_t attribution_bytes, zero;
+};
+struct StoredTile {
+  uint64_t offset;  // of its bytes, from the section's start
+  uint32_t bytes;   // 0: it is not stored, and the rest is zero too
+  float detail, lowest_m, highest_m;
+  int8_t axis[3];
+  uint8_t half_angle;
+  uint32_t zero;
+};
+static_assert(sizeof(TileSectionStart) == 8 && sizeof(StoredLayer) == 56 && sizeof(StoredTile) == 32);
+static_assert(std::is_trivially_copyable_v<StoredLayer> && std::is_trivially_copyable_v<StoredTile>);
+
+inline constexpr uint32_t kMaxAttributionBytes = 1u << 12;
+
+// How many tiles a layer has, and a number below that for each: level by level from the finest, row by row from the
+// south, from west to east.
+uint64_t tileCount(const proto::TileLayer& layer);
+uint64_t tileNumber(const proto::TileLayer& layer, const proto::TileId& tile);
+
+// Collects tiles. Coded tiles wait in a file, so memory is that of the directory alone.
+class TileSection {
+ public:
+  // For a scene file at `target`.
+  static Result<TileSection> create(const std::filesystem::path& target);
+
+  // The layer must be valid. Returns its index.
+  uint8_t addLayer(const proto::TileLayer& layer);
+  const proto::TileLayer& layer(uint8_t index) const { return layers_[index]; }
+  // Each tile at most once, in any order; several threads at once. `detail`: see TileTable::detail().
+  Status add(const proto::TileId& tile, ByteSpan bytes, const proto::TileBounds& bounds, float detail);
+
+  // What was added.
+  bool has(const proto::TileId& tile) const { return at(tile).bytes > 0; }
+  proto::TileBounds bounds(const proto::TileId& tile) const;
+
+  // Size of the whole section; 0 without layers.
+  uint64_t bytes() const;
+  // Into bytes() bytes. The result does not depend on the order of add().
+  Status write(std::span<uint8_t> out) const;
+
+ private:
+  explicit TileSection(SpoolFile spool) : spool_(std::move(spool)) {}
+  const StoredTile& at(const proto::TileId& tile) const {
+    return tiles_[tile.layer][tileNumber(layers_[tile.layer], tile)];
+  }
+
+  SpoolFile spool_;
+  std::vector<proto::TileLayer> layers_;
+  std::vector<std::vector<StoredTile>> tiles_;  // offsets are those in the spool
+};
+
+}  // namespace foreland::terrain
