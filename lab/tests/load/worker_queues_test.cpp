@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
@@ -13,7 +14,8 @@
 namespace foreland::lab {
 namespace {
 
-using server::JobOrder;
+using server::deadlineOf;
+using server::JobKey;
 
 struct Planned {
   server::Due due;
@@ -44,9 +46,9 @@ struct Begun {
 
 // All jobs are known from the start. `idle` is called after each moment with the workers that have nothing to do.
 template <class Idle>
-std::vector<Begun> runAll(LoadQueues kind, size_t workers, JobOrder order, const std::vector<Planned>& jobs,
+std::vector<Begun> runAll(LoadQueues kind, size_t workers, JobKey keyOf, const std::vector<Planned>& jobs,
                           const Idle& idle) {
-  WorkerQueues queues(kind, workers, order);
+  WorkerQueues queues(kind, workers, keyOf);
   std::vector<Begun> begun;
   std::vector<Time> free_at(workers);
   Time now{-100};
@@ -89,7 +91,7 @@ TEST_P(Queues, BeginEveryJobOnceAndLeaveNobodyIdle) {
       for (size_t i = 0; i < jobs.size(); ++i)
         EXPECT_TRUE(known.contains(i) || jobs[i].due.release > now) << "job " << i << " waits at " << now.us;
     };
-    const std::vector<Begun> begun = runAll(GetParam(), workers, JobOrder::kDeadline, jobs, idle);
+    const std::vector<Begun> begun = runAll(GetParam(), workers, deadlineOf, jobs, idle);
     std::set<size_t> all;
     for (const Begun& b : begun) EXPECT_TRUE(all.insert(b.job).second) << "job " << b.job << " was begun twice";
     EXPECT_EQ(all.size(), jobs.size());
@@ -105,9 +107,11 @@ TEST(WorkerQueues, OfOneWorkerAreTheSame) {
   SCOPED_TRACE(seed);
   Rng rng(seed);
   const std::vector<Planned> jobs = anyJobs(rng, 400);
-  for (const JobOrder order : {JobOrder::kDeadline, JobOrder::kRelease, JobOrder::kLaxity})
-    EXPECT_EQ(runAll(LoadQueues::kShared, 1, order, jobs, expectNothing),
-              runAll(LoadQueues::kStealing, 1, order, jobs, expectNothing));
+  const std::array<JobKey, 3> keys{deadlineOf, [](const server::Due& due) { return due.release; },
+                                   [](const server::Due& due) { return due.deadline - due.work; }};
+  for (const JobKey keyOf : keys)
+    EXPECT_EQ(runAll(LoadQueues::kShared, 1, keyOf, jobs, expectNothing),
+              runAll(LoadQueues::kStealing, 1, keyOf, jobs, expectNothing));
 }
 
 // A worker steals only when none of its own jobs is released, and takes its own by the order.
@@ -118,7 +122,7 @@ TEST(WorkerQueues, GiveAWorkerItsOwnJobsFirst) {
   constexpr size_t kWorkers = 3;
   std::vector<Planned> jobs = anyJobs(rng, 120);
   for (Planned& job : jobs) job.due.earliest.reset(), job.due.is_costly = false;
-  const std::vector<Begun> begun = runAll(LoadQueues::kStealing, kWorkers, JobOrder::kDeadline, jobs, expectNothing);
+  const std::vector<Begun> begun = runAll(LoadQueues::kStealing, kWorkers, deadlineOf, jobs, expectNothing);
   std::set<size_t> waits;
   for (size_t i = 0; i < jobs.size(); ++i) waits.insert(i);
   size_t stolen = 0;
