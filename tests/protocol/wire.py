@@ -89,7 +89,7 @@ TABLES = {
                 ("centre_heights", "[int]"), ("tau_px", "double"), ("keyframe_interval_us", "uint"), ("models", "[Model]"),
                 ("objects", "[Placement]"), ("occlusion", "bool"), ("memory_bytes", "uint"), ("epochs", "[Epoch]"),
                 ("base_offsets", "[BaseOffset]"), ("tile_layers", "[TileLayer]"), ("tile_bytes", "uint"),
-                ("longest_interval_us", "uint"), ("most_offset", "uint"),
+                ("longest_interval_us", "uint"), ("max_offset", "uint"),
                 ("object_rises", "[ObjectRise]"), ("epoch_blend", "uint")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
