@@ -59,7 +59,7 @@ for at, room in enumerate(REMESH_ROOMS):
 SERVER_SEES = [*PROTO, "terrain", *STORE, "terrain/bounds", "terrain/geo", "terrain/surface",
                "terrain/surface_store", "terrain/objects"]
 SERVER_ROOMS = ["server/view", "server/section", "server/occlusion/horizon", "server/occlusion/proofs", "server/occlusion", "server/imagery",
-                "server/sched", "server/session", "server/net/http", "server/net/metrics", "server/net/access", "server/net", "server"]
+                "server/sched", "server/session/input", "server/session/plan", "server/session/view", "server/session", "server/net/http", "server/net/metrics", "server/net/access", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
 

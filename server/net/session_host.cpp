@@ -183,10 +183,6 @@ void SessionActor::charge(Duration spent, Time now) {
   session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying));
 }
 
-Due SessionActor::jobFor(const Session::Due& due) {
-  return {due.release, due.deadline, due.is_costly, due.work, due.earliest};
-}
-
 Due SessionActor::fairly(Due due) const {
   constexpr double kSmallDebt_s = 0.1;
   constexpr Duration kShortStep = Duration::milliseconds(50);
@@ -215,7 +211,7 @@ void SessionActor::returnLease() {
   const Time now = host_.clock_();
   if (!inbox_.empty())
     return schedule(fairly({now, due ? std::min(due->deadline, now + kMessageTimeout) : now + kMessageTimeout}));
-  if (due) schedule(fairly(jobFor(*due)));
+  if (due) schedule(fairly(*due));
 }
 
 bool SessionActor::isClosed() {
@@ -235,7 +231,7 @@ void SessionActor::stepIfDue(SessionScratch& scratch) {
   if (!due || isClosed()) return;
   const bool is_early = is_lease_early_ && due->release > begin && due->earliest && *due->earliest <= begin;
   if (due->release > begin && !is_early) return;
-  if (fairly(jobFor(*due)).is_costly && !is_lease_costly_) return;  // in its own turn
+  if (fairly(*due).is_costly && !is_lease_costly_) return;  // in its own turn
   const SessionStatistics before = session_.statistics();
   std::vector<Bytes> out;
   const uint64_t read_before = pagesRead();

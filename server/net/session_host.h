@@ -104,7 +104,6 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   void hold(size_t worker);
   void fail() noexcept;
   void work(SessionScratch& scratch, std::deque<Event>& events);
-  static Due jobFor(const Session::Due& due);
   Due fairly(Due due) const;  // with the lease, or with mutex_ held while nobody has it
   void charge(Duration spent, Time now);
   void forgetInbox();  // with mutex_ held

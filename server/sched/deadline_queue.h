@@ -17,22 +17,13 @@
 #include <utility>
 
 #include "base/time.h"
+#include "server/sched/due.h"
 
 namespace foreland::server {
 
 // A job gets the number of the worker that runs it (0 to threads - 1), to find that worker's scratch. It neither blocks
 // nor waits for other jobs, and throws nothing.
 using Job = std::function<void(size_t worker)>;
-
-// When a job may start, and by when it should be done.
-struct Due {
-  Time release;
-  Time deadline;
-  bool is_costly = false;  // may take long, so that not all workers should run such jobs at a time (Pool)
-  Duration work{};         // how long it is expected to take; 0: nothing is planned for it
-  // From when it may be started, if others would be late otherwise; nothing: not before its release.
-  std::optional<Time> earliest{};
-};
 
 // Of the released jobs, the one with the earliest key is next.
 using JobKey = Time (*)(const Due&);

@@ -4,11 +4,9 @@
 // A session is owned by its host or by exactly one worker at a time, and never locked. Server times are of any
 // monotonic clock; times of the client's clock say so in their names.
 //
-// Keyframes lie on a grid of the client's clock, T apart (DESIGN section 4). With `predict`, the keyframe for t_{i+1}
-// is computed so that it arrives by t_i; with `delay` and `current`, that for t_i is computed when the pose of t_i has
-// arrived. A viewer that blends n + 1 keyframes shows what is in the middle of them (leadOf), so with `predict` its
-// keyframes are computed (n - 1) / 2 intervals sooner, and a region holds for so much longer either way. If viewer,
-// link or server cannot keep up, grid points are skipped; no keyframe is sent in part.
+// It is the thin owner of its parts: what the viewer has said (input/), when the next keyframe is due (plan/, pure),
+// for which view (view/, pure), what of the section is sent (server/section), and which tiles (server/imagery). No
+// keyframe is sent in part.
 #pragma once
 
 #include <algorithm>
@@ -23,14 +21,12 @@
 #include "server/imagery/tile_sender.h"
 #include "server/section/budget.h"
 #include "server/section/sender.h"
-#include "server/session/adaptive_interval.h"
-#include "server/session/announced_jumps.h"
-#include "server/session/clock_map.h"
-#include "server/session/prefetch_pace.h"
-#include "server/session/requests.h"
-#include "server/session/scene_time.h"
+#include "server/session/input/viewer_input.h"
+#include "server/session/plan/adaptive_interval.h"
+#include "server/session/plan/keyframe_plan.h"
+#include "server/session/plan/prefetch_pace.h"
+#include "server/session/view/keyframe_view.h"
 #include "server/session/world.h"
-#include "server/view/viewer_motion.h"
 
 namespace foreland::server {
 
@@ -88,13 +84,6 @@ class Session {
 
   // When the session has something to do, and by when it should be done (earliest deadline first); nothing if it waits
   // for messages.
-  struct Due {
-    Time release;
-    Time deadline;
-    bool is_costly = false;          // no keyframe, and may take up to a second
-    Duration work{};                 // that a keyframe is expected to take; 0 for anything else
-    std::optional<Time> earliest{};  // from when a keyframe may be computed early, that is with Start::kEarly
-  };
   std::optional<Due> due() const;
 
   // Does what is due at `now`: one keyframe, or one reply to a request, or what a section to resume from takes, or one
@@ -113,11 +102,11 @@ class Session {
   // And how many pages of the scene it had to read from the disk.
   void noteComputeTime(Duration spent, uint64_t pages_read = 0);
   // How long a keyframe is expected to take.
-  Duration computeTime() const { return compute_time_; }
+  Duration computeTime() const { return state_.compute_time; }
   // Answers no request before `until`, since there is no room for the reply.
   void postponeReplies(Time until) { next_request_ = std::max(next_request_, until); }
-  // What the viewer makes the server keep, as long as it likes: its announced path, requests that wait, a section to
-  // resume from. O(requests).
+  // What the viewer makes the server keep, as long as it likes: what waits for an answer (ViewerInput), and answers
+  // that are not sent. O(requests).
   size_t keptBytes() const;
   // What the server's processors can give this viewer from now on.
   void setProcessors(Processors processors) { processors_ = processors; }
@@ -145,71 +134,52 @@ class Session {
   Status take(const proto::HeldTiles& held, Time now);
   Status take(const proto::PoseUpdate& update, Time now);
   Status take(const proto::Resume& resume, Time now);
+  proto::Welcome welcome();
+  void advance(Time now) { state_.now = std::max(state_.now, now); }
+  bool hasPose() const { return input_.hasGreeted() && !input_.motion().empty(); }
+  std::optional<Time> heldKeyframe() const;
+  void acknowledge(const proto::PoseUpdate& update);
 
-  // The keyframe to compute next: its time on the client's clock, and when to begin and to be done.
-  struct Plan {
-    Time time_client;
-    Due due;
-    uint64_t skipped;
-    Duration until_next;  // the keyframe after it is at most this much later
-  };
-  std::optional<Plan> plan() const;
-  Time earliestKeyframe() const;
-  Plan notTooSoon(Plan plan) const;
-  // With `predict`: chooses the grid point that the next keyframe is for, and keeps to it until that keyframe would be
-  // late by more than half an interval.
+  std::optional<KeyframePlan> plan() const;
   void aim();
-  Time nextKeyframe() const;
-  proto::KeyframeInterval bounds() const { return {request_->keyframe_interval, request_->longest_interval}; }
-  // Whether no keyframe has been sent on this connection.
-  bool isFirst() const { return statistics_.keyframes == 0; }
-  bool isAnnouncedJump(const proto::PoseUpdate& update, Time now);
-  void jumpTo(const proto::TimedPose& pose);
-  bool isTooFarAhead() const;
-  Time gridAtOrAfter(Time t_client) const;
-  // How long before and after its time a keyframe is shown, in part, if keyframes are an interval apart.
-  Duration leadOf(Duration interval) const { return {interval.us * (request_->order + 1) / 2}; }
-  Time shownFrom(Time t) const;
-  void moveGround(Time t_client, const proto::View& view);
-  double sectionTolerance() const;
-  // For a keyframe that is shown until the next one, which is `until_next` later.
-  RegionParts regionFor(Time t_client, Duration until_next) const;
-  proto::View viewFor(Time t_client, const RegionParts& parts) const;
-  size_t maxNodes() const;
   std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
   void answer(std::vector<Bytes>& out);
   void tryToResume();
   void prefetch(SessionScratch& scratch);
+
+  // How a keyframe is made (session_keyframes.cpp).
+  struct Keyframe {
+    Time time_client;
+    Duration until_next;  // the keyframe after it is at most this much later
+    proto::View view;
+  };
+  void computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch, std::vector<Bytes>& out);
+  Keyframe viewOf(Time t, SessionScratch& scratch);
+  void moveGround(const Keyframe& keyframe);
+  bool sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message);
+  void sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector<Bytes>& out);
+  void notePredictions(const Keyframe& keyframe);
+  void count(const KeyframePlan& plan, const SessionScratch& scratch);
+
+  // How large its section may be (session_limits.cpp).
+  double sectionTolerance() const;
+  size_t maxNodes() const;
   void fitBudget(proto::View& view, SessionScratch& scratch);
   double maxAddedForLink() const;
   double loadOf(const proto::View& view, SessionScratch& scratch);
-  bool sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   bool isRegionGuessed() const;
   void fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch);
   void observeRegion(SessionScratch& scratch);
-  void sendWithTiles(Bytes message, const Plan& plan, const proto::View& view, std::vector<Bytes>& out);
-  void computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out);
 
   std::shared_ptr<const World> world_;
   SessionOptions options_;
-  std::optional<proto::ViewRequest> request_;
-  ViewerMotion motion_;
-  SceneTime scene_time_;
-  ClockMap clocks_;
-  bool jumped_ = false;  // and no keyframe has been computed since
-  AnnouncedJumps announced_jumps_;
-  proto::PoseMemory poses_taken_;
-  Time now_;                    // of the last event
+  ViewerInput input_;
+  KeyframeState state_;
   std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
-  Duration interval_;           // from the last keyframe to the next
-  Duration last_step_;          // from the keyframe before the last one to that
   AdaptiveInterval adaptive_interval_;
   std::vector<Bytes> replies_;  // ready
-  Requests requests_;
-  Time next_request_;  // not to be answered earlier
-  std::optional<proto::Resume> resume_;
-  bool resumed_ = false;  // or tried to
+  Time next_request_;           // not to be answered earlier
   enum class Did : uint8_t { kNothing, kKeyframe, kRequest, kPrefetch };
   Did did_ = Did::kNothing;  // in the last step
   Processors processors_ = Processors::kFree;
@@ -220,14 +190,11 @@ class Session {
   ToleranceControl tolerance_;
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;
-  Time last_keyframe_at_, keyframe_before_last_at_;  // when they were computed
-  bool was_after_jump_ = false;
   struct Sent {
     uint32_t index;
     Time at;
   };
   std::deque<Sent> in_flight_;
-  Duration compute_time_ = Duration::milliseconds(10);  // of the slower of the recent keyframes
   PrefetchPace prefetch_pace_;
   SessionStatistics statistics_;
 };

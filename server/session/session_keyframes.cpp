@@ -11,9 +11,6 @@ namespace foreland::server {
 
 namespace {
 
-// For how many intervals the first keyframe after a jump is expected to be shown.
-constexpr int64_t kShownAfterJump = 5;
-
 // Where the camera is from a time on, for what tiles are worth. What is guessed goes straight on from there.
 std::array<TileSender::Stay, 4> staysFrom(const ExpectedMotion& motion, Time t, bool is_on_path) {
   constexpr std::array<double, 4> kAfter_s{0, 2, 5, 10}, kStay_s{1, 2.5, 4, 5};
@@ -29,107 +26,94 @@ std::array<TileSender::Stay, 4> staysFrom(const ExpectedMotion& motion, Time t, 
 
 }  // namespace
 
-// When a keyframe for `t` begins to be shown. The first section, and one after a jump, is shown as soon as it arrives.
-Time Session::shownFrom(Time t) const {
-  if (jumped_) return motion_.newest().time;
-  if (isFirst()) return std::min(motion_.newest().time, t - leadOf(request_->keyframe_interval));
-  return std::min(keyframe().time, t - request_->keyframe_interval) - (leadOf(last_step_) - last_step_);
-}
-
-// What the camera stays in while the section for `t` is shown, around where it is expected then.
-RegionParts Session::regionFor(Time t, Duration until_next) const {
-  const ExpectedMotion motion = motion_.expected(*request_);
-  const Time end = t + leadOf(until_next);
-  const Duration unknown = jumped_ ? request_->keyframe_interval * kShownAfterJump : end - motion_.newest().time;
-  return motion_.regionAround(motion.at(t), motion, shownFrom(t), end, leadOf(std::max(interval_, until_next)),
-                              unknown);
-}
-
-// The keyframe's pose, and what its viewer gets of the region around it.
-proto::View Session::viewFor(Time t, const RegionParts& parts) const {
-  proto::View view{motion_.expected(*request_).at(t), request_->lens, sectionTolerance()};
-  const Region region = motion_.regionShare().of(parts);
-  // Floats, as in the keyframe's header.
-  view.region_radius_m = static_cast<float>(region.radius_m);
-  view.region_angle_rad = static_cast<float>(region.angle_rad);
-  return view;
+// When the next keyframe follows, and the view of this one.
+Session::Keyframe Session::viewOf(Time t, SessionScratch& scratch) {
+  const ViewerMotion& motion = input_.motion();
+  const proto::ViewRequest& request = input_.request();
+  const double tau_px = sectionTolerance();
+  RegionParts parts;
+  const auto fit = [&](Duration until_next) {
+    parts = regionFor(state_, motion, request, t, until_next);
+    fitRegion(viewFor(motion, request, tau_px, t, parts), parts, scratch);
+  };
+  Duration until_next = adaptive_interval_.next(input_.bounds(), state_.interval);
+  fit(until_next);
+  // Rather than guarantee less for long, the next keyframe follows sooner.
+  const Duration sooner = AdaptiveInterval::shortened(input_.bounds(), until_next, motion.regionShare().shareOf(parts));
+  if (sooner < until_next) fit(until_next = sooner);
+  return {t, until_next, viewFor(motion, request, tau_px, t, parts)};
 }
 
 // Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
-bool Session::sendKeyframe(proto::View view, const Plan& plan, size_t max_nodes, SessionScratch& scratch,
-                           Bytes& message) {
-  fitBudget(view, scratch);
-  ViewerOcclusion* const visibility = request_->occlusion ? occlusion_.get() : nullptr;
+bool Session::sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message) {
+  fitBudget(keyframe.view, scratch);
+  ViewerOcclusion* const visibility = input_.request().occlusion ? occlusion_.get() : nullptr;
+  const Time t = keyframe.time_client;
   if (visibility)
-    visibility->expect(outlookOf(motion_.expected(*request_), shownFrom(plan.time_client),
-                                 plan.time_client + leadOf(plan.until_next), request_->keyframe_interval,
-                                 motion_.eyeError(leadOf(std::max(interval_, plan.until_next)))));
-  return sender_.send(view, plan.time_client, max_nodes, scratch.send, message, visibility);
+    visibility->expect(outlookOf(input_.motion().expected(input_.request()), shownFrom(state_, t),
+                                 shownUntil(state_, t, keyframe.until_next), state_.grid,
+                                 input_.motion().eyeError(foreseenFor(state_, keyframe.until_next))));
+  return sender_.send(keyframe.view, t, max_nodes, scratch.send, message, visibility);
 }
 
-// Chooses the scene time of the keyframe for `view`.
-void Session::moveGround(Time t, const proto::View& view) {
+// Chooses the scene time of the keyframe: with the finest tolerance that frames may keep.
+void Session::moveGround(const Keyframe& keyframe) {
   const proto::Epochs& epochs = world_->hierarchy.epochs().epochs();
   if (epochs.empty()) return;
-  // As the viewer decodes it, and with the finest tolerance that frames may keep.
-  const proto::View seen{proto::asSentInHeader(view.pose), view.lens, request_->tau_px,
-                         proto::shortAtLeast(view.region_radius_m), proto::shortAtLeast(view.region_angle_rad)};
-  const auto next = scene_time_.next(epochs, t, [&](Time from, Time wanted) {
+  const proto::View seen = asDecoded(keyframe.view, input_.request().tau_px);
+  const auto next = input_.sceneTime().next(epochs, keyframe.time_client, [&](Time from, Time wanted) {
     return world_->motion ? world_->motion->towards(from, wanted, seen) : epochs.towards(from, wanted);
   });
   sender_.showAt(next.scene_time, next.is_step);
 }
 
-// That the viewer's frames are to keep, less what the ground's motion takes of it.
-double Session::sectionTolerance() const {
-  return proto::sectionTolerance(world_->hierarchy.epochs().epochs().blend(), request_->tau_px);
-}
-
-void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const double interval_s =
-      isFirst() || jumped_ ? request_->keyframe_interval.toSeconds() : (plan.time_client - keyframe().time).toSeconds();
-  if (jumped_) {
+void Session::computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch, std::vector<Bytes>& out) {
+  const bool is_first = state_.isFirst();
+  const Duration step = is_first || state_.has_jumped ? state_.grid : plan.time_client - this->keyframe().time;
+  if (state_.has_jumped) {
     sender_.restart();
     tolerance_.restart();
   }
-  plan.until_next = adaptive_interval_.next(bounds(), interval_);
-  RegionParts parts = regionFor(plan.time_client, plan.until_next);
-  fitRegion(viewFor(plan.time_client, parts), parts, scratch);
-  // Rather than guarantee less for long, the next keyframe follows sooner.
-  const double share = motion_.regionShare().shareOf(parts);
-  if (const Duration sooner = AdaptiveInterval::shortened(bounds(), plan.until_next, share); sooner < plan.until_next) {
-    plan.until_next = sooner;
-    parts = regionFor(plan.time_client, plan.until_next);
-    fitRegion(viewFor(plan.time_client, parts), parts, scratch);
-  }
-  const proto::View view = viewFor(plan.time_client, parts);
-  moveGround(plan.time_client, view);
+  const Keyframe keyframe = viewOf(plan.time_client, scratch);
+  moveGround(keyframe);
   Bytes message;
   // The second one starts from nothing, and so is as large as it was measured.
-  if (!sendKeyframe(view, plan, maxNodes(), scratch, message))
-    CHECK_TRUE(sendKeyframe(view, plan, std::numeric_limits<size_t>::max(), scratch, message));
-  tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), interval_s);
-  sendWithTiles(std::move(message), plan, view, out);
+  if (!sendKeyframe(keyframe, maxNodes(), scratch, message))
+    CHECK_TRUE(sendKeyframe(keyframe, std::numeric_limits<size_t>::max(), scratch, message));
+  tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), step.toSeconds());
+  if (!is_first) state_.last_client = this->keyframe().time;
+  sendWithTiles(std::move(message), keyframe, out);
   observeRegion(scratch);
-  last_step_ = Duration::seconds(interval_s);
 
   unsent_ = true;
-  keyframe_before_last_at_ = isFirst() ? now - request_->keyframe_interval : last_keyframe_at_;
-  last_keyframe_at_ = now;
   did_ = Did::kKeyframe;
-  was_after_jump_ = std::exchange(jumped_, false);
-  motion_.notePrediction({plan.time_client, view.pose}, leadOf(interval_));
-  // What is foreseen with `delay` and `current` is the time after the keyframe, which a higher order makes longer.
-  if (const Time end = plan.time_client + leadOf(plan.until_next);
-      request_->order > 1 && request_->strategy != proto::Strategy::kPredict)
-    motion_.notePrediction({end, motion_.expected(*request_).at(end)}, leadOf(interval_));
-  if (keyframe().base_index > 0)
+  state_.last_step = step;
+  state_.before_last_computed = is_first ? state_.now - state_.grid : state_.last_computed;
+  state_.last_computed = state_.now;
+  state_.was_after_jump = std::exchange(state_.has_jumped, false);
+  notePredictions(keyframe);
+  if (this->keyframe().base_index > 0)
     adaptive_interval_.observe(scratch.send.delta.added.size() + scratch.send.delta.removed.size(),
-                               sender_.adapter().nodeCount(), Duration::seconds(interval_s));
-  interval_ = plan.until_next;
+                               sender_.adapter().nodeCount(), step);
+  state_.interval = keyframe.until_next;
   target_.reset();
   aim();
-  in_flight_.push_back({keyframe().index, now});
+  state_.last_client = this->keyframe().time;
+  in_flight_.push_back({this->keyframe().index, state_.now});
+  count(plan, scratch);
+}
+
+// Notes what was expected of the camera, to be compared with what it does.
+void Session::notePredictions(const Keyframe& keyframe) {
+  const Duration foreseen = state_.leadOf(state_.interval);
+  input_.motion().notePrediction({keyframe.time_client, keyframe.view.pose}, foreseen);
+  // What is foreseen with `delay` and `current` is the time after the keyframe, which a higher order makes longer.
+  if (state_.order == 1 || state_.predicts) return;
+  const Time end = shownUntil(state_, keyframe.time_client, keyframe.until_next);
+  input_.motion().notePrediction({end, input_.motion().expected(input_.request()).at(end)}, foreseen);
+}
+
+void Session::count(const KeyframePlan& plan, const SessionScratch& scratch) {
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.send.delta.added.size();
@@ -146,31 +130,34 @@ void Session::computeKeyframe(Plan plan, Time now, SessionScratch& scratch, std:
 // A keyframe's message, and what goes with it. Tiles follow the keyframe that shows them, and those for where the
 // camera will be in the next seconds, one of them each time. What is predicted for later is worth less, so it is looked
 // at only while the link keeps tiles waiting.
-void Session::sendWithTiles(Bytes message, const Plan& plan, const proto::View& view, std::vector<Bytes>& out) {
+void Session::sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector<Bytes>& out) {
   constexpr int64_t kMaxSecondsAhead = 3;
   constexpr double kRoom = 1.25, kRoom_m = 0.1;
-  if (!tiles_ || !(request_->relief || request_->imagery)) {
+  const proto::ViewRequest& request = input_.request();
+  if (!tiles_ || !(request.relief || request.imagery)) {
     out.push_back(std::move(message));
     return;
   }
-  const bool looks_far = tiles_->isShort() || motion_.isOnPath(*request_);
-  const Time later = plan.time_client + Duration::seconds(looks_far ? 1 + keyframe().index % kMaxSecondsAhead : 1);
-  const ExpectedMotion motion = motion_.expected(*request_);
-  const double unknown_m = motion_.eyeError(leadOf(std::max(interval_, plan.until_next)));
+  const uint32_t index = this->keyframe().index;
+  const Time t = keyframe.time_client;
+  const bool is_on_path = input_.motion().isOnPath(request), looks_far = tiles_->isShort() || is_on_path;
+  const Time later = t + Duration::seconds(looks_far ? 1 + index % kMaxSecondsAhead : 1);
+  const ExpectedMotion motion = input_.motion().expected(request);
+  const double unknown_m = input_.motion().eyeError(foreseenFor(state_, keyframe.until_next));
   const auto eyesOf = [&](Time begin, Time end) {
     EyeSweep eyes = sweepOf(motion, begin, end);
     eyes.radius_m += unknown_m;
     return eyes;
   };
   // With some room, so that what is found for later serves again when it is there.
-  EyeSweep later_eyes = eyesOf(later, later + plan.until_next * kMaxSecondsAhead);
+  EyeSweep later_eyes = eyesOf(later, later + keyframe.until_next * kMaxSecondsAhead);
   later_eyes.radius_m = kRoom * later_eyes.radius_m + kRoom_m;
   const std::array targets{
-      TileSender::Target{view, eyesOf(shownFrom(plan.time_client), plan.time_client + leadOf(plan.until_next))},
-      TileSender::Target{{motion.at(later), view.lens, view.tau_px}, later_eyes}};
-  tiles_->choose(keyframe().index, targets, staysFrom(motion, later, motion_.isOnPath(*request_)), *request_);
-  tiles_->pace().keyframeSent(keyframe().index, message.size(), now_, plan.until_next.toSeconds(),
-                              request_->max_bytes_per_second);
+      TileSender::Target{keyframe.view, eyesOf(shownFrom(state_, t), shownUntil(state_, t, keyframe.until_next))},
+      TileSender::Target{{motion.at(later), keyframe.view.lens, keyframe.view.tau_px}, later_eyes}};
+  tiles_->choose(index, targets, staysFrom(motion, later, is_on_path), request);
+  tiles_->pace().keyframeSent(index, message.size(), state_.now, keyframe.until_next.toSeconds(),
+                              request.max_bytes_per_second);
   tiles_->takeStatement(out);
   out.push_back(std::move(message));
   tiles_->takeTiles(out);

@@ -17,32 +17,37 @@ constexpr Duration kFirstThrough = Duration::seconds(1);
 
 }  // namespace
 
+// That the viewer's frames are to keep, less what the ground's motion takes of it.
+double Session::sectionTolerance() const {
+  return proto::sectionTolerance(world_->hierarchy.epochs().epochs().blend(), input_.request().tau_px);
+}
+
 // A mesh has four triangles a root and two a node; the union of two sections is a little larger.
 size_t Session::maxNodes() const {
-  if (request_->max_triangles == 0) return options_.max_section_nodes;
+  if (input_.request().max_triangles == 0) return options_.max_section_nodes;
   const proto::GridShape& shape = world_->hierarchy.grid().shape();
-  const double nodes = 0.5 * (0.97 * request_->max_triangles - 4.0 * shape.roots_x * shape.roots_y);
+  const double nodes = 0.5 * (0.97 * input_.request().max_triangles - 4.0 * shape.roots_x * shape.roots_y);
   return std::min(options_.max_section_nodes, static_cast<size_t>(std::max(1.0, nodes)));
 }
 
 // How many nodes may be added before the delta takes the link longer than an interval, which would make this keyframe
 // late, and the next ones.
 double Session::maxAddedForLink() const {
-  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : interval_;
-  return 8.0 * request_->max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
+  const Duration allowed = sender_.startsFromNothing() ? kFirstThrough : state_.interval;
+  return 8.0 * input_.request().max_bytes_per_second * allowed.toSeconds() / kBitsOfNode;
 }
 
 // The share that the section of `view` takes of what viewer, link and server allow; infinite if it is not even
 // measured whole.
 double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
-  const size_t max_added = jumped_ ? options_.max_added_after_jump : options_.max_added_nodes;
+  const size_t max_added = state_.has_jumped ? options_.max_added_after_jump : options_.max_added_nodes;
   // What starts from nothing is added whole, though what is remembered is not sent.
   const size_t most = sender_.startsFromNothing() ? std::min(maxNodes(), options_.max_added_nodes) : maxNodes();
   const SectionSize size = sender_.measure(view, most, scratch.send);
   statistics_.nodes_measured += size.nodes;
   if (!size.fits) return std::numeric_limits<double>::infinity();
   double load = std::max(double(size.nodes) / double(most), double(size.added) / double(max_added));
-  if (request_->max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
+  if (input_.request().max_bytes_per_second > 0 && view.tau_px < kCoarsest_px)
     load = std::max(load, double(size.added) / maxAddedForLink());
   return load;
 }
@@ -51,7 +56,7 @@ double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
 // too large for the viewer, the link, or one step of the server. One refinement tells, and is all that is done in most
 // keyframes.
 void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
-  const Budget budget{request_->max_triangles, request_->max_bytes_per_second, processors_};
+  const Budget budget{input_.request().max_triangles, input_.request().max_bytes_per_second, processors_};
   const double before_px = tolerance_.tolerance();
   const double wanted_px = static_cast<float>(tolerance_.next(sectionTolerance(), budget));
   view.tau_px = wanted_px;
@@ -72,14 +77,12 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
 }
 
 // Along an announced path the region is not reduced: there it is no guess.
-bool Session::isRegionGuessed() const {
-  return request_->strategy == proto::Strategy::kPredict && !motion_.isOnPath(*request_);
-}
+bool Session::isRegionGuessed() const { return state_.predicts && !input_.motion().isOnPath(input_.request()); }
 
 // Before a keyframe: makes its region no larger than sections allow (RegionShare). What starts from nothing is measured
 // by fitBudget, and what a jump leaves unknown is not reduced.
 void Session::fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch) {
-  if (!isRegionGuessed() || !motion_.isMotionKnown() || sender_.startsFromNothing()) return;
+  if (!isRegionGuessed() || !input_.motion().isMotionKnown() || sender_.startsFromNothing()) return;
   view.tau_px = std::max(view.tau_px, tolerance_.tolerance());
   const auto nodesOf = [&](const Region& region, size_t most) -> std::optional<size_t> {
     view.region_radius_m = region.radius_m;
@@ -88,18 +91,18 @@ void Session::fitRegion(proto::View view, const RegionParts& parts, SessionScrat
     statistics_.nodes_measured += size.nodes;
     return size.fits ? std::optional(size.nodes) : std::nullopt;
   };
-  motion_.regionShare().fit(parts, nodesOf);
+  input_.motion().regionShare().fit(parts, nodesOf);
 }
 
 // After a keyframe: how much the region made of its section.
 void Session::observeRegion(SessionScratch& scratch) {
-  if (!isRegionGuessed() || !motion_.regionShare().isDue(sender_.nodeCount())) return;
+  if (!isRegionGuessed() || !input_.motion().regionShare().isDue(sender_.nodeCount())) return;
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
   const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
   statistics_.nodes_measured += size.nodes;
-  motion_.regionShare().observe({keyframe().region_radius_m, keyframe().region_angle_rad}, sender_.nodeCount(),
-                                size.nodes);
+  input_.motion().regionShare().observe({keyframe().region_radius_m, keyframe().region_angle_rad}, sender_.nodeCount(),
+                                        size.nodes);
 }
 
 }  // namespace foreland::server

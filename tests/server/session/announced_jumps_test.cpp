@@ -1,4 +1,4 @@
-#include "server/session/announced_jumps.h"
+#include "server/session/input/announced_jumps.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Two clocks with a fixed offset, and a link between them: what can be told of them from messages alone.
-#include "server/session/clock_map.h"
+#include "server/session/input/clock_map.h"
 
 #include <gtest/gtest.h>
 

@@ -119,7 +119,7 @@ TEST(Session, ComputesAKeyframeEarlyIfItIsToldTo) {
 }
 
 // When the second keyframe is due to be begun.
-Session::Due dueOfSecond(const SessionOptions& options) {
+Due dueOfSecond(const SessionOptions& options) {
   Session session(smallWorld(), options);
   SessionScratch scratch;
   std::vector<Bytes> out;
@@ -136,7 +136,7 @@ TEST(Session, BeginsAKeyframeEarlierByItsSlack) {
   const auto dueWith = [](int64_t max_early_ms, int64_t slack_ms) {
     return dueOfSecond({.max_early = Duration::milliseconds(max_early_ms), .slack = Duration::milliseconds(slack_ms)});
   };
-  const Session::Due tight = dueWith(40, 0), loose = dueWith(40, 20), most = dueWith(40, 90);
+  const Due tight = dueWith(40, 0), loose = dueWith(40, 20), most = dueWith(40, 90);
   EXPECT_EQ(loose.release, tight.release - Duration::milliseconds(20));
   EXPECT_EQ(loose.deadline, tight.deadline);
   EXPECT_EQ(loose.earliest, tight.earliest);

@@ -1,4 +1,4 @@
-#include "server/session/adaptive_interval.h"
+#include "server/session/plan/adaptive_interval.h"
 
 #include <algorithm>
 

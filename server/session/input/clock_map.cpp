@@ -1,4 +1,4 @@
-#include "server/session/clock_map.h"
+#include "server/session/input/clock_map.h"
 
 #include <algorithm>
 

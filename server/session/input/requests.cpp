@@ -1,4 +1,4 @@
-#include "server/session/requests.h"
+#include "server/session/input/requests.h"
 
 #include <glm/vec2.hpp>
 #include <limits>
