@@ -1,4 +1,4 @@
-// The section computed exactly for a pose, as a mesh: what the error terms of DESIGN section 4 are measured against.
+// The section computed exactly for a pose, as a mesh: what the error terms of THEORY section 4 are measured against.
 // The pose is rounded to the millimetre as on the wire, so that a known path has no extrapolation error. The oracle
 // calls the refiner through these functions, for it must not know the refiner's code.
 #pragma once

@@ -1,4 +1,4 @@
-// Decides which mesh is shown when (DESIGN section 4). A keyframe mesh spans the times [from.time, to.time] and
+// Decides which mesh is shown when (THEORY section 4). A keyframe mesh spans the times [from.time, to.time] and
 // is shown during an interval of the client's clock that begins where that of the mesh before it ends, so what is drawn
 // never jumps:
 //   predict         from from.time to to.time: geometry and clock agree, and nothing is delayed

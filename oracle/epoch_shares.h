@@ -1,6 +1,6 @@
-// How much each epoch contributes to the ground at a scene time, by the formulas of DESIGN and decision 0046 in another
-// form than proto/section/epochs.h has them: Hermite's for Catmull-Rom, Cox's and de Boor's recursion for the B-spline.
-// So a mistake there cannot hide itself. Pure; O(epochs).
+// How much each epoch contributes to the ground at a scene time, by the formulas of THEORY section 2 and decision 0015
+// in another form than proto/section/epochs.h has them: Hermite's for Catmull-Rom, Cox's and de Boor's recursion for
+// the B-spline. So a mistake there cannot hide itself. Pure; O(epochs).
 #pragma once
 
 #include <span>

@@ -2,7 +2,7 @@
 // the oracle. Since the replay shows exactly what the flight showed, measuring costs the flight nothing and may take
 // its time.
 //
-// What is measured, and where each number comes from (DESIGN section 4):
+// What is measured, and where each number comes from (THEORY section 4):
 // Errors at keyframes and in frames are those of all that is drawn, terrain and objects (scene_oracle.h); the terms
 // below them are the terrain's.
 //
@@ -56,7 +56,7 @@ struct TermNorms {
 
 struct FlightTruth {
   TermNorms keyframes, frames;                   // against the truth
-  TermNorms interpolation, view, extrapolation;  // of DESIGN section 4; empty without a SectionAt
+  TermNorms interpolation, view, extrapolation;  // of THEORY section 4; empty without a SectionAt
   TermNorms lod_motion;                          // pixels only
   double lod_motion_p99_px = 0;
   uint32_t frame_every = 1;  // the stride that was taken: at least the one asked for, without a factor in common with

@@ -1,5 +1,5 @@
 // What the change of detail alone moves on the screen: the drawn vertices of a mesh at two weights, seen by one camera.
-// The less at a time, the less it shows (DESIGN section 3: with keyframes at most 2 tau over the frames between two).
+// The less at a time, the less it shows (THEORY section 3: with keyframes at most 2 tau over the frames between two).
 // Pure; any thread; O(vertices).
 #pragma once
 

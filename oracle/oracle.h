@@ -1,6 +1,6 @@
 // The truth oracle: judges what is drawn against every full-resolution sample, by brute force. For each sample of the
 // terrain that the camera sees, its true position and the position on the drawn mesh at the same lattice position are
-// both projected; the distance between them on the screen is the error (DESIGN section 3: correspond by
+// both projected; the distance between them on the screen is the error (THEORY section 3: correspond by
 // parameter, never by nearest point). It knows heights, the frame and the drawn triangles, nothing of sections, errors
 // or bounds, and shares no code with the refiner, so a mistake of the refiner's cannot hide itself.
 //

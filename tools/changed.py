@@ -3,7 +3,7 @@
 
     tools/changed.py --since REV    prints a line `stages NAME...`: what has changed since REV, uncommitted and new files included
 
-A stage is left out only where no file that it reads has changed; which tests a source reaches is not looked at.
+A stage is left out only where no file that it reads has changed. Of its tests tools/passed_tests.py leaves out those that have passed.
 """
 
 import subprocess
@@ -12,6 +12,8 @@ import sys
 PAGE = ("client/", "proto/", "base/", "server/", "terrain/", "transport/", "apps/", "tools/build_page.sh", "cmake/", "CMake")
 NATIVE = ("base/", "transport/", "proto/", "terrain/", "server/", "client/", "oracle/", "sim/", "lab/", "apps/", "tests/", "deploy/", "cmake/",
           "CMake", "tools/", "check", "demo", "docs/manual/", "docs/PROTOCOL.md", ".clang")
+
+ORDER = ("packages", "layers", "docs", "format", "release", "wasm", "test", "page", "browser", "demo", "package", "lint", "asan", "tsan")
 
 
 def changed(rev):
@@ -25,14 +27,15 @@ def main():
         print(__doc__, file=sys.stderr)
         return 2
     paths = changed(sys.argv[2])
-    stages = ["packages", "layers", "docs"] if paths else []
     native = any(p.startswith(NATIVE) and not p.startswith("client/web/") for p in paths)
+    stages = {"packages", "layers", "docs"} if paths else set()
     if native:
-        stages += ["format", "release", "test"]
+        stages |= {"format", "release", "test", "demo", "package", "lint", "asan", "tsan"}
+    if any(p.startswith("docs/") for p in paths):  # tests hold documents to the programs
+        stages |= {"release", "test"}
     if any(p.startswith(PAGE) for p in paths):
-        stages += [s for s in ("release", "wasm", "page", "browser") if s not in stages]
-    if native:
-        stages += ["demo", "lint", "asan", "tsan"]
+        stages |= {"release", "wasm", "page", "browser"}
+    stages = [stage for stage in ORDER if stage in stages]
     print("stages", *stages)
     return 0
 

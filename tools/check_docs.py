@@ -90,6 +90,24 @@ def gone_sources(tree, path, line):
             yield named
 
 
+# "THEORY section 3", "docs/PROTOCOL.md, section 10", "[x](PROTOCOL.md), section 15"; in comments the section's number may stand on the next line.
+SECTION_OF = re.compile(r"(?<![\w])(?:[\w./]*/)?([A-Z][A-Z_]{3,})(?:\.md)?\)?,?\s(?://\s)?section\s(?://\s)?(\d+)")
+DECISION = re.compile(r"\bdecisions?(?:/|\s+\[?)(\d{4})\b")
+
+
+def false_citations(tree, path):
+    """Sections of documents, and decisions, that are not there."""
+    text = "\n".join(line for _, line in tree.lines(path))
+    for cited in SECTION_OF.finditer(text):
+        document = next((d for d in (f"docs/{cited[1]}.md", f"{cited[1]}.md") if tree.holds(d)), None)
+        headings = "\n".join(line for _, line in tree.lines(document)) if document else ""
+        if not re.search(rf"^## {cited[2]}\.? ", headings, re.MULTILINE):
+            yield f"{path}:{text.count(chr(10), 0, cited.start()) + 1}: cites {cited[1]} section {cited[2]}, which does not exist"
+    for cited in DECISION.finditer(text):
+        if not any(f.startswith(f"docs/decisions/{cited[1]}-") for f in tree.files):
+            yield f"{path}:{text.count(chr(10), 0, cited.start()) + 1}: cites decision {cited[1]}, which does not exist"
+
+
 def lies_of_source(tree, path, threads):
     in_tests = path.startswith(("tests/", "lab/", "sim/", "oracle/", "tools/"))
     locks = False
@@ -135,6 +153,8 @@ def lies(root):
             yield from lies_of_document(tree, path)
         elif path.endswith(SOURCE):
             yield from lies_of_source(tree, path, threads)
+        if path.endswith((".md", *SOURCE)) and not path.startswith("tools/"):
+            yield from false_citations(tree, path)
     yield from lies_of_subcommands(tree)
     yield from lies_of_readme(tree)
 
@@ -143,6 +163,9 @@ PLANTED = {
     "README.md": "`proto/topology/node.h` `proto/gone.h` `build/x` `proto/*.h` `proto/*.txt` [a](docs/A.md) [b](docs/B.md) `word`\n"
                  + 100 * "\n",
     "docs/MANUAL.md": "## `foreland fly`: fly\n",
+    "docs/THEORY.md": "# Theory\n## 1. One\n## 2. Two\n",
+    "docs/decisions/0003-a.md": "# A\n",
+    "server/c.h": "// THEORY section 2 and (THEORY\n// section 3); DESIGN section 1; P section 4.\n// decisions 0003 and decision 0004\n",
     "docs/A.md": "`C.md` `../outside` `A.md` `proto/`\n",
     "docs/THREADS.md": "`server/a.h`: one\n",
     "proto/topology/node.h": "// see docs/A.md and docs/GONE.md, server/a.h, a.cpp, b.{h,cpp} and *.h\n"
@@ -156,7 +179,7 @@ PLANTED = {
 }
 EXPECTED = ["names `proto/gone.h`", "names `proto/*.txt`", "links to docs/B.md", "names `C.md`", "names docs/GONE.md",
             "node.h:2: names server/gone.h", "node.h:3: names mesh.h", "a.py:1: names proto/gone/node.h",
-            "server/b.cpp:2: has a lock", "no section for `foreland new`", "no section for `foreland old`", "README.md:101: has 101 lines"]
+            "server/b.cpp:2: has a lock", "c.h:1: cites THEORY section 3", "c.h:2: cites DESIGN section 1", "c.h:3: cites decision 0004", "no section for `foreland new`", "no section for `foreland old`", "README.md:101: has 101 lines"]
 
 
 def self_test():

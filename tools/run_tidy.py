@@ -4,8 +4,8 @@
     tools/run_tidy.py BUILD_DIR    configured, with compile_commands.json in which every source stands alone (preset `lint`), and its
                                    generated headers built
 
-Most of the time goes into the headers that sources include, so the sources of a folder are linted as one unit that includes them all.
-If that unit finds anything, or does not compile, its sources are linted one by one, and what they find counts. A unit that was clean is
+Most of the time goes into the headers that sources include, so sources of a target are linted in units that include several, as the
+builds compile them. If a unit finds anything, or does not compile, its sources are linted one by one, and what they find counts. A unit that was clean is
 not looked at again until a source of it, a header of ours, its flags or .clang-tidy change. Tests are not linted.
 """
 
@@ -21,7 +21,8 @@ import sys
 import source_files
 
 ROOMS = ("base/", "transport/", "proto/", "terrain/", "server/", "client/", "oracle/", "sim/", "apps/")
-MOST_IN_UNIT = 16
+MAX_IN_UNIT = 12  # as in cmake/Foreland.cmake, where no two sources of a unit use the same name
+TARGET = re.compile(r"[^ ]*CMakeFiles/[^/ ]+\.dir")
 # In a unit the sources are included files. That a source includes no other source is checked here instead.
 IN_UNIT = ["--checks=-bugprone-suspicious-include"]
 INCLUDES_SOURCE = re.compile(r'^\s*#\s*include\s*[<"][^">]+\.cpp[">]', re.MULTILINE)
@@ -43,11 +44,11 @@ def flags_of(entry):
 
 
 def units_of(entries):
-    """Lists of entries of one folder that are compiled alike."""
+    """Lists of entries of one target that are compiled alike."""
     groups = {}
     for entry in entries:
-        groups.setdefault((os.path.dirname(entry["file"]), *flags_of(entry)), []).append(entry)
-    return [group[i:i + MOST_IN_UNIT] for group in groups.values() for i in range(0, len(group), MOST_IN_UNIT)]
+        groups.setdefault((TARGET.search(entry["command"])[0], *flags_of(entry)), []).append(entry)
+    return [group[i:i + MAX_IN_UNIT] for group in groups.values() for i in range(0, len(group), MAX_IN_UNIT)]
 
 
 def read(path):

@@ -120,7 +120,7 @@ With --truth SCENE, measured after landing on a replay of the flight:
                                 were judged
   object_silhouette_error_px, object_interior_error_px   largest on the silhouettes of objects, and inside, where tau times
                                 object_interior_per_tau is guaranteed; max_error_px_* count the latter divided by that
-  interpolation_error_*, view_error_*, extrapolation_error_*   the terms of DESIGN section 4 apart: max, mean and rms, in _px and
+  interpolation_error_*, view_error_*, extrapolation_error_*   the terms of THEORY section 4 apart: max, mean and rms, in _px and
                                 _m; mean is that over frames of the largest in each
   lod_motion_*_px               what the change of detail alone moves in a 60th of a second; p99 of what moves
   delay_max_ms, delay_mean_ms   t - t_d

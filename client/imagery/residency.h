@@ -6,7 +6,7 @@
 //   - there are never more tiles than texture layers; where more are wanted those with the smallest texels on the screen
 //     are left out
 //   - the layer of a tile that goes is not written before the mesh after the next one, so uploads can run ahead
-// Tiles that are not selected stay as long as there is room. One owner. Source: IMAGERY, "In the client".
+// Tiles that are not selected stay as long as there is room. One owner. Source: THEORY section 5, "In the client".
 #pragma once
 
 #include <optional>

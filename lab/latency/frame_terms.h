@@ -1,4 +1,4 @@
-// The error terms of one frame (DESIGN section 4, P section 4), each between two surfaces that this frame's camera
+// The error terms of one frame (THEORY section 4, P section 4), each between two surfaces that this frame's camera
 // sees:
 //
 //   total          what is drawn, against the truth

@@ -18,7 +18,7 @@ proto::View uniformView(const server::Hierarchy& hierarchy, double max_error_m);
 double nearestError_m(const server::Hierarchy& hierarchy, const proto::View& view);
 
 // Largest difference in height between the section's surface and the samples; by the definition of a section's surface
-// (DESIGN section 2), node by node, with nothing of the refiner's. Nothing for terrains of more than 2^25 samples: it
+// (THEORY section 2), node by node, with nothing of the refiner's. Nothing for terrains of more than 2^25 samples: it
 // takes 8 bytes each.
 std::optional<double> trueError_m(const terrain::Scene& scene, const proto::Section& section);
 

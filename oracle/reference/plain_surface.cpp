@@ -88,7 +88,7 @@ void meshToDraw(const terrain::TrueSurface& surface, const PlainSection& section
 
 std::vector<DrawnTriangle> drawnTriangles(const terrain::TrueSurface& surface, const PlainSection& section) {
   const proto::MeshTopology& mesh = surface.topology;
-  std::vector<glm::dvec3> drawn(mesh.slotCount());  // p_S of every node (DESIGN section 2)
+  std::vector<glm::dvec3> drawn(mesh.slotCount());  // p_S of every node (THEORY section 2)
   const auto position = [&](NodeId v) { return mesh.isBase(v) ? surface.position(v) : drawn[mesh.slot(v)]; };
   terrain::forEachNode(mesh, [&](NodeId n, Slot slot) {
     const auto [a, b] = mesh.endpoints(n);

@@ -1,5 +1,5 @@
-// Where the oracles of surfaces see a point: their own projection, by DESIGN's frame and nothing else. Pixels from the
-// screen's middle, up and to the right. Value type; any thread.
+// Where the oracles of surfaces see a point: their own projection, by the frame of docs/PROTOCOL.md and nothing else.
+// Pixels from the screen's middle, up and to the right. Value type; any thread.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // A tile of relief as bytes: heights in whole steps, without loss. Each is predicted by a mean of four guesses from
 // those to the west and south, which count the more the less they were wrong nearby, and coded with what texels have
 // had where predictions did as well (range_coder.h). Pure functions; any thread; portable to WebAssembly. Source:
-// IMAGERY, "Shading from relief alone"; blended predictors: Seemann and Tischer 1997.
+// THEORY section 5, "Shading"; blended predictors: Seemann and Tischer 1997.
 //
 // Mount St. Helens at 10 m in steps of 0.5 m takes 2.18 bits a texel, 18 % less than with the predictor of LOCO-I.
 #pragma once

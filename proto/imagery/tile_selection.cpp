@@ -98,8 +98,9 @@ class Selection {
   }
 
   // Pixels of a part of a tile that the tile makes finer, as SelectedTile counts them.
-  // Source: IMAGERY, "Metric", half the sum of both axes of a texel's image; but texels go on to gain something below a
-  // pixel, for a pixel is the mean of what it shows: all from 2 px on, a quarter at 1 px, nothing at half a pixel.
+  // Source: THEORY section 5, "Metric", half the sum of both axes of a texel's image; but texels go on to gain
+  // something below a pixel, for a pixel is the mean of what it shows: all from 2 px on, a quarter at 1 px, nothing at
+  // half a pixel.
   double finerPixels(uint8_t level, const Ground& ground, const TilePart& part) const {
     if (!(ground.distance > 0) || frustum_.sideDistance(ground.in_view) < 0) return 0;
     const Axes& axes = ground.axes;

@@ -1,7 +1,7 @@
 // Which tiles a view needs, so that no texel of what it sees is larger on the screen than stated. Server and client
 // select by the same rule: the server knows all tiles, the client those that it has. Pure; any thread; portable.
-// Source: IMAGERY, "Metric": texels of the size s are fine enough if s <= tau sqrt(m M). A tile is needed if those of
-// its parent are not, within the tile: so of four children often one or two are.
+// Source: THEORY section 5, "Metric": texels of the size s are fine enough if s <= tau sqrt(m M). A tile is needed if
+// those of its parent are not, within the tile: so of four children often one or two are.
 #pragma once
 
 #include <array>

@@ -29,7 +29,7 @@ inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
 inline constexpr size_t kMaxGroundPoints = 65'536;
 inline constexpr uint32_t kMaxOrder = 3;
 
-// P section 4; DESIGN section 4.
+// P section 4; THEORY section 4.
 enum class Strategy : uint8_t { kDelay = 0, kCurrent = 1, kPredict = 2 };
 enum class Predictor : uint8_t {
   kHold = 0,

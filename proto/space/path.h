@@ -1,5 +1,5 @@
 // A planned path of the camera: poses at even steps of time, smooth in between. Both ends evaluate it to the same
-// poses, so a keyframe predicted from it has no extrapolation error (DESIGN section 4, `known path`). Value type; const
+// poses, so a keyframe predicted from it has no extrapolation error (THEORY section 4, `known path`). Value type; const
 // use from any thread.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The base complex of a surface: triangles glued along edges, and who is whose neighbour (DESIGN section 1). Any
+// The base complex of a surface: triangles glued along edges, and who is whose neighbour (THEORY section 1). Any
 // topology and any valence; closed or with borders; oriented, so that normals and back faces mean something.
 //
 // Half-edge 3 f + i runs from corner i of face f to the next corner. Two faces that share an edge run along it in

@@ -1,4 +1,4 @@
-// Topology of bisection over a grid of root squares (P 2.1; DESIGN section 2). Each root square has 2^k + 1 samples a
+// Topology of bisection over a grid of root squares (P 2.1; THEORY section 2). Each root square has 2^k + 1 samples a
 // side, shares its border with its neighbours, and has its centre inserted: four root triangles whose refinement edges
 // are its sides. Corners and centres are the base vertices (level 0); every other lattice point is a node, refined by
 // halving an edge.

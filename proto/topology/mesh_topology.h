@@ -1,4 +1,4 @@
-// Topology of a surface: a triangle base mesh of any shape, refined by one of two rules (DESIGN section 2). It says of
+// Topology of a surface: a triangle base mesh of any shape, refined by one of two rules (THEORY section 2). It says of
 // nodes what GridTopology says of a grid's, under the same names, so that refiner, codec and interpolator need not know
 // which of them they work on:
 //

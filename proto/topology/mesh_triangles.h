@@ -8,7 +8,7 @@
 //                  cutting does not change the surface.
 //
 // So vertices are base vertices, nodes of the section and, by quadrisection, other nodes, whose position is the middle
-// of their endpoints, as DESIGN section 2 defines it for every node. `is_in_section(NodeId)` must be closed under
+// of their endpoints, as THEORY section 2 defines it for every node. `is_in_section(NodeId)` must be closed under
 // parents; by quadrisection it may have mayHold(half), which is asked first: whether it holds nodes that halve edges of
 // twice as many lattice intervals, or finer ones. Triangles turn as their base face does. Pure; any thread;
 // O(triangles), no allocation.

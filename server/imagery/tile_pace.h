@@ -4,8 +4,8 @@
 // they queue. It begins with a guess, within what the first keyframe tells of the link; until that one has arrived, not
 // more than one interval's share is sent. Where the link's queue is the transport's own, keyframes do not queue but are
 // computed later, once all has been sent (Session::onDrained): then the time that takes tells the link's rate, and
-// tiles get what keyframes leave of it. One owner. Source: IMAGERY, "When"; delays as the signal of a queue as in
-// LEDBAT (RFC 6817).
+// tiles get what keyframes leave of it. One owner. Source: THEORY section 5, "When"; delays as the signal of a queue as
+// in LEDBAT (RFC 6817).
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // What one viewer is sent of the scene's tiles, and when: first what the keyframe's view needs and what it will need in
 // the next seconds, relief before imagery and what is seen largest before the rest, then what makes the picture better
 // for few bytes; until the first view is whole nothing but what it needs. Nothing that ridges hide, and nothing twice
-// that the viewer holds. One owner (a session). Source: IMAGERY, "Metric" and "When".
+// that the viewer holds. One owner (a session). Source: THEORY section 5, "Metric" and "When".
 #pragma once
 
 #include <memory>

@@ -45,7 +45,7 @@ struct SessionOptions {
   Duration max_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
                          // half an interval
   // Where that is permitted it is always begun so much earlier, for it may cost more than the last ones did, or wait
-  // for another that was begun before (decision 0056).
+  // for another that was begun before (decision 0024).
   Duration slack = Duration::milliseconds(15);
   uint32_t max_tile_bytes = proto::kDefaultTileBytes;  // of tiles that a viewer may hold
   size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link

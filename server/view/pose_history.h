@@ -1,4 +1,4 @@
-// What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (DESIGN
+// What a session knows of its viewer's motion: recent poses on the client's clock, and guesses at poses to come (THEORY
 // section 4). One owner. Bounded: it keeps at least the last kCapacity / 2 poses, and at most kCapacity. At 60 poses a
 // second these are more than 4 s, so that poses between two keyframes at the usual intervals are all there.
 #pragma once

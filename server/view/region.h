@@ -1,5 +1,5 @@
 // The region of a keyframe: where the camera will be while its section is shown, from the keyframe before it to the one
-// after it. The refiner keeps the tolerance for every pose in the region (DESIGN section 3), so the region is a bound.
+// after it. The refiner keeps the tolerance for every pose in the region (THEORY section 3), so the region is a bound.
 // Pure functions; any thread.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Fills the node table: height, exact saturated error and saturated sphere of every node (DESIGN section 3).
+// Fills the node table: height, exact saturated error and saturated sphere of every node (THEORY section 3).
 //
 //   error(n)   at least the error of leaving n out (error.h), and at least the error of each child. 0 where the support
 //              holds no data

@@ -1,4 +1,4 @@
-// The exact error of leaving one node out (DESIGN section 3): the largest distance, over the data samples of the node's
+// The exact error of leaving one node out (THEORY section 3): the largest distance, over the data samples of the node's
 // support, between the true surface and the surface without the node, at the same parameter. Not saturated; bounds.h
 // does that.
 //

@@ -1,5 +1,5 @@
 // Where a drawn mesh puts a point of the surface: its position at a parameter. Surfaces correspond by parameter, never
-// by nearest point, so that a texture which slid would be seen (DESIGN section 3). The meshes are laid out flat by
+// by nearest point, so that a texture which slid would be seen (THEORY section 3). The meshes are laid out flat by
 // their parameters, the terrain at height 0 and object i at height -1 - i, and a vertical ray finds the triangle there.
 //
 // Precision: positions are computed in doubles on the triangle found. It is chosen in floats, so that within 2^-23 of

@@ -1,4 +1,4 @@
-// The bounds of every node of a surface (S 3.3; DESIGN section 3), exact over the full-resolution surface and
+// The bounds of every node of a surface (S 3.3; THEORY section 3), exact over the full-resolution surface and
 // saturated. With V(n) the vertices where the node's hat function is not zero:
 //
 //   radius   the sphere about the node holds the full-resolution triangles at V(n), where they truly are and moved by

@@ -1,4 +1,4 @@
-// The surface oracle on frames whose errors are known, and its verdict on refined surfaces: the error guarantee (DESIGN
+// The surface oracle on frames whose errors are known, and its verdict on refined surfaces: the error guarantee (THEORY
 // section 3) for every vertex of every kind of surface.
 #include "oracle/surface/surface_oracle.h"
 

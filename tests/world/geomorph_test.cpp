@@ -34,7 +34,7 @@ using proto::NodeId;
 // Positions of meshes are floats, about an origin up to a few kilometres away.
 constexpr double kRounding_m = 2e-3;
 
-// p_w(v) as DESIGN section 2 has it, of every node whether it is drawn or not. `own(v)` is its true position.
+// p_w(v) as THEORY section 2 has it, of every node whether it is drawn or not. `own(v)` is its true position.
 template <class Topology, class Own>
 class Weighted {
  public:

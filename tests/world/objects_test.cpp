@@ -22,7 +22,7 @@ using sim::World;
 using proto::NodeId;
 using proto::Section;
 
-// p_S(v) as DESIGN section 2 has it, in the scene's frame.
+// p_S(v) as THEORY section 2 has it, in the scene's frame.
 class Drawn {
  public:
   Drawn(const proto::ObjectPlacement& placement, const Section& section)

@@ -1,5 +1,5 @@
 // The mesh between two keyframes: the union of the sections drawn at its two ends, with two positions per vertex. A
-// frame is mix(from, to, weight) and nothing else (P, theorem 1; DESIGN section 2), so the processor does no work per
+// frame is mix(from, to, weight) and nothing else (P, theorem 1; THEORY section 2), so the processor does no work per
 // frame. The ends are the keyframes' sections, or with geomorphs (client/mesh/weights/blend.h) as far as each node has
 // morphed: positions are linear in the nodes' weights, so the same mix draws both. Where more than two keyframes are
 // blended, a vertex goes from end to end on a curve, of which the mesh has how far it bends. Plain data, built by

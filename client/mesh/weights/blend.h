@@ -1,4 +1,4 @@
-// How a client blends the surfaces of keyframes, that is, which weights w(v) of DESIGN section 2 it draws with.
+// How a client blends the surfaces of keyframes, that is, which weights w(v) of THEORY section 2 it draws with.
 //   keyframe    all nodes change together, from one keyframe to the next (P, theorem 1): every frame keeps the error
 //               guarantee
 //   geomorph    per-node morph timing (S 3.5; morph_timing.h): changes are slower where they would show. A node may

@@ -1,5 +1,5 @@
 // Where a vertex is drawn: p_w(v) = (p_w(a) + p_w(b)) / 2 + w(v) d(v), with a and b the endpoints of the edge that the
-// node v refines, d its displacement and w its weight (DESIGN section 2). This is the only interpolator: terrain and
+// node v refines, d its displacement and w its weight (THEORY section 2). This is the only interpolator: terrain and
 // objects, keyframes and geomorphs use it. With the weights 0 and 1 of a section the result is, to the last bit, the
 // edge's midpoint or the node's true position.
 #pragma once

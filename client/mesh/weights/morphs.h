@@ -1,6 +1,6 @@
 // The nodes in transition of a terrain or of one object: which they are, and how far each has morphed.
 //
-// A surface is drawn with a weight w(v) for each node (DESIGN section 2): 1 if the node is in the section, 0 if not,
+// A surface is drawn with a weight w(v) for each node (THEORY section 2): 1 if the node is in the section, 0 if not,
 // and between while it is added or removed (S 3.5, equation 6). A mesh is shown for one interval; its `from` and `to`
 // are the surfaces with the weights at its two ends, so a weight is linear within a mesh and may change its slope where
 // meshes meet. A transition takes a whole number of intervals, which per-node morph timing chooses; if that is one for

@@ -38,7 +38,7 @@ struct KnownPage {
 // Appends what is known of a page, whose settled nodes must be known, to `out`, in few bytes: some 30 where 70 stand in
 // a PageKnowledge, for neighbours mostly share their fate. The known nodes' bits, and the settled ones' among these,
 // are written by bytes, in that of four prefix codes which makes them shortest; the codes were fitted to flights
-// (docs/decisions/0057-packed-memory.md). Below a microsecond.
+// (docs/decisions/0021-memory.md). Below a microsecond.
 void packPage(const PageKnowledge& page, Bytes& out);
 inline constexpr size_t kMaxPackedBytes = 67;
 // The inverse. `packed` is what packPage() wrote; what follows is not read.

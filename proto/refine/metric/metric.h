@@ -9,7 +9,7 @@
 // radius r; R = r + b) every visible point has
 //   z >= z_min = max(z cos w - rho sin w - R, (d - R) cos(corner)),  rho = sqrt(d^2 - z^2),   h <= h(c) + R,   d/z <= 1/cos(corner)
 // so with K = f e / tau the node is needed if  K / cos(corner) > z_min  and, for vertical errors,  K (h + R) > z_min^2,
-// and if the sphere meets the frustum, its planes turned towards it by w (DESIGN section 3, the error guarantee; w = b
+// and if the sphere meets the frustum, its planes turned towards it by w (THEORY section 3, the error guarantee; w = b
 // = 0 is the keyframe alone).
 //
 // All conditions only grow with the sphere and the error. A parent's sphere holds its children's with 5e-6 m to spare

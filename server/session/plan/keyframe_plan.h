@@ -1,6 +1,6 @@
 // When a session computes its next keyframe, and for which time.
 //
-// Keyframes lie on a grid of the client's clock (DESIGN section 4). With `predict`, the keyframe for t_{i+1} is
+// Keyframes lie on a grid of the client's clock (THEORY section 4). With `predict`, the keyframe for t_{i+1} is
 // computed so that it arrives by t_i; with `delay` and `current`, that for t_i is computed when the pose of t_i has
 // arrived. A viewer that blends n + 1 keyframes shows what is in the middle of them (KeyframeState::leadOf), so with
 // `predict` its keyframes are computed (n - 1) / 2 intervals sooner. If viewer, link or server cannot keep up, grid
@@ -21,7 +21,7 @@ namespace foreland::server {
 struct PlanOptions {
   Duration safety;     // a predicted keyframe should arrive this long before it is needed
   Duration max_early;  // it may be computed so much earlier than it must be begun, but at most half an interval; 0: not
-  Duration slack;      // and is always begun so much earlier where that is permitted (decision 0056)
+  Duration slack;      // and is always begun so much earlier where that is permitted (decision 0024)
 };
 
 struct KeyframePlan {

@@ -1,5 +1,5 @@
 // Meshes of random sections on every kind of base: watertight, without T-vertices, covering each face once, and exactly
-// the piecewise linear surface of DESIGN section 2.
+// the piecewise linear surface of THEORY section 2.
 #include "proto/topology/mesh_triangles.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Every bound of terrain/surface/bounds.h by brute force: random sections of every kind of surface, every vertex of the
-// full resolution, hats and drawn positions from their definitions (DESIGN section 2).
+// full resolution, hats and drawn positions from their definitions (THEORY section 2).
 #include "terrain/surface/bounds.h"
 
 #include <gtest/gtest.h>

@@ -162,7 +162,7 @@ class Session {
     if (this.connection.isOpen()) this.viewer.requestTour(name, seconds);
   }
 
-  // Splines do not go with scene time that runs (docs/decisions/0052).
+  // Splines do not go with scene time that runs (docs/decisions/0015).
   private blendInForce(): Blend {
     const is_spline = this.blend !== 'keyframe' && this.blend !== 'geomorph';
     return is_spline && this.is_scene_running ? 'keyframe' : this.blend;

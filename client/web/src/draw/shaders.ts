@@ -52,7 +52,7 @@ vec3 toScreen(vec3 colour) {
 }
 `;
 
-// A frame between two keyframes: mix of two positions with one weight (DESIGN section 2). Of more keyframes, a way that bends
+// A frame between two keyframes: mix of two positions with one weight (THEORY section 2). Of more keyframes, a way that bends
 // (BlendMesh::from_bends).
 const kInterpolation = /* glsl */ `
 in vec4 from_position;  // metres from the mesh's origin; w: height above the zero surface
