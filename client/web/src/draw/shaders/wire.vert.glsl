@@ -1,0 +1,8 @@
+uniform vec3 u_up;
+out float v_distance;
+void main() {
+  vec4 p = blended();
+  vec4 view = modelViewMatrix * vec4(p.xyz, 1.0);
+  v_distance = length(p.xyz + u_origin);
+  gl_Position = projectionMatrix * vec4(view.xyz * 0.9995, 1.0);  // a hair nearer than the surface
+}
