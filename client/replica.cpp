@@ -55,7 +55,7 @@ Replica::Replica(const proto::Welcome& welcome)
       nodes_(domain_->grid, {*corner_heights_, *centre_heights_}),
       object_set_(std::make_unique<proto::ObjectSet>(
           std::move(proto::ObjectSet::create(welcome.models, welcome.objects, epochsOf(welcome))).value())) {
-  model_.tells_blocks = welcome.occlusion;
+  model_.signals_blocks = welcome.occlusion;
   if (!welcome.epochs.empty())
     epochs_ = std::make_unique<proto::EpochStream>(domain_->grid, epochsOf(welcome), welcome.base_offsets);
   makeObjects();
@@ -264,7 +264,7 @@ Status Replica::step(const proto::KeyframeHeader& header, ByteSpan bytes) {
     is_broken_ = false;
     adapter_.restart(remembered);
     if (remembered == proto::Remembered::kNothing) {
-      model_ = proto::DeltaModel::forConnection(model_.tells_blocks);
+      model_ = proto::DeltaModel::forConnection(model_.signals_blocks);
       if (epochs_) epochs_->restart();
     }
     nodes_.clearSections();

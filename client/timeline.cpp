@@ -19,7 +19,7 @@ constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, p
 bool startsAnew(const MeshPatch& mesh) { return mesh.from.index == mesh.to.index || mesh.to.time < mesh.from.time; }
 
 // Of n + 1 keyframes the last one must be there (n + 1) / 2 intervals before what is in the middle of them is shown.
-Duration leadOf(const EarlierKeyframes& earlier, Duration interval) {
+Duration leadTime(const EarlierKeyframes& earlier, Duration interval) {
   return interval + Duration{interval.us * earlier.count / 2};
 }
 
@@ -76,7 +76,7 @@ Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, prot
   } else {
     updatePlayoutDelay(*mesh, arrival);
   }
-  const Duration lead = leadOf(mesh->earlier, intervalOf(*mesh));
+  const Duration lead = leadTime(mesh->earlier, intervalOf(*mesh));
   const Time shown_from = mesh->from.time - mesh->earlier.from_age, shown_to = mesh->to.time - mesh->earlier.to_age;
   // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
   const Duration lateness = arrival - (shown_from + (predicted ? Duration{} : lead + playout_delay_before));

@@ -46,7 +46,7 @@ size_t World::addClient(const ClientOptions& options) {
 
 void World::loseConnection(size_t client) { lose(*clients_[client]); }
 
-void World::handOver(size_t client) { clients_[client]->live.hand_over.ask(now_); }
+void World::migrate(size_t client) { clients_[client]->live.migration.ask(now_); }
 
 void World::overtake(size_t client, Duration late) {
   Client& c = *clients_[client];
@@ -136,7 +136,7 @@ std::optional<Time> World::nextEvent(const Connection& c, Time now) {
   if (c.has_left) return best;
   if (c.waits_for_drain) earliest(best, std::max(c.down.drainedAt(), now));
   if (const auto due = c.session.due()) earliest(best, std::max(due->release, now));
-  if (c.hand_over.isAsked()) earliest(best, std::max(c.has_greeted ? c.hand_over.latest() : now, now));
+  if (c.migration.isAsked()) earliest(best, std::max(c.has_greeted ? c.migration.latest() : now, now));
   return best;
 }
 
@@ -153,7 +153,7 @@ void World::handle(Client& c, size_t index, Time now) {
 bool World::drive(Client& client, Connection& c, Time now) {
   if (c.waits_for_drain && c.down.drainedAt() <= now) {
     c.waits_for_drain = false;
-    c.hand_over.leavesOnceSent() ? leaveForAnother(c, now) : c.session.onDrained(now);
+    c.migration.leavesOnceSent() ? leaveForAnother(c, now) : c.session.onDrained(now);
   }
   while (c.up.nextArrival() && *c.up.nextArrival() <= now) {
     const Bytes message = c.up.receive();
@@ -165,7 +165,7 @@ bool World::drive(Client& client, Connection& c, Time now) {
       return false;
     }
   }
-  if (!c.has_left && c.hand_over.isOverdue(now, c.has_greeted)) leaveForAnother(c, now);
+  if (!c.has_left && c.migration.isOverdue(now, c.has_greeted)) leaveForAnother(c, now);
   if (c.has_left) return true;
   if (const auto due = c.session.due(); due && due->release <= now) serve(client, c, now);
   return true;
@@ -264,7 +264,7 @@ void World::receive(Client& c, size_t index, Time now) {
   if (message.empty()) {  // the server's end of the connection
     // A round trip each for the new connection and for WebSocket's greeting.
     const Duration round_trip = c.options.up.latency + c.options.down.latency;
-    ++c.hand_overs;
+    ++c.migrations;
     lose(c);
     c.connects_at = now + round_trip * 2;
     return;

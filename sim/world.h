@@ -14,7 +14,7 @@
 
 #include "base/fnv1a.h"
 #include "client/viewer.h"
-#include "server/session/hand_over.h"
+#include "server/session/migration.h"
 #include "server/session/session.h"
 #include "sim/compute_cost.h"
 #include "sim/link.h"
@@ -80,8 +80,8 @@ class World {
   // The client's server dies with its connection, and what was under way is lost; the client flies on.
   void loseConnection(size_t client);
   bool isConnected(size_t client) const { return clients_[client]->is_connected; }
-  // The client's server is drained: it asks the client to go on at another one, which it does (server::HandOver).
-  void handOver(size_t client);
+  // The client's server is drained: it asks the client to go on at another one, which it does (server::Migration).
+  void migrate(size_t client);
   // The client's connection breaks and it makes a new one, which reaches a server before the old one's end does: that
   // session goes on for `late`, with nobody at the other end.
   void overtake(size_t client, Duration late);
@@ -108,7 +108,7 @@ class World {
   const client::Viewer& viewer(size_t i) const { return clients_[i]->viewer; }
   const server::Session& session(size_t i) const { return clients_[i]->live.session; }
   // Connections of the client that its server ended, for another one to go on.
-  uint64_t handOvers(size_t i) const { return clients_[i]->hand_overs; }
+  uint64_t migrations(size_t i) const { return clients_[i]->migrations; }
   // A fingerprint of every byte that has arrived at a client.
   uint64_t bytesHash(size_t i) const { return clients_[i]->hash.value(); }
   const Traffic& traffic(size_t i) const { return clients_[i]->traffic; }
@@ -127,7 +127,7 @@ class World {
     Link up, down;
     bool waits_for_drain = false;
     bool has_greeted = false;
-    server::HandOver hand_over;
+    server::Migration migration;
     bool has_left = false;  // the server has ended it, and the client has not heard of that
     // The server's, by keyframe, until the client has it.
     struct Sent {
@@ -155,11 +155,11 @@ class World {
     Time next_frame;
     bool path_announced = false;
     bool is_connected = true;
-    std::optional<Time> connects_at;  // after it was handed over
+    std::optional<Time> connects_at;  // after it was migrated
     Rng chance{0};
     std::optional<Time> cut_at;  // after a message was changed on its way
     bool has_mesh = false, scene_changed = false, was_corrupted = false;
-    uint64_t connections = 1, hand_overs = 0;
+    uint64_t connections = 1, migrations = 0;
     Fnv1a hash;
     Traffic traffic;
     proto::PoseMemory poses_counted;

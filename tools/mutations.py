@@ -92,7 +92,7 @@ MUTATIONS = [
        "update.received_keyframe > keyframe().index + 1", "server_test"),
     of("region: half the interval", "server/view/region", "growth.advanceTo(timeBetween(begin, end, i, steps));",
        "growth.advanceTo(timeBetween(begin, end, i, 2 * steps));", FLIGHT),
-    of("deadline: an interval late", "server/session", "clocks_.sendBy(*target_ - leadOf(interval_))", "clocks_.sendBy(*target_)", FLIGHT),
+    of("deadline: an interval late", "server/session", "clocks_.sendBy(*target_ - leadTime(interval_))", "clocks_.sendBy(*target_)", FLIGHT),
     of("budget: sign", "server/section", "std::log(triangles_ / (kMiddle * budget.triangles))", "-std::log(triangles_ / (kMiddle * budget.triangles))",
        "server_test:ToleranceControl*"),
     # the client

@@ -33,7 +33,7 @@ Status Link::carry(client::Player& player, Clock::time_point epoch, Clock::time_
   lost_ = status.error();
   lost_at_ = Clock::now();
   attempts_ = 0;
-  next_attempt_ = connection_->lostBy() == client::LostBy::kHandOver ? lost_at_ : lost_at_ + wait();
+  next_attempt_ = connection_->lostBy() == client::LostBy::kMigrate ? lost_at_ : lost_at_ + wait();
   connection_.reset();
   return {};
 }

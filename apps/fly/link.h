@@ -23,7 +23,7 @@ class Link {
       : connection_(std::move(connection)), url_(std::move(url)), options_(std::move(options)), random_(seed) {}
 
   // Sends and receives messages until `until`, and no shorter. When the connection is lost, it tries to make a new one,
-  // with which the player resumes: at once if the server asks for that (client::LostBy::kHandOver), else within a fifth
+  // with which the player resumes: at once if the server asks for that (client::LostBy::kMigrate), else within a fifth
   // of a second, and again and again, ever more rarely. An Error if that fails for 30 seconds.
   Status run(client::Player& player, Clock::time_point epoch, Clock::time_point until);
   void close();

@@ -239,9 +239,9 @@ Result<PlayerOptions> optionsFromJson(const std::string& text) {
   if (json.has("track")) o.track = trackFrom(json.object("track"));
   if (json.has("scene")) {
     Members scene = json.object("scene");
-    constexpr int64_t kMost_us = proto::Epochs::kMaxTime_us;
+    constexpr int64_t kMax_us = proto::Epochs::kMaxTime_us;
     o.scene = {{},
-               Time{scene.integer<int64_t>("from_us", -kMost_us, kMost_us)},
+               Time{scene.integer<int64_t>("from_us", -kMax_us, kMax_us)},
                scene.number("rate", -proto::SceneClock::kMaxRate, proto::SceneClock::kMaxRate)};
   }
   if (!wrong.empty()) return wrongly(wrong);

@@ -140,13 +140,13 @@ PlannedTrack planCamera(const Track& track, const proto::FrameTransform& frame, 
   return plan;
 }
 
-struct Stretch {
+struct PathSpan {
   size_t first = 0, count = 0;
 };
 
 template <class Inside>
-Stretch longestStretch(size_t size, Inside&& inside) {
-  Stretch best;
+PathSpan longestSpan(size_t size, Inside&& inside) {
+  PathSpan best;
   for (size_t i = 0; i < size;) {
     size_t end = i;
     while (end < size && inside(end)) ++end;
@@ -242,7 +242,7 @@ Result<PlannedTrack> planTrack(const Track& track, const proto::FrameTransform& 
   points = boxSmooth(points, static_cast<size_t>(std::lround(kSmooth_s / step_s)));
 
   const double max_x = shape.samples_x - 1, max_y = shape.samples_y - 1;
-  const Stretch inside = longestStretch(points.size(), [&](size_t i) {
+  const PathSpan inside = longestSpan(points.size(), [&](size_t i) {
     return points[i].x >= 0 && points[i].x <= max_x && points[i].y >= 0 && points[i].y <= max_y;
   });
   if (inside.count < 2)

@@ -17,7 +17,7 @@ struct LatencyArguments {
   ExperimentArguments experiment;
   lab::GridRequest grid;
   std::filesystem::path trace_up, trace_down;
-  double judge_hz = lab::JudgedFrames::kMost_hz;
+  double judge_hz = lab::JudgedFrames::kMax_hz;
   uint32_t width_px = 1920, height_px = 1080;
 };
 

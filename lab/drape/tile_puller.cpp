@@ -110,7 +110,7 @@ bool TilePuller::isInView(const proto::TileId& tile, const proto::Pose& pose) {
 // Of a tile in a plane frame the only one is its box. On the earth there are as many as leave little of a bend in each,
 // raised by what the ground between the corners rises above the plane through them.
 const std::vector<TilePuller::Cell>& TilePuller::cellsOf(const proto::TileId& tile) {
-  constexpr double kMost_rad = 0.06;
+  constexpr double kMax_rad = 0.06;
   std::vector<Cell>& cells = cells_[tile.key()];
   if (!cells.empty()) return cells;
   const proto::LatticeBox box = scene_->tiles().layers()[layer_].boxOf(tile);
@@ -120,7 +120,7 @@ const std::vector<TilePuller::Cell>& TilePuller::cellsOf(const proto::TileId& ti
   glm::dvec2 count(1), size_rad(0);
   if (earth_) {
     size_rad = size * glm::dvec2(frame.longitude_step_rad, frame.latitude_step_rad);
-    count = glm::max(glm::ceil(size_rad / kMost_rad), glm::dvec2(1));
+    count = glm::max(glm::ceil(size_rad / kMax_rad), glm::dvec2(1));
   }
   const double raised_m = frame.semi_major_m * (1 / std::cos(0.5 * glm::length(size_rad / count)) - 1);
   for (double j = 0; j < count.y; ++j)

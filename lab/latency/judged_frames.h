@@ -15,7 +15,7 @@ namespace foreland::lab {
 
 class JudgedFrames {
  public:
-  static constexpr double kMost_hz = 10, kLeast_hz = 0.1;
+  static constexpr double kMax_hz = 10, kMin_hz = 0.1;
 
   // Ten a second, or a whole part of it. An Error names a rate that is none.
   static Result<JudgedFrames> atRate(double hz);
@@ -23,7 +23,7 @@ class JudgedFrames {
   constexpr JudgedFrames() = default;
   constexpr explicit JudgedFrames(uint32_t one_in) : one_in_(one_in) {}
 
-  double hz() const { return kMost_hz / one_in_; }
+  double hz() const { return kMax_hz / one_in_; }
 
   // Frames are counted from the flight's beginning.
   constexpr bool has(uint64_t frame) const {

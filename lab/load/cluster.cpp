@@ -56,7 +56,7 @@ void sumUp(const std::vector<ViewerMove>& moves, ClusterFigures& f) {
   std::vector<double> gaps, lost_gaps;
   for (const ViewerMove& m : moves) {
     f.moves += m.cause == MoveCause::kBalanced;
-    f.handed_over += m.cause == MoveCause::kDrained;
+    f.migrated += m.cause == MoveCause::kDrained;
     f.lost += m.cause == MoveCause::kLost;
     f.afresh += !m.is_resumed;
     (m.cause == MoveCause::kLost ? lost_gaps : gaps).push_back(m.gap_ms);

@@ -10,7 +10,7 @@
 
 namespace foreland::lab {
 
-// fail: at once, with its connections and what it was computing; drain: it takes no more viewers and hands over those
+// fail: at once, with its connections and what it was computing; drain: it takes no more viewers and migrates those
 // that it has, one after another (as server/net/drain.h); join: it takes viewers from then on.
 struct ServerEvent {
   enum class What : uint8_t { kFail, kDrain, kJoin };
@@ -48,8 +48,8 @@ struct ClusterFigures {
   uint64_t not_in_time = 0;  // of those: late, skipped, or not computed while their viewer had no server
   double not_in_time_share = 0;
   double imbalance = 0;  // use of the busiest server less the mean of those that are there, mean over time
-  uint64_t moves = 0, handed_over = 0, lost = 0;  // viewers who connected again, by cause
-  uint64_t afresh = 0;                            // of them, those who could not resume
+  uint64_t moves = 0, migrated = 0, lost = 0;  // viewers who connected again, by cause
+  uint64_t afresh = 0;                         // of them, those who could not resume
   double move_gap_p50_ms = 0, move_gap_max_ms = 0, lost_gap_p50_ms = 0, lost_gap_p99_ms = 0, lost_gap_max_ms = 0;
   double move_up_mean = 0, move_up_max = 0, move_down_mean = 0, move_down_max = 0;  // bytes, whatever the cause
 
@@ -60,7 +60,7 @@ struct ClusterFigures {
     visit("not_in_time_share", not_in_time_share);
     visit("imbalance", imbalance);
     visit("moves", moves);
-    visit("handed_over", handed_over);
+    visit("handed_over", migrated);
     visit("lost", lost);
     visit("afresh", afresh);
     visit("move_gap_p50_ms", move_gap_p50_ms);

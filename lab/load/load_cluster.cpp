@@ -1,9 +1,9 @@
-// The part of LoadSimulation that is about several servers: viewers who connect, are moved, handed over or lost.
+// The part of LoadSimulation that is about several servers: viewers who connect, are moved, migrated or lost.
 #include <algorithm>
 #include <utility>
 
 #include "lab/load/load_simulation.h"
-#include "server/session/hand_over.h"
+#include "server/session/migration.h"
 
 namespace foreland::lab {
 
@@ -16,7 +16,7 @@ constexpr Duration kLongestDrain = Duration::seconds(10);
 constexpr Duration kNoServer = Duration::milliseconds(10);  // until a balancer looks for one again
 constexpr size_t kCloseBytes = 4;                           // of WebSocket, with its reason
 constexpr double kNewest = 0.125;                           // weight of the newest look at a viewer's load
-constexpr Duration kStays =
+constexpr Duration kDwells =
     Duration::milliseconds(5000);  // at least, before a viewer is moved, for its first keyframes cost more
 
 Duration roundTrip(const sim::LinkPair& links) { return links.up.latency + links.down.latency; }
@@ -181,9 +181,9 @@ void LoadSimulation::drain(size_t s) {
   std::vector<size_t> on_it;
   for (size_t i = 0; i < viewers_.size(); ++i)
     if (viewers_[i]->session && viewers_[i]->server == s) on_it.push_back(i);
-  const server::HandOverTurns turns(on_it.size(), now_, kLongestDrain);
+  const server::MigrationTurns turns(on_it.size(), now_, kLongestDrain);
   for (size_t turn = 0; turn < on_it.size(); ++turn)
-    at(turns.timeOf(turn), What::kHandOver, on_it[turn], viewers_[on_it[turn]]->connection);
+    at(turns.timeOf(turn), What::kMigrate, on_it[turn], viewers_[on_it[turn]]->connection);
 }
 
 std::vector<ServerLoad> LoadSimulation::serverLoads() const {
@@ -198,7 +198,7 @@ std::vector<ServerLoad> LoadSimulation::serverLoads() const {
 
 ViewerLoad LoadSimulation::loadOf(const Viewer& v) const {
   ViewerLoad load{.server = v.server, .used = expectedLoad(v) / static_cast<double>(options_.workers)};
-  load.is_movable = v.session && !v.leaving && !v.moving && now_ - v.connected_at >= kStays;
+  load.is_movable = v.session && !v.leaving && !v.moving && now_ - v.connected_at >= kDwells;
   if (v.session) load.resume_s = resumeWork(v).toSeconds();
   return load;
 }

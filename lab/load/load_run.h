@@ -19,7 +19,7 @@
 namespace foreland::lab {
 
 // fifo: in the order of release; edf: by deadline; least-laxity: by the time that is left; fair: by deadline, later for
-// who has used more than an even share (server/sched/debt.h).
+// who has used more than an even share (server/sched/deficit.h).
 enum class LoadPolicy : uint8_t { kFifo, kEdf, kLeastLaxity, kFair };
 // When keyframes of different viewers are due: at once, at random, or evenly spread.
 enum class Phases : uint8_t { kSynchronised, kRandom, kStaggered };

@@ -92,7 +92,7 @@ void LoadSimulation::handle(const Event& event) {
 
 // What belongs to a connection goes with it.
 void LoadSimulation::handleConnection(const Event& event) {
-  constexpr What kKinds[] = {What::kUp, What::kDown, What::kDrained, What::kDone, What::kHandOver};
+  constexpr What kKinds[] = {What::kUp, What::kDown, What::kDrained, What::kDone, What::kMigrate};
   if (std::find(std::begin(kKinds), std::end(kKinds), event.what) == std::end(kKinds)) return;
   const size_t i = event.index;
   Viewer& v = *viewers_[i];
@@ -107,7 +107,7 @@ void LoadSimulation::handleConnection(const Event& event) {
     if (!v.is_running) v.session->onDrained(now_), schedule(i);
   }
   if (event.what == What::kDone) done(i);
-  if (event.what == What::kHandOver) leave(i, MoveCause::kDrained);
+  if (event.what == What::kMigrate) leave(i, MoveCause::kDrained);
 }
 
 void LoadSimulation::receive(size_t i) {
@@ -143,7 +143,7 @@ void LoadSimulation::schedule(size_t i) {
   const auto due = v.session->due();
   if (!due) return;
   server::Due job{due->release, due->deadline, due->is_costly, due->work, due->earliest};
-  if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.debt.wait(share());
+  if (options_.policy == LoadPolicy::kFair) job.deadline = job.deadline + v.deficit.wait(share());
   v.ticket = queues.add(i, job, [this, i](size_t worker) { step(i, worker); });
   v.is_queued = true;
 }
@@ -213,7 +213,7 @@ void LoadSimulation::done(size_t i) {
   server.costly_running -= v.is_costly;
   v.is_running = false;
   v.session->noteComputeTime(v.work);
-  v.debt.charge(v.work, now_, share());
+  v.deficit.charge(v.work, now_, share());
   if (v.is_keyframe && isMeasured()) count(v);
   for (Bytes& message : v.out) {
     v.down.send(std::move(message), now_);

@@ -13,7 +13,7 @@
 #include "lab/load/load_cast.h"
 #include "lab/load/load_run.h"
 #include "lab/load/worker_queues.h"
-#include "server/sched/debt.h"
+#include "server/sched/deficit.h"
 #include "server/session/session.h"
 #include "sim/link.h"
 
@@ -56,7 +56,7 @@ class LoadSimulation {
     std::deque<Bytes> inbox;
     bool is_running = false, is_queued = false, waits_for_drain = false;
     WorkerQueues::Ticket ticket;
-    server::Debt debt;
+    server::Deficit deficit;
 
     // Of the step that runs.
     std::vector<Bytes> out;
@@ -85,7 +85,7 @@ class LoadSimulation {
     kWake,
     kConnect,
     kServer,
-    kHandOver,
+    kMigrate,
     kBalance,
     kAdmit
   };

@@ -165,7 +165,7 @@ namespace {
 
 void addMoves(const ClusterFigures& a, const ClusterFigures& b, std::vector<Agreement>& all) {
   const auto count = [](uint64_t n) { return static_cast<double>(n); };
-  const Agreement moves[] = {{"handed_over", count(a.handed_over), count(b.handed_over)},
+  const Agreement moves[] = {{"handed_over", count(a.migrated), count(b.migrated)},
                              {"lost", count(a.lost), count(b.lost)},
                              {"afresh", count(a.afresh), count(b.afresh)},
                              {"move_gap_p50_ms", a.move_gap_p50_ms, b.move_gap_p50_ms},

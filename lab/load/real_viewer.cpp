@@ -73,7 +73,7 @@ Status RealViewer::stay(Connection& connection, const RealStart& start) {
 
 // On loopback nobody waits for TCP's round trip, as one would over the link; here it is waited for.
 Status RealViewer::moveOn(Connection& connection, const RealStart& start) {
-  const bool is_lost = connection.lostBy() != LostBy::kHandOver;
+  const bool is_lost = connection.lostBy() != LostBy::kMigrate;
   moving_ = is_lost ? MoveCause::kLost : MoveCause::kDrained;
   if (is_lost) sleep(Duration{static_cast<int64_t>(chance_.below(kFirstWait_us))});
   sleep(round_trip_);

@@ -27,13 +27,13 @@ class Guesser {
     view.region_radius_m = region.radius_m + error.radius_m;
     view.region_angle_rad = region.angle_rad + error.angle_rad;
     views_.push_back(view);
-    outlooks_.push_back([history = history_, predictor = predictor_, t, T, error] {
-      return server::outlookOf(server::ExpectedMotion(history, predictor), t - T, t + T, T, error.radius_m);
+    eye_paths_.push_back([history = history_, predictor = predictor_, t, T, error] {
+      return server::eyePathOf(server::ExpectedMotion(history, predictor), t - T, t + T, T, error.radius_m);
     });
     times_.push_back(t);
   }
 
-  PredictedFlight take() { return {std::move(views_), std::move(outlooks_)}; }
+  PredictedFlight take() { return {std::move(views_), std::move(eye_paths_)}; }
 
  private:
   const proto::Path& path_;
@@ -42,7 +42,7 @@ class Guesser {
   server::PoseHistory history_;
   server::PredictionErrors errors_;
   std::vector<proto::View> views_;
-  std::vector<PredictedFlight::Outlook> outlooks_;
+  std::vector<PredictedFlight::EyePath> eye_paths_;
   std::vector<Time> times_;
   size_t judged_ = 0;
 };
@@ -51,8 +51,8 @@ PredictedFlight knownFlight(const proto::Path& path, const FlightOptions& option
   PredictedFlight flight{keyframeViews(path, options, Guarantee::kEveryFrame), {}};
   const Duration T = options.keyframe_interval;
   for (size_t i = 0; i < flight.views.size(); ++i)
-    flight.outlooks.push_back([&path, T, t = Time{} + T * static_cast<int64_t>(i)] {
-      return server::outlookOf(server::ExpectedMotion(path), t - T, t + T, T, 0);
+    flight.eye_paths.push_back([&path, T, t = Time{} + T * static_cast<int64_t>(i)] {
+      return server::eyePathOf(server::ExpectedMotion(path), t - T, t + T, T, 0);
     });
   return flight;
 }

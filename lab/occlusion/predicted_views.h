@@ -17,10 +17,10 @@ struct PoseReports {
 
 struct PredictedFlight {
   // Where the server expects the eye when it computes a keyframe, and afterwards.
-  using Outlook = std::function<server::EyeOutlook()>;
+  using EyePath = std::function<server::PredictedEyePath()>;
 
   std::vector<proto::View> views;  // of the keyframes
-  std::vector<Outlook> outlooks;
+  std::vector<EyePath> eye_paths;
 };
 
 // Each keyframe is sent an interval and the link's time before its own, by what the viewer has reported by then; its
@@ -29,13 +29,13 @@ struct PredictedFlight {
 PredictedFlight predictedFlight(const proto::Path& path, const FlightOptions& options, proto::Predictor predictor,
                                 const PoseReports& reports = {});
 
-// Tells a viewer's visibility before each keyframe what the flight's outlook is. Both must outlive it.
+// Tells a viewer's visibility before each keyframe what the flight's eye path is. Both must outlive it.
 class Foresight final : public proto::BlockVisibility {
  public:
   Foresight(server::ViewerOcclusion& inner, const PredictedFlight& flight) : inner_(inner), flight_(flight) {}
 
   void begin(const proto::View& view) override {
-    inner_.expect(flight_.outlooks.at(keyframe_++)());
+    inner_.expect(flight_.eye_paths.at(keyframe_++)());
     inner_.begin(view);
   }
   bool isHidden(const proto::BlockId& block) override { return inner_.isHidden(block); }

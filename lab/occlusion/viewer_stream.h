@@ -15,7 +15,7 @@ class ViewerStream {
   // outlive the stream.
   ViewerStream(const server::Hierarchy& hierarchy, proto::BlockVisibility* visibility)
       : visibility_(visibility), sender_(hierarchy), replica_(welcomeOf(hierarchy, visibility)) {
-    if (visibility) sender_.tellBlocks();
+    if (visibility) sender_.signalBlocks();
   }
 
   void send(const proto::View& view, Time time) {

@@ -2,11 +2,11 @@
 import { coloursOf, legend, Plot, svgOf } from './plot.mjs';
 
 const kTerms = ['refinement', 'interpolation', 'view', 'extrapolation'];
-const kLeast_px = 0.05; // of logarithmic axes
+const kMin_px = 0.05; // of logarithmic axes
 
 const howOf = (cell) => (cell.predictor === 'none' ? cell.strategy : `${cell.strategy} ${cell.predictor}`);
 const kLog_px = { type: 'log', tickFormat: (px) => `${+px.toPrecision(2)}` };
-const clamp = (px) => Math.max(px, kLeast_px);
+const clamp = (px) => Math.max(px, kMin_px);
 
 // Of keyframes, in milliseconds.
 const isAdaptive = (c) => c.longest_keyframe_ms > 0;

@@ -101,10 +101,10 @@ class LevelCoder {
     const PredictionContext context = PredictionContext::of(records.context);
     const size_t size = sizeOf(context, q.least);
     if (q.is_new) {
-      const auto familiarity = static_cast<size_t>(q.familiarity);
+      const auto client_knowledge = static_cast<size_t>(q.client_knowledge);
       const size_t finer = static_cast<size_t>(std::min(std::abs(q.finest.value - q.least.value), 7));
-      const size_t third = q.familiarity == Familiarity::kNew ? scale_ : finer;
-      return {&model_.newly_addable[((familiarity * DeltaModel::kSizes + size) * 8 + third) * 4], true, context};
+      const size_t third = q.client_knowledge == ClientKnowledge::kNew ? scale_ : finer;
+      return {&model_.newly_addable[((client_knowledge * DeltaModel::kSizes + size) * 8 + third) * 4], true, context};
     }
     const size_t width = std::min<size_t>(static_cast<size_t>(q.bound.value - q.least.value), 7);
     return {&model_.addable[(size * 8 + width) * 8 + scale_], false, context};
@@ -172,8 +172,8 @@ bool DeltaEncoder::onAdded(int level, std::span<const Predicate> added) {
 }
 
 bool DeltaEncoder::reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) {
-  CHECK_TRUE(model_.tells_blocks || !visibility_);
-  if (!model_.tells_blocks) return true;
+  CHECK_TRUE(model_.signals_blocks || !visibility_);
+  if (!model_.signals_blocks) return true;
   const double before = coder_.bits();
   BlockCoder(coder_, model_.blocks).codeChanges(blocks, visibility_, hides, changed);
   bits_.blocks += coder_.bits() - before;
@@ -246,7 +246,7 @@ void DeltaDecoder::onSettled(Slot slot, QuantisedError error) {
 }
 
 bool DeltaDecoder::reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) {
-  if (model_.tells_blocks) BlockCoder(coder_, model_.blocks).codeChanges(blocks, nullptr, hides, changed);
+  if (model_.signals_blocks) BlockCoder(coder_, model_.blocks).codeChanges(blocks, nullptr, hides, changed);
   return !coder_.overrun();
 }
 

@@ -42,12 +42,12 @@ struct DeltaModel {
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;
   BlockModel blocks;
-  bool tells_blocks = false;  // of the connection (Welcome::occlusion): deltas say which blocks are hidden
+  bool signals_blocks = false;  // of the connection (Welcome::occlusion): deltas say which blocks are hidden
 
   // As at the start of a connection.
-  static DeltaModel forConnection(bool tells_blocks) {
+  static DeltaModel forConnection(bool signals_blocks) {
     DeltaModel model;
-    model.tells_blocks = tells_blocks;
+    model.signals_blocks = signals_blocks;
     return model;
   }
 };

@@ -16,7 +16,7 @@ namespace foreland::proto {
 
 // What is known of how a decision about an addable node will turn out, from what was said of its page and its parents
 // before the step.
-enum class Familiarity : uint8_t {
+enum class ClientKnowledge : uint8_t {
   kNew,       // one of its parents was not known, so it was not on the frontier before
   kSeen,      // it may have been, but no node of its page was asked about this closely
   kRejected,  // it is not known though its page was asked about at least this closely
@@ -31,7 +31,7 @@ struct Predicate {
   bool is_in_section = false;
   bool is_new = false;    // the node has come to the frontier in this step
   bool is_known = false;  // its height was sent
-  Familiarity familiarity = Familiarity::kNew;
+  ClientKnowledge client_knowledge = ClientKnowledge::kNew;
   QuantisedError finest{255};  // the least error that a node of the page was asked about
 };
 

@@ -71,16 +71,16 @@ bool TerrainTester::resolve(size_t i, AdaptCandidate& c, QuantisedError finest) 
   return is_decided;
 }
 
-Familiarity TerrainTester::familiarityOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
-                                         const Frontier::Nodes& nodes) const {
-  if (c.is_known) return Familiarity::kKnown;
+ClientKnowledge TerrainTester::clientKnowledgeOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
+                                                 const Frontier::Nodes& nodes) const {
+  if (c.is_known) return ClientKnowledge::kKnown;
   bool are_known = true;
   for (NodeId parent : domain_.grid.parents(node(i), level)) {
     const Slot above = domain_.grid.slot(parent, level - 1);
     are_known = are_known & nodes.pageAt(above).knowledge.known.has(lowOf(above));
   }
-  if (!are_known) return Familiarity::kNew;
-  return nodes.page(c.page).knowledge.finest > least ? Familiarity::kSeen : Familiarity::kRejected;
+  if (!are_known) return ClientKnowledge::kNew;
+  return nodes.page(c.page).knowledge.finest > least ? ClientKnowledge::kSeen : ClientKnowledge::kRejected;
 }
 
 void TerrainTester::collectPredicates(int level, std::span<AdaptCandidate> candidates, const Frontier::Nodes& nodes) {
@@ -106,7 +106,8 @@ Predicate TerrainTester::predicateOf(size_t i, int level, const AdaptCandidate& 
           .is_in_section = c.is_in_section,
           .is_new = c.is_new,
           .is_known = c.is_known,
-          .familiarity = c.is_new && !c.is_in_section ? familiarityOf(i, level, c, least, nodes) : Familiarity::kNew,
+          .client_knowledge =
+              c.is_new && !c.is_in_section ? clientKnowledgeOf(i, level, c, least, nodes) : ClientKnowledge::kNew,
           .finest = nodes.page(c.page).knowledge.finest};
 }
 

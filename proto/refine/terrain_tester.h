@@ -99,8 +99,8 @@ class TerrainTester {
   bool resolve(size_t i, AdaptCandidate& candidate, QuantisedError finest);
   void collectPredicates(int level, std::span<AdaptCandidate> candidates, const Frontier::Nodes& nodes);
   Predicate predicateOf(size_t i, int level, const AdaptCandidate& c, const Frontier::Nodes& nodes) const;
-  Familiarity familiarityOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
-                            const Frontier::Nodes& nodes) const;
+  ClientKnowledge clientKnowledgeOf(size_t i, int level, const AdaptCandidate& c, QuantisedError least,
+                                    const Frontier::Nodes& nodes) const;
   bool askSource(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
   bool tellAdded(int level, std::span<const AdaptCandidate> candidates);
   void settle(std::span<const AdaptCandidate> candidates, Frontier& frontier);

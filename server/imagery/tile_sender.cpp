@@ -24,7 +24,7 @@ Status TileSender::hold(const proto::HeldTiles& held) {
   return {};
 }
 
-void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Stay> stays,
+void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Dwell> dwells,
                         const proto::ViewRequest& request) {
   waiting_.clear();
   needed_.clear();
@@ -46,9 +46,9 @@ void TileSender::choose(uint32_t keyframe, std::span<const Target> targets, std:
   sortWaiting();
   if (!had_first_view_ || keyframe % kWantEvery != 0) return;
   const proto::View& last = targets.back().view;
-  outlook_.clear();
-  for (const Stay& stay : stays)
-    outlook_.push_back({proto::Frustum({stay.pose, last.lens, last.tau_px}, proto::kNearestGround_m), stay});
+  dwells_.clear();
+  for (const Dwell& dwell : dwells)
+    dwells_.push_back({proto::Frustum({dwell.pose, last.lens, last.tau_px}, proto::kNearestGround_m), dwell});
   for (size_t at = 0; at < layers.size(); ++at) {
     const auto layer = static_cast<uint8_t>(at);
     if (layers[layer].content != proto::TileContent::kImagery || !request.wants(layers[layer].content)) continue;
@@ -123,11 +123,11 @@ double TileSender::secondsOfUse(const proto::TileId& tile, const proto::Pose& fr
   const auto distanceFrom = [&](const glm::dvec3& eye) { return std::max(glm::distance(centre, eye), radius); };
   const double distance = distanceFrom(from.eye);
   double seconds = 0;
-  for (const auto& [frustum, stay] : outlook_) {
-    const glm::dvec3 way = centre - stay.pose.eye;
+  for (const auto& [frustum, dwell] : dwells_) {
+    const glm::dvec3 way = centre - dwell.pose.eye;
     if (frustum.sideDistance(frustum.toView(way.x, way.y, way.z)) < -radius) continue;
-    const double nearer = distance / distanceFrom(stay.pose.eye);
-    seconds += stay.seconds * nearer * nearer;
+    const double nearer = distance / distanceFrom(dwell.pose.eye);
+    seconds += dwell.seconds * nearer * nearer;
   }
   return seconds;
 }
@@ -138,9 +138,9 @@ Bytes TileSender::messageOf(const proto::TileId& tile) const {
 }
 
 void TileSender::takeStatement(std::vector<Bytes>& out) {
-  if (statement_.texel_px == told_.texel_px) return;
+  if (statement_.texel_px == stated_.texel_px) return;
   out.push_back(proto::encode(statement_));
-  told_ = statement_;
+  stated_ = statement_;
 }
 
 void TileSender::takeTiles(std::vector<Bytes>& out) {

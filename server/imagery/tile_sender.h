@@ -39,11 +39,11 @@ class TileSender {
   // A view that tiles are needed for, and where the eye may be while it is shown.
   struct Target {
     proto::View view;
-    EyeSweep eyes;
+    EyeCapsule eyes;
   };
 
   // Where the camera is expected to be later on, and for how long it is taken to be there.
-  struct Stay {
+  struct Dwell {
     proto::Pose pose;
     double seconds;
   };
@@ -55,9 +55,9 @@ class TileSender {
   Status hold(const proto::HeldTiles& held);
 
   // Chooses what follows a keyframe of index `keyframe`, whose own view is the first of `targets`. O(tiles needed),
-  // about 1 us each, and 10 us for those that the viewer lacks. What `stays` see is what finer tiles are worth, in
+  // about 1 us each, and 10 us for those that the viewer lacks. What `dwells` see is what finer tiles are worth, in
   // proportion to what they are in the last target.
-  void choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Stay> stays,
+  void choose(uint32_t keyframe, std::span<const Target> targets, std::span<const Dwell> dwells,
               const proto::ViewRequest& request);
   // What is stated, if it changed. Goes before the keyframe, so that it counts for the mesh that ends there.
   void takeStatement(std::vector<Bytes>& out);
@@ -89,16 +89,16 @@ class TileSender {
   uint64_t max_needed_bytes_;  // half of what the viewer holds, so that what is needed is not dropped for the rest
   TilePace pace_;
   std::optional<VisibleGround> ground_;
-  proto::TileStatement statement_, told_;
+  proto::TileStatement statement_, stated_;
   std::vector<proto::SelectedTile> waiting_;  // to be sent, in this order
   // By any of the views: the largest size of their texels, in pixels; none larger than of their parents'.
   std::unordered_map<uint64_t, float> needed_;
   uint64_t needed_bytes_ = 0;  // of these
-  struct Outlook {
+  struct DwellView {
     proto::Frustum frustum;
-    Stay stay;
+    Dwell dwell;
   };
-  std::vector<Outlook> outlook_;
+  std::vector<DwellView> dwells_;
   std::vector<proto::SelectedTile> selected_;
   uint32_t short_until_ = 0;     // keyframe
   bool had_first_view_ = false;  // once all that a keyframe's view needs was there

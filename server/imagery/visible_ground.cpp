@@ -24,7 +24,7 @@ VisibleGround::VisibleGround(std::span<const proto::TileLayer> layers, std::shar
   for (size_t i = 0; i < kHorizons; ++i) horizons_.push_back(std::make_unique<Horizon>(*ground_->grid));
 }
 
-void VisibleGround::look(const EyeSweep& eyes, const proto::View& view) {
+void VisibleGround::look(const EyeCapsule& eyes, const proto::View& view) {
   tau_per_m_ = view.tau_px / view.lens.focalPx();
   if (horizons_.empty()) return;
   // One that was made for where the eye was expected to be by now, among others.

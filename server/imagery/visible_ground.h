@@ -13,7 +13,7 @@
 #include "proto/imagery/tile_selection.h"
 #include "server/imagery/ground_squares.h"
 #include "server/occlusion/horizon/horizon.h"
-#include "server/view/eye_sweep.h"
+#include "server/view/eye_capsule.h"
 
 namespace foreland::server {
 
@@ -31,7 +31,7 @@ class VisibleGround final : public proto::TileGround {
 
   // From these eyes from now on, through a view's lens and with its tolerance: the ground may be drawn lower than it is
   // by as much.
-  void look(const EyeSweep& eyes, const proto::View& view);
+  void look(const EyeCapsule& eyes, const proto::View& view);
 
   bool parts(const proto::TileId& tile, std::vector<proto::TilePart>& out) override;
   bool split(const proto::TilePart& part, std::vector<proto::TilePart>& out) override;

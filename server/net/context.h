@@ -39,7 +39,7 @@ struct ServerContext {
   SessionHost& host;
   Metrics& metrics;
   Gate& gate;
-  std::map<std::string, size_t>& connections_from;   // open ones, by household
+  std::map<std::string, size_t>& connections_from;   // open ones, by network
   std::shared_ptr<boost::asio::ssl::context> tls{};  // null: the public port is in the clear
   std::set<std::shared_ptr<ViewerConnection>> viewers{};
   bool is_draining = false;  // takes no further viewers
@@ -56,7 +56,7 @@ inline std::string addressOf(const boost::asio::ip::tcp::socket& socket) {
   return error ? std::string() : addressText(endpoint.address());
 }
 
-// Counts one open socket, in the metrics and for its household (gate.h), as long as this object lives, whichever
+// Counts one open socket, in the metrics and for its network (gate.h), as long as this object lives, whichever
 // protocol the socket speaks. I/O thread.
 class ConnectionCount {
  public:
@@ -65,7 +65,7 @@ class ConnectionCount {
         from_(&context.connections_from),
         address_(admission == Admission::kMetrics ? std::string() : addressOf(socket)) {
     ++*open_;
-    ++(*from_)[householdOf(address_)];
+    ++(*from_)[networkOf(address_)];
   }
   ConnectionCount(ConnectionCount&& other) noexcept
       : open_(std::exchange(other.open_, nullptr)), from_(other.from_), address_(std::move(other.address_)) {}
@@ -76,17 +76,17 @@ class ConnectionCount {
     forget();
   }
 
-  // A proxy has said whom the connection is for. Returns how many others there are of that household.
+  // A proxy has said whom the connection is for. Returns how many others there are of that network.
   size_t countFor(const std::string& address) {
     forget();
     address_ = address;
-    return (*from_)[householdOf(address_)]++;
+    return (*from_)[networkOf(address_)]++;
   }
   const std::string& address() const { return address_; }
 
  private:
   void forget() {
-    const auto at = from_->find(householdOf(address_));
+    const auto at = from_->find(networkOf(address_));
     if (at != from_->end() && --at->second == 0) from_->erase(at);
   }
 

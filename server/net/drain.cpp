@@ -15,10 +15,10 @@ void Drain::step(Time now) {
   const std::vector<std::shared_ptr<ViewerConnection>> viewers(context_.viewers.begin(), context_.viewers.end());
   for (const auto& viewer : viewers) {
     viewer->check(now);
-    if (viewer->isHandingOver() || now < turns_.timeOf(asked_)) continue;
-    viewer->handOver();
+    if (viewer->isMigrating() || now < turns_.timeOf(asked_)) continue;
+    viewer->migrate();
     ++asked_;
-    ++context_.metrics.handed_over;
+    ++context_.metrics.migrated;
   }
 }
 

@@ -1,4 +1,4 @@
-// Hands a server's viewers over before it stops (server/session/hand_over.h).
+// Hands a server's viewers over before it stops (server/session/migration.h).
 // Private to server/net; I/O thread.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 #include "base/time.h"
 #include "server/net/context.h"
-#include "server/session/hand_over.h"
+#include "server/session/migration.h"
 
 namespace foreland::server {
 
@@ -24,7 +24,7 @@ class Drain {
  private:
   ServerContext& context_;
   const Time end_;
-  const HandOverTurns turns_;
+  const MigrationTurns turns_;
   size_t asked_ = 0;
 };
 

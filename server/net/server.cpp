@@ -147,7 +147,7 @@ class Server::Impl {
     if (metrics_.connections >= most + kReserve)
       return turnAway(std::move(socket), RefusedFor::kFull, fmt::format("there are {} connections already", most));
     const std::string address = addressOf(socket);
-    const auto from = context_.connections_from.find(householdOf(address));
+    const auto from = context_.connections_from.find(networkOf(address));
     if (from != context_.connections_from.end() && !context_.gate.isTrusted(address) &&
         from->second >= options_.max_connections_per_address)
       return turnAway(std::move(socket), RefusedFor::kAddress,

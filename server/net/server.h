@@ -64,7 +64,7 @@ class Server {
   // Reads the certificate and its key again, for connections to come. An Error changes nothing. Owner's thread.
   Status reloadTls();
 
-  // Takes no further viewers and hands over those that are here: each is asked, at its next keyframe, to connect again
+  // Takes no further viewers and migrates those that are here: each is asked, at its next keyframe, to connect again
   // and resume (close code 1012), and is so free to be sent to another server by a proxy. Plain HTTP is still
   // answered; /readyz says 503. Returns when all have gone, after `most` at the latest. By the owner's thread only,
   // before stop().

@@ -172,22 +172,22 @@ void SessionActor::countKept() {
   kept_bytes_ = kept;
 }
 
-// Pays the debt at the even share, then adds to it.
+// Pays the deficit at the even share, then adds to it.
 void SessionActor::charge(Duration spent, Time now) {
   constexpr double kMemory_s = 2;
   const double elapsed_s = std::max(1e-6, (now - charged_at_).toSeconds());
   charged_at_ = now;
-  debt_.charge(spent, now, host_.load_.fairShare(host_.metrics_.flying));
+  deficit_.charge(spent, now, host_.load_.fairShare(host_.metrics_.flying));
   cost_ += (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost_);
   host_.load_.add(spent, now);
   session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying));
 }
 
 Due SessionActor::fairly(Due due) const {
-  constexpr double kSmallDebt_s = 0.1;
+  constexpr double kSmallDeficit_s = 0.1;
   constexpr Duration kShortStep = Duration::milliseconds(50);
-  due.deadline = due.deadline + debt_.wait(host_.load_.fairShare(host_.metrics_.flying));
-  due.is_costly = due.is_costly || (debt_.seconds() > kSmallDebt_s && session_.computeTime() > kShortStep);
+  due.deadline = due.deadline + deficit_.wait(host_.load_.fairShare(host_.metrics_.flying));
+  due.is_costly = due.is_costly || (deficit_.seconds() > kSmallDeficit_s && session_.computeTime() > kShortStep);
   return due;
 }
 

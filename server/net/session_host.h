@@ -27,7 +27,7 @@
 #include "server/net/metrics/load.h"
 #include "server/net/metrics/metrics.h"
 #include "server/net/viewer_bytes.h"
-#include "server/sched/debt.h"
+#include "server/sched/deficit.h"
 #include "server/sched/pool.h"
 #include "server/session/session.h"
 
@@ -136,7 +136,7 @@ class SessionActor : public std::enable_shared_from_this<SessionActor> {
   uint64_t jumps_counted_ = 0;
   int64_t kept_bytes_ = 0;  // as counted last
   Time charged_at_;
-  Debt debt_;        // of processor time used beyond the even share
+  Deficit deficit_;  // of processor time used beyond the even share
   double cost_ = 0;  // of one worker's time; smoothed over some seconds
 };
 

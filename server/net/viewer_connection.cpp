@@ -144,7 +144,7 @@ void ViewerConnection::read() {
 
 void ViewerConnection::onRead(beast::error_code error) {
   if (error)
-    return finish(hand_over_.isAsked()                ? "was handed over"
+    return finish(migration_.isAsked()                ? "was handed over"
                   : error == websocket::error::closed ? "left"
                                                       : "was lost: " + error.message());
   heard_at_ = context_.clock();
@@ -219,7 +219,7 @@ void ViewerConnection::onWritten(beast::error_code error, size_t bytes) {
   }
   if (state_ == State::kClosing || (state_ == State::kFlushing && outbox_.empty())) return sendCloseFrame();
   if (outbox_.empty() && state_ == State::kOpen) {
-    if (hand_over_.leavesOnceSent()) return leaveForAnother();
+    if (migration_.leavesOnceSent()) return leaveForAnother();
     actor_->sent(batches_sent_);
   }
   write();
@@ -248,11 +248,11 @@ void ViewerConnection::leave(websocket::close_code code, const std::string& reas
   });
 }
 
-void ViewerConnection::handOver() {
+void ViewerConnection::migrate() {
   orGiveUp([&] {
     const Time now = context_.clock();
-    hand_over_.ask(now);
-    if (hand_over_.isOverdue(now, has_greeted_)) leaveForAnother();
+    migration_.ask(now);
+    if (migration_.isOverdue(now, has_greeted_)) leaveForAnother();
   });
 }
 
@@ -286,7 +286,7 @@ void ViewerConnection::checkOpen(Time now) {
     context_.metrics.count(RefusedFor::kUnread);
     return finish(fmt::format("read nothing, or hardly anything, for {:.0f} s", timeout.toSeconds()));
   }
-  if (hand_over_.isOverdue(now, has_greeted_)) return leaveForAnother();
+  if (migration_.isOverdue(now, has_greeted_)) return leaveForAnother();
   if (hasExpired()) return leave(websocket::close_code::policy_error, "your token has expired");
   if (!has_greeted_ && now - opened_at_ > context_.options.hello_timeout)
     return leaveSilent("no message for too long; connect again");

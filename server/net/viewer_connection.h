@@ -14,7 +14,7 @@
 #include "base/bytes.h"
 #include "base/time.h"
 #include "server/net/context.h"
-#include "server/session/hand_over.h"
+#include "server/session/migration.h"
 #include "transport/transport.h"
 #include "transport/web_socket.h"
 
@@ -36,9 +36,9 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   // Closes with a close frame that carries `reason`; messages that wait are not sent.
   void leave(boost::beast::websocket::close_code code, const std::string& reason);
 
-  // Asks the viewer to connect again at once, and to resume, when it is time (HandOver).
-  void handOver();
-  bool isHandingOver() const { return hand_over_.isAsked(); }
+  // Asks the viewer to connect again at once, and to resume, when it is time (Migration).
+  void migrate();
+  bool isMigrating() const { return migration_.isAsked(); }
 
   // To be called now and then: closes a viewer that sends nothing, reads nothing, or does not answer a close frame in
   // time, and one whose session failed. Handshakes have a timeout of their own.
@@ -89,7 +89,7 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   Time heard_at_;  // when the viewer last sent bytes
   Time opened_at_, message_begun_at_;
   bool has_greeted_ = false;  // sent a whole message
-  HandOver hand_over_;
+  Migration migration_;
 
   std::deque<Outgoing> outbox_;
   size_t outbox_bytes_ = 0;

@@ -20,7 +20,7 @@ constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-bool BlockTest::isHidden(const proto::BlockId& block, const Tolerance& tolerance_of, const EyeSweep& eyes,
+bool BlockTest::isHidden(const proto::BlockId& block, const Tolerance& tolerance_of, const EyeCapsule& eyes,
                          uint64_t max_rays) {
   if (block.scale < scene_.tops.finestScale()) return false;
   last_ray_ = rays_ + max_rays;
@@ -111,9 +111,9 @@ bool BlockTest::collectSquares(const proto::BlockId& block, const glm::dvec3& ey
   return !squares_.empty();
 }
 
-// Raises the eye by what all eyes of the sweep and all points of the block need, then has each square's slope. False if
-// the sweep reaches the block.
-bool BlockTest::raiseEye(const Tolerance& tolerance_of, const EyeSweep& eyes) {
+// Raises the eye by what all eyes of the capsule and all points of the block need, then has each square's slope. False
+// if the capsule reaches the block.
+bool BlockTest::raiseEye(const Tolerance& tolerance_of, const EyeCapsule& eyes) {
   const double k = scene_.occluder->steepness(),
                tolerance = tolerance_of.tau_px / tolerance_of.lens.focalPx() * kWidest;
   const double x = glm::dot(glm::dvec2(eyes.way), ahead_.ahead), y = glm::dot(glm::dvec2(eyes.way), ahead_.aside);

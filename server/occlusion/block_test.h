@@ -1,7 +1,7 @@
 // Whether a block of the terrain is hidden: no point of it, true or drawn, can be seen from any of a set of eyes,
 // because a ridge in front of it is higher. Exact in one direction: what is called hidden is hidden.
 //
-// The eyes are a ball of radius b that is swept along a line (EyeSweep): where the camera may be now, and is expected
+// The eyes are a ball of radius b that is swept along a line (EyeCapsule): where the camera may be now, and is expected
 // to be in the next keyframes.
 //
 // A block of scale t is a square of the lattice with a side of 4 s, s = 2^t (proto/refine/hidden/hidden_blocks.h). It
@@ -17,7 +17,7 @@
 //   from the ball   Let the line from the raised eye E + (0, 0, b sqrt(1 + k^2)) to a point p be blocked at the share l of its way.
 //                   The line from any eye within b of E to p passes there within (1 - l) b of the first, not counting
 //                   the raise, and the occluder falls by no more than k times the horizontal part of that: blocked, too.
-//   from the sweep  Let x be the distance ahead of the eye, towards the block, and let p lie at (D, u D) ahead and aside, with
+//   from the capsule  Let x be the distance ahead of the eye, towards the block, and let p lie at (D, u D) ahead and aside, with
 //                   the slope m = p_z / D. The line from E + (v_x, v_y, v_z) to p passes at x > v_x beside the line from
 //                   E by f (v_y - u v_x), f = (D - x) / (D - v_x), and above it by f (v_z - m v_x). With g = D / (D - v_x),
 //                   an eye raised by g (v_z + k |v_y - u v_x| - m v_x) covers it. To fly towards a block costs its slope
@@ -41,7 +41,7 @@
 #include "proto/space/view.h"
 #include "server/occlusion/horizon/horizon.h"
 #include "server/occlusion/scene_occlusion.h"
-#include "server/view/eye_sweep.h"
+#include "server/view/eye_capsule.h"
 
 namespace foreland::server {
 
@@ -57,7 +57,7 @@ class BlockTest {
   BlockTest(const Hierarchy& hierarchy, const SceneOcclusion& scene) : hierarchy_(hierarchy), scene_(scene) {}
 
   // From all of `eyes`, by rays; false if in doubt, and once `max_rays` are used up.
-  bool isHidden(const proto::BlockId& block, const Tolerance& tolerance, const EyeSweep& eyes, uint64_t max_rays);
+  bool isHidden(const proto::BlockId& block, const Tolerance& tolerance, const EyeCapsule& eyes, uint64_t max_rays);
 
   // From all eyes of the horizon; false if in doubt.
   bool isBehind(const proto::BlockId& block, const Tolerance& tolerance, Horizon& horizon) const;
@@ -80,7 +80,7 @@ class BlockTest {
   bool isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const;
   Horizon::Square squareIn(uint32_t scale, uint32_t i, uint32_t j) const;  // tops as they are
   bool collectSquares(const proto::BlockId& block, const glm::dvec3& eye);
-  bool raiseEye(const Tolerance& tolerance, const EyeSweep& eyes);
+  bool raiseEye(const Tolerance& tolerance, const EyeCapsule& eyes);
   bool isCovered(double low, double high, int halvings);
   double slopeOver(double low, double high) const;
   bool isBlocked(double aside, double slope);

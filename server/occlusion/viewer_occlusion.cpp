@@ -16,7 +16,7 @@ constexpr double kBin_px = 3;              // width of a horizon's bins
 constexpr double kMargin_px = 1;           // by which a block must be hidden to turn so
 constexpr int64_t kWorth = 11;             // intervals after a keyframe's for which it must be hidden to turn so
 constexpr int64_t kSpread = 8;             // intervals over which proofs that end together are renewed
-constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer stretch
+constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer span
 constexpr int64_t kRayRest = 48;           // intervals more until rays try a visible block again
 constexpr uint8_t kMaxFailures = 2;        // in a row that prolong the rest of a visible block, to twice as much each
 constexpr double kSpareTau = 1.25;         // a tolerance that rises is taken to be larger by this
@@ -30,9 +30,9 @@ uint32_t phaseOf(const BlockId& b) {
 
 uint32_t bitOf(const BlockId& b) { return (b.y & kTileMask) << HiddenBlocks::kTileLog2 | (b.x & kTileMask); }
 
-EyeOutlook restingIn(const proto::View& view, uint32_t keyframe) {
+PredictedEyePath restingIn(const proto::View& view, uint32_t keyframe) {
   constexpr int64_t kIntervals = EyeIntervals::kAhead;
-  return {{1}, keyframe, keyframe, std::vector<EyeSweep>(kIntervals, {view.pose.eye, {}, view.region_radius_m}), 0};
+  return {{1}, keyframe, keyframe, std::vector<EyeCapsule>(kIntervals, {view.pose.eye, {}, view.region_radius_m}), 0};
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
       scene_(scene),
       test_(hierarchy, scene),
       options_(options),
-      stretches_(intervals_, scene.grid.get()),
+      spans_(intervals_, scene.grid.get()),
       proofs_(hierarchy.grid()) {}
 
 void ViewerOcclusion::begin(const proto::View& view) {
@@ -51,45 +51,45 @@ void ViewerOcclusion::begin(const proto::View& view) {
   view_ = view;
   frustum_.emplace(view, 0);
   last_ray_ = statistics_.rays + options_.rays;
-  expectNumbered(outlook_ ? std::move(*outlook_) : restingIn(view, keyframe_));
-  outlook_.reset();
-  if (has_new_lens) stretches_.clear();
-  stretches_.revise(keyframe_);
-  if (stretches_.bytes() > options_.horizon_bytes / 2) stretches_.dropHorizons();
-  horizon_bytes_ = stretches_.bytes();
+  expectNumbered(eye_path_ ? std::move(*eye_path_) : restingIn(view, keyframe_));
+  eye_path_.reset();
+  if (has_new_lens) spans_.clear();
+  spans_.revise(keyframe_);
+  if (spans_.bytes() > options_.horizon_bytes / 2) spans_.dropHorizons();
+  horizon_bytes_ = spans_.bytes();
   if (has_new_lens || view.tau_px > tau_px_) {
     tau_px_ = (tau_px_ > 0 ? kSpareTau : 1) * view.tau_px;
-    stretches_.invalidate(keyframe_);
+    spans_.invalidate(keyframe_);
   }
   if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
 }
 
 // Proofs keep numbers of intervals in 32 bits, but a client's clock may count from anywhere: Unix time in microseconds
-// gives 10^10. So numbers count from an origin, a multiple of every stretch's length.
-void ViewerOcclusion::expectNumbered(EyeOutlook outlook) {
+// gives 10^10. So numbers count from an origin, a multiple of every span's length.
+void ViewerOcclusion::expectNumbered(PredictedEyePath eye_path) {
   constexpr int64_t kSpan = int64_t{1} << 30, kUnit = int64_t{1} << 16;
-  if (outlook.first < origin_ || outlook.first - origin_ >= kSpan) {
-    origin_ = outlook.first & -kUnit;
+  if (eye_path.first < origin_ || eye_path.first - origin_ >= kSpan) {
+    origin_ = eye_path.first & -kUnit;
     proofs_ = BlockProofs(hierarchy_.grid());
-    stretches_.clear();
-    stretches_.invalidate(keyframe_);
+    spans_.clear();
+    spans_.invalidate(keyframe_);
   }
-  outlook.first -= origin_;
-  outlook.last -= origin_;
-  intervals_.expect(std::move(outlook));
+  eye_path.first -= origin_;
+  eye_path.last -= origin_;
+  intervals_.expect(std::move(eye_path));
 }
 
-bool ViewerOcclusion::hides(Stretch& stretch, const BlockId& block, Towards towards) {
+bool ViewerOcclusion::hides(PathSpan& span, const BlockId& block, Towards towards) {
   ++statistics_.tests;
   const Tolerance tolerance{view_->lens, tau_px_ + (towards == Towards::kHidden ? kMargin_px : 0)};
   if (!scene_.grid) {
     const bool is_hidden =
-        test_.isHidden(block, tolerance, stretch.eyes, last_ray_ - std::min(last_ray_, test_.rayCount()));
+        test_.isHidden(block, tolerance, span.eyes, last_ray_ - std::min(last_ray_, test_.rayCount()));
     statistics_.rays = test_.rayCount();
     return is_hidden;
   }
   if (horizon_bytes_ >= options_.horizon_bytes) return false;
-  Horizon& horizon = stretches_.horizonOf(stretch, kBin_px / view_->lens.focalPx());
+  Horizon& horizon = spans_.horizonOf(span, kBin_px / view_->lens.focalPx());
   const uint64_t built = horizon.segmentsBuilt();
   const size_t bytes = horizon.bytes();
   const bool is_hidden = test_.isBehind(block, tolerance, horizon);
@@ -99,16 +99,16 @@ bool ViewerOcclusion::hides(Stretch& stretch, const BlockId& block, Towards towa
 }
 
 // The last interval up to which the block is proved to be hidden from `first` on; before `first` if it is not. Goes on
-// to `last` at most, and to the end of the stretch of that.
+// to `last` at most, and to the end of the span of that.
 int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, int64_t first, int64_t last,
                                      Towards towards) {
   while (first <= last) {
     size_t length = proof.length;
     if (length > 0 && (phaseOf(block) + static_cast<uint64_t>(first)) % kUpgradePeriod == 0) --length;
-    const Stretch* found = nullptr;
-    for (; length < Stretches::kLengths && !found; ++length)
-      if (Stretch* const stretch = stretches_.at(length, first); stretch && hides(*stretch, block, towards)) {
-        found = stretch;
+    const PathSpan* found = nullptr;
+    for (; length < PathSpans::kLengths && !found; ++length)
+      if (PathSpan* const span = spans_.at(length, first); span && hides(*span, block, towards)) {
+        found = span;
         proof.length = static_cast<uint8_t>(length);
         proof.lengths |= static_cast<uint8_t>(1u << length);
       }
@@ -118,16 +118,16 @@ int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, in
   return first - 1;
 }
 
-// The last interval is tried first. Where a stretch shows the block, it need not be tried again before that is past;
+// The last interval is tried first. Where a span shows the block, it need not be tried again before that is past;
 // and less and less often as long as it stays visible.
 bool ViewerOcclusion::turnsHidden(const BlockId& block, TileProofs& tile) {
   BlockProof& proof = tile.blocks[bitOf(block)];
   int32_t& next = tile.next[bitOf(block)];
-  const int64_t last = std::max(stretches_.lastCoveredUpTo(intervals_.last() + kWorth), intervals_.last()),
+  const int64_t last = std::max(spans_.lastCoveredUpTo(intervals_.last() + kWorth), intervals_.last()),
                 shown = intervals_.last() - intervals_.first();
   proof.keyframe = keyframe_;
   proof.lengths = 0;
-  Stretch* const far = scene_.grid ? stretches_.at(Stretches::kLengths - 1, last) : nullptr;
+  PathSpan* const far = scene_.grid ? spans_.at(PathSpans::kLengths - 1, last) : nullptr;
   const bool may_be = !far || hides(*far, block, Towards::kHidden);
   if (may_be) proof.until = static_cast<int32_t>(hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden));
   if (may_be && proof.until >= last) {
@@ -135,7 +135,7 @@ bool ViewerOcclusion::turnsHidden(const BlockId& block, TileProofs& tile) {
     proof.failures = 0;
     return true;
   }
-  const int64_t shortest_end = stretches_.shortestEnd(int64_t{proof.until} + 1), length = stretches_.shortest(),
+  const int64_t shortest_end = spans_.shortestEnd(int64_t{proof.until} + 1), length = spans_.shortest(),
                 past = may_be ? shortest_end + shown : far->end - (last - intervals_.last()),
                 rest = length * ((1 << proof.failures) - 1) + (scene_.grid ? 0 : kRayRest);
   next = static_cast<int32_t>(std::max(past, intervals_.last() + 1) + phaseOf(block) % kSpread + rest);
@@ -147,22 +147,22 @@ bool ViewerOcclusion::staysHidden(const BlockId& block, TileProofs& tile) {
   BlockProof& proof = tile.blocks[bitOf(block)];
   int32_t& next = tile.next[bitOf(block)];
   const int64_t first = intervals_.first(), last = intervals_.last(),
-                known = std::min<int64_t>(proof.until, stretches_.firstChangedAfter(proof.keyframe, proof.lengths) - 1);
+                known = std::min<int64_t>(proof.until, spans_.firstChangedAfter(proof.keyframe, proof.lengths) - 1);
   if (known >= last && next > last) return true;
   if (known < first) proof.lengths = 0;
-  // Where no stretch has hidden it none will, unless one is made anew.
-  const bool is_known_open = proof.until < last && last <= proof.open_until && proof.revision == stretches_.revision();
+  // Where no span has hidden it none will, unless one is made anew.
+  const bool is_known_open = proof.until < last && last <= proof.open_until && proof.revision == spans_.revision();
   const int64_t until = is_known_open ? known
                                       : hiddenUntil(block, proof, std::max(known + 1, first), std::max(last, known + 1),
                                                     Towards::kVisible);
   proof.keyframe = keyframe_;
   proof.until = static_cast<int32_t>(until);
   if (until < last) {
-    // A prediction's error is less for the keyframe itself than for all of a stretch.
-    proof.open_until = static_cast<int32_t>(stretches_.shortestEnd(std::max(until + 1, first)) - 1);
-    proof.revision = stretches_.revision();
+    // A prediction's error is less for the keyframe itself than for all of a span.
+    proof.open_until = static_cast<int32_t>(spans_.shortestEnd(std::max(until + 1, first)) - 1);
+    proof.revision = spans_.revision();
     next = static_cast<int32_t>(last);
-    return intervals_.isPredicted() && hides(stretches_.now(), block, Towards::kVisible);
+    return intervals_.isPredicted() && hides(spans_.now(), block, Towards::kVisible);
   }
   const int64_t spare = until - last;
   next = static_cast<int32_t>(until + 1 - (until > known && spare > 0 ? phaseOf(block) % std::min(spare, kSpread) : 0));
@@ -188,7 +188,7 @@ bool ViewerOcclusion::review(const BlockId& block, TileProofs& tile, bool was_hi
 uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
   const auto [due, proofs] = proofs_.of(lowest, keyframe_);
   const auto last = static_cast<int32_t>(intervals_.last());
-  const bool is_revised = due.revision != stretches_.revision();
+  const bool is_revised = due.revision != spans_.revision();
   if (due.first > last && !is_revised) return 0;
   // A tile is a square of a scale whose blocks are eight times as large.
   const InView tile_in_view =
@@ -209,7 +209,7 @@ uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_
     }
     first = std::min(first, next);
   }
-  due = {first, stretches_.revision()};
+  due = {first, spans_.revision()};
   return changed;
 }
 
@@ -236,6 +236,6 @@ ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint
   return inside + radius < 0 ? InView::kNot : inside < radius ? InView::kPartly : InView::kWholly;
 }
 
-size_t ViewerOcclusion::bytes() const { return sizeof(*this) + proofs_.bytes() + stretches_.bytes(); }
+size_t ViewerOcclusion::bytes() const { return sizeof(*this) + proofs_.bytes() + spans_.bytes(); }
 
 }  // namespace foreland::server

@@ -1,10 +1,10 @@
 // What one viewer's server knows of hidden blocks from keyframe to keyframe.
 //
 // A block is hidden in a keyframe if that is proved for all eyes of the intervals in which the keyframe is shown
-// (eye_intervals.h). Proofs are for stretches of 16 or 8 intervals (stretches.h): a block deep behind a ridge is tested
+// (eye_intervals.h). Proofs are for spans of 16 or 8 intervals (path_spans.h): a block deep behind a ridge is tested
 // every 16 keyframes, one near the ridge's edge every eight; half as many where the path is guessed. A block turns
 // visible with the first keyframe that may show it, or up to seven earlier. One that is visible must be hidden for some
-// intervals ahead, and by some margin, to turn hidden, lest it flicker; it is tried again when the stretch that shows
+// intervals ahead, and by some margin, to turn hidden, lest it flicker; it is tried again when the span that shows
 // it is past, and more and more seldom as long as it stays visible.
 //
 // Blocks are tested behind horizons (horizon.h); by rays (block_test.h), at most so many in a keyframe, in scenes that
@@ -22,13 +22,13 @@
 #include "server/occlusion/block_test.h"
 #include "server/occlusion/proofs/block_proofs.h"
 #include "server/occlusion/proofs/eye_intervals.h"
-#include "server/occlusion/proofs/stretches.h"
+#include "server/occlusion/proofs/path_spans.h"
 #include "server/occlusion/scene_occlusion.h"
 
 namespace foreland::server {
 
 struct OcclusionStatistics {
-  uint64_t tests = 0;     // of blocks for stretches, since the start
+  uint64_t tests = 0;     // of blocks for spans, since the start
   uint64_t rays = 0;      // where there is no grid
   uint64_t segments = 0;  // of horizons, built
 };
@@ -48,7 +48,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   ViewerOcclusion& operator=(const ViewerOcclusion&) = delete;
 
   // Before a keyframe. Without it the eyes are expected to stay in the keyframe's region.
-  void expect(const EyeOutlook& outlook) { outlook_ = outlook; }
+  void expect(const PredictedEyePath& eye_path) { eye_path_ = eye_path; }
 
   void begin(const proto::View& view) override;
   bool isHidden(const proto::BlockId& block) override;
@@ -60,11 +60,11 @@ class ViewerOcclusion final : public proto::BlockVisibility {
  private:
   enum class Towards : uint8_t { kVisible, kHidden };  // what a test is to find out for
 
-  void expectNumbered(EyeOutlook outlook);
+  void expectNumbered(PredictedEyePath eye_path);
 
   enum class InView : uint8_t { kNot, kPartly, kWholly };
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
-  bool hides(Stretch& stretch, const proto::BlockId& block, Towards towards);
+  bool hides(PathSpan& span, const proto::BlockId& block, Towards towards);
   int64_t hiddenUntil(const proto::BlockId& block, BlockProof& proof, int64_t first, int64_t last, Towards towards);
   bool turnsHidden(const proto::BlockId& block, TileProofs& tile);
   bool staysHidden(const proto::BlockId& block, TileProofs& tile);
@@ -76,10 +76,10 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   Options options_;
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
-  std::optional<EyeOutlook> outlook_;  // of the next keyframe
-  int64_t origin_ = 0;                 // of the numbers of intervals here and in what follows
+  std::optional<PredictedEyePath> eye_path_;  // of the next keyframe
+  int64_t origin_ = 0;                        // of the numbers of intervals here and in what follows
   EyeIntervals intervals_;
-  Stretches stretches_;
+  PathSpans spans_;
   double tau_px_ = 0;  // that proofs allow for
   uint32_t keyframe_ = 0;
   uint64_t last_ray_ = 0;

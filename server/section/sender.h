@@ -41,7 +41,7 @@ class SectionSender {
   [[nodiscard]] bool resume(const proto::HeldSections& sections, uint32_t keyframe, Time time, uint32_t fingerprint);
 
   // Makes deltas tell hidden blocks, as the viewer's welcome says they do. Nothing has been sent yet.
-  void tellBlocks() { tells_blocks_ = true; }
+  void signalBlocks() { tells_blocks_ = true; }
   // Remembers what the viewer has been sent as long as the viewer does, which has so many bytes for it. At first
   // proto::kDefaultMemoryBytes.
   void setMemory(uint32_t bytes);
@@ -74,7 +74,7 @@ class SectionSender {
   // After success keyframe() holds the view as the viewer decodes it: pose as by proto::asSentInHeader, tolerance as a
   // float, region as short floats that are no smaller. scratch.delta holds the nodes of the terrain that were added and
   // removed, in no order. Cost: one adaptation. Nodes of blocks that `visibility` calls hidden are left out; of none if
-  // it is null, which it must be without tellBlocks().
+  // it is null, which it must be without signalBlocks().
   [[nodiscard]] bool send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,
                           proto::BlockVisibility* visibility = nullptr);
 

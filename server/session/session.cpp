@@ -44,7 +44,7 @@ proto::Welcome Session::welcome() {
   const proto::ViewRequest& request = input_.request();
   if (world_->occlusion && request.occlusion) {
     occlusion_ = std::make_unique<ViewerOcclusion>(world_->hierarchy, *world_->occlusion);
-    sender_.tellBlocks();
+    sender_.signalBlocks();
   }
   proto::Welcome welcome = welcomeTo(world_->hierarchy);
   welcome.tau_px = request.tau_px;

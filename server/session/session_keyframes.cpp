@@ -12,16 +12,16 @@ namespace foreland::server {
 namespace {
 
 // Where the camera is from a time on, for what tiles are worth. What is guessed goes straight on from there.
-std::array<TileSender::Stay, 4> staysFrom(const ExpectedMotion& motion, Time t, bool is_on_path) {
-  constexpr std::array<double, 4> kAfter_s{0, 2, 5, 10}, kStay_s{1, 2.5, 4, 5};
+std::array<TileSender::Dwell, 4> dwellsFrom(const ExpectedMotion& motion, Time t, bool is_on_path) {
+  constexpr std::array<double, 4> kAfter_s{0, 2, 5, 10}, kDwell_s{1, 2.5, 4, 5};
   const proto::Pose pose = motion.at(t);
   const glm::dvec3 metres_per_s = motion.at(t + Duration::seconds(1)).eye - pose.eye;
-  std::array<TileSender::Stay, 4> stays;
-  for (size_t i = 0; i < stays.size(); ++i)
-    stays[i] = {is_on_path ? motion.at(t + Duration::seconds(kAfter_s[i]))
-                           : proto::Pose{pose.eye + kAfter_s[i] * metres_per_s, pose.orientation},
-                kStay_s[i]};
-  return stays;
+  std::array<TileSender::Dwell, 4> dwells;
+  for (size_t i = 0; i < dwells.size(); ++i)
+    dwells[i] = {is_on_path ? motion.at(t + Duration::seconds(kAfter_s[i]))
+                            : proto::Pose{pose.eye + kAfter_s[i] * metres_per_s, pose.orientation},
+                 kDwell_s[i]};
+  return dwells;
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ bool Session::sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& 
   ViewerOcclusion* const visibility = input_.request().occlusion ? occlusion_.get() : nullptr;
   const Time t = keyframe.time_client;
   if (visibility)
-    visibility->expect(outlookOf(input_.motion().expected(input_.request()), shownFrom(state_, t),
+    visibility->expect(eyePathOf(input_.motion().expected(input_.request()), shownFrom(state_, t),
                                  shownUntil(state_, t, keyframe.until_next), state_.grid,
                                  input_.motion().eyeError(foreseenFor(state_, keyframe.until_next))));
   return sender_.send(keyframe.view, t, max_nodes, scratch.send, message, visibility);
@@ -105,7 +105,7 @@ void Session::computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch,
 
 // Notes what was expected of the camera, to be compared with what it does.
 void Session::notePredictions(const Keyframe& keyframe) {
-  const Duration foreseen = state_.leadOf(state_.interval);
+  const Duration foreseen = state_.leadTime(state_.interval);
   input_.motion().notePrediction({keyframe.time_client, keyframe.view.pose}, foreseen);
   // What is foreseen with `delay` and `current` is the time after the keyframe, which a higher order makes longer.
   if (state_.order == 1 || state_.predicts) return;
@@ -145,17 +145,17 @@ void Session::sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector
   const ExpectedMotion motion = input_.motion().expected(request);
   const double unknown_m = input_.motion().eyeError(foreseenFor(state_, keyframe.until_next));
   const auto eyesOf = [&](Time begin, Time end) {
-    EyeSweep eyes = sweepOf(motion, begin, end);
+    EyeCapsule eyes = capsuleOf(motion, begin, end);
     eyes.radius_m += unknown_m;
     return eyes;
   };
   // With some room, so that what is found for later serves again when it is there.
-  EyeSweep later_eyes = eyesOf(later, later + keyframe.until_next * kMaxSecondsAhead);
+  EyeCapsule later_eyes = eyesOf(later, later + keyframe.until_next * kMaxSecondsAhead);
   later_eyes.radius_m = kRoom * later_eyes.radius_m + kRoom_m;
   const std::array targets{
       TileSender::Target{keyframe.view, eyesOf(shownFrom(state_, t), shownUntil(state_, t, keyframe.until_next))},
       TileSender::Target{{motion.at(later), keyframe.view.lens, keyframe.view.tau_px}, later_eyes}};
-  tiles_->choose(index, targets, staysFrom(motion, later, is_on_path), request);
+  tiles_->choose(index, targets, dwellsFrom(motion, later, is_on_path), request);
   tiles_->pace().keyframeSent(index, message.size(), state_.now, keyframe.until_next.toSeconds(),
                               request.max_bytes_per_second);
   tiles_->takeStatement(out);

@@ -156,7 +156,7 @@ void Landscape::erode() {
   grid_ = std::move(grid.height);
 }
 
-// Stretches the heights inside the margins to the range that the options state.
+// PathSpans the heights inside the margins to the range that the options state.
 void Landscape::fitHeights() {
   const auto from = static_cast<uint32_t>(grid_margin_), to = grid_size_ - from;
   float lowest = grid_[size_t{from} * grid_size_ + from], highest = lowest;

@@ -1,4 +1,4 @@
-// What `foreland NAME ARGS...` is to do: it runs the executable beside it, or in libexec as it is installed, hands over
+// What `foreland NAME ARGS...` is to do: it runs the executable beside it, or in libexec as it is installed, migrates
 // every word and returns its exit code. Each test lays out a folder with a copy of `foreland` and small shell scripts
 // for subcommands.
 #include <gtest/gtest.h>

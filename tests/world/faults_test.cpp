@@ -1,6 +1,6 @@
 // Faults by seed: honest viewers fly, jump, turn and change their minds over links with latency, jitter, stalls and
 // little rate, which cut, corrupt and lose what is on its way; new connections overtake the ends of old ones; servers
-// are killed and replaced, or drained first, so that viewers are handed over; beside them hostile viewers say anything
+// are killed and replaced, or drained first, so that viewers are migrated; beside them hostile viewers say anything
 // at any time, with time stamps that lie. The laws, in every scenario:
 //
 //   * every section that a viewer acknowledges is the same at both ends (World checks it);
@@ -177,18 +177,18 @@ struct Scenario {
         if (world.isConnected(i)) world.loseConnection(i);
     if (chance >= 2 && chance < 6)  // it is drained
       for (size_t i = 0; i < clients.size(); ++i)
-        if (world.isConnected(i)) world.handOver(i);
+        if (world.isConnected(i)) world.migrate(i);
   }
   void faultConnection(size_t i) {
     lost_until[i] = {};
     if (rng.below(50) == 0) return world.loseConnection(i);
-    if (rng.below(80) == 0) return world.handOver(i);
+    if (rng.below(80) == 0) return world.migrate(i);
     if (rng.below(80) == 0) return world.overtake(i, Duration::seconds(rng.uniform(0, 2)));
     if (rng.below(60) > 0) return;
     clients[i].request.tau_px = rng.uniform(0.7, 3);
     world.changeRequest(i, clients[i].request);
   }
-  // One that was handed over may come back sooner, by itself.
+  // One that was migrated may come back sooner, by itself.
   void connect(size_t i, Time now) {
     if (lost_until[i] == Time{}) lost_until[i] = now + Duration::seconds(rng.uniform(0, 1));
     if (now >= lost_until[i]) world.connectAgain(i);

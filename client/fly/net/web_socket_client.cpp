@@ -215,7 +215,7 @@ Status WebSocketClient::run(Clock::time_point until, const std::function<Status(
 } catch (const std::exception& e) { return Error{ErrorCode::kIo, impl_->name + ": " + e.what()}; }
 
 LostBy WebSocketClient::lostBy() const {
-  return impl_->stream->reason().code == beast::websocket::close_code::service_restart ? LostBy::kHandOver
+  return impl_->stream->reason().code == beast::websocket::close_code::service_restart ? LostBy::kMigrate
                                                                                        : LostBy::kFailure;
 }
 

@@ -30,7 +30,7 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url);
 // How a connection ended.
 enum class LostBy : uint8_t {
   kFailure,
-  kHandOver  // the server asked to connect again at once and to resume (close code 1012)
+  kMigrate  // the server asked to connect again at once and to resume (close code 1012)
 };
 
 class WebSocketClient {

@@ -59,7 +59,7 @@ TEST(Cluster, ResumesTheViewersOfAServerThatFails) {
 TEST(Cluster, HandsViewersOverWithoutLosingWhatTheyHold) {
   const LoadRun result = run(smallCluster(15, Balance::kLeastLoaded, {{What::kDrain, 0, 1}}));
   const ClusterFigures& f = result.cluster->figures;
-  EXPECT_GT(f.handed_over, 0u);
+  EXPECT_GT(f.migrated, 0u);
   EXPECT_EQ(f.lost + f.afresh, 0u);
   EXPECT_LT(f.move_gap_max_ms, 900);
   EXPECT_GT(f.move_up_mean, 0);

@@ -73,7 +73,7 @@ std::string addressText(const ip::address& address) {
   return ip::make_address_v4(ip::v4_mapped, address.to_v6()).to_string();
 }
 
-std::string householdOf(const std::string& address) {
+std::string networkOf(const std::string& address) {
   boost::system::error_code error;
   const ip::address parsed = ip::make_address(address, error);
   if (error || !parsed.is_v6()) return address;

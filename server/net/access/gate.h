@@ -22,7 +22,7 @@ namespace foreland::server {
 std::string addressText(const boost::asio::ip::address& address);
 // Of whom connections are counted together: an address of IPv4, or the network of 64 bits that a provider gives to one
 // customer of IPv6. The text itself if it is no address.
-std::string householdOf(const std::string& address);
+std::string networkOf(const std::string& address);
 
 struct GateOptions {
   std::vector<std::string> allowed_origins{};  // beside the server's own; empty: any

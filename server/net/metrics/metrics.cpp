@@ -71,7 +71,7 @@ void renderViewers(const Metrics& m, Page& page) {
   page.counters("foreland_refusals_total", "Connections and viewers refused, by reason.", "reason", kRefusalNames,
                 m.refusals);
   page.counter("foreland_handed_over_total", "Viewers asked to connect elsewhere, because the server stops.",
-               m.handed_over.load());
+               m.migrated.load());
   page.counter("foreland_resumed_total", "Sessions that started from a section that the viewer held.",
                m.resumed.load());
   page.counter("foreland_failures_total", "Exceptions, each of which ended one viewer or request.", m.failures.load());

@@ -13,7 +13,7 @@ constexpr double kRounding_m = 0.1;
 
 }  // namespace
 
-void Horizon::look(const EyeSweep& eyes, double bin) {
+void Horizon::look(const EyeCapsule& eyes, double bin) {
   eyes_ = eyes;
   bin_ = std::max(bin, HorizonSide::kMinBin);
   extent_m_ = glm::length(eyes.way) + 2 * eyes.radius_m;

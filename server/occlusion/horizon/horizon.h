@@ -2,7 +2,7 @@
 // pass over all that lies nearer than a distance. Tests of squares then are a few comparisons. Exact in one direction:
 // what is called hidden is hidden.
 //
-// The eyes are a ball of radius b that is swept along a segment (EyeSweep). Everything is done in steps of a grid of
+// The eyes are a ball of radius b that is swept along a segment (EyeCapsule). Everything is done in steps of a grid of
 // heights (horizon_grid.h) whose four directions have a side of the horizon each; let x count the steps ahead, y those
 // aside. A side's reference R lies so far ahead that all eyes are E = R + (-r, w), 0 <= r <= depth, and as high as the
 // highest of them. A line of sight to a point p = (D, u D) with D > 0 crosses each line of the grid with 0 < x < D.
@@ -29,7 +29,7 @@
 
 #include "server/occlusion/horizon/horizon_grid.h"
 #include "server/occlusion/horizon/horizon_side.h"
-#include "server/view/eye_sweep.h"
+#include "server/view/eye_capsule.h"
 
 namespace foreland::server {
 
@@ -40,7 +40,7 @@ class Horizon {
 
   // From these eyes from now on. `bin` is the width of a bin: the tangent of its angle ahead. Narrower ones than
   // HorizonSide::kMinBin are made so wide, for a horizon has bins all around, however little of it a lens shows.
-  void look(const EyeSweep& eyes, double bin);
+  void look(const EyeCapsule& eyes, double bin);
 
   // A square of the lattice, in steps of the grid. All that belongs to it lies below `top_m` and below a plane: metres,
   // in the middle and from there to the sides of larger x and y.
@@ -53,9 +53,9 @@ class Horizon {
   // Whether no point of it is visible from any of the eyes; false if in doubt.
   bool hides(const Square& square);
 
-  const EyeSweep& eyes() const { return eyes_; }
+  const EyeCapsule& eyes() const { return eyes_; }
   double bin() const { return bin_; }                              // 0 before look()
-  const glm::dvec2& begin() const { return eyes_in_grid_.begin; }  // of the sweep, in steps
+  const glm::dvec2& begin() const { return eyes_in_grid_.begin; }  // of the capsule, in steps
   double extent() const { return extent_m_; }                      // of the eyes, metres
   uint64_t segmentsBuilt() const;                                  // since it was made
   size_t bytes() const;                                            // in constant time
@@ -66,7 +66,7 @@ class Horizon {
   HorizonSide& sideTowards(const Square& square);
 
   const HorizonGrid& grid_;
-  EyeSweep eyes_;
+  EyeCapsule eyes_;
   HorizonEyes eyes_in_grid_;
   double bin_ = 0, extent_m_ = 0;
   std::array<HorizonSide, 4> sides_;

@@ -23,7 +23,7 @@ float distanceOf(size_t number) { return std::bit_cast<float>((static_cast<uint3
 
 }  // namespace
 
-// The reference is the sweep's end that is farther ahead, and by the ball's radius farther.
+// The reference is the capsule's end that is farther ahead, and by the ball's radius farther.
 void HorizonSide::look(const HorizonGrid& grid, const HorizonEyes& eyes, uint32_t number, double bin) {
   grid_ = &grid;
   is_x_ = number % 2 == 0;

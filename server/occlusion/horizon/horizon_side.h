@@ -8,7 +8,7 @@
 
 #include "server/occlusion/horizon/horizon_grid.h"
 #include "server/occlusion/horizon/horizon_line.h"
-#include "server/view/eye_sweep.h"
+#include "server/view/eye_capsule.h"
 
 namespace foreland::server {
 
@@ -89,7 +89,7 @@ class HorizonSide {
   bool is_x_ = false;                  // ahead is along x
   double sign_ = 1;                    // -1 if it is to smaller coordinates
   HorizonGrid::Along along_{};         // the direction of the lines
-  glm::dvec2 reference_{0}, back_{0};  // and from there to the sweep's farther end
+  glm::dvec2 reference_{0}, back_{0};  // and from there to the capsule's farther end
   double depth_ = 0, ball_ = 0;        // steps
   double eye_m_ = 0, bin_ = 0;
   float slopes_of_step_ = 1;

@@ -16,11 +16,11 @@ namespace foreland::server {
 struct BlockProof {
   int32_t until = 0;      // the last interval for which it is known to be hidden, if it is
   uint32_t keyframe = 0;  // when that was found out
-  // The last interval in which no stretch hides it, as these are at a revision.
+  // The last interval in which no span hides it, as these are at a revision.
   int32_t open_until = std::numeric_limits<int32_t>::min();
   uint32_t revision = 0;
-  uint8_t length = 1;    // of the stretch that was the last proof
-  uint8_t lengths = 0;   // of all stretches that are a part of the proof (Stretches::Lengths)
+  uint8_t length = 1;    // of the span that was the last proof
+  uint8_t lengths = 0;   // of all spans that are a part of the proof (PathSpans::Lengths)
   uint8_t failures = 0;  // tries in a row to prove it hidden
 };
 
@@ -33,7 +33,7 @@ struct TileProofs {
 // Whether any block of a tile is due. Side by side for neighbouring tiles, for most have none.
 struct TileDue {
   int32_t first = 0;      // the first of its blocks' next reviews; at most
-  uint32_t revision = 0;  // of the stretches, at the last review
+  uint32_t revision = 0;  // of the spans, at the last review
 };
 
 class BlockProofs {

@@ -15,7 +15,7 @@ Time nextKeyframe(const KeyframeState& state) {
 // When a predicted keyframe for `t` must leave. The client needs it when it reaches the time of the one before it, or
 // of those that it shows before it.
 Time sendDeadline(const KeyframeState& state, const ClockMap& clocks, Duration safety, Time t) {
-  return clocks.sendBy(t - state.leadOf(state.interval)) - safety;
+  return clocks.sendBy(t - state.leadTime(state.interval)) - safety;
 }
 
 Time earliestKeyframe(const KeyframeState& state) {

@@ -2,7 +2,7 @@
 //
 // Keyframes lie on a grid of the client's clock (THEORY section 4). With `predict`, the keyframe for t_{i+1} is
 // computed so that it arrives by t_i; with `delay` and `current`, that for t_i is computed when the pose of t_i has
-// arrived. A viewer that blends n + 1 keyframes shows what is in the middle of them (KeyframeState::leadOf), so with
+// arrived. A viewer that blends n + 1 keyframes shows what is in the middle of them (KeyframeState::leadTime), so with
 // `predict` its keyframes are computed (n - 1) / 2 intervals sooner. If viewer, link or server cannot keep up, grid
 // points are skipped.
 //

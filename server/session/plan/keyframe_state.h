@@ -26,7 +26,7 @@ struct KeyframeState {
 
   bool isFirst() const { return !last_client; }
   // How long before and after its time a keyframe is shown, in part, if keyframes are `between` apart.
-  Duration leadOf(Duration between) const { return {between.us * (order + 1) / 2}; }
+  Duration leadTime(Duration between) const { return {between.us * (order + 1) / 2}; }
 };
 
 }  // namespace foreland::server

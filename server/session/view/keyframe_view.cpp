@@ -15,8 +15,8 @@ constexpr int64_t kShownAfterJump = 5;
 
 Time shownFrom(const KeyframeState& state, Time t) {
   if (state.has_jumped) return state.newest_client;
-  if (state.isFirst()) return std::min(state.newest_client, t - state.leadOf(state.grid));
-  return std::min(*state.last_client, t - state.grid) - (state.leadOf(state.last_step) - state.last_step);
+  if (state.isFirst()) return std::min(state.newest_client, t - state.leadTime(state.grid));
+  return std::min(*state.last_client, t - state.grid) - (state.leadTime(state.last_step) - state.last_step);
 }
 
 RegionParts regionFor(const KeyframeState& state, const ViewerMotion& viewer, const proto::ViewRequest& request, Time t,

@@ -14,10 +14,12 @@ namespace foreland::server {
 // soon as it arrives.
 Time shownFrom(const KeyframeState& state, Time t);
 // Until when, if the next keyframe is `until_next` later.
-inline Time shownUntil(const KeyframeState& state, Time t, Duration until_next) { return t + state.leadOf(until_next); }
+inline Time shownUntil(const KeyframeState& state, Time t, Duration until_next) {
+  return t + state.leadTime(until_next);
+}
 // How long a prediction for it must hold.
 inline Duration foreseenFor(const KeyframeState& state, Duration until_next) {
-  return state.leadOf(std::max(state.interval, until_next));
+  return state.leadTime(std::max(state.interval, until_next));
 }
 
 // What the camera stays in while the section for `t` is shown, around where it is expected then.

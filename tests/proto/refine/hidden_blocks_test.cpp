@@ -99,7 +99,7 @@ constexpr uint64_t kMemory = 30'000;  // bytes: less than the terrain has
 
 struct Server {
   explicit Server(const test::ToyTerrain& terrain) : adapter(terrain.domain()) {
-    model.tells_blocks = true;
+    model.signals_blocks = true;
     adapter.memory().pages.setBudget(kMemory);
   }
   TerrainAdapter adapter;
@@ -107,7 +107,7 @@ struct Server {
 };
 struct Client {
   explicit Client(const test::ToyTerrain& terrain) : adapter(terrain.domain()), nodes(terrain.grid(), terrain.base()) {
-    model.tells_blocks = true;
+    model.signals_blocks = true;
     adapter.memory().pages.setBudget(kMemory);
   }
   TerrainAdapter adapter;

@@ -26,7 +26,7 @@ struct Event {
   Slot slot = 0;
   int bound = 0, least = 0;
   bool is_in_section = false, is_new = false, is_known = false;
-  Familiarity familiarity = Familiarity::kNew;
+  ClientKnowledge client_knowledge = ClientKnowledge::kNew;
   int finest = 0;
   bool operator==(const Event&) const = default;
 };
@@ -47,7 +47,7 @@ class Listener final : public TerrainSource {
     events.push_back({Event::kGroup});
     for (const Predicate& q : predicates)
       events.push_back({Event::kPredicate, q.slot, q.bound.value, q.least.value, q.is_in_section, q.is_new, q.is_known,
-                        q.familiarity, q.finest.value});
+                        q.client_knowledge, q.finest.value});
     return plain_.decide(level, predicates, decisions);
   }
   bool onAdded(int, std::span<const Predicate> added) override {
@@ -150,11 +150,11 @@ class Reference {
     return least;
   }
 
-  Familiarity familiarityOf(Slot slot, int least) {
-    if (isKnown(slot)) return Familiarity::kKnown;
+  ClientKnowledge clientKnowledgeOf(Slot slot, int least) {
+    if (isKnown(slot)) return ClientKnowledge::kKnown;
     for (NodeId parent : grid_.parents(grid_.node(slot)))
-      if (!isKnown(grid_.slot(parent))) return Familiarity::kNew;
-    return page(slot).finest > least ? Familiarity::kSeen : Familiarity::kRejected;
+      if (!isKnown(grid_.slot(parent))) return ClientKnowledge::kNew;
+    return page(slot).finest > least ? ClientKnowledge::kSeen : ClientKnowledge::kRejected;
   }
 
   std::vector<Resolved> resolve(const Undecided& undecided) {
@@ -185,9 +185,10 @@ class Reference {
         is_in = true;
         bound = page(slot).finest;
       } else if (is_in != (bound >= least)) {
-        const Familiarity familiarity = is_new && !is_in ? familiarityOf(slot, least) : Familiarity::kNew;
+        const ClientKnowledge client_knowledge =
+            is_new && !is_in ? clientKnowledgeOf(slot, least) : ClientKnowledge::kNew;
         asked.push_back(
-            {Event::kPredicate, slot, bound, least, is_in, is_new, isKnown(slot), familiarity, page(slot).finest});
+            {Event::kPredicate, slot, bound, least, is_in, is_new, isKnown(slot), client_knowledge, page(slot).finest});
         is_in = record(slot).error().value >= least;
         bound = is_in ? least : least - 1;
       }

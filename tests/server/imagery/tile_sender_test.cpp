@@ -45,7 +45,7 @@ class TileSenderTest : public testing::Test {
   }
 
   // What is held after a while of this view, on a link that is never full.
-  std::set<uint64_t> sentFor(std::span<const TileSender::Stay> stays) {
+  std::set<uint64_t> sentFor(std::span<const TileSender::Dwell> stays) {
     TileSender sender(hierarchy, ground, 64 << 20);
     const std::array targets{TileSender::Target{view, {view.pose.eye}}, TileSender::Target{view, {view.pose.eye}}};
     for (uint32_t k = 1; k <= 100; ++k) {
@@ -73,7 +73,7 @@ TEST_F(TileSenderTest, MoreIsSentOfWhatIsSeenForLonger) {
   std::set<uint64_t> before;
   std::vector<size_t> counts;
   for (const double seconds : {0.0, 1.0, 10.0, 1000.0}) {
-    const std::array stays{TileSender::Stay{view.pose, seconds}};
+    const std::array stays{TileSender::Dwell{view.pose, seconds}};
     const std::set<uint64_t> sent = sentFor(stays);
     EXPECT_TRUE(std::includes(sent.begin(), sent.end(), before.begin(), before.end())) << seconds;
     counts.push_back(sent.size());
@@ -87,7 +87,7 @@ TEST_F(TileSenderTest, MoreIsSentOfWhatIsSeenForLonger) {
 TEST_F(TileSenderTest, NothingFinerIsSentOfWhatIsLeftBehind) {
   proto::Pose back = view.pose;
   back.orientation = proto::lookAlong({-0.1, -0.9, -0.2}, {0, 0, 1});
-  const std::array away{TileSender::Stay{back, 1000}}, never{TileSender::Stay{view.pose, 0}};
+  const std::array away{TileSender::Dwell{back, 1000}}, never{TileSender::Dwell{view.pose, 0}};
   EXPECT_EQ(sentFor(away), sentFor(never));
 }
 
@@ -95,7 +95,7 @@ TEST_F(TileSenderTest, NothingFinerIsSentOfWhatIsLeftBehind) {
 TEST_F(TileSenderTest, LessIsSentOfWhatTheCameraWillBeFurtherFrom) {
   proto::Pose back = view.pose;
   back.eye -= 1.5 * kHeight_m * glm::dvec3(0.1, 0.9, -0.4);
-  const std::array here{TileSender::Stay{view.pose, 10}}, there{TileSender::Stay{back, 10}};
+  const std::array here{TileSender::Dwell{view.pose, 10}}, there{TileSender::Dwell{back, 10}};
   const std::set<uint64_t> sent = sentFor(here), sent_there = sentFor(there);
   EXPECT_TRUE(std::includes(sent.begin(), sent.end(), sent_there.begin(), sent_there.end()));
   EXPECT_LT(sent_there.size(), sent.size());

@@ -131,10 +131,10 @@ TEST_F(GateTest, ComparesAddressesHoweverTheyAreWritten) {
 }
 
 TEST_F(GateTest, CountsACustomerOfIpv6Once) {
-  EXPECT_EQ(householdOf("198.51.100.7"), "198.51.100.7");
-  EXPECT_EQ(householdOf("2001:db8:1:2:3:4:5:6"), householdOf("2001:db8:1:2::"));
-  EXPECT_NE(householdOf("2001:db8:1:2::1"), householdOf("2001:db8:1:3::1"));
-  EXPECT_EQ(householdOf(""), "");
+  EXPECT_EQ(networkOf("198.51.100.7"), "198.51.100.7");
+  EXPECT_EQ(networkOf("2001:db8:1:2:3:4:5:6"), networkOf("2001:db8:1:2::"));
+  EXPECT_NE(networkOf("2001:db8:1:2::1"), networkOf("2001:db8:1:3::1"));
+  EXPECT_EQ(networkOf(""), "");
 }
 
 TEST_F(GateTest, NamesFlagsWithBadValues) {

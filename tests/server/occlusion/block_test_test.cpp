@@ -1,5 +1,5 @@
 // A block that is called hidden cannot be seen: neither its true surface nor anything that may be drawn of it, from any
-// eye of the sweep, by marching along lines of sight.
+// eye of the capsule, by marching along lines of sight.
 #include "server/occlusion/block_test.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ struct Ground {
     if (behind == Behind::kHorizons) shared.grid = HorizonGrid::of(hierarchy);
     if (behind == Behind::kRays) shared.occluder = Occluder::create(hierarchy).value();
   }
-  bool isHidden(const BlockId& block, const proto::View& view, const EyeSweep& eyes, uint64_t max_rays = 1000) {
+  bool isHidden(const BlockId& block, const proto::View& view, const EyeCapsule& eyes, uint64_t max_rays = 1000) {
     const Tolerance tolerance{view.lens, view.tau_px};
     if (!shared.grid) return test.isHidden(block, tolerance, eyes, max_rays);
     Horizon horizon(*shared.grid);
@@ -65,8 +65,8 @@ TEST_P(Hidden, BlocksCannotBeSeenFromAnywhereInTheSweep) {
     proto::View view =
         test::viewAt(ground.hierarchy, x, y, ground.field.at(x, y) + rng.uniform(5, 120), rng.uniform(0, 6.28), 0);
     view.tau_px = 1;
-    const EyeSweep eyes{view.pose.eye, rng.below(4) == 0 ? glm::dvec3(0) : rng.uniform(0, 60) * inBall(rng),
-                        rng.uniform(0, 30)};
+    const EyeCapsule eyes{view.pose.eye, rng.below(4) == 0 ? glm::dvec3(0) : rng.uniform(0, 60) * inBall(rng),
+                          rng.uniform(0, 30)};
     for (int i = 0; i < 60; ++i) {
       const auto scale = static_cast<uint8_t>(rng.below(4));
       const uint32_t side = BlockId::kSide << scale;
@@ -88,8 +88,8 @@ TEST_P(Hidden, BlocksCannotBeSeenFromAnywhereInTheSweep) {
   EXPECT_GT(hidden, tried / 10);
 }
 
-// At the height where a block behind a ridge is only just hidden, eyes at the ends of the sweep and on top of its ball
-// do not see it.
+// At the height where a block behind a ridge is only just hidden, eyes at the ends of the capsule and on top of its
+// ball do not see it.
 void lookFromTheMostTellingEyes(Ground& ground) {
   const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -102,7 +102,7 @@ void lookFromTheMostTellingEyes(Ground& ground) {
     const BlockId block{scale, static_cast<uint32_t>((160 + rng.below(60)) / side),
                         static_cast<uint32_t>((y + rng.uniform(-50, 50)) / side)};
     proto::View view = test::viewAt(ground.hierarchy, x, y, 0, 0, 0);
-    EyeSweep eyes{view.pose.eye, rng.uniform(0, 400) * inBall(rng), rng.below(2) * rng.uniform(0, 30)};
+    EyeCapsule eyes{view.pose.eye, rng.uniform(0, 400) * inBall(rng), rng.below(2) * rng.uniform(0, 30)};
     const glm::dvec3 level = eyes.eye;
     const auto isHiddenAt = [&](double height) {
       eyes.eye = level + glm::dvec3(0, 0, height);
@@ -176,7 +176,7 @@ TEST_P(Hidden, BlocksOfMovingGroundCannotBeSeenAtAnyTime) {
       const double x = rng.uniform(20, 70), y = rng.uniform(60, 196);
       const BlockId block{0, static_cast<uint32_t>(36 + rng.below(20)), static_cast<uint32_t>(rng.below(64))};
       const proto::View view = test::viewAt(ground.hierarchy, x, y, rng.uniform(30, 110), 0, 0);
-      if (!ground.isHidden(block, view, EyeSweep{view.pose.eye})) continue;
+      if (!ground.isHidden(block, view, EyeCapsule{view.pose.eye})) continue;
       ++hidden;
       for (int sample = 0; sample < 12; ++sample) {
         const Time at{static_cast<int64_t>(rng.uniform(0, static_cast<double>(epochs.last().us)))};
@@ -199,14 +199,14 @@ TEST_P(Hidden, BehindARidgeAndNotBeforeIt) {
       GetParam().frame);
   Ground ground(scene, GetParam().behind);
   const proto::View view = test::viewAt(ground.hierarchy, 64, 128, 50, 0, 0);
-  EXPECT_TRUE(ground.isHidden({0, 40, 32}, view, EyeSweep{view.pose.eye}));
-  EXPECT_TRUE(ground.isHidden({1, 24, 16}, view, EyeSweep{view.pose.eye, {}, 10}));
-  EXPECT_FALSE(ground.isHidden({0, 24, 32}, view, EyeSweep{view.pose.eye}));
-  EXPECT_FALSE(ground.isHidden({0, 32, 32}, view, EyeSweep{view.pose.eye})) << "the ridge itself";
+  EXPECT_TRUE(ground.isHidden({0, 40, 32}, view, EyeCapsule{view.pose.eye}));
+  EXPECT_TRUE(ground.isHidden({1, 24, 16}, view, EyeCapsule{view.pose.eye, {}, 10}));
+  EXPECT_FALSE(ground.isHidden({0, 24, 32}, view, EyeCapsule{view.pose.eye}));
+  EXPECT_FALSE(ground.isHidden({0, 32, 32}, view, EyeCapsule{view.pose.eye})) << "the ridge itself";
   const proto::View above = test::viewAt(ground.hierarchy, 64, 128, 500, 0, 0);
-  EXPECT_FALSE(ground.isHidden({0, 40, 32}, above, EyeSweep{above.pose.eye}));
+  EXPECT_FALSE(ground.isHidden({0, 40, 32}, above, EyeCapsule{above.pose.eye}));
   const bool needs_rays = GetParam().behind == Behind::kRays;
-  EXPECT_EQ(ground.isHidden({0, 40, 32}, view, EyeSweep{view.pose.eye}, 0), !needs_rays)
+  EXPECT_EQ(ground.isHidden({0, 40, 32}, view, EyeCapsule{view.pose.eye}, 0), !needs_rays)
       << "nothing known without rays";
 }
 
@@ -220,7 +220,7 @@ TEST_P(Hidden, BehindAWallOnAllSides) {
   Ground closed(test::makeScene(257, 257, wall, GetParam().frame), GetParam().behind),
       open(test::makeScene(257, 257, gap, GetParam().frame), GetParam().behind);
   const proto::View view = test::viewAt(closed.hierarchy, 128, 128, 30, 0, 0);
-  const EyeSweep eyes{view.pose.eye, {15, 10, 2}, 1};
+  const EyeCapsule eyes{view.pose.eye, {15, 10, 2}, 1};
   for (const auto& [x, y] : {std::pair{2u, 2u}, {2u, 32u}, {32u, 2u}, {32u, 60u}, {60u, 32u}, {60u, 60u}, {10u, 50u}})
     EXPECT_TRUE(closed.isHidden({0, x, y}, view, eyes)) << x << " " << y;
   EXPECT_TRUE(open.isHidden({0, 2, 32}, view, eyes));

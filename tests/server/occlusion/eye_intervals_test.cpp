@@ -1,4 +1,4 @@
-// The law of expected eyes: at every time at which a keyframe is shown, the eye lies in the sweep of that time's
+// The law of expected eyes: at every time at which a keyframe is shown, the eye lies in the capsule of that time's
 // interval, for however long the keyframe is shown.
 #include "server/occlusion/proofs/eye_intervals.h"
 
@@ -25,10 +25,10 @@ proto::Path winding(Rng& rng, int poses) {
   return path;
 }
 
-double distance(const EyeSweep& sweep, const glm::dvec3& eye) {
-  const double length2 = glm::dot(sweep.way, sweep.way);
-  const double share = length2 > 0 ? std::clamp(glm::dot(eye - sweep.eye, sweep.way) / length2, 0.0, 1.0) : 0;
-  return glm::distance(eye, sweep.eye + share * sweep.way);
+double distance(const EyeCapsule& capsule, const glm::dvec3& eye) {
+  const double length2 = glm::dot(capsule.way, capsule.way);
+  const double share = length2 > 0 ? std::clamp(glm::dot(eye - capsule.eye, capsule.way) / length2, 0.0, 1.0) : 0;
+  return glm::distance(eye, capsule.eye + share * capsule.way);
 }
 
 TEST(EyeIntervalsTest, HoldTheEyeForAsLongAsAKeyframeIsShown) {
@@ -39,13 +39,13 @@ TEST(EyeIntervalsTest, HoldTheEyeForAsLongAsAKeyframeIsShown) {
   for (const int64_t shown : {1, 2, 19, 20, 21, 39, 40, 41, 50, 100, 333}) {
     const Time begin{interval.us * 7 + 3'000}, end = begin + Duration{interval.us * shown};
     EyeIntervals eyes;
-    eyes.expect(outlookOf(motion, begin, end, interval, 0));
+    eyes.expect(eyePathOf(motion, begin, end, interval, 0));
     ASSERT_GE(eyes.end(), eyes.last() + 1) << shown;
     for (Time t = begin; t < end; t = t + Duration{1'700}) {
       const int64_t number = std::min(t.us / interval.us, eyes.last());
-      const auto sweeps = eyes.eyes(number, number + 1);
-      ASSERT_EQ(sweeps.size(), 1u) << shown << " intervals, in number " << number;
-      ASSERT_LE(distance(sweeps.front(), motion.at(t).eye), sweeps.front().radius_m + 1e-6) << shown;
+      const auto capsules = eyes.eyes(number, number + 1);
+      ASSERT_EQ(capsules.size(), 1u) << shown << " intervals, in number " << number;
+      ASSERT_LE(distance(capsules.front(), motion.at(t).eye), capsules.front().radius_m + 1e-6) << shown;
       ASSERT_LE(distance(eyes.shownEyes(), motion.at(t).eye), eyes.shownEyes().radius_m + 1e-6) << shown;
     }
   }
@@ -57,7 +57,7 @@ TEST(EyeIntervalsTest, TakeBoundedMemoryInAStall) {
   const ExpectedMotion motion(path);
   const Duration interval = Duration::milliseconds(1);
   EyeIntervals eyes;
-  eyes.expect(outlookOf(motion, Time{0}, Time{19'000'000}, interval, 0));
+  eyes.expect(eyePathOf(motion, Time{0}, Time{19'000'000}, interval, 0));
   EXPECT_EQ(eyes.last() + 1, EyeIntervals::kMaxShown);
   EXPECT_LE(eyes.end(), eyes.last() + 1 + EyeIntervals::kAhead);
   for (Time t{0}; t < Time{19'000'000}; t = t + Duration{7'700})

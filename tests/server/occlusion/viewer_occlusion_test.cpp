@@ -76,15 +76,15 @@ class Flight {
   }
   void expect(ViewerOcclusion& viewer, int keyframe, int64_t clock = 0) const {
     const Duration interval = server::at(1) - server::at(0);
-    EyeOutlook outlook =
-        outlookOf(ExpectedMotion(path_), server::at(keyframe - 1), server::at(keyframe + 1), interval, error_m_);
+    PredictedEyePath eye_path =
+        eyePathOf(ExpectedMotion(path_), server::at(keyframe - 1), server::at(keyframe + 1), interval, error_m_);
     // A guess is off by up to its error, another way each time.
-    for (EyeSweep& eyes : outlook.eyes) eyes.eye.y += error_m_ * std::sin(2.5 * keyframe);
+    for (EyeCapsule& eyes : eye_path.eyes) eyes.eye.y += error_m_ * std::sin(2.5 * keyframe);
     // Nor does it always go far.
-    if (error_m_ > 0) outlook.eyes.resize(2 + static_cast<size_t>(keyframe) % 9);
-    outlook.first += clock;
-    outlook.last += clock;
-    viewer.expect(outlook);
+    if (error_m_ > 0) eye_path.eyes.resize(2 + static_cast<size_t>(keyframe) % 9);
+    eye_path.first += clock;
+    eye_path.last += clock;
+    viewer.expect(eye_path);
   }
 
  private:
@@ -170,12 +170,12 @@ TEST(ViewerOcclusion, CallsHiddenWhatIsHiddenForAsLongAsAKeyframeIsShown) {
       const Time begin = at(0) + interval * (keyframe * std::max<int64_t>(1, shown / 2)),
                  end = begin + interval * shown;
       // What was expected at first was another way.
-      EyeOutlook outlook = outlookOf(ExpectedMotion(flight.path()), begin, end, interval, 0);
+      PredictedEyePath eye_path = eyePathOf(ExpectedMotion(flight.path()), begin, end, interval, 0);
       if (keyframe == 0)
-        for (EyeSweep& eyes : outlook.eyes) eyes.eye.z -= 30;
+        for (EyeCapsule& eyes : eye_path.eyes) eyes.eye.z -= 30;
       proto::View view = flight.viewOf(0);
-      view.pose.eye = outlook.eyes.front().eye;
-      viewer.expect(outlook);
+      view.pose.eye = eye_path.eyes.front().eye;
+      viewer.expect(eye_path);
       viewer.begin(view);
       watcher.see(viewer);
       if (keyframe == 0) continue;
@@ -223,11 +223,11 @@ TEST(ViewerOcclusion, ForgetsProofsOfEyesThatAreElsewhere) {
   const glm::dvec3 rise(0, 0, 300);
   for (int keyframe = 0; keyframe < 6; ++keyframe) {
     proto::View view = flight.viewOf(0);
-    EyeOutlook outlook{Duration::milliseconds(200), keyframe, keyframe + 1,
-                       std::vector<EyeSweep>(20, {view.pose.eye, {}, 1}), 0};
-    for (EyeSweep& eyes : outlook.eyes) eyes.eye += keyframe < 3 ? glm::dvec3(0) : rise;
-    view.pose.eye = outlook.eyes[0].eye;
-    viewer.expect(outlook);
+    PredictedEyePath eye_path{Duration::milliseconds(200), keyframe, keyframe + 1,
+                              std::vector<EyeCapsule>(20, {view.pose.eye, {}, 1}), 0};
+    for (EyeCapsule& eyes : eye_path.eyes) eyes.eye += keyframe < 3 ? glm::dvec3(0) : rise;
+    view.pose.eye = eye_path.eyes[0].eye;
+    viewer.expect(eye_path);
     viewer.begin(view);
     watcher.see(viewer);
     EXPECT_EQ(countSeen(view.pose.eye), 0u) << keyframe;
@@ -274,7 +274,7 @@ TEST(ViewerOcclusion, TellsTheSameWhateverTheClientsClockSays) {
     return std::pair(told, viewer.statistics().tests);
   };
   const auto plain = fly(0);
-  constexpr int64_t kLongest = 16;  // of stretches, which begin at multiples of their length
+  constexpr int64_t kLongest = 16;  // of spans, which begin at multiples of their length
   for (const int64_t clock : {int64_t{1'764'000'000'000'000 / 200'000}, int64_t{1} << 31, -(int64_t{1} << 40)})
     EXPECT_EQ(fly(clock & -kLongest), plain) << clock;
 }
@@ -347,8 +347,8 @@ TEST(ViewerOcclusion, HidesOnlyWhatItHasMemoryToProve) {
   EXPECT_EQ(none.hidden, 0u);
 }
 
-// Without an outlook the eye is taken to stay where it is.
-TEST(ViewerOcclusion, NeedsNoOutlook) {
+// Without an eye path the eye is taken to stay where it is.
+TEST(ViewerOcclusion, NeedsNoEyePath) {
   const Flight flight(proto::FrameKind::kPlanar, 0);
   const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
   ViewerOcclusion viewer(flight.hierarchy(), *shared);

@@ -4,7 +4,7 @@ import type { Blend, Pose, Request } from './values';
 
 const kFirstLine = 'foreland flight 1\n';
 const kHead_bytes = 13; // kind, time, size
-const kMost_bytes = 256 << 20;
+const kMax_bytes = 256 << 20;
 
 export class Recording {
   bytes = 0;
@@ -40,7 +40,7 @@ export class Recording {
 
   // Times of the two threads may cross; in the file they do not go back. A file that has become too long ends early.
   private put(kind: string, now_ms: number, bytes: Uint8Array): void {
-    this.is_full ||= this.bytes + kHead_bytes + bytes.length > kMost_bytes;
+    this.is_full ||= this.bytes + kHead_bytes + bytes.length > kMax_bytes;
     if (this.is_full) return;
     this.last_us = Math.max(this.last_us, Math.round(now_ms * 1000));
     const record = new Uint8Array(kHead_bytes + bytes.length), view = new DataView(record.buffer);

@@ -29,7 +29,7 @@ TEST(AdaptiveInterval, IsWithinItsBoundsOnTheGridAndLengthensByOneStep) {
   Duration last = ms(100);
   bool has_reached_both = false, has_reached_most = false;
   for (int i = 0; i < 5000; ++i) {
-    const size_t most = i / 500 % 2 == 0 ? 30 : 3000;  // calm and fast stretches in turn
+    const size_t most = i / 500 % 2 == 0 ? 30 : 3000;  // calm and fast spans in turn
     adaptive.observe(rng.below(most), rng.below(20) == 0 ? 0 : 1000, last);
     const Duration next = adaptive.next(kBounds, last);
     ASSERT_GE(next, ms(100));

@@ -22,8 +22,8 @@ TEST(ShownFrom, JoinsToTheKeyframeBefore) {
     state.last_step = state.interval = state.grid * *rc::gen::inRange<int64_t>(1, 4);
     const Time t = *state.last_client + state.interval;
     // Keyframes that come evenly: it is shown for as long before its time as the blend reaches.
-    RC_ASSERT(shownFrom(state, t) <= t - state.leadOf(state.last_step));
-    RC_ASSERT(shownUntil(state, t, state.interval) == t + state.leadOf(state.interval));
+    RC_ASSERT(shownFrom(state, t) <= t - state.leadTime(state.last_step));
+    RC_ASSERT(shownUntil(state, t, state.interval) == t + state.leadTime(state.interval));
     // Of order 1, from the keyframe before it to the one after it.
     if (state.order == 1) RC_ASSERT(shownFrom(state, t) == *state.last_client);
   }));

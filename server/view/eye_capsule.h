@@ -10,18 +10,18 @@
 namespace foreland::server {
 
 // All eyes within `radius_m` of the segment from `eye` to `eye + way`. Scene frame, metres.
-struct EyeSweep {
+struct EyeCapsule {
   glm::dvec3 eye{0}, way{0};
   double radius_m = 0;
 
-  bool contains(const EyeSweep& other) const;
+  bool contains(const EyeCapsule& other) const;
 };
 
-// A sweep that contains all of `parts`, at least one, that follow one another.
-EyeSweep hullOf(std::span<const EyeSweep> parts);
+// A capsule that contains all of `parts`, at least one, that follow one another.
+EyeCapsule hullOf(std::span<const EyeCapsule> parts);
 
-// A sweep along the chord from motion.at(begin) to motion.at(end) that holds the eye at all times between, up to
+// A capsule along the chord from motion.at(begin) to motion.at(end) that holds the eye at all times between, up to
 // rounding of less than a micrometre. Cost: one pose each 20 ms (at most 16), and one for each corner of the motion.
-EyeSweep sweepOf(const ExpectedMotion& motion, Time begin, Time end);
+EyeCapsule capsuleOf(const ExpectedMotion& motion, Time begin, Time end);
 
 }  // namespace foreland::server

@@ -1,7 +1,7 @@
 // The eyes of several keyframe intervals at once, and what they see over the terrain: blocks are proved hidden for a
-// stretch of intervals by one test.
+// span of intervals by one test.
 //
-// A stretch is for the eyes that are expected when it is made, with room for predictions that change. It is kept, and
+// A span is for the eyes that are expected when it is made, with room for predictions that change. It is kept, and
 // with it whatever was proved by it, for as long as the eyes that are expected later lie in that; then it is made anew.
 // One owner.
 #pragma once
@@ -16,23 +16,23 @@
 
 namespace foreland::server {
 
-// Intervals begin to before end, which is a multiple of the stretch's length.
-struct Stretch {
+// Intervals begin to before end, which is a multiple of the span's length.
+struct PathSpan {
   int64_t begin = 0, end = 0;
   bool is_made = false;
   uint32_t changed_at = 0;  // the last keyframe whose eyes were not those that it was made for; 0 if there is none
-  EyeSweep eyes;
-  std::vector<EyeSweep> earlier_eyes;  // for which it was made before, and what was proved may still hold
-  std::shared_ptr<Horizon> horizon;    // null without a grid, and until it is asked for
+  EyeCapsule eyes;
+  std::vector<EyeCapsule> earlier_eyes;  // for which it was made before, and what was proved may still hold
+  std::shared_ptr<Horizon> horizon;      // null without a grid, and until it is asked for
 };
 
-class Stretches {
+class PathSpans {
  public:
   static constexpr size_t kLengths = 2;  // the longest first
   using Lengths = uint8_t;               // a set of them: bits
 
   // Both must outlive it; `grid` may be null.
-  Stretches(const EyeIntervals& intervals, const HorizonGrid* grid) : intervals_(intervals), grid_(grid) {}
+  PathSpans(const EyeIntervals& intervals, const HorizonGrid* grid) : intervals_(intervals), grid_(grid) {}
 
   // After the intervals' eyes are those of a keyframe, whose numbers increase from 1.
   void revise(uint32_t keyframe);
@@ -40,21 +40,21 @@ class Stretches {
   void invalidate(uint32_t keyframe);
   void clear();
 
-  // How many intervals the shortest stretches have, and where that ends which holds an interval.
+  // How many intervals the shortest spans have, and where that ends which holds an interval.
   int64_t shortest() const { return int64_t{1} << intervalsLog2(kLengths - 1); }
   int64_t shortestEnd(int64_t interval) const { return (interval & -shortest()) + shortest(); }
-  // The last of some intervals up to which the shortest stretches go at most.
+  // The last of some intervals up to which the shortest spans go at most.
   int64_t lastCoveredUpTo(int64_t interval) const;
-  // The stretch of a length that holds an interval; null if not all of its eyes are expected, or if there is no room
+  // The span of a length that holds an interval; null if not all of its eyes are expected, or if there is no room
   // for it beside those that are held. Valid until the next keyframe.
-  Stretch* at(size_t length, int64_t interval);
+  PathSpan* at(size_t length, int64_t interval);
   // The intervals in which the keyframe is shown, and perhaps the next one; made anew once the eyes of these are
   // elsewhere. What is hidden behind it is so in this keyframe; in the next one it may be another. Valid until then.
-  Stretch& now();
+  PathSpan& now();
   // With bins of this width.
-  Horizon& horizonOf(Stretch& stretch, double bin);
+  Horizon& horizonOf(PathSpan& span, double bin);
 
-  // The first interval for which stretches of some lengths no longer prove what they did in a keyframe; end() or later
+  // The first interval for which spans of some lengths no longer prove what they did in a keyframe; end() or later
   // if there is none.
   int64_t firstChangedAfter(uint32_t keyframe, Lengths lengths) const;
   // Increases with each keyframe in which firstChangedAfter() may be one of the intervals shown that it was not before.
@@ -67,10 +67,10 @@ class Stretches {
  private:
   static constexpr size_t kHeld = 32;  // of a length
   static constexpr std::array<uint32_t, kLengths> kKnownLog2{4, 3}, kGuessLog2{3, 2};
-  // There is room for all of outlookOf().
+  // There is room for all of eyePathOf().
   static_assert(EyeIntervals::kMaxShown + EyeIntervals::kAhead / 2 <= int64_t{kHeld - 2} << kGuessLog2.back());
 
-  // Guesses are soon others, so stretches of them are short.
+  // Guesses are soon others, so spans of them are short.
   uint32_t intervalsLog2(size_t length) const { return (intervals_.isPredicted() ? kGuessLog2 : kKnownLog2)[length]; }
 
   struct Change {
@@ -79,18 +79,18 @@ class Stretches {
     Lengths lengths;
   };
 
-  void revise(Stretch& stretch, uint32_t keyframe);
+  void revise(PathSpan& span, uint32_t keyframe);
   void collectChanges(uint32_t keyframe);
-  EyeSweep roomyEyes(const Stretch& stretch) const;
-  std::shared_ptr<Horizon> sightOf(const EyeSweep& eyes) const;
-  void dropHorizon(Stretch& stretch);
+  EyeCapsule roomyEyes(const PathSpan& span) const;
+  std::shared_ptr<Horizon> sightOf(const EyeCapsule& eyes) const;
+  void dropHorizon(PathSpan& span);
 
   const EyeIntervals& intervals_;
   const HorizonGrid* grid_;
-  std::array<std::array<Stretch, kHeld>, kLengths> held_;
-  Stretch now_;
+  std::array<std::array<PathSpan, kHeld>, kLengths> held_;
+  PathSpan now_;
   std::vector<std::shared_ptr<Horizon>> spare_;  // their memory is used again
-  std::vector<Change> changes_;                  // of the stretches held
+  std::vector<Change> changes_;                  // of the spans held
   uint32_t valid_since_ = 0, revision_ = 0;
   Duration interval_{};
   bool is_predicted_ = false;

@@ -1,4 +1,4 @@
-// How a server that stops hands its viewers over. Each is asked to connect again, is led to another server by whatever
+// How a server that stops migrates its viewers. Each is asked to connect again, is led to another server by whatever
 // stands before the two (a proxy, a name), and resumes there from the section that it holds. Values without a clock, so
 // that the server's I/O thread, the pool's simulation and the virtual world of tests keep to the same rules.
 #pragma once
@@ -12,13 +12,13 @@
 namespace foreland::server {
 
 // When viewers are asked: one after another, so that the other servers need not resume all of them in one instant.
-class HandOverTurns {
+class MigrationTurns {
  public:
   // Half of that or less is what one worker takes for a viewer that resumes.
   static constexpr Duration kBetweenViewers = Duration::milliseconds(40);
 
   // All of them are asked within half of `most`, and faster if they are few.
-  HandOverTurns(size_t viewers, Time begin, Duration most)
+  MigrationTurns(size_t viewers, Time begin, Duration most)
       : viewers_(static_cast<int64_t>(viewers)),
         begin_(begin),
         spread_(std::min(Duration{most.us / 2}, kBetweenViewers * viewers_)) {}
@@ -37,7 +37,7 @@ class HandOverTurns {
 
 // When one viewer leaves: as soon as all that was made for it has been sent. That is right after its next keyframe, and
 // so the other server has nearly a whole interval until the one after it is due. One owner.
-class HandOver {
+class Migration {
  public:
   static constexpr Duration kLongest = Duration::seconds(1);  // to the next keyframe
 

@@ -8,16 +8,16 @@
 
 namespace foreland::server {
 
-class Debt {
+class Deficit {
  public:
-  static constexpr double kMost_s = 2;
+  static constexpr double kMax_s = 2;
 
   // Notes that `spent` was used until `now`, by a user whose even share of one worker is `share`.
   void charge(Duration spent, Time now, double share) {
     const double elapsed_s = std::max(1e-6, (now - charged_at_).toSeconds());
     charged_at_ = now;
     owed_s_ = std::max(0.0, owed_s_ - elapsed_s * share);
-    owed_s_ = std::min(kMost_s, owed_s_ + spent.toSeconds());
+    owed_s_ = std::min(kMax_s, owed_s_ + spent.toSeconds());
   }
   double seconds() const { return owed_s_; }
   // How long it takes to pay.
