@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 PAGE = ("client/", "proto/", "base/", "server/", "terrain/", "transport/", "apps/", "tools/build_page.sh", "cmake/", "CMake")
-NATIVE = ("base/", "transport/", "proto/", "terrain/", "server/", "client/", "oracle/", "sim/", "lab/", "apps/", "tests/", "deploy/", "cmake/",
+NATIVE = ("base/", "transport/", "proto/", "terrain/", "server/", "client/", "oracle/", "sim/", "lab/", "apps/", "examples/", "tests/", "deploy/", "cmake/",
           "CMake", "tools/", "check", "demo", "docs/manual/", "docs/PROTOCOL.md", ".clang")
 
 ORDER = ("packages", "layers", "docs", "format", "release", "wasm", "test", "page", "browser", "demo", "package", "lint", "asan", "tsan")

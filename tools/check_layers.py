@@ -80,6 +80,7 @@ SEES["oracle"] = [r for r in LIBRARIES if top(r) not in ("server",)]
 SEES["sim"] = LIBRARIES
 PRODUCT = [*LIBRARIES, "oracle"]
 SEES["apps"] = PRODUCT
+SEES["examples"] = LIBRARIES  # to be read: nothing that a program of one's own would not include
 
 # The laboratory sees everything but the tests, and nothing else sees it.
 SEES["lab/programs"] = ["base"]
@@ -211,6 +212,9 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("proto/codec/c.h", '#include "tests/support/a.h"\n', "must not include tests"),
     ("tests/terrain/b.cpp", '#include "sim/a.h"\n#include "tests/support/a.h"\n#include <gdal.h>\n#include <chrono>\n', ""),
     ("tests/terrain/c.cpp", '#include "lab/a.h"\n', "tests must not include lab"),
+    ("examples/a.cpp", '#include "client/a.h"\n#include "server/session/a.h"\n#include "terrain/pipeline/a.h"\n', ""),
+    ("examples/b.cpp", '#include "tests/support/a.h"\n', "examples must not include tests/support"),
+    ("examples/c.cpp", "auto t = std::chrono::steady_clock::now();\n", "must not read a clock"),
     ("apps/c.cpp", '#include "lab/a.h"\n', "apps must not include lab"),
     ("oracle/c.cpp", '#include "server/section/a.h"\n', "oracle must not include server/section"),
     ("lab/b.cpp", '#include "client/a.h"\n#include "server/section/a.h"\n#include <chrono>\n', ""),
