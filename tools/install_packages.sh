@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The one list of Debian packages, in groups; installs those of the named groups that are missing. Says nothing and needs no
 # network when none is. Groups: build (the programs), page (WebAssembly module and web page), test (what ./check adds),
-# package (what makes and tests Debian's packages).
+# package (what makes and tests Debian's packages). The site of the documents (tools/make_site.sh) needs test's mkdocs.
 # With --check as the first word nothing is installed; exits 1 if something is missing.
 set -euo pipefail
 
@@ -21,7 +21,7 @@ readonly build_packages=(
   zlib1g-dev libbrotli-dev libmeshoptimizer-dev libdraco-dev libseccomp-dev
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
-readonly test_packages=(curl openssl clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev haproxy chromium fonts-dejavu-core man-db)
+readonly test_packages=(curl openssl clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev haproxy chromium fonts-dejavu-core man-db mkdocs mkdocs-material)
 readonly package_packages=(dpkg-dev file lintian debootstrap systemd qemu-user)
 
 usage() {
