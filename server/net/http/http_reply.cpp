@@ -14,7 +14,7 @@ constexpr std::string_view kViewerPath = "/fly";
 constexpr const char* kLostUpgrade =
     "This is the handshake of a WebSocket without its Upgrade: a proxy on the way does not pass that on. nginx needs "
     "proxy_http_version 1.1, proxy_set_header Upgrade $http_upgrade and proxy_set_header Connection \"upgrade\"; "
-    "see PUBLIC_PORT.md.";
+    "see docs/PUBLIC_PORT.md.";
 
 std::optional<int> hexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
