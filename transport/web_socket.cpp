@@ -40,15 +40,16 @@ void WebSocket::accept(const UpgradeRequest& request, const std::string& server,
 }
 
 void WebSocket::shakeHands(const std::string& host, const std::string& target, const std::string& authorization,
-                           unsigned& status, Done done) {
+                           Answer& answer, Done done) {
   if (!authorization.empty())
     stream_->set_option(websocket::stream_base::decorator(
         [authorization](websocket::request_type& request) { request.set(http::field::authorization, authorization); }));
-  status = 0;
+  answer = {};
   const auto response = std::make_shared<websocket::response_type>();
   response->result(0u);
-  stream_->async_handshake(*response, host, target, [response, &status, done = std::move(done)](Error error) {
-    status = response->result_int();
+  stream_->async_handshake(*response, host, target, [response, &answer, done = std::move(done)](Error error) {
+    answer.status = response->result_int();
+    if (error && (*response)[http::field::content_type].starts_with("text/plain")) answer.text = response->body();
     done(error);
   });
 }

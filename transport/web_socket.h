@@ -48,10 +48,14 @@ class WebSocket {
 
   // Answers an upgrade request, which must live until `done`; `server` is what the answer's Server field says.
   void accept(const UpgradeRequest& request, const std::string& server, Done done);
-  // Asks for an upgrade; with an Authorization field unless `authorization` is empty. `status` is set to the HTTP
-  // status of the answer, 0 if there was none, and must live until `done`.
-  void shakeHands(const std::string& host, const std::string& target, const std::string& authorization,
-                  unsigned& status, Done done);
+  // What a server answers to a handshake.
+  struct Answer {
+    unsigned status = 0;  // of HTTP; 0 if there was no answer
+    std::string text;     // what it says, of a refusal in plain text
+  };
+  // Asks for an upgrade; with an Authorization field unless `authorization` is empty. `answer` must live until `done`.
+  void shakeHands(const std::string& host, const std::string& target, const std::string& authorization, Answer& answer,
+                  Done done);
 
   // Appends some bytes of the next message; isMessageDone() says whether it is whole.
   void readSome(boost::beast::flat_buffer& buffer, Moved moved);

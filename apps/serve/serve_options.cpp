@@ -63,6 +63,10 @@ void addLimits(CLI::App& app, ServeFlags& flags) {
       "likewise, of connections from one address; 0: no limit, as behind a proxy")
       ->type_name(whole("N"))
       ->check(within(0, 1'000'000));
+  add("--max-header-kib", flags.max_header_kib,
+      "KiB that the fields of a request may have, such as cookies of a single sign-on; longer ones are refused (431)")
+      ->type_name(whole("KIB"))
+      ->check(within(1, 1024));
   add("--max-section-nodes", flags.max_section_nodes,
       "nodes that a viewer's section may have; its tolerance rises until it has no more")
       ->type_name(whole("N"))
@@ -94,7 +98,8 @@ void addGate(CLI::App& app, ServeFlags& flags) {
   add("--token-secret", flags.token_secret,
       "file of the secret with which `foreland token` signs; viewers need a token then")
       ->type_name(file("FILE"));
-  add("--trusted-proxy", flags.trusted_proxy, "address or network of a proxy whose X-Forwarded-For is believed")
+  add("--trusted-proxy", flags.trusted_proxy,
+      "address or network of a proxy whose X-Forwarded-For, or else Forwarded, is believed")
       ->type_name(text("ADDRESS"));
 }
 
@@ -175,6 +180,7 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   options.tls_key = flags.tls_key;
   options.threads = flags.threads > 0 ? flags.threads : std::max(1u, std::thread::hardware_concurrency());
   options.max_connections = flags.max_connections;
+  options.max_header_bytes = flags.max_header_kib << 10;
   if (flags.max_per_address > 0) options.max_connections_per_address = flags.max_per_address;
   options.limits.viewer_bytes = static_cast<size_t>(flags.queue_mib * 1048576);
   options.limits.queue_bytes = std::max(options.limits.queue_bytes, options.limits.viewer_bytes);

@@ -22,6 +22,7 @@ struct ServeFlags {
   std::string occlusion = "off";
   size_t max_connections = server::ServeOptions{}.max_connections;
   size_t max_per_address = 0;  // 0: no limit
+  size_t max_header_kib = server::ServeOptions{}.max_header_bytes >> 10;
   double viewer_memory_mib = 64;
   size_t max_section_nodes = server::SessionOptions{}.max_section_nodes;
   double queue_mib = server::HostLimits{}.viewer_bytes / 1048576.0;

@@ -58,6 +58,9 @@ FORELAND_EXPORT(foreland_screen_add) void screenAdd(Screen* screen, uint32_t old
   screen->schedule.add(interval);
 }
 
+// Forgets all meshes: what was ready is lost (foreland_redraw), and those that are added from now on are shown.
+FORELAND_EXPORT(foreland_screen_redraw) void screenRedraw(Screen* screen) { screen->schedule.clear(); }
+
 // The version of the mesh to make ready next; 0 if there is none.
 FORELAND_EXPORT(foreland_screen_next) uint32_t screenNext(Screen* screen) { return screen->schedule.next(); }
 

@@ -43,6 +43,13 @@ void fillTiles(proto::TileContent content, const Residency& residency, Host& hos
 FORELAND_EXPORT(foreland_set_texture_layers)
 void setTextureLayers(Host* host, uint32_t relief, uint32_t imagery) { host->texture_layers = {relief, imagery}; }
 
+// What the host had taken is lost (its graphics card was reset): the newest mesh is taken again, and all tiles come
+// again with it and those that follow.
+FORELAND_EXPORT(foreland_redraw) void redraw(Host* host) {
+  host->taken_mesh = 0;
+  host->draped_scene = 0;
+}
+
 // What of the tiles of a proto::TileContent is drawn with the mesh that was taken last. Null if the scene has none.
 FORELAND_EXPORT(foreland_tiles) const TilesRecord* tiles(Host* host, uint32_t content) {
   const Residency* residency = nullptr;

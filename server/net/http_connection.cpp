@@ -26,10 +26,10 @@ using transport::Transport;
 namespace http = beast::http;
 namespace {
 
-constexpr uint32_t kMaxHeaderBytes = 8u << 10;
 constexpr const char* kTooManyFromThere = "There are too many connections from your address. Try again in a while.";
 constexpr uint64_t kMaxBodyBytes = 4u << 10;  // no request here needs a body
 constexpr size_t kReplyPieceBytes = 32u << 10;
+constexpr size_t kMaxIgnoredBytes = 1u << 20;  // of a request that was refused before it ended
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -67,7 +67,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void read() {
     parser_.emplace();
-    parser_->header_limit(kMaxHeaderBytes);
+    parser_->header_limit(static_cast<uint32_t>(context_.options.max_header_bytes));
     parser_->body_limit(kMaxBodyBytes);
     allowMoreTime();
     http::async_read(stream_, buffer_, *parser_,
@@ -82,38 +82,56 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (admission_ == Admission::kReserve && !isForOperators(view(request.target())))
       return refuse({503, RefusedFor::kFull, "The server is full. Try again in a while"});
     if (isFullFor(request)) return refuse({503, RefusedFor::kAddress, kTooManyFromThere});
-    if (admission_ != Admission::kMetrics && beast::websocket::is_upgrade(request)) return letIn();
-    const HttpReply reply = replyTo({.method = view(request.method_string()),
-                                     .target = view(request.target()),
-                                     .if_none_match = view(request[http::field::if_none_match]),
-                                     .accept_encoding = view(request[http::field::accept_encoding]),
-                                     .range = view(request[http::field::range]),
-                                     .if_range = view(request[http::field::if_range])},
-                                    admission_ == Admission::kMetrics ? context_.metrics_site : context_.site);
+    const bool is_upgrade = beast::websocket::is_upgrade(request);
+    if (admission_ != Admission::kMetrics && is_upgrade) return letIn();
+    HttpReply reply = replyTo({.method = view(request.method_string()),
+                               .target = view(request.target()),
+                               .if_none_match = view(request[http::field::if_none_match]),
+                               .accept_encoding = view(request[http::field::accept_encoding]),
+                               .range = view(request[http::field::range]),
+                               .if_range = view(request[http::field::if_range]),
+                               .lost_its_upgrade = !view(request[http::field::sec_websocket_key]).empty()},
+                              admission_ == Admission::kMetrics ? context_.metrics_site : context_.site);
+    if (reply.status == 426 && isForViewers(view(request.target()))) reply = viewersReply(std::move(reply));
     write(reply, request.method() == http::verb::head, request.keep_alive());
   }
 
   // Whether there are as many connections from the address that a trusted proxy names as may be.
   bool isFullFor(const http::request<http::string_body>& request) {
     if (admission_ == Admission::kMetrics || !context_.gate.isTrusted(from_)) return false;
-    const std::string client = context_.gate.clientOf(from_, listOf(request, "X-Forwarded-For"));
+    const std::string listed = listOf(request, "X-Forwarded-For");
+    const std::string client = context_.gate.clientOf(from_, listed.empty() ? listOf(request, "Forwarded") : listed);
     return client != from_ && count_.countFor(client) >= context_.options.max_connections_per_address;
   }
 
   // A viewer, if it may come.
   void letIn() {
-    if (context_.is_draining)
-      return refuse({503, RefusedFor::kStopping, "The server stops. Connect again, to another server."});
-    const auto& request = parser_->get();
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    auto pass = context_.gate.admit({.origin = view(request[http::field::origin]),
-                                     .host = view(request[http::field::host]),
-                                     .target = view(request.target()),
-                                     .authorization = view(request[http::field::authorization])},
-                                    std::chrono::duration_cast<std::chrono::seconds>(now).count());
+    auto pass = admit();
     if (const auto* rejection = std::get_if<Rejection>(&pass)) return refuse(*rejection);
     context_.metrics.countHttpReply(101);
     acceptViewer(std::move(stream_), std::move(count_), std::get<Pass>(std::move(pass)), parser_->release(), context_);
+  }
+
+  std::variant<Pass, Rejection> admit() {
+    if (context_.is_draining)
+      return Rejection{503, RefusedFor::kStopping, "The server stops. Connect again, to another server."};
+    const auto& request = parser_->get();
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return context_.gate.admit({.origin = view(request[http::field::origin]),
+                                .host = view(request[http::field::host]),
+                                .target = view(request.target()),
+                                .authorization = view(request[http::field::authorization])},
+                               std::chrono::duration_cast<std::chrono::seconds>(now).count());
+  }
+
+  // A page cannot read why its WebSocket was refused, so it asks again without: what it is told is what the WebSocket
+  // was, and `otherwise` if that would have been let in.
+  HttpReply viewersReply(HttpReply otherwise) {
+    const auto pass = admit();
+    const auto* rejection = std::get_if<Rejection>(&pass);
+    HttpReply reply = rejection ? textReply(rejection->status, rejection->why) : std::move(otherwise);
+    reply.is_for_any_origin = true;
+    return reply;
   }
 
   void refuse(const Rejection& rejection) {
@@ -122,7 +140,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void refuse(beast::error_code error) {
-    context_.log(Severity::kDebug, "closed a connection that does not speak HTTP: " + error.message());
+    context_.log(Severity::kDebug, "refused what is no request: " + error.message());
+    ignores_rest_ = true;
+    if (error == http::error::header_limit)
+      return write(textReply(431, "The fields of the request have more than " +
+                                      std::to_string(context_.options.max_header_bytes >> 10) +
+                                      " KiB, cookies included; --max-header-kib of the server lets in longer ones."),
+                   false, false);
     write(textReply(400,
                     "This is an HTTP and WebSocket server; the request was not understood (" + error.message() + ")."),
           false, false);
@@ -158,6 +182,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (reply.status == 405) response_.set(http::field::allow, "GET, HEAD");
     if (reply.status == 503) response_.set(http::field::retry_after, "5");
     if (reply.status == 426) response_.set(http::field::upgrade, "websocket");
+    if (reply.is_for_any_origin) response_.set(http::field::access_control_allow_origin, "*");
   }
 
   // Piece by piece, each with a deadline of its own: who reads slowly gets large files, too.
@@ -179,6 +204,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     beast::error_code ignored;
     stream_.next_layer().socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+    if (ignores_rest_) ignoreRest(kMaxIgnoredBytes);
+  }
+
+  // A socket that is closed while it has bytes to read resets the connection, which may lose the reply on its way.
+  void ignoreRest(size_t most) {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kReplyPieceBytes),
+                            [self = shared_from_this(), most](beast::error_code error, size_t bytes) {
+                              if (!error && bytes < most) self->ignoreRest(most - bytes);
+                            });
   }
 
   ServerContext& context_;
@@ -191,6 +226,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::optional<http::request_parser<http::string_body>> parser_;
   std::shared_ptr<const std::string> body_;
   std::string_view unsent_;                    // of the body
+  bool ignores_rest_ = false;                  // of the request
   http::response<http::empty_body> response_;  // without it
 };
 

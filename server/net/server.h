@@ -40,6 +40,7 @@ struct ServeOptions {
   std::filesystem::path tls_certificate, tls_key;
   size_t max_connections = 1024;                  // one more is told to try again later (503)
   size_t max_connections_per_address = SIZE_MAX;  // likewise; behind a proxy all come from one
+  size_t max_header_bytes = 8u << 10;             // of a request; a longer one is refused (431)
   size_t max_unread_messages = 64;                // a viewer that leaves more replies unread is refused
   size_t send_buffer_bytes = 128u << 10;  // the system's, for each viewer; small, so that a slow link is noticed early
   Duration http_timeout = Duration::seconds(10);     // for a request to arrive, and for its reply to leave

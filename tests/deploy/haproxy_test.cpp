@@ -8,11 +8,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "terrain/pipeline/build.h"
+#include "tests/deploy/proxy.h"
 #include "tests/server/net/client.h"
 #include "tests/support/program.h"
 #include "tests/support/scene.h"
@@ -25,27 +25,6 @@ constexpr const char* kHaproxy = "/usr/sbin/haproxy";  // Debian's
 int fromEnvironment(const char* name, int otherwise) {
   const char* text = std::getenv(name);
   return text ? std::atoi(text) : otherwise;
-}
-
-std::string local(uint16_t port) { return "127.0.0.1:" + std::to_string(port); }
-
-// A port that was free a moment ago.
-uint16_t freePort() {
-  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  EXPECT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), size), 0);
-  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(fd);
-  return ntohs(address.sin_port);
-}
-
-std::string textOf(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
 }
 
 class BehindHaproxy : public testing::Test {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/printable.h"
 #include "proto/message/message.h"
 #include "transport/transport.h"
 #include "transport/web_socket.h"
@@ -30,6 +31,7 @@ struct Scheme {
   Security security;
   const char* port;
 };
+constexpr size_t kMaxSaidBytes = 400;  // that a server says of why it refuses a viewer
 constexpr Scheme kSchemes[] = {{"ws://", Security::kNone, "80"},
                                {"wss://", Security::kTls, "443"},
                                {"http://", Security::kNone, "80"},
@@ -140,15 +142,17 @@ Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::m
   stream->setLimits({.handshake_timeout = timeout, .max_message_bytes = proto::kMaxServerMessageBytes, .pings = true});
   const std::string authorization = options.token.empty() ? "" : "Bearer " + options.token;
   error_code error;
-  unsigned status = 0;
-  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, status, [&](error_code e) { error = e; });
+  transport::WebSocket::Answer answer;
+  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, answer, [&](error_code e) { error = e; });
   io.run();
   io.restart();
   if (!error) return {};
-  const bool is_answer = status != 0 && status != 101;
+  const bool is_answer = answer.status != 0 && answer.status != 101;
+  const std::string said = printable(answer.text.substr(0, answer.text.find_last_not_of(" \r\n") + 1), kMaxSaidBytes);
   return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
-                                   (is_answer ? " (HTTP " + std::to_string(status) + ")" : "") +
-                                   (status == 401 ? "; give a valid token with --token" : "")};
+                                   (is_answer ? " (HTTP " + std::to_string(answer.status) + ")" : "") +
+                                   (said.empty() ? "" : "; it says: " + said) +
+                                   (answer.status == 401 ? "; give a valid token with --token" : "")};
 }
 
 void WebSocketClient::Impl::fail(const error_code& error) {

@@ -6,6 +6,8 @@ import { lookOf } from './ui/camera';
 import { ColourMaps, takeFiles } from './ui/colour_maps';
 import { Controls } from './ui/controls';
 import type { Core } from './core/core';
+import { Comeback } from './draw/comeback';
+import { canDraw } from './draw/can_draw';
 import { failureOf, reasonOf, type Failure } from './core/failure';
 import { Guard } from './core/guard';
 import { Session } from './core/session';
@@ -13,6 +15,7 @@ import type { MapPosition, Pose, Request, ScreenFrame, Welcome } from './core/va
 import { Picture, type Shot } from './draw/picture';
 import { wordsOf } from './ui/failure_words';
 import { Hint } from './ui/hint';
+import { KeptAddress, queryText, viewText } from './ui/kept_address';
 import { showNotice } from './ui/notice';
 import { Panel } from './ui/panel';
 import { PredictionCheck } from './core/prediction_check';
@@ -39,11 +42,17 @@ function byId(id: string): HTMLElement {
 }
 
 export class App {
-  private readonly canvas = byId('scene') as HTMLCanvasElement;
+  private canvas = byId('scene') as HTMLCanvasElement;
   private readonly guard = new Guard((error) => this.fail(failureOf(error)));
   private readonly hint = new Hint(byId('hint'));
   private has_told_missing = false; // images of models
-  private readonly picture: Picture;
+  private picture: Picture;
+  private readonly comeback = new Comeback();
+  private comeback_timer = 0;
+  private card_resets = 0; // after which it draws again
+  private readonly kept_address = new KeptAddress((query) =>
+    window.history.replaceState(window.history.state, '', `${window.location.pathname}${query}${window.location.hash}`));
+  private has_size = false; // since when the session has begun, or is to begin
   private may_occlude = false; // this connection's deltas can tell hidden blocks
   private readonly controls = new Controls(this.canvas);
   private readonly readout = new Readout(byId('readout'));
@@ -68,11 +77,9 @@ export class App {
   private readonly last_eye = new THREE.Vector3();
 
   // The worker is to be core/worker.ts; nothing has been said to it.
-  constructor(core: Core, worker: Worker, private readonly address: Address) {
+  constructor(private readonly core: Core, worker: Worker, private readonly address: Address) {
     this.settings = address.settings;
-    this.picture = new Picture(this.canvas, { layers: kTextureLayers, anisotropy: address.anisotropy, models: modelsOf(address.server) },
-      (what) => this.tellMissing(what));
-    this.resize();
+    this.picture = this.newPicture();
     this.tours = new Tours(byId('tours'), (tour) => this.guard.run(() => this.chooseTour(tour)));
     this.session = new Session(core, worker, {
       onOpen: () => (this.may_occlude = this.settings.occlusion),
@@ -88,13 +95,6 @@ export class App {
       onDamaged: () => this.hint.show('A tile of the ground is damaged: a coarser one stays in its place.'),
       onFailure: (failure) => this.guard.run(() => this.fail(failure)),
     }, this.guard);
-    const { server, token } = address;
-    this.session.tell({
-      kind: 'start', module: core.module, server: token === null ? server : `${server}?token=${encodeURIComponent(token)}`,
-      request: this.request(), blend: this.settings.blend, wants_lines: this.settings.wireframe,
-      texture_layers: kTextureLayers, clock_origin_ms: performance.timeOrigin, is_recorded: address.is_recorded,
-    });
-    this.sent_request = JSON.stringify(this.request());
     this.controls.onTakeOver = () => this.guard.run(() => this.tours.current && this.chooseTour(null));
     const file = document.createElement('input');
     this.panel = new Panel(byId('panel'), this.settings, this.colour_maps.names, file, () => this.guard.run(() => this.applySettings()));
@@ -102,18 +102,15 @@ export class App {
       (reason) => this.guard.run(() => this.refuseColours(reason)));
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => this.session.tell({ kind: 'save recording' }));
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
-    window.addEventListener('resize', () => this.resize());
-    this.canvas.addEventListener('webglcontextlost', () => this.guard.run(() => {
-      this.end();
-      this.offerReload('The graphics card was reset.', 'Reload the page to fly on from here.');
-    }));
+    window.addEventListener('resize', () => this.guard.run(() => this.resize()));
   }
 
   start(): void {
     if (this.guard.isOver) return;
-    showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
+    this.resize();
+    this.showConnecting();
     if (this.address.tour) this.chooseTour(this.address.tour);
-    this.picture.renderer.setAnimationLoop(() => this.guard.run(() => this.draw(performance.now())));
+    this.beginDrawing();
     this.hint.show(kIsPhone ? 'One finger looks, two fingers fly'
       : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed');
   }
@@ -123,6 +120,7 @@ export class App {
     return {
       connected: this.session.is_open,
       ...this.picture.status(),
+      card_resets: this.card_resets,
       nodes: this.mesh?.to_nodes ?? 0,
       tau_px: this.mesh?.tau_px ?? 0,
       blend: this.settings.blend,
@@ -147,6 +145,22 @@ export class App {
 
   // ---- session
 
+  // Once the page has a size: a server refuses a lens without pixels.
+  private startSession(): void {
+    const { server, token, is_recorded } = this.address;
+    const url = new URL(server);
+    if (token !== null) url.searchParams.set('token', token);
+    this.session.tell({
+      kind: 'start', module: this.core.module, server: url.href, request: this.request(), blend: this.settings.blend,
+      wants_lines: this.settings.wireframe, texture_layers: kTextureLayers, clock_origin_ms: performance.timeOrigin, is_recorded,
+    });
+    this.sent_request = JSON.stringify(this.request());
+  }
+
+  private showConnecting(): void {
+    showNotice(byId('notice'), { kind: 'wait', title: 'Connecting', text: this.address.server });
+  }
+
   private enterScene(welcome: Welcome): void {
     const is_first = this.welcome === null;
     showNotice(byId('notice'), null);
@@ -164,10 +178,11 @@ export class App {
     this.controls.eye.fromArray(this.address.view?.slice(0, 3) ?? eye);
     const [heading, pitch] = (this.address.view?.slice(3) ?? []).map((degrees) => (degrees * Math.PI) / 180);
     this.controls.look = heading === undefined ? look : { heading, pitch: pitch! };
+    this.kept_address.begin(queryText(this.addressHere()));
   }
 
   private showWaiting(seconds: number, reason: string): void {
-    const title = this.welcome ? 'Connection lost' : 'The server does not answer';
+    const title = this.welcome ? 'Connection lost' : reason === '' ? 'The server does not answer' : 'The connection does not open';
     const text = `${reason === '' ? '' : `${reason} `}Trying ${this.address.server} again in ${seconds < 1 ? 'a moment' : `${seconds} s`}.`;
     showNotice(byId('notice'), { kind: 'wait', title, text });
   }
@@ -197,15 +212,71 @@ export class App {
     this.guard.end();
     this.picture.renderer.setAnimationLoop(null);
     window.clearTimeout(this.lens_timer);
+    window.clearTimeout(this.comeback_timer);
     this.session.close();
   }
 
   private offerReload(title: string, text: string): void {
+    showNotice(byId('notice'), { kind: 'error', title, text, action: this.reloadHere() });
+  }
+  private reloadHere(): { label: string; run: () => void } {
     const run = () => {
-      window.history.replaceState(null, '', `?${this.addressHere()}${window.location.hash}`);
+      window.history.replaceState(null, '', `${window.location.pathname}${queryText(this.addressHere())}${window.location.hash}`);
       window.location.reload();
     };
-    showNotice(byId('notice'), { kind: 'error', title, text, action: { label: 'Reload the page', run } });
+    return { label: 'Reload the page', run };
+  }
+
+  // ---- the graphics card
+
+  private newPicture(): Picture {
+    const { anisotropy, server } = this.address;
+    const picture = new Picture(this.canvas, { layers: kTextureLayers, anisotropy, models: modelsOf(server) }, (what) => this.tellMissing(what));
+    this.canvas.addEventListener('webglcontextlost', () => this.guard.run(() => this.loseCard()), { once: true });
+    return picture;
+  }
+
+  private beginDrawing(): void {
+    this.picture.renderer.setAnimationLoop(() => this.guard.run(() => this.draw(performance.now())));
+  }
+
+  // The card was reset, and all that it held is gone. The session goes on.
+  private loseCard(): void {
+    this.picture.renderer.setAnimationLoop(null);
+    this.session.leaveOutMeshes();
+    const text = 'The picture comes back as soon as the browser can draw again.';
+    showNotice(byId('notice'), { kind: 'wait', title: 'The graphics card was reset', text, action: this.reloadHere() });
+    this.waitForCard();
+  }
+  private waitForCard(): void {
+    const wait_ms = this.comeback.next(performance.now());
+    this.comeback_timer = window.setTimeout(() => this.guard.run(() => (canDraw() ? this.drawAgain() : this.waitForCard())), wait_ms);
+  }
+
+  // On another canvas: that of before may never get its context back.
+  private drawAgain(): void {
+    const before = this.picture;
+    const canvas = this.canvas.cloneNode() as HTMLCanvasElement;
+    const has_focus = document.activeElement === this.canvas;
+    this.canvas.replaceWith(canvas);
+    this.canvas = canvas;
+    if (has_focus) canvas.focus({ preventScroll: true });
+    this.controls.steerOn(canvas);
+    before.renderer.dispose();
+    this.picture = this.newPicture();
+    this.picture.frames = before.frames;
+    this.picture.up.copy(before.up);
+    if (this.welcome) this.picture.setScene(this.welcome, this.session.screen);
+    this.showColours();
+    this.applyLook();
+    if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
+    this.mesh = null;
+    this.resize();
+    this.session.redraw();
+    if (this.welcome) showNotice(byId('notice'), null);
+    else this.showConnecting();
+    this.beginDrawing();
+    ++this.card_resets;
   }
 
   // ---- what the user chooses
@@ -214,15 +285,16 @@ export class App {
   private recordFromHere(): void {
     const query = this.addressHere();
     query.set('record', '1');
-    window.location.search = query.toString();
+    window.location.search = queryText(query);
   }
 
-  // The page's query, with where the camera is once it is in a scene.
+  // The page's query, with where the camera is once it is in a scene, and without a tour that has ended.
   private addressHere(): URLSearchParams {
     const query = new URLSearchParams(window.location.search);
-    const { heading, pitch } = this.controls.look;
-    const degrees = [heading, pitch].map((angle) => ((angle * 180) / Math.PI).toFixed(2));
-    if (this.welcome) query.set('view', [...this.controls.eye.toArray().map((metres) => metres.toFixed(1)), ...degrees].join(','));
+    if (!this.welcome) return query;
+    const { low, high } = this.welcome;
+    query.set('view', viewText(this.controls.eye.toArray(), this.controls.look, Math.hypot(high[0] - low[0], high[1] - low[1])));
+    if (this.tours.current === null) query.delete('tour');
     return query;
   }
 
@@ -298,7 +370,7 @@ export class App {
   // Sends the request if it differs from the last one.
   private sendRequest(): void {
     const request = this.request();
-    if (JSON.stringify(request) === this.sent_request) return;
+    if (!this.has_size || JSON.stringify(request) === this.sent_request) return;
     this.sent_request = JSON.stringify(request);
     this.session.tell({ kind: 'request', request });
   }
@@ -310,14 +382,22 @@ export class App {
   }
 
   private freeze(): void {
+    this.freezeAt(this.controls.pose(this.picture.up));
+  }
+  private freezeAt(pose: Pose): void {
     if (!this.welcome) return;
     const { low, high } = this.welcome;
     const length_m = 0.3 * Math.hypot(high[0] - low[0], high[1] - low[1]);
-    this.picture.frozen_view.freeze(this.controls.pose(this.picture.up), kLens.fov_rad, this.picture.aspect, length_m);
+    this.picture.frozen_view.freeze(pose, kLens.fov_rad, this.picture.aspect, length_m);
   }
 
+  // A page that has no size, as in a frame that is hidden, keeps the lens that it had; its session waits until it has one.
   private resize(): void {
-    this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
+    const is_sized = this.picture.resize(window.innerWidth, window.innerHeight, this.address.sharpness);
+    this.session.setSized(is_sized);
+    if (!is_sized) return;
+    if (!this.has_size) this.startSession();
+    this.has_size = true;
     window.clearTimeout(this.lens_timer);
     this.lens_timer = window.setTimeout(() => this.guard.run(() => this.sendRequest()), kResizeQuiet_ms);
   }
@@ -344,6 +424,7 @@ export class App {
     picture.take(shot);
     this.measure(now_ms, frame, position);
     this.showCredits();
+    if (this.welcome) this.kept_address.keep(now_ms, () => queryText(this.addressHere()));
   }
 
   private moveCamera(now_ms: number, seconds: number): MapPosition | null {

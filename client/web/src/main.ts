@@ -4,8 +4,11 @@ import { App } from './app';
 import { Core } from './core/core';
 import { failureOf, reasonOf, type Failure } from './core/failure';
 import { failureOfWorker } from './core/session';
-import { sentenceOf, wordsOf } from './ui/failure_words';
-import { showNotice } from './ui/notice';
+import { sentenceOf } from './core/refusal';
+import { canDraw } from './draw/can_draw';
+import { wordsOf } from './ui/failure_words';
+import { showNotice, type Notice } from './ui/notice';
+import { serverAddress } from './ui/server_address';
 import { readAddress, type Address } from './ui/settings';
 
 declare global {
@@ -17,10 +20,10 @@ declare global {
 let has_failed = false;
 
 // The first failure is the one that is shown.
-function fail(title: string, text: string): void {
+const kReload = { label: 'Reload the page', run: () => window.location.reload() };
+function fail(title: string, text: string, action: Notice['action'] = kReload): void {
   if (has_failed) return;
   has_failed = true;
-  const action = { label: 'Reload the page', run: () => window.location.reload() };
   showNotice(document.getElementById('notice')!, { kind: 'error', title, text, action });
 }
 function failBy(failure: Failure): void {
@@ -48,13 +51,14 @@ async function fly(worker: Worker, address: Address): Promise<void> {
 }
 
 function main(): void {
-  if (!document.createElement('canvas').getContext('webgl2'))
+  if (!canDraw())
     return fail('This browser cannot draw the terrain.', 'It needs WebGL 2. Try a newer browser, or switch hardware acceleration on.');
   if (typeof WebAssembly === 'undefined')
     return fail('This browser cannot run the client core.', 'It needs WebAssembly. Try another browser, or switch WebAssembly on.');
-  const address = readAddress(window.location);
-  if (!isServerAddress(address.server))
-    return fail('There is no such server.', `"${address.server}" in the page's address is to be like wss://example.org/fly.`);
+  const query = new URLSearchParams(window.location.search);
+  const server = serverAddress(query.get('server'), window.location.href);
+  if (!('url' in server)) return refuse(server, query);
+  const address = readAddress(window.location, server.url);
   const worker = new Worker(new URL('./core/worker.ts', import.meta.url), { type: 'module' }); // loads while the core does
   worker.onerror = (event) => failBy(failureOfWorker(event)); // until the app listens
   fly(worker, address).catch((error: unknown) => {
@@ -64,12 +68,14 @@ function main(): void {
   });
 }
 
-function isServerAddress(server: string): boolean {
-  try {
-    return /^wss?:$/.test(new URL(server).protocol);
-  } catch {
-    return false;
-  }
+// An address in ?server= that will not do, with one that may.
+function refuse({ title, text, better }: Exclude<ReturnType<typeof serverAddress>, { url: string }>, query: URLSearchParams): void {
+  if (better === null) return fail(title, text);
+  const run = () => {
+    query.set('server', better);
+    window.location.search = query.toString();
+  };
+  fail(title, text, { label: `Connect to ${better}`, run });
 }
 
 try {

@@ -1,9 +1,10 @@
 // The page's connection over sockets that a test holds: what is sent, in which order, and when it connects anew.
 import assert from 'node:assert/strict';
 import { after, before, beforeEach, test } from 'node:test';
+import { createServer } from 'node:http';
 import { openSources } from './support.mjs';
 
-let sources, Connection;
+let sources, Connection, askWhy;
 const sockets = []; // in the order in which they were opened
 const timers = []; // that have not gone off
 const real = { WebSocket: globalThis.WebSocket, setTimeout: globalThis.setTimeout, clearTimeout: globalThis.clearTimeout };
@@ -42,6 +43,7 @@ class HeldSocket {
 before(async () => {
   sources = await openSources();
   ({ Connection } = await sources.load('core/connection.ts'));
+  ({ askWhy } = await sources.load('core/refusal.ts'));
   globalThis.WebSocket = HeldSocket;
 });
 after(async () => {
@@ -50,12 +52,12 @@ after(async () => {
 });
 beforeEach(() => (sockets.splice(0), timers.splice(0)));
 
-// Opens a connection, and tells what it tells.
-function connect(url = 'ws://127.0.0.1/fly') {
+// Opens a connection, and tells what it tells. `ask` says why it does not open.
+function connect(url = 'ws://127.0.0.1/fly', ask = async () => '') {
   const told = { opened: 0, waits: [], impossible: [] };
   const connection = new Connection(url, {
     onOpen: () => ++told.opened, onMessage: () => {}, onWaiting: (_, reason) => told.waits.push(reason), onImpossible: (reason) => told.impossible.push(reason),
-  });
+  }, ask);
   underTimers(() => connection.open());
   return { connection, told };
 }
@@ -145,4 +147,60 @@ test('an address that the browser does not connect to is told of, and not tried 
   const { told } = connect('nowhere');
   assert.deepEqual(told.impossible, ['The browser does not connect to nowhere: the address is wrong']);
   assert.deepEqual([told.waits, timers], [[], []]);
+});
+
+test('why a connection does not open is asked, said while it waits, and forgotten once it opens', async () => {
+  let answer;
+  const asked = [];
+  const { told } = connect('ws://127.0.0.1/fly', (url) => (asked.push(url), new Promise((done) => (answer = done))));
+  underTimers(() => sockets[0].lose());
+  assert.deepEqual(told.waits, ['']);
+  await underTimers(async () => answer('The server is full.'));
+  await new Promise(setImmediate);
+  assert.deepEqual(told.waits, ['', 'The server is full.'], 'as soon as it is known');
+  runTimers();
+  underTimers(() => sockets[1].lose());
+  assert.deepEqual(told.waits.slice(2), ['The server is full.'], 'and with the next wait');
+  const late = answer;
+  runTimers(); // before the answer
+  sockets[2].open();
+  late('The server is full.');
+  await new Promise(setImmediate);
+  assert.equal(told.waits.length, 3, 'an answer that comes too late is not said');
+  underTimers(() => sockets[2].lose());
+  assert.deepEqual(told.waits.slice(3), [''], 'a connection that was open is not asked about');
+  assert.deepEqual(asked, ['ws://127.0.0.1/fly', 'ws://127.0.0.1/fly']);
+  for (const times of [2, 2, 3]) { // it may come back by itself
+    runTimers();
+    underTimers(() => sockets.at(-1).lose());
+    assert.equal(asked.length, times);
+  }
+});
+
+// As servers and proxies answer.
+test('what answers in place of a WebSocket is said in words', async () => {
+  const answers = {
+    '/fly': [426, 'text/plain; charset=utf-8', 'This address speaks WebSocket.\n'],
+    '/token': [401, 'text/plain', 'A token is needed: ...\n'],
+    '/home': [404, 'text/plain', "the company's home page\n"],
+    '/html': [502, 'text/html', '<html><h1>Bad Gateway</h1></html>'],
+    '/other': [200, 'text/html', '<html>another page</html>'],
+    '/long': [503, 'text/plain', 'x '.repeat(5000)],
+  };
+  const server = createServer(({ url }, reply) => {
+    const [status, type, body] = answers[url];
+    reply.writeHead(status, { 'Content-Type': type }).end(body);
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  const { port } = server.address();
+  const ask = (path) => askWhy(`ws://127.0.0.1:${port}${path}`);
+  assert.match(await ask('/fly'), /a proxy on the way does not pass Upgrade on.*proxy_http_version 1\.1.*The server said: This address speaks WebSocket\.$/);
+  assert.equal(await ask('/token'), 'The server said: A token is needed: ...');
+  assert.equal(await ask('/home'), "What answers there is no server of terrain (HTTP 404 Not Found). The server said: the company's home page.");
+  assert.equal(await ask('/html'), 'The server, or a proxy before it, answers HTTP 502 Bad Gateway.');
+  assert.equal(await ask('/other'), 'What answers there is no server of terrain (HTTP 200 OK).');
+  assert.ok((await ask('/long')).length < 350);
+  server.close();
+  server.closeAllConnections();
+  assert.equal(await ask('/fly'), '', 'nothing answers');
 });

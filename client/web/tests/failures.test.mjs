@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { cp, readdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeSceneWithObjects, makeSceneWithPicture, openBrowser, openPage, page_folder, startServer, status, until, untilTerrain } from './support.mjs';
+import { changedShare, makeFolder, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, page_folder, startServer, status, until, untilTerrain } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 let folder, pictured, server, crowd, crowded, browser;
@@ -111,13 +111,69 @@ test('a message of the worker that cannot be handled ends the session', kTest, (
     await assertEnded(page);
   }));
 
-test('a graphics card that is reset ends the session', kTest, () =>
-  visit('', {}, async (page) => {
-    await untilTerrain(page);
-    await page.evaluate(() => document.getElementById('scene').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext());
-    await page.getByText('The graphics card was reset.').waitFor();
-    await assertEnded(page);
+// The context of the canvas that is drawn on.
+const loseCard = (page) => page.evaluate(() => document.getElementById('scene').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext());
+
+test('after a graphics card was reset the picture comes back, at the same view and in the same session', kTest, () =>
+  visit('view=300,-2200,3500,40,-35&fog=0', {}, async (page) => {
+    await until(page, (s) => s.imagery_shown > 1 && s.relief_shown > 1);
+    const tiles = await settledTiles(page);
+    const [before_, picture] = [await status(page), await middleOf(page)];
+    for (let times = 0; times < 2; ++times) {
+      await loseCard(page);
+      await until(page, (s, n) => s.card_resets === n, times + 1); // it draws on another canvas
+      assert.equal(await page.locator('#notice').isVisible(), false);
+      await until(page, (s, n) => s.connected && s.triangles > 500 && s.imagery_shown >= n.imagery_shown && s.relief_shown >= n.relief_shown, tiles);
+    }
+    const now = await status(page);
+    assert.deepEqual([now.eye, now.heading], [before_.eye, before_.heading]);
+    assert.ok(now.keyframes >= before_.keyframes && now.frames > before_.frames, 'both go on');
+    assert.ok(now.tiles_received <= before_.tiles_received + 4, 'no tile is sent again');
+    await settledTiles(page);
+    const share = await changedShare(page, picture, await middleOf(page));
+    assert.ok(share < 0.002, `${share} of the picture is another one`);
+    await page.mouse.move(400, 200); // and it is steered there
+    await page.mouse.down();
+    await page.mouse.move(250, 210, { steps: 4 });
+    await page.mouse.up();
+    await until(page, (s, h) => s.heading > h + 0.1, now.heading);
   }));
+
+test('while the browser cannot draw the page waits, and says so', kTest, () =>
+  visit('', {
+    prepare: (page) => page.addInitScript(() => {
+      const get = HTMLCanvasElement.prototype.getContext;
+      HTMLCanvasElement.prototype.getContext = function (...all) {
+        if (all[0] !== 'webgl2' || !window.is_without_card) return get.apply(this, all);
+        ++window.asked;
+        return null;
+      };
+    }),
+  }, async (page) => {
+    const { eye } = await untilTerrain(page);
+    await page.evaluate(() => {
+      const loser = document.getElementById('scene').getContext('webgl2').getExtension('WEBGL_lose_context');
+      Object.assign(window, { is_without_card: true, asked: 0 });
+      loser.loseContext();
+    });
+    await until(page, () => window.asked > 1);
+    assert.match(await page.locator('#notice').textContent(), /The picture comes back as soon as/);
+    await page.getByRole('button', { name: 'Reload the page' }).waitFor();
+    await page.evaluate(() => (window.is_without_card = false));
+    await page.locator('#notice').waitFor({ state: 'hidden' });
+    const { frames } = await until(page, (s) => s.connected && s.triangles > 500);
+    const later = await until(page, (s, n) => s.frames > n + 2, frames);
+    assert.deepEqual(later.eye, eye);
+  }));
+
+// No tile has come for a while of keyframes.
+async function settledTiles(page) {
+  for (let last = await status(page); ;) {
+    const now = await until(page, (s, n) => s.keyframes > n + 6, last.keyframes);
+    if (now.tiles_received === last.tiles_received && now.imagery_shown === last.imagery_shown && now.relief_shown === last.relief_shown) return now;
+    last = now;
+  }
+}
 
 test('an address that is no server is told of', kTest, () =>
   visit('server=nowhere', {}, async (page) => {

@@ -3,9 +3,11 @@
 import { execFile, spawn } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { createConnection, createServer as createServerOfSockets } from 'node:net';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { createInterface } from 'node:readline';
+import { setImmediate } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
@@ -139,7 +141,7 @@ export async function startServer(scene, port = 0, more = [], web = page_folder)
   const url = await new Promise((found, fail) => {
     ended.then(({ code, signal }) => fail(new Error(`foreland serve ended before it listened: ${code ?? signal}`)));
     createInterface({ input: child.stdout }).on('line', (line) => {
-      const match = line.match(/http:\/\/\S+/);
+      const match = line.match(/https?:\/\/\S+/);
       if (match) found(new URL(match[0]));
     });
   });
@@ -150,6 +152,33 @@ export async function startServer(scene, port = 0, more = [], web = page_folder)
   return { url, port: Number(url.port), stop };
 }
 
+// nginx with the content of its block `http`, which listens on `ports`.
+export async function startNginx(folder, http, ports) {
+  const nginx = '/usr/sbin/nginx';
+  need(nginx, 'install Debian\'s nginx-light');
+  const paths = ['client_body', 'proxy', 'fastcgi', 'uwsgi', 'scgi'].map((kind) => `${kind}_temp_path ${join(folder, kind)};`).join(' ');
+  const config = join(folder, 'nginx.conf');
+  await writeFile(config, `daemon off; master_process off; pid ${join(folder, 'nginx.pid')};\nevents {}\nhttp { access_log off; ${paths}\n${http} }\n`);
+  const child = spawn(nginx, ['-p', folder, '-c', config, '-e', join(folder, 'error.log')], { stdio: 'inherit' });
+  const ended = new Promise((done) => child.once('exit', done));
+  for (const port of ports) {
+    while (!(await new Promise((done) => createConnection(port, '127.0.0.1').once('connect', function () { done(this.end()); }).once('error', () => done(null))))) {
+      if (child.exitCode !== null) throw new Error(`nginx ended: ${child.exitCode}`);
+      await setImmediate();
+    }
+  }
+  return { stop: () => (child.kill(), ended) };
+}
+
+// A port that was free a moment ago.
+export async function freePort() {
+  const server = createServerOfSockets();
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  const { port } = server.address();
+  await new Promise((done) => server.close(done));
+  return port;
+}
+
 export async function openBrowser() {
   need('/usr/bin/chromium', 'install Debian\'s chromium');
   return chromium.launch({ executablePath: '/usr/bin/chromium', args: chromium_flags });
@@ -157,7 +186,7 @@ export async function openBrowser() {
 
 // A page with everything that went wrong in it: errors on the console, exceptions, failed requests.
 export async function openPage(browser, { width = 960, height = 540, mobile = false } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, isMobile: mobile, hasTouch: mobile });
+  const context = await browser.newContext({ viewport: { width, height }, isMobile: mobile, hasTouch: mobile, ignoreHTTPSErrors: true });
   const page = await context.newPage();
   const complaints = [];
   page.on('console', (m) => m.type() === 'error' && complaints.push(m.text()));

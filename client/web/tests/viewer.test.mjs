@@ -279,6 +279,32 @@ test('a flight can be recorded from where the camera is', kTest, () =>
     await page.getByRole('button', { name: 'Save the recording' }).waitFor();
   }));
 
+test('the address keeps the view, so that the page can be loaded again and shared there', kTest, () =>
+  visit('tour=orbit&tau=4', async (page) => {
+    const query = () => new URL(page.url()).searchParams;
+    await until(page, (s) => s.touring);
+    await page.waitForURL(/view=/);
+    assert.equal(query().get('tour'), 'orbit');
+    await page.locator('#scene').focus();
+    await page.keyboard.down('KeyW');
+    const { eye } = await until(page, (s) => !s.touring);
+    await until(page, (s, e) => Math.hypot(...s.eye.map((v, i) => v - e[i])) > 50, eye);
+    await page.keyboard.up('KeyW');
+    const isKept = async () => {
+      const { eye: there } = await status(page);
+      const view = query().get('view').split(',').map(Number);
+      return there.every((v, i) => Math.abs(v - view[i]) < 0.06);
+    };
+    while (!(await isKept())) await page.waitForTimeout(20); // until it rests
+    const rested = await status(page);
+    assert.deepEqual([query().get('tour'), query().get('tau'), query().get('sharpness')], [null, '4', '0.6'], 'the rest stays');
+    assert.equal(await page.evaluate(() => history.length), 2, 'no page to go back through');
+    await page.reload();
+    const again = await untilTerrain(page);
+    rested.eye.forEach((v, i) => assert.ok(Math.abs(v - again.eye[i]) < 0.1, `${rested.eye}, then ${again.eye}`));
+    assert.ok(Math.abs(again.heading - rested.heading) < 1e-3, `${rested.heading}, then ${again.heading}`);
+  }));
+
 test('a lost server is told of, and found again', kTest, () =>
   visit('', async (page) => {
     const { eye } = await status(page);

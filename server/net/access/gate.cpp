@@ -66,6 +66,46 @@ std::string_view tokenOf(const Visitor& visitor) {
   return {};
 }
 
+// Of an element of Forwarded what its `for` says. Any other element is one of X-Forwarded-For: a node itself.
+std::string_view nodeOf(std::string_view element) {
+  if (element.find('=') == std::string_view::npos) return element;
+  while (!element.empty()) {
+    const size_t end = std::min(element.find(';'), element.size());
+    const std::string_view pair = trimmed(element.substr(0, end));
+    const size_t equals = std::min(pair.find('='), pair.size());
+    if (equalsIgnoringCase(pair.substr(0, equals), "for")) return pair.substr(std::min(equals + 1, pair.size()));
+    element.remove_prefix(std::min(end + 1, element.size()));
+  }
+  return {};
+}
+
+std::string_view withoutQuotes(std::string_view text) {
+  return text.size() > 1 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2) : text;
+}
+
+// Without its port: 192.0.2.1:80, [2001:db8::1]:80 or [2001:db8::1]. IPv6 without brackets has none.
+std::string_view hostOf(std::string_view node) {
+  if (node.starts_with('[')) {
+    const size_t close = node.find(']');
+    if (close == std::string_view::npos) return {};
+    const std::string_view rest = node.substr(close + 1);
+    return rest.empty() || rest.starts_with(':') ? node.substr(1, close - 1) : std::string_view();
+  }
+  const size_t colon = node.find(':');
+  return colon != std::string_view::npos && node.find(':', colon + 1) == std::string_view::npos ? node.substr(0, colon)
+                                                                                                : node;
+}
+
+// A name that a proxy has made up for an address which it does not tell (RFC 7239, section 6.3).
+bool isMadeUpName(std::string_view text) {
+  constexpr size_t kLongest = 64;
+  constexpr std::string_view kOthers = "._-";
+  return text.starts_with('_') && text.size() <= kLongest && std::all_of(text.begin(), text.end(), [&](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  kOthers.find(c) != std::string_view::npos;
+         });
+}
+
 }  // namespace
 
 std::string addressText(const ip::address& address) {
@@ -127,17 +167,19 @@ bool Gate::isTrusted(const std::string& address) const {
                                [&](const std::string& proxy) { return contains(*parseNetwork(proxy), parsed); });
 }
 
-std::string Gate::clientOf(const std::string& from, std::string_view forwarded_for) const {
+// From the end on, and by commas alone: what stands before may be made up, quotation marks that do not close included.
+std::string Gate::clientOf(const std::string& from, std::string_view forwarded) const {
   std::string client = from;
-  while (isTrusted(client) && !forwarded_for.empty()) {
-    const size_t comma = forwarded_for.rfind(',');
-    const std::string_view last =
-        trimmed(comma == std::string_view::npos ? forwarded_for : forwarded_for.substr(comma + 1));
+  while (isTrusted(client) && !forwarded.empty()) {
+    const size_t comma = forwarded.rfind(',');
+    const std::string_view last = comma == std::string_view::npos ? forwarded : forwarded.substr(comma + 1);
+    const std::string host(hostOf(withoutQuotes(trimmed(nodeOf(trimmed(last))))));
+    if (isMadeUpName(host)) return host;
     boost::system::error_code error;
-    const ip::address address = ip::make_address(std::string(last), error);
+    const ip::address address = ip::make_address(host, error);
     if (error) break;
     client = addressText(address);
-    forwarded_for = comma == std::string_view::npos ? std::string_view() : forwarded_for.substr(0, comma);
+    forwarded = comma == std::string_view::npos ? std::string_view() : forwarded.substr(0, comma);
   }
   return client;
 }

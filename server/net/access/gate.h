@@ -57,9 +57,10 @@ class Gate {
   std::variant<Pass, Rejection> admit(const Visitor& visitor, int64_t now_s);
 
   bool isTrusted(const std::string& address) const;
-  // Whose request this is, by the header X-Forwarded-For that trusted proxies have added to: the last address that is
-  // none of theirs; `from` if there is none.
-  std::string clientOf(const std::string& from, std::string_view forwarded_for) const;
+  // Whose request this is, by the list that trusted proxies have added to, of X-Forwarded-For or of Forwarded (RFC
+  // 7239): the last one that is none of theirs, an address without its port, or a name that a proxy has made up for one
+  // (`_name`); `from` if there is none.
+  std::string clientOf(const std::string& from, std::string_view forwarded) const;
 
  private:
   bool isAllowed(const Visitor& visitor) const;

@@ -11,6 +11,11 @@ std::string_view trimmed(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view() : text.substr(begin, end - begin + 1);
 }
 
+bool equalsIgnoringCase(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 namespace {
 
 // Takes what comes before the next comma off the list.
@@ -19,11 +24,6 @@ std::string_view takeElement(std::string_view& list) {
   const std::string_view element = trimmed(list.substr(0, comma));
   list.remove_prefix(std::min(comma + 1, list.size()));
   return element;
-}
-
-bool equalsIgnoringCase(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
 std::string_view textOf(boost::beast::string_view text) { return {text.data(), text.size()}; }

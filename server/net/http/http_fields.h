@@ -11,6 +11,8 @@ namespace foreland::server {
 // Without white space at either end.
 std::string_view trimmed(std::string_view text);
 
+bool equalsIgnoringCase(std::string_view a, std::string_view b);
+
 // Whether an If-None-Match field names the entity tag: in a list, weak or not, or by `*`.
 bool namesTag(std::string_view if_none_match, std::string_view etag);
 

@@ -11,6 +11,10 @@ namespace foreland::server {
 namespace {
 
 constexpr std::string_view kViewerPath = "/fly";
+constexpr const char* kLostUpgrade =
+    "This is the handshake of a WebSocket without its Upgrade: a proxy on the way does not pass that on. nginx needs "
+    "proxy_http_version 1.1, proxy_set_header Upgrade $http_upgrade and proxy_set_header Connection \"upgrade\"; "
+    "see docs/PUBLIC_PORT.md.";
 
 std::optional<int> hexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -89,6 +93,8 @@ HttpReply textReply(unsigned status, std::string text) {
   return {.status = status, .body = std::make_shared<const std::string>(std::move(text) + "\n")};
 }
 
+bool isForViewers(std::string_view target) { return target.substr(0, target.find('?')) == kViewerPath; }
+
 bool isForOperators(std::string_view target) {
   constexpr std::string_view kPaths[] = {"/livez", "/readyz", "/healthz", "/metrics"};
   return std::find(std::begin(kPaths), std::end(kPaths), target.substr(0, target.find('?'))) != std::end(kPaths);
@@ -109,6 +115,7 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
     reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
     return reply;
   }
+  if (request.lost_its_upgrade) return textReply(426, kLostUpgrade);
   if (*path == kViewerPath)
     return textReply(426, "This address speaks WebSocket. Open / in a browser, or use: foreland fly ws://HOST:PORT");
   if (const StaticFile* file = site.files.find(*path)) return fileReply(*file, request);
@@ -116,7 +123,10 @@ HttpReply replyTo(const HttpRequest& request, const HttpSite& site) {
     return textReply(404,
                      "The server runs, but it was started without the page (--web). "
                      "Viewers can connect by WebSocket: foreland fly ws://HOST:PORT");
-  return textReply(404, "There is no such file here. The page is at /.");
+  return textReply(
+      404,
+      "There is no such file here. The page is at /; a proxy that shows it under another path must take that path "
+      "off.");
 }
 
 }  // namespace foreland::server

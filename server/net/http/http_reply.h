@@ -19,6 +19,8 @@ struct HttpRequest {
   std::string_view accept_encoding{};
   std::string_view range{};
   std::string_view if_range{};
+  // It has the key of a WebSocket's handshake and does not ask for the upgrade: a proxy has not passed that on.
+  bool lost_its_upgrade = false;
 };
 
 struct HttpReply {
@@ -31,6 +33,7 @@ struct HttpReply {
   bool varies = false;                        // whether another client may get another encoding
   std::string content_range{};                // of a part of a file
   size_t part_begin = 0, part_size = std::string::npos;
+  bool is_for_any_origin = false;  // whether browsers let pages of other origins read it
 
   // What is sent of the body.
   std::string_view content() const { return std::string_view(*body).substr(part_begin, part_size); }
@@ -42,7 +45,7 @@ inline constexpr std::pair<const char*, const char*> kPageRules[] = {
     {"X-Content-Type-Options", "nosniff"},
     {"Content-Security-Policy",
      "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
-     "blob:; connect-src 'self' ws: wss:; object-src 'none'; base-uri 'none'; frame-ancestors 'self'"},
+     "blob:; connect-src 'self' ws: wss: http: https:; object-src 'none'; base-uri 'none'; frame-ancestors 'self'"},
     {"Cross-Origin-Opener-Policy", "same-origin"},
     {"Cross-Origin-Embedder-Policy", "require-corp"},
     {"Referrer-Policy", "no-referrer"}};
@@ -59,6 +62,9 @@ struct HttpSite {
 // /metrics; /fly (with the advice to use WebSocket), and files by their paths. HEAD is answered as GET; the sender
 // leaves the body out.
 HttpReply replyTo(const HttpRequest& request, const HttpSite& site);
+
+// Whether `target` is the address of viewers, which a page may also ask by plain HTTP, why its WebSocket does not open.
+bool isForViewers(std::string_view target);
 
 // Whether a request for `target` is for one of those four: answered also when the server is full.
 bool isForOperators(std::string_view target);

@@ -74,6 +74,28 @@ TEST(FullServer, CountsForTheAddressThatItsProxyNames) {
   EXPECT_EQ(status(victim), "200") << "the name that the first made up";
 }
 
+// Of one client each has a port of its own; X-Forwarded-For is believed before Forwarded.
+TEST(FullServer, CountsForAnAddressWhateverItsPorts) {
+  ServeOptions options = testOptions();
+  options.max_connections_per_address = 1;
+  options.gate.trusted_proxies = {"127.0.0.1"};
+  const auto server = serve(options);
+  const auto ask = [&](const std::string& lines) {
+    Socket socket(server->port());
+    socket.send("GET /livez HTTP/1.1\r\nHost: a\r\n" + lines + "\r\n");
+    return socket;
+  };
+  const auto status = [](Socket& socket) { return socket.receiveSome(12).substr(9); };
+  Socket first = ask("X-Forwarded-For: 10.0.0.1:9001\r\nForwarded: for=192.0.2.1\r\n");
+  EXPECT_EQ(status(first), "200");
+  Socket same = ask("X-Forwarded-For: 10.0.0.1:9002\r\nForwarded: for=192.0.2.2\r\n");
+  EXPECT_EQ(status(same), "503");
+  Socket other = ask("Forwarded: for=\"[2001:db8::1]:9001\";proto=https\r\n");
+  EXPECT_EQ(status(other), "200");
+  Socket neighbour = ask("Forwarded: for=\"[2001:db8::2]:9002\";proto=https\r\n");
+  EXPECT_EQ(status(neighbour), "503") << "of the same network";
+}
+
 // Whoever holds connections beyond the limit and asks for nothing leaves room for operators for a time only.
 TEST(FullServer, ClosesWhateverComesBeyondItsReserve) {
   ServeOptions options = testOptions();

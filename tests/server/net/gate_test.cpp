@@ -2,6 +2,7 @@
 #include "server/net/access/gate.h"
 
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
 #include <deque>
 #include <string>
@@ -119,6 +120,50 @@ TEST_F(GateTest, BelievesProxiesThatItTrustsAndNobodyElse) {
   EXPECT_EQ(gate.clientOf("11.0.0.1", "198.51.100.7"), "11.0.0.1") << "not trusted";
   EXPECT_EQ(gate.clientOf("127.0.0.1", ""), "127.0.0.1");
   EXPECT_EQ(gate.clientOf("127.0.0.1", "bogus\x01"), "127.0.0.1");
+}
+
+// Azure's gateways add the port, as RFC 7239 allows; each connection has another one.
+TEST_F(GateTest, LeavesOutPortsAndBrackets) {
+  const Gate gate({.trusted_proxies = {"127.0.0.1", "10.0.0.0/8", "fd00::/16"}});
+  const auto client = [&](const char* list) { return gate.clientOf("127.0.0.1", list); };
+  EXPECT_EQ(client("198.51.100.7:9001"), "198.51.100.7");
+  EXPECT_EQ(client("[2001:db8::1]:9001"), "2001:db8::1");
+  EXPECT_EQ(client("[2001:db8::1]"), "2001:db8::1");
+  EXPECT_EQ(client("2001:db8::1"), "2001:db8::1");
+  EXPECT_EQ(client("[::ffff:198.51.100.7]:1"), "198.51.100.7");
+  EXPECT_EQ(client("198.51.100.7:1, 10.1.2.3:4444, [fd00::2]:5"), "198.51.100.7") << "proxies of ours with ports";
+  for (const char* none : {"198.51.100.7:80:90", "[2001:db8::1", "[2001:db8::1]80", "[]", "[", "]", ":", "\"", "\"\""})
+    EXPECT_EQ(client(none), "127.0.0.1") << none;
+}
+
+TEST_F(GateTest, ReadsTheForwardedField) {
+  const Gate gate({.trusted_proxies = {"127.0.0.1", "10.0.0.0/8"}});
+  const auto client = [&](const char* list) { return gate.clientOf("127.0.0.1", list); };
+  EXPECT_EQ(client("for=192.0.2.60"), "192.0.2.60");
+  EXPECT_EQ(client("by=203.0.113.43;For=\"192.0.2.60:4711\" ; proto=https"), "192.0.2.60");
+  EXPECT_EQ(client("for=1.2.3.4, for=\"[2001:db8:cafe::17]:4711\";proto=http, for=10.2.2.2"), "2001:db8:cafe::17");
+  EXPECT_EQ(client("for=\"_hidden-7.b\""), "_hidden-7.b") << "a name that the proxy has made up";
+  for (const char* none : {"for=unknown", "proto=https", "for=", "for", "=", ";=;", "for=_a b", "for=_\x01"})
+    EXPECT_EQ(client(none), "127.0.0.1") << none;
+}
+
+// What clients write comes before what the proxy adds.
+TEST_F(GateTest, NothingThatAClientMakesUpHidesWhatItsProxyAdds) {
+  const Gate gate({.trusted_proxies = {"127.0.0.1"}});
+  for (const char* made_up : {"for=\"", "for=\"\\", "\"", "for=[", "for=1.2.3.4;by=\"", ","})
+    EXPECT_EQ(gate.clientOf("127.0.0.1", std::string(made_up) + ", for=198.51.100.7"), "198.51.100.7") << made_up;
+}
+
+TEST_F(GateTest, AnyListGivesAnAddressOrAMadeUpName) {
+  const Gate gate({.trusted_proxies = {"127.0.0.1"}});
+  EXPECT_TRUE(rc::check([&](const std::string& text) {
+    for (const char* before : {"", "for=", "for=\"[", "["}) {
+      const std::string client = gate.clientOf("127.0.0.1", before + text);
+      boost::system::error_code error;
+      boost::asio::ip::make_address(client, error);
+      RC_ASSERT(!error || client.starts_with('_'));
+    }
+  }));
 }
 
 TEST_F(GateTest, ComparesAddressesHoweverTheyAreWritten) {

@@ -80,6 +80,55 @@ TEST(Server, EveryReplyTellsBrowsersItsRules) {
   expectRules(Socket(port).receiveToEnd(), "503");
 }
 
+TEST(Server, SaysThatTheFieldsOfARequestAreTooLong) {
+  ServeOptions options = testOptions();
+  const auto server = serve(options);
+  const auto ask = [&](size_t bytes) {
+    return httpGet(server->port(), "/livez", "Cookie: " + std::string(bytes, 'c') + "\r\n");
+  };
+  EXPECT_TRUE(ask(7u << 10).starts_with("HTTP/1.1 200"));
+  for (const size_t bytes : {size_t{9} << 10, size_t{60} << 10, size_t{2000} << 10}) {
+    const std::string reply = ask(bytes);
+    EXPECT_TRUE(reply.starts_with("HTTP/1.1 431 Request Header Fields Too Large\r\n")) << bytes << ": " << reply;
+    EXPECT_NE(reply.find("--max-header-kib"), std::string::npos) << reply;
+  }
+  options.max_header_bytes = 64u << 10;
+  const auto generous = serve(options);
+  EXPECT_TRUE(httpGet(generous->port(), "/livez", "Cookie: " + std::string(60u << 10, 'c') + "\r\n")
+                  .starts_with("HTTP/1.1 200"));
+}
+
+TEST(Server, SaysThatAProxyHasNotPassedOnTheUpgrade) {
+  const auto server = serve(testOptions());
+  const std::string handshake = "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+  for (const char* target : {"/fly", "/terrain/fly"})
+    for (const char* rest : {"", "Upgrade: websocket\r\n"}) {  // with Connection: close
+      const std::string reply = httpGet(server->port(), target, handshake + rest);
+      EXPECT_TRUE(reply.starts_with("HTTP/1.1 426")) << reply;
+      EXPECT_NE(reply.find("proxy_set_header Upgrade"), std::string::npos) << reply;
+    }
+  EXPECT_EQ(httpGet(server->port(), "/fly").find("proxy_set_header"), std::string::npos) << "somebody else";
+}
+
+// What its WebSocket is refused for a page cannot read, of whatever origin it is.
+TEST(Server, TellsAPageWhyItsWebSocketIsRefused) {
+  ServeOptions options = testOptions();
+  options.gate.token_secret = std::string(48, 's');
+  options.gate.allowed_origins = {"https://maps.example"};
+  const auto server = serve(options);
+  const auto ask = [&](const std::string& origin, const std::string& query = "") {
+    const std::string reply = httpGet(server->port(), "/fly" + query, "Origin: " + origin + "\r\n");
+    EXPECT_NE(reply.find("Access-Control-Allow-Origin: *\r\n"), std::string::npos) << reply;
+    return reply.substr(9, 3) + reply.substr(reply.find("\r\n\r\n"));
+  };
+  EXPECT_TRUE(ask("https://other.example").starts_with("403")) << ask("https://other.example");
+  EXPECT_NE(ask("https://maps.example").find("A token is needed"), std::string::npos);
+  EXPECT_TRUE(ask("https://maps.example", "?token=a.b.c").starts_with("401"));
+  const Token token{.name = "a", .expires_s = 4'000'000'000};
+  EXPECT_TRUE(ask("https://maps.example", "?token=" + signToken(token, options.gate.token_secret)).starts_with("426"));
+  EXPECT_EQ(httpGet(server->port(), "/livez").find("Access-Control"), std::string::npos);
+}
+
 // A file takes longer than the time for a reply to leave, which is for each piece of it.
 TEST(Server, SendsALargeFileToWhoReadsSlowly) {
   const test::TemporaryFolder web;

@@ -20,6 +20,7 @@ interface Exports {
   foreland_jump(viewer: number): void;
   foreland_frame(viewer: number, now_ms: number, ...pose: number[]): number;
   foreland_draw_ahead(viewer: number): void;
+  foreland_redraw(viewer: number): void;
   foreland_take_newest(viewer: number): number;
   foreland_set_texture_layers(viewer: number, relief: number, imagery: number): void;
   foreland_tiles(viewer: number, content: number): number;
@@ -45,6 +46,7 @@ interface Exports {
   foreland_screen_add(screen: number, oldest_version: number): void;
   foreland_screen_next(screen: number): number;
   foreland_screen_jump(screen: number): void;
+  foreland_screen_redraw(screen: number): void;
   foreland_screen_frame(screen: number, now_ms: number, ...more: number[]): number;
   foreland_screen_welcome(screen: number): number;
   foreland_screen_layer(screen: number, content: number): number;

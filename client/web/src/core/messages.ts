@@ -19,6 +19,7 @@ export type ToWorker =
   | { kind: 'start tour'; start_ms: number }
   | { kind: 'sun'; towards: readonly number[] | null } // that casts shadows
   | { kind: 'hidden'; is_hidden: boolean } // the page is not seen
+  | { kind: 'redraw'; count: number } // what was handed over is lost: mesh and tiles are to come again
   | { kind: 'reopen' } // connects anew, and resumes
   | { kind: 'save recording' }
   | { kind: 'close' };
@@ -30,6 +31,7 @@ export type FromWorker =
   | { kind: 'welcome'; message: Uint8Array }
   | { kind: 'tour'; message: Uint8Array } // has come
   | { kind: 'mesh'; update: MeshUpdate }
+  | { kind: 'redrawn'; count: number } // by that 'redraw': the next mesh needs nothing of those before
   | { kind: 'lines'; version: number; terrain: PartLines; objects: PartLines } // of a mesh that was sent without
   | { kind: 'recording'; file: Blob } // so far
   | { kind: 'damaged'; what: string } // the first tile that cannot be decoded

@@ -17,6 +17,10 @@ export class Screen {
     this.core.put(interval);
     this.core.exports.foreland_screen_add(this.handle, oldest_version);
   }
+  // Forgets all meshes: those that are added from now on are shown.
+  redraw(): void {
+    this.core.exports.foreland_screen_redraw(this.handle);
+  }
   // The version to make ready next; 0: none.
   next(): number {
     return this.core.exports.foreland_screen_next(this.handle);

@@ -27,6 +27,9 @@ export class Session {
     tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
   };
   private tour: Uint8Array | null = null; // has come, and has not been started
+  private redraws = 0; // how often mesh and tiles were to come again
+  private is_redrawn = true; // the meshes that come now are of the last of these
+  private is_sized = true;
 
   // What is received is handled under `guard`.
   constructor(core: Core, private readonly worker: Worker, private readonly events: SessionEvents, guard: Guard) {
@@ -37,8 +40,17 @@ export class Session {
     };
     worker.onmessageerror = () => guard.fail(new Error('A message of its worker could not be read.'));
     worker.onerror = (event) => events.onFailure(failureOfWorker(event));
-    const tellHidden = () => this.tell({ kind: 'hidden', is_hidden: document.hidden });
-    document.addEventListener('visibilitychange', tellHidden);
+    document.addEventListener('visibilitychange', () => this.tellHidden());
+  }
+
+  private tellHidden(): void {
+    this.tell({ kind: 'hidden', is_hidden: document.hidden || !this.is_sized });
+  }
+  // Whether the page has a size: one that has none is not seen.
+  setSized(is_sized: boolean): void {
+    if (is_sized === this.is_sized) return;
+    this.is_sized = is_sized;
+    this.tellHidden();
   }
 
   tell(message: ToWorker): void {
@@ -59,6 +71,16 @@ export class Session {
   jump(): void {
     this.screen.jump();
     this.tell({ kind: 'jump' });
+  }
+
+  // All that was handed over is lost: meshes that come are left out, until they come again after redraw().
+  leaveOutMeshes(): void {
+    this.is_redrawn = false;
+  }
+  redraw(): void {
+    this.is_redrawn = false;
+    this.screen.redraw();
+    this.tell({ kind: 'redraw', count: ++this.redraws });
   }
 
   requestTour(name: string, seconds: number): void {
@@ -88,10 +110,14 @@ export class Session {
       case 'tour':
         this.tour = message.message;
         return;
+      case 'redrawn':
+        this.is_redrawn = message.count === this.redraws;
+        return;
       case 'mesh':
+        if (!this.is_redrawn) return;
         this.screen.add(message.update.interval, message.update.oldest_version);
         return this.events.onMesh(message.update);
-      case 'lines': return this.events.onLines(message.version, message.terrain, message.objects);
+      case 'lines': return this.is_redrawn ? this.events.onLines(message.version, message.terrain, message.objects) : undefined;
       case 'damaged': return this.events.onDamaged(message.what);
       case 'failed': return this.events.onFailure(message.failure);
       case 'state':

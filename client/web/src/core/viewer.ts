@@ -74,6 +74,11 @@ export class Viewer {
     this.core.exports.foreland_draw_ahead(this.handle);
   }
 
+  // What was taken is lost: the newest mesh is taken again, and all tiles come again.
+  redraw(): void {
+    this.core.exports.foreland_redraw(this.handle);
+  }
+
   // The newest mesh, or false if it has been taken already; mesh() gives it.
   takeNewest(): boolean {
     const record = this.core.exports.foreland_take_newest(this.handle);

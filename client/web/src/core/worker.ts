@@ -89,6 +89,7 @@ class Session {
       case 'hidden':
         this.connection.setHidden(message.is_hidden);
         break;
+      case 'redraw': return this.redraw(message.count);
       case 'reopen':
         if (this.connection.isOpen()) this.connection.open();
         break;
@@ -221,6 +222,16 @@ class Session {
     this.last_version = update.version;
     this.sent.push(update.version);
     this.post({ kind: 'mesh', update }, memoryOf(update));
+  }
+
+  // The drawing thread has lost all that it was sent.
+  private redraw(count: number): void {
+    this.viewer.redraw();
+    this.tiles.stop();
+    this.tiles = this.newTiles();
+    [this.sent, this.last_version] = [[], 0];
+    this.post({ kind: 'redrawn', count });
+    this.sendMesh();
   }
 
   private setLines(wants_lines: boolean): void {

@@ -18,6 +18,7 @@ const kMinSlice = 128 << 10;
 const kLargestSlice = 2 << 20; // at 60 frames a second
 
 const kVisible = 8; // of 255
+const kLargestSide = 16384; // of a lens, in pixels: proto/space/pose.h
 
 // What a frame shows, and from where.
 export interface Shot {
@@ -45,7 +46,7 @@ export class Picture {
   private uploaded = 0; // bytes, in the last frame
   private upload_limit = kLargestSlice; // of that frame
   private largest_upload = 0; // as a share of its frame's limit, since the first picture
-  private frames = 0;
+  frames = 0;
 
   // `onMissing` is told of each image of a model that does not come.
   constructor(private readonly canvas: HTMLCanvasElement, from: { layers: TextureLayers; anisotropy: number | null; models: URL },
@@ -104,12 +105,16 @@ export class Picture {
     this.drape.show(settings);
     this.objects.show(settings);
   }
-  resize(width: number, height: number, sharpness: number): void {
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, sharpness));
+  // False, and nothing changes, where no pixel would be left: in a frame that is hidden, or has no size yet.
+  resize(width: number, height: number, sharpness: number): boolean {
+    const ratio = Math.min(window.devicePixelRatio, sharpness, kLargestSide / Math.max(width, height));
+    if (!(width * ratio >= 1 && height * ratio >= 1)) return false;
+    this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.fov = (kLens.fov_rad * 180) / Math.PI;
     this.terrain.setLens(kLens.fov_rad, this.canvas.height);
+    return true;
   }
 
   // ---- meshes

@@ -29,7 +29,17 @@ export class Controls {
   private low = new THREE.Vector3(-1e7, -1e7, -1e7);
   private high = new THREE.Vector3(1e7, 1e7, 1e7);
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  constructor(private canvas: HTMLCanvasElement) {
+    this.steerOn(canvas);
+    window.addEventListener('keydown', (e) => this.key(e));
+    window.addEventListener('keyup', (e) => this.held.delete(e.code));
+    window.addEventListener('blur', () => this.held.clear());
+  }
+
+  // On another canvas, which takes the first one's place.
+  steerOn(canvas: HTMLCanvasElement): void {
+    this.canvas = canvas;
+    this.fingers.clear();
     canvas.addEventListener('pointerdown', (e) => this.press(e));
     canvas.addEventListener('pointermove', (e) => this.drag(e));
     for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) {
@@ -37,9 +47,6 @@ export class Controls {
     }
     canvas.addEventListener('wheel', (e) => this.turnWheel(e), { passive: false });
     canvas.addEventListener('contextmenu', (e) => e.preventDefault());
-    window.addEventListener('keydown', (e) => this.key(e));
-    window.addEventListener('keyup', (e) => this.held.delete(e.code));
-    window.addEventListener('blur', () => this.held.clear());
   }
 
   // The eye stays in the box grown by its own width on each side.

@@ -1,5 +1,6 @@
 // What a failure means to the person at the page, and what to do.
 import type { FailedPart, Failure } from '../core/failure';
+import { sentenceOf } from '../core/refusal';
 
 const kWords: Record<FailedPart, { title: string; advice: string }> = {
   'core start': {
@@ -17,8 +18,4 @@ const kWords: Record<FailedPart, { title: string; advice: string }> = {
 export function wordsOf({ part, reason }: Failure): { title: string; text: string } {
   const { title, advice } = kWords[part];
   return { title, text: reason === '' ? advice : `${sentenceOf(reason)} ${advice}` };
-}
-
-export function sentenceOf(text: string): string {
-  return /[.!?]$/.test(text) ? text : `${text}.`;
 }

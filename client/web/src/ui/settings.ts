@@ -30,7 +30,7 @@ export interface Settings extends SunSettings {
 export interface Address {
   settings: Settings;
   tour: Tour | null;
-  server: string; // ws://...
+  server: string; // ws://... or wss://...
   token: string | null; // for a server that asks for one
   view: number[] | null; // x, y, z in metres, heading, pitch in degrees
   anisotropy: number | null; // of pictures; null: what the graphics card does cheaply
@@ -48,7 +48,8 @@ export const kAdaptive_ms = { shortest: 100, longest: 1000 };
 const kFov_rad = (55 * Math.PI) / 180;
 export const kLens = { fov_rad: kFov_rad };
 
-export function readAddress(location: Location): Address {
+// `server` is as serverAddress() gives it.
+export function readAddress(location: Location, server: string): Address {
   const query = new URLSearchParams(location.search);
   const oneOf = <T extends string>(name: string, values: readonly T[], otherwise: T): T => {
     const value = query.get(name);
@@ -62,7 +63,6 @@ export function readAddress(location: Location): Address {
   const tour = query.get('tour') as Tour | null;
   // In the part of the address that is not sent with the page's own requests: #token=...
   const token = new URLSearchParams(location.hash.slice(1)).get('token');
-  const server = query.get('server') ?? `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/fly`;
   const view = query.get('view')?.split(',').map(Number);
   return {
     settings: {
