@@ -55,9 +55,10 @@ Status checkQuantum(const std::vector<dvec3>& positions, double quantum_m) {
   for (const dvec3& p : positions)
     for (int axis = 0; axis < 3; ++axis)
       if (std::fabs(p[axis]) > kMaxQuanta * quantum_m) {
-        char text[120];
+        char text[200];
         std::snprintf(text, sizeof(text),
-                      "a coordinate of %g is more than 2^30 steps of %g; move the model or choose a coarser step",
+                      "a coordinate of %g is more than 2^30 steps of %g; move the model (--origin) or choose a coarser "
+                      "step (--step)",
                       p[axis], quantum_m);
         return Error{ErrorCode::kLimit, text};
       }
