@@ -25,11 +25,12 @@ Result<ObjectRequest> parseObject(const std::string& text) {
   std::string_view places = std::string_view(text).substr(at + 1);
   constexpr std::string_view kHere = "here";
   const bool is_here = places == kHere || places.starts_with("here,");
+  const bool has_numbers = !is_here || places != kHere;
   if (is_here) {
     numbers = {0, 0};
     places.remove_prefix(std::min(places.size(), kHere.size() + 1));
   }
-  for (size_t begin = 0; begin <= places.size() && !(is_here && places.empty());) {
+  for (size_t begin = 0; has_numbers && begin <= places.size();) {
     const size_t end = std::min(places.find(',', begin), places.size());
     const std::string_view field = places.substr(begin, end - begin);
     double value = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <optional>
 
 namespace foreland::terrain {
@@ -67,7 +68,7 @@ Result<std::string> fileOfUri(std::string_view uri) {
   std::replace(text.begin(), text.end(), '\\', '/');
   if (text.empty() || text.find('\0') != std::string::npos)
     return Error{ErrorCode::kMalformed, "names the file " + shown(uri) + ", which is no name; export the model again"};
-  return text;
+  return std::filesystem::path(text).lexically_normal().string();
 }
 
 }  // namespace foreland::terrain

@@ -77,6 +77,29 @@ TEST(Paint, VertexColoursArriveWhereTheyBelong) {
       }
 }
 
+TEST(Paint, ColoursOfFacesFillThem) {
+  Model cube = test::inTriangles(test::makeCube(1));
+  for (size_t face = 0; face < cube.faceCount(); ++face)
+    cube.face_colours.push_back({static_cast<uint8_t>(20 * face), static_cast<uint8_t>(255 - 20 * face), 7, 255});
+  const Original original = makeOriginal(cube).value();
+  const Remeshed remeshed = remesh(original, {.base_triangles = 12, .levels = 1, .attempts = 1}).value();
+  ASSERT_EQ(remeshed.base_faces.size(), cube.faceCount());
+  const Textures none;
+  const Palette palette{cube, none};
+  ASSERT_TRUE(hasColours(palette));
+  EXPECT_GE(chooseSide(palette, original, 12), 4u);
+  const auto painted = paint(palette, original, remeshed, 12, 1);
+  ASSERT_TRUE(painted.ok());
+  std::vector<Colour> found;
+  for (uint32_t face = 0; face < 12; ++face) {
+    const glm::ivec2 middle = painted->atlas.pixel(face, 4, 4);
+    found.push_back(std::bit_cast<Colour>(
+        painted->texels[static_cast<uint64_t>(middle.y) * painted->atlas.width() + static_cast<uint64_t>(middle.x)]));
+  }
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, cube.face_colours) << "each colour at the middle of one face";
+}
+
 TEST(Paint, BothFacesOfAnEdgeShowTheSameAlongIt) {
   constexpr uint64_t kSeed = 17;
   SCOPED_TRACE(kSeed);
