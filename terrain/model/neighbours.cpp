@@ -31,21 +31,6 @@ bool isFile(const fs::path& path) {
   return fs::is_regular_file(path, failed);
 }
 
-// The file of that name, whatever the case of the last part.
-std::optional<fs::path> existing(const fs::path& path) {
-  if (isFile(path)) return path;
-  const std::string wanted = lowered(path.filename().string());
-  const fs::path folder = path.parent_path();
-  std::error_code failed;
-  fs::directory_iterator entry(folder.empty() ? "." : folder, failed);
-  for (int seen = 0; !failed && entry != fs::directory_iterator() && seen < kMaxEntries; ++seen) {
-    const std::string name = entry->path().filename().string();
-    if (lowered(name) == wanted && isFile(folder / name)) return folder / name;
-    entry.increment(failed);
-  }
-  return std::nullopt;
-}
-
 fs::path resolved(const fs::path& path) {
   std::error_code failed;
   fs::path made = fs::weakly_canonical(path.empty() ? fs::path(".") : path, failed);
@@ -70,7 +55,26 @@ bool Neighbours::isAllowed(const fs::path& file) const {
   return std::any_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return isBelow(path, root); });
 }
 
-Result<fs::path> Neighbours::find(const std::string& written, const fs::path& namer) const {
+// The file of that name, whatever the case of the last part.
+std::optional<fs::path> Neighbours::existing(const fs::path& path) {
+  if (isFile(path)) return path;
+  const fs::path folder = path.parent_path().empty() ? "." : path.parent_path();
+  const auto [names, is_new] = listings_.try_emplace(folder);
+  if (is_new) {
+    std::error_code failed;
+    fs::directory_iterator entry(folder, failed);
+    for (int seen = 0; !failed && entry != fs::directory_iterator() && seen < kMaxEntries; ++seen) {
+      const std::string name = entry->path().filename().string();
+      names->second.try_emplace(lowered(name), name);
+      entry.increment(failed);
+    }
+  }
+  const auto found = names->second.find(lowered(path.filename().string()));
+  if (found == names->second.end() || !isFile(folder / found->second)) return std::nullopt;
+  return folder / found->second;
+}
+
+Result<fs::path> Neighbours::find(const std::string& written, const fs::path& namer) {
   const std::string name = plainName(written);
   const fs::path path(name), file = path.filename();
   std::vector<fs::path> candidates;

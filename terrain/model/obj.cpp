@@ -98,6 +98,8 @@ class ObjParser {
   }
 
  private:
+  static constexpr size_t kMaxLibraries = 256;  // and names in a line
+
   Status parseLine(std::string_view line) {
     Words words(line.substr(0, line.find('#')));
     const std::string_view key = words.next();
@@ -181,18 +183,24 @@ class ObjParser {
   Status readLibraries(Words words) {
     names_no_library_ = false;
     const std::string whole(words.rest());
+    if (libraries_.contains(whole) || missing_libraries_.contains(whole)) return {};
+    if (libraries_.size() + missing_libraries_.size() >= kMaxLibraries) {
+      model_.leaveOut("material libraries after the 256th");
+      return {};
+    }
     auto bytes = library_(whole);
     const Error missing = bytes.ok() ? Error{} : bytes.error();
     if (bytes.ok()) return addLibrary(whole, *bytes);
     bool is_any = false;
-    while (whole.find_first_of(" \t") != std::string::npos && !words.atEnd()) {
+    for (size_t i = 0; i < kMaxLibraries && whole.find_first_of(" \t") != std::string::npos && !words.atEnd(); ++i) {
       const std::string file(words.next());
       if (bytes = library_(file); !bytes.ok()) continue;
       is_any = true;
       if (Status status = addLibrary(file, *bytes); !status.ok()) return status;
     }
-    if (!is_any && missing_libraries_.insert(whole).second)
-      model_.edit().notes.push_back("without the colours of its material library: " + missing.message);
+    if (is_any) return {};
+    missing_libraries_.insert(whole);
+    model_.edit().notes.push_back("without the colours of its material library: " + missing.message);
     return {};
   }
   Status addLibrary(const std::string& file, ByteSpan bytes) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<Model> parse(const std::string& suffix, ByteSpan bytes, const fs::path& path, const Neighbours& neighbours) {
+Result<Model> parse(const std::string& suffix, ByteSpan bytes, const fs::path& path, Neighbours& neighbours) {
   const std::string name = path.string();
   if (suffix == ".ply") return parsePly(bytes, name);
   if (suffix == ".stl") return parseStl(bytes, name);
@@ -28,7 +28,7 @@ Result<Model> parse(const std::string& suffix, ByteSpan bytes, const fs::path& p
 }
 
 // A texture that is not found is a note, and the material's colour is used.
-void findTexture(const fs::path& path, const Neighbours& neighbours, Material& material, Model& model) {
+void findTexture(const fs::path& path, Neighbours& neighbours, Material& material, Model& model) {
   if (material.texture.empty() || material.embedded) return;
   fs::path namer = path;
   if (!material.library.empty())
@@ -50,7 +50,7 @@ Result<Model> readModel(const fs::path& path, const std::vector<fs::path>& allow
                  path.string() + ": not one of .obj, .ply, .stl, .glb and .gltf; export the model as one of these"};
   const auto bytes = readFile(path);
   if (!bytes.ok()) return bytes.error();
-  const Neighbours neighbours(path.parent_path(), allowed);
+  Neighbours neighbours(path.parent_path(), allowed);
   auto model = parse(suffix, *bytes, path, neighbours);
   if (!model.ok()) return model;
   for (Material& material : model->materials) findTexture(path, neighbours, material, *model);

@@ -105,6 +105,20 @@ TEST(Obj, AMissingLibraryIsANote) {
   EXPECT_EQ(unknown->face_materials[0], kNoIndex);
 }
 
+TEST(Obj, LooksForABoundedNumberOfLibraries) {
+  std::string text, line = "mtllib";
+  for (int i = 0; i < 300; ++i) text += "mtllib " + std::to_string(i) + ".mtl\n", line += " x" + std::to_string(i);
+  size_t asked = 0;
+  const auto read = parseObj(line + "\n" + text + kSquare, "m.obj", [&](const std::string& name) -> Result<Bytes> {
+    ++asked;
+    return Error{ErrorCode::kNotFound, name.substr(0, 9)};
+  });
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(asked, 1u + 256 + 255);
+  EXPECT_EQ(read->notes.size(), 257u);
+  EXPECT_EQ(read->notes.back(), "material libraries after the 256th left out: 45");
+}
+
 TEST(Obj, ReadsSeveralLibrariesOfOneLine) {
   const auto read =
       parseObj("mtllib a.mtl b.mtl\nusemtl b\n" + kSquare, "m.obj", [](const std::string& name) -> Result<Bytes> {
