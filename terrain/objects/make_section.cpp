@@ -119,7 +119,10 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
     }
     placements.push_back(*placement);
   }
-  if (auto set = proto::ObjectSet::create(std::move(shapes), placements, epochs); !set.ok()) return set.error();
+  if (auto set = proto::ObjectSet::create(std::move(shapes), placements, epochs); !set.ok())
+    return Error{set.error().code, set.error().message +
+                                       "; if its surface lies far from its origin, make it anew by foreland remesh, "
+                                       "which gives it an origin of its own"};
 
   uint64_t at =
       sizeof(ObjectSectionStart) + placements.size() * sizeof(StoredPlacement) + models.size() * sizeof(StoredModel);

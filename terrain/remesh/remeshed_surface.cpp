@@ -15,7 +15,10 @@ using glm::dvec3;
 double finestQuantum(const std::vector<dvec3>& positions) {
   dvec3 low = positions.front(), high = low;
   for (const dvec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-  return std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
+  const dvec3 reach = glm::max(glm::abs(low), glm::abs(high));
+  const double least = std::max({reach.x, reach.y, reach.z}) / kMaxQuanta;
+  const double wanted = std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
+  return wanted >= least ? wanted : std::exp2(std::ceil(std::log2(least)));
 }
 
 namespace {

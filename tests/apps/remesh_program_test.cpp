@@ -72,25 +72,26 @@ TEST_F(RemeshProgram, AModelOnAMapIsMovedAndSaysSo) {
   };
   const ProgramResult made = run({});
   ASSERT_EQ(made.exit_code, 0) << made.output;
-  EXPECT_NE(made.output.find("its origin is (562010, 5116007, "), std::string::npos) << made.output;
+  EXPECT_NE(made.output.find("its origin is (562011, 5116007, 1204)"), std::string::npos) << made.output;
   EXPECT_NE(made.output.find("--object out.fls@here"), std::string::npos) << made.output;
   EXPECT_NE(made.output.find("--origin file"), std::string::npos) << made.output;
   const auto moved = about();
-  EXPECT_EQ(moved["origin"][0], 562010);
+  EXPECT_EQ(moved["origin"][0], 562011);
   EXPECT_EQ(moved["origin"][1], 5116007);
   EXPECT_LT(moved["high"][0].get<double>(), 10);
-  EXPECT_NE(runProgram("info", {output()}).output.find("origin     (562010, 5116007, "), std::string::npos);
+  EXPECT_NE(runProgram("info", {output()}).output.find("origin     (562011, 5116007, 1204)"), std::string::npos);
   EXPECT_EQ(runProgram("verify", {output()}).exit_code, 0);
 
   const ProgramResult chosen = run({"--origin", "562000,5116000,0"});
   EXPECT_EQ(chosen.exit_code, 0) << chosen.output;
   EXPECT_EQ(about()["origin"], nlohmann::json({562000.0, 5116000.0, 0.0}));
   EXPECT_NEAR(about()["high"][2].get<double>(), 1205, 2);
-  const ProgramResult kept = run({"--origin", "file", "--step", "0.01"});
+  const ProgramResult kept = run({"--origin", "file"});
   EXPECT_EQ(kept.exit_code, 0) << kept.output;
   EXPECT_EQ(kept.output.find("its origin"), std::string::npos) << kept.output;
   EXPECT_GT(about()["low"][1].get<double>(), 5.1e6);
-  expectRefusal("remesh", {model, "-o", output(), "--origin", "file"}, {"house.obj", "--origin", "--step"});
+  expectRefusal("remesh", {model, "-o", output(), "--origin", "file", "--step", "1e-6"},
+                {"house.obj", "--origin", "--step"});
   for (const char* wrong : {"1,2", "1,2,3,4", "here", "1,2,nan"})
     expectRefusal("remesh", {model, "-o", output(), "--origin", wrong}, {"--origin", "X,Y,Z"});
 }
