@@ -17,6 +17,7 @@
 
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
+#include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
 #include "apps/report/progress_line.h"
@@ -43,6 +44,7 @@ struct Arguments {
   std::vector<std::filesystem::path> imagery;
   int imagery_quality = terrain::kDefaultImageryQuality;
   std::string attribution;
+  apps::ForeignFiles foreign;
 };
 
 void describeElevation(CLI::App& app, Arguments& arguments) {
@@ -222,6 +224,15 @@ Result<OpenedEpochs> openEpochs(const Arguments& arguments) {
   return epochs;
 }
 
+// All files that the command names, for reading. Some may not be there.
+std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
+  std::vector<std::filesystem::path> files = arguments.inputs;
+  files.insert(files.end(), arguments.imagery.begin(), arguments.imagery.end());
+  for (const std::string& text : arguments.epochs) files.emplace_back(text.substr(text.find('=') + 1));
+  for (const std::string& text : arguments.objects) files.emplace_back(text.substr(0, text.rfind('@')));
+  return files;
+}
+
 int build(const Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
@@ -249,7 +260,8 @@ int build(const Arguments& arguments) {
   std::unique_ptr<terrain::PictureSource> picture;
   if (!arguments.imagery.empty()) {
     const terrain::ElevationInfo& info = (*source)->info();
-    auto opened = terrain::openPictures(arguments.imagery, {info.frame, info.crs_wkt, info.width, info.height});
+    auto opened = terrain::openPictures(arguments.imagery,
+                                        {info.frame, info.crs_wkt, info.width, info.height, arguments.foreign.allowed});
     if (!opened.ok()) return fail(opened.error());
     picture = std::move(opened).value();
     options.picture = picture.get();
@@ -275,6 +287,7 @@ int main(int argc, char** argv) {
   describeElevation(app, arguments);
   describeImagery(app, arguments);
   describeChanges(app, arguments);
+  apps::addForeignFiles(app, arguments.foreign);
   const auto exit_code = apps::parseCommandLine(
       app, argc, argv,
       {{"one file", "foreland build hills.tif -o hills.fls"},
@@ -285,6 +298,8 @@ int main(int argc, char** argv) {
        {"ground that changes in time",
         "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"}});
   if (exit_code) return *exit_code;
+  arguments.open.allowed_folders = arguments.foreign.allowed;
+  apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});
   apps::catchStopSignals();
   return build(arguments);
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/options/command_line.h"
+#include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
 #include "apps/synth_picture.h"
 #include "terrain/dem/write.h"
@@ -108,6 +109,7 @@ int main(int argc, char** argv) {
                  "foreland synth: --output is required: the elevation file to write (see foreland synth --help)\n");
     return 2;
   }
+  apps::confineTo({}, arguments.picture.over, {arguments.output, arguments.picture.output});
   if (arguments.picture.over.empty())
     if (const int code = synth(arguments); code != 0) return code;
   if (arguments.picture.output.empty()) return 0;

@@ -28,6 +28,7 @@ for at, room in enumerate(PROTO_ROOMS):
 STORE = ["terrain/store/file", "terrain/store/tables", "terrain/store"]
 SEES |= {
     "terrain": PROTO,  # elevation_source.h and its like: what the rooms below share
+    "terrain/fence": ["base"],  # what keeps readers of foreign files to what the user meant
     "terrain/geo": [*PROTO, "terrain"],
     "terrain/store/file": [*PROTO, "terrain"],
     "terrain/store/tables": [*PROTO, "terrain", "terrain/store/file"],
@@ -38,7 +39,7 @@ SEES |= {
     "terrain/surface": [*PROTO, "terrain"],
     "terrain/pipeline": [*PROTO, "terrain", "terrain/geo", *STORE, "terrain/bounds", "terrain/dem/voids",
                       "terrain/epochs", "terrain/imagery", "terrain/surface", "terrain/surface_store", "terrain/objects"],
-    "terrain/model": [*PROTO, "terrain"],
+    "terrain/model": [*PROTO, "terrain", "terrain/fence"],
     "terrain/compare": [*PROTO, "terrain"],  # judges the remesher and shares no code with it
     "terrain/surface_store": [*PROTO, "terrain", *STORE, "terrain/surface"],
     "terrain/objects": [*PROTO, "terrain", *STORE, "terrain/surface", "terrain/surface_store"],
@@ -47,7 +48,7 @@ SEES |= {
 }
 DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
 for at, room in enumerate(DEM_ROOMS):
-    SEES[room] = [*PROTO, "terrain", "terrain/geo", *DEM_ROOMS[:at]]
+    SEES[room] = [*PROTO, "terrain", "terrain/geo", "terrain/fence", *DEM_ROOMS[:at]]
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
 REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
                 "terrain/remesh/paint"]

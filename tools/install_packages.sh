@@ -18,7 +18,7 @@ readonly build_packages=(
   libflatbuffers-dev flatbuffers-compiler
   libzstd-dev libxxhash-dev
   libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev
-  zlib1g-dev libbrotli-dev libmeshoptimizer-dev libdraco-dev
+  zlib1g-dev libbrotli-dev libmeshoptimizer-dev libdraco-dev libseccomp-dev
 )
 readonly page_packages=(clang-19 lld-19 llvm-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32)
 readonly test_packages=(curl openssl clang-format clang-tidy clang-19 libclang-rt-19-dev libgtest-dev librapidcheck-dev haproxy chromium fonts-dejavu-core man-db)

@@ -6,12 +6,14 @@
 #include <gdal.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/formats/gdal_georeference.h"
 #include "terrain/dem/formats/gdal_messages.h"
 #include "terrain/dem/raster/height_decoder.h"
@@ -69,7 +71,8 @@ Error pictureError(const std::string& name, int count) {
 
 class GdalRaster final : public Raster {
  public:
-  GdalRaster(Dataset dataset, std::string name) : dataset_(std::move(dataset)) {
+  GdalRaster(Dataset dataset, std::string name, std::shared_ptr<const GdalFence> fence)
+      : fence_(std::move(fence)), dataset_(std::move(dataset)) {
     info_.name = std::move(name);
     info_.width = static_cast<uint32_t>(GDALGetRasterXSize(dataset_.get()));
     info_.height = static_cast<uint32_t>(GDALGetRasterYSize(dataset_.get()));
@@ -94,6 +97,7 @@ class GdalRaster final : public Raster {
   Status readBand(GDALRasterBandH band, uint32_t first, uint32_t count, std::span<float> out);
   bool isPicture() const;
 
+  std::shared_ptr<const GdalFence> fence_;  // null without one
   Dataset dataset_;
   RasterInfo info_;
   Bands bands_;
@@ -258,21 +262,35 @@ Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, 
                fmt::format("{}: holds several variables; choose one with --channel: {}", name, known)};
 }
 
-Result<std::unique_ptr<Raster>> openOne(const std::string& gdal_path, const std::string& name, OpenOptions options) {
+// An Error where the file named another one that must not be read, whatever became of it.
+Status checkRefused(const GdalFence* fence, const std::string& name) {
+  const auto refused = fence != nullptr ? fence->takeRefused() : std::nullopt;
+  return refused ? Status(FileFence::refusal(name, *refused)) : Status();
+}
+
+Result<std::unique_ptr<Raster>> openOne(const std::string& gdal_path, const std::string& name, OpenOptions options,
+                                        const std::shared_ptr<const GdalFence>& fence) {
   GdalMessages messages;
+  if (fence)
+    if (Status s = checkVrt(gdal_path, name, fence->files()); !s.ok()) return s.error();
   Dataset dataset(GDALOpenEx(gdal_path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
                              nullptr, nullptr));
+  if (Status s = checkRefused(fence.get(), name); !s.ok()) return s.error();
   if (!dataset) return openError(name, messages.errors());
   if (GDALGetRasterCount(dataset.get()) == 0) {
     const Result<std::string> variable = pickVariable(dataset.get(), name, options);
     if (!variable.ok()) return variable.error();
+    if (fence)
+      if (Status s = checkSubdataset(*variable, gdal_path, name, fence->files()); !s.ok()) return s.error();
     dataset.reset(GDALOpenEx(variable->c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
                              nullptr, nullptr));
     if (!dataset) return openError(name, messages.errors());
     options.channel.reset();
   }
-  auto raster = std::make_unique<GdalRaster>(std::move(dataset), name);
-  if (Status s = raster->init(options, messages); !s.ok()) return s.error();
+  auto raster = std::make_unique<GdalRaster>(std::move(dataset), name, fence);
+  const Status read = raster->init(options, messages);
+  if (Status s = checkRefused(fence.get(), name); !s.ok()) return s.error();
+  if (!read.ok()) return read.error();
   return std::unique_ptr<Raster>(std::move(raster));
 }
 
@@ -302,20 +320,23 @@ Result<std::vector<Member>> listArchive(const std::string& path) {
 
 }  // namespace
 
-void registerGdalDrivers() {
+void registerGdalDrivers(bool all) {
   static std::once_flag once;
-  std::call_once(once, [] {
-    // An elevation file never opens a connection.
-    CPLSetConfigOption("GDAL_SKIP",
-                       "WMS WCS WMTS HTTP DAAS EEDA EEDAI PLMOSAIC OGCAPI STACIT STACTA RASTERLITE POSTGISRASTER");
+  std::call_once(once, [all] {
     CPLSetConfigOption("GDAL_CACHEMAX", "256");  // MB
+    CPLSetConfigOption("GDAL_DRIVER_PATH", "disable");
+    CPLSetConfigOption("GDAL_VRT_ENABLE_PYTHON", "NO");
     GDALAllRegister();
+    if (!all) closeGdalFileSystems();
   });
 }
 
 Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path,
                                                              const OpenOptions& options) {
   registerGdalDrivers();
+  const auto fence = options.is_fenced
+                         ? std::make_shared<const GdalFence>(FileFence(std::array{path}, options.allowed_folders))
+                         : nullptr;
   const std::string name = path.string(), suffix = lower(path.extension().string());
   std::vector<Member> members{{suffix == ".gz" ? "/vsigzip/" + name : name, name}};
   if (suffix == ".zip") {
@@ -325,7 +346,7 @@ Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesyst
   }
   std::vector<std::unique_ptr<Raster>> rasters;
   for (const Member& member : members) {
-    Result<std::unique_ptr<Raster>> raster = openOne(member.gdal_path, member.name, options);
+    Result<std::unique_ptr<Raster>> raster = openOne(member.gdal_path, member.name, options, fence);
     if (!raster.ok()) return raster.error();
     rasters.push_back(std::move(raster).value());
   }

@@ -12,8 +12,9 @@
 
 namespace foreland::terrain {
 
-// Registers GDAL's drivers on the first call; later calls do nothing. Any thread.
-void registerGdalDrivers();
+// Registers GDAL's drivers on the first call; later calls do nothing. Any thread. Those that open connections, and all
+// file systems but archives, are left out (gdal_files.h), unless a test of what else holds wants them: `all`.
+void registerGdalDrivers(bool all = false);
 
 // The one raster of a file, or all rasters in an archive (.zip). Each has been surveyed and has at least one height.
 Result<std::vector<std::unique_ptr<Raster>>> openGdalRasters(const std::filesystem::path& path,

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/check.h"
+#include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/formats/gdal_messages.h"
 #include "terrain/dem/formats/gdal_raster.h"
 #include "terrain/dem/formats/pending_file.h"
@@ -66,6 +67,7 @@ class TiffWriter final : public ElevationWriter {
 
  private:
   PendingFile pending_;
+  GdalOutput output_{pending_.path()};
   uint32_t width_, height_, next_ = 0;
   GDALDatasetH dataset_ = nullptr;
 };

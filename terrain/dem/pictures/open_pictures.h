@@ -19,6 +19,7 @@ struct PictureLattice {
   proto::Frame frame;
   std::string crs_wkt;  // empty if none
   uint32_t samples_x = 0, samples_y = 0;
+  std::vector<std::filesystem::path> allowed_folders{};  // beside its own, what a file may name files of
 };
 
 // A texel is the sample interval divided or multiplied by a power of two, and not coarser than the finest file's pixels

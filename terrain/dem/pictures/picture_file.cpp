@@ -15,6 +15,7 @@
 #include <numbers>
 #include <optional>
 
+#include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/formats/gdal_messages.h"
 
 namespace foreland::terrain {
@@ -213,8 +214,11 @@ Result<PictureFile> openTurned(const std::filesystem::path& path, const PictureL
   PictureFile picture;
   picture.name = path.string();
   GdalMessages messages;
+  picture.fence = std::make_shared<const GdalFence>(FileFence(std::array{path}, lattice.allowed_folders));
+  if (Status s = checkVrt(picture.name, picture.name, picture.fence->files()); !s.ok()) return s.error();
   picture.file.reset(
       GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
+  if (const auto refused = picture.fence->takeRefused()) return FileFence::refusal(picture.name, *refused);
   if (!picture.file)
     return Error{std::filesystem::exists(path) ? ErrorCode::kMalformed : ErrorCode::kNotFound,
                  fmt::format("{}: not a picture that GDAL reads, or a damaged one (GDAL says: {})", picture.name,
@@ -226,7 +230,9 @@ Result<PictureFile> openTurned(const std::filesystem::path& path, const PictureL
     return refusal(picture.name, "its colours cannot be read (GDAL says: " + messages.errors() + ")");
   if (Status s = locate(picture, lattice, map); !s.ok()) return s.error();
   if (turns != 0 && !turn(picture, turns)) return refusal(picture.name, "it has no longitudes");
-  if (Status s = survey(picture, lattice, map); !s.ok()) return s.error();
+  const Status surveyed = survey(picture, lattice, map);
+  if (const auto refused = picture.fence->takeRefused()) return FileFence::refusal(picture.name, *refused);
+  if (!surveyed.ok()) return surveyed.error();
   return picture;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/pictures/lattice_map.h"
 
 namespace foreland::terrain {
@@ -19,6 +20,7 @@ struct CloseDataset {
 using PictureDataset = std::unique_ptr<void, CloseDataset>;
 
 struct PictureFile {
+  std::shared_ptr<const GdalFence> fence;
   std::string name;
   PictureDataset file;               // as it was opened
   PictureDataset colours;            // of `file`: three bands of 8 bits, or four with alpha

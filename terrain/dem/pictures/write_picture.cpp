@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "base/check.h"
+#include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/formats/gdal_messages.h"
 #include "terrain/dem/formats/gdal_raster.h"
 #include "terrain/dem/formats/pending_file.h"
@@ -65,6 +66,7 @@ class TiffPicture final : public PictureWriter {
 
  private:
   PendingFile pending_;
+  GdalOutput output_{pending_.path()};
   uint32_t width_, height_, next_ = 0;
   PictureDataset dataset_;
 };

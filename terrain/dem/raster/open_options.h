@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace foreland::terrain {
 
@@ -24,6 +26,10 @@ struct OpenOptions {
   std::optional<std::string> channel{};  // EXR channel, band number, or variable of a file with several
   FrameChoice frame = FrameChoice::kAuto;
   HeightEncoding encoding = HeightEncoding::kPlain;
+  // Beside its own folder, what a file may name files of (terrain/fence/file_fence.h); without the fence, in tests of
+  // what else holds, any.
+  std::vector<std::filesystem::path> allowed_folders{};
+  bool is_fenced = true;
 };
 
 }  // namespace foreland::terrain

@@ -1,0 +1,40 @@
+// Which files the readers of foreign formats may open. A file of a stranger may name others (a VRT its sources, an OBJ
+// its materials, a glTF its buffers); these must lie in the folder of the file that the user named, or below, links
+// resolved, unless the user has allowed another folder. So no input makes a program read what its user did not mean.
+//
+// Immutable after creation; any thread.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace foreland::terrain {
+
+class FileFence {
+ public:
+  // What the user named, and folders allowed by --allow-files-from.
+  explicit FileFence(std::span<const std::filesystem::path> inputs,
+                     std::span<const std::filesystem::path> allowed = {});
+
+  // Whether a file, which need not be there, may be read. O(folders), and the file system's work of resolving links.
+  bool mayRead(const std::filesystem::path& file) const;
+  // The file that `named` means in `folder`, in the syntax of this system or of Windows; an Error if it must not be
+  // read. `by` is the file that names it.
+  Result<std::filesystem::path> resolve(const std::filesystem::path& by, std::string_view named) const;
+  // What is said of a file that must not be read, and how to allow it.
+  static Error refusal(const std::filesystem::path& by, const std::filesystem::path& file);
+
+  // The folders, resolved: for confineTo (confine.h).
+  const std::vector<std::filesystem::path>& folders() const { return folders_; }
+  const std::vector<std::filesystem::path>& files() const { return files_; }
+
+ private:
+  std::vector<std::filesystem::path> folders_, files_;
+};
+
+}  // namespace foreland::terrain

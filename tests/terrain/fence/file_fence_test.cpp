@@ -1,0 +1,74 @@
+// What may be read beside an input, by links and names of any syntax.
+#include "terrain/fence/file_fence.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+
+#include "tests/support/files.h"
+
+namespace foreland::terrain {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folders : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"in", "in/below", "in2", "out"}) fs::create_directories(root_ / name);
+    for (const char* name : {"in/a.obj", "in/a.mtl", "in/below/b.png", "in2/c.mtl", "out/secret"})
+      test::spit(root_ / name, {'x'});
+    fs::create_symlink(root_ / "out/secret", root_ / "in/link");
+    fs::create_symlink(root_ / "in/a.mtl", root_ / "in/inner_link");
+    fs::create_directory_symlink(root_ / "out", root_ / "in/folder_link");
+  }
+  bool mayName(const FileFence& fence, const std::string& named) const {
+    return fence.resolve(root_ / "in/a.obj", named).ok();
+  }
+  test::TemporaryFolder root_;
+};
+
+TEST_F(Folders, HoldWhatLiesInThemOrBelow) {
+  const FileFence fence(std::array{root_ / "in/a.obj"});
+  for (const char* own :
+       {"a.mtl", "./a.mtl", "below/b.png", "below\\b.png", "below/../a.mtl", "inner_link", "is_not_there.mtl"})
+    EXPECT_TRUE(mayName(fence, own)) << own;
+  for (const char* other : {"../out/secret", "..\\out\\secret", "link", "folder_link/secret", "../in2/c.mtl",
+                            "/etc/passwd", "file:///etc/passwd", "http://127.0.0.1/x", "below/../../out/secret"})
+    EXPECT_FALSE(mayName(fence, other)) << other;
+  EXPECT_TRUE(mayName(fence, root_ / "in/a.mtl"));
+}
+
+TEST_F(Folders, AreMoreIfTheUserAllowsThem) {
+  const FileFence fence(std::array{root_ / "in/a.obj"}, std::array{root_ / "out"});
+  EXPECT_TRUE(mayName(fence, "../out/secret"));
+  EXPECT_TRUE(mayName(fence, "link"));
+  EXPECT_FALSE(mayName(fence, "../in2/c.mtl"));
+}
+
+// A link that the user names leads to a file whose neighbours are meant, too.
+TEST_F(Folders, AreThoseThatALinkLeadsTo) {
+  fs::create_symlink(root_ / "in/a.obj", root_ / "in2/model.obj");
+  const FileFence fence(std::array{root_ / "in2/model.obj"});
+  EXPECT_TRUE(fence.mayRead(root_ / "in/a.mtl"));
+  EXPECT_TRUE(fence.mayRead(root_ / "in2/c.mtl"));
+  EXPECT_FALSE(fence.mayRead(root_ / "out/secret"));
+}
+
+// An input at the top does not open all files there are.
+TEST(FenceAtTheTop, HoldsTheFileAlone) {
+  const FileFence fence(std::array{fs::path("/vmlinuz.tif")});
+  EXPECT_TRUE(fence.mayRead("/vmlinuz.tif"));
+  EXPECT_FALSE(fence.mayRead("/etc/passwd"));
+}
+
+TEST(FenceRefusal, SaysWhatWouldBeReadAndHowToAllowIt) {
+  const std::string said = FileFence::refusal("a.vrt", "/etc/passwd").message;
+  EXPECT_EQ(
+      said,
+      "a.vrt: would read /etc/passwd, which is outside of its folder; if you trust it, say --allow-files-from /etc");
+}
+
+}  // namespace
+}  // namespace foreland::terrain
