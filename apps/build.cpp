@@ -92,11 +92,13 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
 }
 
 void describeChanges(CLI::App& app, Arguments& arguments) {
-  app.add_option("--object", arguments.objects,
-                 "a surface made by `foreland remesh` that stands on the terrain; LAT and LON in degrees, in planar "
-                 "scenes x and y of the map in metres. The dates of its poses are the scene's epochs, unless there is "
-                 "--epoch: then each is one of these")
-      ->type_name(apps::text("MODEL.fls@LAT,LON[,HEIGHT[,HEADING[,SCALE]]]"))
+  app.add_option(
+         "--object", arguments.objects,
+         "a surface made by `foreland remesh` that stands on the terrain; LAT and LON in degrees, in planar "
+         "scenes x and y of the map in metres; here: where the model's own coordinates are on the "
+         "map of the scene, and at their height. The dates of its poses are the scene's epochs, unless there is "
+         "--epoch: then each is one of these")
+      ->type_name(apps::text("MODEL.fls@LAT,LON|here[,HEIGHT[,HEADING[,SCALE]]]"))
       ->allow_extra_args(false);
   app.add_option("--epoch", arguments.epochs,
                  "the ground at a date: the scene changes in time from the first date to the last. The file has the "

@@ -112,7 +112,7 @@ THIRD_PARTY = [
     (r"boost/", "Boost", ["transport", "server/net/http", "server/net/access", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["transport", "server/net/access", *EDGES]),
     (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "lab/wire/peers", *TESTS]),
-    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["lab/wire/peers", "server/net/http", *TESTS]),
+    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["client/fly", "lab/wire/peers", "server/net/http", *TESTS]),
     (r"CLI/", "CLI11", EDGES),
     (r"toml\+\+/", "toml++", EDGES),
     (r"benchmark/", "Google Benchmark", ["lab"]),

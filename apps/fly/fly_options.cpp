@@ -65,7 +65,8 @@ void addCamera(CLI::App& app, FlyOptions& o) {
     return app.add_option(name, value, what)->group("Where the camera goes");
   };
   CLI::Option* track =
-      add("--track", o.track, "fly this recorded track: an IGC or GPX file, or camera frames")->type_name(file("FILE"));
+      add("--track", o.track, "fly this recorded track: an IGC, GPX, KML or GeoJSON file, or camera frames")
+          ->type_name(file("FILE"));
   add("--tour", o.tour, "fly a built-in tour: survey (the default), canyon, spin, orbit; or jumps, from view to view")
       ->type_name(text("NAME"))
       ->check(oneOf({"survey", "canyon", "spin", "orbit", "jumps"}))

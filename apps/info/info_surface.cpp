@@ -55,6 +55,7 @@ ordered_json describeSurface(const terrain::MappedSurface& surface) {
   about["low"] = {s.low.x, s.low.y, s.low.z};
   about["high"] = {s.high.x, s.high.y, s.high.z};
   about["step"] = surface.quantumMetres();
+  about["origin"] = {surface.origin().x, surface.origin().y, surface.origin().z};
   about["image"] = {{"width", surface.atlas().width()},
                     {"height", surface.atlas().height()},
                     {"texels_per_base_edge", surface.atlas().side}};
@@ -76,6 +77,9 @@ void printSurface(const std::string& path, const terrain::MappedSurface& surface
               surface.topology().maxLevel(), s.nodes, s.full_triangles);
   std::printf("box        (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g), multiples of %g\n", s.low.x, s.low.y, s.low.z,
               s.high.x, s.high.y, s.high.z, surface.quantumMetres());
+  if (const glm::dvec3 o = surface.origin(); o != glm::dvec3(0))
+    std::printf("origin     (%.12g, %.12g, %.12g) of the model's coordinates; --object %s@here stands there\n", o.x,
+                o.y, o.z, path.c_str());
   if (surface.atlas().side > 0)
     std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),
                 surface.atlas().height(), surface.atlas().side);

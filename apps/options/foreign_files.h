@@ -24,8 +24,7 @@ inline void addForeignFiles(CLI::App& app, ForeignFiles& files) {
          "--allow-files-from", files.allowed,
          "a folder that inputs may name files of, beside their own folders and what lies below these; by default "
          "an input that names others is refused")
-      ->type_name(apps::text("DIR"))
-      ->check(CLI::ExistingDirectory)
+      ->type_name(apps::folder("DIR"))
       ->allow_extra_args(false);
   app.add_flag("--verbose", files.is_verbose, "say also what this kernel cannot do to confine this program");
 }

@@ -2,6 +2,7 @@
 // 0 done, 2 anything else, with a line on stderr; nothing half-written stays.
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -10,12 +11,14 @@
 #include <string>
 
 #include "apps/options/command_line.h"
+#include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
 #include "apps/options/output_file.h"
 #include "apps/remesh/remesh_poses.h"
 #include "apps/remesh/remesh_report.h"
 #include "apps/stop_signal.h"
 #include "terrain/model/image.h"
+#include "terrain/model/origin.h"
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/paint/paint.h"
 #include "terrain/remesh/remesh.h"
@@ -36,9 +39,10 @@ struct Arguments {
   std::optional<double> step;
   std::optional<uint32_t> texels;
   proto::MeshRule rule = proto::MeshRule::kQuadrisection;
-  std::optional<terrain::UpAxis> up;
+  apps::ModelReading reading;
+  std::string origin = "auto";
   std::vector<std::string> poses;
-  bool json = false, strict = false;
+  bool json = false, strict = false, is_verbose = false;
 };
 
 void describeShape(CLI::App& app, Arguments& arguments) {
@@ -81,7 +85,7 @@ void describeShape(CLI::App& app, Arguments& arguments) {
 void describeModel(CLI::App& app, Arguments& arguments) {
   static const std::map<std::string, terrain::UpAxis> axes{{"y", terrain::UpAxis::kY}, {"z", terrain::UpAxis::kZ}};
   app.add_option_function<std::string>(
-         "--up", [&](const std::string& name) { arguments.up = axes.at(name); },
+         "--up", [&](const std::string& name) { arguments.reading.up = axes.at(name); },
          "which axis of the model points up; the surface's is z. By default y for glTF, as its format has it, else z")
       ->check(apps::oneOf({"y", "z"}));
   app.add_option(
@@ -90,6 +94,19 @@ void describeModel(CLI::App& app, Arguments& arguments) {
          "colours; 0 for none")
       ->type_name(apps::whole("T"))
       ->check(apps::within(0u, proto::AtlasLayout::kMaxPixels));
+  app.add_option(
+         "--origin", arguments.origin,
+         "the point of the model's coordinates, z up, that becomes the surface's (0, 0, 0): auto: one of its own "
+         "for a model far from there, as in the coordinates of a map; file: as in the file. The surface's file "
+         "keeps it, and `foreland build --object SURFACE.fls@here` uses it")
+      ->type_name(apps::text("auto|file|X,Y,Z"))
+      ->capture_default_str();
+  app.add_flag("--verbose", arguments.is_verbose, "say also what this kernel cannot do to confine this program");
+  app.add_option("--allow-files-from", arguments.reading.allowed,
+                 "material libraries, buffers and textures that the model names may lie in this folder or below, too; "
+                 "by default in the model's own folder or below alone")
+      ->type_name(apps::folder("DIR"))
+      ->allow_extra_args(false);
   app.add_option("--pose", arguments.poses,
                  "the model at a date: the surface changes in time from the first date to the last. FILE has the faces "
                  "and vertices of MODEL, whose positions only decide where the base mesh lies")
@@ -115,6 +132,29 @@ int fail(const Error& error) {
 Status checkOutput(const Arguments& arguments) {
   if (Status s = apps::checkOutput(arguments.output, "surface file"); !s.ok()) return s;
   return apps::checkApart(arguments.output, arguments.input, "the model");
+}
+
+// Of --origin. Error if it is none of its forms.
+Result<glm::dvec3> chooseOrigin(const std::string& text, const terrain::Model& model) {
+  if (text == "auto") return terrain::ownOrigin(model);
+  if (text == "file") return glm::dvec3(0);
+  glm::dvec3 origin(0);
+  int end = -1;
+  const bool is_read = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &origin.x, &origin.y, &origin.z, &end) == 3 &&
+                       end == static_cast<int>(text.size());
+  for (int axis = 0; axis < 3; ++axis)
+    if (!is_read || !(std::fabs(origin[axis]) <= terrain::kMaxCoordinate))
+      return Error{ErrorCode::kInvalidArgument,
+                   "--origin " + text + ": give auto, file or three numbers X,Y,Z of at most 1e9"};
+  return origin;
+}
+
+std::string originNote(const glm::dvec3& origin, const std::filesystem::path& output) {
+  char numbers[120];
+  std::snprintf(numbers, sizeof(numbers), "(%.12g, %.12g, %.12g)", origin.x, origin.y, origin.z);
+  return std::string("its origin is ") + numbers + " of the model's coordinates, which lie far from zero; --object " +
+         output.filename().string() +
+         "@here places it there in a scene of that reference system, --origin file leaves it as it is";
 }
 
 // For a texture that cannot be read, a note is made, and the material's own colour is used. Materials that share an
@@ -162,16 +202,21 @@ Status addColours(const Arguments& arguments, const terrain::Model& model, const
 int remesh(Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
-  auto model = terrain::readModel(arguments.input);
+  auto model = apps::readUpright(arguments.input, arguments.reading);
   if (!model.ok()) return fail(model.error());
-  if (arguments.up.value_or(model->up) == terrain::UpAxis::kY) terrain::standUp(*model);
+  const auto origin = chooseOrigin(arguments.origin, *model);
+  if (!origin.ok()) return fail(origin.error());
+  terrain::moveTo(*origin, *model);
+  if (arguments.origin == "auto" && *origin != glm::dvec3(0))
+    model->notes.push_back(originNote(*origin, arguments.output));
   const auto original =
       terrain::makeOriginal(*model, arguments.strict ? terrain::OnDefect::kRefuse : terrain::OnDefect::kRepair);
   if (!original.ok()) return fail(original.error());
-  const auto poses = apps::readPoses(arguments.poses, arguments.up, *model, *original);
+  const auto poses = apps::readPoses(arguments.poses, arguments.reading, *origin, *model, *original);
   if (!poses.ok()) return fail(poses.error());
   const double finest = arguments.step.value_or(terrain::finestQuantum(original->positions));
-  if (Status s = terrain::checkQuantum(original->positions, finest); !s.ok()) return fail(s.error());
+  if (Status s = terrain::checkQuantum(original->positions, finest); !s.ok())
+    return fail({s.error().code, arguments.input.string() + ": " + s.error().message});
   arguments.remesh.keep_going = [](int) { return !apps::isStopRequested(); };
   const auto remeshed = terrain::remesh(*original, arguments.remesh);
   if (!remeshed.ok()) return fail(remeshed.error());
@@ -204,6 +249,7 @@ int remesh(Arguments& arguments) {
                                                            .records = records,
                                                            .atlas = finished.painted.atlas,
                                                            .texels = finished.painted.texels,
+                                                           .origin = *origin,
                                                            .about = finished.about});
   if (!id.ok()) return fail(id.error());
   report.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
@@ -228,6 +274,9 @@ int main(int argc, char** argv) {
        {"a model that moves",
         "foreland remesh crane.obj --pose 2004-10-04=crane.obj --pose 2004-10-05=crane-left.obj -o crane.fls"}});
   if (exit_code) return *exit_code;
+  std::vector<std::filesystem::path> inputs{arguments.input};
+  for (const std::string& pose : arguments.poses) inputs.emplace_back(pose.substr(pose.find('=') + 1));
+  apps::confineTo({arguments.reading.allowed, arguments.is_verbose}, inputs, {arguments.output});
   apps::catchStopSignals();
   return remesh(arguments);
 }

@@ -4,13 +4,21 @@
 
 #include "apps/options/date.h"
 #include "proto/section/poses.h"
+#include "terrain/model/origin.h"
 #include "terrain/model/read_model.h"
 #include "terrain/remesh/remeshed_surface.h"
 
 namespace foreland::apps {
 
-Result<std::vector<Pose>> readPoses(const std::vector<std::string>& texts, std::optional<terrain::UpAxis> up,
-                                    const terrain::Model& model, const terrain::Original& original) {
+Result<terrain::Model> readUpright(const std::filesystem::path& file, const ModelReading& reading) {
+  auto model = terrain::readModel(file, reading.allowed);
+  if (model.ok() && reading.up.value_or(model->up) == terrain::UpAxis::kY) terrain::standUp(*model);
+  return model;
+}
+
+Result<std::vector<Pose>> readPoses(const std::vector<std::string>& texts, const ModelReading& reading,
+                                    const glm::dvec3& origin, const terrain::Model& model,
+                                    const terrain::Original& original) {
   const auto refuse = [](const std::string& what) { return Error{ErrorCode::kInvalidArgument, what}; };
   if (texts.size() == 1 || texts.size() > proto::kMaxPoses)
     return refuse("--pose is given " + std::to_string(texts.size()) + " times; a surface has 2 to " +
@@ -23,9 +31,9 @@ Result<std::vector<Pose>> readPoses(const std::vector<std::string>& texts, std::
       return refuse("--pose " + text + ": write YYYY-MM-DD=FILE, for example 2004-10-04=crane-2.obj");
     if (!poses.empty() && *time <= poses.back().time)
       return refuse("--pose " + text + ": the dates of poses must ascend, but " + poses.back().date + " is before it");
-    auto posed = terrain::readModel(text.substr(split + 1));
+    auto posed = readUpright(text.substr(split + 1), reading);
     if (!posed.ok()) return posed.error();
-    if (up.value_or(posed->up) == terrain::UpAxis::kY) terrain::standUp(*posed);
+    terrain::moveTo(origin, *posed);
     auto positions = terrain::positionsInPose(original, model, *posed);
     if (!positions.ok()) return positions.error();
     poses.push_back({*time, text.substr(0, split), std::move(*posed), std::move(*positions)});

@@ -2,6 +2,7 @@
 // Main thread.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,10 +23,17 @@ struct Pose {
   std::vector<glm::dvec3> positions;  // of the original's vertices
 };
 
-// Of texts YYYY-MM-DD=FILE, each an upright or y-up model as `up` says. An Error names the text that is none, out of
-// order, or whose file is no pose of `model`.
-[[nodiscard]] Result<std::vector<Pose>> readPoses(const std::vector<std::string>& texts,
-                                                  std::optional<terrain::UpAxis> up, const terrain::Model& model,
+// How the models of one surface are read.
+struct ModelReading {
+  std::optional<terrain::UpAxis> up;           // which axis points up, whatever the format says
+  std::vector<std::filesystem::path> allowed;  // further folders of files that a model names
+};
+[[nodiscard]] Result<terrain::Model> readUpright(const std::filesystem::path& file, const ModelReading& reading);
+
+// Of texts YYYY-MM-DD=FILE; the models are moved as `model` was. An Error names the text that is none, out of order, or
+// whose file is no pose of `model`.
+[[nodiscard]] Result<std::vector<Pose>> readPoses(const std::vector<std::string>& texts, const ModelReading& reading,
+                                                  const glm::dvec3& origin, const terrain::Model& model,
                                                   const terrain::Original& original);
 
 // The surface in its first pose, with the others; and how far each is from its model.

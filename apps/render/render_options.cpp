@@ -74,7 +74,7 @@ void addPlaces(CLI::App& app, RenderOptions& o) {
   CLI::Option* pose = add("--pose", o.pose, "one picture from here");
   pose->type_name(text("LAT,LON,HEIGHT[,HEADING[,PITCH]]"));
   CLI::Option* track =
-      add("--track", o.track, "pictures along this recorded track: an IGC or GPX file, or camera frames")
+      add("--track", o.track, "pictures along this recorded track: an IGC, GPX, KML or GeoJSON file, or camera frames")
           ->type_name(file("FILE"))
           ->excludes(pose);
   CLI::Option* tour = add("--tour", o.tour, "pictures along a built-in tour")

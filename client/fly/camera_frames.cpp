@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "base/lines.h"
 #include "client/fly/track.h"
 #include "client/fly/track_builder.h"
 #include "proto/space/pose.h"
@@ -50,17 +51,15 @@ std::optional<CameraFrame> frameOf(std::string_view line) {
 Result<Track> parseCameraFrames(std::string_view text, const std::string& name) {
   TrackBuilder notes(name);
   Track track;
-  size_t line = 0;
-  while (!text.empty() && track.cameras.size() < Track::kMaxFixes) {
-    const std::string_view content = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(content.size() + 1, text.size()));
-    ++line;
+  Lines lines(text);
+  for (std::string_view content; track.cameras.size() < Track::kMaxFixes && lines.next(content);) {
     if (!content.starts_with("F ")) continue;
     if (auto frame = frameOf(content)) {
       frame->time_s = static_cast<double>(track.cameras.size()) / kFramesPerSecond;
       track.cameras.push_back(*frame);
     } else {
-      notes.skip(line, "no camera frame: F, 0, three axes at right angles, a position and a zoom are expected");
+      notes.skip(lines.number(),
+                 "no camera frame: F, 0, three axes at right angles, a position and a zoom are expected");
     }
   }
   notes.note("no times recorded; 30 frames a second assumed");

@@ -4,7 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "base/lines.h"
 #include "client/fly/track.h"
 #include "client/fly/track_builder.h"
 
@@ -89,7 +92,17 @@ std::optional<BRecord> parseFix(std::string_view line, const Extensions& extensi
 }
 
 // Satellite heights if any fix has one; recorders without them write zero.
-void addFixes(const std::vector<BRecord>& records, TrackBuilder& builder) {
+void addFixes(std::vector<BRecord> records, TrackBuilder& builder) {
+  // Invalid fixes have a height of the air's pressure at most, and the last known position or none. Recorders that mark
+  // all of them have no satellites' heights, but positions.
+  const bool has_valid = std::ranges::count_if(records, &BRecord::is_three_dimensional) >= 2;
+  if (has_valid) {
+    for (const BRecord& r : records)
+      if (!r.is_three_dimensional) builder.skip(r.line, "marked as invalid (V)");
+    std::erase_if(records, [](const BRecord& r) { return !r.is_three_dimensional; });
+  } else if (!records.empty()) {
+    builder.note("all fixes are marked as invalid (V); flown nevertheless");
+  }
   bool has_gps = false, has_pressure = false;
   for (const BRecord& r : records) {
     has_gps = has_gps || (r.is_three_dimensional && r.gps_height_m != 0);
@@ -123,28 +136,23 @@ Result<Track> parseIgc(std::string_view text, const std::string& name) {
   TrackBuilder builder(name);
   Extensions extensions;
   std::vector<BRecord> records;
-  size_t line_number = 0;
-  for (size_t at = 0; at < text.size() && records.size() < Track::kMaxFixes;) {
-    size_t end = text.find('\n', at);
-    if (end == std::string_view::npos) end = text.size();
-    std::string_view line = text.substr(at, end - at);
-    at = end + 1;
-    ++line_number;
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+  Lines lines(text);
+  for (std::string_view line; records.size() < Track::kMaxFixes && lines.next(line);) {
+    while (!line.empty() && line.back() == ' ') line.remove_suffix(1);
     if (line.empty()) continue;
     if (line[0] == 'I') extensions = parseExtensions(line);
     if (line[0] != 'B') continue;
     auto record = parseFix(line, extensions);
     if (!record) {
-      builder.skip(line_number, "not a fix (B record)");
+      builder.skip(lines.number(), "not a fix (B record)");
       continue;
     }
-    record->line = line_number;
+    record->line = lines.number();
     records.push_back(*record);
   }
   if (text.find("ALTGPS:WGS84 ELLIPSOID") != std::string_view::npos || text.find("HFALG:ELL") != std::string_view::npos)
     builder.note("heights are above the ellipsoid; terrain is usually above the geoid (up to 100 m apart)");
-  addFixes(records, builder);
+  addFixes(std::move(records), builder);
   return std::move(builder).finish("an IGC");
 }
 

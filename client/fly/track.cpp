@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <system_error>
 
 #include "client/fly/track_builder.h"
 
@@ -14,7 +12,9 @@ namespace {
 constexpr double kRadPerDeg = 0.017453292519943295;
 constexpr size_t kNotedSkips = 5;
 constexpr double kAssumedSpeed_mps = 10;  // for tracks without times
-constexpr double kGap_s = 60;             // longer silences are noted
+constexpr size_t kStragglers = 5;         // so many fixes in a row may be out of order
+constexpr double kNearZero_deg = 1;
+constexpr double kGap_s = 60;  // longer silences are noted
 constexpr double kLowest_m = -12'000, kHighest_m = 100'000;
 
 // Along a sphere; good to half a percent, which is enough to spread times.
@@ -28,7 +28,8 @@ double roughDistance(const RawFix& a, const RawFix& b) {
 
 void TrackBuilder::skip(size_t line, std::string_view why) {
   if (++skipped_ > kNotedSkips) return;
-  notes_.push_back(name_ + ":" + std::to_string(line) + ": " + std::string(why) + "; skipped");
+  notes_.push_back(name_ + (place_.empty() ? ":" : ": " + place_ + " ") + std::to_string(line) + ": " +
+                   std::string(why) + "; skipped");
 }
 
 void TrackBuilder::add(size_t line, const RawFix& fix) {
@@ -38,7 +39,58 @@ void TrackBuilder::add(size_t line, const RawFix& fix) {
   if (fix.height_m && !(*fix.height_m >= kLowest_m && *fix.height_m <= kHighest_m)) return skip(line, "absurd height");
   if (fix.time_s && !std::isfinite(*fix.time_s)) return skip(line, "time is not a number");
   fixes_.push_back(fix);
+  fixes_.back().line = line;
   if (isFull()) note("more than " + std::to_string(Track::kMaxFixes) + " fixes; the rest is not read");
+}
+
+// Receivers write 0, 0 while they have no position.
+void TrackBuilder::dropZeros() {
+  const auto isZero = [](const RawFix& f) { return f.latitude_deg == 0 && f.longitude_deg == 0; };
+  const bool passes_there = std::ranges::any_of(fixes_, [&](const RawFix& f) {
+    return !isZero(f) && std::hypot(f.latitude_deg, f.longitude_deg) < kNearZero_deg;
+  });
+  if (passes_there) return;
+  for (const RawFix& f : fixes_)
+    if (isZero(f)) skip(f.line, "no position: latitude and longitude are 0");
+  std::erase_if(fixes_, isZero);
+}
+
+// Drops fixes that are out of order for a moment; where the clock does not come back it is set anew.
+void TrackBuilder::repairTimes() {
+  std::vector<RawFix> kept;
+  double shift_s = 0;  // of the clock
+  size_t reset = 0;
+  bool was_reset = false;  // at the fix before
+  for (size_t i = 0; i < fixes_.size(); ++i) {
+    RawFix fix = fixes_[i];
+    fix.time_s = *fix.time_s + shift_s;
+    if (kept.empty() || *fix.time_s > *kept.back().time_s) {
+      kept.push_back(fix);
+      was_reset = false;
+      continue;
+    }
+    const double last_s = *kept.back().time_s;
+    // A single fix at the end may be out of order, too.
+    bool comes_back = i + 1 == fixes_.size() && kept.size() > 1 && !was_reset;
+    for (size_t j = i + 1; j < fixes_.size() && j <= i + kStragglers; ++j)
+      comes_back = comes_back || *fixes_[j].time_s + shift_s > last_s;
+    was_reset = false;
+    const double step_s = roughDistance(kept.back(), fix) / kAssumedSpeed_mps;
+    if (comes_back || !(last_s + step_s > last_s)) {
+      ++repeated_;
+      continue;
+    }
+    shift_s += last_s + step_s - *fix.time_s;
+    fix.time_s = last_s + step_s;
+    kept.push_back(fix);
+    was_reset = true;
+    ++reset;
+  }
+  fixes_ = std::move(kept);
+  if (repeated_ > 0) note(std::to_string(repeated_) + " fixes repeat an earlier time or go back in time; skipped");
+  if (reset > 0)
+    note("the clock stands still or goes back at " + std::to_string(reset) +
+         " fixes; flown at 10 m/s there (--speed changes it)");
 }
 
 void TrackBuilder::fillTimes() {
@@ -49,7 +101,7 @@ void TrackBuilder::fillTimes() {
     std::erase_if(fixes_, [](const RawFix& f) { return !f.time_s; });
     return;
   }
-  note("no times recorded; 10 m/s along the track assumed");
+  note("no times recorded; 10 m/s along the track assumed (--speed changes it)");
   double time_s = 0;
   for (size_t i = 0; i < fixes_.size(); ++i) {
     if (i > 0) time_s += roughDistance(fixes_[i - 1], fixes_[i]) / kAssumedSpeed_mps;
@@ -89,16 +141,14 @@ Result<Track> TrackBuilder::finish(Track cameras) && {
 }
 
 Result<Track> TrackBuilder::finish(std::string_view kind) && {
+  dropZeros();
   fillTimes();
+  repairTimes();
   Track track{.heights = fillHeights()};
-  size_t repeated = 0, gaps = 0;
+  size_t gaps = 0;
   double longest_gap_s = 0;
   for (const RawFix& f : fixes_) {
     const double time_s = *f.time_s - *fixes_.front().time_s;
-    if (!track.fixes.empty() && time_s <= track.fixes.back().time_s) {
-      ++repeated;
-      continue;
-    }
     const double gap_s = track.fixes.empty() ? 0 : time_s - track.fixes.back().time_s;
     if (gap_s > kGap_s) ++gaps;
     longest_gap_s = std::max(longest_gap_s, gap_s);
@@ -106,32 +156,12 @@ Result<Track> TrackBuilder::finish(std::string_view kind) && {
   }
   if (track.fixes.size() < 2) return tooFew(std::string(kind) + " track");
   if (skipped_ > kNotedSkips) note(std::to_string(skipped_ - kNotedSkips) + " more lines or points skipped");
-  if (repeated > 0) note(std::to_string(repeated) + " fixes repeat an earlier time or go back in time; skipped");
   if (gaps > 0)
     note(std::to_string(gaps) + " gaps of more than a minute (longest " + std::to_string(std::lround(longest_gap_s)) +
          " s); flown straight");
-  track.skipped = skipped_ + repeated;
+  track.skipped = skipped_ + repeated_;
   track.notes = std::move(notes_);
   return track;
-}
-
-Result<Track> readTrack(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error))
-    return Error{ErrorCode::kInvalidArgument,
-                 path.string() + ": is a directory; name an IGC or GPX file, or one of camera frames"};
-  const uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return Error{ErrorCode::kNotFound, path.string() + ": " + error.message()};
-  if (size > Track::kMaxFileBytes)
-    return Error{ErrorCode::kLimit, path.string() + ": larger than 256 MiB; cut the track into parts"};
-  std::string text(size, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) return Error{ErrorCode::kIo, path.string() + ": cannot be read"};
-  const size_t start = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  if (start != std::string::npos && text[start] == '<') return parseGpx(text, path.string());
-  if (start != std::string::npos && text.compare(start, 2, "F ") == 0) return parseCameraFrames(text, path.string());
-  return parseIgc(text, path.string());
 }
 
 }  // namespace foreland::client

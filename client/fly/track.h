@@ -1,8 +1,8 @@
-// Recorded flights: IGC (gliders, paragliders) and GPX (everything else) are read into fixes in time order, camera
-// frames (fly-throughs) into cameras. Readers accept any bytes: a line or point that is malformed is counted and
-// skipped, with a note that names it. Markup that is not well-formed, and a track of fewer than two usable fixes, are
-// Errors. Times start at zero and strictly increase, also over midnight. Pure functions on text, except readTrack,
-// which opens the file. Any thread.
+// Recorded flights: IGC (gliders, paragliders), GPX, KML and GeoJSON (everything else) are read into fixes in time
+// order, camera frames (fly-throughs) into cameras. Readers accept any bytes: a line or point that is malformed or
+// marked as invalid, or that has no position, is counted and skipped, with a note that names it. Markup that is not
+// well-formed, and a track of fewer than two usable fixes, are Errors. Times start at zero and strictly increase, also
+// over midnight. Pure functions on text, except readTrack, which opens the file. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -50,16 +50,24 @@ struct Track {
 
 // Error messages and notes call the file `name`.
 Result<Track> parseIgc(std::string_view text, const std::string& name);
-// Track points, of all segments; route points if there are none. Points without a time get one at 10 m/s along the
-// track.
+// Track points, of all segments; route points if there are none; else waypoints, in the file's order. Points without a
+// time get one at 10 m/s along the track, here and below.
 Result<Track> parseGpx(std::string_view text, const std::string& name);
+
+// All lines and tracks (gx:Track, with times) one after another; points if there are none. Heights above the
+// ground count as none.
+Result<Track> parseKml(std::string_view text, const std::string& name);
+// All lines, one after another, with the times of `coordTimes` (togeojson) if there are; points if there are no lines.
+// Notes and messages count points from 1.
+Result<Track> parseGeoJson(std::string_view text, const std::string& name);
 
 // Camera frames as the programs of H. Hoppe's mesh library write them: lines `F 0`, then the axes forward, left and up,
 // the position and the zoom, which is not used; other lines are events. No times are recorded: 30 frames a second.
 Result<Track> parseCameraFrames(std::string_view text, const std::string& name);
 
-// By content: a file that starts with markup is GPX, one that starts with `F ` has camera frames. At most
-// kMaxFileBytes.
+// By content: a file that starts with markup is GPX or KML, one that starts with a brace GeoJSON, one that starts with
+// `F ` has camera frames. Text may be UTF-16, have a byte-order mark and any line ends, and be packed by gzip. At most
+// kMaxFileBytes, unpacked.
 Result<Track> readTrack(const std::filesystem::path& path);
 
 }  // namespace foreland::client

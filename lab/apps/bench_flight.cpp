@@ -22,11 +22,11 @@ void addTrackOptions(CLI::App& app, FlightArguments& args) {
                           ->type_name(text("NAME"))
                           ->check(oneOf({"survey", "canyon", "spin", "orbit"}))
                           ->capture_default_str();
-  CLI::Option* track =
-      add("--track", args.track,
-          "fly this recorded track: an IGC or GPX file, camera frames, or what `foreland fly --record` wrote")
-          ->type_name(file("FILE"))
-          ->excludes(tour);
+  CLI::Option* track = add("--track", args.track,
+                           "fly this recorded track: an IGC, GPX, KML or GeoJSON file, camera frames, or what "
+                           "`foreland fly --record` wrote")
+                           ->type_name(file("FILE"))
+                           ->excludes(tour);
   add("--from", args.track_options.from_s, "begin so many seconds into the track")
       ->type_name(number("S"))
       ->check(isFinite())

@@ -63,6 +63,9 @@ Result<Model> CheckedModel::finish() {
                     std::to_string(model_.texture_coordinates.size()) + "; correct or export the model again");
     }
   if (!model_.colours.empty()) model_.colours.resize(model_.positions.size(), Colour{255, 255, 255, 255});
+  if (!model_.face_colours.empty()) model_.face_colours.resize(model_.faceCount(), Colour{255, 255, 255, 255});
+  for (const auto& [what, count] : left_out_)
+    if (count > 0) model_.notes.push_back(what + " left out: " + std::to_string(count));
   return std::move(model_);
 }
 

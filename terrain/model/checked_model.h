@@ -2,6 +2,7 @@
 // the vertex or face. One owner.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 
@@ -26,13 +27,18 @@ class CheckedModel {
   }
   Status endFace(uint32_t material);  // of the corners since the last one ended
 
-  // The model; an Error if it has no face, or a corner names a vertex or texture coordinate that does not exist.
+  // Counts what the reader does not take, for a note "`what` left out: N". `what` is of a fixed set, or bounded by it.
+  void leaveOut(const std::string& what, uint64_t count = 1) { left_out_[what] += count; }
+
+  // The model, with the notes; an Error if it has no face, or a corner names a vertex or texture coordinate that does
+  // not exist.
   Result<Model> finish();
 
  private:
   uint64_t faceCorners() const { return model_.corners.size() - model_.faceBegin(model_.faceCount()); }
 
   Model model_;
+  std::map<std::string, uint64_t> left_out_;
 };
 
 }  // namespace foreland::terrain

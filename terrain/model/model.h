@@ -30,7 +30,8 @@ using Colour = std::array<uint8_t, 4>;  // red, green, blue, alpha; sRGB
 
 struct Material {
   std::string name;
-  std::filesystem::path texture{};  // empty: the colour alone; relative names are already joined to the model's folder
+  std::filesystem::path texture{};  // empty: the colour alone; as the file names it, until readModel finds the file
+  std::string library{};            // the file that names the texture, as the model names it; empty: the model itself
   Colour colour{255, 255, 255, 255};
   glm::dvec4 tint{1};                       // of the texture: shares of light, and of opacity
   std::shared_ptr<const Bytes> embedded{};  // the texture's file, if it is part of the model's; `texture` is its name
@@ -49,13 +50,14 @@ struct Model {
       0;  // the file's own name for its first vertex and face: OBJ and STL count from 1, others from 0
   std::vector<glm::dvec3> positions;
   std::vector<Colour> colours;                  // empty, or one for each position
+  std::vector<Colour> face_colours;             // empty, or one for each face; drawn where a face has no texture
   std::vector<glm::dvec2> texture_coordinates;  // (0, 0) is the lower left corner of the image
   std::vector<Corner> corners;                  // face after face
   std::vector<uint64_t> face_ends;              // one past each face's last corner
   std::vector<uint32_t> face_materials;         // for each face; kNoIndex for none
   std::vector<Material> materials;
   UpAxis up = UpAxis::kZ;          // by the rule of the file's format; z where it has none
-  std::vector<std::string> notes;  // what the reader left out
+  std::vector<std::string> notes;  // what the reader left out, with counts
 
   size_t faceCount() const { return face_ends.size(); }
   uint64_t faceBegin(size_t face) const { return face == 0 ? 0 : face_ends[face - 1]; }

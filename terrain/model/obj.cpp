@@ -1,8 +1,13 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
+#include "base/lines.h"
+#include "base/utf8.h"
 #include "terrain/model/checked_model.h"
 #include "terrain/model/read_model.h"
+#include "terrain/model/share_colours.h"
 #include "terrain/model/words.h"
 
 namespace foreland::terrain {
@@ -23,22 +28,49 @@ std::string textureName(Words words) {
   return std::string(rest);
 }
 
-// Materials of one library; lines that are not understood are passed over, as by every reader of these files.
-std::vector<Material> parseLibrary(std::string_view text) {
+constexpr const char* kOtherMaps = "maps of materials (bump, gloss, opacity and their like)";
+constexpr const char* kOpacities = "opacities of materials (d, Tr)";
+constexpr const char* kMapOptions = "options of textures (map_Kd -s, -o and their like)";
+
+// Materials of one library; lines that are not understood are passed over, as by every reader of these files. What
+// would change the look is counted in `model`.
+std::vector<Material> parseLibrary(std::string_view bytes, const std::string& file, CheckedModel& model) {
   std::vector<Material> materials;
-  Lines lines(text);
+  std::string storage;
+  const auto text = asUtf8(bytes, storage);
+  Lines lines(text.ok() ? *text : std::string_view());
   for (std::string_view line; lines.next(line) && materials.size() < kMaxModelMaterials;) {
     Words words(line);
-    const std::string_view key = words.next();
-    if (key == "newmtl") materials.push_back({std::string(words.rest().substr(0, kMaxModelMaterials)), {}});
+    const std::string key = lowered(words.next());
+    if (key == "newmtl")
+      materials.push_back({.name = std::string(words.rest().substr(0, kMaxModelMaterials)), .library = file});
     if (materials.empty()) continue;
-    if (key == "map_Kd") materials.back().texture = textureName(words);
-    if (key == "Kd")
+    if (key == "map_kd") {
+      materials.back().texture = textureName(words);
+      if (words.rest().starts_with('-')) model.leaveOut(kMapOptions);
+    } else if (key.starts_with("map_") || key == "bump" || key == "norm" || key == "disp" || key == "decal" ||
+               key == "refl") {
+      model.leaveOut(kOtherMaps);
+    }
+    if (key == "d" || key == "tr") {
+      const double opaque = key == "d" ? 1 : 0;
+      if (parseNumber<double>(words.next()).value_or(opaque) != opaque) model.leaveOut(kOpacities);
+    }
+    if (key == "kd")
       for (int channel = 0; channel < 3; ++channel)
         if (const auto share = parseNumber<double>(words.next()); share && std::isfinite(*share))
           materials.back().colour[channel] = toByte(*share);
   }
   return materials;
+}
+
+// Words that begin a line of an OBJ file and say nothing of a polygonal surface or its colours.
+bool isSilent(std::string_view key) {
+  static constexpr std::string_view kKeys[] = {
+      "",       "vn",     "g",    "o",    "s",     "mg",     "lod",  "bevel",      "c_interp", "d_interp",
+      "usemap", "maplib", "call", "csh",  "ctech", "stech",  "parm", "trim",       "hole",     "scrv",
+      "sp",     "con",    "deg",  "bmat", "step",  "cstype", "end",  "shadow_obj", "trace_obj"};
+  return std::find(std::begin(kKeys), std::end(kKeys), key) != std::end(kKeys);
 }
 
 class ObjParser {
@@ -59,10 +91,15 @@ class ObjParser {
                      model_.get().name + ":" + std::to_string(lines.number()) + ": " + status.error().message};
       joined.clear();
     }
+    model_.edit().colours = colours_.finish(model_.edit().notes);
+    if (has_library_ || names_no_library_)
+      model_.leaveOut("materials of faces that are in no material library", faces_without_material_);
     return model_.finish();
   }
 
  private:
+  static constexpr size_t kMaxLibraries = 256;  // and names in a line
+
   Status parseLine(std::string_view line) {
     Words words(line.substr(0, line.find('#')));
     const std::string_view key = words.next();
@@ -70,8 +107,14 @@ class ObjParser {
     if (key == "vt") return parseTexture(words);
     if (key == "f") return parseFace(words);
     if (key == "usemtl") return useMaterial(words.rest());
-    if (key == "mtllib") return readLibrary(std::string(words.rest()));
-    return {};  // normals, groups, lines, curves: not part of the surface
+    if (key == "mtllib") return readLibraries(words);
+    if (key == "l" || key == "p")
+      model_.leaveOut("lines and points");
+    else if (key == "curv" || key == "curv2" || key == "surf" || key == "vp")
+      model_.leaveOut("parts of free-form curves and surfaces");
+    else if (!isSilent(key))
+      model_.leaveOut("lines that are of no kind of OBJ");
+    return {};
   }
 
   static Error unreadable(const std::string& what, std::string_view word) {
@@ -90,14 +133,8 @@ class ObjParser {
       values[count] = *value;
     }
     if (count < 3) return unreadable(model_.get().vertexName(model_.get().positions.size()), "");
-    if (count >= 6) colourVertex({toByte(values[3]), toByte(values[4]), toByte(values[5]), 255});
+    if (count >= 6) colours_.add(model_.get().positions.size(), {values[3], values[4], values[5], 1});
     return model_.addPosition({values[0], values[1], values[2]});
-  }
-  // Vertices before the first coloured one are white.
-  void colourVertex(const Colour& colour) {
-    auto& colours = model_.edit().colours;
-    colours.resize(model_.get().positions.size(), Colour{255, 255, 255, 255});
-    colours.push_back(colour);
   }
   Status parseTexture(Words words) {
     const auto u = parseNumber<double>(words.next());
@@ -132,19 +169,45 @@ class ObjParser {
                                                 "', which names nothing; correct or export the model again"};
       model_.addCorner({*vertex, *coordinate});
     }
+    if (lacks_material_) ++faces_without_material_;
     return model_.endFace(material_);
   }
 
   Status useMaterial(std::string_view name) {
     const auto found = materials_.find(std::string(name));
+    lacks_material_ = found == materials_.end() && !name.empty();
     material_ = found == materials_.end() ? kNoIndex : found->second;
     return {};
   }
-  Status readLibrary(const std::string& file) {
-    const Result<Bytes> bytes = library_(file);
-    if (!bytes.ok()) return {};
-    const auto text = std::string_view(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-    for (Material& material : parseLibrary(text)) {
+  // One library, whose name may have blanks, or several.
+  Status readLibraries(Words words) {
+    names_no_library_ = false;
+    const std::string whole(words.rest());
+    if (libraries_.contains(whole) || missing_libraries_.contains(whole)) return {};
+    if (libraries_.size() + missing_libraries_.size() >= kMaxLibraries) {
+      model_.leaveOut("material libraries after the 256th");
+      return {};
+    }
+    auto bytes = library_(whole);
+    const Error missing = bytes.ok() ? Error{} : bytes.error();
+    if (bytes.ok()) return addLibrary(whole, *bytes);
+    bool is_any = false;
+    for (size_t i = 0; i < kMaxLibraries && whole.find_first_of(" \t") != std::string::npos && !words.atEnd(); ++i) {
+      const std::string file(words.next());
+      if (bytes = library_(file); !bytes.ok()) continue;
+      is_any = true;
+      if (Status status = addLibrary(file, *bytes); !status.ok()) return status;
+    }
+    if (is_any) return {};
+    missing_libraries_.insert(whole);
+    model_.edit().notes.push_back("without the colours of its material library: " + missing.message);
+    return {};
+  }
+  Status addLibrary(const std::string& file, ByteSpan bytes) {
+    has_library_ = true;
+    if (!libraries_.insert(file).second) return {};
+    const auto text = std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    for (Material& material : parseLibrary(text, file, model_)) {
       auto& all = model_.edit().materials;
       if (all.size() == kMaxModelMaterials) return Error{ErrorCode::kLimit, file + ": more than 65536 materials"};
       materials_[material.name] = static_cast<uint32_t>(all.size());
@@ -156,13 +219,21 @@ class ObjParser {
   CheckedModel model_;
   const FileReader& library_;
   std::map<std::string, uint32_t> materials_;
+  std::set<std::string> libraries_, missing_libraries_;
+  bool has_library_ = false, names_no_library_ = true;
   uint32_t material_ = kNoIndex;
+  bool lacks_material_ = false;
+  uint64_t faces_without_material_ = 0;
+  ShareColours colours_;  // of vertices
 };
 
 }  // namespace
 
 Result<Model> parseObj(std::string_view text, const std::string& name, const FileReader& library) {
-  return ObjParser(name, library).parse(text);
+  std::string storage;
+  const auto utf8 = asUtf8(text, storage);
+  if (!utf8.ok()) return Error{utf8.error().code, name + ": " + utf8.error().message};
+  return ObjParser(name, library).parse(*utf8);
 }
 
 }  // namespace foreland::terrain

@@ -1,9 +1,11 @@
 #include "terrain/model/ply_header.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
 
+#include "base/lines.h"
 #include "terrain/model/words.h"
 
 namespace foreland::terrain {
@@ -12,6 +14,7 @@ namespace {
 
 constexpr size_t kMaxElements = 64;     // a bound for what a header may ask
 constexpr size_t kMaxProperties = 256;  // of one element
+constexpr size_t kMaxTextures = 4096;
 
 constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{{
     {"char", PlyType::kInt8},
@@ -96,7 +99,7 @@ Result<PlyHeader> parsePlyHeader(std::string_view text) {
   PlyHeader header;
   Lines lines(text);
   std::string_view line;
-  if (!lines.next(line) || line != "ply")
+  if (!lines.next(line) || Words(line).rest() != "ply")
     return Error{ErrorCode::kMalformed, "not a PLY file; name an .obj or .ply model"};
   while (lines.next(line)) {
     Words words(line);
@@ -105,10 +108,14 @@ Result<PlyHeader> parsePlyHeader(std::string_view text) {
     if (key == "format") status = setForm(words, lines.number(), header);
     if (key == "element") status = addElement(words, lines.number(), header);
     if (key == "property") status = addProperty(words, lines.number(), header);
-    if (key == "comment" && words.next() == "TextureFile") header.texture = words.rest();
+    if (key == "comment" && words.next() == "TextureFile" && header.textures.size() < kMaxTextures)
+      header.textures.emplace_back(words.rest());
     if (!status.ok()) return status.error();
     if (key == "end_header") {
-      header.bytes = text.size() - lines.rest().size();
+      // Where lines end with CR alone, an LF behind the last of them is data.
+      const bool ends_with_cr = text.find('\n') == std::string_view::npos || text.find("\r") + 1 < text.find('\n');
+      const size_t end = static_cast<size_t>(line.data() - text.data()) + line.size();
+      header.bytes = ends_with_cr ? std::min(end + 1, text.size()) : text.size() - lines.rest().size();
       return header;
     }
   }

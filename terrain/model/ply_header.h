@@ -30,8 +30,8 @@ struct PlyElement {
 struct PlyHeader {
   PlyForm form = PlyForm::kAscii;
   std::vector<PlyElement> elements;
-  std::string texture;  // of "comment TextureFile"; may be empty
-  size_t bytes = 0;     // of the header: what follows is the data
+  std::vector<std::string> textures;  // of "comment TextureFile"
+  size_t bytes = 0;                   // of the header: what follows is the data
 };
 
 [[nodiscard]] Result<PlyHeader> parsePlyHeader(std::string_view text);

@@ -1,7 +1,9 @@
 #include <algorithm>
-#include <cctype>
-#include <cstring>
+#include <bit>
+#include <string>
 
+#include "base/lines.h"
+#include "base/utf8.h"
 #include "terrain/model/checked_model.h"
 #include "terrain/model/read_model.h"
 #include "terrain/model/unique_positions.h"
@@ -26,12 +28,21 @@ float floatAt(ByteSpan bytes, size_t at) {
   return std::bit_cast<float>(bits);
 }
 
-// Binary files may begin with "solid", too, so their size decides first.
-bool isText(ByteSpan bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const bool is_exact =
-      bytes.size() >= kHeaderBytes && bytes.size() == kHeaderBytes + uint64_t{kTriangleBytes} * triangleCount(bytes);
-  return !is_exact && text.starts_with("solid");
+// Whether the triangles that a binary header promises are all there. In text those four bytes are characters, which
+// promise more than any file holds.
+bool isCompleteBinary(ByteSpan bytes) {
+  return bytes.size() >= kHeaderBytes && kHeaderBytes + uint64_t{kTriangleBytes} * triangleCount(bytes) <= bytes.size();
+}
+
+// Binary files may begin with "solid", too, and end with padding; text may begin with blanks and have no name. So the
+// number of triangles decides first, then the words; what begins as text but holds zeros is binary and cut short.
+// `is_own`: the text was not converted from another encoding.
+bool isText(ByteSpan bytes, std::string_view utf8, bool is_own) {
+  constexpr size_t kJudged = 1024;
+  if (is_own && isCompleteBinary(bytes)) return false;
+  Words words(utf8.substr(std::min(utf8.find_first_not_of(" \t\r\n"), utf8.size()), kJudged));
+  const std::string first = lowered(words.next().substr(0, 5));
+  return (first == "solid" || first == "facet") && utf8.substr(0, kJudged).find('\0') == std::string_view::npos;
 }
 
 class StlParser {
@@ -40,6 +51,9 @@ class StlParser {
 
   Result<Model> parseBinary(ByteSpan bytes) {
     if (bytes.size() < kHeaderBytes) return fail({}, "is no STL file; export the model again");
+    has_own_colours_ =
+        std::string_view(reinterpret_cast<const char*>(bytes.data()), 80).find("COLOR=") != std::string_view::npos;
+    if (has_own_colours_) readBodyColour(bytes);
     const uint64_t count = triangleCount(bytes), present = (bytes.size() - kHeaderBytes) / kTriangleBytes;
     if (count > present)
       return fail({}, "promises " + std::to_string(count) + " triangles, but ends after " + std::to_string(present) +
@@ -47,6 +61,8 @@ class StlParser {
     for (uint64_t t = 0; t < count; ++t)
       if (Status status = parseTriangle(bytes.subspan(kHeaderBytes + kTriangleBytes * t, kTriangleBytes)); !status.ok())
         return fail({}, status.error().message);
+    if (!is_coloured_) model_.edit().face_colours.clear();
+    if (!is_coloured_) model_.leaveOut("attributes of triangles that are no colours", attributes_);
     return model_.finish();
   }
 
@@ -69,13 +85,30 @@ class StlParser {
       if (Status status = addCorner({floatAt(bytes, at), floatAt(bytes, at + 4), floatAt(bytes, at + 8)}); !status.ok())
         return status;
     }
+    addColour(bytes[48] | uint32_t{bytes[49]} << 8);
     return endFace();
+  }
+  // Materialise Magics has the body's colour in the header and marks triangles that have that colour; VisCAM and
+  // SolidView mark those with a colour of their own, and have red and blue the other way round.
+  void readBodyColour(ByteSpan bytes) {
+    const std::string_view header(reinterpret_cast<const char*>(bytes.data()), 80);
+    const size_t at = header.find("COLOR=") + 6;
+    if (at + 4 > header.size()) return;
+    for (size_t k = 0; k < 3; ++k) body_[k] = bytes[at + k];
+    is_coloured_ = true;
+  }
+  void addColour(uint32_t attribute) {
+    const bool is_marked = (attribute & 0x8000) != 0, is_own = is_marked != has_own_colours_;
+    const auto channel = [&](uint32_t shift) { return static_cast<uint8_t>((attribute >> shift & 31) * 255 / 31); };
+    const Colour low_red{channel(0), channel(5), channel(10), 255}, low_blue{channel(10), channel(5), channel(0), 255};
+    if (attribute != 0) ++attributes_;
+    is_coloured_ |= is_own && is_marked;
+    model_.edit().face_colours.push_back(!is_own ? body_ : has_own_colours_ ? low_red : low_blue);
   }
   // Lines with other words say nothing that the corners do not.
   Status parseLine(std::string_view line) {
     Words words(line);
-    std::string key(words.next());
-    std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string key = lowered(words.next());
     if (key == "endloop") return endFace();
     if (key != "vertex") return {};
     glm::dvec3 position;
@@ -104,13 +137,18 @@ class StlParser {
   CheckedModel model_;
   UniquePositions vertices_;
   uint64_t corners_ = 0;  // of the face that has begun
+  bool has_own_colours_ = false, is_coloured_ = false;
+  Colour body_{255, 255, 255, 255};
+  uint64_t attributes_ = 0;  // that are not 0
 };
 
 }  // namespace
 
 Result<Model> parseStl(ByteSpan bytes, const std::string& name) {
-  if (!isText(bytes)) return StlParser(name).parseBinary(bytes);
-  return StlParser(name).parseText({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  std::string storage;
+  const auto text = asUtf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, storage);
+  if (!text.ok() || !isText(bytes, *text, storage.empty())) return StlParser(name).parseBinary(bytes);
+  return StlParser(name).parseText(*text);
 }
 
 }  // namespace foreland::terrain

@@ -1,37 +1,17 @@
-// Text cut into lines and lines into words, without copying: what the readers of model files share. Value types; one
-// owner.
+// Lines cut into words (base/lines.h cuts text into lines), without copying: what the readers of model files share.
+// Value types; one owner.
 #pragma once
 
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "base/lines.h"
+
 namespace foreland::terrain {
-
-// The lines of a text, without the line end ("\n" or "\r\n").
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-
-  // False at the end of the text.
-  bool next(std::string_view& line) {
-    if (rest_.empty()) return false;
-    const size_t end = rest_.find('\n');
-    line = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    ++number_;
-    return true;
-  }
-  uint64_t number() const { return number_; }  // of the line last given, from 1
-  std::string_view rest() const { return rest_; }
-
- private:
-  std::string_view rest_;
-  uint64_t number_ = 0;
-};
 
 // The words of a line; blanks separate them.
 class Words {
@@ -58,6 +38,14 @@ class Words {
 
   std::string_view rest_;
 };
+
+// In small letters, as far as ASCII goes.
+inline std::string lowered(std::string_view word) {
+  std::string made(word);
+  std::transform(made.begin(), made.end(), made.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return made;
+}
 
 // The number that the whole word spells, or nullopt. Real numbers may be infinite or NaN.
 template <class T>

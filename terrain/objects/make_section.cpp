@@ -34,9 +34,33 @@ glm::dquat standing(const glm::dvec3& up, double heading_rad) {
   return glm::normalize(glm::quat_cast(glm::dmat3(c * east - s * north, s * east + c * north, up)));
 }
 
+// Where the model's own coordinates are: metres of the map, by the scale, and heights above the zero surface.
+Result<proto::ObjectPlacement> placeAsItIs(const ObjectRequest& request, const MappedSurface& model,
+                                           const proto::FrameTransform& transform,
+                                           const std::function<std::optional<double>(double, double)>& groundAt) {
+  const proto::Frame& frame = transform.frame();
+  if (frame.kind != proto::FrameKind::kPlanar)
+    return refused(request,
+                   "@here means coordinates of a map, but the scene is in latitude and longitude; give "
+                   "LAT,LON, or build the scene of a raster in the model's reference system");
+  const SurfaceHeader& h = model.header();
+  const glm::dvec3 origin = model.origin() * request.scale;
+  const glm::dvec2 middle =
+      glm::dvec2(origin) + request.scale * model.quantumMetres() / 2 *
+                               glm::dvec2(double(h.low[0]) + h.high[0], double(h.low[1]) + h.high[1]);
+  const glm::dvec2 at = latticePlace(frame, middle);
+  if (!groundAt(at.x, at.y))
+    return refused(request, "its own place, (" + std::to_string(middle.x) + ", " + std::to_string(middle.y) +
+                                ") on the map, lies beyond the data; build the scene in the model's reference system, "
+                                "or give x and y of the map, in metres");
+  const glm::dvec3 point(glm::dvec2(origin) - frame.map_origin_m, origin.z + request.height_m);
+  return proto::ObjectPlacement{0, point, standing({0, 0, 1}, request.heading_deg * kRadians), request.scale};
+}
+
 Result<proto::ObjectPlacement> place(const ObjectRequest& request, const MappedSurface& model,
                                      const proto::FrameTransform& transform,
                                      const std::function<std::optional<double>(double, double)>& groundAt) {
+  if (request.is_at_own_place) return placeAsItIs(request, model, transform, groundAt);
   const glm::dvec2 at = latticePlace(transform.frame(), request.at);
   const std::optional<double> ground = groundAt(at.x, at.y);
   if (!ground) {
@@ -95,7 +119,10 @@ Result<Bytes> makeObjectSection(const std::vector<ObjectRequest>& requests, cons
     }
     placements.push_back(*placement);
   }
-  if (auto set = proto::ObjectSet::create(std::move(shapes), placements, epochs); !set.ok()) return set.error();
+  if (auto set = proto::ObjectSet::create(std::move(shapes), placements, epochs); !set.ok())
+    return Error{set.error().code, set.error().message +
+                                       "; if its surface lies far from its origin, make it anew by foreland remesh, "
+                                       "which gives it an origin of its own"};
 
   uint64_t at =
       sizeof(ObjectSectionStart) + placements.size() * sizeof(StoredPlacement) + models.size() * sizeof(StoredModel);

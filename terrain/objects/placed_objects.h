@@ -22,13 +22,15 @@ namespace foreland::terrain {
 // An object that is to stand on a terrain.
 struct ObjectRequest {
   std::filesystem::path model;
-  glm::dvec2 at{0};        // latitude and longitude in degrees; of planar frames the map's x and y in metres
-  double height_m = 0;     // of its lowest point above the ground
-  double heading_deg = 0;  // clockwise from north, of the model's y axis
-  double scale = 1;        // metres to one of the model
+  glm::dvec2 at{0};              // latitude and longitude in degrees; of planar frames the map's x and y in metres
+  double height_m = 0;           // of its lowest point above the ground; at its own place, above its own height
+  double heading_deg = 0;        // clockwise from north, of the model's y axis
+  double scale = 1;              // metres to one of the model
+  bool is_at_own_place = false;  // where the model's own coordinates are on the map and in height, instead of `at`
 };
 
-// MODEL.fls@A,B[,height[,heading[,scale]]]. An Error says what is wrong and shows the form.
+// MODEL.fls@A,B[,height[,heading[,scale]]], or MODEL.fls@here[,height[,heading[,scale]]]. An Error says what is wrong
+// and shows the form.
 [[nodiscard]] Result<ObjectRequest> parseObject(const std::string& text);
 
 // The section's bytes, empty without requests. `groundAt` tells the ground's height above the zero surface (m) at a

@@ -15,7 +15,10 @@ using glm::dvec3;
 double finestQuantum(const std::vector<dvec3>& positions) {
   dvec3 low = positions.front(), high = low;
   for (const dvec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-  return std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
+  const dvec3 reach = glm::max(glm::abs(low), glm::abs(high));
+  const double least = std::max({reach.x, reach.y, reach.z}) / kMaxQuanta;
+  const double wanted = std::exp2(std::floor(std::log2(glm::length(high - low))) - 20);
+  return wanted >= least ? wanted : std::exp2(std::ceil(std::log2(least)));
 }
 
 namespace {
@@ -55,9 +58,10 @@ Status checkQuantum(const std::vector<dvec3>& positions, double quantum_m) {
   for (const dvec3& p : positions)
     for (int axis = 0; axis < 3; ++axis)
       if (std::fabs(p[axis]) > kMaxQuanta * quantum_m) {
-        char text[120];
+        char text[200];
         std::snprintf(text, sizeof(text),
-                      "a coordinate of %g is more than 2^30 steps of %g; move the model or choose a coarser step",
+                      "a coordinate of %g is more than 2^30 steps of %g; move the model (--origin) or choose a coarser "
+                      "step (--step)",
                       p[axis], quantum_m);
         return Error{ErrorCode::kLimit, text};
       }

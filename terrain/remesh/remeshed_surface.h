@@ -9,7 +9,8 @@
 
 namespace foreland::terrain {
 
-// The finest quantum chosen by default: a power of two, about a millionth of the bounding box's diagonal.
+// The finest quantum chosen by default: a power of two, about a millionth of the bounding box's diagonal, but coarse
+// enough for a surface to hold every coordinate.
 [[nodiscard]] double finestQuantum(const std::vector<glm::dvec3>& positions);
 
 // The largest power of two that is at most a sixteenth of the median displacement of the finest level's nodes, so

@@ -26,8 +26,16 @@ Status checkNumbers(const SurfaceHeader& h) {
   if (h.base_faces == 0 || h.base_faces > kMaxFaces || h.base_vertices > proto::BaseMesh::kMaxVertices)
     return malformed("its base mesh has too many or no faces");
   if (h.error_shape > static_cast<uint32_t>(proto::ErrorShape::kHoppe)) return malformed("its error shape is unknown");
-  if (h.poses == 1 || h.poses > proto::kMaxPoses || (h.poses > 0) != (h.version == kSurfaceVersion))
+  const bool is_posed = h.poses > 0, may_be_posed = h.version >= SurfaceHeader::kPosesVersion,
+             must_be_posed = h.version == SurfaceHeader::kPosesVersion;
+  if (h.poses == 1 || h.poses > proto::kMaxPoses || (is_posed && !may_be_posed) || (must_be_posed && !is_posed))
     return malformed("its number of poses is impossible");
+  bool has_origin = false;
+  for (const double coordinate : h.origin) {
+    if (!(std::fabs(coordinate) <= kMaxSurfaceOrigin)) return malformed("its origin is impossible");
+    has_origin |= coordinate != 0;
+  }
+  if (has_origin != (h.version == kSurfaceVersion)) return malformed("its origin is impossible");
   if (!(h.quantum_m > 0) || !std::isfinite(h.quantum_m)) return malformed("its step is no positive number");
   for (int axis = 0; axis < 3; ++axis)
     if (h.low[axis] > h.high[axis]) return malformed("its box is empty");

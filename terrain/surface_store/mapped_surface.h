@@ -35,6 +35,8 @@ class MappedSurface {
   const SceneOrigin& about() const { return about_; }
 
   double quantumMetres() const { return header_.quantum_m; }
+  // Where the model's file has this surface's (0, 0, 0), in its units; for models in the coordinates of a map.
+  glm::dvec3 origin() const { return {header_.origin[0], header_.origin[1], header_.origin[2]}; }
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
   // Positions in quanta, by base vertex (under bisection, centres of faces after them), and nodes by slot with zeros as
   // padding.

@@ -16,7 +16,9 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSurfaceMagic{'F', 'O', 'R', 'E', 'S', 'U', 'R', 'F'};
-inline constexpr uint32_t kSurfaceVersion = 3;
+inline constexpr uint32_t kSurfaceVersion = 4;
+
+inline constexpr double kMaxSurfaceOrigin = 1e9;  // on each axis
 
 using Texel = uint32_t;  // red, green, blue, alpha, from the lowest byte; sRGB
 
@@ -31,7 +33,9 @@ enum SurfaceSection : uint32_t {
 };
 
 struct SurfaceHeader {
-  static constexpr uint32_t kOldestVersion = 2;  // had no poses; written for surfaces that have none
+  // The version that is written is the oldest that holds the surface.
+  static constexpr uint32_t kOldestVersion = 2;  // no poses, no origin
+  static constexpr uint32_t kPosesVersion = 3;   // poses, no origin
 
   std::array<char, 8> magic = kSurfaceMagic;
   uint32_t version = kSurfaceVersion;
@@ -47,9 +51,11 @@ struct SurfaceHeader {
   int32_t low[3]{}, high[3]{};  // of all positions, in the first pose
   uint64_t slot_count = 0;
   SectionRange sections[kSurfaceSectionCount];
+  double origin[3]{};  // where the model's file has this surface's (0, 0, 0), its z axis upright; in its units
 };
-static_assert(sizeof(SurfaceHeader) == 208 && std::is_trivially_copyable_v<SurfaceHeader>);
-static_assert(offsetof(SurfaceHeader, quantum_m) == 72 && offsetof(SurfaceHeader, sections) == 112);
+static_assert(sizeof(SurfaceHeader) == 232 && std::is_trivially_copyable_v<SurfaceHeader>);
+static_assert(offsetof(SurfaceHeader, quantum_m) == 72 && offsetof(SurfaceHeader, sections) == 112 &&
+              offsetof(SurfaceHeader, origin) == 208);
 
 // Base vertices with a position: those of the base mesh and, by bisection, the faces' centres.
 uint64_t storedVertices(const SurfaceHeader& header);

@@ -28,7 +28,9 @@ SurfaceHeader headerOf(const SurfaceContent& content) {
   header.atlas_side = content.atlas.side, header.atlas_columns = content.atlas.columns;
   header.error_shape = static_cast<uint32_t>(content.error_shape);
   header.poses = static_cast<uint32_t>(content.pose_times.size());
-  if (header.poses == 0) header.version = SurfaceHeader::kOldestVersion;
+  for (int axis = 0; axis < 3; ++axis) header.origin[axis] = content.origin[axis];
+  if (content.origin == glm::dvec3(0))
+    header.version = header.poses == 0 ? SurfaceHeader::kOldestVersion : SurfaceHeader::kPosesVersion;
   header.quantum_m = content.surface.quantum_m;
   header.slot_count = topology.slotCount();
   measure(content.surface, header);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct SurfaceContent {
   proto::ErrorShape error_shape = proto::ErrorShape::kSpheroid;
   proto::AtlasLayout atlas{};       // without an image if there are no colours
   std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top, with filled gutters
+  glm::dvec3 origin{0};             // where the model's file has the surface's (0, 0, 0)
   SceneOrigin about{};
 };
 

@@ -54,6 +54,64 @@ TEST_F(RemeshProgram, AModelBecomesAFileThatInfoAndVerifyKnow) {
   EXPECT_NE(verified.output.find(output() + ": sound"), std::string::npos) << verified.output;
 }
 
+// A house in the coordinates of a map gets an origin of its own, which its file keeps.
+TEST_F(RemeshProgram, AModelOnAMapIsMovedAndSaysSo) {
+  terrain::Model cube = makeCube(2);
+  for (glm::dvec3& p : cube.positions) p += glm::dvec3(562010.25, 5116006.75, 1204);
+  const std::string model = write("house.obj", toObj(cube));
+  const std::vector<std::string> few{"--levels", "1", "--base-triangles", "12", "--attempts", "1"};
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{model, "-o", output()};
+    arguments.insert(arguments.end(), few.begin(), few.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runProgram("remesh", arguments);
+  };
+  const auto about = [&] {
+    return nlohmann::json::parse(runProgram("info", {output(), "--json"}, {.streams = Streams::kOutputOnly}).output,
+                                 nullptr, false);
+  };
+  const ProgramResult made = run({});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_NE(made.output.find("its origin is (562011, 5116007, 1204)"), std::string::npos) << made.output;
+  EXPECT_NE(made.output.find("--object out.fls@here"), std::string::npos) << made.output;
+  EXPECT_NE(made.output.find("--origin file"), std::string::npos) << made.output;
+  const auto moved = about();
+  EXPECT_EQ(moved["origin"][0], 562011);
+  EXPECT_EQ(moved["origin"][1], 5116007);
+  EXPECT_LT(moved["high"][0].get<double>(), 10);
+  EXPECT_NE(runProgram("info", {output()}).output.find("origin     (562011, 5116007, 1204)"), std::string::npos);
+  EXPECT_EQ(runProgram("verify", {output()}).exit_code, 0);
+
+  const ProgramResult chosen = run({"--origin", "562000,5116000,0"});
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.output;
+  EXPECT_EQ(about()["origin"], nlohmann::json({562000.0, 5116000.0, 0.0}));
+  EXPECT_NEAR(about()["high"][2].get<double>(), 1205, 2);
+  const ProgramResult kept = run({"--origin", "file"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.output;
+  EXPECT_EQ(kept.output.find("its origin"), std::string::npos) << kept.output;
+  EXPECT_GT(about()["low"][1].get<double>(), 5.1e6);
+  expectRefusal("remesh", {model, "-o", output(), "--origin", "file", "--step", "1e-6"},
+                {"house.obj", "--origin", "--step"});
+  for (const char* wrong : {"1,2", "1,2,3,4", "here", "1,2,nan"})
+    expectRefusal("remesh", {model, "-o", output(), "--origin", wrong}, {"--origin", "X,Y,Z"});
+}
+
+TEST_F(RemeshProgram, ReadsFilesOfOtherFoldersOnlyIfAllowed) {
+  write("library/red.mtl", "newmtl red\nKd 1 0 0\n");
+  const std::string model = write("model/m.obj", "mtllib ../library/red.mtl\nusemtl red\n" + toObj(makeSphere(1)));
+  const std::vector<std::string> arguments{model, "-o",         output(), "--levels", "1", "--base-triangles",
+                                           "8",   "--attempts", "1"};
+  const ProgramResult fenced = runProgram("remesh", arguments);
+  EXPECT_EQ(fenced.exit_code, 0) << fenced.output;
+  EXPECT_NE(fenced.output.find("image 0 x 0"), std::string::npos) << fenced.output;
+  EXPECT_NE(fenced.output.find("--allow-files-from DIR"), std::string::npos) << fenced.output;
+  auto allowing = arguments;
+  allowing.insert(allowing.end(), {"--allow-files-from", folder_ / "library"});
+  const ProgramResult allowed = runProgram("remesh", allowing);
+  EXPECT_EQ(allowed.exit_code, 0) << allowed.output;
+  EXPECT_EQ(allowed.output.find("image 0 x 0"), std::string::npos) << allowed.output;
+}
+
 // A torus that grows and leans over.
 terrain::Model leaning(double by) {
   terrain::Model model = makeTorus(40, 20);

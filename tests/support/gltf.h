@@ -34,6 +34,8 @@ inline std::string toBase64(const Bytes& bytes) {
   return text;
 }
 
+enum class GltfPadding : uint8_t { kToFour, kNone };
+
 struct GltfFile {
   Json json = {{"asset", {{"version", "2.0"}}}};
   Bytes buffer{};
@@ -53,13 +55,13 @@ struct GltfFile {
     return json[array].size() - 1;
   }
 
-  std::string toGlb() const {
+  std::string toGlb(GltfPadding padding = GltfPadding::kToFour) const {
     Json whole = json;
     whole["buffers"][0]["byteLength"] = buffer.size();
     std::string text = whole.dump(), out = "glTF";
-    text.resize((text.size() + 3) / 4 * 4, ' ');
     Bytes padded = buffer;
-    padded.resize((padded.size() + 3) / 4 * 4);
+    if (padding == GltfPadding::kToFour)
+      text.resize((text.size() + 3) / 4 * 4, ' '), padded.resize((padded.size() + 3) / 4 * 4);
     const auto put = [&](size_t word) {
       for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(word >> shift & 255);
     };

@@ -58,6 +58,12 @@ double largestOf(GltfType type) {
 Result<ByteSpan> GltfBuffers::buffer(uint32_t buffer) {
   const GltfBuffer& about = document_.buffers[buffer];
   ByteSpan bytes = binary_;
+  const auto& unknown = document_.unknown_extensions;
+  const bool is_packed = std::find(unknown.begin(), unknown.end(), kKhronosMeshopt) != unknown.end();
+  if (about.uri.empty() && is_packed && (buffer != 0 || binary_.empty()))
+    return Error{ErrorCode::kUnsupported, nameOf("buffers", buffer) + " is packed by the extension " + kKhronosMeshopt +
+                                              ", which is not supported; pack it with EXT_meshopt_compression "
+                                              "(gltfpack -c), or not at all"};
   if (!about.uri.empty()) {
     if (!buffers_[buffer]) {
       auto read = Result<Bytes>(Bytes());

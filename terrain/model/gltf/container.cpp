@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/utf8.h"
+
 namespace foreland::terrain {
 
 namespace {
@@ -20,13 +22,23 @@ uint32_t wordAt(ByteSpan bytes, size_t at) {
   return word;
 }
 
+// Chunks should end at a multiple of four, but some programs do not pad them. Where the one behind a chunk of `size`
+// bytes begins.
+uint64_t endOfChunk(ByteSpan content, uint64_t size) {
+  const uint64_t padded = std::min<uint64_t>((size + 3) / 4 * 4, content.size());
+  const auto isChunkAt = [&](uint64_t at) {
+    return content.size() - at >= kChunkHeaderBytes && wordAt(content, at + 4) == kBinary;
+  };
+  return !isChunkAt(padded) && isChunkAt(size) ? size : padded;
+}
+
 // The content of the first chunk of `bytes`, which is cut off them, if it is of that kind; else nothing.
 Result<ByteSpan> takeChunk(ByteSpan& bytes, uint32_t kind) {
   if (bytes.size() < kChunkHeaderBytes || wordAt(bytes, 4) != kind) return ByteSpan();
   const uint64_t size = wordAt(bytes, 0);
   if (size > bytes.size() - kChunkHeaderBytes) return malformedContainer("is cut short; copy or export it again");
   const ByteSpan chunk = bytes.subspan(kChunkHeaderBytes, size);
-  bytes = bytes.subspan(kChunkHeaderBytes + std::min<uint64_t>((size + 3) / 4 * 4, bytes.size() - kChunkHeaderBytes));
+  bytes = bytes.subspan(kChunkHeaderBytes + endOfChunk(bytes.subspan(kChunkHeaderBytes), size));
   return chunk;
 }
 
@@ -54,9 +66,12 @@ Result<GltfContainer> parseGltfContainer(ByteSpan bytes) {
   ByteSpan text = bytes;
   if (bytes.size() >= 4 && wordAt(bytes, 0) == kMagic)
     if (Status status = splitBinary(bytes, text, made.buffer); !status.ok()) return status.error();
+  std::string storage;
+  const auto utf8 = asUtf8({reinterpret_cast<const char*>(text.data()), text.size()}, storage);
+  if (!utf8.ok()) return utf8.error();
   constexpr auto kNoCallback = nullptr;
   constexpr bool kThrows = false;
-  made.json = nlohmann::json::parse(text.begin(), text.end(), kNoCallback, kThrows);
+  made.json = nlohmann::json::parse(utf8->begin(), utf8->end(), kNoCallback, kThrows);
   if (!made.json.is_object()) return malformedContainer("is no glTF file: its JSON is broken; export the model again");
   return made;
 }

@@ -25,6 +25,12 @@ bool isKnownExtension(const std::string& name) {
                      [&](const char* begin) { return name.starts_with(begin); });
 }
 
+// How to make a file without an extension that is required.
+std::string wayOut(const std::string& name) {
+  return name == kKhronosMeshopt ? "pack it with EXT_meshopt_compression (gltfpack -c), or not at all"
+                                 : "export the model without it";
+}
+
 size_t countOf(const json& root, const char* key) {
   const auto found = root.find(key);
   return found != root.end() && found->is_array() ? found->size() : 0;
@@ -42,6 +48,7 @@ class DocumentParser {
     parseMaterials();
     parseMeshes();
     parseNodes();
+    made_.left_out["animations"] += countOf(root_, "animations");
     if (!fields_.status().ok()) return fields_.status().error();
     return std::move(made_);
   }
@@ -60,7 +67,7 @@ class DocumentParser {
         return Error{ErrorCode::kUnsupported,
                      "requires the extension " +
                          name.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 60) +
-                         ", which is not supported; export the model without it"};
+                         ", which is not supported; " + wayOut(name.is_string() ? name.get<std::string>() : "")};
     return {};
   }
 
@@ -160,6 +167,10 @@ class DocumentParser {
       fields_.numbers(colours, "baseColorFactor", 4, &material.factor[0]);
       if (JsonFields::has(colours, "baseColorTexture"))
         parseTexture(fields_.object(colours, "baseColorTexture"), material);
+      uint64_t& left_out = made_.left_out["maps of materials (normal, gloss, glow, occlusion)"];
+      left_out += JsonFields::has(colours, "metallicRoughnessTexture");
+      for (const char* map : {"normalTexture", "occlusionTexture", "emissiveTexture"})
+        left_out += JsonFields::has(o, map);
       const JsonObject extensions = fields_.object(o, "extensions");
       if (JsonFields::has(extensions, "KHR_materials_pbrSpecularGlossiness"))
         parseDiffuse(fields_.object(extensions, "KHR_materials_pbrSpecularGlossiness"), material);
@@ -193,6 +204,7 @@ class DocumentParser {
   }
   GltfPrimitive parsePrimitive(const JsonObject& o) {
     GltfPrimitive primitive;
+    if (JsonFields::has(o, "targets")) ++made_.left_out["shapes that parts morph to"];
     primitive.attributes = parseNamed(fields_.object(o, "attributes"), made_.accessors.size());
     primitive.indices = fields_.index(o, "indices", made_.accessors.size());
     primitive.material = fields_.index(o, "material", made_.materials.size());

@@ -81,6 +81,9 @@ struct GltfNode {
   bool is_skinned = false;
 };
 
+// The same as EXT_meshopt_compression in newer words, which are not read.
+inline constexpr const char* kKhronosMeshopt = "KHR_meshopt_compression";
+
 struct GltfDocument {
   std::vector<GltfBuffer> buffers;
   std::vector<GltfView> views;
@@ -90,6 +93,7 @@ struct GltfDocument {
   std::vector<GltfImage> images;
   std::vector<GltfNode> nodes;
   std::vector<std::string> unknown_extensions;  // that the file uses, but does not require
+  std::map<std::string, uint64_t> left_out;     // what has no place here, with its count
   std::vector<uint32_t> roots;                  // nodes of the scene; of all if the file names no scene
 };
 

@@ -46,6 +46,7 @@ class GltfBuilder {
     model_.edit().up = UpAxis::kY;
     for (const std::string& name : document_.unknown_extensions)
       model_.edit().notes.push_back("without the extension " + name + ", which is not supported");
+    for (const auto& [what, count] : document_.left_out) model_.leaveOut(what, count);
     addMaterials();
     if (Status status = addNodes(); !status.ok()) return status.error();
     note("points or lines", left_out_.size(), "left out");

@@ -1,5 +1,6 @@
 #include "terrain/model/gltf/uri.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <optional>
@@ -63,14 +64,11 @@ Result<Bytes> decodeDataUri(std::string_view uri) {
 }
 
 Result<std::string> fileOfUri(std::string_view uri) {
-  const std::string text = percentDecoded(uri);
-  const std::filesystem::path path = std::filesystem::path(text).lexically_normal();
-  const bool is_url = text.find(':') < text.find('/') || text.find('\\') != std::string::npos;
-  const bool leaves = path.is_absolute() || (!path.empty() && *path.begin() == "..");
-  if (is_url || leaves || path.empty() || text.find('\0') != std::string::npos)
-    return Error{ErrorCode::kUnsupported,
-                 "names the file " + shown(uri) + " outside its folder; put the file beside the model"};
-  return path.string();
+  std::string text = percentDecoded(uri);
+  std::replace(text.begin(), text.end(), '\\', '/');
+  if (text.empty() || text.find('\0') != std::string::npos)
+    return Error{ErrorCode::kMalformed, "names the file " + shown(uri) + ", which is no name; export the model again"};
+  return std::filesystem::path(text).lexically_normal().string();
 }
 
 }  // namespace foreland::terrain

@@ -14,8 +14,8 @@ namespace foreland::terrain {
 // The bytes of a base64 data URI. Error: another encoding, or broken base64.
 [[nodiscard]] Result<Bytes> decodeDataUri(std::string_view uri);
 
-// The name of a file, relative to the model's folder, that a URI stands for. Error: a URI of the network, an absolute
-// path or one that leaves the folder, because a model from a stranger must not read other files.
+// The name of a file that a URI stands for, with forward slashes. Whether the model may name it is for the caller to
+// decide (neighbours.h). Error: an empty name, or one with a zero byte.
 [[nodiscard]] Result<std::string> fileOfUri(std::string_view uri);
 
 }  // namespace foreland::terrain

@@ -68,6 +68,7 @@ class OriginalColours {
         coordinate += point.weights[k] * model.texture_coordinates[corners[static_cast<size_t>(k)].texture];
       return tinted(sample(*palette_.textures[material], coordinate), model.materials[material].tint);
     }
+    if (!model.face_colours.empty()) return toVector(model.face_colours[original_.source_faces[point.face]]);
     if (!model.colours.empty()) {
       dvec4 colour(0);
       for (int k = 0; k < 3; ++k)
@@ -127,13 +128,14 @@ class Painter {
 }  // namespace
 
 bool hasColours(const Palette& palette) {
-  return !palette.model.colours.empty() ||
+  return !palette.model.colours.empty() || !palette.model.face_colours.empty() ||
          std::any_of(palette.model.face_materials.begin(), palette.model.face_materials.end(),
                      [](uint32_t material) { return material != kNoIndex; });
 }
 
 uint32_t chooseSide(const Palette& palette, const Original& original, uint32_t base_faces) {
   double texels = palette.model.colours.empty() ? 0 : 4.0 * static_cast<double>(original.positions.size());
+  if (!palette.model.face_colours.empty()) texels += 4.0 * static_cast<double>(original.faces.size());
   for (uint32_t f = 0; f < original.faces.size(); ++f) {
     const uint32_t material = palette.model.face_materials[original.source_faces[f]];
     if (material == kNoIndex || palette.textures[material] == nullptr) continue;

@@ -1,12 +1,16 @@
 #include "client/fly/track.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
 #include <string>
 
 #include "base/rng.h"
 #include "tests/support/data.h"
+#include "tests/support/files.h"
 
 namespace foreland::client {
 namespace {
@@ -122,8 +126,8 @@ TEST(Gpx, TakesRoutePointsWithoutTimesAtAnAssumedSpeed) {
 
 TEST(Gpx, SkipsBadPointsNamingTheirLines) {
   const auto track = parseGpx(
-      "<gpx><trkpt lat='0' lon='0'/>\n<trkpt lat='x' lon='0'/>\n<trkpt lon='0'/>\n<trkpt lat='91' lon='0'/>\n"
-      "<trkpt lat='0' lon='1'><ele>high</ele></trkpt>\n<trkpt lat='0' lon='2'/></gpx>",
+      "<gpx><trkpt lat='1' lon='0'/>\n<trkpt lat='x' lon='0'/>\n<trkpt lon='0'/>\n<trkpt lat='91' lon='0'/>\n"
+      "<trkpt lat='1' lon='1'><ele>high</ele></trkpt>\n<trkpt lat='1' lon='2'/></gpx>",
       "a.gpx");
   ASSERT_TRUE(track.ok());
   EXPECT_EQ(track->skipped, 4u);
@@ -140,7 +144,7 @@ TEST(Gpx, RefusesMarkupThatIsNotWellFormedNamingTheLine) {
 }
 
 TEST(Gpx, SkipsDatesThatDoNotExistAndKeepsLeapDays) {
-  const auto at = [](const std::string& time) { return "<trkpt lat='0' lon='0'><time>" + time + "</time></trkpt>\n"; };
+  const auto at = [](const std::string& time) { return "<trkpt lat='1' lon='0'><time>" + time + "</time></trkpt>\n"; };
   const auto track = parseGpx("<gpx>" + at("2020-02-29T23:59:58Z") + at("2020-03-01T00:00:00Z") +
                                   at("2021-02-29T00:00:00Z") + at("2021-01-01T00:00:00+24:00") + "</gpx>",
                               "a.gpx");
@@ -160,6 +164,259 @@ TEST(Gpx, ReadsNamesWithAPrefixAndCharacterReferences) {
   EXPECT_NEAR(track->fixes[0].latitude_rad, 46 * kDeg, 1e-12);
 }
 
+TEST(Gpx, TakesEmptyElementsAsAbsent) {
+  const auto track = parseGpx(
+      "<gpx><trkpt lat='46' lon='7'><ele></ele><time/></trkpt>"
+      "<trkpt lat='46' lon='7.1'><ele> \n </ele><time></time></trkpt></gpx>",
+      "a.gpx");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->skipped, 0u);
+  EXPECT_EQ(track->heights, TrackHeights::kMissing);
+  EXPECT_TRUE(mentions(*track, "no times recorded"));
+}
+
+TEST(Gpx, FliesWaypointsIfThereIsNothingElse) {
+  const std::string points = "<wpt lat='46' lon='7'><ele>900</ele></wpt><wpt lat='46.001' lon='7'><ele>910</ele></wpt>";
+  const auto track = parseGpx("<gpx>" + points + "</gpx>", "a.gpx");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->fixes[1].height_m, 910);
+  EXPECT_TRUE(mentions(*track, "its 2 waypoints are flown"));
+  const auto route = parseGpx(
+      "<gpx>" + points + "<rte><rtept lat='1' lon='2'/><rtept lat='1' lon='3'/><rtept lat='1' lon='4'/></rte></gpx>",
+      "a.gpx");
+  ASSERT_TRUE(route.ok()) << route.error().message;
+  EXPECT_EQ(route->fixes.size(), 3u);
+  EXPECT_FALSE(mentions(*route, "waypoints"));
+}
+
+TEST(Gpx, NamesTheRootOfOtherMarkup) {
+  const auto html = parseGpx("<html><body/></html>", "a.gpx");
+  ASSERT_FALSE(html.ok());
+  EXPECT_NE(html.error().message.find("<html>"), std::string::npos) << html.error().message;
+}
+
+// A point north by `arc_s` seconds of arc, about 30.9 m each, at so many seconds.
+std::string gpxPoint(int arc_s, int time_s) {
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "<trkpt lat='%.9f' lon='7'><ele>%d</ele><time>2024-05-01T10:%02d:%02dZ</time></trkpt>\n",
+                46 + arc_s / 3600.0, 1000 + arc_s, time_s / 60, time_s % 60);
+  return text;
+}
+
+TEST(Track, AClockThatStandsOrGoesBackIsReplacedByAConstantSpeed) {
+  constexpr double kStep_s = 3.0888;  // of a second of arc at 10 m/s
+  for (const int direction : {0, -2}) {
+    std::string points;
+    for (int i = 0; i < 50; ++i) points += gpxPoint(i, 600 + direction * i);
+    const auto track = parseGpx("<gpx>" + points + "</gpx>", "a.gpx");
+    ASSERT_TRUE(track.ok()) << track.error().message;
+    expectLawful(*track);
+    EXPECT_EQ(track->fixes.size(), 50u);
+    EXPECT_NEAR(track->seconds(), 49 * kStep_s, 0.5);
+    EXPECT_EQ(track->skipped, 0u);
+    EXPECT_TRUE(mentions(*track, "at 49 fixes; flown at 10 m/s there (--speed"));
+  }
+  // Set back by ten minutes in the middle: one step is assumed, the times behind it are as recorded.
+  std::string points;
+  for (int i = 0; i < 50; ++i) points += gpxPoint(i, (i < 25 ? 700 : 100) + 2 * i);
+  const auto track = parseGpx("<gpx>" + points + "</gpx>", "a.gpx");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  expectLawful(*track);
+  EXPECT_EQ(track->fixes.size(), 50u);
+  EXPECT_NEAR(track->seconds(), 48 * 2 + kStep_s, 0.1);
+  EXPECT_TRUE(mentions(*track, "at 1 fixes"));
+}
+
+TEST(Track, FixesWithoutAPositionAreLeftOutByLine) {
+  const std::string nowhere = "B0800010000000N00000000EA0190002000\n";
+  const auto igc = parseIgc("A\n" + nowhere + fixAt("080002") + nowhere + fixAt("080004"), "a.igc");
+  ASSERT_TRUE(igc.ok()) << igc.error().message;
+  EXPECT_EQ(igc->fixes.size(), 2u);
+  EXPECT_EQ(igc->seconds(), 2);
+  EXPECT_EQ(igc->skipped, 2u);
+  EXPECT_TRUE(mentions(*igc, "a.igc:2: no position"));
+  EXPECT_TRUE(mentions(*igc, "a.igc:4: no position"));
+  const auto gpx = parseGpx(
+      "<gpx><trkpt lat='0.0' lon='0'/>\n<trkpt lat='46' lon='7'/>\n<trkpt lat='46' lon='7.1'/></gpx>", "a.gpx");
+  ASSERT_TRUE(gpx.ok()) << gpx.error().message;
+  EXPECT_EQ(gpx->fixes.size(), 2u);
+  EXPECT_TRUE(mentions(*gpx, "a.gpx:1: no position"));
+  const auto off_ghana = parseGpx("<gpx><trkpt lat='0' lon='0'/><trkpt lat='0' lon='0.1'/></gpx>", "a.gpx");
+  ASSERT_TRUE(off_ghana.ok()) << "a track that passes there keeps its fix";
+  EXPECT_EQ(off_ghana->fixes.size(), 2u);
+}
+
+TEST(Igc, LeavesOutInvalidFixesByLine) {
+  std::string invalid = fixAt("080001");
+  invalid[24] = 'V';
+  const auto track = parseIgc(invalid + fixAt("080002") + invalid + fixAt("080005"), "a.igc");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->fixes.size(), 2u);
+  EXPECT_EQ(track->seconds(), 3);
+  EXPECT_TRUE(mentions(*track, "a.igc:1: marked as invalid (V)"));
+  EXPECT_TRUE(mentions(*track, "a.igc:3: marked as invalid (V)"));
+  std::string later = fixAt("080003");
+  later[24] = 'V';
+  const auto all = parseIgc(invalid + later, "a.igc");
+  ASSERT_TRUE(all.ok()) << "a recorder without heights of satellites marks every fix";
+  EXPECT_TRUE(mentions(*all, "all fixes are marked as invalid"));
+}
+
+TEST(Igc, ReadsAnyLineEnds) {
+  std::string text = "A\r\n" + fixAt("080000") + fixAt("080010");
+  std::erase(text, '\n');
+  const auto track = parseIgc(text, "a.igc");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->fixes.size(), 2u);
+}
+
+TEST(Kml, ReadsLinesAndTracks) {
+  const auto line = parseKml(
+      "<kml xmlns='http://www.opengis.net/kml/2.2'><Document><Placemark><Point><coordinates>1,1,1</coordinates></Point>"
+      "</Placemark><Placemark><LineString><altitudeMode>absolute</altitudeMode><coordinates>\n7.25,46.5,2000\n"
+      "7.25,x\n 7.25,46.501,2010.5 </coordinates></LineString></Placemark></Document></kml>",
+      "a.kml");
+  ASSERT_TRUE(line.ok()) << line.error().message;
+  ASSERT_EQ(line->fixes.size(), 2u);
+  EXPECT_NEAR(line->fixes[1].latitude_rad, 46.501 * kDeg, 1e-12);
+  EXPECT_NEAR(line->fixes[1].longitude_rad, 7.25 * kDeg, 1e-12);
+  EXPECT_EQ(line->fixes[1].height_m, 2010.5);
+  EXPECT_NEAR(line->seconds(), 11.12, 0.05);
+  EXPECT_TRUE(mentions(*line, "a.kml:3: "));
+
+  const auto track = parseKml(
+      "<kml:kml xmlns:kml='k' xmlns:gx='g'><gx:MultiTrack><gx:Track><kml:when>2024-05-01T10:00:00Z</kml:when>"
+      "<kml:when>2024-05-01T10:00:07Z</kml:when><gx:coord>7.25 46.5 2000</gx:coord><gx:coord>7.26 46.5 2005</gx:coord>"
+      "</gx:Track></gx:MultiTrack></kml:kml>",
+      "a.kml");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->seconds(), 7);
+  EXPECT_EQ(track->fixes[1].height_m, 2005);
+  EXPECT_EQ(track->notes, std::vector<std::string>());
+}
+
+TEST(Kml, HeightsAreThoseOfTheAltitudeMode) {
+  const auto withMode = [](const std::string& mode, const std::string& heights) {
+    return parseKml("<kml><LineString>" + mode + "<coordinates>7,46," + heights + " 7,46.1," + heights +
+                        "</coordinates></LineString></kml>",
+                    "a.kml");
+  };
+  EXPECT_EQ(withMode("", "0")->heights, TrackHeights::kMissing);
+  EXPECT_EQ(withMode("", "900")->heights, TrackHeights::kRecorded);
+  EXPECT_EQ(withMode("<altitudeMode>clampToGround</altitudeMode>", "900")->heights, TrackHeights::kMissing);
+  const auto above = withMode("<altitudeMode>relativeToGround</altitudeMode>", "50");
+  EXPECT_EQ(above->heights, TrackHeights::kMissing);
+  EXPECT_TRUE(mentions(*above, "--agl"));
+}
+
+TEST(Kml, FliesPointsIfThereIsNoLine) {
+  const auto at = [](const char* second, const char* place) {
+    return std::string("<Placemark><TimeStamp><when>2024-05-01T10:00:") + second +
+           "Z</when></TimeStamp><Point><coordinates>" + place + "</coordinates></Point></Placemark>";
+  };
+  const auto track = parseKml("<kml>" + at("00", "7,46") + at("09", "7,46.1") + "</kml>", "a.kml");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->seconds(), 9);
+  EXPECT_TRUE(mentions(*track, "its 2 points are flown"));
+}
+
+TEST(GeoJson, ReadsLinesWithAndWithoutTimes) {
+  const auto bare = parseGeoJson(
+      R"({"type":"LineString","coordinates":[[7.25,46.5,2000],["x",46],[7.25,46.501,2010]]})", "a.geojson");
+  ASSERT_TRUE(bare.ok()) << bare.error().message;
+  ASSERT_EQ(bare->fixes.size(), 2u);
+  EXPECT_NEAR(bare->fixes[1].latitude_rad, 46.501 * kDeg, 1e-12);
+  EXPECT_NEAR(bare->fixes[1].longitude_rad, 7.25 * kDeg, 1e-12);
+  EXPECT_EQ(bare->fixes[1].height_m, 2010);
+  EXPECT_TRUE(mentions(*bare, "a.geojson: point 2: "));
+
+  const auto timed = parseGeoJson(R"({"type":"FeatureCollection","features":[
+      {"type":"Feature","properties":null,"geometry":{"type":"Point","coordinates":[1,1]}},
+      {"type":"Feature","properties":{"coordTimes":[["2024-05-01T10:00:00Z","2024-05-01T10:00:05Z"],["2024-05-01T10:01:00Z"]]},
+       "geometry":{"type":"MultiLineString","coordinates":[[[7,46],[7,46.1]],[[7,46.2]]]}}]})",
+                                  "a.geojson");
+  ASSERT_TRUE(timed.ok()) << timed.error().message;
+  EXPECT_EQ(timed->seconds(), 60);
+  EXPECT_TRUE(mentions(*timed, "2 lines flown one after another"));
+
+  const auto newer = parseGeoJson(R"({"type":"Feature","properties":{"coordinateProperties":{"times":
+      ["2024-05-01T10:00:00Z","2024-05-01T10:00:05Z"]}},
+      "geometry":{"type":"LineString","coordinates":[[7,46],[7,46.1]]}})",
+                                  "a.geojson");
+  ASSERT_TRUE(newer.ok()) << newer.error().message;
+  EXPECT_EQ(newer->seconds(), 5);
+  const auto points = parseGeoJson(R"({"type":"GeometryCollection","geometries":[{"type":"Point","coordinates":[7,46]},
+      {"type":"MultiPoint","coordinates":[[7,46.1],[7,46.2]]}]})",
+                                   "a.geojson");
+  ASSERT_TRUE(points.ok()) << points.error().message;
+  EXPECT_EQ(points->fixes.size(), 3u);
+  EXPECT_TRUE(mentions(*points, "its 3 points are flown"));
+  for (const char* wrong : {"{", "{}", R"({"type":"Feature"})", R"({"type":"LineString","coordinates":7})"}) {
+    const auto track = parseGeoJson(wrong, "a.geojson");
+    ASSERT_FALSE(track.ok()) << wrong;
+    EXPECT_NE(track.error().message.find("a.geojson"), std::string::npos);
+  }
+}
+
+std::string asUtf16(const std::string& text, bool is_big, bool has_mark) {
+  std::string out;
+  const auto put = [&](uint32_t unit) {
+    const char high = static_cast<char>(unit >> 8), low = static_cast<char>(unit & 0xff);
+    out += is_big ? high : low;
+    out += is_big ? low : high;
+  };
+  if (has_mark) put(0xfeff);
+  for (const char c : text) put(static_cast<uint8_t>(c));
+  return out;
+}
+
+std::string asGzip(const std::string& text) {
+  std::string out(text.size() + 1000, '\0');
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data()), stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+TEST(Track, IsReadInAnyEncodingAndPackedByGzip) {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& bytes) {
+    std::ofstream(folder / "track", std::ios::binary) << bytes;
+    return readTrack(folder / "track");
+  };
+  const std::string igc = "A\n" + fixAt("080000") + fixAt("080010"),
+                    json = R"({"type":"LineString","coordinates":[[7,46],[7,46.1]]})",
+                    kml =
+                        "<?xml version='1.0' encoding='UTF-16'?><!-- <gpx> --><kml><LineString><coordinates>7,46 "
+                        "7,46.1</coordinates></LineString></kml>";
+  for (const std::string& text : {igc, kGpx, json, kml}) {
+    SCOPED_TRACE(text.substr(0, 20));
+    for (const std::string& bytes :
+         {text, "\xef\xbb\xbf" + text, asUtf16(text, false, true), asUtf16(text, true, true),
+          asUtf16(text, false, false), asUtf16(text, true, false), asGzip(text), asGzip(asUtf16(text, true, true)),
+          asGzip(text.substr(0, 30)) + asGzip(text.substr(30)) + std::string(4, '\0')}) {
+      const auto track = read(bytes);
+      ASSERT_TRUE(track.ok()) << track.error().message;
+      EXPECT_EQ(track->fixes.size(), 2u);
+    }
+  }
+  const auto words = [&](const std::string& bytes) {
+    const auto track = read(bytes);
+    return track.ok() ? std::string("a track") : track.error().message;
+  };
+  const std::string packed = asGzip(igc);
+  EXPECT_NE(words(packed.substr(0, packed.size() - 9)).find("damaged or cut short"), std::string::npos);
+  EXPECT_NE(words("PK\x03\x04 and so on").find("ZIP archive"), std::string::npos);
+  EXPECT_NE(words("hello").find("expected IGC, GPX, KML, GeoJSON"), std::string::npos);
+  EXPECT_NE(words(asGzip(std::string((256u << 20) + 1, ' '))).find("larger than 256 MiB"), std::string::npos);
+}
+
 TEST(Track, IsRefusedWithoutTwoFixesAndTheMessageNamesTheFile) {
   for (const std::string& text : {std::string(), std::string("hello\nB\n"), fixAt("080000"), std::string("<gpx></gpx>"),
                                   std::string("<gpx><trkpt")}) {
@@ -177,8 +434,13 @@ TEST(Track, SurvivesMutatedFiles) {
   const uint64_t seed = 20191125;
   Rng rng(seed);
   const std::string igc = "I023636LAD3737LOD\n" + fixAt("235958") + fixAt("235959") + fixAt("000001") + fixAt("000002");
+  const std::string kml =
+      "<kml><gx:Track><when>2024-05-01T10:00:00Z</when><gx:coord>7 46 1</gx:coord><gx:coord>7 47 1"
+      "</gx:coord></gx:Track><LineString><coordinates>7,46,1 7,47,2</coordinates></LineString></kml>";
+  const std::string json = R"({"type":"Feature","properties":{"coordTimes":["2024-05-01T10:00:00Z",5]},
+      "geometry":{"type":"LineString","coordinates":[[7,46,1],[7,46.1]]}})";
   for (int round = 0; round < 20'000; ++round) {
-    std::string text = round % 2 == 0 ? igc : kGpx;
+    std::string text = round % 4 == 0 ? igc : round % 4 == 1 ? kGpx : round % 4 == 2 ? kml : json;
     for (uint64_t edits = 1 + rng.below(6); edits > 0 && !text.empty(); --edits) {
       const size_t at = rng.below(text.size());
       if (rng.below(4) == 0)
@@ -186,7 +448,10 @@ TEST(Track, SurvivesMutatedFiles) {
       else
         text[at] = static_cast<char>(rng.below(3) == 0 ? rng.below(256) : text[rng.below(text.size())]);
     }
-    const auto track = round % 2 == 0 ? parseIgc(text, "x") : parseGpx(text, "x");
+    const auto track = round % 4 == 0   ? parseIgc(text, "x")
+                       : round % 4 == 1 ? parseGpx(text, "x")
+                       : round % 4 == 2 ? parseKml(text, "x")
+                                        : parseGeoJson(text, "x");
     if (!track.ok()) continue;
     SCOPED_TRACE("seed " + std::to_string(seed) + ", round " + std::to_string(round));
     expectLawful(*track);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <glm/geometric.hpp>
 
@@ -234,10 +235,15 @@ TEST(Gltf, TexturesAreFoundWhereverTheyAreAndCoordinatesAreTransformed) {
 
 TEST(Gltf, AnImageThatCannotBeFoundIsANote) {
   GltfFile file = test::toGltf(test::makeSphere(0));
-  file.append("images", {{"uri", "../../etc/passwd"}});
+  file.append("images", {{"uri", "../../../../../../etc/passwd"}});
   file.append("textures", {{"source", 0}});
   file.append("materials", {{"name", "skin"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
-  const Model model = read(file.toGlb());
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "m.glb", std::ios::binary) << file.toGlb();
+  const auto found = readModel(folder / "m.glb");
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  const Model& model = *found;
+  EXPECT_TRUE(model.materials.at(0).texture.empty());
   ASSERT_EQ(model.notes.size(), 1u);
   EXPECT_NE(model.notes[0].find("without the texture of material 'skin'"), std::string::npos);
   EXPECT_NE(model.notes[0].find("outside its folder"), std::string::npos);
@@ -261,6 +267,54 @@ TEST(Gltf, WhatIsPassedOverIsANote) {
                 "skinned meshes taken as they rest: 1"}));
   EXPECT_EQ(model.materials.at(1).colour, (Colour{255, 0, 0, 255}));
   EXPECT_EQ(model.positions[0], dvec3(1, 0, 0));  // the skin's joints would place it
+}
+
+TEST(Gltf, WhatHasNoPlaceIsCounted) {
+  GltfFile file = test::toGltf(test::makeSphere(0));
+  const Json texture = {{"index", 0}};
+  file.json["meshes"][0]["primitives"][0]["targets"] = Json::array({Json::object()});
+  file.append("animations", Json::object()), file.append("animations", Json::object());
+  file.append("materials", {{"normalTexture", texture},
+                            {"emissiveTexture", texture},
+                            {"pbrMetallicRoughness", {{"metallicRoughnessTexture", texture}}}});
+  EXPECT_EQ(read(file.toGlb()).notes,
+            (std::vector<std::string>{"animations left out: 2",
+                                      "maps of materials (normal, gloss, glow, occlusion) left out: 3",
+                                      "shapes that parts morph to left out: 1"}));
+}
+
+// Chunks should end at a multiple of four bytes.
+TEST(Gltf, ChunksMayLackTheirPadding) {
+  const Model expected = makeTriangles();
+  GltfFile file = test::toGltf(expected);
+  for (int extra = 0; extra < 4; ++extra) {
+    file.json["asset"]["generator"] = std::string(static_cast<size_t>(extra), 'x');
+    expectSameMesh(read(file.toGlb(test::GltfPadding::kNone)), expected);
+    expectSameMesh(read(file.toGlb()), expected);
+  }
+}
+
+TEST(Gltf, TextMayHaveAMark) {
+  const Model expected = makeTriangles();
+  expectSameMesh(read("\xef\xbb\xbf" + test::toGltf(expected).toText()), expected);
+}
+
+TEST(Gltf, RefusesKhronosMeshoptByNameWithAWayOut) {
+  GltfFile file = test::toGltf(test::makeSphere(0));
+  const std::string way_out = "pack it with EXT_meshopt_compression (gltfpack -c), or not at all";
+  file.json["extensionsUsed"] = {"KHR_meshopt_compression"};
+  file.json["bufferViews"][0]["buffer"] = 1;  // as files that hold the unpacked bytes nowhere
+  Json whole = Json::parse(file.toText());
+  whole["buffers"].push_back({{"byteLength", file.buffer.size()}});
+  const auto used = gltf(whole.dump());
+  ASSERT_FALSE(used.ok());
+  EXPECT_NE(used.error().message.find("KHR_meshopt_compression"), std::string::npos) << used.error().message;
+  EXPECT_NE(used.error().message.find(way_out), std::string::npos) << used.error().message;
+  file.json["extensionsRequired"] = {"KHR_meshopt_compression"};
+  const auto required = gltf(file.toText());
+  ASSERT_FALSE(required.ok());
+  EXPECT_NE(required.error().message.find("KHR_meshopt_compression"), std::string::npos) << required.error().message;
+  EXPECT_NE(required.error().message.find(way_out), std::string::npos) << required.error().message;
 }
 
 struct Wrong {
@@ -325,12 +379,11 @@ TEST(Gltf, NamesWhatIsWrong) {
 
 TEST(Gltf, RefusesFilesOutsideItsFolderAndBrokenContainers) {
   const GltfFile file = test::toGltf(test::makeSphere(0));
+  const test::TemporaryFolder folder;
   for (const char* uri : {"../mesh.bin", "/etc/passwd", "a/../../b.bin", "file:///etc/passwd", "http://a/b.bin",
                           "%2e%2e/mesh.bin", "..\\mesh.bin", "C:\\mesh.bin"}) {
-    const auto model = gltf(file.toText(uri), [](const std::string& name) -> Result<Bytes> {
-      ADD_FAILURE() << "asked for " << name;
-      return Bytes();
-    });
+    std::ofstream(folder / "m.gltf") << file.toText(uri);
+    const auto model = readModel(folder / "m.gltf");
     ASSERT_FALSE(model.ok()) << uri;
     EXPECT_NE(model.error().message.find("outside its folder"), std::string::npos) << model.error().message;
   }

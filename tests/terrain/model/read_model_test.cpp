@@ -61,6 +61,98 @@ TEST(Obj, ReadsWhatExportersWrite) {
             (std::vector<Colour>{{255, 0, 0, 255}, {0, 255, 0, 255}, {255, 255, 255, 255}, {255, 255, 255, 255}}));
 }
 
+// The four corners of a square, of which the first line is easily lost.
+const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\nf 1 3 4\n";
+
+std::string wide(const std::string& text, bool is_big) {
+  std::string out = is_big ? "\xfe\xff" : "\xff\xfe";
+  for (const char c : text) {
+    if (is_big) out += '\0';
+    out += c;
+    if (!is_big) out += '\0';
+  }
+  return out;
+}
+
+TEST(Obj, ReadsAnyEncodingAndLineEnds) {
+  std::string dos = kSquare, mac = kSquare;
+  for (size_t at = 0; (at = dos.find('\n', at)) != std::string::npos; at += 2) dos.replace(at, 1, "\r\n");
+  for (char& c : mac) c = c == '\n' ? '\r' : c;
+  for (const std::string& text :
+       {kSquare, "\xef\xbb\xbf" + kSquare, wide(kSquare, false), wide(kSquare, true), wide(kSquare, false).substr(2),
+        wide(kSquare, true).substr(2), dos, mac, wide(mac, true)}) {
+    const auto read = obj(text);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->positions.size(), 5u);
+    EXPECT_EQ(read->positions[0], glm::dvec3(0, 0, 0));
+    EXPECT_EQ(read->positions[2], glm::dvec3(1, 1, 0));
+    EXPECT_EQ(read->corners[2].vertex, 2u) << "the first line is not lost";
+    EXPECT_EQ(read->notes, std::vector<std::string>());
+  }
+  expectRefusal(obj(std::string("\xff\xfe\0\0v\0\0\0", 8)), "m.obj: is text in UTF-32");
+  const auto coloured = obj("mtllib m.mtl\nusemtl red\n" + kSquare, wide("newmtl red\rKd 1 0 0\r", true));
+  ASSERT_TRUE(coloured.ok());
+  EXPECT_EQ(coloured->materials.at(0).colour, (Colour{255, 0, 0, 255}));
+}
+
+TEST(Obj, AMissingLibraryIsANote) {
+  const auto read = obj("mtllib nowhere.mtl\nmtllib nowhere.mtl\nusemtl red\n" + kSquare);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->notes, std::vector<std::string>{"without the colours of its material library: no library"});
+  const auto unknown = obj("mtllib m.mtl\nusemtl blue\n" + kSquare, "newmtl red\n");
+  ASSERT_TRUE(unknown.ok()) << unknown.error().message;
+  EXPECT_EQ(unknown->notes, std::vector<std::string>{"materials of faces that are in no material library left out: 2"});
+  EXPECT_EQ(unknown->face_materials[0], kNoIndex);
+}
+
+TEST(Obj, LooksForABoundedNumberOfLibraries) {
+  std::string text, line = "mtllib";
+  for (int i = 0; i < 300; ++i) text += "mtllib " + std::to_string(i) + ".mtl\n", line += " x" + std::to_string(i);
+  size_t asked = 0;
+  const auto read = parseObj(line + "\n" + text + kSquare, "m.obj", [&](const std::string& name) -> Result<Bytes> {
+    ++asked;
+    return Error{ErrorCode::kNotFound, name.substr(0, 9)};
+  });
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(asked, 1u + 256 + 255);
+  EXPECT_EQ(read->notes.size(), 257u);
+  EXPECT_EQ(read->notes.back(), "material libraries after the 256th left out: 45");
+}
+
+TEST(Obj, ReadsSeveralLibrariesOfOneLine) {
+  const auto read =
+      parseObj("mtllib a.mtl b.mtl\nusemtl b\n" + kSquare, "m.obj", [](const std::string& name) -> Result<Bytes> {
+        const std::string text = "newmtl " + name.substr(0, 1) + "\n";
+        if (name.size() > 5) return Error{ErrorCode::kNotFound, name};
+        return Bytes(text.begin(), text.end());
+      });
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->notes, std::vector<std::string>());
+  ASSERT_EQ(read->materials.size(), 2u);
+  EXPECT_EQ(read->materials[1].library, "b.mtl");
+  EXPECT_EQ(read->face_materials[0], 1u);
+}
+
+TEST(Obj, WhatIsNotTakenIsCounted) {
+  const auto read = obj("mtllib m.mtl\nl 1 2\np 1\np 2\ncurv 0 1 1 2\nhello\nvn 0 0 1\ng a\n" + kSquare,
+                        "newmtl a\nd 0.5\nTr 0.5\nmap_Bump b.png\nmap_Kd -s 2 2 2 c.png\nnewmtl b\nd 1\nTr 0\n");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->notes,
+            (std::vector<std::string>{"lines and points left out: 3", "lines that are of no kind of OBJ left out: 1",
+                                      "maps of materials (bump, gloss, opacity and their like) left out: 1",
+                                      "opacities of materials (d, Tr) left out: 2",
+                                      "options of textures (map_Kd -s, -o and their like) left out: 1",
+                                      "parts of free-form curves and surfaces left out: 1"}));
+}
+
+TEST(Obj, ColoursMayBeBytes) {
+  const auto read = obj("v 0 0 0 255 0 128\nv 1 0 0 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->colours, (std::vector<Colour>{{255, 0, 128, 255}, {1, 0, 0, 255}, {255, 255, 255, 255}}));
+  ASSERT_EQ(read->notes.size(), 1u);
+  EXPECT_NE(read->notes[0].find("0 to 255"), std::string::npos);
+}
+
 TEST(Obj, NamesWhatIsWrong) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
   expectRefusal(obj(""), "m.obj: has no face");
@@ -152,6 +244,105 @@ TEST(Ply, ReadsAsciiAndNamesWhatIsWrong) {
           "end_header\n1 2 3\n"),
       "promises 4000000000 of 'vertex'");
   expectRefusal(ply("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"), "no x, y and z");
+}
+
+const std::string kVertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+
+// A square of two faces whose further properties are as given.
+Result<Model> facedPly(const std::string& comments, const std::string& properties, const std::string& first,
+                       const std::string& second) {
+  return ply("ply\nformat ascii 1.0\n" + comments +
+             "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+             "property list uchar int vertex_indices\n" +
+             properties + "end_header\n" + kVertices + "3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n");
+}
+
+TEST(Ply, ReadsTextureCoordinatesByCorner) {
+  const std::string comments = "comment TextureFile a.png\ncomment TextureFile b c.png\n";
+  const auto read = facedPly(comments, "property list uchar float texcoord\nproperty int texnumber\n",
+                             "6 0 0 1 0 1 1 1", "6 0.25 0 1 1 0 1 0");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->texture_coordinates, (std::vector<glm::dvec2>{{0, 0}, {1, 0}, {1, 1}, {0.25, 0}, {1, 1}, {0, 1}}));
+  EXPECT_EQ(read->corners[3].texture, 3u);
+  EXPECT_EQ(read->corners[3].vertex, 0u);
+  EXPECT_EQ(read->face_materials, (std::vector<uint32_t>{1, 0}));
+  EXPECT_EQ(read->materials.at(1).texture, "b c.png");
+  EXPECT_EQ(read->notes, std::vector<std::string>());
+
+  const auto bare = facedPly(comments, "property list uchar float texcoord\n", "0", "5 1 2 3 4 5");
+  ASSERT_TRUE(bare.ok()) << bare.error().message;
+  EXPECT_EQ(bare->corners[0].texture, kNoIndex);
+  EXPECT_EQ(bare->notes,
+            std::vector<std::string>{"texture coordinates of faces that are not two a corner left out: 1"});
+  const auto imageless = facedPly("", "property list uchar float texcoord\n", "6 0 0 1 0 1 1", "0");
+  ASSERT_TRUE(imageless.ok()) << imageless.error().message;
+  ASSERT_EQ(imageless->notes.size(), 1u);
+  EXPECT_NE(imageless->notes[0].find("no 'comment TextureFile'"), std::string::npos);
+}
+
+TEST(Ply, ReadsColoursOfFaces) {
+  const auto bytes =
+      facedPly("", "property uchar red\nproperty uchar green\nproperty uchar blue\n", "255 0 0", "0 128 0");
+  ASSERT_TRUE(bytes.ok()) << bytes.error().message;
+  EXPECT_EQ(bytes->face_colours, (std::vector<Colour>{{255, 0, 0, 255}, {0, 128, 0, 255}}));
+  EXPECT_TRUE(bytes->colours.empty());
+  const auto shares = facedPly("", "property float r\nproperty float g\nproperty float b\nproperty float a\n",
+                               "1 0 0.5 0.5", "0 1 0 1");
+  ASSERT_TRUE(shares.ok()) << shares.error().message;
+  EXPECT_EQ(shares->face_colours, (std::vector<Colour>{{255, 0, 128, 128}, {0, 255, 0, 255}}));
+  const auto large = facedPly("", "property float r\nproperty float g\nproperty float b\n", "255 0 128", "0 1 0");
+  ASSERT_TRUE(large.ok()) << large.error().message;
+  EXPECT_EQ(large->face_colours, (std::vector<Colour>{{255, 0, 128, 255}, {0, 1, 0, 255}}));
+  EXPECT_EQ(large->notes.size(), 1u);
+}
+
+TEST(Ply, ReadsColoursByOtherNames) {
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"red", "green", "blue"},
+                                                {"diffuse_red", "diffuse_green", "diffuse_blue"},
+                                                {"r", "g", "b"}}) {
+    std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    for (const std::string& name : names) header += "property uchar " + name + "\n";
+    const auto read = ply(header +
+                          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 2 3\n"
+                          "1 0 0 4 5 6\n1 1 0 7 8 9\n3 0 1 2\n");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(read->colours, (std::vector<Colour>{{1, 2, 3, 255}, {4, 5, 6, 255}, {7, 8, 9, 255}})) << names[0];
+    EXPECT_EQ(read->notes, std::vector<std::string>());
+  }
+}
+
+TEST(Ply, WhatIsNotTakenIsCounted) {
+  const auto read =
+      ply("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float nx\nproperty float quality\nelement face 1\nproperty list uchar int vertex_indices\n"
+          "property int flags\nelement edge 2\nproperty int vertex1\nproperty list uchar int more\n"
+          "end_header\n0 0 0 1 5\n1 0 0 1 5\n1 1 0 1 5\n3 0 1 2 7\n1 0\n2 2 8 9\n");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->notes,
+            (std::vector<std::string>{"elements 'edge' left out: 2", "property 'flags' of 'face' left out: 1",
+                                      "property 'quality' of 'vertex' left out: 3"}));
+}
+
+TEST(Ply, ReadsAnyEncodingAndLineEnds) {
+  const Model torus = test::makeTorus(7, 5);
+  const std::string binary = binaryPly(torus, false);
+  const size_t data = binary.find("end_header\n") + 11;
+  // The first byte of the data is a line feed for one x of many.
+  std::string header = binary.substr(0, data), mac = header, dos;
+  for (char& c : mac) c = c == '\n' ? '\r' : c;
+  for (const char c : header) dos += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  std::string feed = binary.substr(data);
+  feed[0] = '\n';
+  for (const std::string& begin : {header, mac, dos, "\xef\xbb\xbf" + header}) {
+    const auto read = ply(begin + feed);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(std::bit_cast<uint64_t>(read->positions[0].x) & 0xff, 10u);
+    EXPECT_EQ(read->positions[1], torus.positions[1]);
+  }
+  const auto wide_text = ply(wide(kHeader + "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n", false));
+  ASSERT_TRUE(wide_text.ok()) << wide_text.error().message;
+  EXPECT_EQ(wide_text->positions[2], glm::dvec3(1, 1, 0));
 }
 
 // Whatever is changed or cut off, the readers end in a model or an error, and read nothing that is not there.

@@ -62,6 +62,63 @@ TEST(Stl, ReadsWhatExportersWrite) {
   EXPECT_EQ(verticesOf(*loud), (std::vector<uint32_t>{0, 1, 2, 0, 2, 3}));
 }
 
+TEST(Stl, TextIsKnownHoweverItBegins) {
+  const Model sphere = test::makeSphere(1);
+  const std::string text = test::toTextStl(sphere);
+  ASSERT_TRUE(text.starts_with("solid")) << text.substr(0, 20);
+  const std::string body = text.substr(text.find('\n'));
+  std::string loud = text, mac = text, wide = "\xff\xfe";
+  for (char& c : loud) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : mac) c = c == '\n' ? '\r' : c;
+  for (const char c : text) wide += c, wide += '\0';
+  for (const std::string& form : {" " + text, "\t\r\n " + text, "\xef\xbb\xbf" + text, "solid" + body,
+                                  "solid " + std::string(200, 'x') + body, body, loud, mac, wide}) {
+    const auto model = stl(form);
+    ASSERT_TRUE(model.ok()) << form.substr(0, 20) << ": " << model.error().message;
+    EXPECT_EQ(model->faceCount(), sphere.faceCount()) << form.substr(0, 20);
+  }
+}
+
+TEST(Stl, BinaryThatBeginsAsTextMayBePadded) {
+  const Model sphere = test::makeSphere(1);
+  for (const char* header : {"solid", " solid part", "SOLID facet", "solid\n facet normal 0 0 1"})
+    for (const size_t padding : {0, 1, 16, 500}) {
+      const auto model = stl(test::toBinaryStl(sphere, header) + std::string(padding, '\0'));
+      ASSERT_TRUE(model.ok()) << header << ", " << padding << ": " << model.error().message;
+      EXPECT_EQ(model->faceCount(), sphere.faceCount());
+    }
+  const std::string whole = test::toBinaryStl(sphere, "solid part");
+  expectRefusal(whole.substr(0, whole.size() - 60), "promises 32 triangles, but ends after 30");
+}
+
+// Two conventions for the two bytes that the format leaves open.
+TEST(Stl, ReadsColoursOfTriangles) {
+  const Model sphere = test::makeSphere(0);
+  const auto coloured = [&](std::string bytes, uint16_t first, uint16_t others) {
+    for (size_t t = 0; t < sphere.faceCount(); ++t) {
+      const uint16_t attribute = t == 0 ? first : others;
+      bytes[84 + 50 * t + 48] = static_cast<char>(attribute & 0xff);
+      bytes[84 + 50 * t + 49] = static_cast<char>(attribute >> 8);
+    }
+    return stl(bytes);
+  };
+  const auto viscam = coloured(test::toBinaryStl(sphere), 0x8000 | 31 << 10, 0);
+  ASSERT_TRUE(viscam.ok());
+  ASSERT_EQ(viscam->face_colours.size(), sphere.faceCount());
+  EXPECT_EQ(viscam->face_colours[0], (Colour{255, 0, 0, 255}));
+  EXPECT_EQ(viscam->face_colours[1], (Colour{255, 255, 255, 255}));
+  const auto magics = coloured(test::toBinaryStl(sphere, "COLOR=\x0a\x14\x1e\xff"), 31 << 10, 0x8000);
+  ASSERT_TRUE(magics.ok());
+  ASSERT_EQ(magics->face_colours.size(), sphere.faceCount());
+  EXPECT_EQ(magics->face_colours[0], (Colour{0, 0, 255, 255}));
+  EXPECT_EQ(magics->face_colours[1], (Colour{10, 20, 30, 255}));
+  const auto neither = coloured(test::toBinaryStl(sphere), 0x2020, 0x2020);
+  ASSERT_TRUE(neither.ok());
+  EXPECT_TRUE(neither->face_colours.empty());
+  EXPECT_EQ(neither->notes, std::vector<std::string>{"attributes of triangles that are no colours left out: 8"});
+  EXPECT_TRUE(stl(test::toBinaryStl(sphere))->face_colours.empty());
+}
+
 TEST(Stl, NamesWhatIsWrong) {
   const std::string sphere = test::toBinaryStl(test::makeSphere(1));
   expectRefusal("", "m.stl: is no STL file");

@@ -33,8 +33,17 @@ TEST(ObjectFlag, IsReadWithAndWithoutWhatMayBeLeftOut) {
   EXPECT_EQ(least->height_m, 0);
   EXPECT_EQ(least->heading_deg, 0);
   EXPECT_EQ(least->scale, 1);
-  for (const char* wrong : {"m.fls", "@1,2", "m.fls@1", "m.fls@1,", "m.fls@1,x", "m.fls@1,2,3,4,5,6", "m.fls@nan,2",
-                            "m.fls@1,2,0,0,0", "m.fls@1,2,0,0,-1", "m.fls@1,2 "})
+  EXPECT_FALSE(least->is_at_own_place);
+  const auto here = parseObject("m.fls@here,2,90,0.3048");
+  ASSERT_TRUE(here.ok());
+  EXPECT_TRUE(here->is_at_own_place);
+  EXPECT_EQ(here->height_m, 2);
+  EXPECT_EQ(here->heading_deg, 90);
+  EXPECT_EQ(here->scale, 0.3048);
+  EXPECT_TRUE(parseObject("m.fls@here").ok());
+  for (const char* wrong :
+       {"m.fls", "@1,2", "m.fls@1", "m.fls@1,", "m.fls@1,x", "m.fls@1,2,3,4,5,6", "m.fls@nan,2", "m.fls@1,2,0,0,0",
+        "m.fls@1,2,0,0,-1", "m.fls@1,2 ", "m.fls@here,", "m.fls@here,1,2,3,4", "m.fls@hereby"})
     EXPECT_FALSE(parseObject(wrong).ok()) << wrong;
 }
 
@@ -126,6 +135,48 @@ TEST_P(PlacedObjects, StandOnGroundThatMoves) {
 
 INSTANTIATE_TEST_SUITE_P(Frames, PlacedObjects,
                          testing::Values(proto::FrameKind::kPlanar, proto::FrameKind::kGeographic));
+
+// A model in the map's coordinates stands where these are, at its own height.
+TEST(PlacedObjects, StandAtTheirOwnPlace) {
+  const TemporaryFolder folder;
+  const std::string model = folder / "house.fls", path = folder / "land.fls";
+  FormulaSource source(129, 97, hills(5));
+  const proto::Frame& frame = source.info().frame;
+  const proto::FrameTransform transform(frame);
+  const glm::dvec3 centre = transform.toScene(proto::LatticePosition{40, 30, 0});
+  const auto written = [&](const glm::dvec3& origin) {
+    const terrain::TrueSurface sphere = *terrain::makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+    const auto records = terrain::computeBounds(sphere, {.threads = 1});
+    return terrain::writeSurface(model, {.surface = sphere, .records = records, .origin = origin}).ok();
+  };
+  for (const double scale : {1.0, 0.5}) {
+    const glm::dvec3 on_map(glm::dvec2(centre) + frame.map_origin_m, 777.25);
+    ASSERT_TRUE(written(on_map / scale));
+    const auto request = parseObject(model + "@here,0,0," + std::to_string(scale));
+    ASSERT_TRUE(request.ok()) << request.error().message;
+    const auto built = terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = {*request}});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    const auto scene = terrain::Scene::open(path);
+    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    const auto objects = terrain::readObjects(*scene);
+    ASSERT_TRUE(objects.ok()) << objects.error().message;
+    const proto::ObjectPlacement& p = objects->set.placement(0);
+    EXPECT_LT(glm::distance(p.toScene({0, 0, 0}), glm::dvec3(centre.x, centre.y, 777.25)), 1e-6);
+    EXPECT_LT(glm::distance(p.toScene({1, 2, 3}) - p.position, scale * glm::dvec3(1, 2, 3)), 1e-9)
+        << "axes are the map's";
+  }
+  ASSERT_TRUE(written({1e7, 1e7, 0}));
+  const auto beyond = terrain::buildScene(
+      source, {.output = path, .height_quantum_m = 0.1, .objects = {*parseObject(model + "@here")}});
+  ASSERT_FALSE(beyond.ok());
+  EXPECT_NE(beyond.error().message.find("its own place"), std::string::npos) << beyond.error().message;
+  EXPECT_NE(beyond.error().message.find("beyond the data"), std::string::npos) << beyond.error().message;
+  FormulaSource geographic(65, 65, hills(5), proto::FrameKind::kGeographic);
+  const auto degrees = terrain::buildScene(
+      geographic, {.output = path, .height_quantum_m = 0.1, .objects = {*parseObject(model + "@here")}});
+  ASSERT_FALSE(degrees.ok());
+  EXPECT_NE(degrees.error().message.find("latitude and longitude"), std::string::npos) << degrees.error().message;
+}
 
 TEST(PlacedObjects, AreRefusedBeyondTheDataOrWithoutAModel) {
   const TemporaryFolder folder;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/rng.h"
@@ -114,6 +115,58 @@ TEST_F(SurfaceFile, GivesBackWhatWasWritten) {
         ASSERT_TRUE(found.ok());
         EXPECT_TRUE(found->sound()) << found->first_faults.front();
       }
+}
+
+// The origin has the place of zeros of older versions, and a version of its own, so surfaces without one are the same
+// bytes as ever.
+TEST_F(SurfaceFile, KeepsTheOriginInAVersionOfItsOwn) {
+  const glm::dvec3 origin(562010, 5116007.5, -1200);
+  for (const size_t poses : {0, 3}) {
+    const Made made = makeContent(test::torusBase(3, 3), proto::MeshRule::kQuadrisection, 2, poses);
+    const auto versionOf = [](const std::vector<char>& file) {
+      uint32_t version = 0;
+      std::memcpy(&version, file.data() + 8, sizeof(version));
+      return version;
+    };
+    ASSERT_TRUE(writeSurface(path, made.content()).ok());
+    const std::vector<char> plain = test::slurp(path);
+    EXPECT_EQ(versionOf(plain), poses == 0 ? 2u : 3u);
+    EXPECT_TRUE(std::all_of(plain.begin() + 208, plain.begin() + 4096, [](char byte) { return byte == 0; }));
+    EXPECT_EQ((*MappedSurface::open(path))->origin(), glm::dvec3(0));
+
+    SurfaceContent moved = made.content();
+    moved.origin = origin;
+    ASSERT_TRUE(writeSurface(path, moved).ok());
+    const std::vector<char> file = test::slurp(path);
+    EXPECT_EQ(versionOf(file), 4u);
+    EXPECT_TRUE(std::equal(plain.begin() + 4096, plain.end(), file.begin() + 4096, file.end()));
+    const auto read = MappedSurface::open(path);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ((*read)->origin(), origin);
+    EXPECT_EQ((*read)->poseTimes(), made.pose_times);
+    EXPECT_TRUE(verifySurface(path)->sound());
+
+    // Forged: an origin of an older version, of none, and one that is no number.
+    const auto forge = [&](uint32_t version, double x) {
+      SurfaceHeader header;
+      std::memcpy(&header, file.data(), sizeof(header));
+      header.version = version, header.origin[0] = x, header.origin[1] = header.origin[2] = 0;
+      const SectionRange& sums = header.sections[kSurfaceChecksums];
+      header.scene_id = contentId(header, {reinterpret_cast<const uint8_t*>(file.data()) + sums.offset, sums.bytes});
+      header.header_checksum = headerChecksum(header);
+      auto forged = file;
+      std::memcpy(forged.data(), &header, sizeof(header));
+      test::spit(folder / "forged.fls", forged);
+      return MappedSurface::open(folder / "forged.fls").ok();
+    };
+    EXPECT_TRUE(forge(4, 1));
+    EXPECT_FALSE(forge(4, 0));
+    EXPECT_FALSE(forge(4, 1e10));
+    EXPECT_FALSE(forge(4, std::nan("")));
+    EXPECT_FALSE(forge(poses == 0 ? 2 : 3, 1));
+    EXPECT_TRUE(forge(poses == 0 ? 2 : 3, 0));
+    EXPECT_FALSE(forge(poses == 0 ? 3 : 2, 0));
+  }
 }
 
 TEST_F(SurfaceFile, IsToldFromATerrain) {

@@ -12,6 +12,7 @@
 
 #include "base/rng.h"
 #include "terrain/model/png.h"
+#include "terrain/remesh/paint/point_location.h"
 #include "terrain/remesh/remeshed_surface.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
@@ -75,6 +76,41 @@ TEST(Paint, VertexColoursArriveWhereTheyBelong) {
         const auto found = filtered(*painted, painted->atlas.coordinates(face, dvec3(16 - i - j, i, j) / 16.0));
         for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(found[k], expected[k], 2);
       }
+}
+
+TEST(Paint, ColoursOfFacesFillThem) {
+  Model cube = test::inTriangles(test::makeCube(1));
+  for (size_t face = 0; face < cube.faceCount(); ++face) {  // both triangles of a side alike
+    const auto side = static_cast<uint8_t>(face / 2);
+    cube.face_colours.push_back({static_cast<uint8_t>(40 * side), static_cast<uint8_t>(255 - 40 * side), 7, 255});
+  }
+  const Original original = makeOriginal(cube).value();
+  const Remeshed remeshed = remesh(original, {.base_triangles = 12, .levels = 1, .attempts = 1}).value();
+  const Textures none;
+  const Palette palette{cube, none};
+  ASSERT_TRUE(hasColours(palette));
+  EXPECT_GE(chooseSide(palette, original, 12), 4u);
+  const auto painted = paint(palette, original, remeshed, 12, 1);
+  ASSERT_TRUE(painted.ok());
+  // Where a texel lies in space says on which side of the cube it is.
+  std::array<int, 6> seen{};
+  for (uint32_t face = 0; face < remeshed.base_faces.size(); ++face)
+    for (int32_t j = 0; j <= 12; ++j)
+      for (int32_t i = 0; i + j <= 12; ++i) {
+        const SurfacePoint point = locateOnOriginal(original, remeshed, face, dvec3(12 - i - j, i, j) / 12.0);
+        const dvec3 p = positionOf(point, original.positions, original.faces);
+        std::vector<int> sides;
+        for (int axis = 0; axis < 3; ++axis)
+          for (const int sign : {0, 1})
+            if (std::fabs(p[axis] - sign) < 1e-9) sides.push_back(2 * axis + sign);
+        if (sides.size() != 1) continue;  // on an edge
+        const glm::ivec2 at = painted->atlas.pixel(face, i, j);
+        const auto colour = std::bit_cast<Colour>(
+            painted->texels[static_cast<uint64_t>(at.y) * painted->atlas.width() + static_cast<uint64_t>(at.x)]);
+        EXPECT_EQ(colour, cube.face_colours[2 * static_cast<size_t>(sides[0])]);
+        ++seen[static_cast<size_t>(sides[0])];
+      }
+  for (const int count : seen) EXPECT_GT(count, 20);
 }
 
 TEST(Paint, BothFacesOfAnEdgeShowTheSameAlongIt) {
