@@ -40,9 +40,10 @@ struct Arguments {
   std::optional<uint32_t> texels;
   proto::MeshRule rule = proto::MeshRule::kQuadrisection;
   apps::ModelReading reading;
+  apps::ForeignFiles foreign;
   std::string origin = "auto";
   std::vector<std::string> poses;
-  bool json = false, strict = false, is_verbose = false;
+  bool json = false, strict = false;
 };
 
 void describeShape(CLI::App& app, Arguments& arguments) {
@@ -101,12 +102,6 @@ void describeModel(CLI::App& app, Arguments& arguments) {
          "keeps it, and `foreland build --object SURFACE.fls@here` uses it")
       ->type_name(apps::text("auto|file|X,Y,Z"))
       ->capture_default_str();
-  app.add_flag("--verbose", arguments.is_verbose, "say also what this kernel cannot do to confine this program");
-  app.add_option("--allow-files-from", arguments.reading.allowed,
-                 "material libraries, buffers and textures that the model names may lie in this folder or below, too; "
-                 "by default in the model's own folder or below alone")
-      ->type_name(apps::folder("DIR"))
-      ->allow_extra_args(false);
   app.add_option("--pose", arguments.poses,
                  "the model at a date: the surface changes in time from the first date to the last. FILE has the faces "
                  "and vertices of MODEL, whose positions only decide where the base mesh lies")
@@ -199,6 +194,13 @@ Status addColours(const Arguments& arguments, const terrain::Model& model, const
   return {};
 }
 
+// All files that the command names, for reading. Some may not be there.
+std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
+  std::vector<std::filesystem::path> files{arguments.input};
+  for (const std::string& text : arguments.poses) files.emplace_back(text.substr(text.find('=') + 1));
+  return files;
+}
+
 int remesh(Arguments& arguments) {
   const Clock::time_point begun = Clock::now();
   if (Status s = checkOutput(arguments); !s.ok()) return fail(s.error());
@@ -268,15 +270,15 @@ int main(int argc, char** argv) {
   describeShape(app, arguments);
   describeModel(app, arguments);
   describeRun(app, arguments);
+  apps::addForeignFiles(app, arguments.foreign);
   const auto exit_code = apps::parseCommandLine(
       app, argc, argv,
       {{"a model", "foreland remesh tower.obj -o tower.fls"},
        {"a model that moves",
         "foreland remesh crane.obj --pose 2004-10-04=crane.obj --pose 2004-10-05=crane-left.obj -o crane.fls"}});
   if (exit_code) return *exit_code;
-  std::vector<std::filesystem::path> inputs{arguments.input};
-  for (const std::string& pose : arguments.poses) inputs.emplace_back(pose.substr(pose.find('=') + 1));
-  apps::confineTo({arguments.reading.allowed, arguments.is_verbose}, inputs, {arguments.output});
+  arguments.reading.allowed = arguments.foreign.allowed;
+  apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});
   apps::catchStopSignals();
   return remesh(arguments);
 }

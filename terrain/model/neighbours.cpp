@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -31,29 +32,10 @@ bool isFile(const fs::path& path) {
   return fs::is_regular_file(path, failed);
 }
 
-fs::path resolved(const fs::path& path) {
-  std::error_code failed;
-  fs::path made = fs::weakly_canonical(path.empty() ? fs::path(".") : path, failed);
-  return failed ? fs::path() : made;
-}
-
-bool isBelow(const fs::path& path, const fs::path& root) {
-  return !root.empty() && std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
-}
-
 }  // namespace
 
-Neighbours::Neighbours(fs::path folder, std::vector<fs::path> allowed) : folder_(std::move(folder)) {
-  roots_.push_back(resolved(folder_));
-  for (const fs::path& root : allowed) roots_.push_back(resolved(root / ""));
-  for (fs::path& root : roots_)
-    if (!root.has_filename()) root = root.parent_path();  // "a/" is "a"
-}
-
-bool Neighbours::isAllowed(const fs::path& file) const {
-  const fs::path path = resolved(file);
-  return std::any_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return isBelow(path, root); });
-}
+Neighbours::Neighbours(fs::path model, const std::vector<fs::path>& allowed)
+    : model_(std::move(model)), fence_(std::span(&model_, 1), allowed) {}
 
 // The file of that name, whatever the case of the last part.
 std::optional<fs::path> Neighbours::existing(const fs::path& path) {
@@ -76,26 +58,25 @@ std::optional<fs::path> Neighbours::existing(const fs::path& path) {
 
 Result<fs::path> Neighbours::find(const std::string& written, const fs::path& namer) {
   const std::string name = plainName(written);
-  const fs::path path(name), file = path.filename();
+  const fs::path path(name), file = path.filename(), folder = model_.parent_path(),
+                             beside = namer.empty() ? folder : namer.parent_path();
+  const bool is_name = !file.empty() && name.find('\0') == std::string::npos;
   std::vector<fs::path> candidates;
-  if (isLocal(name)) candidates.push_back(namer.parent_path() / path), candidates.push_back(folder_ / path);
-  candidates.push_back(namer.parent_path() / file), candidates.push_back(folder_ / file);
-  bool is_outside = !isLocal(name);
+  if (isLocal(name)) candidates = {beside / path, folder / path};
+  candidates.insert(candidates.end(), {beside / file, folder / file});
+  std::optional<fs::path> outside;
   for (const fs::path& candidate : candidates) {
-    if (file.empty() || name.find('\0') != std::string::npos) break;
+    if (!is_name) break;
     // Folders that are not allowed are not looked into: whether a file is there is none of the model's business.
-    if (!isAllowed(candidate)) {
-      is_outside = true;
-      continue;
-    }
-    if (const auto found = existing(candidate); found && isAllowed(*found)) return *found;
+    const auto found = fence_.mayRead(candidate) ? existing(candidate) : candidate;
+    if (found && fence_.mayRead(*found)) return *found;
+    if (found && !outside) outside = fs::weakly_canonical(*found);
   }
-  const std::string shown = "'" + written.substr(0, 80) + "'";
-  if (is_outside)
-    return Error{ErrorCode::kUnsupported, "names the file " + shown +
-                                              " outside its folder; put the file beside the model, or allow its folder "
-                                              "with --allow-files-from DIR"};
-  return Error{ErrorCode::kNotFound, (folder_ / path).string() + ": there is no such file; put it beside the model"};
+  if (outside) return FileFence::refusal(namer.empty() ? model_ : namer, *outside);
+  if (is_name && isLocal(name))
+    return Error{ErrorCode::kNotFound, (folder / path).string() + ": there is no such file; put it beside the model"};
+  return Error{ErrorCode::kUnsupported,
+               "names '" + written.substr(0, 80) + "', which is no file of its folder; put the file beside the model"};
 }
 
 }  // namespace foreland::terrain

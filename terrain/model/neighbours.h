@@ -12,26 +12,24 @@
 #include <vector>
 
 #include "base/result.h"
+#include "terrain/fence/file_fence.h"
 
 namespace foreland::terrain {
 
 class Neighbours {
  public:
-  // `folder` is the model's, `allowed` are further ones (--allow-files-from).
-  explicit Neighbours(std::filesystem::path folder, std::vector<std::filesystem::path> allowed = {});
+  // `allowed`: further folders than the model's (--allow-files-from).
+  explicit Neighbours(std::filesystem::path model, const std::vector<std::filesystem::path>& allowed = {});
 
   // The file that `name` stands for. Relative names are looked for beside `namer`, the file that holds the name, then
-  // in the model's folder. Error, without the model's name: it lies elsewhere, or there is none.
+  // beside the model, which is the namer by default. Error: it lies elsewhere, or there is none.
   [[nodiscard]] Result<std::filesystem::path> find(const std::string& name, const std::filesystem::path& namer = {});
-
-  // Whether a file lies in the model's folder or an allowed one, links resolved.
-  bool isAllowed(const std::filesystem::path& file) const;
 
  private:
   std::optional<std::filesystem::path> existing(const std::filesystem::path& path);
 
-  std::filesystem::path folder_;
-  std::vector<std::filesystem::path> roots_;  // resolved
+  std::filesystem::path model_;
+  FileFence fence_;
   // Of folders that were searched: names in small letters, and as they are.
   std::map<std::filesystem::path, std::map<std::string, std::string>> listings_;
 };

@@ -113,7 +113,7 @@ Result<PlyHeader> parsePlyHeader(std::string_view text) {
     if (!status.ok()) return status.error();
     if (key == "end_header") {
       // Where lines end with CR alone, an LF behind the last of them is data.
-      const bool ends_with_cr = text.find('\n') == std::string_view::npos || text.find("\r") + 1 < text.find('\n');
+      const bool ends_with_cr = text.find('\n') == std::string_view::npos || text.find('\r') + 1 < text.find('\n');
       const size_t end = static_cast<size_t>(line.data() - text.data()) + line.size();
       header.bytes = ends_with_cr ? std::min(end + 1, text.size()) : text.size() - lines.rest().size();
       return header;

@@ -50,7 +50,7 @@ Result<Model> readModel(const fs::path& path, const std::vector<fs::path>& allow
                  path.string() + ": not one of .obj, .ply, .stl, .glb and .gltf; export the model as one of these"};
   const auto bytes = readFile(path);
   if (!bytes.ok()) return bytes.error();
-  Neighbours neighbours(path.parent_path(), allowed);
+  Neighbours neighbours(path, allowed);
   auto model = parse(suffix, *bytes, path, neighbours);
   if (!model.ok()) return model;
   for (Material& material : model->materials) findTexture(path, neighbours, material, *model);
