@@ -123,6 +123,32 @@ test('where nothing goes up any more the session goes on over another connection
   worker.say({ kind: 'close' });
 });
 
+// The mesh whole, and each tile in its layer, without a byte of the server's. The first mesh is of the version that was there.
+test('what the drawing thread has lost is handed over again', kTest, async () => {
+  const worker = await startWorker();
+  globalThis.createImageBitmap = async () => ({ close: () => {} });
+  const tilesOf = (meshes) => meshes.flatMap(({ update }) => ['relief', 'imagery'].flatMap((content) =>
+    (update.tiles[content]?.uploads ?? []).map(({ layer }) => `${content} ${layer}`)));
+  const shownBy = ({ update }) => ['relief', 'imagery'].map((content) => update.tiles[content]?.shown ?? 0);
+  const { statistics } = await fly(worker, (state) => worker.of('mesh').length > 15 && imagesOf(worker).length > 3);
+  const before_ = worker.of('mesh').at(-1);
+  worker.say({ kind: 'redraw', count: 3 });
+  assert.deepEqual(worker.of('redrawn'), [{ kind: 'redrawn', count: 3 }]);
+  const meshes = () => worker.posted.slice(worker.posted.findIndex(({ kind }) => kind === 'redrawn')).filter(({ kind }) => kind === 'mesh');
+  assert.equal(meshes().length, 1, 'at once');
+  const [{ update }] = meshes();
+  assert.ok(update.terrain.is_whole && update.objects.is_whole);
+  assert.equal(update.version, before_.update.version);
+  assert.ok(update.terrain.channels.to_position.data.length === update.terrain.channels.to_position.size);
+  const { statistics: then } = await fly(worker, () => shownBy(meshes().at(-1)).every((n, i) => n >= shownBy(before_)[i]));
+  assert.ok(tilesOf(meshes()).length >= Math.max(...shownBy(before_)), 'and the tiles');
+  assert.ok(meshes().slice(1).every((mesh, i) => mesh.update.version > meshes()[i].update.version));
+  assert.ok(then.tiles_received - statistics.tiles_received < 8, 'the server sends none of them again');
+  assert.equal(sockets.length, 1);
+  assert.deepEqual([worker.of('refused'), worker.of('failed')], [[], []]);
+  worker.say({ kind: 'close' });
+});
+
 test('a client core that fails ends the session, and says so once', kTest, async (t) => {
   const said = t.mock.method(console, 'error', () => {}).mock;
   const worker = await startWorker({ texture_layers: { relief: 7, imagery: 7 } }); // too few: a check of the module fails
