@@ -72,18 +72,33 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
       ->type_name(apps::text("NAME"));
   static const std::map<std::string, terrain::FrameChoice> frames{{"auto", terrain::FrameChoice::kAuto},
                                                                   {"planar", terrain::FrameChoice::kPlanar},
+                                                                  {"projected", terrain::FrameChoice::kPlanar},
                                                                   {"geographic", terrain::FrameChoice::kGeographic}};
   app.add_option_function<std::string>(
          "--frame", [&](const std::string& name) { arguments.open.frame = frames.at(name); },
-         "how to interpret the coordinates; by default as the file's reference system says")
-      ->check(apps::oneOf({"auto", "planar", "geographic"}))
+         "how to interpret the coordinates; by default as the file's reference system says, but in latitude and "
+         "longitude "
+         "where its map is off by more than 0.5 %, as Mercator's; projected keeps the map; planar flattens degrees, "
+         "too")
+      ->check(apps::oneOf({"auto", "planar", "projected", "geographic"}))
       ->default_str("auto");
+  static const std::map<std::string, double> units{{"m", 1},     {"ft", 0.3048}, {"us-ft", 1200.0 / 3937.0},
+                                                   {"km", 1000}, {"cm", 0.01},   {"mm", 0.001}};
+  app.add_option_function<std::string>(
+         "--height-unit", [&](const std::string& name) { arguments.open.height_unit = units.at(name); },
+         "of the heights in the files, whatever they say; by default as their bands say, else the vertical parts of "
+         "their "
+         "reference systems, else metres")
+      ->check(apps::oneOf({"m", "ft", "us-ft", "km", "cm", "mm"}));
   static const std::map<std::string, terrain::HeightEncoding> encodings{
-      {"plain", terrain::HeightEncoding::kPlain}, {"terrarium", terrain::HeightEncoding::kTerrarium}};
+      {"plain", terrain::HeightEncoding::kPlain},
+      {"terrarium", terrain::HeightEncoding::kTerrarium},
+      {"terrain-rgb", terrain::HeightEncoding::kTerrainRgb}};
   app.add_option_function<std::string>(
          "--encoding", [&](const std::string& name) { arguments.open.encoding = encodings.at(name); },
-         "how samples encode heights; terrarium: red * 256 + green + blue / 256 - 32768")
-      ->check(apps::oneOf({"plain", "terrarium"}))
+         "how samples encode heights; terrarium: red * 256 + green + blue / 256 - 32768; terrain-rgb: (red * 65536 + "
+         "green * 256 + blue) / 10 - 10000; of pictures whose colours are heights it is found out")
+      ->check(apps::oneOf({"plain", "terrarium", "terrain-rgb"}))
       ->default_str("plain");
   app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
       ->type_name(apps::whole("N"))

@@ -113,6 +113,47 @@ Extent extentOf(const Raster& raster) {
   return {info.name, info.width, info.height, info.survey.lowest, info.survey.highest};
 }
 
+// A raster with its rows, columns or both in the opposite order.
+class Turned final : public Raster {
+ public:
+  Turned(std::unique_ptr<Raster> inner, bool rows, bool columns)
+      : inner_(std::move(inner)), rows_(rows), columns_(columns) {}
+  const RasterInfo& info() const override { return inner_->info(); }
+  Status readRows(uint32_t first, uint32_t count, std::span<float> out) override {
+    const uint32_t width = info().width;
+    if (Status s = inner_->readRows(rows_ ? info().height - first - count : first, count, out); !s.ok()) return s;
+    if (rows_)
+      for (uint32_t i = 0; i < count / 2; ++i)
+        std::swap_ranges(out.begin() + size_t{i} * width, out.begin() + size_t{i + 1} * width,
+                         out.begin() + size_t{count - 1 - i} * width);
+    if (columns_)
+      for (uint32_t i = 0; i < count; ++i)
+        std::reverse(out.begin() + size_t{i} * width, out.begin() + size_t{i + 1} * width);
+    return {};
+  }
+
+ private:
+  std::unique_ptr<Raster> inner_;
+  bool rows_, columns_;
+};
+
+// Rows of some files go south and those of others north: all are made to go south, and columns east.
+void orientAlike(std::vector<Tile>& tiles) {
+  const auto goes = [](const Tile& tile) { return std::pair(tile.map.transform[1] > 0, tile.map.transform[5] < 0); };
+  const auto isStraight = [](const Tile& tile) { return tile.map.transform[2] == 0 && tile.map.transform[4] == 0; };
+  if (tiles.empty() || !std::ranges::all_of(tiles, isStraight) ||
+      std::ranges::all_of(tiles, [&](const Tile& tile) { return goes(tile) == goes(tiles.front()); }))
+    return;
+  for (Tile& tile : tiles) {
+    auto& t = tile.map.transform;
+    const bool columns = t[1]<0, rows = t[5]> 0;
+    if (!columns && !rows) continue;
+    if (columns) t[0] += (tile.raster->info().width - 1.0) * t[1], t[1] = -t[1];
+    if (rows) t[3] += (tile.raster->info().height - 1.0) * t[5], t[5] = -t[5];
+    tile.raster = std::make_unique<Turned>(std::move(tile.raster), rows, columns);
+  }
+}
+
 // Every raster of every input with its map resolved. Adds what had to be assumed about each file to `notes`.
 Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& inputs, const OpenOptions& options,
                                     std::vector<std::string>& notes) {
@@ -129,6 +170,7 @@ Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& in
       tiles.push_back({.raster = std::move(raster), .map = std::move(map).value()});
     }
   }
+  orientAlike(tiles);
   return tiles;
 }
 

@@ -54,6 +54,18 @@ void readGeographic(OGRSpatialReferenceH crs, Georeference& out) {
 
 }  // namespace
 
+namespace {
+
+void readVerticalUnit(OGRSpatialReferenceH crs, Georeference& out) {
+  if (!OSRIsCompound(crs)) return;
+  char* name = nullptr;
+  out.vertical_unit = OSRGetTargetLinearUnits(crs, "VERT_CS", &name);
+  if (name != nullptr) out.vertical_unit_name = name;
+  if (!(*out.vertical_unit > 0)) out.vertical_unit.reset();
+}
+
+}  // namespace
+
 Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& name, std::vector<std::string>& notes) {
   Georeference out;
   out.has_transform = readTransform(dataset, out, notes);
@@ -70,6 +82,7 @@ Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& n
                                               ") is neither projected nor plain latitude and longitude; "
                                               "convert it first, e.g. gdalwarp -t_srs EPSG:4326"};
   out.crs_wkt = exportWkt(crs);
+  readVerticalUnit(crs, out);
   if (OSRIsGeographic(crs)) {
     readGeographic(crs, out);
   } else if (OSRIsProjected(crs) || OSRIsLocal(crs)) {

@@ -1,9 +1,12 @@
 #include "terrain/dem/formats/gdal_raster.h"
 
+#include <cpl_conv.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <gdal.h>
+#include <gdal_utils.h>
+#include <ogr_srs_api.h>
 
 #include <algorithm>
 #include <array>
@@ -52,6 +55,11 @@ std::optional<double> heightUnit(const std::string& name) {
   return std::nullopt;
 }
 
+double heightOf(HeightEncoding encoding, double red, double green, double blue) {
+  return encoding == HeightEncoding::kTerrarium ? red * 256 + green + blue / 256 - 32768
+                                                : (red * 65536 + green * 256 + blue) * 0.1 - 10000;
+}
+
 struct Bands {
   std::vector<GDALRasterBandH> bands;  // one, or red, green and blue
   GDALRasterBandH mask = nullptr;      // 0 where there is no data; null if there is no such band
@@ -63,10 +71,9 @@ bool isColour(GDALRasterBandH band) {
 }
 
 Error pictureError(const std::string& name, int count) {
-  return {ErrorCode::kUnsupported,
-          fmt::format(
-              "{}: a picture with {} of 8 bits, not heights; if its colours encode heights, say --encoding terrarium",
-              name, count == 1 ? "a palette" : fmt::format("{} bands", count))};
+  return {ErrorCode::kUnsupported, fmt::format("{}: a picture with {} of 8 bits, not heights; if its colours encode "
+                                               "heights, say --encoding terrarium or terrain-rgb",
+                                               name, count == 1 ? "a palette" : fmt::format("{} bands", count))};
 }
 
 class GdalRaster final : public Raster {
@@ -80,6 +87,12 @@ class GdalRaster final : public Raster {
 
   // `messages` holds what GDAL said while the dataset was opened, and collects what it says from then on.
   Status init(const OpenOptions& options, const GdalMessages& messages);
+
+  // The datasets that the raster's is a view of, and what had to be done to get it.
+  void keep(std::vector<Dataset> sources, std::vector<std::string> notes) {
+    sources_ = std::move(sources);
+    info_.notes.insert(info_.notes.end(), notes.begin(), notes.end());
+  }
 
   const RasterInfo& info() const override { return info_; }
   Status readRows(uint32_t first, uint32_t count, std::span<float> out) override {
@@ -96,17 +109,22 @@ class GdalRaster final : public Raster {
   Status readRaw(uint32_t first, uint32_t count, std::span<float> out);
   Status readBand(GDALRasterBandH band, uint32_t first, uint32_t count, std::span<float> out);
   bool isPicture() const;
+  void guessEncoding();
+  double unitOfHeights(const OpenOptions& options);
 
   std::shared_ptr<const GdalFence> fence_;  // null without one
+  std::vector<Dataset> sources_;            // closed after the dataset
   Dataset dataset_;
   RasterInfo info_;
   Bands bands_;
+  HeightEncoding encoding_ = HeightEncoding::kPlain;
   std::optional<HeightDecoder> decoder_;
-  std::vector<float> other_;  // scratch: the second and third colour bands, and the mask
+  std::vector<float> third_, other_;  // scratch: the second and third colour bands, and the mask
 };
 
 // Adds a note if the format of the contents differs from what the suffix says.
 void GdalRaster::noteFormat() {
+  if (!sources_.empty()) return;
   const std::string suffix = lower(std::filesystem::path(info_.name).extension().string());
   const GDALDriverH driver = GDALGetDatasetDriver(dataset_.get());
   const char* usual = GDALGetMetadataItem(driver, GDAL_DMD_EXTENSIONS, nullptr);
@@ -141,10 +159,14 @@ Status GdalRaster::pickBands(const OpenOptions& options) {
     first = *found;
   }
   bands_.bands = {GDALGetRasterBand(dataset_.get(), first)};
-  if (options.encoding == HeightEncoding::kTerrarium) {
-    if (count < 3 || GDALGetRasterDataType(bands_.bands[0]) != GDT_Byte)
-      return Error{ErrorCode::kInvalidArgument,
-                   info_.name + ": --encoding terrarium needs three bands of 8 bits; leave it out for this file"};
+  const bool has_colours = count >= 3 && GDALGetRasterDataType(bands_.bands[0]) == GDT_Byte;
+  encoding_ = options.encoding;
+  if (encoding_ == HeightEncoding::kPlain && has_colours && !options.channel) guessEncoding();
+  if (encoding_ != HeightEncoding::kPlain) {
+    if (!has_colours)
+      return Error{
+          ErrorCode::kInvalidArgument,
+          info_.name + ": --encoding terrarium and terrain-rgb need three bands of 8 bits; leave it out for this file"};
     bands_.bands = {GDALGetRasterBand(dataset_.get(), 1), GDALGetRasterBand(dataset_.get(), 2),
                     GDALGetRasterBand(dataset_.get(), 3)};
   } else if (count > 1 && !options.channel) {
@@ -164,20 +186,76 @@ HeightDecoder GdalRaster::makeDecoder(const OpenOptions& options) {
   std::optional<double> nodata = options.nodata;
   const double tagged = GDALGetRasterNoDataValue(band, &has);
   if (!nodata && has) nodata = tagged;
-  if (options.encoding == HeightEncoding::kTerrarium) return HeightDecoder(options.nodata, {});
+  if (encoding_ != HeightEncoding::kPlain) return HeightDecoder(options.nodata, {});
   int has_scale = 0, has_offset = 0;
   HeightDecoder::Units units{GDALGetRasterScale(band, &has_scale), GDALGetRasterOffset(band, &has_offset)};
   if (!has_scale || !(std::fabs(units.scale) > 0)) units.scale = 1;
   if (!has_offset) units.offset = 0;
-  const std::string unit = GDALGetRasterUnitType(band);
+  const double metres = unitOfHeights(options);
+  units.scale *= metres;
+  units.offset *= metres;
+  return HeightDecoder(nodata, units);
+}
+
+// Metres a unit of the heights: as the user says; else as the band does, or the vertical part of the reference system.
+// A map in feet says nothing of its heights, but makes one doubt.
+double GdalRaster::unitOfHeights(const OpenOptions& options) {
+  if (options.height_unit) return *options.height_unit;
+  const Georeference& map = info_.georeference;
+  const std::string unit = GDALGetRasterUnitType(bands_.bands[0]);
   const std::optional<double> metres = heightUnit(unit);
   if (!metres)
-    info_.notes.push_back(fmt::format("its heights are in '{}', which is unknown; taken as metres", unit));
-  else if (*metres != 1)
-    info_.notes.push_back(fmt::format("its heights are in {}; converted to metres", unit));
-  units.scale *= metres.value_or(1);
-  units.offset *= metres.value_or(1);
-  return HeightDecoder(nodata, units);
+    info_.notes.push_back(
+        fmt::format("its heights are in '{}', which is unknown; taken as metres (--height-unit)", unit));
+  else if (!unit.empty() && *metres != 1)
+    info_.notes.push_back(
+        fmt::format("its heights are in {}; converted to metres (--height-unit m takes them as they are)", unit));
+  if (!unit.empty()) return metres.value_or(1);
+  if (map.vertical_unit) {
+    if (std::fabs(*map.vertical_unit - 1) > 1e-9)
+      info_.notes.push_back(
+          fmt::format("its heights are in {}, by its vertical reference system; converted to metres (--height-unit m "
+                      "takes them as they are)",
+                      map.vertical_unit_name));
+    return *map.vertical_unit;
+  }
+  if (map.kind == MapKind::kProjected && !map.crs_wkt.empty() && std::fabs(map.unit - 1) > 1e-9)
+    info_.notes.push_back(
+        fmt::format("its map is in units of {:.6g} m, and nothing says what its heights are in; taken as metres "
+                    "(--height-unit ft or us-ft)",
+                    map.unit));
+  return 1;
+}
+
+// Which of the two encodings the colours are heights by, if by either: under it, unlike a picture's, they lie on the
+// earth and are smooth.
+void GdalRaster::guessEncoding() {
+  constexpr double kLowest_m = -11100, kHighest_m = 9000, kMaxMeanStep_m = 200;
+  const GdalMessages silence;
+  std::array<std::vector<float>, 3> colours;
+  const int width = static_cast<int>(info_.width), row = static_cast<int>(info_.height / 2);
+  for (size_t i = 0; i < 3; ++i) {
+    colours[i].resize(info_.width);
+    if (GDALRasterIO(GDALGetRasterBand(dataset_.get(), static_cast<int>(i) + 1), GF_Read, 0, row, width, 1,
+                     colours[i].data(), width, 1, GDT_Float32, 0, 0) != CE_None)
+      return;
+  }
+  for (const HeightEncoding encoding : {HeightEncoding::kTerrarium, HeightEncoding::kTerrainRgb}) {
+    double step_m = 0, before = 0;
+    bool is_on_earth = true;
+    for (size_t x = 0; x < colours[0].size(); ++x) {
+      const double h = heightOf(encoding, colours[0][x], colours[1][x], colours[2][x]);
+      is_on_earth = is_on_earth && h >= kLowest_m && h <= kHighest_m;
+      if (x > 0) step_m += std::fabs(h - before);
+      before = h;
+    }
+    if (!is_on_earth || step_m > kMaxMeanStep_m * static_cast<double>(colours[0].size())) continue;
+    encoding_ = encoding;
+    info_.notes.push_back(
+        fmt::format("its colours are heights, by their values as {0} has them (--encoding {0}; a picture: --imagery)",
+                    encoding == HeightEncoding::kTerrarium ? "terrarium" : "terrain-rgb"));
+    return;
+  }
 }
 
 Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages) {
@@ -198,7 +276,7 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
   // Reading shows whether the file is damaged, which a picture is not, so this comes before the check for pictures.
   if (Status s = surveyHeights(info_.width, info_.height, read, *decoder_); !s.ok()) return s;
   info_.survey = decoder_->survey();
-  if (options.encoding == HeightEncoding::kPlain && !options.channel && isPicture())
+  if (encoding_ == HeightEncoding::kPlain && !options.channel && isPicture())
     return pictureError(info_.name, GDALGetRasterCount(dataset_.get()));
   for (std::string& note : decoder_->notes()) info_.notes.push_back(std::move(note));
   if (info_.survey.voids == info_.survey.samples)
@@ -226,12 +304,11 @@ Status GdalRaster::readRaw(uint32_t first, uint32_t count, std::span<float> out)
   if (Status s = readBand(bands_.bands[0], first, count, out); !s.ok()) return s;
   other_.resize(bands_.bands.size() > 1 || bands_.mask != nullptr ? out.size() : 0);
   if (bands_.bands.size() == 3) {
-    for (float& h : out) h = h * 256.0f - 32768.0f;
-    for (size_t i = 1; i < 3; ++i) {
-      if (Status s = readBand(bands_.bands[i], first, count, other_); !s.ok()) return s;
-      const float weight = i == 1 ? 1.0f : 1.0f / 256.0f;
-      for (size_t k = 0; k < out.size(); ++k) out[k] += weight * other_[k];
-    }
+    third_.resize(out.size());
+    if (Status s = readBand(bands_.bands[1], first, count, other_); !s.ok()) return s;
+    if (Status s = readBand(bands_.bands[2], first, count, third_); !s.ok()) return s;
+    for (size_t k = 0; k < out.size(); ++k)
+      out[k] = static_cast<float>(heightOf(encoding_, out[k], other_[k], third_[k]));
   }
   if (bands_.mask == nullptr) return {};
   if (Status s = readBand(bands_.mask, first, count, other_); !s.ok()) return s;
@@ -247,6 +324,21 @@ Error openError(const std::string& name, const std::string& said) {
   return {ErrorCode::kMalformed, fmt::format("{}: {}{}", name, hint, said.empty() ? "" : " (GDAL says: " + said + ")")};
 }
 
+// The same heights in another map: that of its control points, or latitude and longitude (`to`, a reference system as
+// text). A view of `from`, which must outlive it. What is not covered is void.
+Dataset warped(GDALDatasetH from, const std::string& to) {
+  char** list = nullptr;
+  for (const char* option : {"-of", "VRT", "-r", "bilinear", "-ot", "Float32", "-dstnodata", "nan"})
+    list = CSLAddString(list, option);
+  if (!to.empty()) list = CSLAddString(CSLAddString(list, "-t_srs"), to.c_str());
+  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(list, nullptr);
+  GDALDatasetH sources[] = {from};
+  Dataset out(options == nullptr ? nullptr : GDALWarp("", nullptr, 1, sources, options, nullptr));
+  GDALWarpAppOptionsFree(options);
+  CSLDestroy(list);
+  return out;
+}
+
 // The name of the subdataset that holds the requested variable; subdataset names end in the variable's name.
 Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, const OpenOptions& options) {
   char** list = GDALGetMetadata(dataset, "SUBDATASETS");
@@ -260,6 +352,85 @@ Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, 
   if (known.empty()) return Error{ErrorCode::kUnsupported, name + ": holds no raster"};
   return Error{ErrorCode::kInvalidArgument,
                fmt::format("{}: holds several variables; choose one with --channel: {}", name, known)};
+}
+
+// How many units of a projected map a metre of ground takes in the middle of the data, along x and y: 1 in most, 2 in
+// Mercator's at 60 degrees. Nothing where it cannot be told.
+std::optional<double> scaleOfMap(GDALDatasetH dataset) {
+  const GdalMessages silence;
+  std::array<double, 6> t{};
+  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  if (crs == nullptr || !OSRIsProjected(crs) || GDALGetGeoTransform(dataset, t.data()) != CE_None) return std::nullopt;
+  const std::unique_ptr<void, decltype(&OSRDestroySpatialReference)> geographic(OSRCloneGeogCS(crs),
+                                                                                OSRDestroySpatialReference);
+  if (!geographic) return std::nullopt;
+  OSRSetAxisMappingStrategy(geographic.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<void, decltype(&OCTDestroyCoordinateTransformation)> transformation(
+      OCTNewCoordinateTransformation(crs, geographic.get()), OCTDestroyCoordinateTransformation);
+  if (!transformation) return std::nullopt;
+  const double column = 0.5 * GDALGetRasterXSize(dataset), row = 0.5 * GDALGetRasterYSize(dataset);
+  const double cx = t[0] + column * t[1] + row * t[2], cy = t[3] + column * t[4] + row * t[5],
+               unit = OSRGetLinearUnits(crs, nullptr);
+  const double step = 100 / unit;  // 100 m of the map, either way
+  std::array<double, 4> x{cx - step, cx + step, cx, cx}, y{cy, cy, cy - step, cy + step};
+  if (!OCTTransform(transformation.get(), 4, x.data(), y.data(), nullptr)) return std::nullopt;
+  const double degree = OSRGetAngularUnits(geographic.get(), nullptr), a = OSRGetSemiMajor(geographic.get(), nullptr);
+  const double f =
+      OSRGetInvFlattening(geographic.get(), nullptr) > 0 ? 1 / OSRGetInvFlattening(geographic.get(), nullptr) : 0;
+  const double latitude = 0.25 * (y[0] + y[1] + y[2] + y[3]) * degree, e2 = f * (2 - f);
+  const double w = std::sqrt(1 - e2 * std::sin(latitude) * std::sin(latitude));
+  const double east = a / w * std::cos(latitude), north = a * (1 - e2) / (w * w * w);  // metres a radian
+  const auto length = [&](size_t i, size_t k) {
+    return std::hypot(east * (x[k] - x[i]) * degree, north * (y[k] - y[i]) * degree);
+  };
+  const double scale_x = 200 / length(0, 1), scale_y = 200 / length(2, 3);
+  if (!std::isfinite(scale_x) || !std::isfinite(scale_y)) return std::nullopt;
+  return std::fabs(scale_x - 1) > std::fabs(scale_y - 1) ? scale_x : scale_y;
+}
+
+std::string geographicOf(OGRSpatialReferenceH crs) {
+  OGRSpatialReferenceH geographic = OSRCloneGeogCS(crs);
+  char* text = nullptr;
+  if (geographic != nullptr) OSRExportToWkt(geographic, &text);
+  const std::string wkt = text != nullptr ? text : "";
+  CPLFree(text);
+  if (geographic != nullptr) OSRDestroySpatialReference(geographic);
+  return wkt;
+}
+
+// The dataset on a map whose distances are those of the ground: one that has control points alone is warped to their
+// map, and one whose map is off by more than 0.5 % here to latitude and longitude, unless the user wants the map.
+Result<Dataset> onTrueMap(Dataset dataset, const std::string& name, const OpenOptions& options,
+                          std::vector<Dataset>& sources, std::vector<std::string>& notes) {
+  constexpr double kMaxOff = 0.005;
+  std::array<double, 6> t{};
+  if (const int points = GDALGetGCPCount(dataset.get());
+      points > 0 && GDALGetGeoTransform(dataset.get(), t.data()) != CE_None) {
+    GdalMessages messages;
+    Dataset placed = warped(dataset.get(), "");
+    if (!placed)
+      return Error{ErrorCode::kUnsupported, fmt::format("{}: its {} control points do not place it (GDAL says: {}); "
+                                                        "try gdalwarp -tps -dstnodata -9999 {} placed.tif",
+                                                        name, points, messages.errors(), name)};
+    notes.push_back(fmt::format("it is placed by {} control points, and was warped to their map", points));
+    sources.push_back(std::exchange(dataset, std::move(placed)));
+  }
+  const std::optional<double> scale = scaleOfMap(dataset.get());
+  if (!scale || std::fabs(*scale - 1) <= kMaxOff) return dataset;
+  const char* map = OSRGetName(GDALGetSpatialRef(dataset.get()));
+  if (options.frame == FrameChoice::kPlanar) {
+    notes.push_back(fmt::format(
+        "its map ({}) shows distances {:.3g} times as long as they are here, and slopes as much flatter", map, *scale));
+    return dataset;
+  }
+  Dataset placed = warped(dataset.get(), geographicOf(GDALGetSpatialRef(dataset.get())));
+  if (!placed) return dataset;
+  notes.push_back(
+      fmt::format("its map ({}) shows distances {:.3g} times as long as they are here, so it was warped to latitude "
+                  "and longitude (--frame projected keeps the map)",
+                  map, *scale));
+  sources.push_back(std::move(dataset));
+  return placed;
 }
 
 // An Error where the file named another one that must not be read, whatever became of it.
@@ -287,7 +458,13 @@ Result<std::unique_ptr<Raster>> openOne(const std::string& gdal_path, const std:
     if (!dataset) return openError(name, messages.errors());
     options.channel.reset();
   }
+  std::vector<std::string> notes;
+  std::vector<Dataset> sources;
+  Result<Dataset> placed = onTrueMap(std::move(dataset), name, options, sources, notes);
+  if (!placed.ok()) return placed.error();
+  dataset = std::move(placed).value();
   auto raster = std::make_unique<GdalRaster>(std::move(dataset), name, fence);
+  raster->keep(std::move(sources), std::move(notes));
   const Status read = raster->init(options, messages);
   if (Status s = checkRefused(fence.get(), name); !s.ok()) return s.error();
   if (!read.ok()) return read.error();

@@ -16,8 +16,9 @@ enum class FrameChoice : uint8_t {
 };
 
 enum class HeightEncoding : uint8_t {
-  kPlain,      // one band of heights
-  kTerrarium,  // three bands of 8 bits: red * 256 + green + blue / 256 - 32768 metres
+  kPlain,       // one band of heights
+  kTerrarium,   // three bands of 8 bits: red * 256 + green + blue / 256 - 32768 metres
+  kTerrainRgb,  // the same: (red * 65536 + green * 256 + blue) / 10 - 10000 metres
 };
 
 struct OpenOptions {
@@ -25,7 +26,8 @@ struct OpenOptions {
   std::optional<double> spacing_m{};     // for inputs without a reference system (EXR, images)
   std::optional<std::string> channel{};  // EXR channel, band number, or variable of a file with several
   FrameChoice frame = FrameChoice::kAuto;
-  HeightEncoding encoding = HeightEncoding::kPlain;
+  HeightEncoding encoding = HeightEncoding::kPlain;  // of pictures whose colours are heights it is found out
+  std::optional<double> height_unit{};               // metres a unit of the heights, whatever the file says
   // Beside its own folder, what a file may name files of (terrain/fence/file_fence.h); without the fence, in tests of
   // what else holds, any.
   std::vector<std::filesystem::path> allowed_folders{};

@@ -24,7 +24,10 @@ struct Georeference {
   std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
   double unit = 1;  // metres (projected) or radians (geographic) per unit of the map
   double prime_meridian_rad = 0;
-  Ellipsoid ellipsoid;   // geographic
+  Ellipsoid ellipsoid;  // geographic
+  // Metres per unit of the reference system's vertical part; nothing if it has none.
+  std::optional<double> vertical_unit{};
+  std::string vertical_unit_name{};
   std::string crs_name;  // for people
   std::string crs_wkt;
 };
