@@ -44,7 +44,7 @@ class BashCompletion(unittest.TestCase):
         self.assertEqual(self.offered("foreland", "serve", "--allow-origin", "a", "--allow"), ["--allow-origin"])
 
     def test_words_that_an_option_takes(self):
-        self.assertEqual(self.offered("foreland", "build", "--frame", ""), ["auto", "planar", "geographic"])
+        self.assertEqual(self.offered("foreland", "build", "--frame", ""), ["auto", "planar", "projected", "geographic"])
         self.assertEqual(self.offered("foreland", "fly", "ws://h", "--strategy", "p"), ["predict"])
         self.assertEqual(self.offered("foreland", "fly", "--strategy", "=", "p"), ["predict"])
         self.assertEqual(self.offered("foreland", "fly", "--strategy", "="), ["delay", "current", "predict"])
