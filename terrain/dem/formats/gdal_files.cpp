@@ -317,12 +317,18 @@ void closeGdalFileSystems() {
   for (int i = 0; i < GDALGetDriverCount(); ++i)
     if (std::ranges::find(kDrivers, std::string_view(GDALGetDriverShortName(GDALGetDriver(i)))) == std::end(kDrivers))
       others.push_back(GDALGetDriver(i));
-  for (GDALDriverH driver : others) GDALDeregisterDriver(driver);
-  static auto* const none = new NoFiles;  // GDAL keeps them to its end
+  for (GDALDriverH driver : others) {
+    GDALDeregisterDriver(driver);
+    GDALDestroyDriver(driver);
+  }
+  static auto* const none = new NoFiles;  // GDAL keeps file systems to its end
+  static auto* const replaced = new std::vector<VSIFilesystemHandler*>;
   char** prefixes = VSIFileManager::GetPrefixes();
   for (int i = 0; prefixes != nullptr && prefixes[i] != nullptr; ++i)
-    if (std::ranges::find(kFileSystems, std::string_view(prefixes[i])) == std::end(kFileSystems))
+    if (std::ranges::find(kFileSystems, std::string_view(prefixes[i])) == std::end(kFileSystems)) {
+      replaced->push_back(VSIFileManager::GetHandler(prefixes[i]));
       VSIFileManager::InstallHandler(prefixes[i], none);
+    }
   CSLDestroy(prefixes);
   VSIFileManager::InstallHandler("", new FencedFiles(VSIFileManager::GetHandler("")));
 }
