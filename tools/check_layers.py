@@ -71,7 +71,8 @@ CLIENT = [*PROTO, *CLIENT_ROOMS]
 SEES["client/wasm"] = CLIENT
 SEES["client/fly/net"] = [*CLIENT, "transport"]
 SEES["server/net"] = [*SEES["server/net"], "transport"]
-SEES["client/fly"] = [*CLIENT, "client/fly/net"]
+SEES["client/fly/tracks"] = CLIENT
+SEES["client/fly"] = [*CLIENT, "client/fly/net", "client/fly/tracks"]
 
 LIBRARIES = sorted(SEES)
 # The judge of what is drawn, in measurements, in the player and in tests; it knows nothing of the server.
@@ -106,13 +107,13 @@ THIRD_PARTY = [
     (r"(OpenEXR|Imath)/|(Imf|Iex|IlmThread|Imath|half)\w*\.h$|openexr\w*\.h$", "OpenEXR", ["terrain/dem/formats", "terrain/render", *TESTS]),
     (r"png(conf|libconf)?\.h$", "libpng", ["terrain/model", *TESTS]),
     (r"(jpeglib\.h$|jerror\.h$|webp/)", "libjpeg or libwebp", ["terrain/model", "terrain/imagery", *TESTS]),
-    (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly", *TESTS]),
+    (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly/tracks", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "terrain/render", *TESTS]),
     (r"boost/", "Boost", ["transport", "server/net/http", "server/net/access", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["transport", "server/net/access", *EDGES]),
     (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "lab/wire/peers", *TESTS]),
-    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["client/fly", "lab/wire/peers", "server/net/http", *TESTS]),
+    (r"(zlib\.h$|brotli/)", "zlib or brotli", ["client/fly/tracks", "lab/wire/peers", "server/net/http", *TESTS]),
     (r"CLI/", "CLI11", EDGES),
     (r"toml\+\+/", "toml++", EDGES),
     (r"benchmark/", "Google Benchmark", ["lab"]),

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "client/fly/track.h"
 #include "client/fly/track_path.h"
+#include "client/fly/tracks/track.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "client/fly/jump_tour.h"
-#include "client/fly/track.h"
 #include "client/fly/track_path.h"
+#include "client/fly/tracks/track.h"
 #include "client/viewer.h"
 
 namespace foreland::client {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "client/fly/track.h"
+#include "client/fly/tracks/track.h"
 #include "proto/space/frame.h"
 #include "proto/space/path.h"
 #include "proto/topology/grid.h"

@@ -6,7 +6,7 @@
 
 #include "apps/options/options.h"
 #include "client/fly/recorded_path.h"
-#include "client/fly/track.h"
+#include "client/fly/tracks/track.h"
 #include "server/view/ground.h"
 #include "server/view/tour.h"
 

@@ -4,8 +4,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/rng.h"
-#include "client/fly/track.h"
 #include "client/fly/track_path.h"
+#include "client/fly/tracks/track.h"
 #include "tests/client/fly/alpine_tile.h"
 #include "tests/support/data.h"
 

@@ -1,4 +1,4 @@
-#include "client/fly/track.h"
+#include "client/fly/tracks/track.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "client/fly/point_text.h"
-#include "client/fly/track.h"
-#include "client/fly/track_builder.h"
-#include "client/fly/xml_text.h"
+#include "client/fly/tracks/point_text.h"
+#include "client/fly/tracks/track.h"
+#include "client/fly/tracks/track_builder.h"
+#include "client/fly/tracks/xml_text.h"
 
 namespace foreland::client {
 

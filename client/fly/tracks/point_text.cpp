@@ -1,4 +1,4 @@
-#include "client/fly/point_text.h"
+#include "client/fly/tracks/point_text.h"
 
 #include <algorithm>
 #include <charconv>

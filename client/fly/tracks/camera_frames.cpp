@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "base/lines.h"
-#include "client/fly/track.h"
-#include "client/fly/track_builder.h"
+#include "client/fly/tracks/track.h"
+#include "client/fly/tracks/track_builder.h"
 #include "proto/space/pose.h"
 
 namespace foreland::client {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "client/fly/point_text.h"
-#include "client/fly/track.h"
-#include "client/fly/track_builder.h"
+#include "client/fly/tracks/point_text.h"
+#include "client/fly/tracks/track.h"
+#include "client/fly/tracks/track_builder.h"
 
 namespace foreland::client {
 

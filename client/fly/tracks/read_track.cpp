@@ -8,7 +8,7 @@
 
 #include "base/lines.h"
 #include "base/utf8.h"
-#include "client/fly/track.h"
+#include "client/fly/tracks/track.h"
 
 namespace foreland::client {
 

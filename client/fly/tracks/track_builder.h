@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/fly/track.h"
+#include "client/fly/tracks/track.h"
 
 namespace foreland::client {
 

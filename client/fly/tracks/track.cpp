@@ -1,9 +1,9 @@
-#include "client/fly/track.h"
+#include "client/fly/tracks/track.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/fly/track_builder.h"
+#include "client/fly/tracks/track_builder.h"
 
 namespace foreland::client {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/lines.h"
-#include "client/fly/track.h"
-#include "client/fly/track_builder.h"
+#include "client/fly/tracks/track.h"
+#include "client/fly/tracks/track_builder.h"
 
 namespace foreland::client {
 
