@@ -80,7 +80,7 @@ Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& n
   if (OSRIsGeocentric(crs) || OSRIsDerivedGeographic(crs))
     return Error{ErrorCode::kUnsupported, name + ": its reference system (" + out.crs_name +
                                               ") is neither projected nor plain latitude and longitude; "
-                                              "convert it first, e.g. gdalwarp -t_srs EPSG:4326"};
+                                              "convert it first, e.g. gdalwarp -t_srs EPSG:4326 -dstnodata -9999"};
   out.crs_wkt = exportWkt(crs);
   readVerticalUnit(crs, out);
   if (OSRIsGeographic(crs)) {

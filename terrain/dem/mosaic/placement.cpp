@@ -120,9 +120,9 @@ Status makeGeographic(const Georeference& map, const Extent& extent, RasterPlace
   glm::dvec2 axis_x, axis_y;
   orient(map, out, axis_x, axis_y);
   if (axis_x.y != 0 || axis_y.x != 0)
-    return Error{
-        ErrorCode::kUnsupported,
-        extent.name + ": its rows do not follow the parallels; straighten it first with gdalwarp -t_srs EPSG:4326"};
+    return Error{ErrorCode::kUnsupported, extent.name +
+                                              ": its rows do not follow the parallels; straighten it first with "
+                                              "gdalwarp -t_srs EPSG:4326 -dstnodata -9999"};
   proto::Frame& frame = out.frame;
   frame.kind = proto::FrameKind::kGeographic;
   frame.semi_major_m = map.ellipsoid.semi_major_m;
@@ -169,9 +169,10 @@ Result<RasterPlacement> placeRaster(const Georeference& resolved, const Extent& 
   RasterPlacement out;
   Georeference map = resolved;
   if (options.frame == FrameChoice::kGeographic && map.kind != MapKind::kGeographic)
-    return overrideError(extent.name,
-                         "--frame geographic cannot be meant for map coordinates (" + map.crs_name +
-                             "); convert the file first with gdalwarp -t_srs EPSG:4326, or leave --frame out");
+    return overrideError(
+        extent.name,
+        "--frame geographic cannot be meant for map coordinates (" + map.crs_name +
+            "); convert the file first with gdalwarp -t_srs EPSG:4326 -dstnodata -9999, or leave --frame out");
   if (options.frame == FrameChoice::kPlanar && map.kind == MapKind::kGeographic) {
     Result<Georeference> flat = flatten(map, extent);
     if (!flat.ok()) return flat.error();
