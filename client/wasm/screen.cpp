@@ -1,6 +1,6 @@
 // What the page's drawing thread computes for a frame, without the viewer, which lives in a worker with another
 // instance of this module: what is shown when (client/schedule.h), where the camera is on a tour, and where it is on
-// the map. The worker migrates the intervals of new meshes, the server's welcome and tours as they came, and the
+// the map. The worker hands over the intervals of new meshes, the server's welcome and tours as they came, and the
 // ground about the eye. Times are milliseconds of the page's clock. One thread; records stay valid until the next call
 // into the module.
 #include <cmath>

@@ -28,7 +28,7 @@ class Selection {
         eye_(frame.toLattice(view.pose.eye)) {
     focal_px_ = view.lens.height_px / (2 * view.lens.tanHalfFov());
     cos_region_ = std::cos(view.region_angle_rad), sin_region_ = std::sin(view.region_angle_rad);
-    largest_span_ = spanAt(frustum_.cosCorner());
+    largest_stretch_ = stretchAt(frustum_.cosCorner());
     if (frame.frame().kind == FrameKind::kPlanar)
       planar_axes_ = axesAt({0, 0, 0}, frame.toScene(LatticePosition{0, 0, 0}));
   }
@@ -94,7 +94,7 @@ class Selection {
   }
   // No less than that, and sooner known.
   double maxTexelSize(uint8_t level, const Ground& ground) const {
-    return levelTexelSize(level, ground) * largest_span_ * std::sqrt(kMaxFacing);
+    return levelTexelSize(level, ground) * largest_stretch_ * std::sqrt(kMaxFacing);
   }
 
   // Pixels of a part of a tile that the tile makes finer, as SelectedTile counts them.
@@ -200,17 +200,17 @@ class Selection {
   // How much larger things are on a plane screen at an angle from its middle, at the tile's visible point where that is
   // largest: by 1 / cos across the angle and 1 / cos^2 along it, the distance being the same.
   double stretch(const Ground& g) const {
-    if (g.isAround()) return largest_span_;
+    if (g.isAround()) return largest_stretch_;
     const double cos_middle = std::clamp(g.in_view.z / g.distance, -1.0, 1.0),
                  sin_middle = std::sqrt(1 - cos_middle * cos_middle);
     // The angles' sum, up to a right angle.
     const double cos_edge = cos_middle * g.cos_spread - sin_middle * g.sin_spread,
                  sin_edge = sin_middle * g.cos_spread + cos_middle * g.sin_spread;
-    if (cos_edge <= 0) return largest_span_;
+    if (cos_edge <= 0) return largest_stretch_;
     const double farthest = cos_edge * cos_region_ - sin_edge * sin_region_;
-    return farthest <= frustum_.cosCorner() ? largest_span_ : spanAt(farthest);
+    return farthest <= frustum_.cosCorner() ? largest_stretch_ : stretchAt(farthest);
   }
-  static double spanAt(double cosine) { return 1 / (cosine * std::sqrt(cosine)); }
+  static double stretchAt(double cosine) { return 1 / (cosine * std::sqrt(cosine)); }
 
   const TileLayer& layer_;
   const FrameTransform& frame_;
@@ -219,7 +219,7 @@ class Selection {
   LatticePosition eye_;
   double focal_px_;
   double cos_region_ = 1, sin_region_ = 0;  // of the angle that the camera may turn by
-  double largest_span_;                     // in a corner of the screen
+  double largest_stretch_;                  // in a corner of the screen
   std::optional<Axes> planar_axes_;         // the same everywhere
 };
 

@@ -12,7 +12,7 @@ namespace {
 constexpr int64_t kComponentOffset = 32768;
 constexpr int kLargestBits = 2;
 constexpr Duration kFarthestAhead = Duration::milliseconds(10'000);
-constexpr int64_t kMaxSpan = 8;
+constexpr int64_t kMaxStretch = 8;
 constexpr int64_t kLargestChange = 1'000'000'000;  // times 10 s in microseconds, still far inside int64
 
 using Triple = std::array<int64_t, 3>;
@@ -90,7 +90,8 @@ int64_t WirePoses::timeChange(Time time) const { return (time - last().time).us 
 int WirePoses::usableOrder(int order, Duration t) const {
   int usable = 0;
   while (usable < order && usable + 1 < count_ && t > Duration{} && t <= kFarthestAhead && step(usable) > Duration{} &&
-         t.us / kMaxSpan <= step(usable).us && changesLittle(moments_[usable].pose.eye, moments_[usable + 1].pose.eye))
+         t.us / kMaxStretch <= step(usable).us &&
+         changesLittle(moments_[usable].pose.eye, moments_[usable + 1].pose.eye))
     ++usable;
   return usable;
 }

@@ -129,7 +129,7 @@ std::pair<HorizonGrid::Steps, std::vector<HorizonGrid::Level>> levelsOf(const Sa
 }
 
 // The larger singular value.
-double largestSpan(const glm::dmat2& m) {
+double largestStretch(const glm::dmat2& m) {
   const double sum = glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]), determinant = glm::determinant(m);
   return std::sqrt(0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant))));
 }
@@ -166,8 +166,8 @@ void HorizonGrid::setAxes(const glm::dmat2& step, const glm::dvec2& origin_m) {
   to_scene_ = step;
   to_grid_ = glm::inverse(step);
   origin_m_ = origin_m;
-  steps_of_metre_ = largestSpan(to_grid_);
-  metres_of_step_ = largestSpan(step);
+  steps_of_metre_ = largestStretch(to_grid_);
+  metres_of_step_ = largestStretch(step);
 }
 
 HorizonGrid::Bounds HorizonGrid::boundsOf(const proto::LatticeBox& box, double lowest_m, double highest_m) const {
