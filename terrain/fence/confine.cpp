@@ -17,6 +17,8 @@
 #include <initializer_list>
 #include <memory>
 
+#include "base/sanitized.h"
+
 namespace foreland::terrain {
 
 namespace {
@@ -78,17 +80,7 @@ bool confineFiles(const Confinement& confinement) {
 }
 
 // The leak sanitizer looks into its own process by ptrace when it ends.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kIsSanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
-#else
-constexpr bool kIsSanitized = false;
-#endif
+constexpr bool kMayTrace = FORELAND_SANITIZED == 1;
 
 bool confineCalls() {
   const std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter(seccomp_init(SCMP_ACT_ALLOW), seccomp_release);
@@ -100,8 +92,7 @@ bool confineCalls() {
         SCMP_SYS(io_uring_setup),  SCMP_SYS(io_uring_enter), SCMP_SYS(io_uring_register), SCMP_SYS(bpf),
         SCMP_SYS(perf_event_open), SCMP_SYS(mount),          SCMP_SYS(unshare),           SCMP_SYS(setns),
         SCMP_SYS(pidfd_getfd),     SCMP_SYS(keyctl),         SCMP_SYS(add_key),           SCMP_SYS(request_key)})
-    if (!(kIsSanitized && call == SCMP_SYS(ptrace)) &&
-        seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), call, 0) != 0)
+    if (!(kMayTrace && call == SCMP_SYS(ptrace)) && seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), call, 0) != 0)
       return false;
   return seccomp_load(filter.get()) == 0;  // calls of other architectures end the process
 }

@@ -7,18 +7,18 @@ namespace foreland::terrain {
 
 namespace {
 
-std::filesystem::path resolved(const std::filesystem::path& path) {
-  std::error_code failed;
-  std::filesystem::path out = std::filesystem::weakly_canonical(std::filesystem::absolute(path, failed), failed);
-  return failed ? path.lexically_normal() : out;
-}
-
 bool isWithin(const std::filesystem::path& file, const std::filesystem::path& folder) {
   const auto [end, at] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
   return end == folder.end() || (std::next(end) == folder.end() && end->empty());
 }
 
 }  // namespace
+
+std::filesystem::path FileFence::resolved(const std::filesystem::path& path) {
+  std::error_code failed;
+  std::filesystem::path out = std::filesystem::weakly_canonical(std::filesystem::absolute(path, failed), failed);
+  return failed ? path.lexically_normal() : out;
+}
 
 // The folder of a link that the user named counts, and that of the file it leads to. The root of all files is no folder
 // of an input's: only the input itself may be read there.
@@ -38,17 +38,6 @@ bool FileFence::mayRead(const std::filesystem::path& path) const {
   const std::filesystem::path file = resolved(path);
   return std::ranges::find(files_, file) != files_.end() ||
          std::ranges::any_of(folders_, [&](const auto& folder) { return isWithin(file, folder); });
-}
-
-Result<std::filesystem::path> FileFence::resolve(const std::filesystem::path& by, std::string_view named) const {
-  std::string text(named);
-  std::ranges::replace(text, '\\', '/');
-  if (text.find("://") != std::string::npos || text.starts_with("file:") || text.find('\0') != std::string::npos)
-    return Error{ErrorCode::kInvalidArgument, by.string() + ": names '" + std::string(named) +
-                                                  "', which is no file of its folder; put it there and name it so"};
-  const std::filesystem::path file = by.parent_path() / text;
-  if (!mayRead(file)) return refusal(by, resolved(file));
-  return file;
 }
 
 Error FileFence::refusal(const std::filesystem::path& by, const std::filesystem::path& file) {

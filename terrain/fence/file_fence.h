@@ -7,8 +7,6 @@
 
 #include <filesystem>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -23,13 +21,11 @@ class FileFence {
 
   // Whether a file, which need not be there, may be read. O(folders), and the file system's work of resolving links.
   bool mayRead(const std::filesystem::path& file) const;
-  // The file that `named` means in `folder`, in the syntax of this system or of Windows; an Error if it must not be
-  // read. `by` is the file that names it.
-  Result<std::filesystem::path> resolve(const std::filesystem::path& by, std::string_view named) const;
+  // An absolute path without links, as far as it is there: folders() and files() are such.
+  static std::filesystem::path resolved(const std::filesystem::path& path);
   // What is said of a file that must not be read, and how to allow it.
   static Error refusal(const std::filesystem::path& by, const std::filesystem::path& file);
 
-  // The folders, resolved: for confineTo (confine.h).
   const std::vector<std::filesystem::path>& folders() const { return folders_; }
   const std::vector<std::filesystem::path>& files() const { return files_; }
 

@@ -24,65 +24,21 @@ namespace foreland::terrain {
 namespace {
 
 // Rasters in files. None of them opens connections; what is not here is no elevation or picture of anybody's.
-constexpr std::string_view kDrivers[] = {"AAIGrid",     "ACE2",
-                                         "ADRG",        "AIG",
-                                         "BAG",         "BIGGIF",
-                                         "BMP",         "BT",
-                                         "BYN",         "CEOS",
-                                         "COASP",       "COG",
-                                         "CTG",         "DIMAP",
-                                         "DOQ1",        "DOQ2",
-                                         "DTED",        "ECRGTOC",
-                                         "EHdr",        "EIR",
-                                         "ELAS",        "ENVI",
-                                         "ERS",         "ESAT",
-                                         "ESRIC",       "FAST",
-                                         "FIT",         "FITS",
-                                         "FujiBAS",     "GenBin",
-                                         "GFF",         "GIF",
-                                         "GPKG",        "GRASSASCIIGrid",
-                                         "GRIB",        "GS7BG",
-                                         "GSAG",        "GSBG",
-                                         "GSC",         "GTiff",
-                                         "GTX",         "GXF",
-                                         "HDF4",        "HDF4Image",
-                                         "HDF5",        "HDF5Image",
-                                         "HF2",         "HFA",
-                                         "IDA",         "ILWIS",
-                                         "ISCE",        "ISG",
-                                         "ISIS2",       "ISIS3",
-                                         "JP2OpenJPEG", "JPEG",
-                                         "KRO",         "L1B",
-                                         "LAN",         "LCP",
-                                         "Leveller",    "MAP",
-                                         "MEM",         "MFF",
-                                         "MFF2",        "NDF",
-                                         "netCDF",      "NGSGEOID",
-                                         "NITF",        "NOAA_B",
-                                         "NTv2",        "NWT_GRC",
-                                         "NWT_GRD",     "PAux",
-                                         "PCIDSK",      "PCRaster",
-                                         "PDS",         "PDS4",
-                                         "PNG",         "PNM",
-                                         "PRF",         "R",
-                                         "RIK",         "RMF",
-                                         "ROI_PAC",     "RRASTER",
-                                         "RST",         "SAGA",
-                                         "SDTS",        "SGI",
-                                         "SNODAS",      "SRP",
-                                         "SRTMHGT",     "Terragen",
-                                         "TGA",         "TIL",
-                                         "USGSDEM",     "VICAR",
-                                         "VRT",         "WEBP",
-                                         "XPM",         "XYZ",
-                                         "Zarr",        "ZMap",
-                                         "GMT"};
+constexpr std::string_view kDrivers =
+    " AAIGrid ACE2 ADRG AIG BAG BIGGIF BMP BT BYN CEOS COASP COG CTG DIMAP DOQ1 DOQ2 DTED ECRGTOC"
+    " EHdr EIR ELAS ENVI ERS ESAT ESRIC FAST FIT FITS FujiBAS GenBin GFF GIF GPKG GRASSASCIIGrid GRIB"
+    " GS7BG GSAG GSBG GSC GTiff GTX GXF HDF4 HDF4Image HDF5 HDF5Image HF2 HFA IDA ILWIS ISCE ISG"
+    " ISIS2 ISIS3 JP2OpenJPEG JPEG KRO L1B LAN LCP Leveller MAP MEM MFF MFF2 NDF netCDF NGSGEOID NITF"
+    " NOAA_B NTv2 NWT_GRC NWT_GRD PAux PCIDSK PCRaster PDS PDS4 PNG PNM PRF R RIK RMF ROI_PAC RRASTER"
+    " RST SAGA SDTS SGI SNODAS SRP SRTMHGT Terragen TGA TIL USGSDEM VICAR VRT WEBP XPM XYZ Zarr ZMap"
+    " GMT ";
 constexpr std::string_view kFileSystems[] = {"/vsizip/", "/vsigzip/", "/vsitar/", "/vsimem/", "/vsisubfile/"};
 
-// What fences and outputs there are, and what was refused. Leaked, since GDAL's file systems outlive all objects.
+// What may be read and written, and what was refused. Leaked, since GDAL's file systems outlive all objects.
 struct State {
   std::mutex mutex;
-  std::vector<const FileFence*> fences;
+  size_t fences = 0;
+  std::multiset<std::filesystem::path> folders, files;  // of all fences, resolved
   std::multiset<std::filesystem::path> outputs;
   std::optional<std::filesystem::path> refused;
 };
@@ -92,33 +48,41 @@ State& state() {
 }
 
 // Where GDAL and PROJ keep their own data.
-bool isSystemData(const std::filesystem::path& file) {
-  static const std::vector<std::filesystem::path> folders = [] {
-    std::vector<std::filesystem::path> out{"/usr/share/gdal", "/usr/share/proj", "/usr/local/share/gdal",
-                                           "/usr/local/share/proj"};
+const FileFence& systemData() {
+  static const FileFence* const fence = [] {
+    std::vector<std::filesystem::path> folders{"/usr/share/gdal", "/usr/share/proj", "/usr/local/share/gdal",
+                                               "/usr/local/share/proj"};
     for (const char* name : {"GDAL_DATA", "PROJ_LIB", "PROJ_DATA"})
-      if (const char* path = std::getenv(name)) out.emplace_back(path);
-    return out;
+      if (const char* path = std::getenv(name)) folders.emplace_back(path);
+    return new FileFence({}, folders);
   }();
-  const FileFence system({}, folders);
-  return system.mayRead(file);
+  return *fence;
+}
+
+// Whether some fence holds a file: as many look-ups as it has folders above it, however many fences there are.
+bool isHeld(const State& s, const std::filesystem::path& file) {
+  if (s.files.contains(file)) return true;
+  for (std::filesystem::path folder = file;; folder = folder.parent_path()) {
+    if (s.folders.contains(folder)) return true;
+    if (folder == folder.parent_path()) return false;
+  }
 }
 
 bool mayRead(const char* path) {
   State& s = state();
   const std::lock_guard lock(s.mutex);
-  if (s.fences.empty() || s.outputs.contains(path)) return true;
-  if (std::ranges::any_of(s.fences, [&](const FileFence* fence) { return fence->mayRead(path); }) || isSystemData(path))
-    return true;
+  if (s.fences == 0 || s.outputs.contains(path)) return true;
+  const std::filesystem::path file = FileFence::resolved(path);
+  if (isHeld(s, file) || systemData().mayRead(file)) return true;
   std::error_code failed;
-  if (std::filesystem::exists(path, failed) && !s.refused) s.refused = std::filesystem::weakly_canonical(path, failed);
+  if (!s.refused && std::filesystem::exists(file, failed)) s.refused = file;
   return false;
 }
 
 bool mayWrite(const char* path) {
   State& s = state();
   const std::lock_guard lock(s.mutex);
-  return s.fences.empty() || s.outputs.contains(path);
+  return s.fences == 0 || s.outputs.contains(path);
 }
 
 bool isRead(const char* access) {
@@ -285,19 +249,17 @@ struct VrtCheck {
 GdalFence::GdalFence(FileFence fence) : fence_(std::move(fence)) {
   State& s = state();
   const std::lock_guard lock(s.mutex);
-  s.fences.push_back(&fence_);
+  ++s.fences;
+  s.folders.insert(fence_.folders().begin(), fence_.folders().end());
+  s.files.insert(fence_.files().begin(), fence_.files().end());
 }
 
 GdalFence::~GdalFence() {
   State& s = state();
   const std::lock_guard lock(s.mutex);
-  std::erase(s.fences, &fence_);
-}
-
-std::optional<std::filesystem::path> GdalFence::takeRefused() const {
-  State& s = state();
-  const std::lock_guard lock(s.mutex);
-  return std::exchange(s.refused, std::nullopt);
+  --s.fences;
+  for (const std::filesystem::path& folder : fence_.folders()) s.folders.erase(s.folders.find(folder));
+  for (const std::filesystem::path& file : fence_.files()) s.files.erase(s.files.find(file));
 }
 
 GdalOutput::GdalOutput(const std::filesystem::path& file) : file_(file) {
@@ -315,7 +277,7 @@ GdalOutput::~GdalOutput() {
 void closeGdalFileSystems() {
   std::vector<GDALDriverH> others;
   for (int i = 0; i < GDALGetDriverCount(); ++i)
-    if (std::ranges::find(kDrivers, std::string_view(GDALGetDriverShortName(GDALGetDriver(i)))) == std::end(kDrivers))
+    if (kDrivers.find(fmt::format(" {} ", GDALGetDriverShortName(GDALGetDriver(i)))) == std::string_view::npos)
       others.push_back(GDALGetDriver(i));
   for (GDALDriverH driver : others) {
     GDALDeregisterDriver(driver);
@@ -333,16 +295,40 @@ void closeGdalFileSystems() {
   VSIFileManager::InstallHandler("", new FencedFiles(VSIFileManager::GetHandler("")));
 }
 
-Status checkVrt(const std::string& gdal_path, const std::string& name, const FileFence& fence) {
-  return VrtCheck{name, fence}.file(gdal_path, 0);
+Status checkRefused(const GdalFence* fence, const std::string& name) {
+  if (fence == nullptr) return {};
+  State& s = state();
+  const std::lock_guard lock(s.mutex);
+  const auto refused = std::exchange(s.refused, std::nullopt);
+  return refused ? Status(FileFence::refusal(name, *refused)) : Status();
 }
 
-Status checkSubdataset(const std::string& subdataset, const std::string& gdal_path, const std::string& name,
-                       const FileFence& fence) {
-  if (subdataset.find(gdal_path) == std::string::npos)
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: names '{}' as its variable, which is another file", name, subdataset)};
-  return VrtCheck{name, fence}.nameOfSource(subdataset, false, gdal_path);
+namespace {
+
+GdalDataset openRasters(const std::string& gdal_path) {
+  return GdalDataset(GDALOpenEx(gdal_path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
+                                nullptr, nullptr));
+}
+
+}  // namespace
+
+Result<GdalDataset> openFenced(const GdalFence* fence, const std::string& gdal_path, const std::string& name) {
+  if (fence != nullptr)
+    if (Status s = VrtCheck{name, fence->files()}.file(gdal_path, 0); !s.ok()) return s.error();
+  GdalDataset dataset = openRasters(gdal_path);
+  if (Status s = checkRefused(fence, name); !s.ok()) return s.error();
+  return dataset;
+}
+
+Result<GdalDataset> openSubdataset(const GdalFence* fence, const std::string& subdataset, const std::string& gdal_path,
+                                   const std::string& name) {
+  if (fence != nullptr) {
+    if (subdataset.find(gdal_path) == std::string::npos)
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{}: names '{}' as its variable, which is another file", name, subdataset)};
+    if (Status s = VrtCheck{name, fence->files()}.nameOfSource(subdataset, false, gdal_path); !s.ok()) return s.error();
+  }
+  return openRasters(subdataset);
 }
 
 }  // namespace foreland::terrain

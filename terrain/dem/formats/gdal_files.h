@@ -4,11 +4,10 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 
 #include "base/result.h"
+#include "terrain/dem/formats/gdal_dataset.h"
 #include "terrain/fence/file_fence.h"
 
 namespace foreland::terrain {
@@ -23,8 +22,6 @@ class GdalFence {
   GdalFence& operator=(const GdalFence&) = delete;
 
   const FileFence& files() const { return fence_; }
-  // A file that is there and that was asked for but must not be read, since the last call.
-  std::optional<std::filesystem::path> takeRefused() const;
 
  private:
   FileFence fence_;
@@ -46,12 +43,15 @@ class GdalOutput {
 // files.
 void closeGdalFileSystems();
 
-// Whether all that a VRT names, and the VRTs that it names, may be read: names that GDAL gives to a driver
-// (NETCDF:"file":variable) as well as paths. Nothing else is a VRT, and may be read. Reads the file, and those.
-Status checkVrt(const std::string& gdal_path, const std::string& name, const FileFence& fence);
-
-// Whether the name of a subdataset, which is the file's own text, is one of that file.
-Status checkSubdataset(const std::string& subdataset, const std::string& gdal_path, const std::string& name,
-                       const FileFence& fence);
+// Opens the rasters of a file, which messages call `name`; null if it has none that GDAL reads. Error: it names what
+// must not be read. All that a VRT names, and the VRTs that it names, is looked at before: paths, and names that GDAL
+// gives to a driver (NETCDF:"file":variable). Without a fence nothing is checked, here and below.
+Result<GdalDataset> openFenced(const GdalFence* fence, const std::string& gdal_path, const std::string& name);
+// The same of a subdataset, whose name is the file's own text: it must be one of that file.
+Result<GdalDataset> openSubdataset(const GdalFence* fence, const std::string& subdataset, const std::string& gdal_path,
+                                   const std::string& name);
+// An Error where a file was asked for, since the last call, that is there but must not be read: whatever else became of
+// what was done.
+Status checkRefused(const GdalFence* fence, const std::string& name);
 
 }  // namespace foreland::terrain

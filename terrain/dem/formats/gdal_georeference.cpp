@@ -5,18 +5,14 @@
 #include <ogr_srs_api.h>
 
 #include <cmath>
-#include <memory>
 #include <numbers>
 
+#include "terrain/dem/formats/gdal_dataset.h"
 #include "terrain/dem/formats/gdal_messages.h"
 
 namespace foreland::terrain {
 
-namespace {
-
-using SpatialReference = std::unique_ptr<void, decltype(&OSRDestroySpatialReference)>;
-
-std::string exportWkt(OGRSpatialReferenceH crs) {
+std::string wktOf(OGRSpatialReferenceH crs) {
   const char* const options[] = {"FORMAT=WKT2_2019", nullptr};
   char* text = nullptr;
   if (OSRExportToWktEx(crs, &text, options) != OGRERR_NONE) OSRExportToWkt(crs, &text);
@@ -24,6 +20,16 @@ std::string exportWkt(OGRSpatialReferenceH crs) {
   CPLFree(text);
   return wkt;
 }
+
+Ellipsoid ellipsoidOf(OGRSpatialReferenceH crs) {
+  OGRErr failed = OGRERR_NONE;
+  const double semi_major = OSRGetSemiMajor(crs, &failed);
+  if (failed != OGRERR_NONE) return {};
+  const double inverse = OSRGetInvFlattening(crs, &failed);
+  return {semi_major, inverse > 0 ? 1 / inverse : 0.0};
+}
+
+namespace {
 
 // Reads the map positions of sample centres. False if the dataset has none, or a degenerate transform.
 bool readTransform(GDALDatasetH dataset, Georeference& out, std::vector<std::string>& notes) {
@@ -45,16 +51,8 @@ void readGeographic(OGRSpatialReferenceH crs, Georeference& out) {
   out.kind = MapKind::kGeographic;
   out.unit = OSRGetAngularUnits(crs, nullptr);
   out.prime_meridian_rad = OSRGetPrimeMeridian(crs, nullptr) * std::numbers::pi / 180;
-  OGRErr failed = OGRERR_NONE;
-  const double semi_major = OSRGetSemiMajor(crs, &failed);
-  if (failed != OGRERR_NONE) return;
-  const double inverse = OSRGetInvFlattening(crs, &failed);
-  out.ellipsoid = {semi_major, inverse > 0 ? 1 / inverse : 0.0};
+  out.ellipsoid = ellipsoidOf(crs);
 }
-
-}  // namespace
-
-namespace {
 
 void readVerticalUnit(OGRSpatialReferenceH crs, Georeference& out) {
   if (!OSRIsCompound(crs)) return;
@@ -81,7 +79,7 @@ Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& n
     return Error{ErrorCode::kUnsupported, name + ": its reference system (" + out.crs_name +
                                               ") is neither projected nor plain latitude and longitude; "
                                               "convert it first, e.g. gdalwarp -t_srs EPSG:4326 -dstnodata -9999"};
-  out.crs_wkt = exportWkt(crs);
+  out.crs_wkt = wktOf(crs);
   readVerticalUnit(crs, out);
   if (OSRIsGeographic(crs)) {
     readGeographic(crs, out);
@@ -102,8 +100,8 @@ bool isSameReferenceSystem(const Georeference& a, const Georeference& b) {
     return a.unit == b.unit && a.prime_meridian_rad == b.prime_meridian_rad &&
            std::fabs(a.ellipsoid.semi_major_m - b.ellipsoid.semi_major_m) < 0.5;
   const GdalMessages silence;
-  const SpatialReference left(OSRNewSpatialReference(a.crs_wkt.c_str()), OSRDestroySpatialReference);
-  const SpatialReference right(OSRNewSpatialReference(b.crs_wkt.c_str()), OSRDestroySpatialReference);
+  const GdalReferenceSystem left(OSRNewSpatialReference(a.crs_wkt.c_str()));
+  const GdalReferenceSystem right(OSRNewSpatialReference(b.crs_wkt.c_str()));
   const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", nullptr};
   return left && right && OSRIsSameEx(left.get(), right.get(), options);
 }

@@ -7,13 +7,18 @@
 #include "base/result.h"
 #include "terrain/dem/raster/raster.h"
 
-typedef void* GDALDatasetH;  // as GDAL declares it
+typedef void* GDALDatasetH;  // as GDAL declares them
+typedef void* OGRSpatialReferenceH;
 
 namespace foreland::terrain {
 
 // Adds what had to be assumed to `notes`. Error for reference systems that a scene cannot have (geocentric, rotated
 // pole).
 Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& name, std::vector<std::string>& notes);
+
+// A reference system as text, and its ellipsoid.
+std::string wktOf(OGRSpatialReferenceH crs);
+Ellipsoid ellipsoidOf(OGRSpatialReferenceH crs);
 
 // Whether two reference systems are the same, however they are spelled. Two unknown ones count as the same.
 bool isSameReferenceSystem(const Georeference& a, const Georeference& b);

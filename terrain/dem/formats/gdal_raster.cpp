@@ -5,8 +5,6 @@
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <gdal.h>
-#include <gdal_utils.h>
-#include <ogr_srs_api.h>
 
 #include <algorithm>
 #include <array>
@@ -19,20 +17,13 @@
 #include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/formats/gdal_georeference.h"
 #include "terrain/dem/formats/gdal_messages.h"
+#include "terrain/dem/formats/true_map.h"
 #include "terrain/dem/raster/height_decoder.h"
 #include "terrain/elevation_source.h"
 
 namespace foreland::terrain {
 
 namespace {
-
-struct CloseRaster {
-  void operator()(void* dataset) const {
-    const GdalMessages silence;
-    GDALClose(dataset);
-  }
-};
-using Dataset = std::unique_ptr<void, CloseRaster>;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -78,21 +69,16 @@ Error pictureError(const std::string& name, int count) {
 
 class GdalRaster final : public Raster {
  public:
-  GdalRaster(Dataset dataset, std::string name, std::shared_ptr<const GdalFence> fence)
-      : fence_(std::move(fence)), dataset_(std::move(dataset)) {
+  GdalRaster(TrueMap map, std::string name, std::shared_ptr<const GdalFence> fence)
+      : fence_(std::move(fence)), sources_(std::move(map.sources)), dataset_(std::move(map.dataset)) {
     info_.name = std::move(name);
+    info_.notes = std::move(map.notes);
     info_.width = static_cast<uint32_t>(GDALGetRasterXSize(dataset_.get()));
     info_.height = static_cast<uint32_t>(GDALGetRasterYSize(dataset_.get()));
   }
 
   // `messages` holds what GDAL said while the dataset was opened, and collects what it says from then on.
   Status init(const OpenOptions& options, const GdalMessages& messages);
-
-  // The datasets that the raster's is a view of, and what had to be done to get it.
-  void keep(std::vector<Dataset> sources, std::vector<std::string> notes) {
-    sources_ = std::move(sources);
-    info_.notes.insert(info_.notes.end(), notes.begin(), notes.end());
-  }
 
   const RasterInfo& info() const override { return info_; }
   Status readRows(uint32_t first, uint32_t count, std::span<float> out) override {
@@ -113,8 +99,8 @@ class GdalRaster final : public Raster {
   double unitOfHeights(const OpenOptions& options);
 
   std::shared_ptr<const GdalFence> fence_;  // null without one
-  std::vector<Dataset> sources_;            // closed after the dataset
-  Dataset dataset_;
+  std::vector<GdalDataset> sources_;        // that the dataset is a view of; closed after it
+  GdalDataset dataset_;
   RasterInfo info_;
   Bands bands_;
   HeightEncoding encoding_ = HeightEncoding::kPlain;
@@ -324,21 +310,6 @@ Error openError(const std::string& name, const std::string& said) {
   return {ErrorCode::kMalformed, fmt::format("{}: {}{}", name, hint, said.empty() ? "" : " (GDAL says: " + said + ")")};
 }
 
-// The same heights in another map: that of its control points, or latitude and longitude (`to`, a reference system as
-// text). A view of `from`, which must outlive it. What is not covered is void.
-Dataset warped(GDALDatasetH from, const std::string& to) {
-  char** list = nullptr;
-  for (const char* option : {"-of", "VRT", "-r", "bilinear", "-ot", "Float32", "-dstnodata", "nan"})
-    list = CSLAddString(list, option);
-  if (!to.empty()) list = CSLAddString(CSLAddString(list, "-t_srs"), to.c_str());
-  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(list, nullptr);
-  GDALDatasetH sources[] = {from};
-  Dataset out(options == nullptr ? nullptr : GDALWarp("", nullptr, 1, sources, options, nullptr));
-  GDALWarpAppOptionsFree(options);
-  CSLDestroy(list);
-  return out;
-}
-
 // The name of the subdataset that holds the requested variable; subdataset names end in the variable's name.
 Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, const OpenOptions& options) {
   char** list = GDALGetMetadata(dataset, "SUBDATASETS");
@@ -354,117 +325,23 @@ Result<std::string> pickVariable(GDALDatasetH dataset, const std::string& name, 
                fmt::format("{}: holds several variables; choose one with --channel: {}", name, known)};
 }
 
-// How many units of a projected map a metre of ground takes in the middle of the data, along x and y: 1 in most, 2 in
-// Mercator's at 60 degrees. Nothing where it cannot be told.
-std::optional<double> scaleOfMap(GDALDatasetH dataset) {
-  const GdalMessages silence;
-  std::array<double, 6> t{};
-  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
-  if (crs == nullptr || !OSRIsProjected(crs) || GDALGetGeoTransform(dataset, t.data()) != CE_None) return std::nullopt;
-  const std::unique_ptr<void, decltype(&OSRDestroySpatialReference)> geographic(OSRCloneGeogCS(crs),
-                                                                                OSRDestroySpatialReference);
-  if (!geographic) return std::nullopt;
-  OSRSetAxisMappingStrategy(geographic.get(), OAMS_TRADITIONAL_GIS_ORDER);
-  const std::unique_ptr<void, decltype(&OCTDestroyCoordinateTransformation)> transformation(
-      OCTNewCoordinateTransformation(crs, geographic.get()), OCTDestroyCoordinateTransformation);
-  if (!transformation) return std::nullopt;
-  const double column = 0.5 * GDALGetRasterXSize(dataset), row = 0.5 * GDALGetRasterYSize(dataset);
-  const double cx = t[0] + column * t[1] + row * t[2], cy = t[3] + column * t[4] + row * t[5],
-               unit = OSRGetLinearUnits(crs, nullptr);
-  const double step = 100 / unit;  // 100 m of the map, either way
-  std::array<double, 4> x{cx - step, cx + step, cx, cx}, y{cy, cy, cy - step, cy + step};
-  if (!OCTTransform(transformation.get(), 4, x.data(), y.data(), nullptr)) return std::nullopt;
-  const double degree = OSRGetAngularUnits(geographic.get(), nullptr), a = OSRGetSemiMajor(geographic.get(), nullptr);
-  const double f =
-      OSRGetInvFlattening(geographic.get(), nullptr) > 0 ? 1 / OSRGetInvFlattening(geographic.get(), nullptr) : 0;
-  const double latitude = 0.25 * (y[0] + y[1] + y[2] + y[3]) * degree, e2 = f * (2 - f);
-  const double w = std::sqrt(1 - e2 * std::sin(latitude) * std::sin(latitude));
-  const double east = a / w * std::cos(latitude), north = a * (1 - e2) / (w * w * w);  // metres a radian
-  const auto length = [&](size_t i, size_t k) {
-    return std::hypot(east * (x[k] - x[i]) * degree, north * (y[k] - y[i]) * degree);
-  };
-  const double scale_x = 200 / length(0, 1), scale_y = 200 / length(2, 3);
-  if (!std::isfinite(scale_x) || !std::isfinite(scale_y)) return std::nullopt;
-  return std::fabs(scale_x - 1) > std::fabs(scale_y - 1) ? scale_x : scale_y;
-}
-
-std::string geographicOf(OGRSpatialReferenceH crs) {
-  OGRSpatialReferenceH geographic = OSRCloneGeogCS(crs);
-  char* text = nullptr;
-  if (geographic != nullptr) OSRExportToWkt(geographic, &text);
-  const std::string wkt = text != nullptr ? text : "";
-  CPLFree(text);
-  if (geographic != nullptr) OSRDestroySpatialReference(geographic);
-  return wkt;
-}
-
-// The dataset on a map whose distances are those of the ground: one that has control points alone is warped to their
-// map, and one whose map is off by more than 0.5 % here to latitude and longitude, unless the user wants the map.
-Result<Dataset> onTrueMap(Dataset dataset, const std::string& name, const OpenOptions& options,
-                          std::vector<Dataset>& sources, std::vector<std::string>& notes) {
-  constexpr double kMaxOff = 0.005;
-  std::array<double, 6> t{};
-  if (const int points = GDALGetGCPCount(dataset.get());
-      points > 0 && GDALGetGeoTransform(dataset.get(), t.data()) != CE_None) {
-    GdalMessages messages;
-    Dataset placed = warped(dataset.get(), "");
-    if (!placed)
-      return Error{ErrorCode::kUnsupported, fmt::format("{}: its {} control points do not place it (GDAL says: {}); "
-                                                        "try gdalwarp -tps -dstnodata -9999 {} placed.tif",
-                                                        name, points, messages.errors(), name)};
-    notes.push_back(fmt::format("it is placed by {} control points, and was warped to their map", points));
-    sources.push_back(std::exchange(dataset, std::move(placed)));
-  }
-  const std::optional<double> scale = scaleOfMap(dataset.get());
-  if (!scale || std::fabs(*scale - 1) <= kMaxOff) return dataset;
-  const char* map = OSRGetName(GDALGetSpatialRef(dataset.get()));
-  if (options.frame == FrameChoice::kPlanar) {
-    notes.push_back(fmt::format(
-        "its map ({}) shows distances {:.3g} times as long as they are here, and slopes as much flatter", map, *scale));
-    return dataset;
-  }
-  Dataset placed = warped(dataset.get(), geographicOf(GDALGetSpatialRef(dataset.get())));
-  if (!placed) return dataset;
-  notes.push_back(
-      fmt::format("its map ({}) shows distances {:.3g} times as long as they are here, so it was warped to latitude "
-                  "and longitude (--frame projected keeps the map)",
-                  map, *scale));
-  sources.push_back(std::move(dataset));
-  return placed;
-}
-
-// An Error where the file named another one that must not be read, whatever became of it.
-Status checkRefused(const GdalFence* fence, const std::string& name) {
-  const auto refused = fence != nullptr ? fence->takeRefused() : std::nullopt;
-  return refused ? Status(FileFence::refusal(name, *refused)) : Status();
-}
-
 Result<std::unique_ptr<Raster>> openOne(const std::string& gdal_path, const std::string& name, OpenOptions options,
                                         const std::shared_ptr<const GdalFence>& fence) {
   GdalMessages messages;
-  if (fence)
-    if (Status s = checkVrt(gdal_path, name, fence->files()); !s.ok()) return s.error();
-  Dataset dataset(GDALOpenEx(gdal_path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
-                             nullptr, nullptr));
-  if (Status s = checkRefused(fence.get(), name); !s.ok()) return s.error();
-  if (!dataset) return openError(name, messages.errors());
-  if (GDALGetRasterCount(dataset.get()) == 0) {
-    const Result<std::string> variable = pickVariable(dataset.get(), name, options);
+  Result<GdalDataset> dataset = openFenced(fence.get(), gdal_path, name);
+  if (!dataset.ok()) return dataset.error();
+  if (!*dataset) return openError(name, messages.errors());
+  if (GDALGetRasterCount(dataset->get()) == 0) {
+    const Result<std::string> variable = pickVariable(dataset->get(), name, options);
     if (!variable.ok()) return variable.error();
-    if (fence)
-      if (Status s = checkSubdataset(*variable, gdal_path, name, fence->files()); !s.ok()) return s.error();
-    dataset.reset(GDALOpenEx(variable->c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr,
-                             nullptr, nullptr));
-    if (!dataset) return openError(name, messages.errors());
+    dataset = openSubdataset(fence.get(), *variable, gdal_path, name);
+    if (!dataset.ok()) return dataset.error();
+    if (!*dataset) return openError(name, messages.errors());
     options.channel.reset();
   }
-  std::vector<std::string> notes;
-  std::vector<Dataset> sources;
-  Result<Dataset> placed = onTrueMap(std::move(dataset), name, options, sources, notes);
+  Result<TrueMap> placed = onTrueMap(std::move(*dataset), name, options.frame == FrameChoice::kPlanar);
   if (!placed.ok()) return placed.error();
-  dataset = std::move(placed).value();
-  auto raster = std::make_unique<GdalRaster>(std::move(dataset), name, fence);
-  raster->keep(std::move(sources), std::move(notes));
+  auto raster = std::make_unique<GdalRaster>(std::move(*placed), name, fence);
   const Status read = raster->init(options, messages);
   if (Status s = checkRefused(fence.get(), name); !s.ok()) return s.error();
   if (!read.ok()) return read.error();

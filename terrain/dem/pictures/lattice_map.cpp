@@ -8,8 +8,6 @@
 
 namespace foreland::terrain {
 
-void DestroyReferenceSystem::operator()(void* crs) const { OSRDestroySpatialReference(crs); }
-
 Result<LatticeMap> LatticeMap::of(const PictureLattice& lattice) {
   const GdalMessages silence;
   const proto::Frame& f = lattice.frame;

@@ -3,17 +3,13 @@
 
 #include <array>
 #include <glm/vec2.hpp>
-#include <memory>
 #include <string>
 
 #include "base/result.h"
+#include "terrain/dem/formats/gdal_dataset.h"
 #include "terrain/dem/pictures/open_pictures.h"
 
 namespace foreland::terrain {
-
-struct DestroyReferenceSystem {
-  void operator()(void* crs) const;
-};
 
 class LatticeMap {
  public:
@@ -27,7 +23,7 @@ class LatticeMap {
 
  private:
   glm::dvec2 origin_{0, 0}, axis_x_{1, 0}, axis_y_{0, 1};  // of lattice (0, 0), and to its neighbours
-  std::unique_ptr<void, DestroyReferenceSystem> crs_;
+  GdalReferenceSystem crs_;
 };
 
 }  // namespace foreland::terrain

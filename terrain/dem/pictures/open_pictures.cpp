@@ -1,6 +1,5 @@
 #include "terrain/dem/pictures/open_pictures.h"
 
-#include <cpl_string.h>
 #include <fmt/format.h>
 #include <gdal.h>
 #include <gdal_utils.h>
@@ -39,7 +38,7 @@ class WarpedPictures final : public PictureSource {
     const glm::dvec2 low = info_.origin + glm::dvec2(w.x, w.y) * info_.texel,
                      high = low + glm::dvec2(w.width, w.height) * info_.texel;
     GdalMessages messages;
-    const PictureDataset target = latticeDataset(map_, {low.x, high.y}, info_.texel, {w.width, w.height}, 4);
+    const GdalDataset target = latticeDataset(map_, {low.x, high.y}, info_.texel, {w.width, w.height}, 4);
     std::string names;
     std::vector<void*> sources;
     for (const PictureFile& file : files_)
@@ -58,13 +57,11 @@ class WarpedPictures final : public PictureSource {
  private:
   // Bilinear; where pixels are finer than texels, the weights reach over all of them.
   static bool warp(std::vector<void*>& sources, GDALDatasetH target) {
-    char** list = nullptr;
-    for (const char* option : {"-r", "bilinear", "-wo", "NUM_THREADS=ALL_CPUS"}) list = CSLAddString(list, option);
-    GDALWarpAppOptions* options = GDALWarpAppOptionsNew(list, nullptr);
+    GDALWarpAppOptions* options =
+        GDALWarpAppOptionsNew(gdalWords({"-r", "bilinear", "-wo", "NUM_THREADS=ALL_CPUS"}).get(), nullptr);
     const bool done =
         GDALWarp(nullptr, target, static_cast<int>(sources.size()), sources.data(), options, nullptr) != nullptr;
     GDALWarpAppOptionsFree(options);
-    CSLDestroy(list);
     return done;
   }
   // GDAL's first row is the northern one.

@@ -1,6 +1,5 @@
 #include "terrain/dem/pictures/picture_file.h"
 
-#include <cpl_string.h>
 #include <fmt/format.h>
 #include <gdal.h>
 #include <gdal_alg.h>
@@ -51,14 +50,11 @@ Result<std::vector<std::string>> bandOptions(GDALDatasetH dataset, PictureFile& 
   return options;
 }
 
-PictureDataset translate(GDALDatasetH from, const std::vector<std::string>& options) {
-  char** list = nullptr;
-  list = CSLAddString(CSLAddString(list, "-of"), "VRT");
-  for (const std::string& option : options) list = CSLAddString(list, option.c_str());
-  GDALTranslateOptions* parsed = GDALTranslateOptionsNew(list, nullptr);
-  PictureDataset out(GDALTranslate("", from, parsed, nullptr));
-  GDALTranslateOptionsFree(parsed);
-  CSLDestroy(list);
+GdalDataset translate(GDALDatasetH from, std::vector<std::string> words) {
+  words.insert(words.begin(), {"-of", "VRT"});
+  GDALTranslateOptions* options = GDALTranslateOptionsNew(gdalWords(words).get(), nullptr);
+  GdalDataset out(GDALTranslate("", from, options, nullptr));
+  GDALTranslateOptionsFree(options);
   return out;
 }
 
@@ -120,7 +116,7 @@ class PixelMap {
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;
     return p;
   }
-  PictureDataset lattice_;
+  GdalDataset lattice_;
   double north_;
   std::unique_ptr<void, DestroyTransformer> transformer_;
 };
@@ -176,15 +172,10 @@ Status survey(PictureFile& picture, const PictureLattice& lattice, const Lattice
 
 }  // namespace
 
-void CloseDataset::operator()(void* dataset) const {
-  const GdalMessages silence;
-  GDALClose(dataset);
-}
-
-PictureDataset latticeDataset(const LatticeMap& map, const glm::dvec2& upper_left, double texel, const glm::uvec2& size,
-                              int bands) {
-  PictureDataset out(GDALCreate(GDALGetDriverByName("MEM"), "", static_cast<int>(size.x), static_cast<int>(size.y),
-                                bands, GDT_Byte, nullptr));
+GdalDataset latticeDataset(const LatticeMap& map, const glm::dvec2& upper_left, double texel, const glm::uvec2& size,
+                           int bands) {
+  GdalDataset out(GDALCreate(GDALGetDriverByName("MEM"), "", static_cast<int>(size.x), static_cast<int>(size.y), bands,
+                             GDT_Byte, nullptr));
   if (!out) return out;
   auto transform = map.transform(upper_left, texel);
   GDALSetGeoTransform(out.get(), transform.data());
@@ -209,16 +200,15 @@ bool turn(const PictureFile& picture, int turns) {
 }
 
 // The picture at a longitude that is so many turns of the globe further east.
-Result<PictureFile> openTurned(const std::filesystem::path& path, const PictureLattice& lattice, const LatticeMap& map,
-                               int turns) {
+Result<PictureFile> openTurned(const std::filesystem::path& path, const std::shared_ptr<const GdalFence>& fence,
+                               const PictureLattice& lattice, const LatticeMap& map, int turns) {
   PictureFile picture;
+  picture.fence = fence;
   picture.name = path.string();
   GdalMessages messages;
-  picture.fence = std::make_shared<const GdalFence>(FileFence(std::array{path}, lattice.allowed_folders));
-  if (Status s = checkVrt(picture.name, picture.name, picture.fence->files()); !s.ok()) return s.error();
-  picture.file.reset(
-      GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
-  if (const auto refused = picture.fence->takeRefused()) return FileFence::refusal(picture.name, *refused);
+  Result<GdalDataset> file = openFenced(fence.get(), picture.name, picture.name);
+  if (!file.ok()) return file.error();
+  picture.file = std::move(*file);
   if (!picture.file)
     return Error{std::filesystem::exists(path) ? ErrorCode::kMalformed : ErrorCode::kNotFound,
                  fmt::format("{}: not a picture that GDAL reads, or a damaged one (GDAL says: {})", picture.name,
@@ -231,7 +221,7 @@ Result<PictureFile> openTurned(const std::filesystem::path& path, const PictureL
   if (Status s = locate(picture, lattice, map); !s.ok()) return s.error();
   if (turns != 0 && !turn(picture, turns)) return refusal(picture.name, "it has no longitudes");
   const Status surveyed = survey(picture, lattice, map);
-  if (const auto refused = picture.fence->takeRefused()) return FileFence::refusal(picture.name, *refused);
+  if (Status s = checkRefused(fence.get(), picture.name); !s.ok()) return s.error();
   if (!surveyed.ok()) return surveyed.error();
   return picture;
 }
@@ -241,11 +231,12 @@ Result<PictureFile> openTurned(const std::filesystem::path& path, const PictureL
 Result<std::vector<PictureFile>> openPicture(const std::filesystem::path& path, const PictureLattice& lattice,
                                              const LatticeMap& map) {
   std::vector<PictureFile> pictures;
-  auto first = openTurned(path, lattice, map, 0);
+  const auto fence = std::make_shared<const GdalFence>(FileFence(std::array{path}, lattice.allowed_folders));
+  auto first = openTurned(path, fence, lattice, map, 0);
   const bool may_turn = lattice.frame.kind == proto::FrameKind::kGeographic;
   for (const int turns : {-1, 1}) {
     if (!may_turn) break;
-    auto turned = openTurned(path, lattice, map, turns);
+    auto turned = openTurned(path, fence, lattice, map, turns);
     if (!turned) continue;
     if (first) turned->notes.clear();
     pictures.push_back(std::move(turned).value());

@@ -9,21 +9,17 @@
 #include <vector>
 
 #include "base/result.h"
+#include "terrain/dem/formats/gdal_dataset.h"
 #include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/pictures/lattice_map.h"
 
 namespace foreland::terrain {
 
-struct CloseDataset {
-  void operator()(void* dataset) const;
-};
-using PictureDataset = std::unique_ptr<void, CloseDataset>;
-
 struct PictureFile {
   std::shared_ptr<const GdalFence> fence;
   std::string name;
-  PictureDataset file;               // as it was opened
-  PictureDataset colours;            // of `file`: three bands of 8 bits, or four with alpha
+  GdalDataset file;                  // as it was opened
+  GdalDataset colours;               // of `file`: three bands of 8 bits, or four with alpha
   double resolution = 1;             // sample intervals that a pixel spans, where it lies on the scene
   glm::dvec2 low{0, 0}, high{0, 0};  // holds the picture on the lattice
   std::vector<std::string> notes;
@@ -36,7 +32,7 @@ Result<std::vector<PictureFile>> openPicture(const std::filesystem::path& path, 
 
 // A dataset in memory without bands, or with red, green, blue and alpha, whose upper left corner is at a lattice
 // position.
-PictureDataset latticeDataset(const LatticeMap& map, const glm::dvec2& upper_left, double texel, const glm::uvec2& size,
-                              int bands);
+GdalDataset latticeDataset(const LatticeMap& map, const glm::dvec2& upper_left, double texel, const glm::uvec2& size,
+                           int bands);
 
 }  // namespace foreland::terrain

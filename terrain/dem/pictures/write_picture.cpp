@@ -68,7 +68,7 @@ class TiffPicture final : public PictureWriter {
   PendingFile pending_;
   GdalOutput output_{pending_.path()};
   uint32_t width_, height_, next_ = 0;
-  PictureDataset dataset_;
+  GdalDataset dataset_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What may be read beside an input, by links and names of any syntax.
+// What may be read beside an input, through links and by any path. Names as models have them: neighbours_test.cpp.
 #include "terrain/fence/file_fence.h"
 
 #include <gtest/gtest.h>
@@ -23,19 +23,16 @@ class Folders : public ::testing::Test {
     fs::create_symlink(root_ / "in/a.mtl", root_ / "in/inner_link");
     fs::create_directory_symlink(root_ / "out", root_ / "in/folder_link");
   }
-  bool mayName(const FileFence& fence, const std::string& named) const {
-    return fence.resolve(root_ / "in/a.obj", named).ok();
-  }
+  bool mayName(const FileFence& fence, const std::string& named) const { return fence.mayRead(root_ / "in" / named); }
   test::TemporaryFolder root_;
 };
 
 TEST_F(Folders, HoldWhatLiesInThemOrBelow) {
   const FileFence fence(std::array{root_ / "in/a.obj"});
-  for (const char* own :
-       {"a.mtl", "./a.mtl", "below/b.png", "below\\b.png", "below/../a.mtl", "inner_link", "is_not_there.mtl"})
+  for (const char* own : {"a.mtl", "./a.mtl", "below/b.png", "below/../a.mtl", "inner_link", "is_not_there.mtl"})
     EXPECT_TRUE(mayName(fence, own)) << own;
-  for (const char* other : {"../out/secret", "..\\out\\secret", "link", "folder_link/secret", "../in2/c.mtl",
-                            "/etc/passwd", "file:///etc/passwd", "http://127.0.0.1/x", "below/../../out/secret"})
+  for (const char* other :
+       {"../out/secret", "link", "folder_link/secret", "../in2/c.mtl", "/etc/passwd", "below/../../out/secret"})
     EXPECT_FALSE(mayName(fence, other)) << other;
   EXPECT_TRUE(mayName(fence, root_ / "in/a.mtl"));
 }

@@ -65,7 +65,7 @@ TEST_F(NeighboursTest, LieInTheModelsFolderUnlessAllowed) {
     EXPECT_NE(words.find("--allow-files-from " + fs::canonical(folder_ / "other").string()), std::string::npos)
         << words;
   }
-  for (const char* name : {"http://host/secret.png", "D:secret.png"})
+  for (const char* name : {"http://host/secret.png", "file:///etc/passwd", "D:secret.png"})
     EXPECT_NE(find(name).find("no file of its folder; put the file beside the model"), std::string::npos) << find(name);
   for (const std::string& name : {std::string("../other/secret.png"), outside, std::string("link.png"),
                                   std::string("linked/secret.png"), std::string("..\\other\\secret.png")})
