@@ -13,9 +13,6 @@ PAGE = ("client/", "proto/", "base/", "server/", "terrain/", "transport/", "apps
 NATIVE = ("base/", "transport/", "proto/", "terrain/", "server/", "client/", "oracle/", "sim/", "lab/", "apps/", "examples/", "tests/", "deploy/", "cmake/",
           "CMake", "tools/", "check", "demo", "docs/manual/", "docs/PROTOCOL.md", ".clang")
 
-ORDER = ("packages", "layers", "docs", "format", "release", "wasm", "test", "page", "browser", "demo", "package", "lint", "asan", "tsan")
-
-
 def changed(rev):
     listed = subprocess.run(["git", "diff", "--name-only", rev], capture_output=True, text=True, check=True).stdout.split("\n")
     new = subprocess.run(["git", "ls-files", "--others", "--exclude-standard"], capture_output=True, text=True, check=True).stdout.split("\n")
@@ -35,8 +32,7 @@ def main():
         stages |= {"release", "test"}
     if any(p.startswith(PAGE) for p in paths):
         stages |= {"release", "wasm", "page", "browser"}
-    stages = [stage for stage in ORDER if stage in stages]
-    print("stages", *stages)
+    print("stages", *sorted(stages))
     return 0
 
 

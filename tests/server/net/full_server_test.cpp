@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -54,46 +55,50 @@ TEST(FullServer, AdmitsNoMoreFromAnAddressThanItsLimit) {
   EXPECT_GE(metric(server->port(), "refusals_total{reason=\"address\"}"), 1);
 }
 
-// Who makes up a first line of the header is not believed: the proxy's own is the last one.
-TEST(FullServer, CountsForTheAddressThatItsProxyNames) {
-  ServeOptions options = testOptions();
-  options.max_connections_per_address = 1;
-  options.gate.trusted_proxies = {"127.0.0.1"};
-  const auto server = serve(options);
-  const auto ask = [&](const std::string& lines) {
-    Socket socket(server->port());
+// A server behind a proxy that it trusts, one connection for each address.
+class BehindAProxy {
+ public:
+  BehindAProxy() {
+    ServeOptions options = testOptions();
+    options.max_connections_per_address = 1;
+    options.gate.trusted_proxies = {"127.0.0.1"};
+    server_ = serve(options);
+  }
+  // Asks with the proxy's lines of the header; the connection stays.
+  Socket ask(const std::string& lines) const {
+    Socket socket(server_->port());
     socket.send("GET /livez HTTP/1.1\r\nHost: a\r\n" + lines + "\r\n");
     return socket;
-  };
-  const auto status = [](Socket& socket) { return socket.receiveSome(12).substr(9); };
-  Socket first = ask("X-Forwarded-For: 192.0.2.1\r\nX-Forwarded-For: 198.51.100.7\r\n");
-  EXPECT_EQ(status(first), "200");
-  Socket same = ask("X-Forwarded-For: 192.0.2.2\r\nX-Forwarded-For: 198.51.100.7\r\n");
-  EXPECT_EQ(status(same), "503");
-  Socket victim = ask("X-Forwarded-For: 192.0.2.1\r\n");
-  EXPECT_EQ(status(victim), "200") << "the name that the first made up";
+  }
+
+ private:
+  std::unique_ptr<Server> server_;
+};
+
+std::string statusOf(Socket& socket) { return socket.receiveSome(12).substr(9); }
+
+// Who makes up a first line of the header is not believed: the proxy's own is the last one.
+TEST(FullServer, CountsForTheAddressThatItsProxyNames) {
+  const BehindAProxy server;
+  Socket first = server.ask("X-Forwarded-For: 192.0.2.1\r\nX-Forwarded-For: 198.51.100.7\r\n");
+  EXPECT_EQ(statusOf(first), "200");
+  Socket same = server.ask("X-Forwarded-For: 192.0.2.2\r\nX-Forwarded-For: 198.51.100.7\r\n");
+  EXPECT_EQ(statusOf(same), "503");
+  Socket victim = server.ask("X-Forwarded-For: 192.0.2.1\r\n");
+  EXPECT_EQ(statusOf(victim), "200") << "the name that the first made up";
 }
 
 // Of one client each has a port of its own; X-Forwarded-For is believed before Forwarded.
 TEST(FullServer, CountsForAnAddressWhateverItsPorts) {
-  ServeOptions options = testOptions();
-  options.max_connections_per_address = 1;
-  options.gate.trusted_proxies = {"127.0.0.1"};
-  const auto server = serve(options);
-  const auto ask = [&](const std::string& lines) {
-    Socket socket(server->port());
-    socket.send("GET /livez HTTP/1.1\r\nHost: a\r\n" + lines + "\r\n");
-    return socket;
-  };
-  const auto status = [](Socket& socket) { return socket.receiveSome(12).substr(9); };
-  Socket first = ask("X-Forwarded-For: 10.0.0.1:9001\r\nForwarded: for=192.0.2.1\r\n");
-  EXPECT_EQ(status(first), "200");
-  Socket same = ask("X-Forwarded-For: 10.0.0.1:9002\r\nForwarded: for=192.0.2.2\r\n");
-  EXPECT_EQ(status(same), "503");
-  Socket other = ask("Forwarded: for=\"[2001:db8::1]:9001\";proto=https\r\n");
-  EXPECT_EQ(status(other), "200");
-  Socket neighbour = ask("Forwarded: for=\"[2001:db8::2]:9002\";proto=https\r\n");
-  EXPECT_EQ(status(neighbour), "503") << "of the same network";
+  const BehindAProxy server;
+  Socket first = server.ask("X-Forwarded-For: 10.0.0.1:9001\r\nForwarded: for=192.0.2.1\r\n");
+  EXPECT_EQ(statusOf(first), "200");
+  Socket same = server.ask("X-Forwarded-For: 10.0.0.1:9002\r\nForwarded: for=192.0.2.2\r\n");
+  EXPECT_EQ(statusOf(same), "503");
+  Socket other = server.ask("Forwarded: for=\"[2001:db8::1]:9001\";proto=https\r\n");
+  EXPECT_EQ(statusOf(other), "200");
+  Socket neighbour = server.ask("Forwarded: for=\"[2001:db8::2]:9002\";proto=https\r\n");
+  EXPECT_EQ(statusOf(neighbour), "503") << "of the same network";
 }
 
 // Whoever holds connections beyond the limit and asks for nothing leaves room for operators for a time only.
