@@ -1,17 +1,17 @@
-// Cut deltas as bytes. Both ends run the same adaptation (refine/adapter.h) for the keyframe's view, so whatever
-// follows from the view and from the bounds that both ends know is not sent. Sent are, in the order in which the
-// adapter pulls them from its source,
-//   blocks     which blocks of the terrain are hidden (block_coder.h), on connections whose welcome says so
-//   decisions  of predicates: whether a node's error is at least the least that the view shows
-//   heights    of the nodes that are added to the section, exact
-//   radii      one for each page that was empty so far
-// and then the changes of each object of the scene (surface_codec.h). Each is coded by an adaptive range coder, with
-// what both ends know around the node as context. docs/decisions/0006 has the measurements.
+// The delta codec writes cut deltas as bytes and reads them. Both ends run the same adaptation (refine/adapter.h) for
+// the keyframe's view, so nothing is sent that follows from the view and from the bounds that both ends know. A delta
+// holds four kinds of numbers, each where the adapter pulls it from its source:
+//   blocks     say which blocks of the terrain are hidden (block_coder.h), on connections whose welcome says so
+//   decisions  are answers to predicates: is a node's error at least the least that the view shows?
+//   heights    are those of the nodes that are added to the section, exact
+//   radii      are one for each page that was empty so far
+// The changes of each object of the scene follow (surface_codec.h). An adaptive range coder codes every number, and
+// takes what both ends know around the node as context. docs/decisions/0006 has the measurements.
 //
-// Encoder and decoder are sources of an adapter: the adapter's step calls them. The model keeps what it has learnt from
-// delta to delta; both ends begin with a new one wherever a delta starts from a resumed section or from nothing. Any
-// bytes end in a closed section or in an Error, in time and memory linear in the bytes and the section held. One owner
-// of a model; otherwise pure; any thread. Portable to WebAssembly.
+// Encoder and decoder are sources of an adapter, whose step calls them. The model keeps what it has learnt from delta
+// to delta; both ends begin with a new model wherever a delta starts from a resumed section or from nothing. Any bytes
+// end in a closed section or in an Error, in time and memory linear in the bytes and the section held. A model has one
+// owner; beside it the codec is pure. Any thread may use it, and it is portable to WebAssembly.
 #pragma once
 
 #include <algorithm>
@@ -28,23 +28,27 @@
 
 namespace foreland::proto {
 
-// Nodes in a section that a client accepts.
+// A client accepts sections of at most this many nodes: as many as 4096 x 4096 samples have. The limit is the
+// protocol's (docs/PROTOCOL.md, section 13), and bounds what a hostile server makes a client allocate.
 inline constexpr size_t kMaxSectionNodes = 1u << 24;
 
-// What both ends have learnt.
+// DeltaModel is what both ends have learnt of the stream. Most contexts are bins of the error that is expected of a
+// node and of the least error that the view shows. kSizes bins of half an octave hold the ratio of the two, from 2^-4
+// to 2^4; kScales bins of half an octave hold the larger one in quanta, from 2^-2 to 2^12; kRatios bins hold the ratio
+// coarsely. What lies outside falls into the first or the last bin.
 struct DeltaModel {
   static constexpr size_t kSizes = 16, kScales = 28, kRatios = 4;
 
-  std::array<AdaptiveBit, 4 * kSizes * 8 * 4> newly_addable;  // nodes new to the frontier
-  std::array<AdaptiveBit, kSizes * 8 * 8> addable;            // others
-  std::array<AdaptiveBit, 2 * 4 * 8> leaf;                    // leaves
+  std::array<AdaptiveBit, 4 * kSizes * 8 * 4> newly_addable;  // Nodes that are new to the frontier use these.
+  std::array<AdaptiveBit, kSizes * 8 * 8> addable;            // Other nodes that can be added use these.
+  std::array<AdaptiveBit, 2 * 4 * 8> leaf;
   std::array<NumberModel, kScales * kRatios * 2> height;
   std::array<std::array<AdaptiveBit, 8>, 2> radius;
   EscapeModel escape;
   BlockModel blocks;
-  bool signals_blocks = false;  // of the connection (Welcome::occlusion): deltas say which blocks are hidden
+  bool signals_blocks = false;  // Deltas of the connection say which blocks are hidden (Welcome::occlusion).
 
-  // As at the start of a connection.
+  // Every connection starts with this model.
   static DeltaModel forConnection(bool signals_blocks) {
     DeltaModel model;
     model.signals_blocks = signals_blocks;
@@ -52,40 +56,40 @@ struct DeltaModel {
   }
 };
 
-// The contexts of nodes whose predicates are true, in order, until they are added: of one group.
+// CachedContexts keeps, for one batch, the contexts of nodes whose predicates are true until the nodes are added.
 class CachedContexts {
  public:
   void clear() { count_ = taken_ = 0; }
-  // Without a branch, for nothing foretells which are kept.
+  // keepIf() has no branch, since nothing predicts which contexts are kept.
   void keepIf(bool is_kept, Slot slot, const PredictionContext& context) {
     slots_[count_] = slot;
     contexts_[count_] = context;
     count_ += is_kept ? 1 : 0;
   }
-  // Nodes are taken in the order in which they were kept; some may be left out.
+  // Contexts are taken in the order in which they were kept; some may be left out.
   const PredictionContext& take(Slot slot) {
     while (slots_[taken_] != slot) ++taken_;
     return contexts_[taken_];
   }
 
  private:
-  // One more than are kept.
+  // A context that is not kept is written behind the last one that is, so there is one more than a batch has nodes.
   std::array<Slot, TerrainBatch::kSize + 1> slots_;
   std::array<PredictionContext, TerrainBatch::kSize + 1> contexts_;
   size_t count_ = 0, taken_ = 0;
 };
 
-// Where a coder's bits went, and for how many.
+// DeltaBits says how many bits each kind of number took, and how many nodes and blocks these were about.
 struct DeltaBits {
   double decisions = 0, heights = 0, radii = 0, blocks = 0;
   uint64_t asked = 0, added = 0, blocks_asked = 0, blocks_changed = 0;
 };
 
-// The server's end: appends a delta to `out` as an adapter steps.
+// The server's end appends a delta to `out` as an adapter steps.
 class DeltaEncoder final : public TerrainSource {
  public:
-  // Nodes of blocks that `visibility` calls hidden are left out; of none if it is null, which it must be unless the
-  // model tells blocks.
+  // Nodes of blocks that `visibility` calls hidden are left out. `visibility` must be null unless the model signals
+  // blocks; no node is left out then.
   DeltaEncoder(const TerrainDomain& domain, const DenseNodes& nodes, DeltaModel& model, Bytes& out,
                BlockVisibility* visibility = nullptr)
       : domain_(domain), nodes_(nodes), model_(model), coder_(out), visibility_(visibility) {}
@@ -95,11 +99,11 @@ class DeltaEncoder final : public TerrainSource {
   bool onAdded(int level, std::span<const Predicate> added) override;
   bool reviseBlocks(const HiddenBlocks& blocks, bool& hides, std::vector<BlockId>& changed) override;
   bool isHidden(const HiddenBlocks& blocks, const BlockId& block) override;
-  // First in a delta from the empty section: what the client remembers then.
+  // Codes what the client goes on remembering. Must be called first in a delta from the empty section, and in no other.
   void codeRestart(Remembered remembered) { coder_.codeEvenly(remembered == Remembered::kPages ? 1 : 0, 1); }
-  // For what else the delta has: the nodes of objects.
+  // The nodes of objects, which the delta also holds, are coded by this coder.
   RangeEncoder& coder() { return coder_; }
-  // Writes what is left. Nothing may follow the delta's bytes.
+  // Writes the coder's last bytes. Nothing may follow the delta's bytes in `out`.
   void finish() { coder_.finish(); }
   const DeltaBits& bits() const { return bits_; }
 
@@ -113,8 +117,8 @@ class DeltaEncoder final : public TerrainSource {
   DeltaBits bits_;
 };
 
-// The client's end: reads a delta into `nodes` as an adapter steps. If the step fails, or finish() does, the bytes were
-// no delta for this section.
+// The client's end reads a delta into `nodes` as an adapter steps. If the step or finish() fails, the bytes were no
+// delta for this section.
 class DeltaDecoder final : public TerrainSource {
  public:
   DeltaDecoder(const TerrainDomain& domain, SparseNodes& nodes, DeltaModel& model, ByteSpan bytes)

@@ -1,7 +1,9 @@
-// Which tiles a view needs, so that no texel of what it sees is larger on the screen than stated. Server and client
-// select by the same rule: the server knows all tiles, the client those that it has. Pure; any thread; portable.
-// Source: THEORY section 5, "Metric": texels of the size s are fine enough if s <= tau sqrt(m M). A tile is needed if
-// those of its parent are not, within the tile: so of four children often one or two are.
+// selectTiles() finds the tiles that a view needs, so that no texel of what the view shows is larger on the screen than
+// stated. Server and client select by the same rule; the server knows all tiles, and the client those that it has.
+// Pure; any thread; portable to WebAssembly.
+//
+// Source: THEORY section 5, "Metric": texels of the size s are fine enough if s <= tau sqrt(m M). A tile is needed if,
+// within the tile, the texels of its parent are not fine enough; so often only one or two of four children are needed.
 #pragma once
 
 #include <array>
@@ -16,21 +18,23 @@
 
 namespace foreland::proto {
 
-// Ground nearer than this to the eye counts as if it were this far away.
+// Ground that is nearer to the eye than this counts as if it were this far away, so that sizes on the screen are
+// finite. No measurement of the value is recorded; a larger one would state texels close to the eye to be smaller than
+// they are.
 inline constexpr double kNearestGround_m = 0.01;
 
 struct SelectedTile {
   TileId tile;
-  // The largest size on the screen, in pixels, of one of its texels: sqrt of the product of both axes of its image.
+  // The size on the screen of the tile's largest texel, in pixels: the root of the product of both axes of its image.
   float texel_px;
-  // Of the screen, that the tile makes finer than its parent does: 1 counts as a pixel whose texel becomes half as
-  // large, from 2 pixels to 1; finer ones count less. An estimate, from the middles of its parts; 0 if these are not
-  // asked for.
+  // The pixels of the screen that the tile makes finer than its parent does. A pixel counts 1 if its texel shrinks from
+  // 2 pixels to 1, and less if the texel was smaller. The number is estimated from the middles of the tile's parts, and
+  // is 0 if the parts are not looked at.
   float finer_px = 0;
 };
 
-// The size on the screen, where a tile is, of the texels of the next coarser tile that there is by `has`: those that
-// stand in for its own while it is missing. Infinity if there is none.
+// The size on the screen, in pixels, of the texels that stand in for those of a missing tile: the texels of the nearest
+// coarser tile for which `has` is true. The result is infinite if there is no such tile.
 template <class Has>
 float texelInPlaceOf(const SelectedTile& missing, const TileLayer& layer, const Has& has) {
   float texel_px = missing.texel_px;
@@ -42,37 +46,38 @@ float texelInPlaceOf(const SelectedTile& missing, const TileLayer& layer, const 
   return std::numeric_limits<float>::infinity();
 }
 
-// Knows the tiles that there are; nothing for others. Only asked about tiles that layers have.
+// A TileLookup returns the bounds of a tile that exists, and nothing for other tiles. It is only asked about tiles
+// within their layers.
 using TileLookup = std::function<std::optional<TileBounds>(const TileId&)>;
 
-// A part of a tile's ground, and what bounds it more closely than the tile's bounds do.
+// TilePart is a part of a tile's ground, with closer bounds than the tile's own.
 struct TilePart {
   LatticeBox box;
   float lowest_m = 0, highest_m = 0;
-  // By how much the ground rises at least and at most, metres a sample: along x, along y, along x and y, along x and
-  // against y.
+  // The ground rises by at least and by at most this many metres a sample: along x, along y, along x and y, and along x
+  // and against y.
   std::array<float, 4> min_rise_m{}, largest_rise_m{};
-  // Of use to whoever made it.
+  // The TileGround that made the part keeps its own state here.
   uint32_t level = 0, i = 0, j = 0, splits_left = 0;
 };
 
-// Knows the ground of tiles in parts, and which of them cannot be seen.
+// TileGround knows the ground of tiles in parts, and which parts cannot be seen.
 class TileGround {
  public:
   virtual ~TileGround() = default;
-  // Appends the parts of a tile that there is. False if the tile's own bounds shall do.
+  // Appends the parts of an existing tile. The result is false if the tile's own bounds have to do.
   virtual bool parts(const TileId& tile, std::vector<TilePart>& out) = 0;
-  // Appends smaller parts of a part; false if there are none.
+  // Appends the smaller parts that make up a part. The result is false if there are none.
   virtual bool split(const TilePart& part, std::vector<TilePart>& out) = 0;
-  // False if in doubt.
+  // The result is true only if it is proved that no point of the part can be seen.
   virtual bool isHidden(const TilePart& part) = 0;
 };
 
-// The tiles of a layer that `view` needs, its region taken into account, coarser ones before finer ones and with every
-// tile its parent; each level's ordered by size on the screen, the largest first. Tiles that `lookup` does not know are
-// left out with all that is finer; nothing if it does not know the coarsest. At most `most` tiles: finer ones are left
-// out. A tile is judged by its own bounds, and then by its parts if
-// there is `ground`. O(tiles selected and the parts looked at).
+// Replaces `out` by the tiles of a layer that `view` needs with its whole region: every tile comes after its parent,
+// coarser levels come first, and the tiles of a level are in the order of their texels' size on the screen, the largest
+// first. A tile that `lookup` does not know is left out with its descendants, so nothing is selected if the coarsest
+// tile is unknown. At most `most` tiles are selected; the last ones in the order are left out. A tile is judged by its
+// own bounds, and then by its parts if `ground` is given. O(tiles selected + parts looked at).
 void selectTiles(const TileLayer& layer, uint8_t layer_index, const FrameTransform& frame, const View& view,
                  double tau_texel_px, size_t most, const TileLookup& lookup, std::vector<SelectedTile>& out,
                  TileGround* ground = nullptr);

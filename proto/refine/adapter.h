@@ -1,17 +1,17 @@
-// From the previous section to the next at a cost that follows the changes. Only the frontier (leaves, which can be
-// removed, and nodes that can be added) can change, and the test of a frontier node only once the camera has moved far
-// enough: each entry has a slack, the motion that its last result is sure to survive (motion_margin.h). A step
-// subtracts its motion from every slack, page by page, and tests again only the nodes whose slack is used up. The
-// result equals refine(), node for node, for any motion.
+// An adapter moves from the previous section to the next at a cost that follows the changes. Only the frontier can
+// change: the leaves, which can be removed, and the nodes that can be added. The test of a frontier node can change
+// only once the camera has moved far enough, so each entry has a slack: the motion that its last result is sure to
+// survive (motion_margin.h). A step subtracts its motion from every slack, page by page, and tests again only the nodes
+// whose slack is used up. The result equals refine(), node for node, for any motion.
 //
 // S 3.4 moves the cut by testing all of it; the slack is ours.
 //
-// Both ends run it: the server on the scene's records, the client on what it is sent. This file steps the frontier.
-// What differs between terrain and surfaces is their tester: terrain_tester.h decides by bounds on errors and by
-// predicates that its source decides, surface_tester.h by records. A node that leaves the frontier is forgotten: what
-// is known is a function of the section and of the views since.
+// Both ends run the adapter: the server on the scene's records, the client on what it is sent. Terrain and surfaces
+// differ in their tester only: terrain_tester.h decides by bounds on errors, and by predicates where the bounds leave a
+// test open; surface_tester.h decides by records. A node that leaves the frontier is forgotten, so what an adapter
+// knows is a function of the section and of the views since.
 //
-// One owner (a session, a replica). No allocation once grown to the section's size.
+// An adapter has one owner (a session, a replica). It allocates nothing once it has grown to the section's size.
 #pragma once
 
 #include <optional>
@@ -32,28 +32,31 @@ class Adapter {
   using Domain = typename Tester::Domain;
   using Source = typename Tester::Source;
 
-  // Begins with the empty section.
+  // The adapter begins with the empty section.
   explicit Adapter(const Domain& domain) : domain_(&domain), memory_(domain) {}
-  // Begins with a closed section; nothing is known of its nodes' errors. The source gives the radii of its pages.
+  // The adapter begins with `section`, which is closed and of whose nodes' errors nothing is known. The source gives
+  // the radii of the section's pages.
   Adapter(const Domain& domain, std::span<const Slot> section, Source& source);
-  // Right after that: both ends also know this of pages, which are ascending and hold all of the section's nodes. Those
-  // without any are remembered, the coarsest longest.
+  // Says what both ends know of pages. May be called right after the constructor that takes a section. `pages` are
+  // ascending and hold all of the section's nodes; pages without such nodes are remembered, the coarsest longest.
   void learn(std::span<const KnownPage> pages);
-  // Begins with the empty section again. Pages that were in use are remembered like the others, or none is.
+  // Begins with the empty section again. `remembered` says whether every page is remembered, or none; pages that were
+  // in use are treated like the others.
   void restart(Remembered remembered);
-  // What is known of pages with nodes in the section or on its frontier; of these and those that are remembered.
-  // Ascending.
+  // Live pages have nodes in the section or on its frontier. Known pages are the live ones and those that are
+  // remembered. Both results are ascending.
   std::vector<KnownPage> livePages() const;
   std::vector<KnownPage> knownPages() const;
 
-  // Moves to the section of `view` and appends what changed to `delta`, ascending. False if the section would exceed
-  // `max_nodes` or the source stopped: the adapter must not be used after that.
+  // Moves to the section of `view` and appends what changed to `delta`, ascending. The result is false if the section
+  // would exceed `max_nodes` or the source stopped; the adapter must not be used after that.
   [[nodiscard]] bool adapt(const View& view, size_t max_nodes, Source& source, AdaptScratch& scratch, CutDelta& delta);
 
   size_t nodeCount() const { return nodes_in_section_; }
-  Section section() const;  // ascending
+  Section section() const;
   bool contains(Slot slot) const { return frontier_.nodes().isInSection(slot); }
-  // Of what has been said of the slot's page, if anything is remembered: its radius, and which of its nodes are known.
+  // The radius of the slot's page, and the set of its nodes that are known; both are empty if nothing is remembered of
+  // the page.
   std::optional<QuantisedRadius> radius(Slot slot) const {
     const uint32_t page = frontier_.nodes().find(slot);
     return page == Frontier::Nodes::kNone ? memory_.radius(slot) : frontier_.nodes().page(page).knowledge.radius;
@@ -68,13 +71,13 @@ class Adapter {
     if (page == Frontier::Nodes::kNone) return memory_.knowsAnyOf64(first);
     return frontier_.nodes().page(page).knowledge.knowsAnyOf64(first) || frontier_.nodes().hasAnyOf64(first);
   }
-  // What the tester remembers from step to step.
+  // The tester's memory lasts from step to step.
   const typename Tester::Memory& memory() const { return memory_; }
   typename Tester::Memory& memory() { return memory_; }
-  size_t bytes() const { return frontier_.bytes() + memory_.bytes(); }  // memory of this session's state
+  size_t bytes() const { return frontier_.bytes() + memory_.bytes(); }
   size_t frontierSize() const { return frontier_.entryCount(); }
-  uint64_t testCount() const { return tests_; }  // nodes tested since the start
-  // CHECKs that the section is closed and that exactly its frontier nodes have an entry. O(scene); for tests.
+  uint64_t testCount() const { return tests_; }  // Tests are counted from the start.
+  // CHECKs that the section is closed and that exactly its frontier nodes have an entry. Tests call it; it is O(scene).
   void validate() const;
 
  private:
@@ -85,7 +88,7 @@ class Adapter {
   Frontier frontier_;
   typename Tester::Memory memory_;
   std::optional<View> last_;
-  bool is_complete_ = false;  // the whole frontier has entries, as after any step
+  bool is_complete_ = false;  // The whole frontier has entries, as it has after any step.
   size_t nodes_in_section_ = 0;
   uint64_t tests_ = 0;
   uint32_t steps_ = 0;
@@ -94,8 +97,8 @@ class Adapter {
 using TerrainAdapter = Adapter<TerrainTester>;
 using SurfaceAdapter = Adapter<SurfaceTester>;
 
-// Whether nodes are known to an adapter, which must not be stepped meanwhile: O(1), and a page is looked up once for
-// the slots of it that are asked about in a row.
+// KnownNodes says which nodes an adapter knows. The adapter must not be stepped while a KnownNodes is in use. has() is
+// O(1), and looks a page up once for all of its slots that are asked about in a row.
 class KnownNodes {
  public:
   explicit KnownNodes(const TerrainAdapter& adapter) : adapter_(adapter) {}
@@ -109,7 +112,7 @@ class KnownNodes {
 
  private:
   const TerrainAdapter& adapter_;
-  uint32_t page_ = kNoSlot;  // no page has so large a number
+  uint32_t page_ = kNoSlot;  // No page has so large a number.
   SlotBits known_;
 };
 

@@ -1,11 +1,12 @@
-// How an adapter (adapter.h) tests terrain, of which a client knows only what it was told. Both ends know the errors of
-// nodes that were ever added, as long as they remember them (node_memory.h), so the tests of these need nothing. Of a
-// node that is not known an entry has a bound on its error, from above. Where that leaves a test open, a predicate, "is
-// the error at least the least that passes?", is put to the source. The decision becomes the entry's bound if it is no;
-// if it is yes, the source tells the error. So the decisions and errors, in the order of the predicates, are all that a
-// client must be told of which nodes are added and removed.
+// TerrainTester tests terrain for an adapter (adapter.h). A client knows of the terrain only what it was sent, so every
+// frontier entry has a bound on its node's error: from below if the node is in the section, from above if it can be
+// added. Where the bound leaves a test open, the tester puts a predicate to the source: is the error at least the least
+// that passes? The decision becomes the entry's new bound. Once decisions leave only one value, the error is settled;
+// both ends remember settled errors (node_memory.h), so tests of such nodes need no predicates. Decisions, in the order
+// of the predicates, are all that a client must be sent to know which nodes are added and removed, but for hidden
+// blocks.
 //
-// A step's own; too large to be copied.
+// Each step has a tester of its own. A tester is too large to be copied.
 #pragma once
 
 #include <array>
@@ -25,11 +26,11 @@ class TerrainTester {
   using Domain = TerrainDomain;
   using Source = TerrainSource;
   static constexpr size_t kSize = TerrainBatch::kSize;
-  // What is remembered from step to step beside the frontier.
+  // Memory lasts from step to step, beside the frontier.
   struct Memory {
     HiddenBlocks blocks;
-    bool hides = false;  // nodes of hidden blocks are left out
-    NodeMemory pages;    // those without nodes in the section or on its frontier
+    bool hides = false;  // Nodes of hidden blocks are left out of the section.
+    NodeMemory pages;    // Pages here have no node in the section or on its frontier.
     explicit Memory(const Domain& domain) : blocks(domain.grid) {}
     size_t bytes() const { return blocks.bytes() + pages.bytes(); }
     std::optional<QuantisedRadius> radius(Slot slot) const { return pages.radius(slot); }
@@ -56,14 +57,16 @@ class TerrainTester {
         memory_(memory),
         scratch_(scratch) {}
 
-  // First in a step: has the source revise the blocks, and calls undecide(page number, low) for each frontier node that
-  // this may concern. False if the source stopped.
+  // Has the source revise the blocks, and calls undecide(page number, low) for each frontier node whose test a revised
+  // block may change. Must be called first in a step. The result is false if the source stopped.
   template <class Undecide>
   bool reviseBlocks(const Frontier::Nodes& nodes, const Undecide& undecide);
-  // Last in a step: ends that of the frontier, remembers the pages it drops, and forgets blocks without nodes.
+  // Ends the frontier's step, remembers the pages that the frontier drops, and forgets blocks without nodes. Must be
+  // called last in a step.
   void endStep(Frontier& frontier, uint32_t steps);
 
-  // What is known of the page of a slot that has come to the frontier.
+  // The knowledge of a page that comes to the frontier with the slot `first`: what is remembered of the page, or else
+  // its radius alone.
   static PageKnowledge knowledgeOf(Source& source, Memory& memory, Slot first) {
     if (const auto remembered = memory.pages.take(first)) return *remembered;
     PageKnowledge knowledge;
@@ -78,12 +81,12 @@ class TerrainTester {
     batch_.push(n, page.first() | entry.low(), level, entry.bound(), domain_.radius(level, page.knowledge.radius));
   }
 
-  // Tests the nodes pushed by the bounds of their entries.
+  // Tests the nodes that were pushed against the bounds of their entries.
   void test();
-  // Decides for the candidates of a level, all of which were pushed, whether they are in the section from now on.
-  // As many parts as it takes. False if the source stopped.
+  // Decides for some candidates of a level, all of which were pushed, whether they are in the section from now on. A
+  // level with more candidates than kSize takes several calls. The result is false if the source stopped.
   bool decide(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
-  // What test() and decide() found of node `i`.
+  // These functions return what test() or decide() found for the node that was pushed as number `i`.
   Slot slot(size_t i) const { return batch_.slot[i]; }
   bool passes(size_t i) const { return batch_.passes[i] != 0; }
   FrontierEntry entry(size_t i) const {
@@ -91,7 +94,7 @@ class TerrainTester {
   }
   float slack(size_t i) const { return batch_.slack[i]; }
 
-  // Tells the source which of a level's candidates are new to the frontier.
+  // Tells the source which of a level's candidates are new to the frontier and not known.
   void tellAddable(int level, std::span<const AdaptCandidate> candidates);
 
  private:

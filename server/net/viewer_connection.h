@@ -1,5 +1,6 @@
-// One viewer's WebSocket: it takes whole messages and sends whole messages in order. Private to server/net. It runs on
-// the I/O thread; workers reach it only through the outlet, which posts to that thread.
+// ViewerConnection is one viewer's WebSocket. It receives whole messages, and sends whole messages in order. The class
+// is private to server/net and runs on the I/O thread; workers reach it only through its outlet, which posts to that
+// thread.
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -27,21 +28,25 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   ViewerConnection(transport::Transport stream, ConnectionCount count, Pass pass, ServerContext& context);
   ~ViewerConnection();
 
-  // Whatever one of these and the handlers throw ends this viewer, and nothing else.
+  // Takes over the socket and begins the WebSocket handshake. An exception in accept(), leave(), migrate(), check() or
+  // a handler ends this viewer's connection, and no other.
   void accept(UpgradeRequest request);
 
-  // Completes the message that is being sent, sends a Refusal with `message`, then closes.
+  // Completes the message that is being sent, sends a Refusal with `message`, then closes the connection. Other
+  // messages that wait are not sent.
   void refuse(RefusedFor reason, const std::string& message);
 
-  // Closes with a close frame that carries `reason`; messages that wait are not sent.
+  // Closes the connection by a close frame that carries `reason`. Messages that wait are not sent.
   void leave(boost::beast::websocket::close_code code, const std::string& reason);
 
-  // Asks the viewer to connect again at once, and to resume, when it is time (Migration).
+  // Begins to migrate the viewer: once Migration says that it is time, the viewer is asked to connect again at once and
+  // to resume.
   void migrate();
   bool isMigrating() const { return migration_.isAsked(); }
 
-  // To be called now and then: closes a viewer that sends nothing, reads nothing, or does not answer a close frame in
-  // time, and one whose session failed. Handshakes have a timeout of their own.
+  // Closes the connection if the viewer sends nothing, reads nothing, or does not answer a close frame in time, if its
+  // token has expired, or if its session failed. Must be called now and then, since the connection has no timer.
+  // Handshakes have a timeout of their own.
   void check(Time now);
 
  private:
@@ -79,30 +84,30 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
   const Pass pass_;
   transport::WebSocket stream_;
   std::string peer_;
-  std::shared_ptr<SessionActor> actor_;  // null unless open
-  std::shared_ptr<ViewerBytes> bytes_;   // null until then
+  std::shared_ptr<SessionActor> actor_;  // The pointer is null until the handshake ends, and once the viewer is gone.
+  std::shared_ptr<ViewerBytes> bytes_;   // The pointer is null until the handshake ends.
   State state_ = State::kAccepting;
   boost::beast::websocket::close_reason close_reason_;
-  Time close_by_;  // while flushing or closing
+  Time close_by_;  // A connection that is flushing or closing is cut after this time.
 
   boost::beast::flat_buffer read_buffer_;
-  Time heard_at_;  // when the viewer last sent bytes
+  Time heard_at_;  // The viewer last sent bytes at this time.
   Time opened_at_, message_begun_at_;
-  bool has_greeted_ = false;  // sent a whole message
+  bool has_greeted_ = false;  // The viewer has sent a whole message.
   Migration migration_;
 
   std::deque<Outgoing> outbox_;
   size_t outbox_bytes_ = 0;
   size_t written_of_first_ = 0;
   bool is_writing_ = false;
-  Time progress_at_;  // when the system last took a piece
-  Time busy_since_;   // when the outbox was last empty
+  Time progress_at_;  // A piece of a message was last begun or taken by the system at this time.
+  Time busy_since_;   // The outbox was last empty at this time.
   uint64_t written_since_ = 0;
-  int64_t counted_bytes_ = 0;  // of read buffer and outbox, in bytes_
+  int64_t counted_bytes_ = 0;  // bytes_ counts so many bytes of the read buffer and the outbox.
   uint64_t batches_sent_ = 0;
 };
 
-// Takes over a socket whose HTTP request asks for WebSocket.
+// Makes a ViewerConnection of a socket whose HTTP request asks for WebSocket.
 void acceptViewer(transport::Transport stream, ConnectionCount count, Pass pass, UpgradeRequest request,
                   ServerContext& context);
 

@@ -1,17 +1,19 @@
-// What one viewer's server knows of hidden blocks from keyframe to keyframe.
+// ViewerOcclusion holds, from keyframe to keyframe, what the server has proved of blocks that are hidden from one
+// viewer.
 //
-// A block is hidden in a keyframe if that is proved for all eyes of the intervals in which the keyframe is shown
-// (eye_intervals.h). Proofs are for spans of 16 or 8 intervals (path_spans.h): a block deep behind a ridge is tested
-// every 16 keyframes, one near the ridge's edge every eight; half as many where the path is guessed. A block turns
-// visible with the first keyframe that may show it, or up to seven earlier. One that is visible must be hidden for some
-// intervals ahead, and by some margin, to turn hidden, lest it flicker; it is tried again when the span that shows
-// it is past, and more and more seldom as long as it stays visible.
+// A block is hidden in a keyframe if the proof covers all eyes of the intervals in which the keyframe is shown
+// (eye_intervals.h). One test proves a block hidden for a span of 16 or 8 intervals (path_spans.h), or of 8 or 4 where
+// the path is guessed (decision 0017 weighs 4 and 2): a block deep behind a ridge gets the long spans, a block near the
+// ridge's edge the short ones. A hidden block turns visible with the first keyframe that may show it, or up to seven
+// keyframes earlier. To turn hidden, a visible block must be hidden for some intervals ahead, and by some margin, lest
+// it flicker. A visible block is tested again when the span that shows it is past, and less often the longer it stays
+// visible.
 //
-// Blocks are tested behind horizons (horizon.h); by rays (block_test.h), at most so many in a keyframe, in scenes that
-// have no grid for these. Horizons take so many bytes at most: while they do, no block is proved to be hidden; and a
-// keyframe that begins with more than half as many begins without any, which costs time, and no proof.
+// Blocks are tested against horizons (horizon.h), or against rays (block_test.h) in scenes without a grid for horizons.
+// Both are bounded by Options. While horizons take all of their bytes, no block is proved hidden. A keyframe that
+// begins with more than half of these bytes drops all horizons first, which costs time, but no proof.
 //
-// One owner (a session), which sets the view before each keyframe. The results depend on nothing but what it is told.
+// One owner (a session) sets the view before each keyframe. The results depend on the calls alone.
 #pragma once
 
 #include <array>
@@ -28,26 +30,31 @@
 namespace foreland::server {
 
 struct OcclusionStatistics {
-  uint64_t tests = 0;     // of blocks for spans, since the start
-  uint64_t rays = 0;      // where there is no grid
-  uint64_t segments = 0;  // of horizons, built
+  uint64_t tests = 0;     // Each test is of one block for one span.
+  uint64_t rays = 0;      // Rays are cast only in scenes without a grid.
+  uint64_t segments = 0;  // Horizons were built from so many segments.
 };
 
 class ViewerOcclusion final : public proto::BlockVisibility {
  public:
   struct Options {
-    uint64_t rays = 120'000;          // in a keyframe, at most
-    size_t horizon_bytes = 32 << 20;  // at any time; one test may exceed it by what it looks at
+    // A keyframe casts at most this many rays (some 60 ms). With 20,000 a turn that nobody predicted ended more proofs
+    // than could be renewed, and whole valleys became visible for seconds (decision 0017).
+    uint64_t rays = 120'000;
+    // All horizons take at most this many bytes; one test may exceed the limit by the segments that it builds. The
+    // value is four times what the hungriest of 64 synthetic flights takes at 3840 x 2160 pixels.
+    size_t horizon_bytes = 32 << 20;
   };
 
-  // Both must outlive it.
+  // `hierarchy` and `scene` must outlive the object.
   ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene)
       : ViewerOcclusion(hierarchy, scene, Options()) {}
   ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options);
   ViewerOcclusion(const ViewerOcclusion&) = delete;
   ViewerOcclusion& operator=(const ViewerOcclusion&) = delete;
 
-  // Before a keyframe. Without it the eyes are expected to stay in the keyframe's region.
+  // Says where the eyes will be. May be called before each begin(); without the call the eyes are expected to stay in
+  // the keyframe's region.
   void expect(const PredictedEyePath& eye_path) { eye_path_ = eye_path; }
 
   void begin(const proto::View& view) override;
@@ -55,10 +62,11 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override;
 
   const OcclusionStatistics& statistics() const { return statistics_; }
-  size_t bytes() const;  // in constant time
+  size_t bytes() const;  // O(1)
 
  private:
-  enum class Towards : uint8_t { kVisible, kHidden };  // what a test is to find out for
+  // A test finds out whether a hidden block turns visible, or whether a visible block turns hidden.
+  enum class Towards : uint8_t { kVisible, kHidden };
 
   void expectNumbered(PredictedEyePath eye_path);
 
@@ -76,14 +84,14 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   Options options_;
   std::optional<proto::View> view_;
   std::optional<proto::Frustum> frustum_;
-  std::optional<PredictedEyePath> eye_path_;  // of the next keyframe
-  int64_t origin_ = 0;                        // of the numbers of intervals here and in what follows
+  std::optional<PredictedEyePath> eye_path_;  // expect() said this of the next keyframe.
+  int64_t origin_ = 0;                        // Numbers of intervals count from this one in all members.
   EyeIntervals intervals_;
   PathSpans spans_;
-  double tau_px_ = 0;  // that proofs allow for
+  double tau_px_ = 0;  // Proofs hold for tolerances up to this one.
   uint32_t keyframe_ = 0;
   uint64_t last_ray_ = 0;
-  size_t horizon_bytes_ = 0;  // at most, of this keyframe
+  size_t horizon_bytes_ = 0;  // All horizons take at most so many bytes in this keyframe.
   BlockProofs proofs_;
   OcclusionStatistics statistics_;
 };

@@ -1,12 +1,12 @@
-// One viewer's state machine: messages and times in, messages out. It has no socket, clock or thread inside, so that
-// the server's I/O thread, the pool and the tests' virtual world can all drive the same code.
+// Session is the state machine that serves one viewer: messages and times go in, messages come out. A session has no
+// socket, clock or thread inside, so the server's I/O thread, the pool and the tests' virtual world can all drive it.
 //
-// A session is owned by its host or by exactly one worker at a time, and never locked. Server times are of any
+// A session is owned by its host or by exactly one worker at a time, and is never locked. Server times may be of any
 // monotonic clock; times of the client's clock say so in their names.
 //
-// It is the thin owner of its parts: what the viewer has said (input/), when the next keyframe is due (plan/, pure),
-// for which view (view/, pure), what of the section is sent (server/section), and which tiles (server/imagery). No
-// keyframe is sent in part.
+// A session is the thin owner of its parts. What the viewer has said is kept by input/; pure functions plan when the
+// next keyframe is due (plan/) and which view it is for (view/); server/section sends the section's changes, and
+// server/imagery the tiles. No keyframe is sent in part.
 #pragma once
 
 #include <algorithm>
@@ -31,48 +31,65 @@
 namespace foreland::server {
 
 struct SessionOptions {
-  double tau_px = 1;                                         // for viewers that ask for no tolerance
-  Duration keyframe_interval = Duration::milliseconds(200);  // for viewers that ask for none
-  Duration longest_interval{};                               // the same; 0: it is fixed
-  Duration safety = Duration::milliseconds(15);  // a predicted keyframe should arrive this long before it is needed
-  // The tolerance of a section is raised until it has at most this many nodes, objects included.
+  // A viewer that asks for no tolerance gets this one.
+  double tau_px = 1;
+  // A viewer that asks for no interval gets this one. An interval of 100 ms costs 5 % more bytes and draws 11 % fewer
+  // triangles; one of 500 ms costs 7 % fewer and draws 24 % more (docs/LATENCY.md).
+  Duration keyframe_interval = Duration::milliseconds(200);
+  // A viewer that asks for no interval gets intervals up to this one; 0 keeps them fixed.
+  Duration longest_interval{};
+  // A predicted keyframe should arrive this long before it is needed. No measurement of the value is recorded. It hides
+  // that a keyframe is a few milliseconds late (decision 0024), and makes every pose older by as much.
+  Duration safety = Duration::milliseconds(15);
+  // The tolerance of a section is raised until the section has at most this many nodes, objects included. The limit is
+  // twelve times what a section has at 1080p and 1 px (THEORY section 6); no measurement of it is recorded.
   size_t max_section_nodes = 1'500'000;
-  // One keyframe adds at most this many, so that no step takes long; the next ones add the rest. Fewer in the first
-  // keyframe after the camera jumped, which is wanted at once.
+  // One keyframe adds at most this many nodes, so that no step takes long, and the next keyframes add the rest: a
+  // section at 1080p and 1 px fits twice. The first keyframe after a jump of the camera is wanted at once, so it adds
+  // fewer; with this limit `foreland fly --tour jumps` was at its tolerance again after at most 630 ms.
   size_t max_added_nodes = 250'000, max_added_after_jump = 40'000;
-  Duration prefetch_ahead{};  // reads what will be needed this much later, for scenes larger than memory; 0: never
-  uint32_t max_memory_bytes = 64u << 20;  // that a viewer may remember; the server needs a fortieth of that for it
-  Duration max_early{};  // a predicted keyframe may be computed so much earlier than it must be begun, but at most
-                         // half an interval
-  // Where that is permitted it is always begun so much earlier, for it may cost more than the last ones did, or wait
-  // for another that was begun before (decision 0024).
+  // The pages that will be needed this much later are read in advance, for scenes larger than memory; 0 turns that off.
+  Duration prefetch_ahead{};
+  // A viewer may remember at most this many bytes of terrain; the server needs a fortieth of them for the viewer. No
+  // measurement of the limit is recorded; it is four times what clients ask for unless told otherwise.
+  uint32_t max_memory_bytes = 64u << 20;
+  // A predicted keyframe may be computed this much before it must be begun, but never by more than half an interval.
+  Duration max_early{};
+  // Where max_early permits it, a predicted keyframe is always begun this much early: it may cost more than the last
+  // ones did, or wait for another that was begun before. Decision 0024 weighs 0, 4, 15 and 30 ms against older poses.
   Duration slack = Duration::milliseconds(15);
-  uint32_t max_tile_bytes = proto::kDefaultTileBytes;  // of tiles that a viewer may hold
-  size_t max_unacknowledged = 8;  // keyframes sent and not yet acknowledged; more would only queue in the link
+  // The tiles that a viewer may hold take at most this many bytes.
+  uint32_t max_tile_bytes = proto::kDefaultTileBytes;
+  // At most this many keyframes are sent and not yet acknowledged; more would only queue in the link. The value is the
+  // protocol's (docs/PROTOCOL.md, section 13): at 200 ms it covers round trips of 1.6 s.
+  size_t max_unacknowledged = 8;
 };
 
-// Working memory that a worker lends to a step; one per worker, reused.
+// Each worker has one SessionScratch, and lends it to the step that it runs.
 struct SessionScratch {
   SendScratch send;
 };
 
+// Numbers count from the start of the session, unless a comment names the last keyframe.
 struct SessionStatistics {
   uint64_t keyframes = 0;
-  uint64_t skipped_keyframes = 0;  // grid points without a keyframe
+  uint64_t skipped_keyframes = 0;  // No keyframe was sent for so many points of the grid.
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t nodes_tested = 0;    // of the terrain, by keyframes
-  uint64_t nodes_measured = 0;  // of sections that were refined from scratch to be counted
-  size_t section_nodes = 0;
-  size_t remembered_nodes = 0;    // of the terrain, that the viewer knows beside those around its section
-  size_t memory_bytes = 0;        // that the server needs to know which, and what ridges hide
-  OcclusionStatistics occlusion;  // of this connection
+  uint64_t nodes_tested = 0;    // Keyframes made so many tests of terrain nodes.
+  uint64_t nodes_measured = 0;  // Sections that were refined from scratch, only to be counted, had so many nodes.
+  size_t section_nodes = 0;     // The last keyframe's section has so many nodes.
+  // The viewer knows so many nodes of the terrain beside those around the last keyframe's section.
+  size_t remembered_nodes = 0;
+  // The server holds so many bytes to know which nodes the viewer remembers, and what ridges hide from it.
+  size_t memory_bytes = 0;
+  OcclusionStatistics occlusion;
   uint64_t prefetches = 0;
-  uint64_t replies = 0;                // to requests
-  uint64_t jumps = 0;                  // of the camera, recognised (proto/space/jump.h) or announced
-  double tau_px = 0;                   // in force
-  bool is_coarse = false;              // that is above what the viewer asked for
-  uint64_t tiles = 0, tile_bytes = 0;  // sent
-  bool resumed = false;                // started from a section that the viewer held from an earlier connection
+  uint64_t replies = 0;                // So many requests were answered.
+  uint64_t jumps = 0;                  // The camera's jumps were recognised (proto/space/jump.h) or announced.
+  double tau_px = 0;                   // The last keyframe has this tolerance.
+  bool is_coarse = false;              // The last keyframe's tolerance is larger than the viewer asked for.
+  uint64_t tiles = 0, tile_bytes = 0;  // So many tiles were sent.
+  bool resumed = false;  // The session started from a section that the viewer held from an earlier connection.
 };
 
 class Session {
@@ -82,47 +99,47 @@ class Session {
   // Takes one message from the viewer. An Error means: send a Refusal with its message, then close.
   Status receive(ByteSpan message, Time now);
 
-  // When the session has something to do, and by when it should be done (earliest deadline first); nothing if it waits
-  // for messages.
+  // The time from which the session has something to do, and the deadline for it (earliest deadline first). The result
+  // is empty while the session waits for messages.
   std::optional<Due> due() const;
 
-  // Does what is due at `now`: one keyframe, or one reply to a request, or what a section to resume from takes, or one
-  // prefetch. Appends whole messages to `out`. Called early, it does nothing. Report afterwards how long it took with
-  // noteComputeTime: requests are answered with at most a fifth of a worker's time, and none while an earlier reply is
-  // unsent.
+  // Does the one thing that is due at `now`: computes a keyframe, answers a request, takes in a section to resume from,
+  // or prefetches. Whole messages are appended to `out`. A call before due() does nothing. The caller reports the time
+  // that the step took to noteComputeTime(). Requests get at most a fifth of a worker's time, and no request is
+  // answered while an earlier reply is unsent.
   //
-  // Cost of a keyframe: one adaptation. If the section may exceed a limit of nodes (the first one, one after a jump, or
-  // one of more than half the limit), or the viewer limits its bytes, one refinement from scratch as well; if the
-  // section then is too large, about four (toleranceThatFits), most of which end early. A guessed region that outgrows
-  // what was observed takes some more (RegionShare::fit).
-  // A keyframe is computed as late as it can be, for then it uses the newest pose; Start::kEarly computes it from
-  // Due::earliest on, for the sake of others who are due at the same time.
+  // A keyframe costs one adaptation. One refinement from scratch is added if the viewer limits its bytes, or if the
+  // section may exceed a limit of nodes: it is the first one, follows a jump, or has more than half the limit. If it
+  // does exceed the limit, about four refinements are added (toleranceThatFits), most of which end early. A guessed
+  // region that outgrows what was observed takes some more (RegionShare::fit).
+  // A keyframe is computed as late as it can be, so that it uses the newest pose. Start::kEarly computes it from
+  // Due::earliest on, for the sake of other viewers whose keyframes are due at the same time.
   enum class Start : uint8_t { kWhenDue, kEarly };
   void step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, Start start = Start::kWhenDue);
-  // And how many pages of the scene it had to read from the disk.
+  // Takes in how long the last step took, and how many of the scene's pages it read from the disk.
   void noteComputeTime(Duration spent, uint64_t pages_read = 0);
-  // How long a keyframe is expected to take.
+  // The time that a keyframe is expected to take.
   Duration computeTime() const { return state_.compute_time; }
-  // Answers no request before `until`, since there is no room for the reply.
+  // Answers no request before `until`. Hosts call it when they have no room for a reply.
   void postponeReplies(Time until) { next_request_ = std::max(next_request_, until); }
-  // What the viewer makes the server keep, as long as it likes: what waits for an answer (ViewerInput), and answers
-  // that are not sent. O(requests).
+  // The bytes that the viewer can make the server keep for as long as it likes: of what waits for an answer
+  // (ViewerInput), and of answers that are not sent. O(requests).
   size_t keptBytes() const;
-  // What the server's processors can give this viewer from now on.
+  // Says what the server's processors can give this viewer from now on.
   void setProcessors(Processors processors) { processors_ = processors; }
 
-  // To be called when the transport has sent every byte of earlier steps. Until then no keyframe is computed, so at
+  // Must be called once the transport has sent every byte of earlier steps. No keyframe is computed before that, so at
   // most one delta waits to be sent.
   void onDrained(Time now);
 
   const World& world() const { return *world_; }
   const SessionStatistics& statistics() const { return statistics_; }
-  // The terrain's section that the client holds once it has read everything sent, and the keyframe it belongs to.
+  // The terrain's section that the client holds once it has read everything that was sent; it is keyframe()'s.
   proto::Section section() const { return sender_.adapter().section(); }
-  // What the client knows of the terrain once it has read everything sent, ascending.
+  // The pages of terrain that the client knows once it has read everything that was sent, ascending.
   std::vector<proto::KnownPage> knownPages() const { return sender_.adapter().knownPages(); }
   const proto::KeyframeHeader& keyframe() const { return sender_.keyframe(); }
-  // Null if the scene has no tiles.
+  // The result is null before the welcome, and always if the scene has no tiles.
   const TileSender* tiles() const { return tiles_.get(); }
 
  private:
@@ -148,10 +165,10 @@ class Session {
   void tryToResume();
   void prefetch(SessionScratch& scratch);
 
-  // How a keyframe is made (session_keyframes.cpp).
+  // These functions make a keyframe (session_keyframes.cpp).
   struct Keyframe {
     Time time_client;
-    Duration until_next;  // the keyframe after it is at most this much later
+    Duration until_next;  // The next keyframe is at most this much later.
     proto::View view;
   };
   void computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch, std::vector<Bytes>& out);
@@ -162,7 +179,7 @@ class Session {
   void notePredictions(const Keyframe& keyframe);
   void count(const KeyframePlan& plan, const SessionScratch& scratch);
 
-  // How large its section may be (session_limits.cpp).
+  // These functions limit the size of a keyframe's section (session_limits.cpp).
   double sectionTolerance() const;
   size_t maxNodes() const;
   void fitBudget(proto::View& view, SessionScratch& scratch);
@@ -176,17 +193,17 @@ class Session {
   SessionOptions options_;
   ViewerInput input_;
   KeyframeState state_;
-  std::optional<Time> target_;  // the grid point that aim() chose, the client's clock
+  std::optional<Time> target_;  // aim() chose this grid point of the client's clock.
   AdaptiveInterval adaptive_interval_;
-  std::vector<Bytes> replies_;  // ready
-  Time next_request_;           // not to be answered earlier
+  std::vector<Bytes> replies_;  // The next step sends these.
+  Time next_request_;           // No request is answered before.
   enum class Did : uint8_t { kNothing, kKeyframe, kRequest, kPrefetch };
-  Did did_ = Did::kNothing;  // in the last step
+  Did did_ = Did::kNothing;  // The last step did this.
   Processors processors_ = Processors::kFree;
 
   SectionSender sender_;
-  std::unique_ptr<ViewerOcclusion> occlusion_;  // null if deltas on this connection carry no hidden blocks
-  std::unique_ptr<TileSender> tiles_;           // null until the viewer wants some that the scene has
+  std::unique_ptr<ViewerOcclusion> occlusion_;  // The pointer is null if the welcome promised no hidden blocks.
+  std::unique_ptr<TileSender> tiles_;           // See tiles().
   ToleranceControl tolerance_;
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;

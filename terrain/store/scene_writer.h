@@ -1,6 +1,6 @@
-// Writes the scene file of a terrain, whole or not at all (new_file.h).
+// SceneWriter writes the scene file of a terrain. The file appears whole or not at all (new_file.h).
 //
-// One owner; put() may be called by several threads at once.
+// A writer has one owner; put() may be called by several threads at once.
 #pragma once
 
 #include <filesystem>
@@ -17,31 +17,33 @@ namespace foreland::terrain {
 
 class SceneWriter {
  public:
-  // What the header says. Shape and frame must be valid.
+  // About holds what the file says beside nodes and base heights. create() returns an Error if the shape or the frame
+  // is invalid, or if the origin's text exceeds 16 MiB.
   struct About {
     proto::GridShape shape;
     proto::Frame frame;
     HeightRange heights;
     SceneOrigin origin;
-    Bytes objects{};  // the section of objects (terrain/objects)
-    Bytes epochs{};   // the section of epochs (epoch_section.h)
+    Bytes objects{};  // terrain/objects encodes this section of the file.
+    Bytes epochs{};   // epoch_section.h encodes this section of the file.
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
-    const TileSection* tiles = nullptr;
+    const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);
 
-  std::span<const NodeRecord> nodes() const;  // zero until put()
+  // The records are zero until put() writes them. The caller fills corners() and centres(), which are zero at first.
+  std::span<const NodeRecord> nodes() const;
   std::span<int32_t> corners();
   std::span<int32_t> centres();
   uint64_t fileBytes() const { return layout_.file_bytes; }
 
-  // Writes records from slot `first` on; nodes() shows them.
+  // Writes records from slot `first` on; nodes() then shows the new records.
   Status put(proto::Slot first, std::span<const NodeRecord> records) const;
-  // Lets the pages of nodes() leave this process's memory; their content stays in the file.
+  // Lets the pages of `nodes`, a part of nodes(), leave this process's memory; their content stays in the file.
   void release(std::span<const NodeRecord> nodes) const;
 
-  // Writes checksums and header, flushes to the disk and names the file. Returns the scene's id. Call once, when
-  // everything is filled.
+  // Writes checksums and header, flushes the file to the disk and gives it its name. Returns the scene's id. Must be
+  // called once, when nodes, corners and centres are filled.
   Result<uint64_t> finish();
 
  private:

@@ -1,17 +1,18 @@
-// The terrain's mesh by change: from the mesh of one interval to that of the next by as much work as nodes change. The
-// meshes are those that oracle::MeshBuilder makes from nothing, bit for bit, but for the order of vertices and
+// TerrainPatcher changes the terrain's mesh of one interval into that of the next, by as much work as nodes change. The
+// meshes equal those that oracle::MeshBuilder makes from nothing, bit for bit, but for the order of vertices and
 // triangles.
 //
-// It keeps the mesh's vertices with their state at the newest end, which is where the next mesh begins. A step
+// The patcher keeps the mesh's vertices with their state at the newest end, which is where the next mesh begins. A step
 //   1. brings the state to the next mesh's beginning: nodes that jump are removed, moved and added,
-//   2. brings it to that mesh's end: nodes that are not drawn there are removed, those whose weight or height changes
-//      are moved, those that are drawn there only are added.
+//   2. brings the state to that mesh's end: nodes that are not drawn there are removed, nodes whose weight or height
+//      changes are moved, and nodes that are drawn there only are added.
 // A vertex's normal is an exact sum over its triangles (face_normal.h), so adding or removing a node subtracts the
-// triangles that it ends and adds those that it makes. The triangles of the mesh are those of the union of both ends'
-// sections: a node that enters the union halves one or two of them, a node that leaves it merges them again.
+// triangles that the change ends and adds those that it makes. The triangles of the mesh are those of the union of both
+// ends' sections: a node that enters the union halves one or two triangles, and a node that leaves it merges them
+// again.
 //
-// One owner. step(): O(nodes changed or in transition), and O(edges that cross the data's border); while scene time
-// goes, O(mesh) to find what the ground moves. rebuild(): O(mesh).
+// One owner. step() costs O(nodes changed or in transition + edges that cross the data's border); while scene time
+// advances it costs O(mesh), to find what the ground moves. rebuild() costs O(mesh).
 #pragma once
 
 #include <span>
@@ -31,34 +32,34 @@
 
 namespace foreland::client {
 
-// What the next mesh shows. `nodes` and `morphs` have been stepped to it. A view.
+// TerrainStep says what the next mesh shows. `nodes` and `morphs` have been stepped to that mesh. A step owns nothing.
 struct TerrainStep {
   const HeldNodes& nodes;
   const Morphs& morphs;
   const EndHeights& heights;
-  Time scene_from, scene_to;  // in scenes with epochs
-  glm::dvec3 origin;          // of the mesh's positions
-  uint32_t order = 1;         // it blends one keyframe more
+  Time scene_from, scene_to;  // Scenes without epochs ignore these.
+  glm::dvec3 origin;          // The mesh's positions are relative to the origin.
+  uint32_t order = 1;         // A mesh of order n blends n + 1 keyframes.
 };
 
 class TerrainPatcher {
  public:
-  // `domain` must outlive it.
+  // `domain` must outlive the patcher.
   explicit TerrainPatcher(const proto::TerrainDomain& domain);
 
-  // The mesh from nothing; to be called first.
+  // Makes the mesh from nothing. Must be called before step().
   void rebuild(const TerrainStep& step, BlendPatch& out);
-  // The mesh from the last one. Rebuilds it where it would become too sparse.
+  // Makes the mesh from the last one, or from nothing where too many vertex places would be free (kFewPlaces).
   void step(const TerrainStep& step, BlendPatch& out);
 
-  // How many nodes the last mesh draws at its beginning and at its end.
+  // The numbers of nodes that the last mesh draws at its beginning and at its end.
   uint32_t fromNodes() const { return from_nodes_; }
   uint32_t toNodes() const { return section_nodes_; }
   size_t bytes() const { return vertices_.bytes() + triangles_.bytes(); }
 
  private:
   using Slots = std::vector<proto::Slot>;
-  // A vertex of the newest end's section, and where it will be.
+  // A Move says where a vertex of the newest end's section will be, and whether that is where the vertex's node is.
   struct Move {
     uint32_t vertex;
     GroundPoint point;
@@ -66,13 +67,16 @@ class TerrainPatcher {
   };
   enum class End { kFrom, kTo };
   using Places = std::vector<uint32_t>;
-  // A node that gets a vertex, and the apexes of the triangles beside its edge, if they have theirs already.
+  // An entering node gets a vertex. `apexes` are the vertices of the triangles' apexes beside the node's edge, or
+  // kNoVertex.
   struct Entering {
     proto::Slot slot;
     proto::NodeId id;
     std::array<uint32_t, 2> apexes;
   };
-  static constexpr size_t kAhead = 4;  // nodes
+  // Loops over nodes prefetch the vertices and triangles around the node this many places ahead. No measurement of the
+  // value is recorded.
+  static constexpr size_t kAhead = 4;
 
   bool isSparse(size_t used) const { return vertices_.count() > 2 * used + kFewPlaces; }
   bool willBeSparse(const HeldNodes& nodes, const Slots& leaving, const Slots& entering) const;
@@ -84,7 +88,7 @@ class TerrainPatcher {
   void addRootTriangles(uint32_t root_x, uint32_t root_y);
   uint32_t placeOf(proto::NodeId v) const;
 
-  // The union of both ends' sections.
+  // These functions change the union of both ends' sections.
   void splitUnion(const Slots& slots);
   void split(const Entering& entering);
   void mergeUnion(const Slots& slots);
@@ -97,7 +101,7 @@ class TerrainPatcher {
   void fetchAround(uint32_t v) const;
   void fetchTriangles(uint32_t v) const;
 
-  // The newest end's section.
+  // These functions change the newest end's section.
   void leaveSection(const Places& removed);
   void enterSection(const Slots& added, const Places& places, End end);
   void enter(uint32_t v, const Move& move);
@@ -105,7 +109,7 @@ class TerrainPatcher {
   void addNormal(uint32_t a, uint32_t b, uint32_t c, double sign);
   void lieOnEdges(const Places& outside);
 
-  // Vertices that move within the section (terrain_moves.cpp).
+  // These functions move vertices that stay in the section (terrain_moves.cpp).
   Slots inTransition(End end) const;
   Slots allInSection(End end) const;
   void moveWithin(End end);
@@ -133,22 +137,22 @@ class TerrainPatcher {
   const proto::TerrainDomain& domain_;
   const proto::GridTopology& grid_;
   const FaceNormal face_normal_;
-  const glm::vec2 limit_;  // the data's last samples
+  const glm::vec2 limit_;  // The data's last samples are at this lattice position.
   TerrainVertices vertices_;
   TrianglePlaces triangles_;
   BorderCuts cuts_;
-  Slots leaving_;  // nodes that the last mesh's end does not draw: ascending
+  Slots leaving_;  // The last mesh's end does not draw these nodes, which ascend.
   glm::dvec3 origin_{0};
-  Time scene_time_;  // of the newest end
+  Time scene_time_;  // The newest end shows this scene time.
   uint32_t section_nodes_ = 0, from_nodes_ = 0;
-  size_t moving_in_section_ = 0;  // vertices of the newest end's section that are not where their nodes are
+  size_t moving_in_section_ = 0;  // So many vertices of the newest end's section are not where their nodes are.
 
-  // During a step only.
+  // These members are used during a step only.
   const TerrainStep* step_ = nullptr;
   PatchWriter* writer_ = nullptr;
   std::vector<Entering> entering_;
   std::vector<Move> moves_;
-  std::vector<uint32_t> move_of_;  // by vertex that is_moving: its index in moves_
+  std::vector<uint32_t> move_of_;  // A vertex that is_moving has its index in moves_ here.
 };
 
 }  // namespace foreland::client
