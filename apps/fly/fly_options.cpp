@@ -42,7 +42,7 @@ Result<proto::ViewRequest> requestOf(const FlyOptions& o) {
                             .longest_interval = interval->longest,
                             .max_triangles = o.max_triangles,
                             .max_bytes_per_second = o.max_kbit_per_s * 125,
-                            .occlusion = o.occlusion == "on",
+                            .occlusion = o.occlusion != "off",
                             .memory_bytes = static_cast<uint32_t>(o.memory_mib * 1048576),
                             .relief = o.relief,
                             .imagery = o.imagery};
@@ -153,10 +153,10 @@ void addDetail(CLI::App& app, FlyOptions& o) {
       ->check(within(0.0, 1024.0))
       ->capture_default_str();
   add("--occlusion", o.occlusion,
-      "on: ask for sections without what ridges hide, of a server with --occlusion on; --truth counts what is hidden "
-      "as "
-      "errors")
-      ->check(oneOf({"on", "off"}))
+      "auto: be sent nothing of what is hidden, if the server finds that out; on: the same, and end with an error if "
+      "it "
+      "does not; --truth judges what is seen")
+      ->check(oneOf({"auto", "on", "off"}))
       ->capture_default_str();
   app.add_flag("--relief", o.relief, "be sent tiles of relief, and count them; none is decoded")
       ->group("What is asked for");

@@ -24,7 +24,7 @@ struct FlyOptions {
   std::string strategy = "predict";
   std::string blend = "keyframe";
   std::optional<std::string> predictor;
-  std::string occlusion = "off";
+  std::string occlusion = "auto";
   bool relief = false, imagery = false;
   double tau_px = 1;
   std::string keyframe_ms = "200";

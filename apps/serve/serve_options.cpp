@@ -47,8 +47,9 @@ void addViews(CLI::App& app, ServeFlags& flags) {
       ->check(keyframeInterval())
       ->capture_default_str();
   add("--occlusion", flags.occlusion,
-      "on: what ridges hide is not sent to viewers that ask for that (the page, `foreland fly --occlusion on`)")
-      ->check(oneOf({"on", "off"}))
+      "what ridges hide is not sent to viewers that ask for that (the page, `foreland fly`); auto: as long as "
+      "processors have room for it and it is worth what it takes, for each viewer; on: always")
+      ->check(oneOf({"auto", "on", "off"}))
       ->capture_default_str();
 }
 
@@ -159,6 +160,11 @@ ParsedServeFlags parseServeFlags(int argc, const char* const* argv) {
   return {std::move(flags), 0};
 }
 
+server::Occlusion occlusionOf(const ServeFlags& flags) {
+  using server::Occlusion;
+  return flags.occlusion == "off" ? Occlusion::kOff : flags.occlusion == "on" ? Occlusion::kOn : Occlusion::kAuto;
+}
+
 Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   server::ServeOptions options;
   auto listen = server::parseListenAddress(flags.listen);
@@ -185,6 +191,7 @@ Result<server::ServeOptions> serveOptions(const ServeFlags& flags) {
   options.limits.viewer_bytes = static_cast<size_t>(flags.queue_mib * 1048576);
   options.limits.queue_bytes = std::max(options.limits.queue_bytes, options.limits.viewer_bytes);
   options.idle_timeout = Duration::seconds(flags.idle_seconds);
+  options.session.occlusion = occlusionOf(flags);
   options.session.max_section_nodes = flags.max_section_nodes;
   options.session.tau_px = flags.tau_px;
   const auto interval = proto::keyframeIntervalFrom(flags.keyframe_ms);

@@ -19,7 +19,7 @@ struct ServeFlags {
   std::string keyframe_ms = "200";
   std::string web;  // empty for where builds and installations put it
   std::string log_level = "info", log_format = "text";
-  std::string occlusion = "off";
+  std::string occlusion = "auto";
   size_t max_connections = server::ServeOptions{}.max_connections;
   size_t max_per_address = 0;  // 0: no limit
   size_t max_header_kib = server::ServeOptions{}.max_header_bytes >> 10;
@@ -39,6 +39,9 @@ struct ParsedServeFlags {
   std::optional<int> exit_code;
 };
 ParsedServeFlags parseServeFlags(int argc, const char* const* argv);
+
+// Of --occlusion.
+server::Occlusion occlusionOf(const ServeFlags& flags);
 
 // What follows from the flags alone. An Error names the flag and the value that will not do.
 Result<server::ServeOptions> serveOptions(const ServeFlags& flags);

@@ -152,8 +152,9 @@ void addViewerOptions(CLI::App& sub, LoadArguments& args) {
       ->type_name(text("NAME"))
       ->check(oneOf({"hold", "velocity", "acceleration", "double-exponential", "kalman", "path"}))
       ->capture_default_str();
-  sub.add_option("--occlusion", args.occlusion, "on: what ridges hide is not sent")
-      ->check(oneOf({"off", "on"}))
+  sub.add_option("--occlusion", args.occlusion,
+                 "on: what ridges hide is not sent; auto: as long as that pays (foreland serve --help)")
+      ->check(oneOf({"off", "auto", "on"}))
       ->capture_default_str();
   addLinkOptions(sub, args.link, "fixed");
 }
@@ -269,7 +270,7 @@ Result<lab::LoadRequest> requestOf(const LoadArguments& args) {
   if (!links) return links.error();
   request.base.viewers = request.viewers.front();
   request.base.links = *links;
-  request.base.occlusion = args.occlusion == "on";
+  request.base.occlusion = *server::occlusionNamed(args.occlusion);
   request.base.predictor = *predictor;
   request.base.mix = *mix;
   request.base.prices = *prices;
@@ -308,8 +309,7 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
   if (Status s = checkBoth(args, *runs); !s.ok()) return s.error();
   const auto scene = terrain::Scene::open(args.scene);
   if (!scene) return scene.error();
-  const auto opened =
-      server::openWorld(*scene, request.base.occlusion ? server::Occlusion::kOn : server::Occlusion::kOff);
+  const auto opened = server::openWorld(*scene, request.base.occlusion);
   if (!opened) return opened.error();
   const std::shared_ptr<const server::World>& world = *opened;
 

@@ -26,7 +26,7 @@ LoadTours::LoadTours(const terrain::Scene& scene)
 LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance) {
   const Duration offset = Duration::seconds(chance.uniform(0, kTour_s));
   LoadCast cast{.flight = {tours.survey, offset, {}}, .request = {}, .links = options.links};
-  cast.request.occlusion = options.occlusion;
+  cast.request.occlusion = options.occlusion != server::Occlusion::kOff;
   cast.request.tau_px = options.tau_px;
   cast.request.strategy = proto::Strategy::kPredict;
   cast.request.predictor = options.predictor;

@@ -39,7 +39,10 @@ void LoadSimulation::connect(size_t i) {
     v.server = *server;
     ++turn_;
   }
+  session_options_.occlusion_rank = server::OcclusionControl::rankOf(i);
   v.session = std::make_unique<server::Session>(world_, session_options_);
+  servers_[v.server].load->addViewer();
+  v.session->setProcessors(server::Processors::kFree, servers_[v.server].load->occlusionShare());
   if (v.connection > 0) {
     v.up = sim::Link(v.links.up, v.seeds.next());
     v.down = sim::Link(v.links.down, v.seeds.next());

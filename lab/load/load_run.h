@@ -51,7 +51,8 @@ struct LoadOptions {
   double tau_px = 2, keyframe_ms = 200;
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
   sim::LinkPair links = sim::fixedLink(Duration::milliseconds(50));  // of all, but that one of 20 is slow
-  bool occlusion = false;  // viewers ask for it; the world must have what it needs
+  // Unless it is off viewers ask for it; the world must have what it needs.
+  server::Occlusion occlusion = server::Occlusion::kOff;
   sim::ComputePrices prices{};
   uint64_t seed = 1;
   ClusterOptions cluster{};

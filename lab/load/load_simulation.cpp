@@ -23,7 +23,10 @@ server::JobKey keyOf(LoadPolicy policy) {
 }  // namespace
 
 LoadSimulation::Server::Server(const LoadOptions& options, size_t bins)
-    : queues(options.queues, options.workers, keyOf(options.policy)), is_free(options.workers, true), busy_us(bins) {}
+    : queues(options.queues, options.workers, keyOf(options.policy)),
+      is_free(options.workers, true),
+      load(std::make_unique<server::Load>(options.workers)),
+      busy_us(bins) {}
 
 LoadSimulation::Viewer::Viewer(const LoadViewer& viewer, LightViewer::Holds holds)
     : light(viewer.cast.request, viewer.cast.flight, holds),
@@ -42,6 +45,7 @@ LoadSimulation::LoadSimulation(std::shared_ptr<const server::World> world, const
   const size_t bins = static_cast<size_t>((end_ - begin_).us / kUtilisationBin.us) + 1;
   for (size_t s = 0; s < options.cluster.servers; ++s) servers_.emplace_back(options, bins);
   if (options.start == LoadStart::kEarly) session_options_.max_early = Duration::seconds(0.5e-3 * options.keyframe_ms);
+  session_options_.occlusion = options.occlusion;
   session_options_.slack = Duration::seconds(1e-3 * options.slack_ms);
   addViewers(world_);
   if (isCluster()) addClusterEvents();
@@ -196,6 +200,7 @@ void LoadSimulation::step(size_t i, size_t worker) {
   const sim::StepWork work = sim::StepWork::between(before, *v.session, bytes);
   v.is_keyframe = work.keyframes > 0;
   v.work = options_.prices.of(work);
+  if (v.is_keyframe && due) server.load->addWait(now_ - due->release);
   if (before.keyframes > 0) v.used_s += v.work.toSeconds();
   if (isMeasured()) {
     figures_.skipped += v.session->statistics().skipped_keyframes - before.skipped_keyframes;
@@ -213,6 +218,8 @@ void LoadSimulation::done(size_t i) {
   server.costly_running -= v.is_costly;
   v.is_running = false;
   v.session->noteComputeTime(v.work);
+  server.load->add(v.work, now_);
+  v.session->setProcessors(server::Processors::kFree, server.load->occlusionShare());
   v.deficit.charge(v.work, now_, share());
   if (v.is_keyframe && isMeasured()) count(v);
   for (Bytes& message : v.out) {

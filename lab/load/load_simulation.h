@@ -13,6 +13,7 @@
 #include "lab/load/load_cast.h"
 #include "lab/load/load_run.h"
 #include "lab/load/worker_queues.h"
+#include "server/net/metrics/load.h"
 #include "server/sched/deficit.h"
 #include "server/session/session.h"
 #include "sim/link.h"
@@ -38,6 +39,7 @@ class LoadSimulation {
     bool is_up = true, is_open = true;  // open: takes viewers
     std::optional<Time> wake;
     ResumePace resumes;
+    std::unique_ptr<server::Load> load;
     std::vector<int64_t> busy_us;  // by bin
   };
   struct Viewer {

@@ -47,9 +47,8 @@ struct RealServer {
 
 Result<RealServer> startServer(const std::vector<LoadViewer>& cast, const LoadOptions& options,
                                const std::filesystem::path& serve, const std::filesystem::path& scene_file) {
-  auto program =
-      RunningProgram::start({serve, scene_file, "--threads", std::to_string(options.workers), "--listen", "127.0.0.1:0",
-                             "--occlusion", options.occlusion ? "on" : "off", "--log-level", "off"});
+  auto program = RunningProgram::start({serve, scene_file, "--threads", std::to_string(options.workers), "--listen",
+                                        "127.0.0.1:0", "--occlusion", name(options.occlusion), "--log-level", "off"});
   if (!program) return program.error();
   const auto port = portOf(program->readLine());
   if (!port) return port.error();

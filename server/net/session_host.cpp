@@ -46,6 +46,7 @@ SessionHost::~SessionHost() = default;
 std::shared_ptr<SessionActor> SessionHost::open(Outlet outlet, size_t max_nodes) {
   SessionOptions options = options_;
   if (max_nodes > 0) options.max_section_nodes = std::min(options.max_section_nodes, max_nodes);
+  options.occlusion_rank = OcclusionControl::rankOf(opened_++);
   return std::make_shared<SessionActor>(*this, options, std::move(outlet));
 }
 
@@ -56,6 +57,7 @@ SessionActor::SessionActor(SessionHost& host, const SessionOptions& options, Out
       outlet_(std::move(outlet)) {
   ++host_.metrics_.sessions;
   ++host_.metrics_.sessions_opened;
+  host_.load_.addViewer();
 }
 
 SessionActor::~SessionActor() {
@@ -65,6 +67,8 @@ SessionActor::~SessionActor() {
   host_.metrics_.memory_bytes -= static_cast<int64_t>(last.memory_bytes);
   host_.metrics_.tolerances_mpx -= milli(last.tau_px);
   host_.metrics_.coarse -= last.is_coarse;
+  host_.metrics_.occluding -= last.is_occluding;
+  host_.metrics_.left_out_nodes -= static_cast<int64_t>(last.left_out_nodes);
   if (last.keyframes > 0) --host_.metrics_.flying;
   --host_.metrics_.sessions;
 }
@@ -180,7 +184,7 @@ void SessionActor::charge(Duration spent, Time now) {
   deficit_.charge(spent, now, host_.load_.fairShare(host_.metrics_.flying));
   cost_ += (1 - std::exp(-elapsed_s / kMemory_s)) * (spent.toSeconds() / elapsed_s - cost_);
   host_.load_.add(spent, now);
-  session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying));
+  session_.setProcessors(host_.load_.processorsFor(cost_, host_.metrics_.flying), host_.load_.occlusionShare());
 }
 
 Due SessionActor::fairly(Due due) const {
@@ -239,6 +243,7 @@ void SessionActor::stepIfDue(SessionScratch& scratch) {
   const Time end = host_.clock_();
   session_.noteComputeTime(end - begin, pagesRead() - read_before);
   countStep(before, due->deadline, begin, end);
+  if (session_.statistics().keyframes > before.keyframes) host_.load_.addWait(begin - due->release);
   if (out.empty()) return;
   ++batches_posted_;
   outlet_.send(std::move(out));
@@ -258,6 +263,11 @@ void SessionActor::countStep(const SessionStatistics& before, Time deadline, Tim
   metrics.memory_bytes += change(&SessionStatistics::memory_bytes);
   metrics.tolerances_mpx += milli(after.tau_px) - milli(before.tau_px);
   metrics.coarse += static_cast<int>(after.is_coarse) - static_cast<int>(before.is_coarse);
+  metrics.occluding += static_cast<int>(after.is_occluding) - static_cast<int>(before.is_occluding);
+  metrics.left_out_nodes += change(&SessionStatistics::left_out_nodes);
+  metrics.occlusion_us += static_cast<uint64_t>((after.occlusion_time - before.occlusion_time).us);
+  metrics.occlusion_shed[0] += after.occlusion_shed - before.occlusion_shed;
+  metrics.occlusion_shed[1] += after.occlusion_worthless - before.occlusion_worthless;
   metrics.replies += after.replies - before.replies;
   metrics.resumed += after.resumed && !before.resumed;
   metrics.jumps += after.jumps - jumps_counted_;

@@ -64,6 +64,7 @@ class SessionHost {
   const Clock clock_;
   Metrics& metrics_;
   Load load_;
+  uint64_t opened_ = 0;                  // sessions, by the I/O thread
   std::vector<SessionScratch> scratch_;  // one per worker, used by it alone
 };
 

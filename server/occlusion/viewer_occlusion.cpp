@@ -28,6 +28,13 @@ uint32_t phaseOf(const BlockId& b) {
   return (b.x >> HiddenBlocks::kTileLog2) * 5 + (b.y >> HiddenBlocks::kTileLog2) * 3 + b.scale;
 }
 
+// Spreads what is done once over as many keyframes as are asked for.
+uint32_t turnOf(const BlockId& b, uint32_t keyframes) {
+  uint64_t hash = (uint64_t{b.x} << 32 | b.y) * 0x9e3779b97f4a7c15 + b.scale;
+  hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9;
+  return static_cast<uint32_t>(hash >> 40) % keyframes;
+}
+
 uint32_t bitOf(const BlockId& b) { return (b.y & kTileMask) << HiddenBlocks::kTileLog2 | (b.x & kTileMask); }
 
 PredictedEyePath restingIn(const proto::View& view, uint32_t keyframe) {
@@ -36,6 +43,13 @@ PredictedEyePath restingIn(const proto::View& view, uint32_t keyframe) {
 }
 
 }  // namespace
+
+Duration OcclusionStatistics::usualCost() const {
+  constexpr double kTest_us = 0.475, kSegment_us = 57, kRay_us = 1;
+  return Duration{static_cast<int64_t>(kTest_us * static_cast<double>(tests) +
+                                       kSegment_us * static_cast<double>(segments) +
+                                       kRay_us * static_cast<double>(rays))};
+}
 
 ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options)
     : hierarchy_(hierarchy),
@@ -48,6 +62,8 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
 void ViewerOcclusion::begin(const proto::View& view) {
   const bool has_new_lens = !view_ || view_->lens != view.lens;
   ++keyframe_;
+  hidden_in_view_ = 0;
+  cost_before_ = statistics_.usualCost();
   view_ = view;
   frustum_.emplace(view, 0);
   last_ray_ = statistics_.rays + options_.rays;
@@ -169,10 +185,31 @@ bool ViewerOcclusion::staysHidden(const BlockId& block, TileProofs& tile) {
   return true;
 }
 
+void ViewerOcclusion::setEffort(Effort effort) {
+  if (effort == effort_) return;
+  effort_ = effort;
+  fading_since_ = keyframe_ + 1;
+}
+
+void ViewerOcclusion::forget() {
+  proofs_ = BlockProofs(hierarchy_.grid());
+  spans_.clear();
+  spans_.dropHorizons();
+  spans_.invalidate(keyframe_);
+  hidden_in_view_ = 0;
+}
+
 bool ViewerOcclusion::isHidden(const BlockId& block) {
+  if (effort_ == Effort::kFading) return false;
   const BlockProofs::Tile tile = proofs_.of(block, keyframe_);
+  if (statistics_.usualCost() - cost_before_ > first_tests_limit_) {
+    tile.proofs.next[bitOf(block)] = static_cast<int32_t>(intervals_.last() + 1 + phaseOf(block) % kSpread);
+    tile.due.first = std::min(tile.due.first, tile.proofs.next[bitOf(block)]);
+    return false;
+  }
   const bool is_hidden = turnsHidden(block, tile.proofs);
   tile.due.first = std::min(tile.due.first, tile.proofs.next[bitOf(block)]);
+  hidden_in_view_ += is_hidden ? 1 : 0;
   return is_hidden;
 }
 
@@ -184,8 +221,37 @@ bool ViewerOcclusion::review(const BlockId& block, TileProofs& tile, bool was_hi
   return false;
 }
 
+bool ViewerOcclusion::hasFaded(const BlockId& block) const {
+  return keyframe_ - fading_since_ >= turnOf(block, kFadeKeyframes);
+}
+
+// The hidden blocks of a tile that turn visible.
+uint32_t ViewerOcclusion::fade(const BlockId& lowest, uint32_t hidden) {
+  const InView tile_in_view =
+      inView(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2);
+  if (hidden == 0 || tile_in_view == InView::kNot) return 0;
+  const auto [due, proofs] = proofs_.of(lowest, keyframe_);
+  uint32_t changed = 0;
+  for (uint32_t left = hidden; left != 0; left &= left - 1) {
+    const auto bit = static_cast<uint32_t>(std::countr_zero(left));
+    const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
+    if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot) {
+      proofs.next[bit] = std::min(proofs.next[bit], static_cast<int32_t>(intervals_.last()));
+      continue;
+    }
+    const bool stays = !hasFaded(block) && staysHidden(block, proofs);
+    if (!stays) proofs.next[bit] = static_cast<int32_t>(intervals_.last());
+    changed |= stays ? 0 : 1u << bit;
+    hidden_in_view_ += stays ? 1 : 0;
+  }
+  due = {std::numeric_limits<int32_t>::min(), spans_.revision()};  // all of it is looked at when the fading has ended
+  return changed;
+}
+
 // Out of view it makes no difference whether a block is hidden, and need not be tried before it comes into view.
 uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
+  if (effort_ == Effort::kFading) return fade(lowest, hidden);
+  hidden_in_view_ += static_cast<uint64_t>(std::popcount(hidden));
   const auto [due, proofs] = proofs_.of(lowest, keyframe_);
   const auto last = static_cast<int32_t>(intervals_.last());
   const bool is_revised = due.revision != spans_.revision();

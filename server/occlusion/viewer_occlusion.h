@@ -33,6 +33,9 @@ struct OcclusionStatistics {
   uint64_t tests = 0;     // Each test is of one block for one span.
   uint64_t rays = 0;      // Rays are cast only in scenes without a grid.
   uint64_t segments = 0;  // Horizons were built from so many segments.
+
+  // The processor time that these take on a usual machine (`foreland bench calibrate`, sim/compute_cost.h).
+  Duration usualCost() const;
 };
 
 class ViewerOcclusion final : public proto::BlockVisibility {
@@ -57,6 +60,20 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   // the keyframe's region.
   void expect(const PredictedEyePath& eye_path) { eye_path_ = eye_path; }
 
+  // From the next keyframe on. kAll: what can be proved to be hidden is. kFading: nothing more is, and what is turns
+  // visible part by part over kFadeKeyframes; whether anything in view is left says hidesAnything().
+  enum class Effort : uint8_t { kAll, kFading };
+  static constexpr uint32_t kFadeKeyframes = 10;
+  void setEffort(Effort effort);
+  // Whether a block in view was hidden in the last keyframe.
+  bool hidesAnything() const { return hidden_in_view_ > 0; }
+  // A block that nothing is known of is not tested, but taken to be visible for a while, once a keyframe has spent so
+  // long (OcclusionStatistics::usualCost) on tests.
+  static constexpr Duration kUnlimited = Duration::seconds(1e6);
+  void limitFirstTests(Duration limit) { first_tests_limit_ = limit; }
+  // Forgets all proofs and horizons, and frees their memory: after keyframes without it.
+  void forget();
+
   void begin(const proto::View& view) override;
   bool isHidden(const proto::BlockId& block) override;
   uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override;
@@ -77,6 +94,8 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   bool turnsHidden(const proto::BlockId& block, TileProofs& tile);
   bool staysHidden(const proto::BlockId& block, TileProofs& tile);
   bool review(const proto::BlockId& block, TileProofs& tile, bool was_hidden);
+  bool hasFaded(const proto::BlockId& block) const;
+  uint32_t fade(const proto::BlockId& lowest, uint32_t hidden);
 
   const Hierarchy& hierarchy_;
   const SceneOcclusion& scene_;
@@ -90,6 +109,10 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   PathSpans spans_;
   double tau_px_ = 0;  // Proofs hold for tolerances up to this one.
   uint32_t keyframe_ = 0;
+  Effort effort_ = Effort::kAll;
+  uint32_t fading_since_ = 0;  // the first keyframe of the fading
+  uint64_t hidden_in_view_ = 0;
+  Duration first_tests_limit_ = kUnlimited, cost_before_{};  // cost_before_: of all keyframes before this one
   uint64_t last_ray_ = 0;
   size_t horizon_bytes_ = 0;  // All horizons take at most so many bytes in this keyframe.
   BlockProofs proofs_;

@@ -165,6 +165,7 @@ std::optional<Due> Session::due() const {
   if (const auto p = plan()) consider(p->due);
   consider(requestDue());
   consider(prefetchDue());
+  consider(comparisonDue());
   return first;
 }
 
@@ -208,13 +209,18 @@ void Session::step(Time now, SessionScratch& scratch, std::vector<Bytes>& out, S
   if (is_greeting) return;  // which is due at once, unlike what follows
   if (input_.isResuming()) return tryToResume();
   if (const auto due = requestDue(); due && due->release <= state_.now) return answer(out);
-  if (const auto due = prefetchDue(); due && due->release <= state_.now) prefetch(scratch);
+  if (const auto due = prefetchDue(); due && due->release <= state_.now) return prefetch(scratch);
+  if (comparisonDue()) compareOcclusion(scratch);
 }
 
 // The estimate rises at once and falls slowly, so that a plan holds for the slower of the recent keyframes.
 void Session::noteComputeTime(Duration spent, uint64_t pages_read) {
   constexpr int64_t kRest = 4;  // times what a request took
   if (did_ == Did::kKeyframe && tiles_) tiles_->pace().given(state_.now + spent);
+  if (did_ == Did::kKeyframe && occlusion_)
+    occlusion_control_.observe(
+        spent, statistics_.occlusion_time - std::exchange(occlusion_observed_, statistics_.occlusion_time),
+        occlusion_->hidesAnything());
   if (did_ == Did::kKeyframe)
     state_.compute_time = std::max(spent, Duration{(state_.compute_time.us * 15 + spent.us) / 16});
   if (did_ == Did::kRequest) next_request_ = state_.now + spent + spent * kRest;

@@ -24,6 +24,7 @@
 #include "server/session/input/viewer_input.h"
 #include "server/session/plan/adaptive_interval.h"
 #include "server/session/plan/keyframe_plan.h"
+#include "server/session/plan/occlusion_control.h"
 #include "server/session/plan/prefetch_pace.h"
 #include "server/session/view/keyframe_view.h"
 #include "server/session/world.h"
@@ -63,6 +64,10 @@ struct SessionOptions {
   // At most this many keyframes are sent and not yet acknowledged; more would only queue in the link. The value is the
   // protocol's (docs/PROTOCOL.md, section 13): at 200 ms it covers round trips of 1.6 s.
   size_t max_unacknowledged = 8;
+  // What a world that can leave out what is hidden does about it.
+  Occlusion occlusion = Occlusion::kOn;
+  // OcclusionControl::next() takes this rank of the viewer.
+  double occlusion_rank = 0;
 };
 
 // Each worker has one SessionScratch, and lends it to the step that it runs.
@@ -83,6 +88,11 @@ struct SessionStatistics {
   // The server holds so many bytes to know which nodes the viewer remembers, and what ridges hide from it.
   size_t memory_bytes = 0;
   OcclusionStatistics occlusion;
+  Duration occlusion_time{};  // Occlusion took so long, by what its work costs on a usual machine.
+  bool is_occluding = false;  // What is hidden was left out of the last keyframe.
+  size_t left_out_nodes = 0;  // The last comparison (Occlusion::kAuto) found so many nodes left out.
+  // Occlusion was withdrawn so often for want of room, and of use.
+  uint64_t occlusion_shed = 0, occlusion_worthless = 0;
   uint64_t prefetches = 0;
   uint64_t replies = 0;                // So many requests were answered.
   uint64_t jumps = 0;                  // The camera's jumps were recognised (proto/space/jump.h) or announced.
@@ -125,8 +135,12 @@ class Session {
   // The bytes that the viewer can make the server keep for as long as it likes: of what waits for an answer
   // (ViewerInput), and of answers that are not sent. O(requests).
   size_t keptBytes() const;
-  // Says what the server's processors can give this viewer from now on.
-  void setProcessors(Processors processors) { processors_ = processors; }
+  // Says what the server's processors can give this viewer from now on, and for which share of the viewers they find
+  // out what is hidden.
+  void setProcessors(Processors processors, double occlusion_share = 1) {
+    processors_ = processors;
+    occlusion_share_ = occlusion_share;
+  }
 
   // Must be called once the transport has sent every byte of earlier steps. No keyframe is computed before that, so at
   // most one delta waits to be sent.
@@ -161,6 +175,7 @@ class Session {
   void aim();
   std::optional<Due> requestDue() const;
   std::optional<Due> prefetchDue() const;
+  std::optional<Due> comparisonDue() const;
   void answer(std::vector<Bytes>& out);
   void tryToResume();
   void prefetch(SessionScratch& scratch);
@@ -177,7 +192,11 @@ class Session {
   bool sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message);
   void sendWithTiles(Bytes message, const Keyframe& keyframe, std::vector<Bytes>& out);
   void notePredictions(const Keyframe& keyframe);
+  ViewerOcclusion* visibilityFor(const Keyframe& keyframe);
+  size_t nodesToCompare() const;
+  void compareOcclusion(SessionScratch& scratch);
   void count(const KeyframePlan& plan, const SessionScratch& scratch);
+  void countOcclusion();
 
   // These functions limit the size of a keyframe's section (session_limits.cpp).
   double sectionTolerance() const;
@@ -197,13 +216,16 @@ class Session {
   AdaptiveInterval adaptive_interval_;
   std::vector<Bytes> replies_;  // The next step sends these.
   Time next_request_;           // No request is answered before.
-  enum class Did : uint8_t { kNothing, kKeyframe, kRequest, kPrefetch };
+  enum class Did : uint8_t { kNothing, kKeyframe, kRequest, kPrefetch, kComparison };
   Did did_ = Did::kNothing;  // The last step did this.
   Processors processors_ = Processors::kFree;
+  double occlusion_share_ = 1;
 
   SectionSender sender_;
   std::unique_ptr<ViewerOcclusion> occlusion_;  // The pointer is null if the welcome promised no hidden blocks.
   std::unique_ptr<TileSender> tiles_;           // See tiles().
+  OcclusionControl occlusion_control_;
+  Duration occlusion_observed_{};  // occlusion_control_ has taken in so much of statistics_.occlusion_time.
   ToleranceControl tolerance_;
   bool unsent_ = false;
   uint32_t acknowledged_ = 0;

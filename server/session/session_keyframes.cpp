@@ -47,13 +47,56 @@ Session::Keyframe Session::viewOf(Time t, SessionScratch& scratch) {
 // Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
 bool Session::sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message) {
   fitBudget(keyframe.view, scratch);
-  ViewerOcclusion* const visibility = input_.request().occlusion ? occlusion_.get() : nullptr;
+  return sender_.send(keyframe.view, keyframe.time_client, max_nodes, scratch.send, message, visibilityFor(keyframe));
+}
+
+// What finds out what is hidden in a keyframe; null if nothing is to be left out.
+ViewerOcclusion* Session::visibilityFor(const Keyframe& keyframe) {
+  if (!occlusion_ || !input_.request().occlusion) return nullptr;
+  using Effort = OcclusionControl::Effort;
+  constexpr Duration kMaxFirstTests = Duration::milliseconds(2);
+  if (options_.occlusion == Occlusion::kAuto) {
+    const Effort before = occlusion_control_.effort();
+    const Effort effort =
+        occlusion_control_.next(state_.now, occlusion_share_, options_.occlusion_rank, sender_.startsFromNothing());
+    if (effort == Effort::kNone && before != Effort::kNone) occlusion_->forget();
+    if (effort == Effort::kNone) return nullptr;
+    occlusion_->setEffort(effort == Effort::kAll ? ViewerOcclusion::Effort::kAll : ViewerOcclusion::Effort::kFading);
+    // What starts from nothing has no other work that would be late, and becomes the smaller for it.
+    occlusion_->limitFirstTests(sender_.startsFromNothing() ? ViewerOcclusion::kUnlimited : kMaxFirstTests);
+  }
   const Time t = keyframe.time_client;
-  if (visibility)
-    visibility->expect(eyePathOf(input_.motion().expected(input_.request()), shownFrom(state_, t),
-                                 shownUntil(state_, t, keyframe.until_next), state_.grid,
-                                 input_.motion().eyeError(foreseenFor(state_, keyframe.until_next))));
-  return sender_.send(keyframe.view, t, max_nodes, scratch.send, message, visibility);
+  occlusion_->expect(eyePathOf(input_.motion().expected(input_.request()), shownFrom(state_, t),
+                               shownUntil(state_, t, keyframe.until_next), state_.grid,
+                               input_.motion().eyeError(foreseenFor(state_, keyframe.until_next))));
+  return occlusion_.get();
+}
+
+// It matters only whether the section that nothing is left out of is several times as large as the one that is held.
+size_t Session::nodesToCompare() const {
+  constexpr size_t kTimes = 4, kFewest = 1000;
+  return kTimes * sender_.adapter().nodeCount() + kFewest;
+}
+
+// While nobody waits, after keyframes and requests; where processors are short, not at all.
+std::optional<Due> Session::comparisonDue() const {
+  constexpr Duration kPatience = Duration::milliseconds(500);
+  constexpr double kRefine_s = 90e-9;  // for each node (`foreland bench calibrate`)
+  if (options_.occlusion != Occlusion::kAuto || !occlusion_ || state_.isFirst() || processors_ != Processors::kFree)
+    return std::nullopt;
+  const Duration cost = Duration::seconds(kRefine_s * static_cast<double>(nodesToCompare()));
+  if (!occlusion_control_.isComparisonDue(state_.now, cost)) return std::nullopt;
+  return Due{state_.now, state_.now + kPatience, true};
+}
+
+void Session::compareOcclusion(SessionScratch& scratch) {
+  const size_t most = nodesToCompare();
+  const bool is_whole =
+      refine(world_->hierarchy, proto::viewOf(keyframe()), most, scratch.send.refine, scratch.send.section);
+  const size_t with_hidden = is_whole ? scratch.send.section.slots.size() : most;
+  statistics_.nodes_measured += with_hidden;
+  occlusion_control_.compared(state_.now, sender_.adapter().nodeCount(), with_hidden);
+  did_ = Did::kComparison;
 }
 
 // Chooses the scene time of the keyframe: with the finest tolerance that frames may keep.
@@ -121,10 +164,23 @@ void Session::count(const KeyframePlan& plan, const SessionScratch& scratch) {
   statistics_.tau_px = keyframe().tau_px;
   statistics_.is_coarse = keyframe().tau_px > 1.001 * sectionTolerance();  // it is a float
   statistics_.nodes_tested = sender_.adapter().testCount();
-  if (occlusion_) statistics_.occlusion = occlusion_->statistics();
+  if (occlusion_) countOcclusion();
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();
   statistics_.memory_bytes = sender_.adapter().memory().pages.bytes() + (occlusion_ ? occlusion_->bytes() : 0);
+}
+
+void Session::countOcclusion() {
+  const OcclusionStatistics before = std::exchange(statistics_.occlusion, occlusion_->statistics());
+  statistics_.occlusion_time = statistics_.occlusion_time + (statistics_.occlusion.usualCost() - before.usualCost());
+  const bool is_auto = options_.occlusion == Occlusion::kAuto;
+  statistics_.is_occluding = sender_.hiddenBlocks() != nullptr;
+  statistics_.left_out_nodes =
+      statistics_.is_occluding && is_auto
+          ? static_cast<size_t>(occlusion_control_.leftOut() * static_cast<double>(sender_.adapter().nodeCount()))
+          : 0;
+  statistics_.occlusion_shed = occlusion_control_.timesShed();
+  statistics_.occlusion_worthless = occlusion_control_.timesWorthless();
 }
 
 // A keyframe's message, and what goes with it. Tiles follow the keyframe that shows them, and those for where the

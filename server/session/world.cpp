@@ -1,8 +1,16 @@
 #include "server/session/world.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace foreland::server {
+
+namespace {
+
+constexpr std::array kOcclusionNames{"off", "auto", "on"};
+
+}  // namespace
 
 World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
     : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)) {
@@ -12,14 +20,22 @@ World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
   ground = std::make_shared<const SceneGround>(SceneGround{GroundSquares(hierarchy), HorizonGrid::of(hierarchy)});
 }
 
+const char* name(Occlusion occlusion) { return kOcclusionNames[static_cast<size_t>(occlusion)]; }
+
+std::optional<Occlusion> occlusionNamed(std::string_view name) {
+  const auto at = std::ranges::find(kOcclusionNames, name);
+  if (at == kOcclusionNames.end()) return std::nullopt;
+  return static_cast<Occlusion>(at - kOcclusionNames.begin());
+}
+
 Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Scene> scene, Occlusion occlusion) {
   auto objects = objectsOf(scene);
   if (!objects) return objects.error();
   auto world = std::make_shared<World>(std::move(scene), std::move(*objects));
-  if (occlusion == Occlusion::kOn) {
+  if (occlusion != Occlusion::kOff) {
     auto shared = SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
-    if (!shared) return shared.error();
-    world->occlusion = std::move(*shared);
+    if (!shared && occlusion == Occlusion::kOn) return shared.error();
+    if (shared) world->occlusion = std::move(*shared);
   }
   return std::shared_ptr<const World>(std::move(world));
 }

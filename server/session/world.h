@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string_view>
 
 #include "base/result.h"
 #include "proto/message/message.h"
@@ -23,8 +25,15 @@ struct World {
   std::shared_ptr<const SceneOcclusion> occlusion;  // of the hierarchy; null: nothing is left out as hidden
 };
 
-// The scene with its objects and, with occlusion, what all viewers share to find out what is hidden. O(samples).
-enum class Occlusion : uint8_t { kOff, kOn };
+// Whether viewers who ask for it are sent nothing of what is hidden: none; each as long as it pays
+// (session/plan/occlusion_control.h); all, always.
+enum class Occlusion : uint8_t { kOff, kAuto, kOn };
+// "off", "auto", "on". Nothing for other names.
+const char* name(Occlusion occlusion);
+std::optional<Occlusion> occlusionNamed(std::string_view name);
+
+// The scene with its objects and, unless it is off, what all viewers share to find out what is hidden; with kAuto only
+// if that can be made (SceneOcclusion::create). O(samples).
 Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Scene> scene,
                                                Occlusion occlusion = Occlusion::kOff);
 

@@ -102,7 +102,7 @@ TEST(Load, PricesWhatOcclusionTests) {
     world->occlusion = server::SceneOcclusion::create(world->hierarchy).value();
     LoadOptions options = smallLoad(3);
     options.tau_px = 2;
-    options.occlusion = occlusion;
+    options.occlusion = occlusion ? server::Occlusion::kOn : server::Occlusion::kOff;
     options.prices = {"test", 4e6, 0, 0, 0, 0, 0, 1e4, 1e4, 1e4};
     return runLoad(world, options).figures.shares.back();
   };

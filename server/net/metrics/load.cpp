@@ -1,6 +1,7 @@
 #include "server/net/metrics/load.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace foreland::server {
 
@@ -12,7 +13,30 @@ void Load::add(Duration spent, Time now) {
     return;
   const auto sum = static_cast<double>(spent_us_.exchange(0, std::memory_order_relaxed));
   const int64_t length_us = end == 0 ? kWindow.us : now.us - end + kWindow.us;
-  busy_.store(std::min(1.0, sum / (static_cast<double>(length_us) * workers_)), std::memory_order_relaxed);
+  const double used = std::min(1.0, sum / (static_cast<double>(length_us) * workers_));
+  busy_.store(used, std::memory_order_relaxed);
+  const bool has_room = used <= kCrowded && !has_waited_.exchange(false, std::memory_order_relaxed);
+  const double change = has_room ? (used < kIdle ? kQuickRegain : kRegain) : used > kFree ? -1 : -kShed;
+  changeOcclusionShare(change);
+  constexpr double kUntilKnown_s = 2;
+  expected_.store(
+      expected_.load(std::memory_order_relaxed) * std::exp(-1e-6 * static_cast<double>(length_us) / kUntilKnown_s),
+      std::memory_order_relaxed);
+}
+
+// What two threads change at once may count once.
+void Load::changeOcclusionShare(double by) {
+  occlusion_share_.store(std::clamp(occlusionShare() + by, 0.0, 1.0), std::memory_order_relaxed);
+}
+
+void Load::addViewer() {
+  const double expected = expected_.load(std::memory_order_relaxed) + kUsualCost / workers_;
+  expected_.store(expected, std::memory_order_relaxed);
+  if (busy() + expected > kArrivals) changeOcclusionShare(-kCrowd);
+}
+
+void Load::addWait(Duration wait) {
+  if (wait > kMaxWait) has_waited_.store(true, std::memory_order_relaxed);
 }
 
 double Load::fairShare(int64_t viewers) const {

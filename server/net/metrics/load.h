@@ -26,6 +26,23 @@ class Load {
     return busy() > kBusy && now.us < window_end_us_.load(std::memory_order_relaxed) + kWindow.us;
   }
 
+  // Notes a new viewer, who is expected to take kUsualCost until what it takes shows.
+  void addViewer();
+  static constexpr double kUsualCost = 0.01;  // of a worker: two milliseconds of five keyframes a second
+
+  // Notes that a keyframe waited so long for a worker, from its release.
+  void addWait(Duration wait);
+
+  // The share of viewers for whom what is hidden is looked for. Falls by kShed in each window in which more than
+  // kCrowded was used, or a keyframe waited longer than kMaxWait, to 0 where more than kFree was used;
+  // rises by kRegain in others, by kQuickRegain where less than kIdle was used. Falls by kCrowd with each new viewer
+  // with whom more than kArrivals is expected to be used: what many cost who come at once shows only when they have
+  // come.
+  double occlusionShare() const { return occlusion_share_.load(std::memory_order_relaxed); }
+  static constexpr double kCrowded = 0.5, kShed = 0.3, kRegain = 0.01, kQuickRegain = 0.1, kIdle = 0.3, kArrivals = 0.3,
+                          kCrowd = 0.1;
+  static constexpr Duration kMaxWait = Duration::milliseconds(20);
+
   // What a viewer gets that takes `cost` of one worker's time while `viewers` fly.
   Processors processorsFor(double cost, int64_t viewers) const;
   // Of one worker's time, for each of `viewers`.
@@ -34,7 +51,10 @@ class Load {
  private:
   const double workers_;
   std::atomic<int64_t> window_end_us_{0}, spent_us_{0};
-  std::atomic<double> busy_{0};
+  void changeOcclusionShare(double by);
+
+  std::atomic<double> busy_{0}, expected_{0}, occlusion_share_{1};
+  std::atomic<bool> has_waited_{false};  // a keyframe, in this window, for longer than kMaxWait
 };
 
 }  // namespace foreland::server

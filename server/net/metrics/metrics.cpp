@@ -94,6 +94,16 @@ void renderKeyframes(const Metrics& m, Page& page) {
   page.histogram("foreland_message_seconds", "Time of reading the messages that a session found waiting.", m.messages);
 }
 
+void renderOcclusion(const Metrics& m, Page& page) {
+  page.gauge("foreland_occlusion_viewers", "Viewers who are sent nothing of what is hidden.", m.occluding.load());
+  page.gauge("foreland_occlusion_left_out_nodes", "Nodes left out of the sections of these, as last compared.",
+             m.left_out_nodes.load());
+  page.counter("foreland_occlusion_seconds_total", "Processor time for finding out what is hidden, by its usual cost.",
+               1e-6 * static_cast<double>(m.occlusion_us.load()));
+  page.counters("foreland_occlusion_shed_total", "Viewers who were sent what is hidden again.", "for",
+                std::array{"load", "use"}, m.occlusion_shed);
+}
+
 void renderBytes(const Metrics& m, Page& page) {
   page.gauge("foreland_section_nodes", "Nodes in the sections of all viewers.", m.section_nodes.load());
   page.gauge("foreland_remembered_nodes", "Nodes that viewers remember beside their sections.",
@@ -134,6 +144,7 @@ std::string renderPrometheus(const Metrics& metrics, const ServerState& state) {
   Page page;
   renderViewers(metrics, page);
   renderKeyframes(metrics, page);
+  renderOcclusion(metrics, page);
   renderBytes(metrics, page);
   renderState(state, page);
   return page.take();

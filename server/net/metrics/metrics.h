@@ -49,16 +49,20 @@ struct Metrics {
   std::atomic<uint64_t> bytes_down{0};         // payload written to viewers
   std::atomic<uint64_t> bytes_up{0};           // payload read from viewers
   std::atomic<uint64_t> messages_up{0};
-  std::atomic<uint64_t> replies{0};        // to requests for tours and ground heights
-  std::atomic<uint64_t> resumed{0};        // sessions that started from a section that the viewer held
-  std::atomic<uint64_t> jumps{0};          // of viewers' cameras
-  std::atomic<uint64_t> failures{0};       // exceptions, each of which ended one viewer or request
-  std::atomic<int64_t> queue_bytes{0};     // that are held for viewers (viewer_bytes.h)
-  std::atomic<int64_t> flying{0};          // viewers that have been sent a keyframe
-  std::atomic<int64_t> tolerances_mpx{0};  // of all flying viewers, in force, thousandths of a pixel
-  std::atomic<int64_t> coarse{0};          // flying viewers whose tolerance is above what they asked for
-  Histogram messages;                      // the time that reading one lease's messages took
-  Histogram compute;                       // the time of one step of a session
+  std::atomic<uint64_t> replies{0};                       // to requests for tours and ground heights
+  std::atomic<uint64_t> resumed{0};                       // sessions that started from a section that the viewer held
+  std::atomic<uint64_t> jumps{0};                         // of viewers' cameras
+  std::atomic<uint64_t> failures{0};                      // exceptions, each of which ended one viewer or request
+  std::atomic<int64_t> queue_bytes{0};                    // that are held for viewers (viewer_bytes.h)
+  std::atomic<int64_t> flying{0};                         // viewers that have been sent a keyframe
+  std::atomic<int64_t> tolerances_mpx{0};                 // of all flying viewers, in force, thousandths of a pixel
+  std::atomic<int64_t> coarse{0};                         // flying viewers whose tolerance is above what they asked for
+  std::atomic<int64_t> occluding{0};                      // viewers whose last keyframe left out what is hidden
+  std::atomic<int64_t> left_out_nodes{0};                 // of these, as last compared
+  std::atomic<uint64_t> occlusion_us{0};                  // that finding it out took, by its usual cost
+  std::array<std::atomic<uint64_t>, 2> occlusion_shed{};  // viewers from whom it was withdrawn: load, use
+  Histogram messages;                                     // the time that reading one lease's messages took
+  Histogram compute;                                      // the time of one step of a session
 };
 
 // The state of the server beside its counters.

@@ -26,5 +26,39 @@ TEST(Load, IsOverloadedWhileWorkersAreBusyAndNotLongAfter) {
   EXPECT_FALSE(load.isOverloaded(ms(8000)));
 }
 
+TEST(Load, TakesOcclusionFromViewersAsItRisesAndGivesItBackAsItFalls) {
+  Load load(2);
+  EXPECT_EQ(load.occlusionShare(), 1);
+  work(load, 0.4, 0);
+  EXPECT_EQ(load.occlusionShare(), 1);
+  work(load, 0.6, 2000);
+  const double crowded = load.occlusionShare();
+  EXPECT_LT(crowded, 0.5);
+  work(load, 0.9, 4000);
+  EXPECT_EQ(load.occlusionShare(), 0);
+  work(load, 0.1, 6000);
+  EXPECT_GT(load.occlusionShare(), 0.2);
+  work(load, 0.1, 8000);
+  work(load, 0.1, 10'000);
+  EXPECT_EQ(load.occlusionShare(), 1);
+}
+
+TEST(Load, TakesOcclusionFromViewersWhileKeyframesWait) {
+  Load load(1);
+  for (int64_t t = 0; t < 2000; t += 250) {
+    load.addWait(Load::kMaxWait + Duration::milliseconds(1));
+    load.add(Duration::milliseconds(10), ms(t));
+  }
+  EXPECT_LT(load.occlusionShare(), 0.3);
+}
+
+TEST(Load, ExpectsSomethingOfNewViewers) {
+  Load load(1);
+  for (int i = 0; i < 20; ++i) load.addViewer();
+  EXPECT_EQ(load.occlusionShare(), 1) << "there is room for so many";
+  for (int i = 0; i < 40; ++i) load.addViewer();
+  EXPECT_EQ(load.occlusionShare(), 0);
+}
+
 }  // namespace
 }  // namespace foreland::server

@@ -153,6 +153,70 @@ INSTANTIATE_TEST_SUITE_P(Guesses, Viewer,
                                          Guess{proto::FrameKind::kGeographic, BehindRidge::kHorizons, 0.5, 0.02},
                                          Guess{proto::FrameKind::kGeographic, BehindRidge::kRays, 0, 0.02}));
 
+uint64_t hiddenBlocks(const Watcher& watcher) {
+  uint64_t hidden = 0;
+  for (const int32_t tile : watcher.all()) hidden += static_cast<uint64_t>(std::popcount(static_cast<uint32_t>(tile)));
+  return hidden;
+}
+
+// What fades turns visible a little in each keyframe, until nothing in view is hidden; and what is not yet is hidden
+// indeed. After that as much is hidden again as if nothing had faded.
+TEST(ViewerOcclusion, FadesPartByPartAndComesBack) {
+  const auto seed = static_cast<uint64_t>(testing::UnitTest::GetInstance()->random_seed());
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Rng rng(seed);
+  const Flight flight(proto::FrameKind::kPlanar, 0, 0.1);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion viewer(flight.hierarchy(), *shared);
+  Watcher watcher(256 / kSide);
+  constexpr int kBegin = 8, kEnd = kBegin + 12;
+  uint64_t before = 0, at_first = 0, checked = 0;
+  for (int keyframe = 0; keyframe < 40; ++keyframe) {
+    viewer.setEffort(keyframe >= kBegin && keyframe < kEnd ? ViewerOcclusion::Effort::kFading
+                                                           : ViewerOcclusion::Effort::kAll);
+    flight.begin(viewer, keyframe);
+    watcher.see(viewer);
+    const uint64_t hidden = hiddenBlocks(watcher);
+    if (keyframe == kBegin - 1) at_first = hidden;
+    if (keyframe >= kBegin && keyframe < kEnd) {
+      EXPECT_LE(hidden, before) << keyframe;
+      EXPECT_LE(before - hidden, at_first / 4) << keyframe;
+    }
+    if (keyframe == kEnd - 1) { EXPECT_FALSE(viewer.hidesAnything()); }
+    before = hidden;
+    for (int i = 0; i < 2000; ++i) {
+      const glm::dvec2 eye_at = flight.at(keyframe);
+      const double x = rng.uniform(eye_at.x + 30, 255), y = rng.uniform(10, 250);
+      if (!watcher.isHidden(static_cast<uint32_t>(x) / kSide, static_cast<uint32_t>(y) / kSide) ||
+          std::abs(y - eye_at.y) > 0.3 * (x - eye_at.x))
+        continue;
+      ++checked;
+      const glm::dvec3 point =
+          flight.hierarchy().frame().transform().toScene(proto::LatticePosition{x, y, flight.field().at(x, y)});
+      EXPECT_FALSE(flight.field().isClear(flight.viewOf(keyframe).pose.eye, point, 0.5)) << keyframe;
+    }
+  }
+  EXPECT_GT(checked, 100u);
+  EXPECT_GT(before, at_first / 2);
+}
+
+// A keyframe without time for first tests leaves nothing more out, and later ones do.
+TEST(ViewerOcclusion, TestsLaterWhatThereWasNoTimeFor) {
+  const Flight flight(proto::FrameKind::kPlanar, 0, 0.1);
+  const auto shared = SceneOcclusion::create(flight.hierarchy()).value();
+  ViewerOcclusion limited(flight.hierarchy(), *shared), free(flight.hierarchy(), *shared);
+  Watcher seen(256 / kSide), all(256 / kSide);
+  for (int keyframe = 0; keyframe < 30; ++keyframe) {
+    limited.limitFirstTests(keyframe == 0 ? Duration{-1} : ViewerOcclusion::kUnlimited);
+    for (auto [viewer, watcher] : {std::pair(&limited, &seen), {&free, &all}}) {
+      flight.begin(*viewer, keyframe);
+      watcher->see(*viewer);
+    }
+    if (keyframe == 0) { EXPECT_EQ(hiddenBlocks(seen), 0u); }
+  }
+  EXPECT_GT(hiddenBlocks(seen), hiddenBlocks(all) / 3) << "out of view none is tried again";
+}
+
 // A keyframe that is shown for many intervals: in a stall, or where a viewer's intervals are long and their least is
 // short.
 TEST(ViewerOcclusion, CallsHiddenWhatIsHiddenForAsLongAsAKeyframeIsShown) {
