@@ -1,16 +1,19 @@
-// foreland-synth: a synthetic mountain landscape as an elevation file, and a picture of it or of other elevation, for
-// the default demo and for tests. Exit codes: 0 done, 2 anything else, with a line on stderr; nothing half-written
-// stays.
+// foreland-synth: a synthetic mountain landscape as an elevation file, a picture of it or of other elevation, and a
+// town as a scene, for the default demo and for tests. Exit codes: 0 done, 2 anything else, with a line on stderr;
+// nothing half-written stays.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "apps/options/command_line.h"
 #include "apps/options/foreign_files.h"
 #include "apps/options/options.h"
 #include "apps/synth_picture.h"
+#include "apps/synth_town.h"
+#include "proto/refine/surface/objects.h"
 #include "terrain/dem/write.h"
 #include "terrain/parallel.h"
 #include "terrain/synth/landscape.h"
@@ -24,6 +27,7 @@ constexpr uint32_t kWindowRows = 128;
 struct Arguments {
   std::filesystem::path output;
   terrain::LandscapeOptions landscape;
+  std::optional<uint32_t> town;  // of so many buildings, instead of a landscape
   apps::PictureArguments picture;
 };
 
@@ -70,17 +74,24 @@ int synth(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Makes a synthetic mountain landscape.", "foreland synth"};
+  CLI::App app{"Makes a synthetic mountain landscape, or a town.", "foreland synth"};
   Arguments arguments;
   CLI::Option* output =
-      app.add_option("-o,--output", arguments.output, "the elevation file to write, OpenEXR or GeoTIFF by its name");
-  output->type_name(apps::file("FILE.exr|FILE.tif"));
+      app.add_option("-o,--output", arguments.output,
+                     "the elevation file to write, OpenEXR or GeoTIFF by its name; with --town, the scene file");
+  output->type_name(apps::file("FILE.exr|FILE.tif|FILE.fls"));
+  CLI::Option* town = app.add_option("--town", arguments.town,
+                                     "make a scene: streets, with this many buildings, on a landscape; -o names the "
+                                     "scene file");
+  town->type_name(apps::whole("N"))->check(apps::within(1u, uint32_t{proto::ObjectSet::kMaxObjects}));
   app.add_option("--size", arguments.landscape.size, "samples along each side, at least 2")
       ->type_name(apps::whole("N"))
+      ->excludes(town)
       ->capture_default_str();
   app.add_option("--spacing", arguments.landscape.spacing_m, "metres between samples")
       ->type_name(apps::number("M"))
       ->check(apps::isFinite())
+      ->excludes(town)
       ->capture_default_str();
   app.add_option("--seed", arguments.landscape.seed, "the same seed gives the same bytes")
       ->type_name(apps::whole("S"))
@@ -88,7 +99,7 @@ int main(int argc, char** argv) {
   CLI::Option* picture = app.add_option(
       "--imagery", arguments.picture.output,
       "a picture that fits the landscape, for `foreland build --imagery`: forest, meadow, rock and snow");
-  picture->type_name(apps::file("PICTURE.tif"));
+  picture->type_name(apps::file("PICTURE.tif"))->excludes(town);
   app.add_option("--imagery-detail", arguments.picture.detail, "texels of the picture between two samples")
       ->type_name(apps::whole("N"))
       ->needs(picture)
@@ -102,6 +113,7 @@ int main(int argc, char** argv) {
       app, argc, argv,
       {{"a landscape", "foreland synth -o hills.exr --size 2049 --seed 7"},
        {"a landscape and a picture of it", "foreland synth -o hills.tif --imagery hills-picture.tif"},
+       {"a town of 2,000 houses", "foreland synth --town 2000 -o town.fls"},
        {"a picture of other elevation", "foreland synth --imagery picture.tif --over N46E008.hgt"}});
   if (exit_code) return *exit_code;
   if (arguments.output.empty() && arguments.picture.over.empty()) {
@@ -110,6 +122,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   apps::confineTo({}, arguments.picture.over, {arguments.output, arguments.picture.output});
+  if (arguments.town) {
+    const Status made = apps::synthTown(arguments.output, *arguments.town, arguments.landscape.seed);
+    return made.ok() ? 0 : fail(made.error());
+  }
   if (arguments.picture.over.empty())
     if (const int code = synth(arguments); code != 0) return code;
   if (arguments.picture.output.empty()) return 0;

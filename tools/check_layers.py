@@ -56,6 +56,10 @@ for at, room in enumerate(REMESH_ROOMS):
     SEES[room] = [*PROTO, "terrain", "terrain/model", "terrain/compare", "terrain/surface", "terrain/surface_store",
                   *REMESH_ROOMS[:at]]
 
+SEES["terrain/remesh/solids"] = [*PROTO, "terrain", "terrain/surface"]  # of any surface, however it was made
+SEES["terrain/synth"] = [*PROTO, "terrain"]
+SEES["terrain/town"] = [*SEES["terrain/pipeline"], *REMESH_ROOMS, "terrain/remesh/solids", "terrain/model", "terrain/synth", "terrain/pipeline"]
+
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
 SERVER_SEES = [*PROTO, "terrain", *STORE, "terrain/bounds", "terrain/geo", "terrain/surface",
                "terrain/surface_store", "terrain/objects"]

@@ -26,11 +26,14 @@ void printObjects(const terrain::PlacedObjects& objects) {
   const ordered_json about = describeObjects(objects);
   const size_t models = objects.models.size();
   std::printf("objects    %zu of %zu %s\n", objects.set.size(), models, models == 1 ? "model" : "models");
-  for (const ordered_json& m : about["models"])
+  for (size_t i = 0; i < models; ++i) {
+    const ordered_json& m = about["models"][i];
     std::printf(
         "  model    %s: %" PRIu64 " placed; %" PRIu64 " base triangles, %s, %d levels, %" PRIu64 " triangles in all\n",
         m["title"].get<std::string>().c_str(), m["placed"].get<uint64_t>(), m["base"]["triangles"].get<uint64_t>(),
         m["rule"].get<std::string>().c_str(), m["levels"].get<int>(), m["full_triangles"].get<uint64_t>());
+    std::printf("    solids %s\n", solidsText(*objects.models[i]).c_str());
+  }
 }
 
 }  // namespace foreland::apps

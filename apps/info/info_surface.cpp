@@ -38,6 +38,19 @@ Summary summarise(const terrain::MappedSurface& surface) {
 
 }  // namespace
 
+std::string solidsText(const terrain::MappedSurface& surface) {
+  const terrain::InnerSolids& inner = surface.innerSolids();
+  const size_t count = inner.solids.size();
+  char text[120];
+  const double off = surface.largestError();
+  if (count == 0)
+    std::snprintf(text, sizeof(text), "none inside; drawn at most %.4g off", off);
+  else
+    std::snprintf(text, sizeof(text), "%zu inside, %.1f %% of the volume; drawn at most %.4g off", count,
+                  100 * inner.volume_share, off);
+  return text;
+}
+
 ordered_json describeSurface(const terrain::MappedSurface& surface) {
   const Summary s = summarise(surface);
   const proto::BaseMesh& base = surface.topology().base();
@@ -59,6 +72,9 @@ ordered_json describeSurface(const terrain::MappedSurface& surface) {
   about["image"] = {{"width", surface.atlas().width()},
                     {"height", surface.atlas().height()},
                     {"texels_per_base_edge", surface.atlas().side}};
+  about["largest_error"] = surface.largestError();
+  about["inner_solids"] = {{"count", surface.innerSolids().solids.size()},
+                           {"volume_share", surface.innerSolids().volume_share}};
   about["poses"] = ordered_json::array();
   for (const Time& time : surface.poseTimes()) about["poses"].push_back(dateText(time));
   about["notes"] = surface.about().notes;
@@ -83,6 +99,7 @@ void printSurface(const std::string& path, const terrain::MappedSurface& surface
   if (surface.atlas().side > 0)
     std::printf("image      %u x %u pixels, %u texels along a base edge\n", surface.atlas().width(),
                 surface.atlas().height(), surface.atlas().side);
+  std::printf("solids     %s\n", solidsText(surface).c_str());
   for (const Time& time : surface.poseTimes()) std::printf("pose       %s\n", dateText(time).c_str());
   for (const std::string& note : surface.about().notes) std::printf("note       %s\n", note.c_str());
 }

@@ -9,6 +9,8 @@
 namespace foreland::apps {
 
 nlohmann::ordered_json describeSurface(const terrain::MappedSurface& surface);
+// How many solids are inside of whatever is drawn of it, and how far off that may be, in the object's units.
+std::string solidsText(const terrain::MappedSurface& surface);
 void printSurface(const std::string& path, const terrain::MappedSurface& surface);
 
 }  // namespace foreland::apps

@@ -23,6 +23,7 @@
 #include "terrain/remesh/paint/paint.h"
 #include "terrain/remesh/remesh.h"
 #include "terrain/remesh/remeshed_surface.h"
+#include "terrain/remesh/solids/find_solids.h"
 #include "terrain/surface/bounds.h"
 #include "terrain/surface_store/write_surface.h"
 
@@ -246,12 +247,17 @@ int remesh(Arguments& arguments) {
   const auto records = terrain::computeBounds(
       *surface, {.threads = arguments.remesh.threads, .onProgress = [](double) { return !apps::isStopRequested(); }});
   if (apps::isStopRequested()) return fail({ErrorCode::kInvalidArgument, "stopped; nothing was written"});
+  const terrain::SolidsFound solids = terrain::findSolids(*surface);
+  report.solids = solids.inner;
+  report.why_no_solids = solids.why_none;
+  report.largest_error = terrain::largestError(surface->topology, records);
   const auto id = terrain::writeSurface(arguments.output, {.surface = *surface,
                                                            .pose_times = pose_times,
                                                            .records = records,
                                                            .atlas = finished.painted.atlas,
                                                            .texels = finished.painted.texels,
                                                            .origin = *origin,
+                                                           .inner = solids.inner,
                                                            .about = finished.about});
   if (!id.ok()) return fail(id.error());
   report.seconds = std::chrono::duration<double>(Clock::now() - begun).count();

@@ -33,6 +33,17 @@ GivenMesh givenMesh(const terrain::Model& model, const terrain::Original& origin
   return given;
 }
 
+std::string solidsText(const RemeshReport& r) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "%zu inner %s with %.1f %% of the volume; drawn at most %.4g off",
+                r.solids.solids.size(), r.solids.solids.size() == 1 ? "solid" : "solids", 100 * r.solids.volume_share,
+                r.largest_error);
+  if (r.solids.solids.empty())
+    std::snprintf(text, sizeof(text), "no inner solids: %s; drawn at most %.4g off", r.why_no_solids.c_str(),
+                  r.largest_error);
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> repairNotes(const terrain::Original& original) {
@@ -103,6 +114,7 @@ void printReport(const RemeshReport& r, const std::filesystem::path& output, uin
                 " triangles; %.4f %% of the diagonal off, %" PRIu64 " flipped; image %u x %u; %.1f s\n",
                 output.c_str(), r.base_triangles, r.levels, r.full_triangles, 100 * r.hausdorff(), r.flipped,
                 r.atlas.width(), r.atlas.height(), r.seconds);
+    std::printf("  %s\n", solidsText(r).c_str());
     for (const PoseReport& pose : r.poses)
       std::printf("  pose %s: %.4f %% of the diagonal off\n", pose.date.c_str(), 100 * pose.hausdorff);
     return;
@@ -135,6 +147,10 @@ void printReport(const RemeshReport& r, const std::filesystem::path& output, uin
   for (const PoseReport& pose : r.poses)
     json["poses"].push_back({{"date", pose.date}, {"share_of_diagonal", pose.hausdorff}});
   json["image"] = {{"width", r.atlas.width()}, {"height", r.atlas.height()}, {"texels_per_base_edge", r.atlas.side}};
+  json["inner_solids"] = {{"count", r.solids.solids.size()},
+                          {"volume_share", r.solids.volume_share},
+                          {"largest_error", r.largest_error},
+                          {"why_none", r.why_no_solids}};
   json["seconds"] = r.seconds;
   std::printf("%s\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
 }

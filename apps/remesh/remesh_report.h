@@ -8,6 +8,7 @@
 
 #include "proto/topology/atlas_layout.h"
 #include "terrain/remesh/original/original.h"
+#include "terrain/surface/inner_solids.h"
 #include "terrain/surface/surface.h"
 
 namespace foreland::apps {
@@ -33,6 +34,9 @@ struct RemeshReport {
   double step = 0;
   std::vector<PoseReport> poses;
   proto::AtlasLayout atlas;
+  terrain::InnerSolids solids;
+  std::string why_no_solids;  // if there are none
+  double largest_error = 0;   // of what is drawn at any level, in the model's units
   double seconds = 0;
 
   double hausdorff() const { return to_original > to_surface ? to_original : to_surface; }
@@ -42,7 +46,8 @@ struct RemeshReport {
 std::vector<std::string> repairNotes(const terrain::Original& original);
 
 // Compares the surface, with its rounded positions, with the model as given: faces without area, which the original
-// lacks, count as lines. The caller fills in atlas, notes, poses and seconds.
+// lacks, count as lines. The caller fills in atlas, notes, poses,
+// solids and seconds.
 RemeshReport judgeRemesh(const terrain::Model& model, const terrain::Original& original,
                          const terrain::TrueSurface& surface, unsigned threads);
 

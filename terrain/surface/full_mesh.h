@@ -20,6 +20,7 @@ class FullMesh {
   size_t vertex(proto::NodeId v) const {
     return topology_.isBase(v) ? proto::baseVertexOf(v) : topology_.baseVertexCount() + size_t{topology_.slot(v)};
   }
+  size_t vertexCount() const { return positions_.size(); }
   const glm::dvec3& position(size_t vertex) const { return positions_[vertex]; }
   std::span<const std::array<uint32_t, 3>> triangles() const { return triangles_; }
   // Unit normals, outward; zero for triangles without an area.

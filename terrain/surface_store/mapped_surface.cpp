@@ -30,12 +30,15 @@ Status checkNumbers(const SurfaceHeader& h) {
              must_be_posed = h.version == SurfaceHeader::kPosesVersion;
   if (h.poses == 1 || h.poses > proto::kMaxPoses || (is_posed && !may_be_posed) || (must_be_posed && !is_posed))
     return malformed("its number of poses is impossible");
+  const bool has_solids = h.version == kSurfaceVersion;
   bool has_origin = false;
   for (const double coordinate : h.origin) {
     if (!(std::fabs(coordinate) <= kMaxSurfaceOrigin)) return malformed("its origin is impossible");
     has_origin |= coordinate != 0;
   }
-  if (has_origin != (h.version == kSurfaceVersion)) return malformed("its origin is impossible");
+  if (!has_solids && has_origin != (h.version == SurfaceHeader::kOriginVersion))
+    return malformed("its origin is impossible");
+  if (has_solids != (h.solids > 0)) return malformed("its inner solids are impossible");
   if (!(h.quantum_m > 0) || !std::isfinite(h.quantum_m)) return malformed("its step is no positive number");
   for (int axis = 0; axis < 3; ++axis)
     if (h.low[axis] > h.high[axis]) return malformed("its box is empty");
@@ -75,6 +78,22 @@ Status MappedSurface::readPoseTimes() {
   return {};
 }
 
+TrueSurface positionsOf(const MappedSurface& surface) {
+  TrueSurface whole{surface.topology(), surface.quantumMetres(), {}, {}};
+  whole.base.assign(surface.basePositions().begin(), surface.basePositions().end());
+  whole.nodes.reserve(surface.nodes().size());
+  for (const proto::SurfaceRecord& record : surface.nodes()) whole.nodes.push_back(record.position);
+  for (size_t pose = 0; pose < surface.movesEach(); ++pose) {
+    SurfacePose& moved = whole.poses.emplace_back(SurfacePose{whole.base, whole.nodes});
+    const size_t each = surface.movesEach();
+    for (size_t v = 0; v < moved.base.size(); ++v)
+      moved.base[v] += proto::moveWithin(moved.base[v], surface.baseMoves()[v * each + pose]);
+    for (size_t n = 0; n < moved.nodes.size(); ++n)
+      moved.nodes[n] += proto::moveWithin(moved.nodes[n], surface.nodeMoves()[n * each + pose]);
+  }
+  return whole;
+}
+
 bool isSurfaceFile(const std::filesystem::path& path) {
   std::array<char, 8> magic{};
   std::error_code failed;
@@ -101,8 +120,13 @@ Result<std::shared_ptr<const MappedSurface>> MappedSurface::of(ByteSpan bytes, c
                                                {faces.begin(), faces.end()}});
   if (!topology.ok()) return damagedFile(path, topology.error().message);
   if (topology->slotCount() != header->slot_count) return damagedFile(path, "its sizes contradict each other");
+  auto solids = solidsOf(*header);
+  if (!solids.ok()) return damagedFile(path, solids.error().message);
+  if (header->solids > 0 && !(topology->base().isClosed() && header->poses == 0))
+    return damagedFile(path, "it has inner solids, but a border or poses");
   std::shared_ptr<MappedSurface> surface(
       new MappedSurface(bytes, std::move(owner), *header, std::move(topology).value()));
+  surface->inner_solids_ = std::move(*solids);
   if (const Status times = surface->readPoseTimes(); !times.ok()) return damagedFile(path, times.error().message);
   if (contentId(*header, surface->section<uint8_t>(kSurfaceChecksums)) != header->scene_id)
     return damagedFile(path, "its table of checksums is damaged");

@@ -16,6 +16,7 @@
 #include "terrain/store/file/mapped_file.h"
 #include "terrain/store/scene.h"
 #include "terrain/store/verify.h"
+#include "terrain/surface/surface.h"
 #include "terrain/surface_store/surface_format.h"
 
 namespace foreland::terrain {
@@ -37,6 +38,12 @@ class MappedSurface {
   double quantumMetres() const { return header_.quantum_m; }
   // Where the model's file has this surface's (0, 0, 0), in its units; for models in the coordinates of a map.
   glm::dvec3 origin() const { return {header_.origin[0], header_.origin[1], header_.origin[2]}; }
+  // Solids inside of whatever is drawn of the surface; none if it is not closed, or moves, or holds none.
+  const InnerSolids& innerSolids() const { return inner_solids_; }
+  // A bound of how far a point of the surface may be drawn from where it truly is, in metres of the object's frame
+  // (terrain/surface/inner_solids.h).
+  double largestError() const { return terrain::largestError(topology_, nodes()); }
+  bool isClosed() const { return topology_.base().isClosed(); }
   proto::ErrorShape errorShape() const { return static_cast<proto::ErrorShape>(header_.error_shape); }
   // Positions in quanta, by base vertex (under bisection, centres of faces after them), and nodes by slot with zeros as
   // padding.
@@ -86,7 +93,11 @@ class MappedSurface {
   proto::MeshTopology topology_;
   SceneOrigin about_;
   std::vector<Time> pose_times_;
+  InnerSolids inner_solids_;
 };
+
+// A copy of all positions, in all poses.
+[[nodiscard]] TrueSurface positionsOf(const MappedSurface& surface);
 
 // Whether the file begins like a surface file. False if it cannot be read.
 [[nodiscard]] bool isSurfaceFile(const std::filesystem::path& path);

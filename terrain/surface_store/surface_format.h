@@ -12,11 +12,12 @@
 #include "proto/topology/atlas_layout.h"
 #include "proto/topology/mesh_topology.h"
 #include "terrain/store/file/sections.h"
+#include "terrain/surface/inner_solids.h"
 
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSurfaceMagic{'F', 'O', 'R', 'E', 'S', 'U', 'R', 'F'};
-inline constexpr uint32_t kSurfaceVersion = 4;
+inline constexpr uint32_t kSurfaceVersion = 5;
 
 inline constexpr double kMaxSurfaceOrigin = 1e9;  // on each axis
 
@@ -32,10 +33,16 @@ enum SurfaceSection : uint32_t {
   kSurfaceSectionCount
 };
 
+// A solid inside the surface (terrain/surface/inner_solids.h): normals and offsets of its planes, then zeros.
+struct StoredSolid {
+  double planes[ConvexSolid::kMaxPlanes][4];
+};
+
 struct SurfaceHeader {
   // The version that is written is the oldest that holds the surface.
   static constexpr uint32_t kOldestVersion = 2;  // no poses, no origin
   static constexpr uint32_t kPosesVersion = 3;   // poses, no origin
+  static constexpr uint32_t kOriginVersion = 4;  // an origin; up to here no inner solids
 
   std::array<char, 8> magic = kSurfaceMagic;
   uint32_t version = kSurfaceVersion;
@@ -52,15 +59,22 @@ struct SurfaceHeader {
   uint64_t slot_count = 0;
   SectionRange sections[kSurfaceSectionCount];
   double origin[3]{};  // where the model's file has this surface's (0, 0, 0), its z axis upright; in its units
+  uint32_t solids = 0, reserved = 0;
+  double solids_share = 0;  // of the surface's volume, that the solids hold
+  StoredSolid stored_solids[InnerSolids::kMaxSolids]{};
 };
-static_assert(sizeof(SurfaceHeader) == 232 && std::is_trivially_copyable_v<SurfaceHeader>);
+static_assert(sizeof(SurfaceHeader) == 1272 && std::is_trivially_copyable_v<SurfaceHeader>);
 static_assert(offsetof(SurfaceHeader, quantum_m) == 72 && offsetof(SurfaceHeader, sections) == 112 &&
-              offsetof(SurfaceHeader, origin) == 208);
+              offsetof(SurfaceHeader, origin) == 208 && offsetof(SurfaceHeader, stored_solids) == 248);
 
 // Base vertices with a position: those of the base mesh and, by bisection, the faces' centres.
 uint64_t storedVertices(const SurfaceHeader& header);
 // Moves of each vertex (proto/section/poses.h).
 inline uint64_t movesEach(const SurfaceHeader& header) { return header.poses == 0 ? 0 : header.poses - 1; }
+
+// The inner solids of a header, and back. An Error for what are no bounded solids within the surface's box.
+void putSolids(const InnerSolids& inner, SurfaceHeader& header);
+Result<InnerSolids> solidsOf(const SurfaceHeader& header);
 
 // Writes the sections' positions and the size of the file into the header, from its other numbers and the size of the
 // text.

@@ -86,6 +86,16 @@ class SurfaceCheck {
   Faults& faults_;
 };
 
+// By the proof, from the positions in the file.
+void checkSolids(const MappedSurface& surface, Faults& faults) {
+  if (surface.innerSolids().solids.empty()) return;
+  const TrueSurface whole = positionsOf(surface);
+  for (size_t i = 0; i < surface.innerSolids().solids.size(); ++i)
+    if (!isInside(surface.innerSolids().solids[i], whole))
+      faults.add(surface.topology().slotCount(),
+                 "inner solid " + std::to_string(i) + " is not inside of all that may be drawn of the surface");
+}
+
 }  // namespace
 
 Result<VerifyReport> verifySurface(const std::filesystem::path& path, unsigned threads) {
@@ -104,6 +114,7 @@ VerifyReport verifySurface(const MappedSurface& surface, unsigned threads) {
       values.add(0, "base vertex " + std::to_string(v) + " lies outside the surface's box");
   if (const auto seam = findSeam(surface.atlas(), surface.topology().base(), surface.texels(), threads))
     values.add(surface.topology().slotCount(), *seam);
+  checkSolids(surface, values);
   VerifyReport report;
   report.blocks = blockCount(checksums);
   report.base_vertices = surface.basePositions().size();

@@ -29,8 +29,11 @@ SurfaceHeader headerOf(const SurfaceContent& content) {
   header.error_shape = static_cast<uint32_t>(content.error_shape);
   header.poses = static_cast<uint32_t>(content.pose_times.size());
   for (int axis = 0; axis < 3; ++axis) header.origin[axis] = content.origin[axis];
-  if (content.origin == glm::dvec3(0))
-    header.version = header.poses == 0 ? SurfaceHeader::kOldestVersion : SurfaceHeader::kPosesVersion;
+  putSolids(content.inner, header);
+  header.version = header.solids > 0                 ? kSurfaceVersion
+                   : content.origin != glm::dvec3(0) ? SurfaceHeader::kOriginVersion
+                   : header.poses > 0                ? SurfaceHeader::kPosesVersion
+                                                     : SurfaceHeader::kOldestVersion;
   header.quantum_m = content.surface.quantum_m;
   header.slot_count = topology.slotCount();
   measure(content.surface, header);

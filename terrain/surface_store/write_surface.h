@@ -24,6 +24,7 @@ struct SurfaceContent {
   proto::AtlasLayout atlas{};       // without an image if there are no colours
   std::span<const Texel> texels{};  // atlas.width() * atlas.height(), row by row from the top, with filled gutters
   glm::dvec3 origin{0};             // where the model's file has the surface's (0, 0, 0)
+  InnerSolids inner{};              // of the surface; none for one with a border or poses
   SceneOrigin about{};
 };
 
