@@ -14,6 +14,7 @@ struct OcclusionArguments {
   FlightArguments flight;
   std::string predictor = "path";
   lab::JudgeOptions judge;
+  double street_m = 0, street_mps = 15;  // street_m above 0: along the streets between objects, instead of the tour
   uint32_t width_px = 1920, height_px = 1080;
 };
 

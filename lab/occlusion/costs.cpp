@@ -25,7 +25,7 @@ double mean(const std::vector<double>& values) {
 }
 
 // Passes questions on and times them. By the wall clock, which is read in a tenth of the time that the thread's takes.
-class TimedVisibility final : public proto::BlockVisibility {
+class TimedVisibility final : public proto::BlockVisibility, public server::ObjectVisibility {
   template <class Question>
   auto timed(const Question& question) {
     const double begin = wallSeconds();
@@ -35,7 +35,7 @@ class TimedVisibility final : public proto::BlockVisibility {
   }
 
  public:
-  explicit TimedVisibility(proto::BlockVisibility& inner) : inner_(inner) {}
+  explicit TimedVisibility(Foresight& inner) : inner_(inner) {}
 
   void begin(const proto::View& view) override {
     timed([&] { return inner_.begin(view), true; });
@@ -46,22 +46,32 @@ class TimedVisibility final : public proto::BlockVisibility {
   uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override {
     return timed([&] { return inner_.changes(lowest, known, hidden); });
   }
-  double seconds() const { return seconds_; }  // since the start
+  bool isObjectHidden(size_t object, size_t nodes) override {
+    const double before = seconds_;
+    const bool is_hidden = timed([&] { return inner_.isObjectHidden(object, nodes); });
+    object_seconds_ += seconds_ - before;
+    return is_hidden;
+  }
+  double seconds() const { return seconds_; }               // since the start
+  double objectSeconds() const { return object_seconds_; }  // of these, for objects
 
  private:
-  proto::BlockVisibility& inner_;
+  Foresight& inner_;
+  double object_seconds_ = 0;
   double seconds_ = 0;
 };
 
 // One viewer's figures, keyframe by keyframe.
 struct Series {
-  std::vector<double> nodes, bytes, added, hidden_bits, send_ms, decode_ms, mesh_ms;
+  std::vector<double> nodes, object_nodes, hidden_objects, bytes, added, hidden_bits, send_ms, decode_ms, mesh_ms;
 
   void keyframe(ViewerStream& stream, const proto::View& view, Time time) {
     const double begin = sim::threadSeconds();
     stream.send(view, time);
     send_ms.push_back(1e3 * (sim::threadSeconds() - begin));
     nodes.push_back(static_cast<double>(stream.sender().adapter().nodeCount()));
+    object_nodes.push_back(static_cast<double>(stream.sender().nodeCount()) - nodes.back());
+    hidden_objects.push_back(static_cast<double>(stream.sender().hiddenObjects()));
     bytes.push_back(static_cast<double>(stream.messageBytes()));
     added.push_back(static_cast<double>(stream.added()));
     hidden_bits.push_back(stream.sender().bits().blocks);
@@ -80,9 +90,9 @@ std::vector<double> afterFirst(const std::vector<double>& values) { return {valu
 struct Passes {
   Series without, with;
 
-  void fly(const server::Hierarchy& hierarchy, proto::BlockVisibility& visibility, std::span<const proto::View> views,
+  void fly(const server::Hierarchy& hierarchy, Foresight& visibility, std::span<const proto::View> views,
            Duration interval) {
-    ViewerStream stream_without(hierarchy, nullptr), stream_with(hierarchy, &visibility);
+    ViewerStream stream_without(hierarchy, nullptr), stream_with(hierarchy, &visibility, &visibility);
     for (size_t i = 0; i < views.size(); ++i) {
       const Time time = Time{} + interval * static_cast<int64_t>(i);
       for (const bool is_with : {i % 2 == 0, i % 2 != 0})
@@ -112,6 +122,9 @@ void measureFlight(const server::Hierarchy& hierarchy, const server::SceneOcclus
   costs.keyframes = predicted.views.size();
   costs.nodes = {mean(flight.without.nodes), mean(flight.with.nodes)};
   costs.first_nodes = firsts(flight, &Series::nodes);
+  costs.object_nodes = {mean(flight.without.object_nodes), mean(flight.with.object_nodes)};
+  costs.first_object_nodes = firsts(flight, &Series::object_nodes);
+  costs.hidden_objects = mean(flight.with.hidden_objects);
   costs.bytes = meanAfterFirst(flight, &Series::bytes);
   costs.first_bytes = firsts(flight, &Series::bytes);
   costs.flight_bytes_saving = mean(flight.without.bytes) / mean(flight.with.bytes);
@@ -143,22 +156,28 @@ void measureTests(const server::Hierarchy& hierarchy, const server::SceneOcclusi
   Foresight foresight(visibility, predicted);
   TimedVisibility timed(foresight);
   const std::vector<proto::View>& views = predicted.views;
-  ViewerStream stream(hierarchy, &timed);
-  std::vector<double> ray_ms, shares, rays, speeds, tests, segments;
+  ViewerStream stream(hierarchy, &timed, &timed);
+  std::vector<double> ray_ms, shares, rays, speeds, tests, segments, queries, object_ms;
   for (size_t i = 0; i < views.size(); ++i) {
-    const double asked_before = timed.seconds(), begin = wallSeconds();
+    const double asked_before = timed.seconds(), objects_before = timed.objectSeconds(), begin = wallSeconds();
     const server::OcclusionStatistics before = visibility.statistics();
     stream.send(views[i], Time{} + interval * static_cast<int64_t>(i));
     const double keyframe_s = wallSeconds() - begin, asked_s = timed.seconds() - asked_before;
     ray_ms.push_back(1e3 * asked_s);
+    object_ms.push_back(1e3 * (timed.objectSeconds() - objects_before));
     shares.push_back(asked_s / keyframe_s);
     const server::OcclusionStatistics& after = visibility.statistics();
     rays.push_back(static_cast<double>(after.rays - before.rays));
     tests.push_back(static_cast<double>(after.tests - before.tests));
     segments.push_back(static_cast<double>(after.segments - before.segments));
+    queries.push_back(static_cast<double>(after.queries - before.queries));
     if (rays.back() > 0) speeds.push_back(1e-6 * rays.back() / asked_s);
   }
   costs.first_ray_ms = ray_ms[0];
+  costs.object_ms = median(afterFirst(object_ms));
+  costs.first_object_ms = object_ms[0];
+  costs.largest_object_ms = *std::max_element(object_ms.begin() + 1, object_ms.end());
+  costs.queries_per_keyframe = mean(afterFirst(queries));
   costs.first_ray_share = shares[0];
   costs.first_rays = static_cast<uint64_t>(rays[0]);
   costs.ray_ms = median(afterFirst(ray_ms));

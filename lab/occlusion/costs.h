@@ -16,8 +16,12 @@ struct BothWays {
 };
 
 struct OcclusionCosts {
-  uint64_t keyframes = 0;               // the first one included
-  BothWays nodes, first_nodes;          // of the terrain's section: mean over all keyframes; of the first
+  uint64_t keyframes = 0;                     // the first one included
+  BothWays nodes, first_nodes;                // of the terrain's section: mean over all keyframes; of the first
+  BothWays object_nodes, first_object_nodes;  // of all objects' sections, likewise
+  double hidden_objects = 0;                  // mean over all keyframes
+  double object_ms = 0, first_object_ms = 0, largest_object_ms = 0;  // asking for objects: median, first, largest after
+  double queries_per_keyframe = 0;                                   // of solids of objects; mean after the first
   BothWays bytes, first_bytes;          // of messages: mean over keyframes after the first; of the first
   double flight_bytes_saving = 0;       // all messages, the first included
   BothWays nodes_added;                 // mean over keyframes after the first
@@ -43,6 +47,17 @@ struct OcclusionCosts {
     visit("first_nodes_without", first_nodes.without);
     visit("first_nodes_with", first_nodes.with);
     visit("first_section_saving", ratio(first_nodes.without, first_nodes.with));
+    if (object_nodes.without > 0) {
+      visit("object_nodes_without", object_nodes.without);
+      visit("object_nodes_with", object_nodes.with);
+      visit("object_saving", ratio(object_nodes.without, object_nodes.with));
+      visit("first_object_saving", ratio(first_object_nodes.without, first_object_nodes.with));
+      visit("hidden_objects", hidden_objects);
+      visit("object_ms", object_ms);
+      visit("first_object_ms", first_object_ms);
+      visit("largest_object_ms", largest_object_ms);
+      visit("queries_per_keyframe", queries_per_keyframe);
+    }
     visit("bytes_without", bytes.without);
     visit("bytes_with", bytes.with);
     visit("bytes_saving", ratio(bytes.without, bytes.with));

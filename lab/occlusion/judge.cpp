@@ -18,11 +18,12 @@ using proto::Slot;
 
 // The nodes of a keyframe that matter to visibility.
 struct Sections {
+  std::vector<uint8_t> hidden_objects{};
   std::vector<Slot> without, withheld;  // ascending; the second are those of the first that are left out as hidden
 };
 
 Sections sectionsOf(const ViewerStream& without, const ViewerStream& with) {
-  Sections sections{without.sender().adapter().section().slots, {}};
+  Sections sections{with.sender().hiddenObjectFlags(), without.sender().adapter().section().slots, {}};
   for (Slot slot : sections.without)
     if (!with.sender().adapter().contains(slot)) sections.withheld.push_back(slot);
   return sections;
@@ -78,16 +79,21 @@ class Jury {
     if (keyframe > 0) judgement_.late_reveals += seen(both(withheld, before.withheld), poseAt(at - 1)).size();
   }
 
-  Status judgePixels(const client::KeyframeMesh& with, const client::KeyframeMesh& without, size_t keyframe) {
+  // `hidden`: objects, at this keyframe and at the one before.
+  Status judgePixels(const client::KeyframeMesh& with, const client::KeyframeMesh& without, size_t keyframe,
+                     const std::vector<uint8_t>& hidden, const std::vector<uint8_t>& hidden_before) {
     ++judgement_.judged_keyframes;
-    if (Status s = judgePixels({with, without, 1}, static_cast<double>(keyframe), judgement_.keyframes); !s.ok())
+    if (Status s = judgePixels({with, without, 1, hidden}, static_cast<double>(keyframe), judgement_.keyframes);
+        !s.ok())
       return s;
     if (keyframe == 0) return {};
     const double weight = nextWeight();
     ++judgement_.judged_frames;
     judgement_.min_weight = std::min(judgement_.min_weight, weight);
     judgement_.largest_weight = std::max(judgement_.largest_weight, weight);
-    return judgePixels({with, without, weight}, static_cast<double>(keyframe) - 1 + weight, judgement_.frames);
+    std::vector<uint8_t> either = hidden;
+    for (size_t i = 0; i < either.size() && i < hidden_before.size(); ++i) either[i] |= hidden_before[i];
+    return judgePixels({with, without, weight, either}, static_cast<double>(keyframe) - 1 + weight, judgement_.frames);
   }
 
   const OcclusionJudgement& judgement() const { return judgement_; }
@@ -134,13 +140,13 @@ class Jury {
 
 }  // namespace
 
-Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, proto::BlockVisibility& visibility,
+Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, Foresight& visibility,
                                           const std::vector<proto::View>& views, const proto::Path& path,
                                           const FlightOptions& flight, const JudgeOptions& options) {
   const auto caster = terrain::RayCaster::ofScene(Jury::sceneOf(hierarchy));
   if (!caster) return caster.error();
   Jury jury(hierarchy, *caster, path, flight, options);
-  ViewerStream without(hierarchy, nullptr), with(hierarchy, &visibility);
+  ViewerStream without(hierarchy, nullptr), with(hierarchy, &visibility, &visibility);
   const std::vector<size_t> judged = Jury::choose(views.size(), options);
   const auto isJudged = [&](size_t i) { return std::binary_search(judged.begin(), judged.end(), i); };
   Sections before;
@@ -153,7 +159,8 @@ Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, pr
     Sections now = sectionsOf(without, with);
     if (isJudged(i)) {
       jury.judgeNodes(now, before, i);
-      if (Status s = jury.judgePixels(oracle::wholeMesh(with.replica()), oracle::wholeMesh(without.replica()), i);
+      if (Status s = jury.judgePixels(oracle::wholeMesh(with.replica()), oracle::wholeMesh(without.replica()), i,
+                                      now.hidden_objects, before.hidden_objects);
           !s.ok())
         return s.error();
     }

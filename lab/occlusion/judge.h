@@ -7,6 +7,7 @@
 
 #include "lab/occlusion/pixels.h"
 #include "lab/occlusion/possible.h"
+#include "lab/occlusion/predicted_views.h"
 #include "lab/sections/flight_views.h"
 #include "server/section/hierarchy.h"
 
@@ -40,6 +41,8 @@ struct OcclusionJudgement {
     visit("visible_pixels_over_tau_frames", share(frames.visible_over_tau_hidden, frames.pixels));
     visit("drawn_pixels_over_tau_keyframes", share(keyframes.drawn_over_tau_hidden, keyframes.pixels));
     visit("drawn_pixels_over_tau_frames", share(frames.drawn_over_tau_hidden, frames.pixels));
+    visit("hidden_objects_seen_keyframes", keyframes.hidden_objects_seen);
+    visit("hidden_objects_seen_frames", frames.hidden_objects_seen);
     visit("late_reveals", late_reveals);
     visit("withheld_visible", withheld_visible);
     visit("judged_keyframes", judged_keyframes);
@@ -63,7 +66,7 @@ struct JudgeOptions {
 
 // Flies the views, which are those of the keyframes of `path`, with `visibility` and without. An Error if the scene
 // does not fit into memory.
-Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, proto::BlockVisibility& visibility,
+Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, Foresight& visibility,
                                           const std::vector<proto::View>& views, const proto::Path& path,
                                           const FlightOptions& flight, const JudgeOptions& options);
 

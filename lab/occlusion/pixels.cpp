@@ -45,8 +45,9 @@ struct Drawn {
 class Judgement {
  public:
   Judgement(const RayCaster& truth, const oracle::LineOfSight& terrain, const Drawn& with, const Drawn& without,
-            const Projector& projector, double tau_px)
-      : truth_(truth),
+            const Projector& projector, double tau_px, std::span<const uint8_t> hidden_objects)
+      : hidden_objects_(hidden_objects),
+        truth_(truth),
         terrain_(terrain),
         with_(with),
         without_(without),
@@ -63,6 +64,8 @@ class Judgement {
  private:
   void judgeTruePoint(const Ray& ray, PixelCounts& counts) const {
     const std::optional<RayHit> hit = truth_.hit(ray);
+    if (hit && hit->object != RayHit::kTerrain && hidden_objects_[static_cast<size_t>(hit->object)] != 0)
+      ++counts.hidden_objects_seen;
     if (!hit || hit->object != RayHit::kTerrain) return;
     const double with_px = screenDistance(projector_, hit->position, with_.lookup.at(*hit)),
                  without_px = screenDistance(projector_, hit->position, without_.lookup.at(*hit));
@@ -79,6 +82,7 @@ class Judgement {
     return screenDistance(projector_, hit->position, terrain_.pointAt(hit->parameter));
   }
 
+  std::span<const uint8_t> hidden_objects_;
   const RayCaster& truth_;
   const oracle::LineOfSight& terrain_;
   const Drawn &with_, &without_;
@@ -90,6 +94,7 @@ class Judgement {
 
 void PixelCounts::add(const PixelCounts& other) {
   pixels += other.pixels;
+  hidden_objects_seen += other.hidden_objects_seen;
   visible_over_tau += other.visible_over_tau;
   visible_over_tau_without += other.visible_over_tau_without;
   visible_over_tau_hidden += other.visible_over_tau_hidden;
@@ -102,7 +107,7 @@ Result<PixelCounts> PixelJudge::judge(const DrawnPair& drawn, const terrain::Cam
   for (const auto* side : {&with, &without})
     if (!*side) return side->error();
   const Projector projector(camera);
-  const Judgement judgement(truth_, terrain_, *with, *without, projector, tau_px);
+  const Judgement judgement(truth_, terrain_, *with, *without, projector, tau_px, drawn.hidden_objects);
   std::vector<PixelCounts> rows(camera.lens.height_px);
   terrain::parallelFor(
       rows.size(), camera.threads,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "client/mesh/patch/keyframe_mesh.h"
 #include "oracle/line_of_sight.h"
@@ -14,6 +15,7 @@ namespace foreland::lab {
 
 struct PixelCounts {
   uint64_t pixels = 0;
+  uint64_t hidden_objects_seen = 0;       // true points of objects whose nodes are left out as hidden
   uint64_t visible_over_tau = 0;          // true points drawn more than tau away where hidden nodes are left out
   uint64_t visible_over_tau_without = 0;  // the same pixels' where none are
   uint64_t visible_over_tau_hidden = 0;   // over where they are left out, and not where none are: thought hidden
@@ -26,7 +28,8 @@ struct PixelCounts {
 // What is drawn of the same scene at the same moment, with hidden nodes left out and without.
 struct DrawnPair {
   const client::KeyframeMesh &with, &without;
-  double weight;  // of the meshes' later ends
+  double weight;                            // of the meshes' later ends
+  std::span<const uint8_t> hidden_objects;  // at either end
 };
 
 class PixelJudge {
@@ -34,7 +37,8 @@ class PixelJudge {
   // `truth` and `terrain` are of one scene and outlive the judge.
   PixelJudge(const terrain::RayCaster& truth, const oracle::LineOfSight& terrain) : truth_(truth), terrain_(terrain) {}
 
-  // Of the terrain's pixels alone: objects are drawn alike in both. An Error if memory does not suffice.
+  // Pixels of objects count where these are hidden; others are drawn alike in both. An Error if memory does not
+  // suffice.
   Result<PixelCounts> judge(const DrawnPair& drawn, const terrain::Camera& camera, double tau_px) const;
 
  private:

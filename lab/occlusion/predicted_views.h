@@ -30,7 +30,7 @@ PredictedFlight predictedFlight(const proto::Path& path, const FlightOptions& op
                                 const PoseReports& reports = {});
 
 // Tells a viewer's visibility before each keyframe what the flight's eye path is. Both must outlive it.
-class Foresight final : public proto::BlockVisibility {
+class Foresight final : public proto::BlockVisibility, public server::ObjectVisibility {
  public:
   Foresight(server::ViewerOcclusion& inner, const PredictedFlight& flight) : inner_(inner), flight_(flight) {}
 
@@ -42,6 +42,7 @@ class Foresight final : public proto::BlockVisibility {
   uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override {
     return inner_.changes(lowest, known, hidden);
   }
+  bool isObjectHidden(size_t object, size_t nodes) override { return inner_.isObjectHidden(object, nodes); }
 
  private:
   server::ViewerOcclusion& inner_;

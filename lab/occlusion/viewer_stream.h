@@ -13,14 +13,18 @@ class ViewerStream {
  public:
   // Nothing is left out as hidden if `visibility` is null; otherwise the connection tells hidden blocks. All must
   // outlive the stream.
-  ViewerStream(const server::Hierarchy& hierarchy, proto::BlockVisibility* visibility)
-      : visibility_(visibility), sender_(hierarchy), replica_(welcomeOf(hierarchy, visibility)) {
+  ViewerStream(const server::Hierarchy& hierarchy, proto::BlockVisibility* visibility,
+               server::ObjectVisibility* object_visibility = nullptr)
+      : visibility_(visibility),
+        object_visibility_(object_visibility),
+        sender_(hierarchy),
+        replica_(welcomeOf(hierarchy, visibility)) {
     if (visibility) sender_.signalBlocks();
   }
 
   void send(const proto::View& view, Time time) {
     message_.clear();
-    sender_.send(view, time, scratch_, message_, visibility_);
+    sender_.send(view, time, scratch_, message_, visibility_, object_visibility_);
   }
   // The message of the last send().
   void take() {
@@ -43,6 +47,7 @@ class ViewerStream {
   }
 
   proto::BlockVisibility* visibility_;
+  server::ObjectVisibility* object_visibility_;
   server::SectionSender sender_;
   server::SendScratch scratch_;
   Bytes message_;

@@ -40,8 +40,37 @@ bool BlockTest::isBehind(const proto::BlockId& block, const Tolerance& tolerance
 }
 
 bool BlockTest::isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const {
+  return isBehind(squareIn(scale, i, j), tolerance, horizon);
+}
+
+bool BlockTest::isBehind(std::span<const glm::dvec3> points, const Tolerance& tolerance, Horizon& horizon) const {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Horizon::Square square{glm::dvec2(kFar), glm::dvec2(-kFar), -kFar, -kFar, glm::dvec2(0)};
+  for (const glm::dvec3& p : points) {
+    const glm::dvec2 at = scene_.grid->toGrid(glm::dvec2(p));
+    square.low = glm::min(square.low, at);
+    square.high = glm::max(square.high, at);
+    square.top_m = square.height_m = std::max(square.top_m, p.z);
+  }
+  return isBehind(square, tolerance, horizon);
+}
+
+std::array<glm::dvec3, 8> BlockTest::cornersOf(uint32_t scale, uint32_t i, uint32_t j) const {
+  const proto::GridTopology& grid = hierarchy_.grid();
+  const BlockTops::Square& square = scene_.tops.square(scale, i, j);
+  const uint32_t side = 2u << scale;
+  std::array<glm::dvec3, 8> corners;
+  for (uint32_t c = 0; c < 8; ++c) {
+    const uint32_t x = std::min((i + (c & 1)) * side, grid.maxX()),
+                   y = std::min((j + (c >> 1 & 1)) * side, grid.maxY());
+    corners[c] = hierarchy_.frame().position(proto::NodeId::at(x, y), (c & 4) != 0 ? square.top : square.bottom);
+  }
+  return corners;
+}
+
+// By so much as the surface may be drawn lower, where the horizon is.
+bool BlockTest::isBehind(Horizon::Square s, const Tolerance& tolerance, Horizon& horizon) const {
   const HorizonGrid& grid = *scene_.grid;
-  Horizon::Square s = squareIn(scale, i, j);
   const glm::dvec2 size = s.high - s.low;
   const double spread = horizon.extent() + grid.metresOfStep() * std::max(size.x, size.y),
                distance_m = glm::length(grid.toScene(s.low - horizon.begin()));

@@ -34,7 +34,9 @@
 // rays.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "proto/refine/hidden/hidden_blocks.h"
@@ -62,6 +64,11 @@ class BlockTest {
   // From all eyes of the horizon; false if in doubt.
   bool isBehind(const proto::BlockId& block, const Tolerance& tolerance, Horizon& horizon) const;
 
+  // Whether ridges hide the hull of some points, however the ridges are drawn; likewise.
+  bool isBehind(std::span<const glm::dvec3> points, const Tolerance& tolerance, Horizon& horizon) const;
+  // The corners of what holds a square of the terrain, true or drawn. Scene frame, metres.
+  std::array<glm::dvec3, 8> cornersOf(uint32_t scale, uint32_t i, uint32_t j) const;
+
   uint64_t rayCount() const { return rays_; }  // since the start
 
  private:
@@ -78,6 +85,7 @@ class BlockTest {
   };
 
   bool isBehind(uint32_t scale, uint32_t i, uint32_t j, const Tolerance& tolerance, Horizon& horizon) const;
+  bool isBehind(Horizon::Square square, const Tolerance& tolerance, Horizon& horizon) const;
   Horizon::Square squareIn(uint32_t scale, uint32_t i, uint32_t j) const;  // tops as they are
   bool collectSquares(const proto::BlockId& block, const glm::dvec3& eye);
   bool raiseEye(const Tolerance& tolerance, const EyeCapsule& eyes);

@@ -13,6 +13,11 @@ Result<std::shared_ptr<const SceneOcclusion>> SceneOcclusion::create(const Hiera
     if (!occluder) return occluder.error();
     scene.occluder = std::move(*occluder);
   }
+  if (!hierarchy.objects().hulls.empty()) {
+    auto objects = ObjectSolids::create(hierarchy.objects());
+    if (!objects) return objects.error();
+    scene.objects = std::move(*objects);
+  }
   return std::make_shared<const SceneOcclusion>(std::move(scene));
 }
 

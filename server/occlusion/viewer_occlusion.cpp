@@ -15,10 +15,7 @@ using proto::HiddenBlocks;
 constexpr double kBin_px = 3;              // width of a horizon's bins
 constexpr double kMargin_px = 1;           // by which a block must be hidden to turn so
 constexpr int64_t kWorth = 11;             // intervals after a keyframe's for which it must be hidden to turn so
-constexpr int64_t kSpread = 8;             // intervals over which proofs that end together are renewed
-constexpr uint64_t kUpgradePeriod = 4;     // renewals, about, between two tries of a longer span
 constexpr int64_t kRayRest = 48;           // intervals more until rays try a visible block again
-constexpr uint8_t kMaxFailures = 2;        // in a row that prolong the rest of a visible block, to twice as much each
 constexpr double kSpareTau = 1.25;         // a tolerance that rises is taken to be larger by this
 constexpr uint32_t kUnusedKeyframes = 32;  // until proofs are dropped
 constexpr uint32_t kTileMask = (1u << HiddenBlocks::kTileLog2) - 1;
@@ -45,10 +42,10 @@ PredictedEyePath restingIn(const proto::View& view, uint32_t keyframe) {
 }  // namespace
 
 Duration OcclusionStatistics::usualCost() const {
-  constexpr double kTest_us = 0.475, kSegment_us = 57, kRay_us = 1;
+  constexpr double kTest_us = 0.475, kSegment_us = 57, kRay_us = 1, kQuery_us = 0.5;
   return Duration{static_cast<int64_t>(kTest_us * static_cast<double>(tests) +
                                        kSegment_us * static_cast<double>(segments) +
-                                       kRay_us * static_cast<double>(rays))};
+                                       kRay_us * static_cast<double>(rays) + kQuery_us * static_cast<double>(queries))};
 }
 
 ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusion& scene, const Options& options)
@@ -57,7 +54,9 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
       test_(hierarchy, scene),
       options_(options),
       spans_(intervals_, scene.grid.get()),
-      proofs_(hierarchy.grid()) {}
+      proofs_(hierarchy.grid()) {
+  if (scene.objects) objects_.emplace(*scene.objects, hierarchy.objects().set.size());
+}
 
 void ViewerOcclusion::begin(const proto::View& view) {
   const bool has_new_lens = !view_ || view_->lens != view.lens;
@@ -78,6 +77,7 @@ void ViewerOcclusion::begin(const proto::View& view) {
     spans_.invalidate(keyframe_);
   }
   if (keyframe_ % kUnusedKeyframes == 0) proofs_.forgetUnused(keyframe_ - kUnusedKeyframes);
+  if (objects_) beginObjects();
 }
 
 // Proofs keep numbers of intervals in 32 bits, but a client's clock may count from anywhere: Unix time in microseconds
@@ -87,6 +87,7 @@ void ViewerOcclusion::expectNumbered(PredictedEyePath eye_path) {
   if (eye_path.first < origin_ || eye_path.first - origin_ >= kSpan) {
     origin_ = eye_path.first & -kUnit;
     proofs_ = BlockProofs(hierarchy_.grid());
+    if (objects_) objects_->forget();
     spans_.clear();
     spans_.invalidate(keyframe_);
   }
@@ -95,94 +96,100 @@ void ViewerOcclusion::expectNumbered(PredictedEyePath eye_path) {
   intervals_.expect(std::move(eye_path));
 }
 
-bool ViewerOcclusion::hides(PathSpan& span, const BlockId& block, Towards towards) {
-  ++statistics_.tests;
-  const Tolerance tolerance{view_->lens, tau_px_ + (towards == Towards::kHidden ? kMargin_px : 0)};
-  if (!scene_.grid) {
-    const bool is_hidden =
-        test_.isHidden(block, tolerance, span.eyes, last_ray_ - std::min(last_ray_, test_.rayCount()));
-    statistics_.rays = test_.rayCount();
-    return is_hidden;
-  }
-  if (horizon_bytes_ >= options_.horizon_bytes) return false;
-  Horizon& horizon = spans_.horizonOf(span, kBin_px / view_->lens.focalPx());
+Tolerance ViewerOcclusion::toleranceFor(Towards towards) const {
+  return {view_->lens, tau_px_ + (towards == Towards::kHidden ? kMargin_px : 0)};
+}
+
+// Null if there is no memory for one.
+Horizon* ViewerOcclusion::horizonOf(PathSpan& span) {
+  if (horizon_bytes_ >= options_.horizon_bytes) return nullptr;
+  return &spans_.horizonOf(span, kBin_px / view_->lens.focalPx());
+}
+
+// Counts what a test builds.
+template <class Test>
+bool ViewerOcclusion::testBehind(Horizon& horizon, const Test& test) {
   const uint64_t built = horizon.segmentsBuilt();
   const size_t bytes = horizon.bytes();
-  const bool is_hidden = test_.isBehind(block, tolerance, horizon);
+  const bool is_hidden = test();
   statistics_.segments += horizon.segmentsBuilt() - built;
   horizon_bytes_ += horizon.bytes() - bytes;
   return is_hidden;
 }
 
-// The last interval up to which the block is proved to be hidden from `first` on; before `first` if it is not. Goes on
-// to `last` at most, and to the end of the span of that.
-int64_t ViewerOcclusion::hiddenUntil(const BlockId& block, BlockProof& proof, int64_t first, int64_t last,
-                                     Towards towards) {
-  while (first <= last) {
-    size_t length = proof.length;
-    if (length > 0 && (phaseOf(block) + static_cast<uint64_t>(first)) % kUpgradePeriod == 0) --length;
-    const PathSpan* found = nullptr;
-    for (; length < PathSpans::kLengths && !found; ++length)
-      if (PathSpan* const span = spans_.at(length, first); span && hides(*span, block, towards)) {
-        found = span;
-        proof.length = static_cast<uint8_t>(length);
-        proof.lengths |= static_cast<uint8_t>(1u << length);
-      }
-    if (!found) break;
-    first = found->end;
+bool ViewerOcclusion::hides(PathSpan& span, const BlockId& block, Towards towards) {
+  ++statistics_.tests;
+  const Tolerance tolerance = toleranceFor(towards);
+  bool is_hidden = false;
+  if (!scene_.grid) {
+    is_hidden = test_.isHidden(block, tolerance, span.eyes, last_ray_ - std::min(last_ray_, test_.rayCount()));
+    statistics_.rays = test_.rayCount();
+  } else if (Horizon* const horizon = horizonOf(span)) {
+    is_hidden = testBehind(*horizon, [&] { return test_.isBehind(block, tolerance, *horizon); });
   }
-  return first - 1;
+  return is_hidden || isBehindObject(block, span.eyes);
 }
 
-// The last interval is tried first. Where a span shows the block, it need not be tried again before that is past;
-// and less and less often as long as it stays visible.
-bool ViewerOcclusion::turnsHidden(const BlockId& block, TileProofs& tile) {
-  BlockProof& proof = tile.blocks[bitOf(block)];
-  int32_t& next = tile.next[bitOf(block)];
-  const int64_t last = std::max(spans_.lastCoveredUpTo(intervals_.last() + kWorth), intervals_.last()),
-                shown = intervals_.last() - intervals_.first();
-  proof.keyframe = keyframe_;
-  proof.lengths = 0;
-  PathSpan* const far = scene_.grid ? spans_.at(PathSpans::kLengths - 1, last) : nullptr;
-  const bool may_be = !far || hides(*far, block, Towards::kHidden);
-  if (may_be) proof.until = static_cast<int32_t>(hiddenUntil(block, proof, intervals_.first(), last, Towards::kHidden));
-  if (may_be && proof.until >= last) {
-    next = proof.until + 1;
-    proof.failures = 0;
+// As one square, a scale coarser, or else as the squares of its own.
+bool ViewerOcclusion::isBehindObject(const BlockId& block, const EyeCapsule& eyes) {
+  if (!scene_.objects || scene_.objects->solidCount() == 0) return false;
+  const uint32_t i = 2 * block.x, j = 2 * block.y;
+  if (scene_.tops.has(block.scale + 1u, block.x, block.y) && isBehindObject(block.scale + 1u, block.x, block.y, eyes))
     return true;
-  }
-  const int64_t shortest_end = spans_.shortestEnd(int64_t{proof.until} + 1), length = spans_.shortest(),
-                past = may_be ? shortest_end + shown : far->end - (last - intervals_.last()),
-                rest = length * ((1 << proof.failures) - 1) + (scene_.grid ? 0 : kRayRest);
-  next = static_cast<int32_t>(std::max(past, intervals_.last() + 1) + phaseOf(block) % kSpread + rest);
-  proof.failures = std::min<uint8_t>(proof.failures + 1, kMaxFailures);
-  return false;
+  if (!scene_.tops.has(block.scale, i, j)) return false;
+  for (const auto& [x, y] : {std::pair{i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j + 1}})
+    if (scene_.tops.has(block.scale, x, y) && !isBehindObject(block.scale, x, y, eyes)) return false;
+  return true;
+}
+
+// What is larger than buildings is not hidden by one, and in geographic frames is no prism.
+bool ViewerOcclusion::isBehindObject(uint32_t scale, uint32_t i, uint32_t j, const EyeCapsule& eyes) {
+  constexpr double kMaxDiagonal_m = 150, kBulge_m = 1e-3;
+  const auto corners = test_.cornersOf(scale, i, j);
+  if (glm::distance(corners[0], corners[3]) > kMaxDiagonal_m) return false;
+  return hideFrom(*scene_.objects, eyes, corners, kBulge_m, solid_hint_, statistics_.queries);
+}
+
+// Ridges first, for that costs less.
+void ViewerOcclusion::beginObjects() {
+  constexpr int64_t kWorthOfObject = 3;
+  const SpanProver::Law law{.worth = kWorthOfObject};
+  ViewerObjects::Keyframe keyframe{
+      *view_, *frustum_, SpanProver(intervals_, spans_, law, keyframe_), intervals_, spans_, {}, {}};
+  if (scene_.grid)
+    keyframe.behind_ridge = [this](PathSpan& span, std::span<const glm::dvec3> points, Towards towards) {
+      ++statistics_.tests;
+      Horizon* const horizon = horizonOf(span);
+      return horizon && testBehind(*horizon, [&] { return test_.isBehind(points, toleranceFor(towards), *horizon); });
+    };
+  if (effort_ == Effort::kFading)
+    keyframe.has_faded = [this](size_t object) { return hasFaded({0, static_cast<uint32_t>(object), 0}); };
+  objects_->begin(std::move(keyframe));
+}
+
+bool ViewerOcclusion::isObjectHidden(size_t object, size_t nodes) {
+  if (!objects_) return false;
+  const uint64_t before = objects_->queries();
+  const bool is_hidden = objects_->isHidden(object, nodes);
+  statistics_.queries += objects_->queries() - before;
+  return is_hidden;
+}
+
+SpanProver ViewerOcclusion::prover() {
+  const SpanProver::Law law{.worth = kWorth, .rest = scene_.grid ? 0 : kRayRest, .tries_last = scene_.grid != nullptr};
+  return SpanProver(intervals_, spans_, law, keyframe_);
+}
+
+bool ViewerOcclusion::turnsHidden(const BlockId& block, TileProofs& tile) {
+  const uint32_t bit = bitOf(block);
+  return prover().turnsHidden(tile.blocks[bit], tile.next[bit], phaseOf(block),
+                              [&](PathSpan& span, Towards towards) { return hides(span, block, towards); });
 }
 
 bool ViewerOcclusion::staysHidden(const BlockId& block, TileProofs& tile) {
-  BlockProof& proof = tile.blocks[bitOf(block)];
-  int32_t& next = tile.next[bitOf(block)];
-  const int64_t first = intervals_.first(), last = intervals_.last(),
-                known = std::min<int64_t>(proof.until, spans_.firstChangedAfter(proof.keyframe, proof.lengths) - 1);
-  if (known >= last && next > last) return true;
-  if (known < first) proof.lengths = 0;
-  // Where no span has hidden it none will, unless one is made anew.
-  const bool is_known_open = proof.until < last && last <= proof.open_until && proof.revision == spans_.revision();
-  const int64_t until = is_known_open ? known
-                                      : hiddenUntil(block, proof, std::max(known + 1, first), std::max(last, known + 1),
-                                                    Towards::kVisible);
-  proof.keyframe = keyframe_;
-  proof.until = static_cast<int32_t>(until);
-  if (until < last) {
-    // A prediction's error is less for the keyframe itself than for all of a span.
-    proof.open_until = static_cast<int32_t>(spans_.shortestEnd(std::max(until + 1, first)) - 1);
-    proof.revision = spans_.revision();
-    next = static_cast<int32_t>(last);
-    return intervals_.isPredicted() && hides(spans_.now(), block, Towards::kVisible);
-  }
-  const int64_t spare = until - last;
-  next = static_cast<int32_t>(until + 1 - (until > known && spare > 0 ? phaseOf(block) % std::min(spare, kSpread) : 0));
-  return true;
+  const uint32_t bit = bitOf(block);
+  return prover().staysHidden(tile.blocks[bit], tile.next[bit], phaseOf(block),
+                              [&](PathSpan& span, Towards towards) { return hides(span, block, towards); });
 }
 
 void ViewerOcclusion::setEffort(Effort effort) {
@@ -193,6 +200,7 @@ void ViewerOcclusion::setEffort(Effort effort) {
 
 void ViewerOcclusion::forget() {
   proofs_ = BlockProofs(hierarchy_.grid());
+  if (objects_) objects_->forget();
   spans_.clear();
   spans_.dropHorizons();
   spans_.invalidate(keyframe_);
@@ -203,7 +211,7 @@ bool ViewerOcclusion::isHidden(const BlockId& block) {
   if (effort_ == Effort::kFading) return false;
   const BlockProofs::Tile tile = proofs_.of(block, keyframe_);
   if (statistics_.usualCost() - cost_before_ > first_tests_limit_) {
-    tile.proofs.next[bitOf(block)] = static_cast<int32_t>(intervals_.last() + 1 + phaseOf(block) % kSpread);
+    tile.proofs.next[bitOf(block)] = static_cast<int32_t>(intervals_.last() + 1 + phaseOf(block) % SpanProver::kSpread);
     tile.due.first = std::min(tile.due.first, tile.proofs.next[bitOf(block)]);
     return false;
   }
@@ -302,6 +310,8 @@ ViewerOcclusion::InView ViewerOcclusion::inView(uint32_t scale, uint32_t i, uint
   return inside + radius < 0 ? InView::kNot : inside < radius ? InView::kPartly : InView::kWholly;
 }
 
-size_t ViewerOcclusion::bytes() const { return sizeof(*this) + proofs_.bytes() + spans_.bytes(); }
+size_t ViewerOcclusion::bytes() const {
+  return sizeof(*this) + proofs_.bytes() + spans_.bytes() + (objects_ ? objects_->bytes() : 0);
+}
 
 }  // namespace foreland::server

@@ -22,10 +22,12 @@
 
 #include "proto/refine/metric/frustum.h"
 #include "server/occlusion/block_test.h"
+#include "server/occlusion/objects/viewer_objects.h"
 #include "server/occlusion/proofs/block_proofs.h"
 #include "server/occlusion/proofs/eye_intervals.h"
 #include "server/occlusion/proofs/path_spans.h"
 #include "server/occlusion/scene_occlusion.h"
+#include "server/section/sender.h"
 
 namespace foreland::server {
 
@@ -33,12 +35,13 @@ struct OcclusionStatistics {
   uint64_t tests = 0;     // Each test is of one block for one span.
   uint64_t rays = 0;      // Rays are cast only in scenes without a grid.
   uint64_t segments = 0;  // Horizons were built from so many segments.
+  uint64_t queries = 0;   // Each query asks which solid of an object hides a target.
 
   // The processor time that these take on a usual machine (`foreland bench calibrate`, sim/compute_cost.h).
   Duration usualCost() const;
 };
 
-class ViewerOcclusion final : public proto::BlockVisibility {
+class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibility {
  public:
   struct Options {
     // A keyframe casts at most this many rays (some 60 ms). With 20,000 a turn that nobody predicted ended more proofs
@@ -66,7 +69,7 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   static constexpr uint32_t kFadeKeyframes = 10;
   void setEffort(Effort effort);
   // Whether a block in view was hidden in the last keyframe.
-  bool hidesAnything() const { return hidden_in_view_ > 0; }
+  bool hidesAnything() const { return hidden_in_view_ + (objects_ ? objects_->hiddenInView() : 0) > 0; }
   // A block that nothing is known of is not tested, but taken to be visible for a while, once a keyframe has spent so
   // long (OcclusionStatistics::usualCost) on tests.
   static constexpr Duration kUnlimited = Duration::seconds(1e6);
@@ -77,20 +80,26 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   void begin(const proto::View& view) override;
   bool isHidden(const proto::BlockId& block) override;
   uint32_t changes(const proto::BlockId& lowest, uint32_t known, uint32_t hidden) override;
+  // Of an object; after begin().
+  bool isObjectHidden(size_t object, size_t nodes) override;
 
   const OcclusionStatistics& statistics() const { return statistics_; }
   size_t bytes() const;  // O(1)
 
  private:
-  // A test finds out whether a hidden block turns visible, or whether a visible block turns hidden.
-  enum class Towards : uint8_t { kVisible, kHidden };
-
   void expectNumbered(PredictedEyePath eye_path);
 
   enum class InView : uint8_t { kNot, kPartly, kWholly };
   InView inView(uint32_t scale, uint32_t i, uint32_t j) const;
   bool hides(PathSpan& span, const proto::BlockId& block, Towards towards);
-  int64_t hiddenUntil(const proto::BlockId& block, BlockProof& proof, int64_t first, int64_t last, Towards towards);
+  bool isBehindObject(const proto::BlockId& block, const EyeCapsule& eyes);
+  bool isBehindObject(uint32_t scale, uint32_t i, uint32_t j, const EyeCapsule& eyes);
+  SpanProver prover();
+  Horizon* horizonOf(PathSpan& span);
+  template <class Test>
+  bool testBehind(Horizon& horizon, const Test& test);
+  Tolerance toleranceFor(Towards towards) const;
+  void beginObjects();
   bool turnsHidden(const proto::BlockId& block, TileProofs& tile);
   bool staysHidden(const proto::BlockId& block, TileProofs& tile);
   bool review(const proto::BlockId& block, TileProofs& tile, bool was_hidden);
@@ -116,6 +125,8 @@ class ViewerOcclusion final : public proto::BlockVisibility {
   uint64_t last_ray_ = 0;
   size_t horizon_bytes_ = 0;  // All horizons take at most so many bytes in this keyframe.
   BlockProofs proofs_;
+  std::optional<ViewerObjects> objects_;  // The scene has some.
+  uint32_t solid_hint_ = ObjectSolids::kNone;
   OcclusionStatistics statistics_;
 };
 

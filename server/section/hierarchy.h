@@ -7,22 +7,44 @@
 #include <vector>
 
 #include "proto/codec/delta_codec.h"
+#include "proto/refine/metric/frustum.h"
 #include "proto/refine/metric/terrain_domain.h"
 #include "proto/refine/refine.h"
 #include "proto/refine/surface/objects.h"
 #include "terrain/store/scene.h"
+#include "terrain/surface/inner_solids.h"
 
 namespace foreland::server {
+
+// What bounds whatever is drawn of a model, in its own frame: a box that holds it, and solids inside of it.
+struct ModelHull {
+  terrain::DrawnBox box;
+  std::vector<terrain::ConvexSolid> solids;
+};
+
+// A ball that holds whatever is drawn of an object, at all scene times. Scene frame, metres.
+struct ObjectBall {
+  glm::dvec3 middle{0};
+  double radius_m = 0;
+
+  // Whether any of it may be seen from a view, of which `frustum` is.
+  bool mayBeSeen(const proto::View& view, const proto::Frustum& frustum) const;
+};
 
 // The objects of a scene, with their models' nodes.
 struct SceneObjects {
   proto::ObjectSet set;
   std::vector<proto::ModelNodes> nodes;           // of each model
   std::vector<std::span<const uint32_t>> texels;  // of each model's image (proto::AtlasLayout); empty without an image
+  std::vector<ModelHull> hulls;                   // of each model; empty: unknown
+  std::vector<ObjectBall> balls;                  // of each object; empty: unknown
   std::shared_ptr<const void> owner;              // of the memory that the spans point into
 
   const proto::ModelNodes& nodesOf(size_t object) const { return nodes[set.placement(object).model]; }
   std::span<const proto::SurfaceRecord> recordsOf(size_t object) const { return nodesOf(object).records; }
+  bool mayBeSeen(size_t object, const proto::View& view, const proto::Frustum& frustum) const {
+    return balls.empty() || balls[object].mayBeSeen(view, frustum);
+  }
 };
 
 // The objects in the scene's file; an Error if they are damaged.

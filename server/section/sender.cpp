@@ -42,6 +42,7 @@ SectionSender::SectionSender(const Hierarchy& hierarchy) : hierarchy_(&hierarchy
 void SectionSender::makeObjects() {
   const proto::ObjectSet& set = hierarchy_->objects().set;
   objects_.clear();
+  is_object_hidden_.assign(set.size(), 0);
   for (size_t i = 0; i < set.size(); ++i) objects_.emplace_back(set.domain(i));
   if (!objects_.empty()) stream_ = std::make_unique<proto::ObjectStream>(set);
 }
@@ -103,7 +104,9 @@ SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, Se
   proto::KnownNodes known(adapter_);
   for (proto::Slot slot : scratch.section.slots) size.added += known.has(slot) ? 0 : 1;
   const SceneObjects& objects = hierarchy_->objects();
+  const proto::Frustum frustum(view, 0);
   for (size_t i = 0; i < objects_.size(); ++i) {
+    if (is_object_hidden_[i] != 0 || !objects.mayBeSeen(i, view, frustum)) continue;
     proto::SurfaceAdapter fresh(objects.set.domain(i));
     std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
     scratch.object_delta = {};
@@ -117,7 +120,7 @@ SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, Se
 }
 
 bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,
-                         proto::BlockVisibility* visibility) {
+                         proto::BlockVisibility* visibility, ObjectVisibility* object_visibility) {
   scratch.delta.added.clear();
   scratch.delta.removed.clear();
   const proto::KeyframeHeader last = keyframe_;
@@ -139,7 +142,7 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
   if (keyframe_.base_index == 0) encoder.codeRestart(remembered_);
   if (visibility) visibility->begin(proto::viewOf(keyframe_));
   if (!adapter_.adapt(proto::viewOf(keyframe_), max_nodes, encoder, scratch.adapt, scratch.delta) ||
-      !sendObjects(proto::viewOf(keyframe_), max_nodes, scratch, encoder.coder())) {
+      !sendObjects(proto::viewOf(keyframe_), max_nodes, object_visibility, scratch, encoder.coder())) {
     keyframe_ = last;
     restart(proto::Remembered::kNothing);  // the step was not taken to its end
     return false;
@@ -162,11 +165,12 @@ bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, S
 }
 
 // False if terrain and objects have more than `max_nodes`.
-bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, SendScratch& scratch,
-                                proto::RangeEncoder& coder) {
+bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, ObjectVisibility* visibility,
+                                SendScratch& scratch, proto::RangeEncoder& coder) {
   const SceneObjects& objects = hierarchy_->objects();
   object_bits_ = {};
   size_t others = nodeCount();  // of terrain, and objects but the one at hand
+  const proto::Frustum frustum(view, 0);
   if (stream_) stream_->begin(view);
   for (size_t i = 0; i < objects_.size(); ++i) {
     proto::CutDelta& delta = scratch.object_delta;
@@ -174,14 +178,32 @@ bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, SendS
     delta.removed.clear();
     const std::span<const proto::SurfaceRecord> records = objects.recordsOf(i);
     others -= objects_[i].nodeCount();
-    if (others > max_nodes || !objects_[i].adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - others,
-                                                 records, scratch.adapt, delta))
+    // What is out of view and has no nodes gets none.
+    const bool is_idle = objects_[i].nodeCount() == 0 && !objects.mayBeSeen(i, view, frustum);
+    is_object_hidden_[i] = visibility && visibility->isObjectHidden(i, objects_[i].nodeCount()) ? 1 : 0;
+    if (is_object_hidden_[i] != 0)
+      empty(i, delta);
+    else if (others > max_nodes)
+      return false;
+    else if (!is_idle && !objects_[i].adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - others, records,
+                                            scratch.adapt, delta))
       return false;
     others += objects_[i].nodeCount();
     stream_->encode(i, delta, objects.nodesOf(i), coder, object_bits_);
     keyframe_.fingerprint += proto::fingerprintOf(i, delta);
   }
   return others <= max_nodes;
+}
+
+// An object that stays its base mesh is not adapted, and begins anew when it is seen again.
+void SectionSender::empty(size_t object, proto::CutDelta& delta) {
+  if (objects_[object].nodeCount() == 0) return;
+  delta.removed = objects_[object].section().slots;
+  objects_[object] = proto::SurfaceAdapter(hierarchy_->objects().set.domain(object));
+}
+
+size_t SectionSender::hiddenObjects() const {
+  return static_cast<size_t>(std::count(is_object_hidden_.begin(), is_object_hidden_.end(), 1));
 }
 
 size_t SectionSender::nodeCount() const {

@@ -31,6 +31,14 @@ struct SectionSize {
   size_t added;  // of these, nodes that the viewer does not know yet; if they do not fit, as many as asked for
 };
 
+// Where the server finds out which objects are hidden (server/occlusion); called for each object in turn.
+class ObjectVisibility {
+ public:
+  virtual ~ObjectVisibility() = default;
+  // Of an object whose section has so many nodes; 0 while it is hidden.
+  virtual bool isObjectHidden(size_t object, size_t nodes) = 0;
+};
+
 class SectionSender {
  public:
   explicit SectionSender(const Hierarchy& hierarchy);
@@ -74,14 +82,15 @@ class SectionSender {
   // After success keyframe() holds the view as the viewer decodes it: pose as by proto::asSentInHeader, tolerance as a
   // float, region as short floats that are no smaller. scratch.delta holds the nodes of the terrain that were added and
   // removed, in no order. Cost: one adaptation. Nodes of blocks that `visibility` calls hidden are left out; of none if
-  // it is null, which it must be without signalBlocks().
+  // it is null, which it must be without signalBlocks(). Of objects that `object_visibility` calls hidden the viewer
+  // holds no nodes.
   [[nodiscard]] bool send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,
-                          proto::BlockVisibility* visibility = nullptr);
+                          proto::BlockVisibility* visibility = nullptr, ObjectVisibility* object_visibility = nullptr);
 
   // The same for a caller whose sections may be of any size.
   void send(const proto::View& view, Time time, SendScratch& scratch, Bytes& out,
-            proto::BlockVisibility* visibility = nullptr) {
-    CHECK_TRUE(send(view, time, std::numeric_limits<size_t>::max(), scratch, out, visibility));
+            proto::BlockVisibility* visibility = nullptr, ObjectVisibility* object_visibility = nullptr) {
+    CHECK_TRUE(send(view, time, std::numeric_limits<size_t>::max(), scratch, out, visibility, object_visibility));
   }
 
   const proto::KeyframeHeader& keyframe() const { return keyframe_; }  // the last one; index 0 before the first
@@ -89,6 +98,8 @@ class SectionSender {
   // What the last keyframe left out of the terrain; null if it left out nothing.
   const proto::HiddenBlocks* hiddenBlocks() const;
   const std::vector<proto::SurfaceAdapter>& objects() const { return objects_; }
+  size_t hiddenObjects() const;                                                        // in the last keyframe
+  const std::vector<uint8_t>& hiddenObjectFlags() const { return is_object_hidden_; }  // by object: 1 or 0
   // In the sections of terrain and objects.
   size_t nodeCount() const;
   // About how many triangles the viewer draws: two for each node, and those of the objects' base meshes.
@@ -101,8 +112,10 @@ class SectionSender {
 
  private:
   void restart(proto::Remembered remembered);
-  bool sendObjects(const proto::View& view, size_t max_nodes, SendScratch& scratch, proto::RangeEncoder& coder);
+  bool sendObjects(const proto::View& view, size_t max_nodes, ObjectVisibility* visibility, SendScratch& scratch,
+                   proto::RangeEncoder& coder);
   void makeObjects();
+  void empty(size_t object, proto::CutDelta& delta);
 
   const Hierarchy* hierarchy_;
   proto::TerrainAdapter adapter_;
@@ -110,6 +123,7 @@ class SectionSender {
   // Adapts over all deltas sent. Null before the first one, for it is large, and many viewers only look on.
   std::unique_ptr<proto::DeltaModel> model_;
   std::vector<proto::SurfaceAdapter> objects_;
+  std::vector<uint8_t> is_object_hidden_;        // in the last keyframe
   std::unique_ptr<proto::ObjectStream> stream_;  // null without objects, for it is large
   std::unique_ptr<proto::EpochStream> epochs_;   // null without epochs
   Time scene_time_;

@@ -47,7 +47,8 @@ Session::Keyframe Session::viewOf(Time t, SessionScratch& scratch) {
 // Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
 bool Session::sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message) {
   fitBudget(keyframe.view, scratch);
-  return sender_.send(keyframe.view, keyframe.time_client, max_nodes, scratch.send, message, visibilityFor(keyframe));
+  ViewerOcclusion* const visibility = visibilityFor(keyframe);
+  return sender_.send(keyframe.view, keyframe.time_client, max_nodes, scratch.send, message, visibility, visibility);
 }
 
 // What finds out what is hidden in a keyframe; null if nothing is to be left out.

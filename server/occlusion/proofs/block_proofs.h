@@ -4,30 +4,18 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <vector>
 
 #include "proto/refine/hidden/hidden_blocks.h"
+#include "server/occlusion/proofs/span_proof.h"
 
 namespace foreland::server {
-
-// Times are numbers of intervals (eye_intervals.h).
-struct BlockProof {
-  int32_t until = 0;      // the last interval for which it is known to be hidden, if it is
-  uint32_t keyframe = 0;  // when that was found out
-  // The last interval in which no span hides it, as these are at a revision.
-  int32_t open_until = std::numeric_limits<int32_t>::min();
-  uint32_t revision = 0;
-  uint8_t length = 1;    // of the span that was the last proof
-  uint8_t lengths = 0;   // of all spans that are a part of the proof (PathSpans::Lengths)
-  uint8_t failures = 0;  // tries in a row to prove it hidden
-};
 
 struct TileProofs {
   static constexpr uint32_t kBlocks = proto::HiddenBlocks::kTileBlocks;
   std::array<int32_t, kBlocks> next{};  // the interval of each block's next review; apart, for most are not due
-  std::array<BlockProof, kBlocks> blocks;
+  std::array<SpanProof, kBlocks> blocks;
 };
 
 // Whether any block of a tile is due. Side by side for neighbouring tiles, for most have none.
