@@ -150,6 +150,7 @@ struct Oracle::Impl {
   std::vector<Row> drawn;                         // likewise, of the row at hand
   std::vector<ScreenRow> drawn_on_screen;
   TruthTime time;
+  Sight sight;
   std::vector<double> epoch_shares;  // at `time`, by epoch
 
   Impl(std::shared_ptr<Ground> shared, double near)
@@ -285,6 +286,18 @@ void copyRow(const Tile& tile, uint32_t y, Row& row) {
   }
 }
 
+// Those of the samples whose errors count.
+uint32_t counting(const RowErrors& errors, uint32_t samples, const Row& truth, const Sight& sight,
+                  const glm::dvec3& eye) {
+  if (!sight.is_seen) return samples;
+  uint32_t counted = samples;
+  for (uint32_t left = samples; left != 0; left &= left - 1) {
+    const auto x = static_cast<uint32_t>(std::countr_zero(left));
+    if (!sight.counts(std::sqrt(errors.px2[x]), {truth.x[x], truth.y[x], truth.z[x]}, eye)) counted &= ~(1u << x);
+  }
+  return counted;
+}
+
 void addRow(const RowErrors& errors, uint32_t seen, uint32_t covered, glm::uvec2 first, Deviation& sums) {
   sums.uncovered += static_cast<uint64_t>(std::popcount(seen & ~covered));
   sums.samples += static_cast<uint64_t>(std::popcount(seen & covered));
@@ -326,8 +339,9 @@ void Oracle::Impl::judgeBlock(size_t k, size_t surfaces, const Camera& camera, s
       const bool is_truth = b == SurfacePair::kTruth;
       measure(drawn[a], drawn_on_screen[a], is_truth ? true_row : drawn[b],
               is_truth ? true_on_screen : drawn_on_screen[b], errors);
-      addRow(errors, seen_here, tiles[a].covered[y] & (is_truth ? ~0u : tiles[b].covered[y]), first + glm::uvec2(0, y),
-             sums[i]);
+      const uint32_t covered = tiles[a].covered[y] & (is_truth ? ~0u : tiles[b].covered[y]);
+      const uint32_t counted = counting(errors, seen_here & covered, true_row, sight, camera.eye);
+      addRow(errors, counted | (seen_here & ~covered), covered, first + glm::uvec2(0, y), sums[i]);
     }
   }
 }
@@ -346,8 +360,12 @@ Oracle::Oracle(Oracle&&) noexcept = default;
 
 Oracle Oracle::twin() {
   impl_->ground->load();
-  return Oracle(std::make_unique<Impl>(impl_->ground, impl_->near_m));
+  Oracle other(std::make_unique<Impl>(impl_->ground, impl_->near_m));
+  other.setSight(impl_->sight);
+  return other;
 }
+
+void Oracle::setSight(Sight sight) { impl_->sight = std::move(sight); }
 
 void Oracle::showAt(const TruthTime& time) { impl_->showAt(time); }
 

@@ -5,8 +5,8 @@
 // or bounds, and shares no code with the refiner, so a mistake of the refiner's cannot hide itself.
 //
 // A sample is seen if its *true* position is in front of the eye by more than `near_m` along the view direction and
-// projects inside the viewport; occlusion is not considered. A seen sample under no triangle is a hole and counts as
-// uncovered.
+// projects inside the viewport; occlusion is considered only by Sight. A seen sample under no triangle is a hole and
+// counts as uncovered.
 //
 // One owner (it caches heights block by block). Cost: about 15 ns per sample seen and 0.1 microseconds per triangle;
 // the first call also reads all heights.
@@ -77,6 +77,17 @@ struct SurfacePair {
   size_t a = 0, b = kTruth;
 };
 
+// Which errors count where sections leave out what is hidden: those above a limit only where the true point is seen, in
+// the sense of whoever provides it. Any thread.
+struct Sight {
+  std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen;  // scene frame; empty: all is
+  double limit_px = 0;
+
+  bool counts(double px, const glm::dvec3& point, const glm::dvec3& eye) const {
+    return !is_seen || px <= limit_px || is_seen(point, eye);
+  }
+};
+
 class Oracle {
  public:
   static constexpr double kDefaultNear_m = 1;
@@ -88,6 +99,9 @@ class Oracle {
   // Another oracle of the same truth, for another thread, which may work at the same time. It shares the heights that
   // do not move, so it costs what it needs for a frame: about 100 bytes for each triangle of the surfaces compared.
   Oracle twin();
+
+  // From now on samples with errors that do not count by this are left out of all comparisons.
+  void setSight(Sight sight);
 
   // Moves the ground of a truth that has epochs; at first it is as at the first one.
   void showAt(const TruthTime& time);

@@ -42,8 +42,10 @@ SceneDeviation SceneOracle::error(const client::KeyframeMesh& mesh, double weigh
                                   const proto::Lens& lens) {
   const DrawnShare drawn{.mesh = &mesh, .weight = weight};
   terrain_.showAt({mesh.from.scene_time, mesh.to.scene_time, weight, mesh.to.is_scene_step});
+  const Sight sight{is_seen_, mesh.to.frameTolerance()};
+  terrain_.setSight(sight);
   SceneDeviation all{terrain_.error({&drawn, 1}, pose, lens)};
-  const SurfaceJudgement objects = objects_->judge(mesh, weight, pose, lens, carried(), poseShares());
+  const SurfaceJudgement objects = objects_->judge(mesh, weight, pose, lens, carried(), poseShares(), sight);
   all.silhouette_px = objects.silhouette.max_px;
   all.interior_px = objects.interior.max_px;
   all.object_vertices = objects.silhouette.vertices + objects.interior.vertices;

@@ -32,7 +32,16 @@ class SceneOracle {
         objects_(std::make_shared<const ObjectsOracle>(std::move(objects))) {}
 
   // Another judge of the same scene, for another thread, which may work at the same time (Oracle::twin).
-  SceneOracle twin() { return SceneOracle(frame_, terrain_.twin(), objects_); }
+  SceneOracle twin() {
+    SceneOracle other(frame_, terrain_.twin(), objects_);
+    other.is_seen_ = is_seen_;
+    return other;
+  }
+
+  // From now on errors above the mesh's tolerance count only where the true point is seen.
+  void judgeOnlySeen(std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen) {
+    is_seen_ = std::move(is_seen);
+  }
 
   // What is drawn is mix(from, to, weight).
   SceneDeviation error(const client::KeyframeMesh& mesh, double weight, const proto::Pose& pose,
@@ -54,6 +63,7 @@ class SceneOracle {
   proto::FrameTransform frame_;
   Oracle terrain_;
   std::shared_ptr<const ObjectsOracle> objects_;
+  std::function<bool(const glm::dvec3& point, const glm::dvec3& eye)> is_seen_;
 };
 
 }  // namespace foreland::oracle

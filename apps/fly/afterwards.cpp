@@ -9,6 +9,7 @@
 #include "apps/report/progress_line.h"
 #include "apps/stop_signal.h"
 #include "oracle/scene_truth.h"
+#include "terrain/render/ray_caster.h"
 
 namespace foreland::apps {
 
@@ -81,8 +82,22 @@ Status Afterwards::checkScene(const client::Viewer& viewer) const {
                                                 "'); name that scene's file"};
 }
 
+// Where what is hidden may be left out, only what is seen is judged: by rays on the scene at full resolution.
+void Afterwards::judgeOnlySeen() {
+  constexpr double kGrazing_m = 0.05;  // more than floats round positions by
+  auto rays = terrain::RayCaster::ofScene(truth_);
+  if (!rays) return;
+  const auto caster = std::make_shared<const terrain::RayCaster>(std::move(*rays));
+  oracle_->judgeOnlySeen([caster](const glm::dvec3& point, const glm::dvec3& eye) {
+    const glm::dvec3 way = point - eye;
+    const double distance_m = glm::length(way);
+    return distance_m <= kGrazing_m || !caster->hit({eye, way / distance_m, distance_m - kGrazing_m});
+  });
+}
+
 std::optional<oracle::FlightTruth> Afterwards::measure(const client::FlightLog& log, uint32_t terms_every) {
   if (!truth_) return std::nullopt;
+  if (log.options.request.occlusion) judgeOnlySeen();
   ProgressLine line;
   const auto tell = [&line](double share) {
     line.show("judging frames", share);

@@ -37,6 +37,8 @@ class Afterwards {
   // Opens what the options name, so that mistakes are reported before the flight.
   static Result<Afterwards> prepare(const AfterwardsOptions& options);
 
+  // Whether sections that leave out what is hidden can be judged: not in scenes that change in time.
+  bool canJudgeSeen() const { return !truth_ || truth_->epochs().epochs().empty(); }
   // An Error if the truth is not the scene that the server shows. Nothing before its welcome.
   Status checkScene(const client::Viewer& viewer) const;
   // Measures on all threads, and tells the progress on standard error. A signal to stop (catchStopSignals) ends it:
@@ -47,6 +49,8 @@ class Afterwards {
   Result<uint64_t> dump(const client::FlightLog& log);
 
  private:
+  void judgeOnlySeen();
+
   AfterwardsOptions options_;
   std::shared_ptr<const terrain::Scene> truth_;
   std::optional<oracle::SceneOracle> oracle_;  // of `truth_`

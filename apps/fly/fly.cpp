@@ -63,6 +63,12 @@ int run(const FlyOptions& o) {
   if (o.viewers > 1) return flyMany(o, *options);
   Result<Afterwards> afterwards = Afterwards::prepare(o.afterwards);
   if (!afterwards.ok()) return fail(afterwards.error());
+  if (!afterwards->canJudgeSeen()) {
+    if (o.occlusion == "on")
+      return fail(Error{ErrorCode::kInvalidArgument,
+                        "--truth cannot judge what is seen in a scene that changes in time; use --occlusion off"});
+    options->request.occlusion = false;
+  }
   Result<FlightRecorder> recorder = FlightRecorder::begin(o.record, *options);
   if (!recorder.ok()) return fail(recorder.error());
   auto connection = client::WebSocketClient::connect(o.url, kConnectTimeout, o.connection);
@@ -70,7 +76,12 @@ int run(const FlyOptions& o) {
 
   client::Player player(*options);
   Link link(std::move(connection).value(), o.url, o.connection, std::random_device{}());
-  const auto check = [&](const client::Player& welcomed) { return afterwards->checkScene(welcomed.viewer()); };
+  const auto check = [&](const client::Player& welcomed) -> Status {
+    if (o.occlusion == "on" && !welcomed.viewer().welcome()->occlusion)
+      return Error{ErrorCode::kUnsupported,
+                   "--occlusion on: this server leaves nothing out; start it with --occlusion auto, or fly with it"};
+    return afterwards->checkScene(welcomed.viewer());
+  };
   const auto record = [&](const client::Player& flying) { recorder->onFrame(flying); };
   const Status flown = fly(link, player, kFrame, {check, record});
   link.close();

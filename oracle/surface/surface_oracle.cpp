@@ -76,7 +76,7 @@ std::vector<SurfaceOracle::Side> SurfaceOracle::sides(const glm::dvec3& eye) con
 }
 
 SurfaceJudgement SurfaceOracle::judge(std::span<const DrawnTriangle> drawn, const proto::Pose& pose,
-                                      const proto::Lens& lens, double near_m) const {
+                                      const proto::Lens& lens, double near_m, const Counts& counts) const {
   const OracleEye eye(pose, lens);
   const auto positions = drawnPositions(drawn);
   const std::vector<Side> side = sides(pose.eye);
@@ -91,6 +91,7 @@ SurfaceJudgement SurfaceOracle::judge(std::span<const DrawnTriangle> drawn, cons
     }
     const double px = eye.depth(*positions[v]) > 0 ? glm::length(eye.project(*positions[v]) - eye.project(truth))
                                                    : std::numeric_limits<double>::infinity();
+    if (counts && !counts(truth, px, side[v] == Side::kSilhouette)) continue;
     (side[v] == Side::kSilhouette ? result.silhouette : result.interior).add(px);
   }
   for (SurfaceErrors* errors : {&result.silhouette, &result.interior}) errors->finish();

@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -75,10 +76,13 @@ struct SurfaceJudgement {
 
 class SurfaceOracle {
  public:
+  // Whether an error of a vertex at this true position counts; empty: all do.
+  using Counts = std::function<bool(const glm::dvec3& position, double px, bool is_silhouette)>;
+
   explicit SurfaceOracle(SurfaceTruth truth);
 
   SurfaceJudgement judge(std::span<const DrawnTriangle> drawn, const proto::Pose& pose, const proto::Lens& lens,
-                         double near_m = 1e-3) const;
+                         double near_m = 1e-3, const Counts& counts = {}) const;
 
  private:
   enum class Side : uint8_t { kAway, kSilhouette, kFront };
