@@ -66,7 +66,8 @@ Result<nlohmann::ordered_json> occlusion(const OcclusionArguments& args) {
   if (args.judge.keyframes == 0) return report;
   server::ViewerOcclusion visibility(*hierarchy, **shared);
   lab::Foresight foresight(visibility, predicted);
-  const auto judgement = lab::judgeOcclusion(*hierarchy, foresight, predicted.views, flight->path, options, args.judge);
+  const auto judgement =
+      lab::judgeOcclusion(*hierarchy, {foresight, &foresight}, predicted.views, flight->path, options, args.judge);
   if (!judgement) return judgement.error();
   report.update(apps::toJson(*judgement));
   return report;

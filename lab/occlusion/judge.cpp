@@ -140,13 +140,13 @@ class Jury {
 
 }  // namespace
 
-Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, Foresight& visibility,
+Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, const Visibility& visibility,
                                           const std::vector<proto::View>& views, const proto::Path& path,
                                           const FlightOptions& flight, const JudgeOptions& options) {
   const auto caster = terrain::RayCaster::ofScene(Jury::sceneOf(hierarchy));
   if (!caster) return caster.error();
   Jury jury(hierarchy, *caster, path, flight, options);
-  ViewerStream without(hierarchy, nullptr), with(hierarchy, &visibility, &visibility);
+  ViewerStream without(hierarchy, nullptr), with(hierarchy, &visibility.blocks, visibility.objects);
   const std::vector<size_t> judged = Jury::choose(views.size(), options);
   const auto isJudged = [&](size_t i) { return std::binary_search(judged.begin(), judged.end(), i); };
   Sections before;

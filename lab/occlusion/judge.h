@@ -7,9 +7,9 @@
 
 #include "lab/occlusion/pixels.h"
 #include "lab/occlusion/possible.h"
-#include "lab/occlusion/predicted_views.h"
 #include "lab/sections/flight_views.h"
 #include "server/section/hierarchy.h"
+#include "server/section/sender.h"
 
 namespace foreland::lab {
 
@@ -64,9 +64,15 @@ struct JudgeOptions {
   size_t keyframes = 4;  // beside the first one; evenly spread
 };
 
+// What is judged: which blocks of the terrain are called hidden, and which objects; null: none.
+struct Visibility {
+  proto::BlockVisibility& blocks;
+  server::ObjectVisibility* objects = nullptr;
+};
+
 // Flies the views, which are those of the keyframes of `path`, with `visibility` and without. An Error if the scene
 // does not fit into memory.
-Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, Foresight& visibility,
+Result<OcclusionJudgement> judgeOcclusion(const server::Hierarchy& hierarchy, const Visibility& visibility,
                                           const std::vector<proto::View>& views, const proto::Path& path,
                                           const FlightOptions& flight, const JudgeOptions& options);
 

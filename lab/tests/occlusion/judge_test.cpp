@@ -24,7 +24,7 @@ class OcclusionJudge : public testing::Test {
   OcclusionJudgement judge(proto::BlockVisibility& visibility) {
     const FlightOptions options = test::ridgeOptions(2);
     const auto views = keyframeViews(path_, options, Guarantee::kEveryFrame);
-    return judgeOcclusion(hierarchy_, visibility, views, path_, options, {.keyframes = 2}).value();
+    return judgeOcclusion(hierarchy_, {visibility}, views, path_, options, {.keyframes = 2}).value();
   }
 
   server::Hierarchy hierarchy_{test::ridgeScene()};
