@@ -42,7 +42,7 @@ Status Session::take(const proto::ViewRequest& asked, Time) {
 // What the first view request is answered with. Makes what the viewer asks for and the scene has.
 proto::Welcome Session::welcome() {
   const proto::ViewRequest& request = input_.request();
-  if (world_->occlusion && request.occlusion) {
+  if (world_->occlusion && options_.occlusion != Occlusion::kOff && request.occlusion) {
     occlusion_ = std::make_unique<ViewerOcclusion>(world_->hierarchy, *world_->occlusion);
     sender_.signalBlocks();
   }

@@ -89,6 +89,7 @@ struct SessionStatistics {
   size_t memory_bytes = 0;
   OcclusionStatistics occlusion;
   Duration occlusion_time{};  // Occlusion took so long, by what its work costs on a usual machine.
+  size_t hidden_objects = 0;  // So many objects were hidden in the last keyframe.
   bool is_occluding = false;  // What is hidden was left out of the last keyframe.
   size_t left_out_nodes = 0;  // The last comparison (Occlusion::kAuto) found so many nodes left out.
   // Occlusion was withdrawn so often for want of room, and of use.

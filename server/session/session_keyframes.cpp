@@ -175,6 +175,7 @@ void Session::countOcclusion() {
   const OcclusionStatistics before = std::exchange(statistics_.occlusion, occlusion_->statistics());
   statistics_.occlusion_time = statistics_.occlusion_time + (statistics_.occlusion.usualCost() - before.usualCost());
   const bool is_auto = options_.occlusion == Occlusion::kAuto;
+  statistics_.hidden_objects = sender_.hiddenObjects();
   statistics_.is_occluding = sender_.hiddenBlocks() != nullptr;
   statistics_.left_out_nodes =
       statistics_.is_occluding && is_auto
