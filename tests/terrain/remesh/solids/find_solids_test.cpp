@@ -161,7 +161,7 @@ TEST(FindSolids, LieInsideOfWhateverIsDrawn) {
     EXPECT_EQ(found.why_none, "");
     ASSERT_FALSE(found.inner.solids.empty());
     EXPECT_LE(found.inner.solids.size(), InnerSolids::kMaxSolids);
-    EXPECT_GT(found.inner.volume_share, surface.topology.base().faceCount() < 100 ? 0.1 : 0.3);
+    EXPECT_GT(found.inner.volume_share, surface.topology.base().faceCount() < 100 ? 0.05 : 0.3);
     EXPECT_LE(found.inner.volume_share, 1);
     for (const ConvexSolid& solid : found.inner.solids) {
       EXPECT_TRUE(isInside(solid, surface));
