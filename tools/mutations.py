@@ -107,6 +107,10 @@ MUTATIONS = [
        "proto::posed(position, stream.moves(object, slot), weights[0])",
        "world_test:MovingGroundWithObjects*"),
     of("poses: only the first bounded", "terrain/surface/bounds", "pose < displacements_.size()", "pose < 1", "terrain_threads_test:*Mix*"),
+    of("solid: only the full mesh kept out", "terrain/surface/inner_solids", "std::max(0.0, glm::dot(direction, displacement))",
+       "glm::dot(direction, displacement)", "terrain_test:FindSolids*"),
+    of("solid: winding ignored", "terrain/surface/inner_solids", "std::fabs(windingNumber(mesh, shape.middle) - 1) < 1e-3", "true",
+       "terrain_test:IsInside*"),
     of("morph: off by one", "client", "m.from + left / steps", "m.from + left / (steps + 1)", "client_test"),
     of("morph: region ignored", "client", "radius_m + region_radius_", "radius_m - region_radius_", "client_test"),
 ]

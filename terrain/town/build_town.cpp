@@ -24,23 +24,25 @@ constexpr uint32_t kTexels = 32;       // along a base edge
 constexpr double kQuantum_m = 0.0005;  // of positions
 constexpr double kOutskirts_m = 60, kMountains_m = 700;
 
-// A folder that goes with what is in it.
+// A folder that goes with what is in it, unless it was there before.
 class ScratchFolder {
  public:
   explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {
     std::error_code failed;
-    std::filesystem::create_directory(path_, failed);
+    is_made_ = std::filesystem::create_directory(path_, failed);
   }
   ~ScratchFolder() {
     std::error_code failed;
-    std::filesystem::remove_all(path_, failed);
+    if (is_made_) std::filesystem::remove_all(path_, failed);
   }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
+  bool isMade() const { return is_made_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
  private:
   std::filesystem::path path_;
+  bool is_made_ = false;
 };
 
 Result<TownModelReport> makeModel(const Building& building, const TownOptions& options,
@@ -83,6 +85,10 @@ Result<TownReport> buildTown(const TownOptions& options, const Progress& progres
   if (!ground.ok()) return ground.error();
 
   const ScratchFolder folder(options.output.string() + ".models");
+  if (!folder.isMade())
+    return Error{ErrorCode::kIo, options.output.string() +
+                                     ".models: cannot be made, or is there already; remove it, or "
+                                     "name another output"};
   TownReport report{{}, {}, radius_m};
   for (size_t i = 0; i < buildings.size(); ++i) {
     progress.report("models", static_cast<double>(i) / static_cast<double>(buildings.size()));

@@ -142,7 +142,7 @@ class Shell {
     const Polygon rim = rectangle(wall, along, z);
     Polygon pane = rim;
     for (dvec3& p : pane) p += in;
-    for (size_t k = 0; k < 4; ++k) add({rim[k], rim[(k + 1) % 4], pane[(k + 1) % 4], pane[k]}, facade_.reveal);
+    for (size_t k = 0; k < 4; ++k) add({rim[k], rim[(k + 1) % 4], pane[(k + 1) % 4], pane[k]}, wall.colour);
     add(std::move(pane), facade_.window);
   }
   static dvec3 on(const Wall& wall, double along, double z) {

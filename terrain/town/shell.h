@@ -26,8 +26,8 @@ struct Part {
 struct Facade {
   double storey_m = 3.1, sill_m = 1.0, window_m = 1.6;  // heights: of a storey, of a sill in it, of a window
   double pitch_m = 2.7, width_m = 1.2;                  // along the wall
-  double recess_m = 0.2;
-  Colour window{70, 80, 95, 255}, reveal{225, 220, 210, 255};
+  double recess_m = 0.15;
+  Colour window{70, 80, 95, 255};
 };
 
 // Where parts overlap, the last one stands. The bottom is at `bottom_m`.

@@ -14,6 +14,8 @@ TEST(SynthProgram, RefusesWhatCannotBeMade) {
   expectRefusal("synth", {"-o", file, "--wings"}, {"--wings", "--help"});
   expectRefusal("synth", {"-o", file, "--size", "1"}, {"size 1"});
   expectRefusal("synth", {"-o", file, "--size", "-5"}, {"--size"});
+  expectRefusal("synth", {"-o", file, "--town", "0"}, {"--town", "4096"});
+  expectRefusal("synth", {"-o", file, "--town", "9", "--size", "65"}, {"--town", "--size"});
   expectRefusal("synth", {"-o", file, "--spacing", "nan"}, {"--spacing", "nan"});
   expectRefusal("synth", {"-o", file, "--spacing", "inf"}, {"--spacing", "inf"});
   expectRefusal("synth", {"-o", file, "--spacing", "0"}, {"spacing"});

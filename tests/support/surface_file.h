@@ -3,13 +3,27 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
 #include <string>
+#include <vector>
 
 #include "terrain/surface/bounds.h"
 #include "terrain/surface/shapes.h"
 #include "terrain/surface_store/write_surface.h"
 
 namespace foreland::test {
+
+// A cube about a point.
+inline terrain::ConvexSolid cubeAbout(const glm::dvec3& middle, double half) {
+  std::vector<terrain::SolidPlane> planes;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      glm::dvec3 normal(0);
+      normal[axis] = sign;
+      planes.push_back({normal, sign * middle[axis] - half});
+    }
+  return terrain::makeSolid(planes, 2 * (glm::length(middle) + half));
+}
 
 // A sphere of radius 2 about the origin: an octahedron halved three times.
 inline void writeSphere(const std::string& path) {

@@ -60,20 +60,27 @@ Directions chooseDirections(const FullMesh& mesh) {
   directions.all = {forward, -forward, aside, -aside, up, -up};
   const std::vector<uint32_t> box{0, 1, 2, 3, 4, 5};
   directions.sets = {box};
-  std::vector<uint32_t> slopes;
+  std::vector<uint32_t> slopes, largest;
   for (const Side& side : sides) {
     const dvec3 n = -side.direction();
     const auto isSame = [&](const dvec3& other) { return glm::dot(other, n) > kSameCosine; };
-    if (slopes.size() == kSlopes || std::ranges::any_of(directions.all, isSame)) continue;
-    slopes.push_back(static_cast<uint32_t>(directions.all.size()));
-    directions.all.push_back(n);
+    const auto same = std::ranges::find_if(directions.all, isSame);
+    const auto index = static_cast<uint32_t>(same - directions.all.begin());
+    if (same == directions.all.end()) {
+      if (slopes.size() == kSlopes) continue;
+      slopes.push_back(index);
+      directions.all.push_back(n);
+    }
+    if (largest.size() < ConvexSolid::kMaxPlanes && std::ranges::find(largest, index) == largest.end())
+      largest.push_back(index);
   }
-  // The box with one or two of the slopes, as a roof has them.
+  // The box with two of the slopes, as a roof has them.
   for (size_t i = 0; i + 1 < slopes.size() && i < 4; i += 2) {
     std::vector<uint32_t> with = box;
     with.insert(with.end(), {slopes[i], slopes[i + 1]});
     directions.sets.push_back(std::move(with));
   }
+  directions.sets.push_back(std::move(largest));
   return directions;
 }
 

@@ -1,6 +1,7 @@
 // Objects in a scene's file: what is asked for is what is read, they stand on the ground, and damage is found.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 
 #include "proto/space/frame_grid.h"
@@ -176,6 +177,35 @@ TEST(PlacedObjects, StandAtTheirOwnPlace) {
       geographic, {.output = path, .height_quantum_m = 0.1, .objects = {*parseObject(model + "@here")}});
   ASSERT_FALSE(degrees.ok());
   EXPECT_NE(degrees.error().message.find("latitude and longitude"), std::string::npos) << degrees.error().message;
+}
+
+// A scene holds models whole, so what is known of their insides is known without the models' files.
+TEST(PlacedObjects, KeepTheInnerSolidsOfTheirModels) {
+  const TemporaryFolder folder;
+  const std::string model = folder / "solid.fls", plain = writeSphere(folder), path = folder / "land.fls";
+  const terrain::TrueSurface sphere = *terrain::makeSphere(2, {proto::MeshRule::kQuadrisection, 2, 1e-3});
+  const auto records = terrain::computeBounds(sphere, {.threads = 1});
+  const terrain::ConvexSolid cube = cubeAbout({0, 0, 0.1}, 0.5);
+  ASSERT_TRUE(terrain::writeSurface(model, {.surface = sphere, .records = records, .inner = {{cube}, 0.125}}).ok());
+  FormulaSource source(65, 65, hills(6));
+  const glm::dvec2 at = source.info().frame.map_origin_m;
+  const std::vector<ObjectRequest> requests{{plain, at}, {model, at}, {model, at, 3, 45, 2}};
+  ASSERT_TRUE(terrain::buildScene(source, {.output = path, .height_quantum_m = 0.1, .objects = requests}).ok());
+  std::filesystem::remove(model);
+  const auto scene = terrain::Scene::open(path);
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  const auto objects = terrain::readObjects(*scene);
+  ASSERT_TRUE(objects.ok()) << objects.error().message;
+  const auto solidsOf = [&](size_t object) -> const terrain::InnerSolids& {
+    return objects->models[objects->set.placement(object).model]->innerSolids();
+  };
+  EXPECT_TRUE(solidsOf(0).solids.empty());
+  for (const size_t object : {1, 2}) {
+    ASSERT_EQ(solidsOf(object).solids.size(), 1u);
+    EXPECT_TRUE(std::ranges::equal(solidsOf(object).solids.front().planes(), cube.planes()));
+    EXPECT_EQ(solidsOf(object).volume_share, 0.125);
+  }
+  EXPECT_TRUE(terrain::verifyObjects(path).ok());
 }
 
 TEST(PlacedObjects, AreRefusedBeyondTheDataOrWithoutAModel) {

@@ -13,6 +13,7 @@
 #include "terrain/surface_store/write_surface.h"
 #include "tests/support/base_meshes.h"
 #include "tests/support/files.h"
+#include "tests/support/surface_file.h"
 #include "tests/support/surfaces.h"
 
 namespace foreland::terrain {
@@ -167,6 +168,97 @@ TEST_F(SurfaceFile, KeepsTheOriginInAVersionOfItsOwn) {
     EXPECT_TRUE(forge(poses == 0 ? 2 : 3, 0));
     EXPECT_FALSE(forge(poses == 0 ? 3 : 2, 0));
   }
+}
+
+// A sphere with two solids, of which the second has eight planes.
+SurfaceContent withSolids(const TrueSurface& sphere, const std::vector<proto::SurfaceRecord>& records) {
+  ConvexSolid cut = test::cubeAbout({0.1, -0.1, 0}, 0.3);
+  cut.all_planes[6] = {glm::normalize(glm::dvec3(1, 1, 1)), -0.3};
+  cut.all_planes[7] = {glm::normalize(glm::dvec3(-1, -1, 1)), -0.25};
+  const ConvexSolid eight = makeSolid(cut.all_planes, 2);
+  EXPECT_EQ(eight.plane_count, 8u);
+  return {.surface = sphere, .records = records, .inner = {{test::cubeAbout({0, 0, 0}, 0.45), eight}, 0.375}};
+}
+
+TEST_F(SurfaceFile, KeepsInnerSolidsInAVersionOfItsOwn) {
+  const TrueSurface sphere = *makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+  const auto records = computeBounds(sphere, {.threads = 1});
+  SurfaceContent content = withSolids(sphere, records);
+  ASSERT_TRUE(writeSurface(folder / "plain.fls", {.surface = sphere, .records = records}).ok());
+  for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(5, 6, 7)}) {
+    content.origin = origin;
+    ASSERT_TRUE(writeSurface(path, content).ok());
+    const auto read = MappedSurface::open(path);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ((*read)->header().version, 5u);
+    EXPECT_EQ((*read)->origin(), origin);
+    const InnerSolids& inner = (*read)->innerSolids();
+    EXPECT_EQ(inner.volume_share, content.inner.volume_share);
+    ASSERT_EQ(inner.solids.size(), content.inner.solids.size());
+    for (size_t i = 0; i < inner.solids.size(); ++i) {
+      EXPECT_TRUE(std::ranges::equal(inner.solids[i].planes(), content.inner.solids[i].planes()));
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(inner.solids[i].low[axis], content.inner.solids[i].low[axis], 1e-5);
+        EXPECT_NEAR(inner.solids[i].high[axis], content.inner.solids[i].high[axis], 1e-5);
+      }
+    }
+    EXPECT_TRUE((*read)->isClosed());
+    EXPECT_EQ((*read)->largestError(), largestError(sphere.topology, records));
+    EXPECT_TRUE(verifySurface(path)->sound());
+    const auto plain = test::slurp(folder / "plain.fls"), file = test::slurp(path);
+    EXPECT_TRUE(std::equal(plain.begin() + 4096, plain.end(), file.begin() + 4096, file.end()));
+  }
+  EXPECT_TRUE((*MappedSurface::open(folder / "plain.fls"))->innerSolids().solids.empty());
+}
+
+TEST_F(SurfaceFile, VerifyFindsSolidsThatAreNotInside) {
+  const TrueSurface sphere = *makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+  const auto records = computeBounds(sphere, {.threads = 1});
+  SurfaceContent content = withSolids(sphere, records);
+  // In the full mesh, but not in the octahedron that is drawn from afar.
+  content.inner.solids[1] = test::cubeAbout({0, 0, 0}, 0.8);
+  ASSERT_TRUE(writeSurface(path, content).ok());
+  const auto found = verifySurface(path);
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  ASSERT_EQ(found->faults, 1u);
+  EXPECT_EQ(found->first_faults.front(), "inner solid 1 is not inside of all that may be drawn of the surface");
+}
+
+// The header agrees with itself, but its solids are none.
+TEST_F(SurfaceFile, ForgedSolidsAreRefused) {
+  const TrueSurface sphere = *makeSphere(2, {proto::MeshRule::kQuadrisection, 3, 1e-3});
+  const auto records = computeBounds(sphere, {.threads = 1});
+  ASSERT_TRUE(writeSurface(path, withSolids(sphere, records)).ok());
+  const auto file = test::slurp(path);
+  const auto opens = [&](const auto& change) {
+    SurfaceHeader header;
+    std::memcpy(&header, file.data(), sizeof(header));
+    change(header);
+    const SectionRange& sums = header.sections[kSurfaceChecksums];
+    header.scene_id = contentId(header, {reinterpret_cast<const uint8_t*>(file.data()) + sums.offset, sums.bytes});
+    header.header_checksum = headerChecksum(header);
+    auto forged = file;
+    std::memcpy(forged.data(), &header, sizeof(header));
+    test::spit(folder / "forged.fls", forged);
+    return MappedSurface::open(folder / "forged.fls").ok();
+  };
+  EXPECT_TRUE(opens([](SurfaceHeader&) {}));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids = 1; })) << "one more than it says";
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids = 3; }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids = 5; }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.reserved = 1; }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids_share = std::nan(""); }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids_share = 1.5; }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.version = SurfaceHeader::kOriginVersion, h.origin[0] = 1; }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.stored_solids[0].planes[2][3] = std::nan(""); }));
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.stored_solids[0].planes[2][0] = 0.5; })) << "no unit normal";
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.stored_solids[0].planes[5][2] = -1; })) << "unbounded";
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.stored_solids[0].planes[5][3] = -2000; })) << "beyond the surface";
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.stored_solids[0].planes[5][3] = 1; })) << "empty";
+  EXPECT_FALSE(opens([](SurfaceHeader& h) {
+    for (double& number : h.stored_solids[1].planes[3]) number = 0;
+  })) << "a gap";
+  EXPECT_FALSE(opens([](SurfaceHeader& h) { h.stored_solids[3].planes[0][0] = 1; })) << "more than it says";
 }
 
 TEST_F(SurfaceFile, IsToldFromATerrain) {
