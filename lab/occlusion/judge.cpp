@@ -47,7 +47,9 @@ class Jury {
  public:
   Jury(const server::Hierarchy& hierarchy, const terrain::RayCaster& caster, const proto::Path& path,
        const FlightOptions& flight, const JudgeOptions& options)
-      : path_(path),
+      : caster_(caster),
+        has_objects_(hierarchy.objects().set.size() > 0),
+        path_(path),
         flight_(flight),
         options_(options),
         terrain_(oracle::truthOf(sceneOf(hierarchy))),
@@ -101,7 +103,15 @@ class Jury {
  private:
   // Those of the nodes whose vertex is in the picture and visible.
   std::vector<Slot> seen(const std::vector<Slot>& slots, const proto::Pose& pose) const {
-    return nodes_.visible(inPicture(nodes_, slots, pose, flight_.lens), pose.eye, flight_.lens, 0);
+    std::vector<Slot> seen = nodes_.visible(inPicture(nodes_, slots, pose, flight_.lens), pose.eye, flight_.lens, 0);
+    if (has_objects_) std::erase_if(seen, [&](Slot slot) { return isBehindObject(nodes_.vertex(slot), pose.eye); });
+    return seen;
+  }
+  bool isBehindObject(const glm::dvec3& vertex, const glm::dvec3& eye) const {
+    constexpr double kNear_m = 0.05;  // more than floats round positions by
+    const double distance = glm::distance(vertex, eye);
+    const auto hit = caster_.hit({eye, (vertex - eye) / distance, std::max(0.0, distance - kNear_m)});
+    return hit && hit->object != terrain::RayHit::kTerrain;
   }
   static std::vector<Slot> both(const std::vector<Slot>& a, const std::vector<Slot>& b) {
     std::vector<Slot> out;
@@ -129,6 +139,8 @@ class Jury {
     return {};
   }
 
+  const terrain::RayCaster& caster_;
+  const bool has_objects_;
   const proto::Path& path_;
   const FlightOptions& flight_;
   const JudgeOptions& options_;
