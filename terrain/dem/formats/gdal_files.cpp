@@ -150,20 +150,26 @@ struct FreeXml {
 std::string textOf(const std::string& gdal_path, size_t most) {
   VSILFILE* file = VSIFOpenL(gdal_path.c_str(), "rb");
   if (file == nullptr) return {};
-  std::string text(most, '\0');
-  text.resize(VSIFReadL(text.data(), 1, most, file));
+  std::string text;
+  for (size_t block = 4096; text.size() < most; block *= 2) {
+    const size_t begin = text.size(), wanted = std::min(block, most - begin);
+    text.resize(begin + wanted);
+    text.resize(begin + VSIFReadL(text.data() + begin, 1, wanted, file));
+    if (text.size() < begin + wanted) break;
+  }
   VSIFCloseL(file);
   return text;
 }
 
 struct VrtCheck {
   static constexpr int kMaxDepth = 8;
-  static constexpr size_t kMaxBytes = 64u << 20;
+  static constexpr size_t kMaxBytes = 64u << 20, kMaxBlanks = 1u << 16;
   const std::string& name;  // the file that the user named
   const FileFence& fence;
 
   Status file(const std::string& gdal_path, int depth) const {
-    if (textOf(gdal_path, 512).find("<VRTDataset") == std::string::npos) return {};
+    // GDAL passes over blanks before it, as many as its own first look reaches.
+    if (textOf(gdal_path, kMaxBlanks).find("<VRTDataset") == std::string::npos) return {};
     if (depth > kMaxDepth)
       return Error{ErrorCode::kMalformed,
                    name + ": names files that name others, more than " + std::to_string(kMaxDepth) + " deep"};
@@ -239,7 +245,7 @@ struct VrtCheck {
     // Of an archive's own, which has no way out of it.
     if (vrt.starts_with("/vsi") && is_relative && path.find("..") == std::string::npos && !path.starts_with('/'))
       return {};
-    if (!fence.mayRead(file)) return FileFence::refusal(name, std::filesystem::weakly_canonical(file));
+    if (!fence.mayRead(file)) return FileFence::refusal(name, FileFence::resolved(file));
     return {};
   }
 };
