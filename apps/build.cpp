@@ -43,6 +43,7 @@ struct Arguments {
   proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
   std::vector<std::filesystem::path> imagery;
   int imagery_quality = terrain::kDefaultImageryQuality;
+  terrain::AlphaChoice imagery_alpha = terrain::AlphaChoice::kAuto;
   std::string attribution;
   apps::ForeignFiles foreign;
 };
@@ -143,6 +144,16 @@ void describeImagery(CLI::App& app, Arguments& arguments) {
       ->check(apps::within(1, 100))
       ->needs(imagery)
       ->capture_default_str();
+  static const std::map<std::string, terrain::AlphaChoice> alphas{{"auto", terrain::AlphaChoice::kAuto},
+                                                                  {"use", terrain::AlphaChoice::kUse},
+                                                                  {"ignore", terrain::AlphaChoice::kIgnore}};
+  app.add_option_function<std::string>(
+         "--imagery-alpha", [&](const std::string& name) { arguments.imagery_alpha = alphas.at(name); },
+         "what to make of a last band of the pictures that is tagged as alpha; by default it is left out, with a note, "
+         "where it is hardly anywhere opaque, as infrared is not")
+      ->check(apps::oneOf({"auto", "use", "ignore"}))
+      ->needs(imagery)
+      ->default_str("auto");
   app.add_option("--attribution", arguments.attribution, "whom viewers name where they show the pictures")
       ->type_name(apps::text("NAME"))
       ->needs(imagery);
@@ -275,8 +286,8 @@ int build(const Arguments& arguments) {
   std::unique_ptr<terrain::PictureSource> picture;
   if (!arguments.imagery.empty()) {
     const terrain::ElevationInfo& info = (*source)->info();
-    auto opened = terrain::openPictures(arguments.imagery,
-                                        {info.frame, info.crs_wkt, info.width, info.height, arguments.foreign.allowed});
+    auto opened = terrain::openPictures(arguments.imagery, {info.frame, info.crs_wkt, info.width, info.height,
+                                                            arguments.foreign.allowed, arguments.imagery_alpha});
     if (!opened.ok()) return fail(opened.error());
     picture = std::move(opened).value();
     options.picture = picture.get();

@@ -7,6 +7,7 @@
 #include "apps/fly/fly_report.h"
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
+#include "apps/options/foreign_track.h"
 #include "apps/options/keyframe_option.h"
 #include "apps/options/lens_option.h"
 #include "apps/options/options.h"
@@ -232,7 +233,7 @@ Result<client::PlayerOptions> playerOptions(const FlyOptions& o) {
                                .seconds = o.seconds.value_or(60)};
   player.track_options.seconds = o.seconds;
   if (!o.track) return player;
-  Result<client::Track> track = client::readTrack(*o.track);
+  Result<client::Track> track = readForeignTrack(*o.track);
   if (!track.ok()) return track.error();
   player.track = std::make_shared<const client::Track>(std::move(track).value());
   return player;

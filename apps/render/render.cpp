@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "apps/exact_sections.h"
+#include "apps/options/foreign_track.h"
 #include "apps/render/render_options.h"
 #include "apps/render/render_views.h"
 #include "oracle/drawn_surface.h"
@@ -185,13 +187,20 @@ Result<terrain::ErrorSummary> takeAll(Studio& studio, const std::vector<proto::P
 }
 
 int render(const RenderOptions& o) {
+  std::optional<client::Track> track;
+  if (o.track) {
+    Result<client::Track> read = readForeignTrack(*o.track);
+    if (!read.ok()) return fail(read.error());
+    track = std::move(*read);
+  }
   Result<Studio> studio = Studio::open(o);
   if (!studio.ok()) return fail(studio.error());
-  const Result<std::vector<proto::Pose>> poses = posesOf(o, studio->scene());
-  if (!poses.ok()) return fail(poses.error());
-  const Result<terrain::ErrorSummary> errors = takeAll(*studio, *poses, o);
+  const Result<Views> views = viewsOf(o, track, studio->scene());
+  if (!views.ok()) return fail(views.error());
+  for (const std::string& note : views->notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  const Result<terrain::ErrorSummary> errors = takeAll(*studio, views->poses, o);
   if (!errors.ok()) return fail(errors.error());
-  report(o, poses->size(), *errors);
+  report(o, views->poses.size(), *errors);
   return 0;
 }
 

@@ -91,6 +91,12 @@ void addPlaces(CLI::App& app, RenderOptions& o) {
       ->type_name(number("S"))
       ->check(above(0, 86'400))
       ->excludes(pose);
+  add("--speed", o.track_options.speed, "seconds of the track per second of flight")
+      ->type_name(number("X"))
+      ->check(isFinite())
+      ->excludes(pose)
+      ->excludes(tour)
+      ->capture_default_str();
   add("--from", o.track_options.from_s, "begin so many seconds into the track")
       ->type_name(number("S"))
       ->check(isFinite())

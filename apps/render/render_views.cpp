@@ -76,35 +76,36 @@ Result<proto::Pose> parsePose(const std::string& text, const terrain::Scene& sce
   return pose;
 }
 
-Result<proto::Path> trackPath(const RenderOptions& o, const terrain::Scene& scene) {
+Result<proto::Path> trackPath(const RenderOptions& o, const client::Track& track, const terrain::Scene& scene,
+                              std::vector<std::string>& notes) {
   const proto::FrameTransform transform(scene.frame());
-  const Result<client::Track> track = client::readTrack(*o.track);
-  if (!track.ok()) return track.error();
-  const Result<client::PlannedTrack> plan = client::planTrack(*track, transform, scene.grid().shape(), o.track_options);
+  const Result<client::PlannedTrack> plan = client::planTrack(track, transform, scene.grid().shape(), o.track_options);
   if (!plan.ok()) return plan.error();
   std::vector<float> ground_m;
   for (const glm::dvec2& place : plan->positions)
     ground_m.push_back(static_cast<float>(server::groundHeight(scene, place.x, place.y).value_or(0)));
   Result<client::TrackPath> path = client::pathOverGround(*plan, transform, ground_m, o.track_options);
   if (!path.ok()) return path.error();
+  for (const auto& some : {track.notes, plan->notes, path->notes}) notes.insert(notes.end(), some.begin(), some.end());
   return std::move(path->path);
 }
 
 }  // namespace
 
-Result<std::vector<proto::Pose>> posesOf(const RenderOptions& o, const terrain::Scene& scene) {
+Result<Views> viewsOf(const RenderOptions& o, const std::optional<client::Track>& track, const terrain::Scene& scene) {
+  Views views;
   if (o.pose) {
     const Result<proto::Pose> pose = parsePose(*o.pose, scene);
     if (!pose.ok()) return pose.error();
-    return std::vector{*pose};
+    views.poses = {*pose};
+    return views;
   }
-  const Result<proto::Path> path =
-      o.track ? trackPath(o, scene) : server::planTour(scene, *o.tour, o.seconds.value_or(kTourSeconds));
+  const Result<proto::Path> path = track ? trackPath(o, *track, scene, views.notes)
+                                         : server::planTour(scene, *o.tour, o.seconds.value_or(kTourSeconds));
   if (!path.ok()) return path.error();
-  std::vector<proto::Pose> poses;
   const Duration step = Duration::seconds(o.every_s);
-  for (Time t = path->start; t <= path->end(); t = t + step) poses.push_back(path->at(t));
-  return poses;
+  for (Time t = path->start; t <= path->end(); t = t + step) views.poses.push_back(path->at(t));
+  return views;
 }
 
 }  // namespace foreland::apps

@@ -78,8 +78,9 @@ Result<ClientControl> read(const fb::ViewRequest& m) {
   if (!m.lens()) return malformed("a view request lacks its lens");
   ViewRequest out;
   out.lens = fromFb(*m.lens());
-  if (!isUsable(out.lens))
-    return malformed("field of view must be 1 to 170 degrees, the viewport 1 to 16384 pixels a side");
+  const Lens shown{out.lens.vertical_fov_rad, std::max(out.lens.width_px, 1u), std::max(out.lens.height_px, 1u)};
+  if (!isUsable(shown))
+    return malformed("field of view must be 1 to 170 degrees, the viewport at most 16384 pixels a side");
   out.tau_px = m.tau_px();
   if (out.tau_px != 0 && !(out.tau_px >= 0.01 && out.tau_px <= 1000))
     return malformed("the tolerance must be 0.01 to 1000 pixels, or 0 for the server's own");

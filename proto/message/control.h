@@ -49,7 +49,7 @@ std::optional<Strategy> strategyNamed(std::string_view name);
 std::optional<Predictor> predictorNamed(std::string_view name);
 
 struct ViewRequest {
-  Lens lens;
+  Lens lens;          // a width or height of 0: nothing is shown for now, as in a window that is hidden
   double tau_px = 0;  // 0: the server's own
   Strategy strategy = Strategy::kPredict;
   Predictor predictor = Predictor::kConstantVelocity;
@@ -71,6 +71,7 @@ struct ViewRequest {
   uint32_t order = 1;
 
   bool wants(TileContent content) const { return content == TileContent::kRelief ? relief : imagery; }
+  bool showsNothing() const { return lens.width_px == 0 || lens.height_px == 0; }
 };
 
 // The tiles that a client holds from an earlier connection, the oldest first. Follows the first request.

@@ -151,7 +151,7 @@ void Session::aim() {
 }
 
 std::optional<KeyframePlan> Session::plan() const {
-  if (!hasPose() || unsent_ || input_.isResuming() || in_flight_.size() >= options_.max_unacknowledged)
+  if (!canSee() || unsent_ || input_.isResuming() || in_flight_.size() >= options_.max_unacknowledged)
     return std::nullopt;
   return planKeyframe(state_, input_.clocks(), {options_.safety, options_.max_early, options_.slack}, target_);
 }
@@ -180,7 +180,7 @@ std::optional<Due> Session::requestDue() const {
 
 // Its deadline is half a second later, so that keyframes are preferred. Where processors are short it is shed first.
 std::optional<Due> Session::prefetchDue() const {
-  if (options_.prefetch_ahead == Duration{} || state_.isFirst() || processors_ != Processors::kFree)
+  if (options_.prefetch_ahead == Duration{} || state_.isFirst() || !canSee() || processors_ != Processors::kFree)
     return std::nullopt;
   return Due{prefetch_pace_.next(), prefetch_pace_.next() + PrefetchPace::kMin, true};
 }

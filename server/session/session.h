@@ -169,6 +169,8 @@ class Session {
   proto::Welcome welcome();
   void advance(Time now) { state_.now = std::max(state_.now, now); }
   bool hasPose() const { return input_.hasGreeted() && !input_.motion().empty(); }
+  // Whether keyframes can be made: there is a pose, and what is seen from there has a size.
+  bool canSee() const { return hasPose() && !input_.request().showsNothing(); }
   std::optional<Time> heldKeyframe() const;
   void acknowledge(const proto::PoseUpdate& update);
 

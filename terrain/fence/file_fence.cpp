@@ -26,8 +26,9 @@ FileFence::FileFence(std::span<const std::filesystem::path> inputs, std::span<co
   for (const std::filesystem::path& input : inputs) {
     const std::filesystem::path file = resolved(input);
     files_.push_back(file);
+    std::error_code failed;
     for (const std::filesystem::path& folder :
-         {file.parent_path(), resolved(std::filesystem::absolute(input).parent_path())})
+         {file.parent_path(), resolved(std::filesystem::absolute(input, failed).parent_path())})
       if (folder != folder.root_path() && std::ranges::find(folders_, folder) == folders_.end())
         folders_.push_back(folder);
   }

@@ -91,7 +91,7 @@ class ObjParser {
                      model_.get().name + ":" + std::to_string(lines.number()) + ": " + status.error().message};
       joined.clear();
     }
-    model_.edit().colours = colours_.finish(model_.edit().notes);
+    finishColours();
     if (has_library_ || names_no_library_)
       model_.leaveOut("materials of faces that are in no material library", faces_without_material_);
     return model_.finish();
@@ -101,13 +101,16 @@ class ObjParser {
   static constexpr size_t kMaxLibraries = 256;  // and names in a line
 
   Status parseLine(std::string_view line) {
+    Words whole(line);
+    const std::string_view first = whole.next();
+    if (first == "usemtl") return useMaterial(whole.rest());
+    if (first == "mtllib") return readLibraries(whole);
+    if (first == "#MRGB") addPaint(whole.next());
     Words words(line.substr(0, line.find('#')));
     const std::string_view key = words.next();
     if (key == "v") return parseVertex(words);
     if (key == "vt") return parseTexture(words);
     if (key == "f") return parseFace(words);
-    if (key == "usemtl") return useMaterial(words.rest());
-    if (key == "mtllib") return readLibraries(words);
     if (key == "l" || key == "p")
       model_.leaveOut("lines and points");
     else if (key == "curv" || key == "curv2" || key == "surf" || key == "vp")
@@ -122,7 +125,30 @@ class ObjParser {
             what + " has '" + std::string(word.substr(0, 40)) + "' where a number belongs; correct or export it again"};
   }
 
-  // x y z, then perhaps w, or r g b.
+  // ZBrush's colours of vertices, in their order: for each two hexadecimal digits of a mask, red, green and blue.
+  void addPaint(std::string_view digits) {
+    for (; digits.size() >= 8; digits.remove_prefix(8)) {
+      Colour colour{255, 255, 255, 255};
+      for (size_t channel = 0; channel < 3; ++channel) {
+        const auto value = parseNumber<uint8_t>(digits.substr(2 + 2 * channel, 2), 16);
+        if (!value) return model_.leaveOut("lines of #MRGB that are no colours");
+        colour[channel] = *value;
+      }
+      if (paint_.size() < kMaxModelVertices) paint_.push_back(colour);
+    }
+    if (!digits.empty()) model_.leaveOut("lines of #MRGB that are no colours");
+  }
+  void finishColours() {
+    Model& model = model_.edit();
+    model.colours = colours_.finish(model.notes);
+    if (!model.colours.empty()) return model_.leaveOut("colours of #MRGB, because vertices have others", paint_.size());
+    if (paint_.size() > model.positions.size())
+      model_.leaveOut("colours of #MRGB behind the last vertex", paint_.size() - model.positions.size());
+    model.colours = std::move(paint_);
+    if (!model.colours.empty()) model.colours.resize(model.positions.size(), Colour{255, 255, 255, 255});
+  }
+
+  // x y z, then perhaps w, or r g b, or both.
   Status parseVertex(Words words) {
     double values[7];
     int count = 0;
@@ -133,7 +159,8 @@ class ObjParser {
       values[count] = *value;
     }
     if (count < 3) return unreadable(model_.get().vertexName(model_.get().positions.size()), "");
-    if (count >= 6) colours_.add(model_.get().positions.size(), {values[3], values[4], values[5], 1});
+    if (const double* rgb = values + count - 3; count >= 6)
+      colours_.add(model_.get().positions.size(), {rgb[0], rgb[1], rgb[2], 1});
     return model_.addPosition({values[0], values[1], values[2]});
   }
   Status parseTexture(Words words) {
@@ -174,7 +201,9 @@ class ObjParser {
   }
 
   Status useMaterial(std::string_view name) {
-    const auto found = materials_.find(std::string(name));
+    auto found = materials_.end();
+    for (const std::string_view possible : possibleNames(name))
+      if (found == materials_.end()) found = materials_.find(std::string(possible));
     lacks_material_ = found == materials_.end() && !name.empty();
     material_ = found == materials_.end() ? kNoIndex : found->second;
     return {};
@@ -188,9 +217,13 @@ class ObjParser {
       model_.leaveOut("material libraries after the 256th");
       return {};
     }
-    auto bytes = library_(whole);
-    const Error missing = bytes.ok() ? Error{} : bytes.error();
-    if (bytes.ok()) return addLibrary(whole, *bytes);
+    Result<Bytes> bytes = Bytes();
+    Error missing;
+    for (const std::string_view name : possibleNames(whole)) {
+      const std::string file(name);
+      if (bytes = library_(file); bytes.ok()) return addLibrary(file, *bytes);
+      missing = bytes.error();
+    }
     bool is_any = false;
     for (size_t i = 0; i < kMaxLibraries && whole.find_first_of(" \t") != std::string::npos && !words.atEnd(); ++i) {
       const std::string file(words.next());
@@ -210,7 +243,9 @@ class ObjParser {
     for (Material& material : parseLibrary(text, file, model_)) {
       auto& all = model_.edit().materials;
       if (all.size() == kMaxModelMaterials) return Error{ErrorCode::kLimit, file + ": more than 65536 materials"};
-      materials_[material.name] = static_cast<uint32_t>(all.size());
+      const auto index = static_cast<uint32_t>(all.size());
+      materials_[material.name] = index;
+      for (const std::string_view name : possibleNames(material.name)) materials_.try_emplace(std::string(name), index);
       all.push_back(std::move(material));
     }
     return {};
@@ -224,7 +259,8 @@ class ObjParser {
   uint32_t material_ = kNoIndex;
   bool lacks_material_ = false;
   uint64_t faces_without_material_ = 0;
-  ShareColours colours_;  // of vertices
+  ShareColours colours_;       // of vertices
+  std::vector<Colour> paint_;  // of vertices, too, as ZBrush writes them
 };
 
 }  // namespace

@@ -1,86 +1,21 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <initializer_list>
+#include <span>
 #include <utility>
 
 #include "base/utf8.h"
 #include "terrain/model/checked_model.h"
 #include "terrain/model/ply_header.h"
+#include "terrain/model/ply_numbers.h"
 #include "terrain/model/read_model.h"
 #include "terrain/model/share_colours.h"
-#include "terrain/model/words.h"
+#include "terrain/model/triangle_strip.h"
 
 namespace foreland::terrain {
 
 namespace {
-
-// The data behind the header as a row of numbers, in whichever form. Past the end, or at a word that is no number,
-// ok() turns false for good and values are 0.
-class PlyNumbers {
- public:
-  PlyNumbers(ByteSpan bytes, PlyForm form)
-      : bytes_(bytes),
-        text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
-        is_ascii_(form == PlyForm::kAscii),
-        swaps_(form == PlyForm::kBigEndian) {}
-
-  bool ok() const { return ok_; }
-  // An element with this many numbers cannot take fewer bytes.
-  uint64_t remainingBytes() const { return is_ascii_ ? text_.size() : bytes_.size(); }
-  static uint64_t minBytes(PlyType type, PlyForm form) { return form == PlyForm::kAscii ? 2 : plyTypeBytes(type); }
-
-  double next(PlyType type) { return is_ascii_ ? nextWord() : nextBinary(type); }
-
- private:
-  double nextWord() {
-    const size_t begin = std::min(text_.find_first_not_of(" \t\r\n"), text_.size());
-    text_.remove_prefix(begin);
-    const size_t end = std::min(text_.find_first_of(" \t\r\n"), text_.size());
-    const auto value = parseNumber<double>(text_.substr(0, end));
-    text_.remove_prefix(end);
-    if (!value) ok_ = false;
-    return value.value_or(0);
-  }
-  double nextBinary(PlyType type) {
-    switch (type) {
-      case PlyType::kInt8:
-        return take<int8_t>();
-      case PlyType::kUint8:
-        return take<uint8_t>();
-      case PlyType::kInt16:
-        return take<int16_t>();
-      case PlyType::kUint16:
-        return take<uint16_t>();
-      case PlyType::kInt32:
-        return take<int32_t>();
-      case PlyType::kUint32:
-        return take<uint32_t>();
-      case PlyType::kFloat:
-        return take<float>();
-      case PlyType::kDouble:
-        return take<double>();
-    }
-    return 0;
-  }
-  template <class T>
-  double take() {
-    if (!ok_ || bytes_.size() < sizeof(T)) {
-      ok_ = false;
-      return 0;
-    }
-    std::array<uint8_t, sizeof(T)> raw;
-    std::copy_n(bytes_.begin(), sizeof(T), raw.begin());
-    if (swaps_) std::reverse(raw.begin(), raw.end());
-    bytes_ = bytes_.subspan(sizeof(T));
-    return static_cast<double>(std::bit_cast<T>(raw));
-  }
-
-  ByteSpan bytes_;
-  std::string_view text_;
-  bool is_ascii_, swaps_, ok_ = true;
-};
 
 // What a property of a vertex or a face means to us.
 enum class Meaning : uint8_t { kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kU, kV, kTexture, kSilent, kOther };
@@ -170,9 +105,10 @@ class PlyParser {
       if (Status status = checkCount(element); !status.ok()) return fail(status.error());
       if (Status status = parseElement(element); !status.ok()) return fail(status.error());
     }
+    model_.leaveOut("bytes behind the last element", numbers_.remainingContent());
     Model& model = model_.edit();
-    if (vertex_.has_float_colours) model.colours = vertex_shares_.finish(model.notes);
-    if (face_.has_float_colours) model.face_colours = face_shares_.finish(model.notes);
+    if (!vertex_shares_.isEmpty()) model.colours = vertex_shares_.finish(model.notes);
+    if (!face_shares_.isEmpty()) model.face_colours = face_shares_.finish(model.notes);
     for (const std::string& texture : header_.textures)
       model.materials.push_back({.name = texture, .texture = texture});
     if (header_.textures.empty())
@@ -194,12 +130,14 @@ class PlyParser {
   }
 
   Status parseElement(const PlyElement& element) {
-    const bool is_face = element.name == "face", is_vertex = element.name == "vertex";
-    if (element.name == "tristrips")
-      return Error{ErrorCode::kUnsupported, "has triangle strips; export it with faces instead"};
+    const bool is_strip = element.name == "tristrips", is_face = element.name == "face" || is_strip,
+               is_vertex = element.name == "vertex";
     if (Status status = choose(element, is_face, is_vertex); !status.ok()) return status;
     for (uint64_t i = 0; i < element.count; ++i) {
-      const Status status = is_vertex ? parseVertex(element) : is_face ? parseFace(element) : skip(element);
+      const Status status = is_vertex  ? parseVertex(element)
+                            : is_strip ? parseStrips(element)
+                            : is_face  ? parseFace(element)
+                                       : skip(element);
       if (!numbers_.ok())
         return Error{ErrorCode::kMalformed,
                      element.name + ' ' + std::to_string(i) + " is cut short or no number; export or copy it again"};
@@ -292,7 +230,20 @@ class PlyParser {
     return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
   }
   Status parseFace(const PlyElement& element) {
+    const auto row = readFace(element);
+    if (!row.ok()) return row.error();
+    return numbers_.ok() ? addFace(*row, indices_) : Status();
+  }
+  Status parseStrips(const PlyElement& element) {
+    const auto row = readFace(element);
+    if (!row.ok()) return row.error();
+    if (!numbers_.ok()) return {};
+    return eachTriangleOfStrip(indices_, [&](std::span<const double> triangle) { return addFace(*row, triangle); });
+  }
+  // The numbers of a face, with its lists as `indices_` and `coordinates_`.
+  Result<Row> readFace(const PlyElement& element) {
     Row row;
+    indices_.clear();
     coordinates_.clear();
     bool has_corners = false;
     for (size_t p = 0; p < element.properties.size(); ++p) {
@@ -305,15 +256,15 @@ class PlyParser {
       Status status = readList(property, is_corners                    ? &indices_
                                          : property.name == "texcoord" ? &coordinates_
                                                                        : nullptr);
-      if (!status.ok()) return status;
+      if (!status.ok()) return status.error();
     }
-    return numbers_.ok() ? addFace(row) : Status();
+    return row;
   }
-  Status addFace(const Row& row) {
-    const bool has_own = coordinates_.size() == 2 * indices_.size();
+  Status addFace(const Row& row, std::span<const double> indices) {
+    const bool has_own = coordinates_.size() == 2 * indices.size();
     if (!has_own && !coordinates_.empty()) model_.leaveOut("texture coordinates of faces that are not two a corner");
-    for (size_t i = 0; i < indices_.size(); ++i) {
-      const double index = indices_[i];
+    for (size_t i = 0; i < indices.size(); ++i) {
+      const double index = indices[i];
       if (!(index >= 0) || index >= kNoIndex || index != std::floor(index))
         return Error{ErrorCode::kMalformed, model_.get().faceName(model_.get().faceCount()) +
                                                 " names a vertex that is no number from 0; "
@@ -332,8 +283,13 @@ class PlyParser {
     if (face_.has_colours && face_.has_float_colours)
       face_shares_.add(face, row.shares);
     else if (face_.has_colours)
-      model_.edit().face_colours.push_back(row.colour);
+      faceColour(face) = row.colour;
     return {};
+  }
+  Colour& faceColour(size_t face) {
+    std::vector<Colour>& colours = model_.edit().face_colours;
+    colours.resize(face + 1, Colour{255, 255, 255, 255});
+    return colours[face];
   }
   // Which texture a face wears: the first if the file does not say.
   uint32_t materialOf(const Row& row) const {

@@ -7,6 +7,7 @@
 
 #include "terrain/model/neighbours.h"
 #include "terrain/model/read_file.h"
+#include "terrain/model/words.h"
 
 namespace foreland::terrain {
 
@@ -33,7 +34,10 @@ void findTexture(const fs::path& path, Neighbours& neighbours, Material& materia
   fs::path namer = path;
   if (!material.library.empty())
     if (const auto library = neighbours.find(material.library, path); library.ok()) namer = *library;
-  auto found = neighbours.find(material.texture.string(), namer);
+  const std::string written = material.texture.string();
+  Result<fs::path> found = fs::path();
+  for (const std::string_view name : possibleNames(written))
+    if (found = neighbours.find(std::string(name), namer); found.ok()) break;
   if (!found.ok())
     model.notes.push_back("without the texture of material '" + material.name + "': " + found.error().message);
   material.texture = found.ok() ? std::move(found).value() : fs::path();

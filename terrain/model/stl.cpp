@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <string>
 
 #include "base/lines.h"
@@ -35,8 +36,8 @@ bool isCompleteBinary(ByteSpan bytes) {
 }
 
 // Binary files may begin with "solid", too, and end with padding; text may begin with blanks and have no name. So the
-// number of triangles decides first, then the words; what begins as text but holds zeros is binary and cut short.
-// `is_own`: the text was not converted from another encoding.
+// number of triangles decides first, then the words; what begins as text but holds zeros is binary and cut short, if
+// they are no padding at its end. `is_own`: the text was not converted from another encoding.
 bool isText(ByteSpan bytes, std::string_view utf8, bool is_own) {
   constexpr size_t kJudged = 1024;
   if (is_own && isCompleteBinary(bytes)) return false;
@@ -54,7 +55,13 @@ class StlParser {
     has_own_colours_ =
         std::string_view(reinterpret_cast<const char*>(bytes.data()), 80).find("COLOR=") != std::string_view::npos;
     if (has_own_colours_) readBodyColour(bytes);
-    const uint64_t count = triangleCount(bytes), present = (bytes.size() - kHeaderBytes) / kTriangleBytes;
+    const uint64_t present = (bytes.size() - kHeaderBytes) / kTriangleBytes;
+    uint64_t count = triangleCount(bytes);
+    // Programs that write triangles before they know how many there will be leave 0 or -1 there.
+    if ((count == 0 || count == 0xffffffff) && present > 0 && bytes.size() == kHeaderBytes + kTriangleBytes * present) {
+      model_.edit().notes.push_back("gives no number of triangles; all " + std::to_string(present) + " are read");
+      count = present;
+    }
     if (count > present)
       return fail({}, "promises " + std::to_string(count) + " triangles, but ends after " + std::to_string(present) +
                           "; copy or export it again");
@@ -63,6 +70,9 @@ class StlParser {
         return fail({}, status.error().message);
     if (!is_coloured_) model_.edit().face_colours.clear();
     if (!is_coloured_) model_.leaveOut("attributes of triangles that are no colours", attributes_);
+    const ByteSpan rest = bytes.subspan(kHeaderBytes + kTriangleBytes * count);
+    if (std::any_of(rest.begin(), rest.end(), [](uint8_t byte) { return byte != 0; }))
+      model_.leaveOut("bytes behind the last triangle", rest.size());
     return model_.finish();
   }
 
@@ -105,12 +115,19 @@ class StlParser {
     is_coloured_ |= is_own && is_marked;
     model_.edit().face_colours.push_back(!is_own ? body_ : has_own_colours_ ? low_red : low_blue);
   }
-  // Lines with other words say nothing that the corners do not.
+  // Words of lines that say nothing that the corners do not.
+  static bool isSilent(std::string_view key) {
+    static constexpr std::string_view kKeys[] = {"", "solid", "facet", "outer", "endfacet", "endsolid", "end", "color"};
+    return key.starts_with('#') || std::find(std::begin(kKeys), std::end(kKeys), key) != std::end(kKeys);
+  }
   Status parseLine(std::string_view line) {
     Words words(line);
     const std::string key = lowered(words.next());
-    if (key == "endloop") return endFace();
-    if (key != "vertex") return {};
+    if (key == "endloop" || (key == "end" && lowered(words.next()) == "loop")) return endFace();
+    if (key != "vertex") {
+      if (!isSilent(key)) model_.leaveOut("lines that are of no kind of STL");
+      return {};
+    }
     glm::dvec3 position;
     for (int axis = 0; axis < 3; ++axis) {
       const std::string_view word = words.next();
@@ -146,7 +163,9 @@ class StlParser {
 
 Result<Model> parseStl(ByteSpan bytes, const std::string& name) {
   std::string storage;
-  const auto text = asUtf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, storage);
+  auto text = asUtf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, storage);
+  constexpr std::string_view kPadding("\0\x1a \t\r\n", 6);  // also what ended text in DOS
+  if (text.ok()) text = text->substr(0, text->find_last_not_of(kPadding) + 1);
   if (!text.ok() || !isText(bytes, *text, storage.empty())) return StlParser(name).parseBinary(bytes);
   return StlParser(name).parseText(*text);
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/lines.h"
 
@@ -39,6 +40,17 @@ class Words {
   std::string_view rest_;
 };
 
+// What a name that ends a line may be, the likeliest first: a `#` behind a blank begins a comment, if it is not a part
+// of the name. The whole, and what is before such signs, of the last ones.
+inline std::vector<std::string_view> possibleNames(std::string_view line) {
+  constexpr size_t kMost = 5;
+  std::vector<std::string_view> names{line};
+  for (size_t at = line.size(); at-- > 1 && names.size() < kMost;)
+    if (line[at] == '#' && (line[at - 1] == ' ' || line[at - 1] == '\t'))
+      names.push_back(line.substr(0, line.find_last_not_of(" \t", at - 1) + 1));
+  return names;
+}
+
 // In small letters, as far as ASCII goes.
 inline std::string lowered(std::string_view word) {
   std::string made(word);
@@ -53,6 +65,14 @@ std::optional<T> parseNumber(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   T value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || word.empty()) return std::nullopt;
+  return value;
+}
+// The same of an unsigned number to another base.
+template <class T>
+std::optional<T> parseNumber(std::string_view word, int base) {
+  T value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
   if (error != std::errc() || end != word.data() + word.size() || word.empty()) return std::nullopt;
   return value;
 }

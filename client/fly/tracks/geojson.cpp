@@ -1,8 +1,10 @@
-// GeoJSON (RFC 7946): the lines of its geometries, features and collections. Time and memory are linear in the file's
-// size.
+// GeoJSON (RFC 7946) and sequences of it (RFC 8142): the lines of its geometries, features and collections. Time and
+// memory are linear in the file's size.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/fly/tracks/point_text.h"
@@ -91,15 +93,47 @@ class LineReader {
   size_t lines_ = 0, points_ = 0;
 };
 
+// The object that a whole text is; null if it is none.
+json objectIn(std::string_view text) {
+  constexpr auto kNoCallback = nullptr;
+  constexpr bool kThrows = false;
+  json object = json::parse(text.begin(), text.end(), kNoCallback, kThrows);
+  return object.is_object() ? object : json();
+}
+
+// The objects of a sequence as one collection: each behind a mark (RFC 8142), or each on a line of its own. Null if the
+// first is no object. What is broken is noted: a sequence may be cut short by what wrote it.
+json sequenceIn(std::string_view text, TrackBuilder& builder) {
+  constexpr char kMark = '\x1e';
+  const size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  const char separator = text.substr(first).starts_with(kMark) ? kMark : '\n';
+  json features = json::array();
+  size_t broken = 0;
+  for (text.remove_prefix(first); !text.empty();) {
+    const size_t end = std::min(text.find(separator), text.size());
+    const std::string_view part = trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (part.empty()) continue;
+    json object = objectIn(part);
+    if (object.is_null() && features.empty()) return {};
+    if (object.is_null())
+      ++broken;
+    else
+      features.push_back(std::move(object));
+  }
+  if (features.empty()) return {};
+  if (broken > 0) builder.note(std::to_string(broken) + " objects of the sequence are broken; left out");
+  return {{"type", "FeatureCollection"}, {"features", std::move(features)}};
+}
+
 }  // namespace
 
 Result<Track> parseGeoJson(std::string_view text, const std::string& name) {
-  constexpr auto kNoCallback = nullptr;
-  constexpr bool kThrows = false;
-  const json root = json::parse(text.begin(), text.end(), kNoCallback, kThrows);
-  if (!root.is_object()) return Error{ErrorCode::kMalformed, name + ": its JSON is broken; export it again"};
   TrackBuilder builder(name);
   builder.callPlaces("point");
+  json root = objectIn(text);
+  if (root.is_null()) root = sequenceIn(text, builder);
+  if (root.is_null()) return Error{ErrorCode::kMalformed, name + ": its JSON is broken; export it again"};
   LineReader lines(builder), points(builder);
   lines.add(root, false);
   if (lines.lines() == 0) points.add(root, true);

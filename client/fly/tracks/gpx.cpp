@@ -32,6 +32,7 @@ class PointReader final : public pugi::xml_tree_walker {
     const size_t line = lines_.at(node.offset_debug());
     const auto latitude = decimal(node.attribute("lat").value()), longitude = decimal(node.attribute("lon").value());
     if (!latitude || !longitude) return builder_.skip(line, "point without latitude and longitude");
+    if (trimmed(childText(node, "fix")) == "none") return builder_.skip(line, "marked as having no fix (<fix>none)");
     RawFix fix{.latitude_deg = *latitude, .longitude_deg = *longitude};
     for (const pugi::xml_node& child : node.children()) {
       const std::string_view name = localName(child);
@@ -42,6 +43,10 @@ class PointReader final : public pugi::xml_tree_walker {
         return builder_.skip(line, "time is not a date and time");
     }
     builder_.add(line, fix);
+  }
+
+  static std::string_view childText(const pugi::xml_node& node, std::string_view name) {
+    return node.find_child([&](const pugi::xml_node& child) { return localName(child) == name; }).child_value();
   }
 
   LineCounter lines_;

@@ -1,6 +1,7 @@
 // KML 2.2 and Google's extensions (gx:Track), whatever the namespace prefix. Time and memory are linear in the file's
 // size.
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,63 @@ constexpr std::string_view kBlanks = " \t\r\n";
 
 pugi::xml_node childNamed(const pugi::xml_node& node, std::string_view name) {
   return node.find_child([&](const pugi::xml_node& child) { return localName(child) == name; });
+}
+
+struct Place {
+  size_t line = 0;
+  std::optional<RawFix> fix;
+};
+
+// Longitude, latitude and perhaps altitude.
+std::optional<RawFix> fixOf(std::string_view text, std::string_view separators) {
+  std::optional<double> numbers[3];
+  for (std::optional<double>& number : numbers) {
+    const size_t end = std::min(text.find_first_of(separators), text.size());
+    number = decimal(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  if (!numbers[0] || !numbers[1]) return std::nullopt;
+  return RawFix{.latitude_deg = *numbers[1], .longitude_deg = *numbers[0], .height_m = numbers[2]};
+}
+
+enum class Blanks : uint8_t { kSeparate, kJoinAtCommas };
+
+// The length of the place that a text begins with.
+size_t placeLength(std::string_view text, Blanks blanks) {
+  size_t end = std::min(text.find_first_of(kBlanks), text.size());
+  while (blanks == Blanks::kJoinAtCommas && end < text.size()) {
+    const size_t next = text.find_first_not_of(kBlanks, end);
+    if (next == text.npos || (text[end - 1] != ',' && text[next] != ',')) break;
+    end = std::min(text.find_first_of(kBlanks, next), text.size());
+  }
+  return end;
+}
+
+std::vector<Place> placesIn(std::string_view text, size_t line, Blanks blanks) {
+  std::vector<Place> places;
+  const auto pass = [&](size_t length) {
+    line += static_cast<size_t>(std::count(text.begin(), text.begin() + static_cast<ptrdiff_t>(length), '\n'));
+    text.remove_prefix(length);
+  };
+  while (true) {
+    pass(std::min(text.find_first_not_of(kBlanks), text.size()));
+    if (text.empty()) return places;
+    const size_t length = placeLength(text, blanks);
+    places.push_back({line, fixOf(text.substr(0, length), ",")});
+    pass(length);
+  }
+}
+
+// Blanks separate places, commas the numbers of one; but people write blanks beside commas, too. So where places make
+// no sense otherwise, such blanks do not separate.
+std::vector<Place> placesIn(std::string_view text, size_t line) {
+  const auto unusable = [](const std::vector<Place>& places) {
+    return std::ranges::count_if(places, [](const Place& place) { return !place.fix.has_value(); });
+  };
+  std::vector<Place> places = placesIn(text, line, Blanks::kSeparate);
+  if (unusable(places) == 0) return places;
+  std::vector<Place> joined = placesIn(text, line, Blanks::kJoinAtCommas);
+  return unusable(joined) < unusable(places) ? joined : places;
 }
 
 enum class Wanted : uint8_t { kLines, kPoints };
@@ -39,30 +97,23 @@ class PlaceReader final : public pugi::xml_tree_walker {
   size_t aboveGround() const { return above_ground_; }
 
  private:
-  struct Place {
-    size_t line = 0;
-    std::optional<RawFix> fix;
-  };
-
   void addGeometry(const pugi::xml_node& node) {
     ++geometries_;
-    const pugi::xml_node coordinates = childNamed(node, "coordinates");
     std::optional<double> time_s;
-    if (wanted_ == Wanted::kPoints)
-      time_s = timeOf(childNamed(childNamed(node.parent(), "TimeStamp"), "when").child_value());
-    std::string_view text = coordinates.child_value();
-    size_t line = lines_.at(coordinates.first_child().offset_debug());
+    if (wanted_ == Wanted::kPoints) time_s = timeOfPoint(node.parent());
     std::vector<Place> places;
-    while (!text.empty()) {
-      const size_t begin = std::min(text.find_first_not_of(kBlanks), text.size());
-      line += static_cast<size_t>(std::count(text.begin(), text.begin() + static_cast<ptrdiff_t>(begin), '\n'));
-      text.remove_prefix(begin);
-      const size_t end = std::min(text.find_first_of(kBlanks), text.size());
-      if (end > 0) places.push_back({line, fixOf(text.substr(0, end), ",")});
-      text.remove_prefix(end);
-      if (!places.empty() && places.back().fix) places.back().fix->time_s = time_s;
-    }
+    // Comments and CDATA cut the text into parts.
+    for (const pugi::xml_node& part : childNamed(node, "coordinates").children())
+      if (part.type() == pugi::node_pcdata || part.type() == pugi::node_cdata)
+        std::ranges::move(placesIn(part.value(), lines_.at(part.offset_debug())), std::back_inserter(places));
+    for (Place& place : places)
+      if (place.fix) place.fix->time_s = time_s;
     addPlaces(places, node);
+  }
+  static std::optional<double> timeOfPoint(const pugi::xml_node& placemark) {
+    const pugi::xml_node stamp = childNamed(placemark, "TimeStamp");
+    return timeOf(stamp ? childNamed(stamp, "when").child_value()
+                        : childNamed(childNamed(placemark, "TimeSpan"), "begin").child_value());
   }
   // Times and places stand in lists of their own.
   void addTrack(const pugi::xml_node& node) {
@@ -79,17 +130,6 @@ class PlaceReader final : public pugi::xml_tree_walker {
     addPlaces(places, node);
   }
 
-  // Longitude, latitude and perhaps altitude.
-  static std::optional<RawFix> fixOf(std::string_view text, std::string_view separators) {
-    std::optional<double> numbers[3];
-    for (std::optional<double>& number : numbers) {
-      const size_t end = std::min(text.find_first_of(separators), text.size());
-      number = decimal(text.substr(0, end));
-      text.remove_prefix(std::min(end + 1, text.size()));
-    }
-    if (!numbers[0] || !numbers[1]) return std::nullopt;
-    return RawFix{.latitude_deg = *numbers[1], .longitude_deg = *numbers[0], .height_m = numbers[2]};
-  }
   // Without a mode altitudes have no meaning, but programs that export recorded ones forget it; those who draw lines
   // write 0.
   void addPlaces(std::vector<Place>& places, const pugi::xml_node& node) {

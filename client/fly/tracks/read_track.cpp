@@ -90,13 +90,14 @@ Result<Track> readTrack(const std::filesystem::path& path) {
   if (bytes.ok() && bytes->starts_with("\x1f\x8b")) bytes = unpacked(*bytes, name);
   if (!bytes.ok()) return bytes.error();
   if (bytes->starts_with("PK\x03\x04"))
-    return Error{ErrorCode::kUnsupported, name + ": is a ZIP archive, as KMZ is; unpack it and name the file in it"};
+    return Error{ErrorCode::kUnsupported,
+                 name + ": is a ZIP archive, as KMZ is; unpack it and name the .kml file in it"};
   std::string storage;
   const auto text = asUtf8(*bytes, storage);
   if (!text.ok()) return Error{text.error().code, name + ": " + text.error().message};
   const std::string_view content = text->substr(std::min(text->find_first_not_of(" \t\r\n"), text->size()));
   if (content.starts_with('<')) return isKml(firstElement(content)) ? parseKml(*text, name) : parseGpx(*text, name);
-  if (content.starts_with('{')) return parseGeoJson(*text, name);
+  if (content.starts_with('{') || content.starts_with('\x1e')) return parseGeoJson(*text, name);
   if (content.starts_with("F ")) return parseCameraFrames(*text, name);
   if (!hasFixLine(*text))
     return Error{ErrorCode::kMalformed,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "client/fly/tracks/track_builder.h"
 
@@ -12,6 +13,7 @@ namespace {
 constexpr double kRadPerDeg = 0.017453292519943295;
 constexpr size_t kNotedSkips = 5;
 constexpr double kAssumedSpeed_mps = 10;  // for tracks without times
+constexpr double kFastest_mps = 340;      // that times on both sides of a gap are believed
 constexpr size_t kStragglers = 5;         // so many fixes in a row may be out of order
 constexpr double kNearZero_deg = 1;
 constexpr double kGap_s = 60;  // longer silences are noted
@@ -93,19 +95,35 @@ void TrackBuilder::repairTimes() {
          " fixes; flown at 10 m/s there (--speed changes it)");
 }
 
+// Fixes without a time from `first` on, `last` not included, get times along the track: at one speed from the fix
+// before to the one after, if their times allow it, else at an assumed speed.
+void TrackBuilder::spreadTimes(size_t first, size_t last) {
+  const size_t begin = first > 0 ? first - 1 : 0, end = std::min(last, fixes_.size() - 1);
+  std::vector<double> along_m(end - begin + 1, 0);  // from `begin`
+  for (size_t i = begin + 1; i <= end; ++i)
+    along_m[i - begin] = along_m[i - begin - 1] + roughDistance(fixes_[i - 1], fixes_[i]);
+  const std::optional<double> before_s = fixes_[begin].time_s, after_s = fixes_[end].time_s;
+  const double total_m = along_m.back(), given_s = before_s && after_s ? *after_s - *before_s : 0;
+  const bool is_given = given_s > 0 && total_m > 0 && total_m / given_s <= kFastest_mps;
+  const double speed_mps = is_given ? total_m / given_s : kAssumedSpeed_mps;
+  const double begin_s = before_s ? *before_s : after_s ? *after_s - total_m / speed_mps : 0;
+  for (size_t i = first; i < last; ++i) fixes_[i].time_s = begin_s + along_m[i - begin] / speed_mps;
+}
+
 void TrackBuilder::fillTimes() {
-  const auto timed = std::ranges::count_if(fixes_, [](const RawFix& f) { return f.time_s.has_value(); });
-  if (static_cast<size_t>(timed) == fixes_.size()) return;
-  if (timed > 0) {
-    note(std::to_string(fixes_.size() - static_cast<size_t>(timed)) + " fixes have no time; skipped");
-    std::erase_if(fixes_, [](const RawFix& f) { return !f.time_s; });
-    return;
-  }
-  note("no times recorded; 10 m/s along the track assumed (--speed changes it)");
-  double time_s = 0;
-  for (size_t i = 0; i < fixes_.size(); ++i) {
-    if (i > 0) time_s += roughDistance(fixes_[i - 1], fixes_[i]) / kAssumedSpeed_mps;
-    fixes_[i].time_s = time_s;
+  const auto hasNone = [](const RawFix& f) { return !f.time_s.has_value(); };
+  const auto untimed = static_cast<size_t>(std::ranges::count_if(fixes_, hasNone));
+  if (untimed == 0) return;
+  if (untimed == fixes_.size())
+    note("no times recorded; 10 m/s along the track assumed (--speed changes it)");
+  else
+    note(std::to_string(untimed) + " fixes have no time; flown at a constant speed there (--speed changes it)");
+  for (size_t first = 0; first < fixes_.size(); ++first) {
+    if (!hasNone(fixes_[first])) continue;
+    size_t last = first;
+    while (last < fixes_.size() && hasNone(fixes_[last])) ++last;
+    spreadTimes(first, last);
+    first = last;
   }
 }
 

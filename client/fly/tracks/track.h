@@ -50,24 +50,25 @@ struct Track {
 
 // Error messages and notes call the file `name`.
 Result<Track> parseIgc(std::string_view text, const std::string& name);
-// Track points, of all segments; route points if there are none; else waypoints, in the file's order. Points without a
-// time get one at 10 m/s along the track, here and below.
+// Track points, of all segments; route points if there are none; else waypoints, in the file's order. Points marked as
+// having no fix are left out. Points without a time get one at a constant speed between their neighbours, or at 10 m/s
+// where these have none either, here and below.
 Result<Track> parseGpx(std::string_view text, const std::string& name);
 
 // All lines and tracks (gx:Track, with times) one after another; points if there are none. Heights above the
 // ground count as none.
 Result<Track> parseKml(std::string_view text, const std::string& name);
 // All lines, one after another, with the times of `coordTimes` (togeojson) if there are; points if there are no lines.
-// Notes and messages count points from 1.
+// Also sequences of objects, a line each or as RFC 8142 has them. Notes and messages count points from 1.
 Result<Track> parseGeoJson(std::string_view text, const std::string& name);
 
 // Camera frames as the programs of H. Hoppe's mesh library write them: lines `F 0`, then the axes forward, left and up,
 // the position and the zoom, which is not used; other lines are events. No times are recorded: 30 frames a second.
 Result<Track> parseCameraFrames(std::string_view text, const std::string& name);
 
-// By content: a file that starts with markup is GPX or KML, one that starts with a brace GeoJSON, one that starts with
-// `F ` has camera frames. Text may be UTF-16, have a byte-order mark and any line ends, and be packed by gzip. At most
-// kMaxFileBytes, unpacked.
+// By content: a file that starts with markup is GPX or KML, one that starts with a brace (or RFC 8142's mark)
+// GeoJSON, one that starts with `F ` has camera frames. Text may be UTF-16, have a byte-order mark and any line ends,
+// and be packed by gzip. At most kMaxFileBytes, unpacked.
 Result<Track> readTrack(const std::filesystem::path& path);
 
 }  // namespace foreland::client

@@ -44,6 +44,7 @@ class TrackBuilder {
   Error tooFew(std::string_view expected) const;
   void dropZeros();
   void fillTimes();
+  void spreadTimes(size_t first, size_t last);
   void repairTimes();
   TrackHeights fillHeights();
 

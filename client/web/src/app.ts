@@ -145,7 +145,7 @@ export class App {
 
   // ---- session
 
-  // Once the page has a size: a server refuses a lens without pixels.
+  // Once the page has a size: before, there is nothing to show.
   private startSession(): void {
     const { server, token, is_recorded } = this.address;
     const url = new URL(server);

@@ -12,9 +12,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <mutex>
-#include <regex>
 #include <set>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "terrain/dem/formats/gdal_messages.h"
@@ -150,20 +150,37 @@ struct FreeXml {
 std::string textOf(const std::string& gdal_path, size_t most) {
   VSILFILE* file = VSIFOpenL(gdal_path.c_str(), "rb");
   if (file == nullptr) return {};
-  std::string text(most, '\0');
-  text.resize(VSIFReadL(text.data(), 1, most, file));
+  std::string text;
+  for (size_t block = 4096; text.size() < most; block *= 2) {
+    const size_t begin = text.size(), wanted = std::min(block, most - begin);
+    text.resize(begin + wanted);
+    text.resize(begin + VSIFReadL(text.data() + begin, 1, wanted, file));
+    if (text.size() < begin + wanted) break;
+  }
   VSIFCloseL(file);
   return text;
 }
 
+// The bytes of a driver's name and the colon behind it that a name begins with; 0 if it begins with none. No expression
+// of <regex>: these take a stack as deep as the name is long.
+size_t driverPrefix(std::string_view name) {
+  const auto isLetter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto isOther = [](char c) { return (c >= '0' && c <= '9') || c == '_'; };
+  const size_t colon = name.find(':');
+  if (colon == std::string_view::npos || colon < 2 || !isLetter(name[0])) return 0;
+  const auto isOfName = [&](char c) { return isLetter(c) || isOther(c); };
+  return std::ranges::all_of(name.substr(0, colon), isOfName) ? colon + 1 : 0;
+}
+
 struct VrtCheck {
   static constexpr int kMaxDepth = 8;
-  static constexpr size_t kMaxBytes = 64u << 20;
+  static constexpr size_t kMaxBytes = 64u << 20, kMaxBlanks = 1u << 16;
   const std::string& name;  // the file that the user named
   const FileFence& fence;
 
   Status file(const std::string& gdal_path, int depth) const {
-    if (textOf(gdal_path, 512).find("<VRTDataset") == std::string::npos) return {};
+    // GDAL passes over blanks before it, as many as its own first look reaches.
+    if (textOf(gdal_path, kMaxBlanks).find("<VRTDataset") == std::string::npos) return {};
     if (depth > kMaxDepth)
       return Error{ErrorCode::kMalformed,
                    name + ": names files that name others, more than " + std::to_string(kMaxDepth) + " deep"};
@@ -205,7 +222,6 @@ struct VrtCheck {
 
   // A path; or, for a driver, PREFIX:"path":variable, or PREFIX:number:path.
   Status nameOfSource(const std::string& text, bool is_relative, const std::string& vrt) const {
-    static const std::regex kWithDriver("^[A-Za-z][A-Za-z0-9_]+:(.*)$");
     const auto refused = [&] {
       return Error{ErrorCode::kInvalidArgument,
                    fmt::format("{}: names '{}', which is no file; name files of its folder, or below", name, text)};
@@ -217,8 +233,8 @@ struct VrtCheck {
       return {};  // the archive is opened by the fenced file system
     }
     std::string path = text;
-    if (std::smatch found; std::regex_match(text, found, kWithDriver)) {
-      path = found[1];
+    if (const size_t prefix = driverPrefix(text); prefix > 0) {
+      path = text.substr(prefix);
       if (const size_t quote = path.find('"'); quote != std::string::npos) {
         path = path.substr(quote + 1, path.find('"', quote + 1) - quote - 1);
       } else {
@@ -226,8 +242,10 @@ struct VrtCheck {
         for (size_t begin = 0; begin <= path.size();) {
           const size_t end = std::min(path.find(':', begin), path.size());
           const std::string part = path.substr(begin, end - begin);
-          if (part.find('/') != std::string::npos || part.find("..") != std::string::npos)
-            if (!fence.mayRead(part)) return FileFence::refusal(name, part);
+          std::error_code failed;
+          const bool is_path = part.find('/') != std::string::npos || part.find("..") != std::string::npos ||
+                               std::filesystem::exists(part, failed);
+          if (is_path && !fence.mayRead(part)) return FileFence::refusal(name, FileFence::resolved(part));
           begin = end + 1;
         }
         return {};
@@ -239,7 +257,7 @@ struct VrtCheck {
     // Of an archive's own, which has no way out of it.
     if (vrt.starts_with("/vsi") && is_relative && path.find("..") == std::string::npos && !path.starts_with('/'))
       return {};
-    if (!fence.mayRead(file)) return FileFence::refusal(name, std::filesystem::weakly_canonical(file));
+    if (!fence.mayRead(file)) return FileFence::refusal(name, FileFence::resolved(file));
     return {};
   }
 };

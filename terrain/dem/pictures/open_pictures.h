@@ -14,12 +14,20 @@
 
 namespace foreland::terrain {
 
+// What to make of a last band that is tagged as alpha. Some programs tag infrared so, whose water would be cut out.
+enum class AlphaChoice : uint8_t {
+  kAuto,  // alpha if hardly any of it is half transparent; else it is left out, with a note
+  kUse,
+  kIgnore,
+};
+
 // The lattice that pictures are laid on: a scene's, before it is built.
 struct PictureLattice {
   proto::Frame frame;
   std::string crs_wkt;  // empty if none
   uint32_t samples_x = 0, samples_y = 0;
   std::vector<std::filesystem::path> allowed_folders{};  // beside its own, what a file may name files of
+  AlphaChoice alpha = AlphaChoice::kAuto;
 };
 
 // A texel is the sample interval divided or multiplied by a power of two, and not coarser than the finest file's pixels

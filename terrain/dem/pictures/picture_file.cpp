@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <system_error>
 
 #include "terrain/dem/formats/gdal_files.h"
 #include "terrain/dem/formats/gdal_messages.h"
@@ -25,8 +26,41 @@ constexpr int kGrid = 21;  // points along each side that a picture's position i
 
 Error refusal(const std::string& name, const std::string& why) { return {ErrorCode::kUnsupported, name + ": " + why}; }
 
+// Whether a band is as alpha is: opaque where it is not transparent, but at edges. Judged by some samples.
+bool isLikeAlpha(GDALRasterBandH band) {
+  constexpr int kMost = 64;  // a side
+  constexpr double kLeastOpaque = 0.9;
+  const int width = std::min(GDALGetRasterBandXSize(band), kMost),
+            height = std::min(GDALGetRasterBandYSize(band), kMost);
+  std::vector<uint8_t> samples(static_cast<size_t>(width) * static_cast<size_t>(height));
+  const GdalMessages silence;  // what cannot be read is refused where it is read for good
+  if (GDALRasterIO(band, GF_Read, 0, 0, GDALGetRasterBandXSize(band), GDALGetRasterBandYSize(band), samples.data(),
+                   width, height, GDT_Byte, 0, 0) != CE_None)
+    return true;
+  const auto opaque = static_cast<double>(std::ranges::count(samples, 255));
+  const auto shown = static_cast<double>(samples.size()) - static_cast<double>(std::ranges::count(samples, 0));
+  return opaque >= kLeastOpaque * shown;
+}
+
+// Whether the last of `count` bands is taken as alpha; a note where that is not what it is tagged as.
+bool takesAlpha(GDALDatasetH dataset, int count, AlphaChoice choice, PictureFile& picture) {
+  GDALRasterBandH band = GDALGetRasterBand(dataset, count);
+  if (count % 2 != 0 || GDALGetRasterColorInterpretation(band) != GCI_AlphaBand) {
+    if (count % 2 == 0) picture.notes.push_back(fmt::format("its band {} is not alpha and was left out", count));
+    return false;
+  }
+  if (choice == AlphaChoice::kAuto && !isLikeAlpha(band)) {
+    picture.notes.push_back(fmt::format(
+        "its band {} is tagged as alpha, but is hardly anywhere opaque, as infrared is not; it was left out "
+        "(--imagery-alpha use takes it as alpha)",
+        count));
+    return false;
+  }
+  return choice != AlphaChoice::kIgnore;
+}
+
 // The options of gdal_translate that make red, green, blue and perhaps alpha of a dataset's bands.
-Result<std::vector<std::string>> bandOptions(GDALDatasetH dataset, PictureFile& picture) {
+Result<std::vector<std::string>> bandOptions(GDALDatasetH dataset, AlphaChoice alpha, PictureFile& picture) {
   const int count = GDALGetRasterCount(dataset);
   if (count == 0 || count > 4)
     return refusal(picture.name, fmt::format("it has {} bands; a picture has 1 to 4. Choose three with gdal_translate "
@@ -38,15 +72,12 @@ Result<std::vector<std::string>> bandOptions(GDALDatasetH dataset, PictureFile& 
                      fmt::format("its samples are {}, not 8 bits; convert them with gdal_translate -ot "
                                  "Byte -scale",
                                  GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(dataset, i)))));
-  const bool has_alpha =
-      count % 2 == 0 && GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset, count)) == GCI_AlphaBand;
   if (count == 1 && GDALGetRasterColorTable(GDALGetRasterBand(dataset, 1)) != nullptr)
     return std::vector<std::string>{"-expand", "rgba"};
   std::vector<std::string> options;
   for (int i = 1; i <= 3; ++i) options.insert(options.end(), {"-b", std::to_string(count < 3 ? 1 : i)});
-  if (has_alpha) options.insert(options.end(), {"-b", std::to_string(count), "-colorinterp_4", "alpha"});
-  if (!has_alpha && count % 2 == 0)
-    picture.notes.push_back(fmt::format("its band {} is not alpha and was left out", count));
+  if (takesAlpha(dataset, count, alpha, picture))
+    options.insert(options.end(), {"-b", std::to_string(count), "-colorinterp_4", "alpha"});
   return options;
 }
 
@@ -79,7 +110,7 @@ Status locate(PictureFile& picture, const PictureLattice& lattice, const Lattice
   if (has_system && map.referenceSystem() == nullptr)
     return refusal(picture.name,
                    "it names a reference system and the elevation has none, so where it lies is unknown; give the "
-                   "elevation one with gdal_translate -a_srs, or take the picture's with gdal_translate -a_srs \"\"");
+                   "elevation one with gdal_translate -a_srs");
   if (!has_system && !has_points && map.referenceSystem() != nullptr) {
     GDALSetSpatialRef(dataset, map.referenceSystem());
     picture.notes.push_back("it names no reference system; its coordinates are taken as those of the elevation");
@@ -209,11 +240,12 @@ Result<PictureFile> openTurned(const std::filesystem::path& path, const std::sha
   Result<GdalDataset> file = openFenced(fence.get(), picture.name, picture.name);
   if (!file.ok()) return file.error();
   picture.file = std::move(*file);
+  std::error_code failed;
   if (!picture.file)
-    return Error{std::filesystem::exists(path) ? ErrorCode::kMalformed : ErrorCode::kNotFound,
+    return Error{std::filesystem::exists(path, failed) ? ErrorCode::kMalformed : ErrorCode::kNotFound,
                  fmt::format("{}: not a picture that GDAL reads, or a damaged one (GDAL says: {})", picture.name,
                              messages.errors())};
-  const auto options = bandOptions(picture.file.get(), picture);
+  const auto options = bandOptions(picture.file.get(), lattice.alpha, picture);
   if (!options) return options.error();
   picture.colours = translate(picture.file.get(), *options);
   if (!picture.colours)

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "base/bytes.h"
 #include "base/result.h"
@@ -10,8 +12,9 @@
 namespace foreland::terrain {
 
 struct GltfContainer {
-  nlohmann::json json;  // an object
-  ByteSpan buffer;      // of a .glb; within the file's bytes
+  nlohmann::json json;             // an object
+  ByteSpan buffer;                 // of a .glb; within the file's bytes
+  std::vector<std::string> notes;  // on what is odd about it
 };
 
 // Error, without the file's name: neither form, a truncated file, broken JSON, another version than 2.

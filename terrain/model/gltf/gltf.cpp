@@ -221,6 +221,7 @@ Result<Model> parseGltf(ByteSpan bytes, const std::string& name, const FileReade
   if (!document.ok()) return fail(document.error());
   auto model = GltfBuilder(*document, container->buffer, name, read_file).build();
   if (!model.ok()) return fail(model.error());
+  model->notes.insert(model->notes.begin(), container->notes.begin(), container->notes.end());
   return model;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "base/rng.h"
 #include "tests/support/data.h"
@@ -228,6 +229,54 @@ TEST(Track, AClockThatStandsOrGoesBackIsReplacedByAConstantSpeed) {
   EXPECT_TRUE(mentions(*track, "at 1 fixes"));
 }
 
+// What has no time between fixes that have one keeps their speed; before, behind and in between without end it is 10
+// m/s.
+TEST(Track, FixesWithoutTimesAreFlownAtAConstantSpeed) {
+  constexpr double kStep_s = 3.0888;  // of a second of arc at 10 m/s
+  const auto untimed = [](int arc_s) {
+    const std::string whole = gpxPoint(arc_s, 0);
+    return whole.substr(0, whole.find("<time>")) + "</trkpt>\n";
+  };
+  const auto seconds = [](const std::string& points) {
+    const auto track = parseGpx("<gpx>" + points + "</gpx>", "a.gpx");
+    EXPECT_TRUE(track.ok()) << track.error().message;
+    EXPECT_TRUE(mentions(*track, "fixes have no time; flown at a constant speed there (--speed"));
+    expectLawful(*track);
+    EXPECT_EQ(track->skipped, 0u);
+    std::vector<double> times;
+    for (const Fix& fix : track->fixes) times.push_back(fix.time_s);
+    return times;
+  };
+  const auto between = seconds(gpxPoint(0, 0) + untimed(1) + untimed(3) + gpxPoint(4, 40) + gpxPoint(5, 50));
+  ASSERT_EQ(between.size(), 5u);
+  EXPECT_NEAR(between[1], 10, 1e-3);
+  EXPECT_NEAR(between[2], 30, 1e-3);
+  EXPECT_EQ(between[3], 40);
+  const auto around = seconds(untimed(0) + untimed(1) + gpxPoint(3, 20) + gpxPoint(4, 30) + untimed(6));
+  ASSERT_EQ(around.size(), 5u);
+  EXPECT_NEAR(around[1], kStep_s, 1e-2);
+  EXPECT_NEAR(around[2], 3 * kStep_s, 1e-2);
+  EXPECT_NEAR(around[3], 3 * kStep_s + 10, 1e-2);
+  EXPECT_NEAR(around[4], 5 * kStep_s + 10, 1e-2);
+  // A line of 3 km between two that follow each other within a second: the clock is set anew behind it.
+  const auto line =
+      seconds(gpxPoint(0, 0) + gpxPoint(1, 10) + untimed(2) + untimed(101) + gpxPoint(102, 11) + gpxPoint(103, 21));
+  ASSERT_EQ(line.size(), 6u);
+  EXPECT_NEAR(line[4], 10 + 101 * kStep_s, 0.1);
+  EXPECT_NEAR(line[5], 20 + 101 * kStep_s, 0.1);
+}
+
+TEST(Gpx, LeavesOutPointsMarkedAsHavingNoFix) {
+  const auto at = [](const char* latitude, const char* fix) {
+    return std::string("<trkpt lat='") + latitude + "' lon='7'><fix>" + fix + "</fix></trkpt>\n";
+  };
+  const auto track = parseGpx("<gpx>" + at("46", "3d") + at("20", " none ") + at("46.1", "2d") + "</gpx>", "a.gpx");
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_EQ(track->fixes.size(), 2u);
+  EXPECT_EQ(track->skipped, 1u);
+  EXPECT_TRUE(mentions(*track, "a.gpx:2: marked as having no fix (<fix>none)"));
+}
+
 TEST(Track, FixesWithoutAPositionAreLeftOutByLine) {
   const std::string nowhere = "B0800010000000N00000000EA0190002000\n";
   const auto igc = parseIgc("A\n" + nowhere + fixAt("080002") + nowhere + fixAt("080004"), "a.igc");
@@ -296,6 +345,33 @@ TEST(Kml, ReadsLinesAndTracks) {
   EXPECT_EQ(track->notes, std::vector<std::string>());
 }
 
+// However places are spaced, they are the same.
+TEST(Kml, ReadsPlacesAsPeopleSpaceThem) {
+  for (const char* places :
+       {"7.25,46.5,2000 7.26,46.5,2010", "\n\t7.25,46.5,2000\n\t7.26,46.5,2010\n", "7.25, 46.5, 2000 7.26, 46.5, 2010",
+        "7.25 , 46.5 , 2000\r\n7.26 , 46.5 , 2010", "7.25 ,46.5 ,2000\n\n 7.26 ,46.5 ,2010",
+        "7.25,\n46.5,\n2000\n7.26,46.5,2010", "7.25,46.5, 2000\n7.26,46.5, 2010", "7.25,46.5,2000, 7.26,46.5,2010,",
+        "7.25,46.5,2000<!-- the top --> 7.26,46.5,2010", "<![CDATA[7.25,46.5,2000 7.26,46.5,2010]]>",
+        "+7.25,46.50,2.0e3\t7.26,46.5,2010"}) {
+    const auto track = parseKml(std::string("<kml><LineString><altitudeMode>absolute</altitudeMode><coordinates>") +
+                                    places + "</coordinates></LineString></kml>",
+                                "a.kml");
+    ASSERT_TRUE(track.ok()) << places << ": " << track.error().message;
+    ASSERT_EQ(track->fixes.size(), 2u) << places;
+    EXPECT_EQ(track->skipped, 0u) << places;
+    for (const size_t i : {0, 1}) {
+      EXPECT_NEAR(track->fixes[i].longitude_rad, (i == 0 ? 7.25 : 7.26) * kDeg, 1e-12) << places;
+      EXPECT_NEAR(track->fixes[i].latitude_rad, 46.5 * kDeg, 1e-12) << places;
+      EXPECT_EQ(track->fixes[i].height_m, i == 0 ? 2000 : 2010) << places;
+    }
+  }
+  const auto wrong =
+      parseKml("<kml><LineString><coordinates>\n7, 46\n7, x\n7, 46.1</coordinates></LineString></kml>", "a.kml");
+  ASSERT_TRUE(wrong.ok()) << wrong.error().message;
+  EXPECT_EQ(wrong->fixes.size(), 2u);
+  EXPECT_TRUE(mentions(*wrong, "a.kml:3: "));
+}
+
 TEST(Kml, HeightsAreThoseOfTheAltitudeMode) {
   const auto withMode = [](const std::string& mode, const std::string& heights) {
     return parseKml("<kml><LineString>" + mode + "<coordinates>7,46," + heights + " 7,46.1," + heights +
@@ -359,6 +435,27 @@ TEST(GeoJson, ReadsLinesWithAndWithoutTimes) {
   }
 }
 
+TEST(GeoJson, ReadsSequences) {
+  const auto feature = [](const char* latitude, const char* second) {
+    return std::string(R"({"type":"Feature","properties":{"coordTimes":["2024-05-01T10:00:)") + second + R"(Z"]},)" +
+           R"("geometry":{"type":"LineString","coordinates":[[7,)" + latitude + ",900]]}}";
+  };
+  const std::string a = feature("46", "00"), b = feature("46.1", "09");
+  for (const std::string& text :
+       {a + "\n" + b, a + "\r\n\n" + b + "\n", "\x1e" + a + "\n\x1e" + b + "\n", "\n\x1e" + a + "\x1e\x1e\n" + b}) {
+    const auto track = parseGeoJson(text, "a.geojsonl");
+    ASSERT_TRUE(track.ok()) << track.error().message;
+    EXPECT_EQ(track->fixes.size(), 2u);
+    EXPECT_EQ(track->seconds(), 9);
+    EXPECT_EQ(track->notes.size(), 1u) << "the number of lines";
+  }
+  const auto cut = parseGeoJson("\x1e" + a + "\n\x1e" + b + "\n\x1e" + a.substr(0, 40), "a.geojsonl");
+  ASSERT_TRUE(cut.ok()) << cut.error().message;
+  EXPECT_TRUE(mentions(*cut, "1 objects of the sequence are broken"));
+  for (const std::string& text : {"\x1e" + a.substr(0, 40), a.substr(0, 40) + "\n" + b, std::string("\x1e\n\x1e")})
+    EXPECT_FALSE(parseGeoJson(text, "a.geojsonl").ok()) << text;
+}
+
 std::string asUtf16(const std::string& text, bool is_big, bool has_mark) {
   std::string out;
   const auto put = [&](uint32_t unit) {
@@ -395,7 +492,8 @@ TEST(Track, IsReadInAnyEncodingAndPackedByGzip) {
                     kml =
                         "<?xml version='1.0' encoding='UTF-16'?><!-- <gpx> --><kml><LineString><coordinates>7,46 "
                         "7,46.1</coordinates></LineString></kml>";
-  for (const std::string& text : {igc, kGpx, json, kml}) {
+  const std::string sequence = "\x1e" + json + "\n";
+  for (const std::string& text : {igc, kGpx, json, sequence, kml}) {
     SCOPED_TRACE(text.substr(0, 20));
     for (const std::string& bytes :
          {text, "\xef\xbb\xbf" + text, asUtf16(text, false, true), asUtf16(text, true, true),

@@ -217,9 +217,19 @@ TEST(Message, AbsurdValuesAreRefused) {
     request.tau_px = tau;
     EXPECT_FALSE(decodeClientMessage(encode(request)).ok()) << tau;
   }
-  ViewRequest flat;
-  flat.lens.height_px = 0;
-  EXPECT_FALSE(decodeClientMessage(encode(flat)).ok());
+  const auto throughLens = [](const Lens& lens) {
+    ViewRequest request;
+    request.lens = lens;
+    return decodeClientMessage(encode(request));
+  };
+  for (const Lens& absurd : {Lens{1, 16385, 600}, Lens{1, 0, 16385}, Lens{0, 0, 0}, Lens{3, 800, 600}})
+    EXPECT_FALSE(throughLens(absurd).ok());
+  for (const Lens& closed : {Lens{1, 0, 0}, Lens{1, 800, 0}, Lens{1, 0, 600}}) {
+    const auto request = throughLens(closed);
+    ASSERT_TRUE(request.ok()) << request.error().message;
+    EXPECT_EQ(std::get<ViewRequest>(*request).lens, closed);
+    EXPECT_TRUE(std::get<ViewRequest>(*request).showsNothing());
+  }
   for (double bad : {std::nan(""), HUGE_VAL, 1e9}) {
     Path path{{}, Duration::milliseconds(100), {{}, {}}};
     path.poses[1].eye.x = bad;

@@ -77,6 +77,53 @@ TEST(Session, MakesNoKeyframeWhileOneIsUnsent) {
   EXPECT_EQ(session.statistics().keyframes, 2u);
 }
 
+// A window that is hidden has no pixels. Its session answers and follows, and goes on where it is when there are some.
+TEST(Session, WaitsWhileItsViewerShowsNothing) {
+  for (const bool begins_closed : {true, false})
+    for (const auto& [width, height] : {std::pair(0u, 0u), {0u, 600u}, {800u, 0u}}) {
+      Session session(smallWorld(), {.prefetch_ahead = Duration::seconds(1)});
+      SessionScratch scratch;
+      std::vector<Bytes> out;
+      const auto ask = [&](proto::Lens lens, double at) {
+        proto::ViewRequest request;
+        request.lens = lens;
+        ASSERT_TRUE(session.receive(proto::encode(request), Time::seconds(at)).ok());
+      };
+      const auto flyUntil = [&](double from, double to) {
+        for (double t = from; t < to; t += 0.1) {
+          proto::PoseUpdate update = poseAt(t);
+          update.received_keyframe = session.keyframe().index;
+          update.received_at = Time::seconds(t);
+          ASSERT_TRUE(session.receive(proto::encode(update), Time::seconds(t)).ok());
+          session.step(Time::seconds(t), scratch, out);
+          session.onDrained(Time::seconds(t));
+        }
+      };
+      const proto::Lens closed{1, width, height}, open{1, 800, 600};
+      if (!begins_closed) {
+        ask(open, 0);
+        flyUntil(0, 2);
+        EXPECT_GT(session.statistics().keyframes, 0u);
+      }
+      ask(closed, 2);
+      const uint64_t before = session.statistics().keyframes, read = session.statistics().prefetches;
+      flyUntil(2, 20);
+      EXPECT_EQ(session.statistics().keyframes, before);
+      EXPECT_EQ(session.statistics().prefetches, read);
+      EXPECT_FALSE(session.due()) << "it waits for messages";
+      EXPECT_GE(out.size(), 1u) << "the welcome";
+      ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{1, {{0, 0}}}), Time::seconds(20)).ok());
+      EXPECT_TRUE(session.due()) << "what is asked is answered";
+      flyUntil(20, 21);
+      EXPECT_EQ(session.statistics().replies, 1u);
+      ask(open, 21);
+      flyUntil(21, 23);
+      EXPECT_GT(session.statistics().keyframes, before);
+      EXPECT_EQ(session.keyframe().lens, open);
+      EXPECT_GT(session.keyframe().time, Time::seconds(20)) << "nothing of the time between is made up for";
+    }
+}
+
 TEST(Session, CountsTheMemoryForWhatRidgesHide) {
   const auto world = openWorld(test::makeScene(65, 65, 5), Occlusion::kOn).value();
   const auto bytesWith = [&](bool occlusion) {

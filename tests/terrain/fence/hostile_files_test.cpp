@@ -7,11 +7,9 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
-#include <sys/inotify.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -23,6 +21,7 @@
 #include "terrain/dem/write.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
+#include "tests/support/watched_folder.h"
 
 namespace foreland::terrain {
 namespace {
@@ -32,13 +31,12 @@ namespace fs = std::filesystem;
 // A folder with what must not be read, and a port that must not be connected to.
 class Outside {
  public:
-  Outside() : watch_(inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
-    auto secret = createElevationFile({folder_ / "secret.tif", 20, 20, 30});
+  Outside() {
+    auto secret = createElevationFile({file("secret.tif"), 20, 20, 30});
     EXPECT_TRUE(secret.ok() && (*secret)->writeRows(20, std::vector<float>(400, 4242)).ok() &&
                 (*secret)->finish().ok());
-    std::ofstream(folder_ / "secret.bin") << std::string(4000, 'x');
-    std::ofstream(folder_ / "secret.nc") << std::string("CDF\x01", 4) << std::string(400, '\0');
-    EXPECT_GE(inotify_add_watch(watch_, folder_.path().c_str(), IN_OPEN | IN_ACCESS | IN_CREATE | IN_MODIFY), 0);
+    std::ofstream(file("secret.bin")) << std::string(4000, 'x');
+    std::ofstream(file("secret.nc")) << std::string("CDF\x01", 4) << std::string(400, '\0');
     listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -56,29 +54,21 @@ class Outside {
     shutdown(listener_, SHUT_RDWR);  // which ends accept()
     acceptor_.join();
     close(listener_);
-    close(watch_);
   }
-  std::string file(const std::string& name) const { return folder_ / name; }
+  std::string file(const std::string& name) const { return folder_.path() / name; }
   std::string http() const { return "http://127.0.0.1:" + std::to_string(port_); }
   fs::path folder() const { return folder_.path(); }
 
   // What was done outside since the last call: "" if nothing.
   std::string events() {
-    std::string out;
-    alignas(inotify_event) std::array<char, 4096> buffer;
-    for (ssize_t n; (n = read(watch_, buffer.data(), buffer.size())) > 0;)
-      for (ssize_t at = 0; at < n;) {
-        const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
-        if (event->len > 0) out += std::string(event->name) + (event->mask & IN_CREATE ? " made; " : " opened; ");
-        at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
-      }
+    std::string out = folder_.events();
     if (connections_.exchange(0) > 0) out += "connected; ";
     return out;
   }
 
  private:
-  test::TemporaryFolder folder_;
-  int watch_, listener_ = -1;
+  test::WatchedFolder folder_;
+  int listener_ = -1;
   uint16_t port_ = 0;
   std::atomic<int> connections_{0};
   std::jthread acceptor_;
@@ -113,6 +103,7 @@ std::map<std::string, Hostile> hostileFiles(const Outside& outside, const fs::pa
       {"raw, upwards", {".vrt", raw(fs::relative(outside.file("secret.bin"), folder), "1")}},
       {"source, absolute", {".vrt", simple(secret)}},
       {"source, upwards", {".vrt", simple(up, "1")}},
+      {"source, its name too long", {".vrt", simple(outside.file(std::string(5000, 'x')))}},
       {"source, by a link", {".vrt", simple("link.tif", "1")}},
       {"source, by a link to a folder", {".vrt", simple("folder/secret.tif", "1")}},
       {"nested", {".vrt", simple("inner.vrt", "1")}},
@@ -124,6 +115,8 @@ std::map<std::string, Hostile> hostileFiles(const Outside& outside, const fs::pa
       {"subfile", {".vrt", simple("/vsisubfile/0_400," + secret)}},
       {"netCDF, network", {".vrt", simple("NETCDF:" + in_quotes + http + "/x.nc" + in_quotes + ":z")}},
       {"netCDF, file", {".vrt", simple("NETCDF:" + in_quotes + outside.file("secret.nc") + in_quotes + ":z")}},
+      {"netCDF, behind blanks",
+       {".vrt", std::string(900, ' ') + simple("NETCDF:" + in_quotes + outside.file("secret.nc") + in_quotes + ":z")}},
       {"HDF5, file", {".vrt", simple("HDF5:" + in_quotes + outside.file("secret.bin") + in_quotes + "://z")}},
       {"directory of a TIFF", {".vrt", simple("GTIFF_DIR:1:" + secret)}},
       {"derived", {".vrt", simple("DERIVED_SUBDATASET:AMPLITUDE:" + secret)}},

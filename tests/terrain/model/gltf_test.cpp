@@ -377,6 +377,46 @@ TEST(Gltf, NamesWhatIsWrong) {
   }
 }
 
+std::string word(uint32_t value) {
+  std::string out;
+  for (int i = 0; i < 4; ++i) out += static_cast<char>(value >> (8 * i) & 0xff);
+  return out;
+}
+
+// Containers whose lengths, padding and further chunks are not as they should be hold the same model.
+TEST(Gltf, ReadsOddContainers) {
+  const Model sphere = test::makeSphere(0);
+  const std::string glb = test::toGltf(sphere).toGlb();
+  const auto notesOf = [&](const std::string& bytes) {
+    const auto model = gltf(bytes);
+    EXPECT_TRUE(model.ok()) << model.error().message;
+    if (!model.ok()) return std::vector<std::string>{model.error().message};
+    EXPECT_EQ(model->faceCount(), sphere.faceCount());
+    return model->notes;
+  };
+  using Notes = std::vector<std::string>;
+  const auto withLength = [&](std::string bytes, size_t length) {
+    return bytes.replace(8, 4, word(static_cast<uint32_t>(length)));
+  };
+  const std::string size = std::to_string(glb.size());
+  EXPECT_EQ(notesOf(glb), Notes());
+  EXPECT_EQ(notesOf(withLength(glb, 0)), Notes{"says that it has 0 bytes, but has " + size});
+  EXPECT_EQ(notesOf(withLength(glb, glb.size() + 4)),
+            Notes{"says that it has " + std::to_string(glb.size() + 4) + " bytes, but has " + size});
+  const std::string extra = word(4) + "XTRA" + "abcd";
+  EXPECT_EQ(notesOf(withLength(glb + extra, glb.size() + 12)), Notes{"chunks of other kinds left out: 1"});
+  EXPECT_EQ(notesOf(withLength(glb + "junk!", glb.size() + 5)), Notes{"bytes behind the last chunk left out: 5"});
+  EXPECT_EQ(notesOf(withLength(glb + std::string(4, '\0'), glb.size() + 4)), Notes());
+  // Zeros instead of blanks behind the JSON.
+  const size_t json_end = glb.find(std::string("BIN\0", 4)) - 4;
+  std::string zeros = glb.substr(0, json_end) + std::string(4, '\0') + glb.substr(json_end);
+  zeros.replace(12, 4, word(static_cast<uint32_t>(json_end - 20 + 4)));
+  EXPECT_EQ(notesOf(withLength(zeros, zeros.size())), Notes());
+  const auto cut = gltf(glb.substr(0, glb.size() - 8));
+  ASSERT_FALSE(cut.ok());
+  EXPECT_NE(cut.error().message.find("cut short"), std::string::npos) << cut.error().message;
+}
+
 TEST(Gltf, RefusesFilesOutsideItsFolderAndBrokenContainers) {
   const GltfFile file = test::toGltf(test::makeSphere(0));
   const test::TemporaryFolder folder;

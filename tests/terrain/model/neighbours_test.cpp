@@ -53,6 +53,13 @@ TEST_F(NeighboursTest, PathsOfOtherMachinesMeanTheFileBesideTheModel) {
     EXPECT_EQ(find(name, "model/sub/s.mtl"), "model/sub/t.png") << name;
 }
 
+// The file system refuses them by an exception, unless it is asked not to.
+TEST_F(NeighboursTest, NamesThatAreTooLongAreNamed) {
+  const std::string far(5000, 'x');
+  for (const std::string& name : {far, "/" + far, "../" + far, far + "/a", "C:\\" + far})
+    EXPECT_NE(find(name).find("xxx"), std::string::npos) << name.substr(0, 9);
+}
+
 TEST_F(NeighboursTest, LieInTheModelsFolderUnlessAllowed) {
   const std::string outside = (folder_ / "other/secret.png").string();
   fs::create_symlink(folder_ / "other/secret.png", folder_ / "model/link.png");

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <fstream>
 
 #include "base/rng.h"
 #include "terrain/model/read_model.h"
+#include "tests/support/files.h"
 #include "tests/support/models.h"
 
 namespace foreland::terrain {
@@ -145,6 +147,60 @@ TEST(Obj, WhatIsNotTakenIsCounted) {
                                       "parts of free-form curves and surfaces left out: 1"}));
 }
 
+// `#` begins a comment where no name may have it.
+TEST(Obj, NamesMayHaveANumberSign) {
+  const auto read = [](const std::string& text, const std::string& library) {
+    return parseObj(text, "m.obj", [&](const std::string& name) -> Result<Bytes> {
+      if (name != "part #2.mtl") return Error{ErrorCode::kNotFound, name};
+      return Bytes(library.begin(), library.end());
+    });
+  };
+  for (const char* comment : {"", " # written by hand", "\t#2"}) {
+    const auto model =
+        read(std::string("mtllib part #2.mtl") + comment + "\no a#1\ng b # c\nusemtl red#3" + comment + "\n" + kSquare,
+             "newmtl red\nKd 0 0 1\nnewmtl red#3 # the third\nKd 1 0 0 # red\nmap_Kd wood#1.png\n");
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    EXPECT_EQ(model->notes, std::vector<std::string>()) << comment;
+    ASSERT_EQ(model->materials.size(), 2u);
+    EXPECT_EQ(model->face_materials[0], 1u) << comment;
+    EXPECT_EQ(model->materials[1].colour, (Colour{255, 0, 0, 255}));
+    EXPECT_EQ(model->materials[1].texture, "wood#1.png");
+  }
+  const auto missing = read("mtllib other.mtl # gone\n" + kSquare, "");
+  ASSERT_TRUE(missing.ok()) << missing.error().message;
+  EXPECT_EQ(missing->notes, std::vector<std::string>{"without the colours of its material library: other.mtl"});
+}
+
+TEST(Obj, TexturesMayHaveANumberSign) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "wood #1.png") << "an image";
+  for (const char* comment : {"", " # of oak", "\t# of oak"}) {
+    std::ofstream(folder / "m.mtl") << "newmtl a\nmap_Kd wood #1.png" << comment << "\n";
+    std::ofstream(folder / "m.obj") << "mtllib m.mtl\nusemtl a\n" << kSquare;
+    const auto model = readModel(folder / "m.obj");
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    EXPECT_EQ(model->materials.at(0).texture.filename(), "wood #1.png") << comment;
+  }
+}
+
+TEST(Obj, ReadsThePaintOfZBrush) {
+  const auto painted = obj("#MRGB ffFF0000ff00ff00\n#MRGB ff0000Ff\n" + kSquare);
+  ASSERT_TRUE(painted.ok()) << painted.error().message;
+  const Colour white{255, 255, 255, 255};
+  EXPECT_EQ(painted->colours,
+            (std::vector<Colour>{{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, white, white}));
+  EXPECT_EQ(painted->notes, std::vector<std::string>());
+  const auto odd = obj("#MRGB ffff0000ff0\n#MRGB ffzz0000\n#MRGB " + std::string(48, '0') + "\n# MRGB\n" + kSquare);
+  ASSERT_TRUE(odd.ok()) << odd.error().message;
+  EXPECT_EQ(odd->colours.size(), 5u);
+  EXPECT_EQ(odd->notes, (std::vector<std::string>{"colours of #MRGB behind the last vertex left out: 2",
+                                                  "lines of #MRGB that are no colours left out: 2"}));
+  const auto both = obj("#MRGB ff00ff00\nv 0 0 0 1 1 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  ASSERT_TRUE(both.ok()) << both.error().message;
+  EXPECT_EQ(both->colours[0], (Colour{255, 0, 0, 255}));
+  EXPECT_EQ(both->notes.size(), 1u);
+}
+
 TEST(Obj, ColoursMayBeBytes) {
   const auto read = obj("v 0 0 0 255 0 128\nv 1 0 0 1 0 0\nv 1 1 0\nf 1 2 3\n");
   ASSERT_TRUE(read.ok()) << read.error().message;
@@ -257,6 +313,54 @@ Result<Model> facedPly(const std::string& comments, const std::string& propertie
              properties + "end_header\n" + kVertices + "3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n");
 }
 
+TEST(Ply, ReadsListsAndColoursOfAnyType) {
+  for (const char* list :
+       {"uchar int", "int uint", "uint8 uchar", "char short", "ushort ushort", "uint float", "short double"})
+    for (const char* colour : {"uchar", "int", "ushort", "float", "double"}) {
+      const std::string type(colour);
+      const bool is_real = type == "float" || type == "double";
+      std::string header =
+          "ply\nformat ascii 1.0\nobj_info scanned\nelement vertex 4\nproperty double x\nproperty int y\nproperty "
+          "float z\n";
+      for (const char* channel : {"red", "green", "blue"}) header += "property " + type + " " + channel + "\n";
+      const std::string red = is_real ? " 1 0 0.5\n" : type == "ushort" ? " 65535 0 32896\n" : " 255 0 128\n";
+      const auto read = ply(header + "element face 1\nproperty list " + list + " vertex_indices\nend_header\n0 0 0" +
+                            red + "1 0 0" + red + "1 1 0" + red + "0 1 0" + red + "4 0 1 2 3\n");
+      ASSERT_TRUE(read.ok()) << list << ", " << colour << ": " << read.error().message;
+      EXPECT_EQ(read->corners[3].vertex, 3u);
+      EXPECT_EQ(read->colours[2], (Colour{255, 0, 128, 255})) << colour;
+      EXPECT_EQ(read->notes, std::vector<std::string>());
+    }
+}
+
+TEST(Ply, ReadsStripsOfTriangles) {
+  const auto strips = [](const std::string& lists, const std::string& count) {
+    return ply(
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement "
+        "tristrips " +
+        count + "\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n" + lists);
+  };
+  using Faces = std::vector<std::vector<uint32_t>>;
+  const auto facesOf = [](const Model& model) {
+    Faces faces(model.faceCount());
+    for (size_t f = 0; f < model.faceCount(); ++f)
+      for (uint64_t c = model.faceBegin(f); c < model.face_ends[f]; ++c) faces[f].push_back(model.corners[c].vertex);
+    return faces;
+  };
+  const auto one = strips("5 0 1 2 3 4\n", "1");
+  ASSERT_TRUE(one.ok()) << one.error().message;
+  EXPECT_EQ(facesOf(*one), (Faces{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}})) << "all counter-clockwise";
+  const auto cut = strips("9 0 1 2 -1 2 1 3 -1 0\n", "1");
+  ASSERT_TRUE(cut.ok()) << cut.error().message;
+  EXPECT_EQ(facesOf(*cut), (Faces{{0, 1, 2}, {2, 1, 3}}));
+  const auto joined = strips("3 0 1 2\n6 0 1 1 2 3 4\n", "2");
+  ASSERT_TRUE(joined.ok()) << joined.error().message;
+  EXPECT_EQ(facesOf(*joined), (Faces{{0, 1, 2}, {1, 2, 3}, {3, 2, 4}}));
+  expectRefusal(strips("3 0 1 5\n", "1"), "face 0 names vertex 5");
+  expectRefusal(strips("3 0 1 1.5\n", "1"), "face 0 names a vertex that is no number");
+  expectRefusal(strips("3 0 1\n", "1"), "cut short");
+}
+
 TEST(Ply, ReadsTextureCoordinatesByCorner) {
   const std::string comments = "comment TextureFile a.png\ncomment TextureFile b c.png\n";
   const auto read = facedPly(comments, "property list uchar float texcoord\nproperty int texnumber\n",
@@ -317,11 +421,11 @@ TEST(Ply, WhatIsNotTakenIsCounted) {
       ply("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
           "property float nx\nproperty float quality\nelement face 1\nproperty list uchar int vertex_indices\n"
           "property int flags\nelement edge 2\nproperty int vertex1\nproperty list uchar int more\n"
-          "end_header\n0 0 0 1 5\n1 0 0 1 5\n1 1 0 1 5\n3 0 1 2 7\n1 0\n2 2 8 9\n");
+          "end_header\n0 0 0 1 5\n1 0 0 1 5\n1 1 0 1 5\n3 0 1 2 7\n1 0\n2 2 8 9\n1 2\n\n");
   ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read->notes,
-            (std::vector<std::string>{"elements 'edge' left out: 2", "property 'flags' of 'face' left out: 1",
-                                      "property 'quality' of 'vertex' left out: 3"}));
+  EXPECT_EQ(read->notes, (std::vector<std::string>{
+                             "bytes behind the last element left out: 6", "elements 'edge' left out: 2",
+                             "property 'flags' of 'face' left out: 1", "property 'quality' of 'vertex' left out: 3"}));
 }
 
 TEST(Ply, ReadsAnyEncodingAndLineEnds) {

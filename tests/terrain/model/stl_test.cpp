@@ -91,6 +91,43 @@ TEST(Stl, BinaryThatBeginsAsTextMayBePadded) {
   expectRefusal(whole.substr(0, whole.size() - 60), "promises 32 triangles, but ends after 30");
 }
 
+TEST(Stl, ReadsSeveralSolidsAndCountsWhatFollows) {
+  const Model sphere = test::makeSphere(1);
+  const std::string text = test::toTextStl(sphere);
+  std::string loud = text, apart = text;
+  for (char& c : loud) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (size_t at = 0; (at = apart.find("endloop", at)) != std::string::npos; at += 8) apart.replace(at, 7, "end loop");
+  for (const std::string& form :
+       {text + text, text + "\n\n" + loud, apart + text, text + text + std::string(3, '\0'), text + loud + "\x1a"}) {
+    const auto model = stl(form);
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    EXPECT_EQ(model->faceCount(), 2 * sphere.faceCount());
+    EXPECT_EQ(model->positions.size(), sphere.positions.size()) << "the same places are the same vertices";
+    EXPECT_EQ(model->notes, std::vector<std::string>());
+  }
+  const auto followed = stl(text + "<html>\nnot found\n");
+  ASSERT_TRUE(followed.ok()) << followed.error().message;
+  EXPECT_EQ(followed->notes, std::vector<std::string>{"lines that are of no kind of STL left out: 2"});
+  const auto binary = stl(test::toBinaryStl(sphere) + "made by hand");
+  ASSERT_TRUE(binary.ok()) << binary.error().message;
+  EXPECT_EQ(binary->faceCount(), sphere.faceCount());
+  EXPECT_EQ(binary->notes, std::vector<std::string>{"bytes behind the last triangle left out: 12"});
+}
+
+// Programs that write as they go do not know the number when they write the header.
+TEST(Stl, ReadsAllTrianglesWhereNoNumberIsGiven) {
+  const Model sphere = test::makeSphere(1);
+  for (const char* number : {"\0\0\0\0", "\xff\xff\xff\xff"}) {
+    std::string bytes = test::toBinaryStl(sphere);
+    bytes.replace(80, 4, number, 4);
+    const auto model = stl(bytes);
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    EXPECT_EQ(model->faceCount(), sphere.faceCount());
+    EXPECT_EQ(model->notes, std::vector<std::string>{"gives no number of triangles; all 32 are read"});
+    EXPECT_FALSE(stl(bytes + "x").ok());
+  }
+}
+
 // Two conventions for the two bytes that the format leaves open.
 TEST(Stl, ReadsColoursOfTriangles) {
   const Model sphere = test::makeSphere(0);

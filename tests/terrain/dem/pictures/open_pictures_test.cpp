@@ -204,11 +204,40 @@ TEST_F(Pictures, GreyPaletteAndAlphaBecomeColours) {
   spec.palette = true;
   EXPECT_EQ(middle(spec), (Rgba{55, 7, 200, 255}));
   spec.palette = false, spec.bands = 2, spec.alpha = true;
+  spec.value = [](int band, int, int) { return static_cast<uint8_t>(band == 1 ? 200 : 0); };
   EXPECT_LT(middle(spec).alpha, 128);
   spec.bands = 4;
   EXPECT_LT(middle(spec).alpha, 128);
   spec.value = [](int band, int, int) { return static_cast<uint8_t>(10 * band + 215); };
   EXPECT_EQ(middle(spec), (Rgba{225, 235, 245, 255}));
+}
+
+// Infrared that is tagged as alpha: dark over water, and nowhere opaque.
+TEST_F(Pictures, WhatIsNoAlphaIsLeftOutWithANoteUnlessItIsChosen) {
+  PictureLattice lattice = utm();
+  PictureSpec spec = over(lattice);
+  spec.bands = 4, spec.alpha = true;
+  const auto infrared = [](int x) { return x < 20 ? 0 : 120 + 3 * (x - 20); };
+  const auto mask = [](int x) { return x < 20 ? 0 : x == 20 ? 120 : 255; };
+  const auto alphaOf = [&](AlphaChoice choice, const auto& band4, size_t notes) {
+    spec.value = [&](int band, int x, int) { return static_cast<uint8_t>(band < 4 ? 50 * band : band4(x)); };
+    lattice.alpha = choice;
+    auto source = openPictures({write("nir.tif", spec)}, lattice);
+    EXPECT_TRUE(source.ok()) << source.error().message;
+    EXPECT_EQ((*source)->info().notes.size(), notes);
+    for (const std::string& note : (*source)->info().notes) {
+      EXPECT_NE(note.find("nir.tif: its band 4 is tagged as alpha"), std::string::npos) << note;
+      EXPECT_NE(note.find("--imagery-alpha use"), std::string::npos) << note;
+    }
+    const auto texels = readAll(**source);
+    return std::array{texels[15 * 41 + 5].alpha, texels[15 * 41 + 38].alpha};
+  };
+  using Alphas = std::array<uint8_t, 2>;
+  EXPECT_EQ(alphaOf(AlphaChoice::kAuto, infrared, 1), (Alphas{255, 255}));
+  EXPECT_EQ(alphaOf(AlphaChoice::kUse, infrared, 0), (Alphas{0, 174}));
+  EXPECT_EQ(alphaOf(AlphaChoice::kIgnore, infrared, 0), (Alphas{255, 255}));
+  EXPECT_EQ(alphaOf(AlphaChoice::kAuto, mask, 0), (Alphas{0, 255}));
+  EXPECT_EQ(alphaOf(AlphaChoice::kIgnore, mask, 0), (Alphas{255, 255}));
 }
 
 TEST_F(Pictures, TheFinestShowsAndOfEqualsTheFirst) {
