@@ -11,12 +11,16 @@ class NodeWorker implements WorkerLike {
   onmessageerror: WorkerLike['onmessageerror'] = null;
   onerror: WorkerLike['onerror'] = null;
   private readonly thread: Thread;
+  private did_start = false;
 
   constructor(url: URL) {
     this.thread = new Thread(url);
-    this.thread.on('message', (data) => this.onmessage?.({ data }));
+    this.thread.on('message', (data) => {
+      this.did_start = true;
+      this.onmessage?.({ data });
+    });
     this.thread.on('messageerror', (error) => this.onmessageerror?.(error));
-    this.thread.on('error', (error) => this.onerror?.({ message: error.message }));
+    this.thread.on('error', (error) => this.onerror?.({ message: error.message, did_start: this.did_start }));
   }
   postMessage(message: unknown): void {
     this.thread.postMessage(message);

@@ -304,12 +304,12 @@ export class Terrain {
   /** Exact heights of the ground, of the server, at full resolution; NaN beyond the data. At most 65,536 places at once. */
   async heights(places: readonly MapPoint[]): Promise<Float64Array> {
     if (places.length > kMaxGroundPoints) throw new ForelandError('argument', `${places.length} places are too many for one question.`, `Ask for at most ${kMaxGroundPoints}.`);
+    if (this.end) throw this.end;
     if (places.length === 0) return new Float64Array();
     const positions = new Float64Array(2 * places.length);
     places.forEach((place, i) => positions.set(this.session!.screen.mapPosition(this.toScene(place))!.lattice, 2 * i));
     const id = this.next_question++;
     return new Promise((resolve, reject) => {
-      if (this.end) return reject(this.end);
       this.questions.set(id, { resolve, reject });
       this.tell({ kind: 'ground', id, positions });
     });

@@ -22,6 +22,7 @@ export async function readHeights(raster) {
   };
   return {
     side,
+    at,
     // By how much the ray that leaves a sample towards the sun (east, north, rise a level metre) stays below other ground at most.
     shadowOver(x, y, [east, north, rise]) {
       let most = -Infinity;

@@ -4,7 +4,7 @@ import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serveMessage } from '../../js/tests/socket.mjs';
-import { readHeights } from './heights.mjs';
+import { readHeights } from '../../js/tests/heights.mjs';
 import {
   changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain,
 } from './support.mjs';

@@ -138,8 +138,8 @@ export class Session {
 }
 
 // An event without a message is of a worker that cannot be loaded. The browser logs others.
-export function failureOfWorker({ message }: { message?: string }): Failure {
-  if (message) return { part: 'page', reason: message };
+export function failureOfWorker({ message, did_start = true }: { message?: string; did_start?: boolean }): Failure {
+  if (message && did_start) return { part: 'page', reason: message };
   console.error('The worker did not load.');
-  return { part: 'worker start', reason: '' };
+  return { part: 'worker start', reason: message ?? '' };
 }

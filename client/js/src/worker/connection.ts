@@ -49,6 +49,7 @@ export class Connection {
       [this.failures, this.why] = [0, ''];
       this.events.onOpen();
     };
+    socket.onerror = () => {}; // onclose follows; where nobody listens Node ends the thread
     socket.onmessage = (event) => {
       if (socket !== this.socket || !(event.data instanceof ArrayBuffer)) return;
       this.wait_ms = kFirstWait_ms;
