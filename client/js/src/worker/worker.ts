@@ -102,7 +102,7 @@ class Session {
         break;
       case 'server': return this.connection.setUrl(message.url);
       case 'reopen':
-        if (this.connection.isOpen()) this.connection.open();
+        this.connection.open();
         break;
       case 'save recording': return this.saveRecording();
       case 'close':
