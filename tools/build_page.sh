@@ -1,13 +1,19 @@
 #!/usr/bin/env bash
-# Builds the page into client/web/dist. npm packages come by the lock file, and only when it has changed since the last time.
-# The WebAssembly module must have been built (preset `wasm`); the page's build takes it from build/wasm/bin.
+# Builds the client's package into client/js/dist, and the page, which uses it, into client/web/dist. npm packages come by the lock
+# files, and only when one has changed since the last time. The WebAssembly module must have been built (preset `wasm`); the package
+# takes it from build/wasm/bin.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/../client/web"
+cd "$(dirname "${BASH_SOURCE[0]}")/../client"
 
-lock="$(sha256sum package-lock.json package.json | sha256sum | cut -d' ' -f1)"
-stamp=node_modules/.foreland-lock
-if [[ "$(cat "$stamp" 2>/dev/null || true)" != "$lock" ]]; then
-  npm ci --no-audit --no-fund --loglevel=error
+install() {
+  local lock stamp="$1/node_modules/.foreland-lock"
+  lock="$(cat "$1/package-lock.json" "$1/package.json" | sha256sum | cut -d' ' -f1)"
+  [[ "$(cat "$stamp" 2>/dev/null || true)" != "$lock" ]] || return 0
+  (cd "$1" && npm ci --no-audit --no-fund --loglevel=error)
   echo "$lock" >"$stamp"
-fi
-npm run --silent build
+}
+
+install js
+(cd js && npm run --silent build)
+install web
+(cd web && npm run --silent build)

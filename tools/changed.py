@@ -24,7 +24,7 @@ def main():
         print(__doc__, file=sys.stderr)
         return 2
     paths = changed(sys.argv[2])
-    native = any(p.startswith(NATIVE) and not p.startswith("client/web/") for p in paths)
+    native = any(p.startswith(NATIVE) and not p.startswith(("client/web/", "client/js/")) for p in paths)
     stages = {"packages", "layers", "docs"} if paths else set()
     if native:
         stages |= {"format", "release", "test", "demo", "package", "lint", "asan", "tsan"}

@@ -20,7 +20,7 @@ import tempfile
 import source_files
 
 # Written by the build or by the user, so not in the repository.
-OUTPUTS = ("build/", "../", "client/web/dist", "client/web/node_modules", "/")
+OUTPUTS = ("build/", "../", "client/web/dist", "client/web/node_modules", "client/js/dist", "client/js/node_modules", "/")
 SOURCE = (".h", ".cpp", ".cmake", "CMakeLists.txt", ".py", ".sh", ".fbs", ".js", ".mjs", ".ts", ".html", ".css")
 TICKED = re.compile(r"`([^`\s]+)`")
 LINK = re.compile(r"\]\(([^)\s#]+)[^)]*\)")

@@ -132,6 +132,21 @@ THIRD_PARTY = [
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
 CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", "sim", "lab/load", *EDGES]  # sim: to time its steps; lab/load: for runs in real time
 
+# Rooms of the client's package in TypeScript, and what each may import; `three` is the library. Only the worker's entry knows Node.
+SCRIPT_SEES = {
+    "client/js/src/core": [],
+    "client/js/src/worker": ["client/js/src/core", "node", "ws"],
+    "client/js/src/three": ["client/js/src/core", "client/js/src", "three"],
+    "client/js/src/maplibre": ["client/js/src/core", "client/js/src", "client/js/src/three", "three", "maplibre-gl"],
+    "client/js/src": ["client/js/src/core", "node", "foreland"],
+    # The page uses the package by its name, as anyone does.
+    "client/web/src": ["client/web/src", "@foreland/client", "three"],
+}
+IMPORT = re.compile(r"""^(?:import|export)\b.*?\bfrom '([^']+)';|\bimport\('([^']+)'\)""")
+DOM = re.compile(r"\b(document|window)\b")
+DOM_ROOMS = ["client/js/src/three", "client/js/src/maplibre", "client/web/src"]
+DOM_FILES = ["client/js/src/host.ts"]
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
@@ -178,6 +193,37 @@ def violations(root):
                 code = line.split("//")[0]
                 if CLOCK.search(code) and room not in CLOCK_ROOMS:
                     yield f"{path}:{number}: {room} must not read a clock; time is a parameter"
+
+
+def script_room_of(path):
+    return max((room for room in SCRIPT_SEES if path.startswith(room + "/")), key=len, default=None)
+
+
+def judge_import(path, room, target):
+    """What is wrong with this import, or None."""
+    if target.startswith("."):
+        at = os.path.normpath(os.path.join(os.path.dirname(path), target))
+        target_room = script_room_of(at) or os.path.dirname(at)
+    else:
+        target_room = next((name for name in ("@foreland/client", "three", "maplibre-gl", "ws") if (target + "/").startswith(name + "/")), target.split(":")[0])
+    if target_room == room or target_room in SCRIPT_SEES[room]:
+        return None
+    return f"{room} must not import {target_room} ({target}); it sees: {', '.join(SCRIPT_SEES[room]) or 'only itself'}"
+
+
+def script_violations(root):
+    for path in source_files.ours(root, (".ts",)):
+        room = script_room_of(path)
+        if room is None:
+            continue
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            for number, line in enumerate(file, 1):
+                found = IMPORT.search(line)
+                wrong = judge_import(path, room, found[1] or found[2]) if found else None
+                if wrong:
+                    yield f"{path}:{number}: {wrong}"
+                if DOM.search(line.split("//")[0]) and not line.lstrip().startswith(("*", "/*")) and room not in DOM_ROOMS and path not in DOM_FILES:
+                    yield f"{path}:{number}: {room} must not know a document"
 
 
 PLANTED = [  # file, content, what must be said of it ("" for: nothing)
@@ -233,6 +279,14 @@ PLANTED = [  # file, content, what must be said of it ("" for: nothing)
     ("proto/message/e.h", '#include "proto/codec/a.h"\n', ""),
     ("proto/e.h", "#pragma once\n", "lies in no room"),
     ("elsewhere/a.h", "#pragma once\n", "lies in no room"),
+    ("client/js/src/core/a.ts", "import { A } from '../worker/b.js';\n", "client/js/src/core must not import client/js/src/worker"),
+    ("client/js/src/a.ts", "import * as THREE from 'three';\n", "must not import three"),
+    ("client/js/src/b.ts", "export { A } from './three/a.js';\n", "must not import client/js/src/three"),
+    ("client/js/src/c.ts", "const title = document.title;\n", "must not know a document"),
+    ("client/js/src/three/a.ts", "import * as THREE from 'three';\nimport { A } from '../core/b.js';\nwindow.open();\n", ""),
+    ("client/js/src/three/b.ts", "import { A } from '../worker/b.js';\n", "must not import client/js/src/worker"),
+    ("client/web/src/ui/a.ts", "import { A } from '../../../js/src/core/b';\n", "must not import client/js/src/core"),
+    ("client/web/src/ui/b.ts", "import { A } from '@foreland/client/three';\nimport { B } from '../draw/b';\n", ""),
 ]
 
 
@@ -243,7 +297,7 @@ def self_test():
             os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
             with open(os.path.join(root, path), "w", encoding="utf-8") as file:
                 file.write(content)
-        found = list(violations(root))
+        found = [*violations(root), *script_violations(root)]
     for path, _, expected in PLANTED:
         about = [line for line in found if line.startswith(path + ":")]
         if bool(about) != bool(expected) or (expected and expected not in about[0]):
@@ -259,7 +313,7 @@ def main():
     if sys.argv[1:] not in ([], ["--self-test"]):
         print(__doc__, file=sys.stderr)
         return 2
-    found = self_test() if sys.argv[1:] else list(violations(source_files.ROOT))
+    found = self_test() if sys.argv[1:] else [*violations(source_files.ROOT), *script_violations(source_files.ROOT)]
     for line in found:
         print(line)
     return 1 if found else 0

@@ -87,7 +87,7 @@ ask() {
 ask / >answer
 grep -q "^HTTP/1.. 200" answer || { echo "the page: $(head -1 answer)" >&2; exit 1; }
 sed "1,/^$/d" answer | cmp - "$page/index.html"
-for asset in $(sed -n "s/.* src=\"\.\(\/[^\"]*\.js\)\".*/\1/p" "$page/index.html") /foreland.wasm; do
+for asset in $(sed -n "s/.* src=\"\.\(\/[^\"]*\.js\)\".*/\1/p" "$page/index.html") $(cd "$page" && ls assets/*.wasm | sed "s|^|/|"); do
   ask "$asset" >answer
   head -1 answer | grep -q "^HTTP/1.. 200" || { echo "the server has no $asset" >&2; exit 1; }
 done

@@ -14,7 +14,7 @@ namespace {
 
 // The file: kRecordingLine; the options as JSON; then what came in, each as its kind (1 byte), time (8 bytes,
 // microseconds), size (4 bytes) and bytes; all numbers little-endian. The last one is kEnd.
-// client/web/src/core/recording.ts writes the same, of flights that are steered.
+// client/js/src/worker/recording.ts writes the same, of flights that are steered.
 enum RecordKind : uint8_t {
   kOptions = 'o',
   kFrame = 'f',

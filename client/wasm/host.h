@@ -38,6 +38,8 @@ struct Host {
   std::array<ChangedRanges, 2> changes;
   GroundSupply ground;
   StatisticsRecord statistics_record{};
+  std::optional<proto::GroundReply> ground_reply;
+  GroundRecord ground_record{};
   TextRecord text_record{};
   TilesRecord tiles_record{};
   ImageRecord image_record{};

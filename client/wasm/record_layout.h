@@ -1,5 +1,5 @@
 // The layout of the records in records.h as text, so that the page's readers are generated
-// (client/web/make_records.mjs) instead of copied by hand. A record that is changed without its table below does not
+// (client/js/make_records.mjs) instead of copied by hand. A record that is changed without its table below does not
 // compile.
 #pragma once
 
@@ -133,6 +133,7 @@ inline constexpr RecordField kWelcomeFields[] = {
     FORELAND_FIELD(WelcomeRecord, epochs),
     FORELAND_FIELD(WelcomeRecord, model_count),
     FORELAND_FIELD(WelcomeRecord, model_sides),
+    FORELAND_FIELD(WelcomeRecord, scene_id),
     FORELAND_FIELD(WelcomeRecord, unused),
 };
 inline constexpr RecordField kPlaceFields[] = {
@@ -187,6 +188,11 @@ inline constexpr RecordField kStatisticsFields[] = {
     FORELAND_FIELD(StatisticsRecord, tiles),
     FORELAND_FIELD(StatisticsRecord, damaged_tiles),
 };
+inline constexpr RecordField kGroundFields[] = {
+    FORELAND_FIELD(GroundRecord, id),
+    FORELAND_FIELD(GroundRecord, count),
+    FORELAND_FIELD(GroundRecord, heights_m),
+};
 inline constexpr RecordField kTextFields[] = {FORELAND_FIELD(TextRecord, text), FORELAND_FIELD(TextRecord, size)};
 
 #undef FORELAND_FIELD
@@ -203,6 +209,7 @@ inline constexpr RecordLayout kRecordLayouts[] = {
     {"LayerRecord", sizeof(LayerRecord), kLayerFields},
     {"SlopeFrameRecord", sizeof(SlopeFrameRecord), kSlopeFrameFields},
     {"StatisticsRecord", sizeof(StatisticsRecord), kStatisticsFields},
+    {"GroundRecord", sizeof(GroundRecord), kGroundFields},
     {"TextRecord", sizeof(TextRecord), kTextFields},
 };
 

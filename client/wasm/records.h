@@ -111,6 +111,7 @@ struct WelcomeRecord {
   Address epochs;           // double milliseconds since 1970, ascending
   uint32_t model_count;     // of objects
   Address model_sides;      // uint32: texels a base edge of each model's image; 0: it has none
+  uint32_t scene_id[2];     // the lower half first
   uint32_t unused;          // keeps the size a multiple of 8
 };
 
@@ -191,6 +192,13 @@ struct StatisticsRecord {
   uint32_t late_keyframes;
   uint32_t tiles;          // held
   uint32_t damaged_tiles;  // of relief, in this scene; images are decoded by the page
+};
+
+// The server's reply to foreland_request_ground.
+struct GroundRecord {
+  uint32_t id;
+  uint32_t count;
+  Address heights_m;  // float; NaN beyond the data
 };
 
 struct TextRecord {

@@ -54,6 +54,8 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
   out.highest_m = from.highest * from.frame.height_quantum_m;
   out.tau_px = from.tau_px;
   out.keyframe_ms = from.keyframe_interval.toMilliseconds();
+  out.scene_id[0] = static_cast<uint32_t>(from.scene_id);
+  out.scene_id[1] = static_cast<uint32_t>(from.scene_id >> 32);
   out.title = addressOf(from.title.data());
   out.title_size = static_cast<uint32_t>(from.title.size());
   out.crs = addressOf(from.crs.data());
@@ -98,6 +100,15 @@ MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const gl
     out.across[1] = transform.frame().map_origin_m.x + point.x;
   }
   return out;
+}
+
+glm::dvec3 scenePointOf(const proto::FrameTransform& transform, glm::dvec2 across, double height_m) {
+  const proto::Frame& frame = transform.frame();
+  if (frame.kind == proto::FrameKind::kPlanar)
+    return {across[1] - frame.map_origin_m.x, across[0] - frame.map_origin_m.y, height_m};
+  return transform.toScene(proto::Geodetic{.latitude_rad = across[0] / kDegreesPerRadian,
+                                           .longitude_rad = across[1] / kDegreesPerRadian,
+                                           .height_m = height_m});
 }
 
 SlopeFrameRecord slopeFrameOf(const proto::Frame& frame) {

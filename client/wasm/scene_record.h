@@ -23,6 +23,10 @@ class SceneRecord {
 // A point of the scene in the coordinates of the data's owner; the ground's height there is given.
 MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const glm::dvec3& point, double ground_m);
 
+// The point of the scene at a place in those coordinates (MapPositionRecord::across) and a height above the zero
+// surface.
+glm::dvec3 scenePointOf(const proto::FrameTransform& transform, glm::dvec2 across, double height_m);
+
 // How slopes along the lattice's axes become a normal.
 SlopeFrameRecord slopeFrameOf(const proto::Frame& frame);
 

@@ -156,6 +156,15 @@ const MapPositionRecord* screenMapPosition(Screen* screen, double x, double y, d
   return &screen->place_record;
 }
 
+// The point of the scene at a place that the data's owner names: latitude and longitude in degrees, or northing and
+// easting of the map in metres, and a height above the zero surface. Null before the welcome.
+FORELAND_EXPORT(foreland_screen_scene_point)
+const PoseRecord* screenScenePoint(Screen* screen, double across_0, double across_1, double height_m) {
+  if (!screen->transform) return nullptr;
+  screen->pose_record = recordOf(proto::Pose{.eye = scenePointOf(*screen->transform, {across_0, across_1}, height_m)});
+  return &screen->pose_record;
+}
+
 // Takes the server's reply with a tour from the buffer, to begin at a time. 1 on success.
 FORELAND_EXPORT(foreland_screen_tour) uint32_t screenTour(Screen* screen, double start_ms) {
   auto message = proto::decodeServerMessage(incoming());

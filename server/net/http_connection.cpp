@@ -130,7 +130,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const auto pass = admit();
     const auto* rejection = std::get_if<Rejection>(&pass);
     HttpReply reply = rejection ? textReply(rejection->status, rejection->why) : std::move(otherwise);
-    reply.is_for_any_origin = true;
+    reply.readable_by = ReadableBy::kAnyOrigin;
     return reply;
   }
 
@@ -172,17 +172,32 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response_.set(http::field::server, "foreland");
     response_.set(http::field::content_type, reply.content_type);
     response_.set(http::field::cache_control, reply.cache_control);
-    for (const auto& [name, value] : kPageRules) response_.set(name, value);
+    for (const auto& [name, value] : kRules) response_.set(name, value);
+    if (isRunByBrowsers(reply.content_type))
+      for (const auto& [name, value] : kPageRules) response_.set(name, value);
     if (!reply.etag.empty()) response_.set(http::field::etag, reply.etag);
     if (!reply.etag.empty()) response_.set(http::field::accept_ranges, "bytes");
     if (!reply.encoding.empty()) response_.set(http::field::content_encoding, reply.encoding);
-    if (reply.varies) response_.set(http::field::vary, "Accept-Encoding");
     if (!reply.content_range.empty()) response_.set(http::field::content_range, reply.content_range);
     if (reply.status == 401) response_.set(http::field::www_authenticate, "Bearer");
     if (reply.status == 405) response_.set(http::field::allow, "GET, HEAD");
     if (reply.status == 503) response_.set(http::field::retry_after, "5");
     if (reply.status == 426) response_.set(http::field::upgrade, "websocket");
-    if (reply.is_for_any_origin) response_.set(http::field::access_control_allow_origin, "*");
+    setSharing(reply);
+  }
+
+  // With which pages of other origins browsers share the reply, also those that may load nothing else
+  // (Cross-Origin-Embedder-Policy).
+  void setSharing(const HttpReply& reply) {
+    std::string varies = reply.varies ? "Accept-Encoding" : "";
+    if (reply.readable_by == ReadableBy::kAnyOrigin) response_.set(http::field::access_control_allow_origin, "*");
+    if (reply.readable_by == ReadableBy::kAllowedOrigins) {
+      const std::string origin = context_.gate.sharesWith(view(parser_->get()[http::field::origin]));
+      if (origin != "*") varies += varies.empty() ? "Origin" : ", Origin";
+      if (!origin.empty()) response_.set(http::field::access_control_allow_origin, origin);
+      if (!origin.empty()) response_.set("Cross-Origin-Resource-Policy", "cross-origin");
+    }
+    if (!varies.empty()) response_.set(http::field::vary, varies);
   }
 
   // Piece by piece, each with a deadline of its own: who reads slowly gets large files, too.

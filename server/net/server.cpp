@@ -171,7 +171,7 @@ class Server::Impl {
     static constexpr std::string_view kBody = "The server is full. Try again in a while\n";
     static const std::string reply = [] {
       std::string rules;
-      for (const auto& [name, value] : kPageRules) rules += fmt::format("{}: {}\r\n", name, value);
+      for (const auto& [name, value] : kRules) rules += fmt::format("{}: {}\r\n", name, value);
       return fmt::format(
           "HTTP/1.1 503 Service Unavailable\r\nServer: foreland\r\nRetry-After: 5\r\nConnection: close\r\n{}"
           "Content-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\n\r\n{}",

@@ -1,15 +1,11 @@
-// Starts the page: checks what the browser can do, loads the client core, runs the app.
+// Starts the page: checks what the browser can do and where the server is, and runs the app.
 import './ui/style.css';
 import { App } from './app';
-import { Core } from './core/core';
-import { failureOf, reasonOf, type Failure } from './core/failure';
-import { failureOfWorker } from './core/session';
-import { sentenceOf } from './core/refusal';
 import { canDraw } from './draw/can_draw';
 import { wordsOf } from './ui/failure_words';
 import { showNotice, type Notice } from './ui/notice';
 import { serverAddress } from './ui/server_address';
-import { readAddress, type Address } from './ui/settings';
+import { readAddress } from './ui/settings';
 
 declare global {
   interface Window {
@@ -17,37 +13,9 @@ declare global {
   }
 }
 
-let has_failed = false;
-
-// The first failure is the one that is shown.
 const kReload = { label: 'Reload the page', run: () => window.location.reload() };
 function fail(title: string, text: string, action: Notice['action'] = kReload): void {
-  if (has_failed) return;
-  has_failed = true;
   showNotice(document.getElementById('notice')!, { kind: 'error', title, text, action });
-}
-function failBy(failure: Failure): void {
-  const { title, text } = wordsOf(failure);
-  fail(title, text);
-}
-
-async function loadCore(): Promise<Core | null> {
-  try {
-    return await Core.load('foreland.wasm');
-  } catch (error) {
-    console.error(error);
-    fail('The client core did not load.', `${sentenceOf(reasonOf(error))} Reload the page. If that does not help, the page was built or copied without its foreland.wasm.`);
-    return null;
-  }
-}
-
-async function fly(worker: Worker, address: Address): Promise<void> {
-  const core = await loadCore();
-  if (!core || has_failed) return worker.terminate();
-  const app = new App(core, worker, address);
-  window.foreland = { status: () => app.status(), compareEnds: () => app.compareEnds(),
-    shadeAt: (positions, footprint, weight) => app.shadeAt(positions, footprint, weight) };
-  app.start();
 }
 
 function main(): void {
@@ -58,14 +26,10 @@ function main(): void {
   const query = new URLSearchParams(window.location.search);
   const server = serverAddress(query.get('server'), window.location.href);
   if (!('url' in server)) return refuse(server, query);
-  const address = readAddress(window.location, server.url);
-  const worker = new Worker(new URL('./core/worker.ts', import.meta.url), { type: 'module' }); // loads while the core does
-  worker.onerror = (event) => failBy(failureOfWorker(event)); // until the app listens
-  fly(worker, address).catch((error: unknown) => {
-    worker.terminate();
-    console.error(error);
-    failBy(failureOf(error));
-  });
+  const app = new App(readAddress(window.location, server.url));
+  window.foreland = { status: () => app.status(), compareEnds: () => app.compareEnds(),
+    shadeAt: (positions, footprint, weight) => app.shadeAt(positions, footprint, weight) };
+  app.start();
 }
 
 // An address in ?server= that will not do, with one that may.
@@ -82,5 +46,6 @@ try {
   main();
 } catch (error) {
   console.error(error);
-  failBy(failureOf(error));
+  const { title, text } = wordsOf(error);
+  fail(title, text);
 }

@@ -92,7 +92,7 @@ for (const is_first of [true, false]) {
         await route.fulfill({ status: 404, body: 'gone' });
         for (const go of held) go();
       });
-      if (is_first) await page.route('**/foreland.wasm', (route) => new Promise((go) => held.push(go)).then(() => route.continue()));
+      if (is_first) await page.route('**/foreland*.wasm', (route) => new Promise((go) => held.push(go)).then(() => route.continue()));
     };
     return visit('', { prepare, complains: [/worker did not load/] }, async (page) => {
       await page.getByText('A part of the page did not load.').waitFor();

@@ -3,8 +3,8 @@ import assert from 'node:assert/strict';
 import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { serveMessage } from './socket.mjs';
-import { readHeights } from './heights.mjs';
+import { serveMessage } from '../../js/tests/socket.mjs';
+import { readHeights } from '../../js/tests/heights.mjs';
 import {
   changedShare, makeFolder, makeMovingScene, makeScene, makeSceneWithObjects, makeSceneWithPicture, middleOf, openBrowser, openPage, pictureOf, root, runForeland, startServer, status, until, untilTerrain,
 } from './support.mjs';
@@ -320,7 +320,7 @@ test('a lost server is told of, and found again', kTest, () =>
 
 test('a page without its client core says so', kTest, async () => {
   const { page, close } = await openPage(browser);
-  await page.route('**/foreland.wasm', (route) => route.fulfill({ status: 404, body: 'gone' }));
+  await page.route('**/foreland*.wasm', (route) => route.fulfill({ status: 404, body: 'gone' }));
   await page.goto(server.url.href);
   await page.getByText('The client core did not load.').waitFor();
   await close();

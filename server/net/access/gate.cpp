@@ -142,6 +142,12 @@ bool Gate::isAllowed(const Visitor& visitor) const {
          options_.allowed_origins.end();
 }
 
+std::string Gate::sharesWith(std::string_view origin) const {
+  const std::vector<std::string>& allowed = options_.allowed_origins;
+  if (allowed.empty()) return "*";
+  return std::find(allowed.begin(), allowed.end(), origin) == allowed.end() ? std::string() : std::string(origin);
+}
+
 std::variant<Pass, Rejection> Gate::admit(const Visitor& visitor, int64_t now_s) {
   if (!isAllowed(visitor))
     return Rejection{403, RefusedFor::kOrigin, "Pages of that origin may not connect here (--allow-origin)."};

@@ -56,6 +56,9 @@ class Gate {
 
   std::variant<Pass, Rejection> admit(const Visitor& visitor, int64_t now_s);
 
+  // The origin with whose pages files are shared that a page of `origin` asks for: "*" if with any, else that origin if
+  // it may connect, else none.
+  std::string sharesWith(std::string_view origin) const;
   bool isTrusted(const std::string& address) const;
   // Whose request this is, by the list that trusted proxies have added to, of X-Forwarded-For or of Forwarded (RFC
   // 7239): the last one that is none of theirs, an address without its port, or a name that a proxy has made up for one

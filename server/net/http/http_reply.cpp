@@ -48,7 +48,8 @@ HttpReply formOf(const StaticFile& file, const HttpRequest& request) {
                   .cache_control = file.cache_control,
                   .etag = file.etag,
                   .body = file.body,
-                  .varies = file.brotli || file.gzip};
+                  .varies = file.brotli || file.gzip,
+                  .readable_by = ReadableBy::kAllowedOrigins};
   if (!request.range.empty()) return reply;
   for (const auto& [coding, body] : {std::pair{"br", file.brotli}, {"gzip", file.gzip}}) {
     if (!body || !acceptsCoding(request.accept_encoding, coding)) continue;
@@ -91,6 +92,10 @@ HttpReply fileReply(const StaticFile& file, const HttpRequest& request) {
 
 HttpReply textReply(unsigned status, std::string text) {
   return {.status = status, .body = std::make_shared<const std::string>(std::move(text) + "\n")};
+}
+
+bool isRunByBrowsers(std::string_view content_type) {
+  return content_type.starts_with("text/html") || content_type.starts_with("text/javascript");
 }
 
 bool isForViewers(std::string_view target) { return target.substr(0, target.find('?')) == kViewerPath; }

@@ -23,6 +23,13 @@ struct HttpRequest {
   bool lost_its_upgrade = false;
 };
 
+// Of which origins browsers let pages read a reply.
+enum class ReadableBy {
+  kOwnPage,
+  kAllowedOrigins,  // those that may connect (--allow-origin)
+  kAnyOrigin
+};
+
 struct HttpReply {
   unsigned status = 200;
   std::string content_type = "text/plain; charset=utf-8";
@@ -33,22 +40,27 @@ struct HttpReply {
   bool varies = false;                        // whether another client may get another encoding
   std::string content_range{};                // of a part of a file
   size_t part_begin = 0, part_size = std::string::npos;
-  bool is_for_any_origin = false;  // whether browsers let pages of other origins read it
+  ReadableBy readable_by = ReadableBy::kOwnPage;
 
   // What is sent of the body.
   std::string_view content() const { return std::string_view(*body).substr(part_begin, part_size); }
 };
 
-// Fields of every reply. What browsers are told about the page: it runs its own scripts and its module only, and
-// connects to any server of terrain (?server=); nobody else's page may frame it or share its process.
+// Fields of every reply.
+inline constexpr std::pair<const char*, const char*> kRules[] = {{"X-Content-Type-Options", "nosniff"},
+                                                                 {"Referrer-Policy", "no-referrer"}};
+// Fields of what browsers run: the page, and the scripts of its workers, which browsers hold to the rules that came
+// with them. The page runs its own scripts and its module only, and connects to any server of terrain (?server=);
+// nobody else's page may frame it or share its process.
 inline constexpr std::pair<const char*, const char*> kPageRules[] = {
-    {"X-Content-Type-Options", "nosniff"},
     {"Content-Security-Policy",
      "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
      "blob:; connect-src 'self' ws: wss: http: https:; object-src 'none'; base-uri 'none'; frame-ancestors 'self'"},
     {"Cross-Origin-Opener-Policy", "same-origin"},
-    {"Cross-Origin-Embedder-Policy", "require-corp"},
-    {"Referrer-Policy", "no-referrer"}};
+    {"Cross-Origin-Embedder-Policy", "require-corp"}};
+
+// Whether browsers run what has such a content type, and not only show or read it.
+bool isRunByBrowsers(std::string_view content_type);
 
 // All that plain requests can reach.
 struct HttpSite {

@@ -50,22 +50,28 @@ TEST(Server, AnswersPlainRequests) {
 TEST(Server, EveryReplyTellsBrowsersItsRules) {
   const test::TemporaryFolder web;
   std::ofstream(web / "index.html") << "<html>the page</html>";
+  std::ofstream(web / "worker.js") << "postMessage(1)";
+  std::ofstream(web / "foreland.wasm") << "module";
   ServeOptions options = testOptions();
   options.web = web.path();
   options.metrics_listen = ListenAddress{.port = 0};
   options.max_connections = 50;
   const auto server = serve(options);
   const uint16_t port = server->port();
-  const auto expectRules = [](const std::string& reply, const std::string& status) {
+  const auto expectRules = [](const std::string& reply, const std::string& status, bool is_run = false) {
     EXPECT_TRUE(reply.starts_with("HTTP/1.1 " + status)) << reply;
-    for (const char* rule : {"X-Content-Type-Options: nosniff\r\n", "Content-Security-Policy: default-src 'self'; ",
-                             "frame-ancestors 'self'\r\n", "Cross-Origin-Opener-Policy: same-origin\r\n",
-                             "Cross-Origin-Embedder-Policy: require-corp\r\n", "Referrer-Policy: no-referrer\r\n"})
+    for (const char* rule : {"X-Content-Type-Options: nosniff\r\n", "Referrer-Policy: no-referrer\r\n"})
       EXPECT_NE(reply.find(rule), std::string::npos) << rule << reply;
+    for (const char* rule :
+         {"Content-Security-Policy: default-src 'self'; ", "frame-ancestors 'self'\r\n",
+          "Cross-Origin-Opener-Policy: same-origin\r\n", "Cross-Origin-Embedder-Policy: require-corp\r\n"})
+      EXPECT_EQ(reply.find(rule) != std::string::npos, is_run) << rule << reply;
   };
-  expectRules(httpGet(port, "/"), "200");
-  expectRules(httpGet(port, "/", "", "HEAD"), "200");
-  expectRules(httpGet(port, "/", "Range: bytes=0-3\r\n"), "206");
+  expectRules(httpGet(port, "/"), "200", true);
+  expectRules(httpGet(port, "/", "", "HEAD"), "200", true);
+  expectRules(httpGet(port, "/", "Range: bytes=0-3\r\n"), "206", true);
+  expectRules(httpGet(port, "/worker.js"), "200", true);
+  expectRules(httpGet(port, "/foreland.wasm"), "200");
   expectRules(httpGet(port, "/", "Range: bytes=99-\r\n"), "416");
   expectRules(httpGet(port, "/livez"), "200");
   expectRules(httpGet(port, "/none"), "404");
@@ -127,6 +133,44 @@ TEST(Server, TellsAPageWhyItsWebSocketIsRefused) {
   const Token token{.name = "a", .expires_s = 4'000'000'000};
   EXPECT_TRUE(ask("https://maps.example", "?token=" + signToken(token, options.gate.token_secret)).starts_with("426"));
   EXPECT_EQ(httpGet(server->port(), "/livez").find("Access-Control"), std::string::npos);
+}
+
+// Which origins' pages may read the page's files and the models' images; what else is answered is nobody else's.
+TEST(Server, SharesFilesWithTheOriginsThatMayConnect) {
+  const test::TemporaryFolder web;
+  std::ofstream(web / "index.html") << "<html>the page</html>";
+  ServeOptions options = testOptions();
+  options.web = web.path();
+  const std::string allow = "Access-Control-Allow-Origin: ", load = "Cross-Origin-Resource-Policy: cross-origin\r\n";
+  const auto ask = [](const auto& server, const std::string& origin, const std::string& path = "/") {
+    return httpGet(server->port(), path, origin.empty() ? "" : "Origin: " + origin + "\r\n");
+  };
+  const auto open = serve(options);
+  for (const char* origin : {"", "https://anyone.example"}) {
+    const std::string reply = ask(open, origin);
+    EXPECT_NE(reply.find(allow + "*\r\n"), std::string::npos) << reply;
+    EXPECT_NE(reply.find(load), std::string::npos) << reply;
+    EXPECT_EQ(reply.find("Origin\r\n"), std::string::npos) << reply;
+  }
+  options.gate.allowed_origins = {"https://maps.example", "https://other.example:8443"};
+  const auto choosy = serve(options);
+  for (const std::string origin : {"https://maps.example", "https://other.example:8443"}) {
+    const std::string reply = ask(choosy, origin);
+    EXPECT_NE(reply.find(allow + origin + "\r\n"), std::string::npos) << reply;
+    EXPECT_NE(reply.find(load), std::string::npos) << reply;
+    EXPECT_NE(reply.find("Vary: Origin\r\n"), std::string::npos) << reply;
+  }
+  for (const char* origin : {"", "https://elsewhere.example", "https://maps.example:8443", "null"}) {
+    const std::string reply = ask(choosy, origin);
+    EXPECT_EQ(reply.find(allow), std::string::npos) << reply;
+    EXPECT_EQ(reply.find(load), std::string::npos) << reply;
+    EXPECT_NE(reply.find("Vary: Origin\r\n"), std::string::npos) << reply;
+  }
+  for (const char* path : {"/livez", "/none"}) {
+    const std::string reply = ask(open, "https://anyone.example", path);
+    EXPECT_EQ(reply.find(allow), std::string::npos) << path << reply;
+    EXPECT_EQ(reply.find(load), std::string::npos) << path << reply;
+  }
 }
 
 // A file takes longer than the time for a reply to leave, which is for each piece of it.

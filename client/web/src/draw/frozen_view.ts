@@ -1,10 +1,9 @@
 // The pose whose section is frozen: the outline of what it sees, for a look from outside.
 import * as THREE from 'three';
-import type { Pose } from '../core/values';
+import type { Pose } from '@foreland/client';
 
 export class FrozenView {
   readonly object: THREE.LineSegments;
-  private readonly eye = new THREE.Vector3();
   pose: Pose | null = null;
 
   constructor() {
@@ -16,7 +15,7 @@ export class FrozenView {
 
   freeze(pose: Pose, fov_rad: number, aspect: number, length_m: number): void {
     this.pose = pose;
-    this.eye.fromArray(pose.eye);
+    this.object.position.fromArray(pose.eye);
     const tall = Math.tan(0.5 * fov_rad);
     const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) => new THREE.Vector3(x! * tall * aspect, y! * tall, -1));
     const points: THREE.Vector3[] = [];
@@ -35,9 +34,5 @@ export class FrozenView {
   thaw(): void {
     this.pose = null;
     this.object.visible = false;
-  }
-
-  place(eye: readonly number[]): void {
-    this.object.position.set(this.eye.x - eye[0]!, this.eye.y - eye[1]!, this.eye.z - eye[2]!);
   }
 }

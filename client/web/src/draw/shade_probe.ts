@@ -1,7 +1,6 @@
 // For tests: the light on the ground at lattice positions, by the very functions that shade the terrain, without its mesh.
 import * as THREE from 'three';
-import { shader } from './blend_buffers';
-import { kProbeFragment, kProbeVertex } from './shaders';
+import { kProbeFragment, kProbeVertex, shader } from './shaders';
 
 export class ShadeProbe {
   private readonly scene = new THREE.Scene();

@@ -23,8 +23,7 @@ export class Sky {
     this.object.renderOrder = -1;
   }
 
-  // The camera stands at the origin: everything is drawn relative to the eye.
   update(camera: THREE.PerspectiveCamera): void {
-    this.directions.multiplyMatrices(camera.matrixWorld, camera.projectionMatrixInverse);
+    this.directions.extractRotation(camera.matrixWorld).multiply(camera.projectionMatrixInverse);
   }
 }

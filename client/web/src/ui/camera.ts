@@ -1,7 +1,7 @@
 // Headings and orientations. The camera looks along its -z with y up; the scene's z is up at its origin, and `up` is away
 // from the zero surface wherever the eye is.
 import * as THREE from 'three';
-import type { Pose } from '../core/values';
+import type { Pose } from '@foreland/client';
 
 export interface Look {
   heading: number; // radians, clockwise from north (the scene's y)

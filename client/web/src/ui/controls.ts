@@ -2,7 +2,7 @@
 // Touch: one finger looks; two fingers carry the viewer along, pinching moves ahead. Motion ends at the ground; nothing else moves the eye.
 import * as THREE from 'three';
 import { basisAt, forwardOf, orientationOf, type Look } from './camera';
-import type { Pose } from '../core/values';
+import type { Pose } from '@foreland/client';
 
 const kKeys: Record<string, [axis: 0 | 1 | 2, sign: number]> = {
   KeyW: [1, 1], ArrowUp: [1, 1], KeyS: [1, -1], ArrowDown: [1, -1],
@@ -62,7 +62,7 @@ export class Controls {
     return { eye: this.eye.toArray(), orientation: orientationOf(this.look, up) };
   }
 
-  // Moves the camera for `seconds`. `sweep` limits a motion by the ground (Screen.sweep).
+  // Moves the camera for `seconds`. `sweep` limits a motion by the ground (Terrain.sweep).
   step(seconds: number, up: THREE.Vector3, sweep: (from: number[], to: number[]) => [number, number, number]): void {
     const from = this.eye.toArray();
     const wanted = new THREE.Vector3();

@@ -1,6 +1,6 @@
 // The settings panel. It changes the Settings that it is given and calls onChange.
-import { kBlends, kPredictors, kStrategies } from '../core/values';
-import { kGrounds } from '../draw/shaders';
+import { kBlends, kPredictors, kStrategies } from '@foreland/client';
+import { kGrounds } from '@foreland/client/three';
 import { adapts, mayAdapt, type Settings } from './settings';
 import { kSunModes } from './sun';
 

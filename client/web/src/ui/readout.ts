@@ -1,5 +1,5 @@
 // The small readout: what a frame costs, what the wire carries, how keyframes keep time, where the viewer is.
-import type { MapPosition, Statistics, Welcome } from '../core/values';
+import type { Place, Scene, Statistics } from '@foreland/client';
 
 const kWindow_ms = 2000; // over which rates are averaged
 const kRefresh_ms = 250;
@@ -13,8 +13,8 @@ export interface Measured {
   shown_late_ms: number; // the age of what is shown: t - t_d
   is_late: boolean; // the newer keyframe's time has passed and its successor is not here
   prediction_error_m: number | null; // of the newest keyframe, once its time has come
-  welcome: Welcome | null;
-  position: MapPosition | null;
+  scene: Scene | null;
+  position: Place | null;
   heading_rad: number;
   eye: readonly number[];
   set_speed_mps: number; // what the keys fly at
@@ -90,15 +90,15 @@ export class Readout {
   }
 
   private showPosition(m: Measured, speed_mps: number): void {
-    if (!m.position || !m.welcome) return;
-    const [across, along] = m.position.across;
-    const at = m.welcome.is_geographic
-      ? `${degreesText(across, 'N', 'S')}  ${degreesText(along, 'E', 'W')}`
-      : `${along.toFixed(0)} E  ${across.toFixed(0)} N`;
-    const above = m.position.ground_m === null ? '' : ` \u00b7 ${metresText(m.position.height_m - m.position.ground_m)} above ground`;
-    const slope = m.position.slope_rad === null ? '' : ` \u00b7 slope ${((m.position.slope_rad * 180) / Math.PI).toFixed(0)}\u00b0`;
+    if (!m.position || !m.scene) return;
+    const { position } = m;
+    const at = 'lat' in position
+      ? `${degreesText(position.lat, 'N', 'S')}  ${degreesText(position.lon, 'E', 'W')}`
+      : `${position.easting.toFixed(0)} E  ${position.northing.toFixed(0)} N`;
+    const above = position.ground === null ? '' : ` \u00b7 ${metresText(position.height - position.ground)} above ground`;
+    const slope = position.slope === null ? '' : ` \u00b7 slope ${((position.slope * 180) / Math.PI).toFixed(0)}\u00b0`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
-    const lines = [`${at}${slope}`, `${metresText(m.position.height_m)} high${above}`];
+    const lines = [`${at}${slope}`, `${metresText(position.height)} high${above}`];
     const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
     lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));

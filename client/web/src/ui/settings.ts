@@ -1,6 +1,6 @@
 // What the user can set, and its initial values from the page's address: ?tour=survey&strategy=predict&tau=1&wireframe=1 ...
-import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '../core/values';
-import { kGrounds, type Ground } from '../draw/shaders';
+import { kBlends, kPredictors, kStrategies, type Blend, type Predictor, type Strategy } from '@foreland/client';
+import { kGrounds, type Ground } from '@foreland/client/three';
 import { kSunModes, type SunSettings } from './sun';
 
 export const kTours = ['survey', 'canyon', 'spin', 'orbit'] as const;

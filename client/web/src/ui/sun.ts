@@ -1,5 +1,5 @@
 // Where the sun is: as maps are lit by custom, by the time of day and the date where a scene is on the earth, or as chosen.
-import type { SlopeFrame } from '../core/values';
+import type { Scene } from '@foreland/client';
 
 export const kSunModes = ['map', 'clock', 'free'] as const;
 export type SunMode = (typeof kSunModes)[number];
@@ -41,7 +41,8 @@ export function sunByClock(day: number, hour: number, origin_latitude: number): 
   return [y, c * z - s * x, s * z + c * x];
 }
 
-export function sunDirection(settings: SunSettings, frame: SlopeFrame | null): Direction {
-  if (settings.sun === 'free' || (settings.sun === 'clock' && !frame?.is_geographic)) return towards(settings.sun_azimuth_deg, settings.sun_height_deg);
-  return settings.sun === 'clock' ? sunByClock(settings.sun_day, settings.sun_hour, frame!.origin_latitude) : kMap;
+export function sunDirection(settings: SunSettings, scene: Scene | null): Direction {
+  const up = scene?.toEcef?.slice(8, 11); // at the scene's origin, in the earth's axes
+  if (settings.sun === 'free' || (settings.sun === 'clock' && !up)) return towards(settings.sun_azimuth_deg, settings.sun_height_deg);
+  return settings.sun === 'clock' ? sunByClock(settings.sun_day, settings.sun_hour, Math.asin(up![2]!)) : kMap;
 }

@@ -1,6 +1,5 @@
 // The tours: the server plans a path, and the page flies it. A button for each starts and stops it.
-import type { Pose } from '../core/values';
-import type { Session } from '../core/session';
+import type { Pose, Terrain } from '@foreland/client';
 import { kTours, type Tour } from './settings';
 
 const kTour_s = 180;
@@ -32,10 +31,10 @@ export class Tours {
     return this.is_flying;
   }
 
-  request(tour: Tour, session: Session): void {
+  request(tour: Tour, terrain: Terrain): void {
     this.wanted = tour;
     this.is_flying = false;
-    session.requestTour(tour, kTour_s);
+    terrain.requestTour(tour, kTour_s);
     this.showChoice();
   }
 
@@ -46,14 +45,14 @@ export class Tours {
   }
 
   // The camera on the tour; null when none is flown. A tour that is over stops.
-  pose(session: Session, now_ms: number): Pose | null {
-    if (session.hasTour() && this.wanted !== null) {
-      session.startTour(now_ms + kLead_ms);
-      session.jump(); // to where it begins
+  pose(terrain: Terrain, now_ms: number): Pose | null {
+    if (terrain.hasTour && this.wanted !== null) {
+      terrain.startTour(now_ms + kLead_ms);
+      terrain.jump(); // to where it begins
       this.is_flying = true;
     }
     if (!this.is_flying) return null;
-    const pose = session.screen.tourPose(now_ms);
+    const pose = terrain.tourPose(now_ms);
     if (!pose) this.onChoice(null);
     return pose;
   }

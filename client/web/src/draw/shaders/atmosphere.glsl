@@ -1,7 +1,4 @@
 // Sky, haze and the way to the screen, shared so that distant ground fades into the very sky behind it.
-uniform vec3 u_sun;  // towards the sun
-uniform vec3 u_up;   // away from the zero surface, at the eye
-
 // Of the sky's light: 1 by day.
 float daylight() {
   return mix(0.03, 1.0, smoothstep(-0.25, 0.12, dot(u_sun, u_up)));

@@ -1,6 +1,5 @@
 // Light on whatever stands in the scene, and the haze before it.
 in vec3 v_from_eye;
-uniform vec2 u_heights;       // lowest, highest ground
 uniform float u_haze;         // optical depth per metre at the lowest ground; 0: none
 uniform float u_haze_height;  // over which it falls to 1 / e
 uniform float u_eye_height;

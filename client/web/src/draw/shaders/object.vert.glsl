@@ -1,3 +1,6 @@
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform vec3 u_origin;  // of the mesh, from the eye
 in vec2 texture_coordinate;  // in the model's image
 out vec3 v_from_eye;
 out vec3 v_normal;

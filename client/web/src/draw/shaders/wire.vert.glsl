@@ -1,3 +1,6 @@
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform vec3 u_origin;  // of the mesh, from the eye
 uniform vec3 u_up;
 out float v_distance;
 void main() {

@@ -1,0 +1,10 @@
+/** Terrain and objects that a Foreland server streams, for any page or program: without three, and without a document. */
+export { ForelandError, type ErrorCode } from './errors.js';
+export { type TerrainEvents } from './events.js';
+export { type Blend, type Lens, type Limits, type OpenOptions, type Predictor, type Strategy, type TerrainOptions } from './options.js';
+export { type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+export { type MeshSink } from './mesh_sink.js';
+export { Terrain, type Frame, type Pose } from './terrain.js';
+export { type ChannelName, type ChannelUpdate, type MeshUpdate, type PartLines, type PartUpdate } from './core/mesh_update.js';
+export { type TileUpdate, type TileUpload } from './core/tile_update.js';
+export { kBlends, kPredictors, kStrategies, type Statistics } from './core/values.js';

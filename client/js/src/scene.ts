@@ -1,0 +1,99 @@
+// A scene as its user sees it: plain, frozen values made of the server's welcome.
+import type { Screen } from './core/screen.js';
+import type { Layer, Welcome } from './core/values.js';
+
+export type Vector = [number, number, number];
+
+/** A place on the earth, in degrees; or on the map of a scene whose data are projected, in its metres. */
+export type MapPoint = { lon: number; lat: number; height?: number } | { easting: number; northing: number; height?: number };
+
+/** A place of the scene in the coordinates of the data's owner. */
+export type Place = MapPoint & {
+  /** Metres above the zero surface of the data. */
+  height: number;
+  /** Height of the ground there, of what is held; null where it is not known. */
+  ground: number | null;
+  /** Slope of the ground, radians; null where it is not known. */
+  slope: number | null;
+  /** Away from the zero surface, in the scene's axes. */
+  up: Vector;
+  /** Position on the lattice of the data's samples. */
+  lattice: [number, number];
+};
+
+export interface Scene {
+  /** Names the scene: another build has another one. */
+  readonly id: string;
+  readonly title: string;
+  readonly crs: string;
+  /** `geographic`: the scene's axes are east, north and up at its origin; `planar`: the map's, metres. */
+  readonly frame: 'geographic' | 'planar';
+  /** From the scene's axes to the earth's (ECEF), 16 numbers by columns; null of a planar scene. */
+  readonly toEcef: readonly number[] | null;
+  /** Box about the data, in the scene's axes, metres. */
+  readonly bounds: { readonly low: Readonly<Vector>; readonly high: Readonly<Vector> };
+  /** Lowest and highest ground, metres above the zero surface. */
+  readonly heights: { readonly lowest: number; readonly highest: number };
+  /** Samples of the data, eastward and northward. */
+  readonly samples: readonly [number, number];
+  /** Of a scene that changes in time, milliseconds since 1970. */
+  readonly epochs: readonly number[];
+  /** How far its ground moves at most from the first epoch to another, metres. */
+  readonly maxMoved: number;
+  readonly layers: { readonly relief: boolean; readonly imagery: boolean };
+  readonly attributions: readonly string[];
+  /** High and low points of the data that are known at once, in the scene's axes. */
+  readonly landmarks: readonly Readonly<Vector>[];
+  /** Whether each model of the scene's objects has an image. */
+  readonly modelImages: readonly boolean[];
+}
+
+/** @internal */
+export function sceneOf(welcome: Welcome, screen: Screen): Scene {
+  const layers = [screen.layer('relief'), screen.layer('imagery')];
+  return deepFrozen({
+    id: welcome.scene_id.toString(16).padStart(16, '0'),
+    title: welcome.title,
+    crs: welcome.crs,
+    frame: welcome.is_geographic ? 'geographic' : 'planar',
+    toEcef: ecefOf(screen),
+    bounds: { low: welcome.low, high: welcome.high },
+    heights: { lowest: welcome.lowest_m, highest: welcome.highest_m },
+    samples: welcome.samples,
+    epochs: welcome.epochs_ms,
+    maxMoved: welcome.max_moved_m,
+    layers: { relief: layers[0] !== null, imagery: layers[1] !== null },
+    attributions: attributionsOf(layers),
+    landmarks: welcome.landmarks,
+    modelImages: welcome.model_has_image,
+  });
+}
+
+function attributionsOf(layers: readonly (Layer | null)[]): string[] {
+  return [...new Set(layers.map((layer) => layer?.attribution ?? '').filter((text) => text !== ''))];
+}
+
+// East, north and up at the scene's origin, and the origin itself.
+function ecefOf(screen: Screen): number[] | null {
+  const frame = screen.slopeFrame();
+  const origin = screen.mapPosition([0, 0, 0]);
+  if (!frame?.is_geographic || !origin) return null;
+  const [latitude, longitude] = origin.across.map((degrees) => (degrees * Math.PI) / 180) as [number, number];
+  const [s, c, sl, cl] = [Math.sin(latitude), Math.cos(latitude), Math.sin(longitude), Math.cos(longitude)];
+  const e2 = frame.eccentricity_squared, across_m = frame.semi_major_m / Math.sqrt(1 - e2 * s * s);
+  const ring_m = (across_m + origin.height_m) * c;
+  return [
+    -sl, cl, 0, 0,
+    -s * cl, -s * sl, c, 0,
+    c * cl, c * sl, s, 0,
+    ring_m * cl, ring_m * sl, (across_m * (1 - e2) + origin.height_m) * s, 1,
+  ];
+}
+
+function deepFrozen<T>(value: T): T {
+  if (typeof value === 'object' && value !== null) {
+    for (const part of Object.values(value)) deepFrozen(part);
+    Object.freeze(value);
+  }
+  return value;
+}

@@ -1,0 +1,602 @@
+// A terrain that a server streams: the session's end in the thread that draws. Connection, decoding and meshes are in a worker.
+import { Core } from './core/core.js';
+import { failureOf, reasonOf } from './core/failure.js';
+import { Guard } from './core/guard.js';
+import { failureOfWorker, Session, type WorkerLike } from './core/session.js';
+import type { MapPosition, Pose, Request, ScreenFrame, Statistics, Welcome } from './core/values.js';
+import type { Screen } from './core/screen.js';
+import { errorOf, ForelandError } from './errors.js';
+import { Emitter, type TerrainEvents } from './events.js';
+import { moduleOf, theHost } from './host.js';
+import { NoSink, StreamSink, type MeshSink } from './mesh_sink.js';
+import type { MeshUpdate } from './core/mesh_update.js';
+import { kDefaultLens, layersOf, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
+import { sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+import { filesAt, viewersAt } from './server_address.js';
+
+const kGroundFrames = 8; // so many frames ahead the ground is known
+const kMaxReach = 4096; // samples
+const kMaxGroundPoints = 65_536; // of a question; proto/message/control.h
+const kClosing_ms = 2000; // that a worker is given to answer
+const kRaySteps = 4096;
+
+/** What to draw at an instant. */
+export interface Frame {
+  /** Of the mesh to draw; 0: there is none yet. */
+  readonly version: number;
+  /** Where between its two ends the mesh is drawn, from 0 to 1. */
+  readonly weight: number;
+  /** To draw from: what `frame` was given, but for the strategy `delay`. */
+  readonly pose: Pose;
+  /** What the error on the screen does not exceed, in pixels; null: nothing is guaranteed. */
+  readonly guaranteedPx: number | null;
+  /** Whose ground is shown, milliseconds since 1970, in scenes that change in time. */
+  readonly sceneTime: number;
+  /** Whose view is shown. */
+  readonly shownTime: number;
+  /** When the next mesh begins, unless it is late. */
+  readonly endTime: number;
+  /** The time of the newer keyframe, and the pose that it was computed for. */
+  readonly to: { readonly time: number; readonly pose: Pose };
+}
+
+/** A position and where it looks from: eye in the scene's axes, metres; orientation x, y, z, w of a camera that looks along its -z, y up. */
+export type { Pose };
+
+interface Question {
+  resolve(heights: Float64Array): void;
+  reject(error: ForelandError): void;
+}
+
+export class Terrain {
+  private readonly emitter = new Emitter();
+  private readonly guard = new Guard((error) => this.fail(errorOf(failureOf(error))));
+  private readonly questions = new Map<number, Question>();
+  private readonly viewers: URL;
+  private options: TerrainOptions;
+  private lens: Lens;
+  private session: Session | null = null;
+  private worker: WorkerLike | null = null;
+  private unwatch = () => {};
+  private is_sized = true;
+  private is_document_hidden = false;
+  private current: { welcome: Welcome; scene: Scene } | null = null;
+  private sink: MeshSink = new NoSink();
+  private has_added = false; // to the sink
+  private wants_lines = false;
+  private sent_request = '';
+  private may_occlude = false; // this connection's deltas can tell hidden blocks
+  private path_version = 0;
+  private next_question = 1;
+  private last: Frame | null = null;
+  private last_eye: Vector = [0, 0, 0];
+  private guaranteed: number | null = null;
+  private attributed = '';
+  private end: ForelandError | null = null; // why nothing comes any more
+  private is_closing = false;
+  private onClosedByWorker = () => {};
+  private onRecording: ((file: Blob) => void) | null = null;
+  private readonly signal: AbortSignal | undefined;
+  private readonly abort = () => void this.close();
+
+  /** Settles with the first session: resolves as it begins, rejects if it never will. */
+  readonly ready: Promise<void>;
+  private resolveReady!: () => void;
+  private rejectReady!: (error: ForelandError) => void;
+
+  private constructor(server: string | URL, private readonly opening: OpenOptions) {
+    this.viewers = viewersAt(server, opening.token, typeof location === 'undefined' ? undefined : location.href);
+    this.options = { ...opening };
+    this.lens = opening.lens ?? kDefaultLens;
+    this.ready = new Promise((resolve, reject) => ([this.resolveReady, this.rejectReady] = [resolve, reject]));
+    this.ready.catch(() => {}); // whoever awaits it is told
+    this.signal = opening.signal;
+    this.signal?.addEventListener('abort', this.abort, { once: true });
+    if (this.signal?.aborted) this.fail(new ForelandError('closed', 'The opening of the terrain was aborted.'));
+    else void this.start();
+  }
+
+  /** Begins a session and gives the terrain at once; `ready` and the events tell what comes of it. Throws for an address that is none. */
+  static connect(server: string | URL, options: OpenOptions = {}): Terrain {
+    return new Terrain(server, options);
+  }
+
+  /**
+   * Begins a session with a server, `wss://host/`, and resolves as it has begun. Rejects with a `ForelandError`. A connection that is lost
+   * later is made anew by itself.
+   */
+  static async open(server: string | URL, options: OpenOptions = {}): Promise<Terrain> {
+    const terrain = Terrain.connect(server, options);
+    let last_reason = '';
+    const off = terrain.on('stall', ({ reason }) => (last_reason = reason || last_reason));
+    const patience_ms = options.patienceMs ?? 30_000;
+    const timer = patience_ms === Infinity ? undefined : setTimeout(() => terrain.rejectReady(new ForelandError('unreachable',
+      `No session with ${terrain.server} began in ${patience_ms / 1000} s. ${last_reason}`.trim(), 'Look whether the server runs there, and whether this page may reach it.')), patience_ms);
+    try {
+      await terrain.ready;
+      return terrain;
+    } catch (error) {
+      await terrain.close();
+      throw error;
+    } finally {
+      off();
+      clearTimeout(timer);
+    }
+  }
+
+  // ---- what it is
+
+  /** The address that it connects to, without its token. */
+  get server(): string {
+    const url = new URL(this.viewers);
+    url.searchParams.delete('token');
+    return url.href;
+  }
+  /** The address of the server's files, which images of models lie below. */
+  get files(): URL {
+    return filesAt(this.viewers);
+  }
+  /** What it was given to take. */
+  get limits(): Limits {
+    return this.opening.limits ?? {};
+  }
+  /** Whether a session has begun, so that `scene` is known. */
+  get hasScene(): boolean {
+    return this.current !== null;
+  }
+  /** The scene. Throws before a session has begun. */
+  get scene(): Scene {
+    if (!this.current) throw this.end ?? new ForelandError('closed', 'No session has begun yet.', 'Wait for `ready`, or open with `Terrain.open`.');
+    return this.current.scene;
+  }
+  /** Whether there is a connection with a session now. */
+  get isConnected(): boolean {
+    return this.session?.is_open ?? false;
+  }
+  /** Whether nothing comes any more: it was closed, or has failed. */
+  get isOver(): boolean {
+    return this.end !== null;
+  }
+  /** Counts of what has come and gone. */
+  get stats(): Statistics {
+    return this.session?.statistics ?? kNoStatistics;
+  }
+  /** The last frame; null before the first. */
+  get lastFrame(): Frame | null {
+    return this.last;
+  }
+  /** What is asked of the server now. */
+  get request(): Readonly<Request> {
+    return requestOf(this.optionsInForce(), this.limits, this.lens, theHost().has_bitmaps);
+  }
+
+  /** Calls `listener` whenever something happens; the function that it gives ends that. */
+  on<K extends keyof TerrainEvents>(name: K, listener: (value: TerrainEvents[K]) => void): () => void {
+    return this.emitter.on(name, listener);
+  }
+
+  // ---- what is wanted
+
+  /** The camera's angle, and the picture's size in pixels. Call it after resizing, not for each step of it. */
+  setLens(lens: Lens): void {
+    const { fovY, width, height } = this.lens;
+    if (Math.abs(lens.fovY - fovY) < 1e-9 && lens.width === width && lens.height === height) return;
+    if (!(lens.fovY > 0 && lens.fovY < Math.PI && lens.width >= 1 && lens.height >= 1))
+      throw new ForelandError('argument', `A lens of ${lens.fovY} radians and ${lens.width} x ${lens.height} pixels sees nothing.`);
+    this.lens = { ...lens };
+    this.sendRequest();
+  }
+  /** Changes what is given, and leaves the rest. */
+  setOptions(options: TerrainOptions): void {
+    const { blend } = this.options;
+    this.options = { ...this.options, ...options };
+    if (this.options.blend !== blend) this.tell({ kind: 'blend', blend: this.options.blend ?? 'keyframe' });
+    this.sendRequest();
+    if (this.isConnected && (this.options.occlusion ?? true) && !this.may_occlude) this.tell({ kind: 'reopen' });
+  }
+  /** From now on shows the ground of scene time `at`, milliseconds since 1970, which goes at `rate` scene seconds a second. */
+  setSceneTime({ at, rate = 0 }: { at: number; rate?: number }): void {
+    this.tell({ kind: 'scene clock', now_ms: performance.now(), scene_ms: at, rate });
+  }
+  /** Towards the sun whose shadows, of ground on ground, come with the relief; null: none. */
+  setSun(towards: Readonly<Vector> | null): void {
+    this.tell({ kind: 'sun', towards });
+  }
+  /** Whether the edges of meshes come with them. */
+  setLines(wanted: boolean): void {
+    this.wants_lines = wanted;
+    this.tell({ kind: 'lines', wants_lines: wanted });
+  }
+  /** Whether what is drawn has a size, so that it can be seen. A terrain that nobody sees, as in a hidden page, does not connect anew. */
+  setSized(is_sized: boolean): void {
+    if (is_sized === this.is_sized) return;
+    this.is_sized = is_sized;
+    this.tellHidden();
+  }
+  /** For the next connection: a token that replaces one that expires. */
+  setToken(token: string): void {
+    this.viewers.searchParams.set('token', token);
+    this.tell({ kind: 'server', url: this.viewers.href });
+  }
+  /** Connects anew at once: after `refused`, or where waiting is too long. What is held is resumed from. */
+  reconnect(): void {
+    this.tell({ kind: 'reopen' });
+  }
+
+  // ---- a frame
+
+  /**
+   * What to draw at `now`, on the clock of `performance.now()`, with the camera at `pose`. Once for each picture, also while nothing is
+   * there yet: it is what tells the server where the camera is. `eye` is where ground is needed, if that is elsewhere.
+   */
+  frame(now: number, pose: Pose, eye: readonly number[] = pose.eye): Frame {
+    if (!this.session || this.end) return this.last ?? { ...kNoFrame, pose, shownTime: now };
+    const { session, sink } = this;
+    const shown = session.screen.frame(now, pose, this.options.strategy ?? 'predict', sink.ready, sink.coming);
+    this.last = frameOf(shown);
+    this.tellGuarantee(this.last.guaranteedPx);
+    session.frame(now, pose, eye, this.groundReach(eye), sink.staged);
+    return this.last;
+  }
+  /** The camera of the next frame will not have moved there, but jumped. */
+  jump(): void {
+    this.session?.jump();
+  }
+  /** The version of the mesh to make ready next; 0: none. */
+  get nextVersion(): number {
+    return this.session?.screen.next() ?? 0;
+  }
+
+  // ---- where the camera will be
+
+  /**
+   * Announces that the camera takes these poses in even steps, from `start` on; the server then knows and need not foresee. An empty path
+   * ends that.
+   */
+  announcePath(poses: readonly Pose[], { start, stepMs }: { start: number; stepMs: number } = { start: performance.now(), stepMs: 100 }): void {
+    const numbers = new Float64Array(7 * poses.length);
+    poses.forEach(({ eye, orientation }, i) => numbers.set([...eye, ...orientation], 7 * i));
+    if (poses.length === 1 || poses.length > 100_000 || !numbers.every(Number.isFinite) || !(stepMs >= 1 && stepMs <= 60_000))
+      throw new ForelandError('argument', `${poses.length} poses in steps of ${stepMs} ms are no path.`, 'A path has 2 to 100,000 poses of finite numbers, in steps of 1 ms to 60 s.');
+    this.path_version = poses.length === 0 ? 0 : this.path_version + 1;
+    if (poses.length > 0) this.tell({ kind: 'path', start_ms: start, step_ms: stepMs, poses: numbers });
+    this.sendRequest();
+  }
+  /** Asks the server for one of its tours: survey, canyon, spin, orbit. `hasTour` says when it has come. */
+  requestTour(name: string, seconds: number): void {
+    this.session?.requestTour(name, seconds);
+  }
+  get hasTour(): boolean {
+    return this.session?.hasTour() ?? false;
+  }
+  /** Begins the tour that has come, and announces it. */
+  startTour(start: number): void {
+    this.session?.startTour(start);
+  }
+  /** Where the camera is on the tour; null once that is over. */
+  tourPose(now: number): Pose | null {
+    return this.session?.screen.tourPose(now) ?? null;
+  }
+
+  // ---- where things are
+
+  /** A point of the scene in the coordinates of the data's owner, with the ground there. Null before a session has begun. */
+  place(point: Readonly<Vector> | readonly number[]): Place | null {
+    const at = this.session?.screen.mapPosition(point);
+    return at && this.current ? placeOf(at, this.current.welcome.is_geographic) : null;
+  }
+  /** Longitude and latitude, or easting and northing, and height of a point of the scene. */
+  toGeodetic(point: Readonly<Vector>): Place {
+    return this.place(point) ?? this.noScene();
+  }
+  /** The point of the scene at a place; `height` is 0 where it is not given. */
+  toScene(place: MapPoint): Vector {
+    const is_geographic = this.scene.frame === 'geographic';
+    if ('lon' in place !== is_geographic) throw new ForelandError('argument', is_geographic ? 'The scene is geographic: name places by lon and lat.'
+      : `The scene is on a map (${this.scene.crs}): name places by easting and northing.`);
+    const across = 'lon' in place ? [place.lat, place.lon] as const : [place.northing, place.easting] as const;
+    return this.session!.screen.scenePoint(across, place.height ?? 0) ?? this.noScene();
+  }
+  /** Height of the ground that is held at a place, above the zero surface, at once; null where none is known. */
+  heightNow(place: MapPoint): number | null {
+    return this.place(this.toScene(place))?.ground ?? null;
+  }
+  /** Exact heights of the ground, of the server, at full resolution; NaN beyond the data. At most 65,536 places at once. */
+  async heights(places: readonly MapPoint[]): Promise<Float64Array> {
+    if (places.length > kMaxGroundPoints) throw new ForelandError('argument', `${places.length} places are too many for one question.`, `Ask for at most ${kMaxGroundPoints}.`);
+    if (this.end) throw this.end;
+    if (places.length === 0) return new Float64Array();
+    const positions = new Float64Array(2 * places.length);
+    places.forEach((place, i) => positions.set(this.session!.screen.mapPosition(this.toScene(place))!.lattice, 2 * i));
+    const id = this.next_question++;
+    return new Promise((resolve, reject) => {
+      this.questions.set(id, { resolve, reject });
+      this.tell({ kind: 'ground', id, positions });
+    });
+  }
+  /** Where an eye comes to that moves from one point of the scene towards another, so far above the ground that is held. */
+  sweep(from: readonly number[], to: readonly number[], clearance: number): Vector {
+    return this.session ? this.session.screen.sweep(from, to, clearance) : [to[0]!, to[1]!, to[2]!];
+  }
+  /** Where a ray meets the ground that is held, in the scene's axes; null if it does not. Found to a thousandth of its length. */
+  raycast(origin: readonly number[], direction: readonly number[], far = Infinity): Vector | null {
+    return this.current ? rayOnGround(this.current.scene, (point) => this.session!.screen.mapPosition(point), origin, direction, far) : null;
+  }
+
+  // ---- who draws
+
+  /** Gives the meshes to what draws them, instead of to whom they went before. The function that it gives ends that. */
+  attach(sink: MeshSink): () => void {
+    this.sink.reset();
+    this.sink = sink;
+    if (this.has_added) this.session?.redraw();
+    this.has_added = false;
+    return () => {
+      if (this.sink !== sink) return;
+      this.sink = new NoSink();
+      this.has_added = true; // what the next one needs has gone to this one
+    };
+  }
+  /** What changes in the mesh, for engines other than three. `frame` shows no version that has not been read. One stream at a time. */
+  get updates(): ReadableStream<MeshUpdate> {
+    const sink: StreamSink = new StreamSink(() => detach());
+    const detach = this.attach(sink);
+    this.on('closed', () => sink.close());
+    return sink.stream;
+  }
+  /** @internal What draws was lost: what comes is left out until something is attached. */
+  leaveOutMeshes(): void {
+    this.session?.leaveOutMeshes();
+    this.has_added = true;
+  }
+  /** @internal */
+  get screen(): Screen | null {
+    return this.session?.screen ?? null;
+  }
+  /** @internal */
+  get welcome(): Welcome | null {
+    return this.current?.welcome ?? null;
+  }
+  /** @internal Of what is drawn. */
+  noteAttributions(texts: readonly string[]): void {
+    const text = JSON.stringify(texts);
+    if (text === this.attributed) return;
+    this.attributed = text;
+    this.emitter.emit('attributions', texts);
+  }
+  /** @internal */
+  warn(text: string): void {
+    this.emitter.emit('warning', text);
+  }
+
+  /** All that has come, as a file that `foreland replay` flies again. Only if opened with `record`. */
+  async saveRecording(): Promise<Blob> {
+    if (!this.opening.record || !this.session) throw new ForelandError('argument', 'This terrain keeps no recording.', 'Open it with `record: true`.');
+    return new Promise((resolve) => {
+      this.onRecording = resolve;
+      this.session!.tell({ kind: 'save recording' });
+    });
+  }
+
+  // ---- the end
+
+  /** Ends the session at once, and leaves what is drawn as it is; a recording can still be saved. `close` is still to be called. */
+  halt(): void {
+    if (this.end) return;
+    this.over(new ForelandError('closed', 'The terrain has been halted.'));
+    this.session?.close();
+  }
+  /** Ends the session, the worker and all promises. Resolves as nothing of it runs any more. */
+  async close(): Promise<void> {
+    if (this.is_closing) return;
+    this.is_closing = true;
+    const { session, worker } = this;
+    this.sink.reset();
+    this.over(new ForelandError('closed', 'The terrain has been closed.'));
+    if (session && worker) {
+      const answered = new Promise<void>((resolve) => (this.onClosedByWorker = resolve));
+      session.close();
+      let timer: ReturnType<typeof setTimeout> | undefined;
+      await Promise.race([answered, new Promise((resolve) => (timer = setTimeout(resolve, kClosing_ms)))]);
+      clearTimeout(timer);
+    }
+    worker?.terminate();
+    [this.session, this.worker] = [null, null];
+    this.emitter.emit('closed', undefined);
+    this.emitter.clear();
+  }
+  async [Symbol.asyncDispose](): Promise<void> {
+    await this.close();
+  }
+
+  private over(error: ForelandError): void {
+    this.end ??= error;
+    this.guard.end();
+    this.unwatch();
+    this.signal?.removeEventListener('abort', this.abort);
+    this.rejectReady(error);
+    for (const question of this.questions.values()) question.reject(error);
+    this.questions.clear();
+  }
+  private fail(error: ForelandError): void {
+    if (this.end) return;
+    this.over(error);
+    this.session?.close();
+    this.emitter.emit('error', error);
+  }
+
+  // ---- the session
+
+  private async start(): Promise<void> {
+    try {
+      if (typeof WebAssembly === 'undefined') throw new ForelandError('unsupported', 'WebAssembly is missing here.', 'Try another browser, or switch WebAssembly on.');
+      const { worker, wasm } = this.opening;
+      const made: WorkerLike = isWorker(worker) ? worker : theHost().makeWorker(worker); // it loads while the module does
+      this.worker = made;
+      made.onerror = (event) => this.fail(errorOf(failureOfWorker(event)));
+      const core = await Core.load(await moduleOf(wasm));
+      if (this.end) return made.terminate();
+      this.begin(core, made);
+    } catch (error) {
+      this.worker?.terminate();
+      this.fail(error instanceof ForelandError ? error : errorOf({ ...failureOf(error), part: 'core start' }));
+    }
+  }
+
+  private begin(core: Core, worker: WorkerLike): void {
+    this.session = new Session(core, worker, {
+      onOpen: () => (this.may_occlude = this.options.occlusion ?? true),
+      onWaiting: (seconds, reason) => this.emitter.emit('stall', { seconds, reason }),
+      onMigrate: () => this.emitter.emit('migrate', undefined),
+      onRefused: (reason) => this.refuse(reason),
+      onWelcome: (message) => this.enter(message),
+      onMesh: (update) => {
+        this.has_added = true;
+        this.sink.add(update);
+      },
+      onLines: (version, terrain, objects) => this.sink.addLines?.(version, terrain, objects),
+      onGround: (id, heights_m) => this.answer(id, heights_m),
+      onRecording: (file) => this.onRecording?.(file),
+      onDamaged: () => this.warn('A tile of the ground is damaged: a coarser one stays in its place.'),
+      onClosed: () => this.onClosedByWorker(),
+      onFailure: (failure) => this.fail(errorOf(failure)),
+    }, this.guard);
+    const request = this.request;
+    this.sent_request = JSON.stringify(request);
+    this.session.tell({
+      kind: 'start', module: core.module, server: this.viewers.href, request, blend: this.options.blend ?? 'keyframe', wants_lines: this.wants_lines,
+      texture_layers: layersOf(this.limits), clock_origin_ms: performance.timeOrigin, is_recorded: this.opening.record ?? false,
+    });
+    this.unwatch = theHost().watchVisibility((is_hidden) => {
+      this.is_document_hidden = is_hidden;
+      this.tellHidden();
+    });
+    for (const message of this.untold.splice(0)) this.session.tell(message);
+    this.tellHidden();
+  }
+
+  private enter(message: Uint8Array): void {
+    const welcome = this.session!.screen.enter(message);
+    this.current = { welcome, scene: sceneOf(welcome, this.session!.screen) };
+    this.resolveReady();
+    this.emitter.emit('scene', this.current.scene);
+  }
+  private refuse(reason: string): void {
+    const error = new ForelandError('refused', reason, 'Do what the server says; `reconnect()` tries again.');
+    this.rejectReady(error);
+    this.emitter.emit('refused', error);
+  }
+  private answer(id: number, heights_m: Float32Array): void {
+    this.questions.get(id)?.resolve(Float64Array.from(heights_m));
+    this.questions.delete(id);
+  }
+
+  private readonly untold: Parameters<Session['tell']>[0][] = []; // said before there was a session
+  private tell(message: Parameters<Session['tell']>[0]): void {
+    if (this.end) return;
+    if (this.session) this.session.tell(message);
+    else this.untold.push(message);
+  }
+  private tellHidden(): void {
+    if (this.session && !this.end) this.session.setHidden(this.is_document_hidden || !this.is_sized);
+  }
+  private optionsInForce(): TerrainOptions {
+    return { ...this.options, predictor: this.options.predictor ?? (this.path_version > 0 ? 'path' : 'velocity') };
+  }
+  // If it differs from the last one.
+  private sendRequest(): void {
+    if (!this.session) return;
+    const request = this.request;
+    if (JSON.stringify(request) === this.sent_request) return;
+    this.sent_request = JSON.stringify(request);
+    this.tell({ kind: 'request', request });
+  }
+
+  private tellGuarantee(guaranteed: number | null): void {
+    if (guaranteed === this.guaranteed) return;
+    this.guaranteed = guaranteed;
+    this.emitter.emit('guarantee', guaranteed);
+  }
+  // How far about the eye, in samples, the ground is needed before the worker tells it again.
+  private groundReach(eye: readonly number[]): number {
+    if (!this.current) return 1;
+    const { low, high, samples } = this.current.welcome;
+    const spacing_m = Math.hypot(high[0] - low[0], high[1] - low[1]) / Math.hypot(...samples);
+    const step_m = Math.hypot(...this.last_eye.map((v, i) => eye[i]! - v));
+    this.last_eye = [eye[0]!, eye[1]!, eye[2]!];
+    return Math.min(Math.max(1, (kGroundFrames * step_m) / spacing_m), kMaxReach);
+  }
+  private noScene(): never {
+    throw this.end ?? new ForelandError('closed', 'No session has begun yet.', 'Wait for `ready`.');
+  }
+}
+
+const kNoFrame: Frame = {
+  version: 0, weight: 0, pose: { eye: [0, 0, 0], orientation: [0, 0, 0, 1] }, guaranteedPx: null, sceneTime: 0, shownTime: 0, endTime: 0,
+  to: { time: 0, pose: { eye: [0, 0, 0], orientation: [0, 0, 0, 1] } },
+};
+const kNoStatistics: Statistics = {
+  bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
+  tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
+};
+
+function frameOf(shown: ScreenFrame): Frame {
+  return {
+    version: shown.mesh_version, weight: shown.weight, pose: shown.pose, guaranteedPx: Number.isFinite(shown.tau_px) && shown.mesh_version > 0 ? shown.tau_px : null,
+    sceneTime: shown.scene_time_ms, shownTime: shown.shown_time_ms, endTime: shown.end_ms, to: { time: shown.to_time_ms, pose: shown.to_pose },
+  };
+}
+
+function placeOf(at: MapPosition, is_geographic: boolean): Place {
+  const rest = { height: at.height_m, ground: at.ground_m, slope: at.slope_rad, up: at.up, lattice: at.lattice };
+  const [northward, eastward] = at.across;
+  return is_geographic ? { lat: northward, lon: eastward, ...rest } : { northing: northward, easting: eastward, ...rest };
+}
+
+function isWorker(worker: OpenOptions['worker']): worker is Worker {
+  return typeof worker === 'object' && !(worker instanceof URL);
+}
+
+// Steps along the ray through the scene's box until it is below the ground, then halves.
+function rayOnGround(scene: Scene, placeAt: (point: Vector) => MapPosition | null, origin: readonly number[], direction: readonly number[], far: number): Vector | null {
+  const length = Math.hypot(...direction);
+  if (!(length > 0)) return null;
+  const at = (t: number): Vector => [0, 1, 2].map((i) => origin[i]! + (t / length) * direction[i]!) as Vector;
+  const [begin, end] = insideBox(scene, at, far);
+  const above = (t: number) => {
+    const place = placeAt(at(t));
+    return place === null || place.ground_m === null ? null : place.height_m - place.ground_m;
+  };
+  let before: number | null = null;
+  for (let i = 0; i <= kRaySteps && begin < end; ++i) {
+    const t = begin + ((end - begin) * i) / kRaySteps;
+    const height = above(t);
+    if (height !== null && height <= 0) return before === null ? at(t) : at(crossing(above, before, t));
+    before = height === null ? null : t;
+  }
+  return null;
+}
+function insideBox({ bounds: { low, high } }: Scene, at: (t: number) => Vector, far: number): [number, number] {
+  let [begin, end] = [0, far];
+  const [from, step] = [at(0), at(1)];
+  for (const i of [0, 1, 2] as const) {
+    const [a, b] = [low[i] - 1, high[i] + 1].map((v) => (v - from[i]) / (step[i] - from[i])) as [number, number];
+    if (step[i] === from[i]) {
+      if (from[i] < low[i] - 1 || from[i] > high[i] + 1) return [0, 0];
+      continue;
+    }
+    [begin, end] = [Math.max(begin, Math.min(a, b)), Math.min(end, Math.max(a, b))];
+  }
+  return [begin, end];
+}
+function crossing(above: (t: number) => number | null, outside: number, inside: number): number {
+  for (let i = 0; i < 40; ++i) {
+    const middle = 0.5 * (outside + inside);
+    if ((above(middle) ?? 0) > 0) outside = middle;
+    else inside = middle;
+  }
+  return inside;
+}
+
+/** @internal */
+export const reasonOfError = reasonOf;

@@ -1,0 +1,205 @@
+// The package's interface in Node, in sessions with the real server: what is promised of a Terrain, and how it ends. Every wait is for a
+// condition.
+import assert from 'node:assert/strict';
+import { createServer } from 'node:http';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { setImmediate } from 'node:timers/promises';
+import { ForelandError, Terrain } from '@foreland/client';
+import { readHeights } from './heights.mjs';
+import { freePort, makeFolder, makeScene, startServer } from './support.mjs';
+
+const kTest = { timeout: 180_000 };
+const kLens = { fovY: 1.05, width: 640, height: 360 };
+let folder, scene, server, address;
+
+before(async () => {
+  folder = await makeFolder();
+  scene = await makeScene(folder.folder, { size: 257 });
+  server = await startServer(scene);
+  address = server.url.href.replace('http', 'ws');
+}, kTest);
+after(async () => {
+  await server?.stop();
+  await folder?.remove();
+});
+
+const middleOf = ({ bounds: { low, high } }, above_m = 500) => [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), high[2] + above_m];
+
+// Frames of a camera that looks down on the scene and moves, until `isDone` of one.
+async function fly(terrain, isDone, speed = 0.05) {
+  const begun = performance.now();
+  for (;; await setImmediate()) {
+    const now = performance.now();
+    const [x, y, z] = middleOf(terrain.scene);
+    const frame = terrain.frame(now, { eye: [x + speed * (now - begun), y, z], orientation: [0, 0, 0, 1] });
+    if (isDone(frame)) return frame;
+  }
+}
+const isFlown = (terrain, keyframes = 5) => (frame) => frame.version > 0 && frame.guaranteedPx !== null && terrain.stats.keyframes >= keyframes;
+
+test('a scene is told as plain, frozen values', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  const { scene: told } = terrain;
+  assert.equal(told.title, 'Example mountains.tif');
+  assert.match(told.id, /^[0-9a-f]{16}$/);
+  assert.equal(told.frame, 'planar');
+  assert.equal(told.toEcef, null);
+  assert.ok(told.heights.highest > told.heights.lowest);
+  assert.deepEqual(told.samples, [257, 257]);
+  assert.throws(() => (told.bounds.low[0] = 0), TypeError);
+  assert.deepEqual(JSON.parse(JSON.stringify(told)), told);
+  await terrain.close();
+});
+
+test('no frame tells a guarantee beyond the tolerance, and a change of it takes effect', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens, tolerancePx: 2 });
+  const told = [];
+  terrain.on('guarantee', (px) => told.push(px));
+  await fly(terrain, (frame) => {
+    assert.ok(frame.guaranteedPx === null || frame.guaranteedPx <= 2, `${frame.guaranteedPx} px`);
+    return isFlown(terrain, 8)(frame);
+  });
+  assert.ok(told.includes(2));
+  terrain.setOptions({ tolerancePx: 0.5 });
+  await fly(terrain, (frame) => frame.guaranteedPx === 0.5);
+  await terrain.close();
+});
+
+test('exact heights are those of the raster, and what is held agrees with them by the tolerance', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  const raster = await readHeights(join(folder.folder, 'Example mountains.tif'));
+  const { low, high } = terrain.scene.bounds;
+  const spacing = (high[0] - low[0]) / (raster.side - 1);
+  const samples = Array.from({ length: 500 }, (_, i) => [(i * 97) % raster.side, (i * 61) % raster.side]);
+  const places = samples.map(([x, y]) => {
+    const { easting, northing } = terrain.toGeodetic([low[0] + x * spacing, low[1] + y * spacing, 0]);
+    return { easting, northing };
+  });
+  const heights = await terrain.heights(places);
+  samples.forEach(([x, y], i) => assert.ok(Math.abs(heights[i] - raster.at(x, y)) <= 0.051, `${heights[i]} for ${raster.at(x, y)} m at ${x}, ${y}`));
+  assert.ok(Number.isNaN((await terrain.heights([{ easting: places[0].easting - 1e6, northing: 0 }]))[0]), 'beyond the data');
+  // Questions at once are answered each by its own.
+  const [a, b] = await Promise.all([terrain.heights(places.slice(0, 7)), terrain.heights(places.slice(7, 9))]);
+  assert.deepEqual([...a, ...b], [...heights.slice(0, 9)]);
+  await fly(terrain, isFlown(terrain, 10));
+  const middle = terrain.toGeodetic(middleOf(terrain.scene));
+  const [exact] = await terrain.heights([middle]);
+  const held = await fly(terrain, () => terrain.heightNow(middle) !== null).then(() => terrain.heightNow(middle));
+  assert.ok(Math.abs(held - exact) < 20, `${held} m held, ${exact} m exact`);
+  await terrain.close();
+});
+
+test('places go to the scene and back, and rays meet the ground', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  for (let i = 0; i < 50; ++i) {
+    const point = [37.5 * i, -21 * i, 100 + i];
+    const back = terrain.toScene(terrain.toGeodetic(point));
+    back.forEach((v, axis) => assert.ok(Math.abs(v - point[axis]) < 1e-6, `${back} for ${point}`));
+  }
+  assert.throws(() => terrain.toScene({ lon: 7, lat: 45 }), (error) => error instanceof ForelandError && error.code === 'argument');
+  await fly(terrain, isFlown(terrain, 6));
+  const eye = middleOf(terrain.scene);
+  const met = terrain.raycast(eye, [0.1, 0.2, -1]);
+  const place = terrain.place(met);
+  assert.ok(Math.abs(place.height - place.ground) < 0.1, `${place.height - place.ground} m above ground`);
+  assert.equal(terrain.raycast(eye, [0, 0, 1]), null);
+  const swept = terrain.sweep(eye, [eye[0], eye[1], -1e4], 2);
+  assert.ok(terrain.place(swept).height - terrain.place(swept).ground > 1.9);
+  await terrain.close();
+});
+
+test('updates make up the mesh that a frame names', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  const reader = terrain.updates.getReader();
+  let vertices = 0, last = 0, is_done = false;
+  const reading = (async () => {
+    for (let { value, done } = await reader.read(); !done; { value, done } = await reader.read()) {
+      const { version, terrain: { is_whole, channels } } = value;
+      assert.ok(version > last);
+      assert.ok(last > 0 || is_whole, 'the first one needs nothing');
+      [last, vertices] = [version, channels.to_position.size / 4];
+    }
+    is_done = true;
+  })();
+  await fly(terrain, (frame) => (assert.ok(frame.version <= last, 'none is shown that was not read'), frame.version > 3 && isFlown(terrain, 12)(frame)));
+  assert.ok(vertices > 100);
+  await terrain.close();
+  await reading;
+  assert.ok(is_done);
+});
+
+test('a connection that is lost is made anew, and told of', kTest, async () => {
+  const own = await startServer(scene);
+  const terrain = await Terrain.open(own.url.href, { lens: kLens }); // http: will do
+  const told = [];
+  terrain.on('stall', ({ seconds, reason }) => told.push([seconds, reason]));
+  let scenes = 0;
+  terrain.on('scene', () => ++scenes);
+  await fly(terrain, isFlown(terrain));
+  await own.stop();
+  await fly(terrain, () => told.length > 0 && !terrain.isConnected);
+  const again = await startServer(scene, own.port);
+  await fly(terrain, () => scenes > 0 && terrain.isConnected);
+  assert.equal(terrain.isOver, false);
+  await terrain.close();
+  await again.stop();
+});
+
+const codeOf = (promise) => promise.then(() => null, (error) => (assert.ok(error instanceof ForelandError, error), assert.ok(error.message && error.advice !== undefined), error.code));
+
+test('each way that opening can fail has its name', kTest, async () => {
+  assert.equal(await codeOf(Terrain.open('nowhere', {})), 'address');
+  assert.equal(await codeOf(Terrain.open('ftp://localhost/')), 'address');
+  assert.equal(await codeOf(Terrain.open(`ws://127.0.0.1:${await freePort()}/`, { patienceMs: 400 })), 'unreachable');
+  assert.equal(await codeOf(Terrain.open(address, { wasm: new URL('none.wasm', import.meta.url) })), 'start');
+  assert.equal(await codeOf(Terrain.open(address, { worker: new URL('none.js', import.meta.url) })), 'worker');
+  assert.equal(await codeOf(Terrain.open(address, { lens: { fovY: 1, width: 0, height: 0 } })), 'refused');
+  assert.equal(await codeOf(Terrain.open(address, { signal: AbortSignal.abort() })), 'closed');
+  const aborting = new AbortController();
+  const opening = Terrain.open(`ws://127.0.0.1:${await freePort()}/`, { signal: aborting.signal });
+  aborting.abort();
+  assert.equal(await codeOf(opening), 'closed');
+});
+
+test('what is no server is told of, with what it said', kTest, async () => {
+  const other = createServer((_, reply) => reply.writeHead(404, { 'content-type': 'text/plain' }).end('nothing here'));
+  await new Promise((done) => other.listen(0, '127.0.0.1', done));
+  const error = await Terrain.open(`http://127.0.0.1:${other.address().port}/`, { patienceMs: 1500 }).catch((e) => e);
+  assert.equal(error.code, 'unreachable');
+  assert.match(error.message, /no server of terrain \(HTTP 404/);
+  await new Promise((done) => (other.closeAllConnections(), other.close(done)));
+});
+
+test('whoever waits as a terrain is closed is told', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  let closed = 0;
+  terrain.on('closed', () => ++closed);
+  const asked = codeOf(terrain.heights([{ easting: 0, northing: 0 }]));
+  const closing = terrain.close();
+  assert.equal(await asked, 'closed');
+  await Promise.all([closing, terrain.close()]);
+  assert.equal(closed, 1);
+  assert.equal(await codeOf(terrain.heights([{ easting: 0, northing: 0 }])), 'closed');
+  assert.ok(terrain.isOver);
+});
+
+test('two terrains fly side by side', kTest, async () => {
+  const both = await Promise.all([Terrain.open(address, { lens: kLens }), Terrain.open(address, { lens: kLens, tolerancePx: 3 })]);
+  const frames = await Promise.all(both.map((terrain) => fly(terrain, isFlown(terrain))));
+  assert.deepEqual(frames.map((frame) => frame.guaranteedPx), [1, 3]);
+  for (const terrain of both) await terrain.close();
+});
+
+// A worker and a module's memory each would be 100 MB by then.
+test('opened and closed fifty times, it holds no more than after the first', kTest, async () => {
+  const held = [];
+  for (let i = 0; i < 50; ++i) {
+    const terrain = await Terrain.open(address, { lens: kLens });
+    await fly(terrain, (frame) => frame.version > 0);
+    await terrain.close();
+    globalThis.gc?.();
+    held.push(process.memoryUsage().rss / 2 ** 20);
+  }
+  assert.ok(Math.min(...held.slice(-5)) < held[9] + 60, `MiB: ${held.map(Math.round)}`);
+});
