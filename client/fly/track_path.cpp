@@ -59,7 +59,7 @@ Status checkTrack(const Track& track, const proto::FrameTransform& frame, const 
     return Error{
         ErrorCode::kUnsupported,
         "the scene is in projected metres and a track is in latitude and longitude: build the scene from geographic "
-        "elevation data (gdalwarp -t_srs EPSG:4326 makes it so), or fly a tour (--tour)"};
+        "elevation data (gdalwarp -t_srs EPSG:4326 -dstnodata -9999 makes it so), or fly a tour (--tour)"};
   if (track.heights == TrackHeights::kMissing && !o.agl_m)
     return invalidArgument("the track has no heights: give a height above ground with --agl");
   return {};

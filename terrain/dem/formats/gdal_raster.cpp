@@ -62,9 +62,13 @@ bool isColour(GDALRasterBandH band) {
 }
 
 Error pictureError(const std::string& name, int count) {
-  return {ErrorCode::kUnsupported, fmt::format("{}: a picture with {} of 8 bits, not heights; if its colours encode "
-                                               "heights, say --encoding terrarium or terrain-rgb",
-                                               name, count == 1 ? "a palette" : fmt::format("{} bands", count))};
+  if (count < 3)
+    return {ErrorCode::kUnsupported,
+            name + ": a picture with a palette, not heights; --imagery lays it over elevation"};
+  return {ErrorCode::kUnsupported,
+          fmt::format("{}: a picture with {} bands of 8 bits, not heights; if its colours encode heights, say "
+                      "--encoding terrarium or terrain-rgb; --imagery lays it over elevation",
+                      name, count)};
 }
 
 class GdalRaster final : public Raster {
