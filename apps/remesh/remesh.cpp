@@ -48,7 +48,9 @@ struct Arguments {
 };
 
 void describeShape(CLI::App& app, Arguments& arguments) {
-  app.add_option("MODEL", arguments.input, "a polygon model: .obj, .ply, .stl, .glb or .gltf, closed or with borders")
+  app.add_option("MODEL", arguments.input,
+                 "a polygon model: .obj, .ply, .stl (text or binary), .glb or .gltf, closed or with borders; what is "
+                 "not read of it is a note")
       ->type_name(apps::file("MODEL"))
       ->required();
   app.add_option("-o,--output", arguments.output, "the surface file to write")

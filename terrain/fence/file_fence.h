@@ -21,7 +21,8 @@ class FileFence {
 
   // Whether a file, which need not be there, may be read. O(folders), and the file system's work of resolving links.
   bool mayRead(const std::filesystem::path& file) const;
-  // An absolute path without links, as far as it is there: folders() and files() are such.
+  // An absolute path without links, as far as it is there: folders() and files() are such. Empty if the file system
+  // cannot tell where it leads: its name is too long, or its links go round. No such file may be read.
   static std::filesystem::path resolved(const std::filesystem::path& path);
   // What is said of a file that must not be read, and how to allow it.
   static Error refusal(const std::filesystem::path& by, const std::filesystem::path& file);

@@ -70,7 +70,7 @@ Result<fs::path> Neighbours::find(const std::string& written, const fs::path& na
     // Folders that are not allowed are not looked into: whether a file is there is none of the model's business.
     const auto found = fence_.mayRead(candidate) ? existing(candidate) : candidate;
     if (found && fence_.mayRead(*found)) return *found;
-    if (found && !outside) outside = FileFence::resolved(*found);
+    if (found && !outside) outside = *found;
   }
   if (outside) return FileFence::refusal(namer.empty() ? model_ : namer, *outside);
   if (is_name && isLocal(name))

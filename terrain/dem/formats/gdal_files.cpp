@@ -73,6 +73,7 @@ bool mayRead(const char* path) {
   const std::lock_guard lock(s.mutex);
   if (s.fences == 0 || s.outputs.contains(path)) return true;
   const std::filesystem::path file = FileFence::resolved(path);
+  if (file.empty()) return false;
   if (isHeld(s, file) || systemData().mayRead(file)) return true;
   std::error_code failed;
   if (!s.refused && std::filesystem::exists(file, failed)) s.refused = file;
@@ -245,7 +246,7 @@ struct VrtCheck {
           std::error_code failed;
           const bool is_path = part.find('/') != std::string::npos || part.find("..") != std::string::npos ||
                                std::filesystem::exists(part, failed);
-          if (is_path && !fence.mayRead(part)) return FileFence::refusal(name, FileFence::resolved(part));
+          if (is_path && !fence.mayRead(part)) return FileFence::refusal(name, part);
           begin = end + 1;
         }
         return {};
@@ -257,7 +258,7 @@ struct VrtCheck {
     // Of an archive's own, which has no way out of it.
     if (vrt.starts_with("/vsi") && is_relative && path.find("..") == std::string::npos && !path.starts_with('/'))
       return {};
-    if (!fence.mayRead(file)) return FileFence::refusal(name, FileFence::resolved(file));
+    if (!fence.mayRead(file)) return FileFence::refusal(name, file);
     return {};
   }
 };

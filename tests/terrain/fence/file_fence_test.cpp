@@ -5,6 +5,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 
 #include "tests/support/files.h"
 
@@ -42,6 +43,20 @@ TEST_F(Folders, AreMoreIfTheUserAllowsThem) {
   EXPECT_TRUE(mayName(fence, "../out/secret"));
   EXPECT_TRUE(mayName(fence, "link"));
   EXPECT_FALSE(mayName(fence, "../in2/c.mtl"));
+}
+
+// Where a path leads that cannot be followed is not known, so it is not within. fuzz_mtls found that its folder was
+// listed.
+TEST_F(Folders, DoNotHoldWhatCannotBeResolved) {
+  const FileFence fence(std::array{root_ / "in/a.obj"});
+  const std::string far(5000, 'x');
+  fs::create_symlink(root_ / "in/round", root_ / "in/round");
+  for (const std::string& name : {far, "folder_link/" + far, far + "/../a.mtl", std::string("round/a.mtl")})
+    EXPECT_FALSE(mayName(fence, name)) << name.substr(0, 20);
+  EXPECT_NE(FileFence::refusal("a.obj", root_ / far).message.find("xxxx"), std::string::npos);
+  const FileFence of_nothing(std::array{fs::path(far), fs::path()}, std::array{fs::path(far)});
+  EXPECT_FALSE(of_nothing.mayRead(root_ / "in/a.mtl"));
+  EXPECT_FALSE(of_nothing.mayRead(far));
 }
 
 // A link that the user names leads to a file whose neighbours are meant, too.
