@@ -13,6 +13,7 @@
 
 #include "base/result.h"
 #include "base/time.h"
+#include "proto/message/sight_message.h"
 #include "server/sight/sight_line.h"
 #include "server/sight/sight_scene.h"
 
@@ -24,7 +25,7 @@ struct ViewshedQuestion {
   double target_m = 0;           // of what is looked at, above the ground
   double radius_m = 10e3;        // across the zero surface
   std::optional<double> cell_m;  // without one as the samples are
-  double refraction = 1.0 / 7;
+  double refraction = proto::kUsualRefraction;
   std::optional<Time> scene_time;  // without one the last epoch's
 };
 
@@ -37,13 +38,12 @@ struct ViewshedGrid {
   glm::dvec2 middle(uint32_t column, uint32_t row) const { return first + glm::dvec2(column, row) * step; }
 };
 
-// Of a cell; outside: of the radius, or of the data.
-enum class ViewshedCell : uint8_t { kHidden = 0, kSeen = 1, kOutside = 2 };
+using proto::ViewshedCell;
 
 class Viewshed {
  public:
-  static constexpr double kMinLength_m = 1e-3, kMaxRadius_m = 1e7,
-                          kMaxHeight_m = 1e6, kMaxRefraction = 1;
+  static constexpr double kMinLength_m = proto::kMinSightLength_m, kMaxRadius_m = proto::kMaxSightRadius_m,
+                          kMaxHeight_m = proto::kMaxSightHeight_m, kMaxRefraction = 1;
 
   // An Error names what is wrong with the question and what it may be: not finite, out of range, from beyond the data,
   // or of more than `max_cells`.
