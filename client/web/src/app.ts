@@ -22,6 +22,7 @@ import { PredictionCheck } from './core/prediction_check';
 import { Readout } from './ui/readout';
 import { adapts, kAdaptive_ms, kLens, type Address, type Settings, type Tour } from './ui/settings';
 import { SceneTime } from './ui/scene_time';
+import { SightControl } from './ui/sight_control';
 import { sunDirection } from './ui/sun';
 import { saveFile } from './ui/save_file';
 import { startView } from './ui/start_view';
@@ -61,6 +62,7 @@ export class App {
   private readonly scene_time = new SceneTime(byId('time'), (scene_ms, rate) =>
     this.session.tell({ kind: 'scene clock', now_ms: performance.now(), scene_ms, rate }));
   private readonly session: Session;
+  readonly sight: SightControl;
   private readonly panel: Panel;
   private readonly settings: Settings;
   private readonly colour_maps = new ColourMaps();
@@ -103,6 +105,15 @@ export class App {
     if (address.is_recorded) this.panel.addButton('Save the recording', 'save', () => this.session.tell({ kind: 'save recording' }));
     else this.panel.addButton('Record a flight from here', 'record', () => this.recordFromHere());
     window.addEventListener('resize', () => this.guard.run(() => this.resize()));
+    this.sight = new SightControl({
+      picture: () => this.picture,
+      screen: () => this.session.screen,
+      sights: () => this.session.sights,
+      welcome: () => this.welcome,
+      eye: () => this.controls.eye.toArray(),
+      sceneTime: () => this.scene_time_ms,
+      say: (text) => this.hint.show(text),
+    });
   }
 
   start(): void {

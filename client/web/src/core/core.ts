@@ -40,6 +40,12 @@ interface Exports {
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
+  foreland_request_sight(viewer: number, above: number, refraction: number, scene_ms: number): number;
+  foreland_request_viewshed(viewer: number, ...question: number[]): number;
+  foreland_cancel_request(viewer: number, id: number): void;
+  foreland_take_sight(viewer: number): number;
+  foreland_read_sight(): number;
+  foreland_sight_error(): number;
   foreland_welcome(viewer: number): number;
   foreland_statistics(viewer: number): number;
   foreland_screen_create(): number;

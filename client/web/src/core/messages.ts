@@ -3,6 +3,7 @@
 import type { Blend, Pose, Request, Statistics, TextureLayers } from './values';
 import type { Failure } from './failure';
 import type { MeshUpdate, PartLines } from './mesh_update';
+import type { SightAnswer, SightMessage } from './sight';
 
 export type ToWorker =
   // First, and once. `clock_origin_ms` is performance.timeOrigin of the drawing thread.
@@ -22,6 +23,7 @@ export type ToWorker =
   | { kind: 'redraw'; count: number } // what was handed over is lost: mesh and tiles are to come again
   | { kind: 'reopen' } // connects anew, and resumes
   | { kind: 'save recording' }
+  | SightMessage
   | { kind: 'close' };
 
 export type FromWorker =
@@ -35,5 +37,6 @@ export type FromWorker =
   | { kind: 'lines'; version: number; terrain: PartLines; objects: PartLines } // of a mesh that was sent without
   | { kind: 'recording'; file: Blob } // so far
   | { kind: 'damaged'; what: string } // the first tile that cannot be decoded
+  | SightAnswer
   | { kind: 'failed'; failure: Failure } // nothing but a recording comes any more
   | { kind: 'state'; statistics: Statistics; is_open: boolean; ground: Uint8Array | null };

@@ -8,6 +8,7 @@ import { Recording } from './recording';
 import { Tiles } from './tiles';
 import { linesOf, memoryOf, updateOf } from './mesh_update';
 import type { FromWorker, ToWorker } from './messages';
+import { SightAsker } from './sight';
 import type { Blend, Request, Statistics } from './values';
 import { Viewer } from './viewer';
 
@@ -39,11 +40,13 @@ class Session {
   private tour: string | null = null; // asked for, and has not come; asked for again on a new connection
   private tour_seconds = 0;
   private has_told_damage = false;
+  private readonly sights: SightAsker;
 
   constructor(private readonly core: Core, private readonly start: Start) {
     ({ request: this.request, blend: this.blend, wants_lines: this.wants_lines } = start);
     this.viewer = this.newViewer();
     this.tiles = this.newTiles();
+    this.sights = new SightAsker(core, () => this.viewer.handle, (answer) => this.post(answer));
     this.connection = new Connection(start.server, {
       onOpen: () => guard.run(() => this.begin()),
       onMessage: (message) => guard.run(() => this.receive(message)),
@@ -88,6 +91,11 @@ class Session {
         break;
       case 'hidden':
         this.connection.setHidden(message.is_hidden);
+        break;
+      case 'ask sight':
+      case 'ask viewshed':
+      case 'cancel sight':
+        this.sights.handleMessage(message);
         break;
       case 'redraw': return this.redraw(message.count);
       case 'reopen':
@@ -154,6 +162,7 @@ class Session {
       this.tiles = this.newTiles();
     }
     if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
+    this.sights.begin();
     this.post({ kind: 'open' });
     this.sendOutgoing();
   }
@@ -194,6 +203,7 @@ class Session {
       this.tour = null;
       this.post({ kind: 'tour', message });
     }
+    this.sights.received(message);
     this.sendMesh();
   }
 

@@ -9,9 +9,11 @@ import { cheapAnisotropy, Drape } from './drape';
 import { FrozenView } from './frozen_view';
 import { ObjectMesh } from './object_mesh';
 import { ShadeProbe } from './shade_probe';
+import { SightLines } from './sight_lines';
 import { Sky } from './sky';
 import { Stage } from './stage';
 import { TerrainMesh } from './terrain_mesh';
+import { ViewshedDrape } from './viewshed_drape';
 
 // Of the next mesh, in a frame, in bytes; a call counts as some (blend_buffers.ts).
 const kMinSlice = 128 << 10;
@@ -34,6 +36,8 @@ export class Picture {
   readonly up = new THREE.Vector3(0, 0, 1); // at the eye
   readonly sun = new THREE.Vector3(); // towards it
   readonly frozen_view = new FrozenView();
+  readonly sight_lines = new SightLines();
+  readonly viewshed = new ViewshedDrape();
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.PerspectiveCamera();
   private readonly sky = new Sky(this.sun, this.up);
@@ -54,9 +58,9 @@ export class Picture {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
     this.drape = new Drape(this.renderer, from.layers, from.anisotropy ?? cheapAnisotropy(this.renderer));
-    this.terrain = new TerrainMesh(this.renderer, this.sun, this.up, this.drape.uniforms);
+    this.terrain = new TerrainMesh(this.renderer, this.sun, this.up, { ...this.drape.uniforms, ...this.viewshed.uniforms });
     this.objects = new ObjectMesh(this.renderer, this.terrain.uniforms, from.models, onMissing);
-    this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object);
+    this.scene.add(this.sky.object, this.terrain.object, this.objects.object, this.frozen_view.object, this.sight_lines.object);
     const [sets, object_sets] = [this.terrain.sets, this.objects.sets];
     this.stage = new Stage({ terrain: sets[0], objects: object_sets[0] }, { terrain: sets[1], objects: object_sets[1] });
   }
@@ -185,7 +189,9 @@ export class Picture {
     this.terrain.place(weight, pose.eye, position?.height_m ?? pose.eye[2]);
     this.objects.placeFrom(pose.eye);
     if (this.welcome && position) this.drape.place(position.lattice, this.welcome.samples);
+    this.viewshed.place(this.drape.uniforms.u_pivot!.value as THREE.Vector2);
     this.frozen_view.place(pose.eye);
+    this.sight_lines.place(pose.eye);
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
     ++this.frames;
@@ -200,6 +206,17 @@ export class Picture {
     this.camera.near = Math.max(0.06 * clearance_m, 1e-5 * across_m);
     this.camera.far = across_m + outside_m;
     this.camera.updateProjectionMatrix();
+  }
+
+  // Whether an event's target is what it draws on.
+  isOn(target: EventTarget | null): boolean {
+    return target === this.canvas;
+  }
+  // The unit direction, in the scene's axes, of what was last drawn at a point of the window.
+  directionAt(x: number, y: number): [number, number, number] {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector3((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height, 0.5);
+    return at.unproject(this.camera).normalize().toArray();
   }
 
   // ---- for tests

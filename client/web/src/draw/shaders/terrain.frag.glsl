@@ -15,6 +15,9 @@ uniform float u_change_m;     // that has the strongest colours
 uniform vec3 u_north;         // the earth's axis, or north on the map
 uniform float u_pixel_rad;    // how much a pixel sees
 
+uniform sampler2D u_viewshed;   // of a cell: 0 hidden, 1 seen, 2 not known
+uniform vec4 u_viewshed_place;  // the first cell's middle from the pivot; from cell to cell
+
 float hash(ivec2 p) {
   uint h = uint(p.x) * 0x9E3779B1u ^ uint(p.y) * 0x85EBCA77u;
   h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
@@ -116,6 +119,15 @@ vec3 albedoOf(vec3 normal, float height, float pixel_m, vec2 dx, vec2 dy) {
   return picture.a < 1.0 ? mix(groundColour(normal, height, pixel_m), picture.rgb, picture.a) : picture.rgb;
 }
 
+// What is seen is green, what is hidden darker.
+vec3 withViewshed(vec3 colour) {
+  ivec2 cell = ivec2(floor((v_lattice - u_viewshed_place.xy) / u_viewshed_place.zw + 0.5));
+  ivec2 size = textureSize(u_viewshed, 0);
+  if (any(lessThan(cell, ivec2(0))) || any(greaterThanEqual(cell, size))) return colour;
+  int what = int(255.0 * texelFetch(u_viewshed, cell, 0).r + 0.5);
+  return what == 1 ? mix(colour, vec3(0.08, 0.75, 0.12), 0.5) : what == 0 ? 0.5 * colour : colour;
+}
+
 void main() {
   float distance_m = length(v_from_eye);
   vec3 direction = v_from_eye / distance_m;
@@ -125,6 +137,7 @@ void main() {
   float pixel_m = max(distance_m * u_pixel_rad / sqrt(facing), 1e-4);
   vec3 colour = lit(albedoOf(ground.normal, ground.height, pixel_m, dx, dy), ground.normal, ground.sunshine);
   if (u_contour_m > 0.0) colour = mix(colour, vec3(0.06, 0.045, 0.03), 0.55 * contour(ground.height));
+  colour = withViewshed(colour);
   if (u_haze > 0.0) colour = mix(hazeColour(direction), colour, exp(-hazeAlong(distance_m)));
   o_colour = vec4(toScreen(colour), 1.0);
 }
