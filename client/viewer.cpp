@@ -5,6 +5,18 @@
 
 namespace foreland::client {
 
+namespace {
+
+template <class Reply>
+std::optional<Reply> takeFirst(std::deque<Reply>& replies) {
+  if (replies.empty()) return std::nullopt;
+  std::optional<Reply> first = std::move(replies.front());
+  replies.pop_front();
+  return first;
+}
+
+}  // namespace
+
 Viewer::Viewer(const proto::ViewRequest& request, Blend blend, Duration pose_interval)
     : request_(request), pose_interval_(pose_interval), blend_(blend) {
   send(proto::encode(asked()));
@@ -50,6 +62,8 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
   }
   if (auto* tour = std::get_if<proto::TourReply>(&*message)) tour_ = std::move(*tour);
   if (auto* ground = std::get_if<proto::GroundReply>(&*message)) ground_ = std::move(*ground);
+  if (auto* sight = std::get_if<proto::SightReply>(&*message)) sights_.push_back(std::move(*sight));
+  if (auto* viewshed = std::get_if<proto::ViewshedReply>(&*message)) viewsheds_.push_back(std::move(*viewshed));
   if (auto* refusal = std::get_if<proto::Refusal>(&*message))
     return Error{ErrorCode::kUnsupported, "the server refuses: " + refusal->message};
   return {};
@@ -57,6 +71,8 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
 
 void Viewer::reconnect(Time now) {
   outgoing_.clear();
+  sights_.clear();
+  viewsheds_.clear();
   is_greeted_ = false;
   reconnected_at_ = now;
   received_keyframe_ = 0;
@@ -205,8 +221,25 @@ uint32_t Viewer::requestGround(std::vector<glm::dvec2> lattice_points) {
   return next_request_id_++;
 }
 
+uint32_t Viewer::requestSight(proto::SightRequest request) {
+  request.id = next_request_id_++;
+  send(proto::encode(request));
+  return request.id;
+}
+
+uint32_t Viewer::requestViewshed(proto::ViewshedRequest request) {
+  request.id = next_request_id_++;
+  send(proto::encode(request));
+  return request.id;
+}
+
+void Viewer::cancelRequest(uint32_t id) { send(proto::encode(proto::RequestCancel{id})); }
+
 std::optional<proto::TourReply> Viewer::takeTour() { return std::exchange(tour_, std::nullopt); }
 std::optional<proto::GroundReply> Viewer::takeGround() { return std::exchange(ground_, std::nullopt); }
+
+std::optional<proto::SightReply> Viewer::takeSight() { return takeFirst(sights_); }
+std::optional<proto::ViewshedReply> Viewer::takeViewshed() { return takeFirst(viewsheds_); }
 
 std::optional<double> Viewer::groundHeight(double x, double y) const {
   return replica_ ? replica_->heightAt(x, y) : std::nullopt;

@@ -89,9 +89,16 @@ class Viewer {
   void requestTour(const std::string& name, double seconds);
   // Gives the number that the reply will have.
   uint32_t requestGround(std::vector<glm::dvec2> lattice_points);
-  // The reply to such a request, once; nullopt until it arrives.
+  // The same, of what is seen (proto/message/sight_message.h); the request's own number is not looked at. A viewshed
+  // takes the place of one that is not told whole. Requests end with their connection.
+  uint32_t requestSight(proto::SightRequest request);
+  uint32_t requestViewshed(proto::ViewshedRequest request);
+  void cancelRequest(uint32_t id);
+  // The reply to such a request, once; nullopt until it arrives. Of a viewshed the next part.
   std::optional<proto::TourReply> takeTour();
   std::optional<proto::GroundReply> takeGround();
+  std::optional<proto::SightReply> takeSight();
+  std::optional<proto::ViewshedReply> takeViewshed();
 
   // The last welcome, of this connection or an earlier one.
   const std::optional<proto::Welcome>& welcome() const { return welcome_; }
@@ -152,6 +159,8 @@ class Viewer {
   Time received_at_;
   std::optional<proto::TourReply> tour_;
   std::optional<proto::GroundReply> ground_;
+  std::deque<proto::SightReply> sights_;
+  std::deque<proto::ViewshedReply> viewsheds_;
   uint32_t next_request_id_ = 1;
   ViewerStatistics statistics_;
 };

@@ -13,6 +13,7 @@
 #include "apps/options/foreign_track.h"
 #include "apps/render/render_options.h"
 #include "apps/render/render_views.h"
+#include "apps/render/render_viewshed.h"
 #include "oracle/drawn_surface.h"
 #include "terrain/render/exr.h"
 #include "terrain/render/parameter_lookup.h"
@@ -45,7 +46,12 @@ class Studio {
     if (options.scene_clock && (*scene)->epochs().epochs().empty())
       return Error{ErrorCode::kInvalidArgument,
                    options.scene.string() + ": does not change in time, so there is no --scene-from or --scene-speed"};
-    return Studio(options, *scene, std::move(*shading), exactSections(*scene, std::move(*objects)));
+    Studio studio(options, *scene, std::move(*shading), exactSections(*scene, std::move(*objects)));
+    if (!options.viewshed.from) return studio;
+    auto tint = ViewshedTint::of(options.viewshed, *scene);
+    if (!tint.ok()) return tint.error();
+    studio.tint_.emplace(std::move(*tint));
+    return studio;
   }
 
   const terrain::Scene& scene() const { return *scene_; }
@@ -65,6 +71,7 @@ class Studio {
           1);
     auto picture = options_->drawn == Drawn::kFull ? full(camera) : section(camera, *drawn);
     if (!picture.ok()) return picture.error();
+    if (tint_) tint_->apply(camera, scene_time_, *picture);
     if (options_->errors == Errors::kNone) return Shot{std::move(*picture), {}};
     const auto lookup = terrain::ParameterLookup::of(std::move(*drawn));
     if (!lookup.ok()) return lookup.error();
@@ -111,6 +118,7 @@ class Studio {
   oracle::SectionAt section_at_;
   Time scene_time_;
   std::optional<terrain::RayCaster> full_;  // at scene_time_
+  std::optional<ViewshedTint> tint_;
 };
 
 Result<Bytes> encode(const terrain::Picture& picture, const std::filesystem::path& output, double tau_px) {

@@ -56,6 +56,8 @@ Status check(RenderOptions& o) {
   if (!o.pose && !is_sequence) return invalid("from where? give --pose, --tour or --track");
   for (const std::filesystem::path& output : o.outputs)
     if (Status s = checkPicture(output, is_sequence); !s.ok()) return s;
+  if (o.viewshed.from && o.errors == Errors::kMeasured)
+    return invalid("--viewshed and --error both colour the picture; give one of them");
   o.track_options.seconds = o.seconds;
   const Result<proto::Lens> lens = parseLens(o.viewport, o.fov_deg);
   if (!lens.ok()) return lens.error();
@@ -122,6 +124,17 @@ void addSceneTime(CLI::App& app, SceneTimeTexts& texts) {
       ->group("From where");
 }
 
+void addViewshed(CLI::App& app, RenderOptions& o) {
+  const std::string group = "What is seen";
+  CLI::Option* viewshed =
+      app.add_option("--viewshed", o.viewshed.from,
+                     "tint what is seen from here green, and darken what is hidden from there (foreland viewshed)")
+          ->type_name(text("LAT,LON,HEIGHT"))
+          ->group(group);
+  addViewshedOptions(app, o.viewshed, group);
+  for (const char* name : {"--radius", "--target", "--refraction"}) app.get_option(name)->needs(viewshed);
+}
+
 struct Flags {
   bool is_section = false, is_full = false, wants_errors = false, wants_progress = false;
 };
@@ -173,6 +186,7 @@ ParsedRenderOptions parseRenderOptions(int argc, const char* const* argv) {
   SceneTimeTexts scene_time;
   addSceneTime(app, scene_time);
   addPicture(app, o, flags);
+  addViewshed(app, o);
   if (const auto exit_code = parseCommandLine(app, argc, argv, kExamples)) return {{}, exit_code};
   o.drawn = flags.is_section ? Drawn::kSection : Drawn::kFull;
   o.errors = flags.wants_errors ? Errors::kMeasured : Errors::kNone;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/viewshed/viewshed_options.h"
 #include "base/result.h"
 #include "client/fly/track_path.h"
 #include "proto/section/epochs.h"
@@ -31,6 +32,7 @@ struct RenderOptions {
   Errors errors = Errors::kNone;
   Progress progress = Progress::kOnTerminals;
   double tau_px = 1;
+  ViewshedOptions viewshed;  // from nowhere: none is laid over the pictures
   std::string viewport = "1920x1080";
   double fov_deg = 60;
   proto::Lens lens;  // of the two above

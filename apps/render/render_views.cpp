@@ -1,11 +1,11 @@
 #include "apps/render/render_views.h"
 
-#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <string>
 
+#include "apps/options/place.h"
 #include "client/fly/track_path.h"
 #include "client/fly/tracks/track.h"
 #include "server/view/ground.h"
@@ -20,27 +20,6 @@ constexpr double kTourSeconds = 60;
 
 Error refused(const std::string& pose, const std::string& why) {
   return {ErrorCode::kInvalidArgument, "--pose '" + pose + "': " + why};
-}
-
-// LAT,LON,HEIGHT[,HEADING[,PITCH]]
-std::optional<std::vector<double>> numbersOf(const std::string& text) {
-  std::vector<double> numbers;
-  const char *at = text.data(), *end = at + text.size();
-  while (true) {
-    double number = 0;
-    const auto [next, error] = std::from_chars(at, end, number);
-    if (error != std::errc{} || !std::isfinite(number)) return std::nullopt;
-    numbers.push_back(number);
-    if (next == end) return numbers;
-    if (*next != ',') return std::nullopt;
-    at = next + 1;
-  }
-}
-
-proto::LatticePosition latticeOf(const proto::FrameTransform& transform, double a, double b) {
-  if (transform.frame().kind == proto::FrameKind::kGeographic)
-    return transform.toLattice(transform.toScene(proto::Geodetic{a * kDegree, b * kDegree, 0}));
-  return transform.toLattice({glm::dvec2(a, b) - transform.frame().map_origin_m, 0});
 }
 
 proto::Pose poseAt(const proto::FrameTransform& transform, const proto::LatticePosition& at, double heading_deg,

@@ -90,7 +90,9 @@ std::map<std::string, std::string> imagesOf(const server::SceneObjects& objects)
 Result<std::shared_ptr<const server::World>> openWorld(const apps::ServeFlags& flags,
                                                        std::shared_ptr<const terrain::Scene> scene,
                                                        const server::Log& log) {
-  auto world = server::openWorld(std::move(scene), apps::occlusionOf(flags));
+  const server::SightSetup sight{server::SightSupply::Building::kOnAThread,
+                                 {static_cast<uint64_t>(flags.sight_memory_mib * 1048576)}};
+  auto world = server::openWorld(std::move(scene), apps::occlusionOf(flags), sight);
   if (world && (*world)->occlusion)
     log(server::Severity::kInfo,
         fmt::format("occluders take {:.1f} MiB", static_cast<double>((*world)->occlusion->bytes()) / (1 << 20)));

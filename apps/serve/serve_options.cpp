@@ -82,6 +82,11 @@ void addLimits(CLI::App& app, ServeFlags& flags) {
       "requests wait, and its longer messages are refused")
       ->type_name(number("MIB"))
       ->check(within(1.0, 4096.0));
+  add("--sight-memory-mib", flags.sight_memory_mib,
+      "MiB that answering what is seen from where may take, once somebody asks: about 12 bytes for a sample; 0: such "
+      "questions are not answered")
+      ->type_name(number("MIB"))
+      ->check(within(0.0, 1048576.0));
   add("--idle-seconds", flags.idle_seconds,
       "a viewer that sends nothing, or reads nothing of what waits for it, for so long is disconnected")
       ->type_name(number("S"))

@@ -26,6 +26,7 @@ struct ServeFlags {
   double viewer_memory_mib = 64;
   size_t max_section_nodes = server::SessionOptions{}.max_section_nodes;
   double queue_mib = server::HostLimits{}.viewer_bytes / 1048576.0;
+  double sight_memory_mib = 1024;
   double idle_seconds = server::ServeOptions{}.idle_timeout.toSeconds();
   double drain_seconds = 10;
   std::filesystem::path tls_cert, tls_key, token_secret;

@@ -156,10 +156,10 @@ Result<ClientControl> read(const fb::HeldTiles& m) {
   return ClientControl(std::move(out));
 }
 
-Result<ServerControl> read(const fb::Welcome& m) {
-  auto welcome = readWelcome(m);
-  if (!welcome) return welcome.error();
-  return ServerControl(std::move(welcome).value());
+template <class Control, class Message>
+Result<Control> controlOf(Result<Message> message) {
+  if (!message) return message.error();
+  return Control(std::move(message).value());
 }
 
 Result<ServerControl> read(const fb::TourReply& m) {
@@ -265,6 +265,12 @@ Result<ClientControl> decodeClientControl(ByteSpan bytes) {
       return read(*control->body_as_SceneClock());
     case fb::Body_HeldTiles:
       return read(*control->body_as_HeldTiles());
+    case fb::Body_SightRequest:
+      return controlOf<ClientControl>(readSightRequest(*control->body_as_SightRequest()));
+    case fb::Body_ViewshedRequest:
+      return controlOf<ClientControl>(readViewshedRequest(*control->body_as_ViewshedRequest()));
+    case fb::Body_RequestCancel:
+      return ClientControl(RequestCancel{control->body_as_RequestCancel()->id()});
     default:
       return malformed("not one that a client sends");
   }
@@ -276,13 +282,17 @@ Result<ServerControl> decodeServerControl(ByteSpan bytes) {
   if (!control) return malformed("not a message of this protocol");
   switch (control->body_type()) {
     case fb::Body_Welcome:
-      return read(*control->body_as_Welcome());
+      return controlOf<ServerControl>(readWelcome(*control->body_as_Welcome()));
     case fb::Body_TourReply:
       return read(*control->body_as_TourReply());
     case fb::Body_GroundReply:
       return read(*control->body_as_GroundReply());
     case fb::Body_Refusal:
       return ServerControl(Refusal{text(control->body_as_Refusal()->message(), kMaxTextBytes)});
+    case fb::Body_SightReply:
+      return controlOf<ServerControl>(readSightReply(*control->body_as_SightReply()));
+    case fb::Body_ViewshedReply:
+      return controlOf<ServerControl>(readViewshedReply(*control->body_as_ViewshedReply()));
     default:
       return malformed("not one that a server sends");
   }

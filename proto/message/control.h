@@ -13,6 +13,7 @@
 #include "base/result.h"
 #include "proto/imagery/tile.h"
 #include "proto/imagery/tile_memory.h"
+#include "proto/message/sight_message.h"
 #include "proto/refine/surface/objects.h"
 #include "proto/section/epochs.h"
 #include "proto/space/frame.h"
@@ -22,7 +23,7 @@
 
 namespace foreland::proto {
 
-inline constexpr uint32_t kProtocolVersion = 13;
+inline constexpr uint32_t kProtocolVersion = 14;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
@@ -130,8 +131,9 @@ struct Refusal {
   std::string message;
 };
 
-using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, HeldTiles>;
-using ServerControl = std::variant<Welcome, TourReply, GroundReply, Refusal>;
+using ClientControl = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, HeldTiles, SightRequest,
+                                   ViewshedRequest, RequestCancel>;
+using ServerControl = std::variant<Welcome, TourReply, GroundReply, Refusal, SightReply, ViewshedReply>;
 
 Bytes encode(const ViewRequest& message);
 Bytes encode(const Path& message);

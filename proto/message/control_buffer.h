@@ -43,7 +43,11 @@ inline Bytes finish(Builder& b, fb::Body type, flatbuffers::Offset<void> body) {
   return out;
 }
 
-// What the first server message says. An Error if it is not sound.
+// What messages say. An Error if that is not sound.
 Result<Welcome> readWelcome(const fb::Welcome& m);
+Result<SightRequest> readSightRequest(const fb::SightRequest& m);
+Result<ViewshedRequest> readViewshedRequest(const fb::ViewshedRequest& m);
+Result<SightReply> readSightReply(const fb::SightReply& m);
+Result<ViewshedReply> readViewshedReply(const fb::ViewshedReply& m);
 
 }  // namespace foreland::proto

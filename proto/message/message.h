@@ -13,10 +13,10 @@ namespace foreland::proto {
 inline constexpr size_t kMaxClientMessageBytes = 16u << 20;  // paths are the largest
 inline constexpr size_t kMaxServerMessageBytes = 64u << 20;  // a first section is the largest
 
-using ClientMessage =
-    std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, HeldTiles, PoseUpdate, Resume>;
-using ServerMessage =
-    std::variant<Welcome, TourReply, GroundReply, Refusal, KeyframeMessage, TileMessage, TileStatement>;
+using ClientMessage = std::variant<ViewRequest, Path, TourRequest, GroundRequest, SceneClock, HeldTiles, SightRequest,
+                                   ViewshedRequest, RequestCancel, PoseUpdate, Resume>;
+using ServerMessage = std::variant<Welcome, TourReply, GroundReply, Refusal, SightReply, ViewshedReply, KeyframeMessage,
+                                   TileMessage, TileStatement>;
 
 // Any bytes end in a valid value or in an Error; after an Error neither memory nor connection is of use any more.
 Result<ClientMessage> decodeClientMessage(ByteSpan bytes, PoseMemory& memory);

@@ -79,6 +79,15 @@ Status Session::take(const proto::TourRequest& request, Time) { return input_.ta
 
 Status Session::take(const proto::GroundRequest& request, Time) { return input_.take(request); }
 
+Status Session::take(const proto::SightRequest& request, Time) { return input_.take(request); }
+
+Status Session::take(const proto::ViewshedRequest& request, Time) { return input_.take(request); }
+
+Status Session::take(const proto::RequestCancel& request, Time) {
+  input_.take(request);
+  return {};
+}
+
 Status Session::take(const proto::Resume& resume, Time) { return input_.take(resume, state_.isFirst()); }
 
 size_t Session::keptBytes() const {
@@ -88,9 +97,13 @@ size_t Session::keptBytes() const {
 }
 
 void Session::answer(std::vector<Bytes>& out) {
-  out.push_back(input_.requests().answer(world_->hierarchy.scene()));
-  ++statistics_.replies;
+  constexpr Duration kUntilPrepared = Duration::milliseconds(20);
+  SightSlice reply = input_.requests().answer(world_->hierarchy.scene(), *world_->sight);
   did_ = Did::kRequest;
+  if (reply.is_preparing) postponeReplies(state_.now + kUntilPrepared);
+  if (!reply.message) return;
+  out.push_back(std::move(*reply.message));
+  ++statistics_.replies;
   unsent_ = true;
 }
 
@@ -223,7 +236,7 @@ void Session::noteComputeTime(Duration spent, uint64_t pages_read) {
         occlusion_->hidesAnything());
   if (did_ == Did::kKeyframe)
     state_.compute_time = std::max(spent, Duration{(state_.compute_time.us * 15 + spent.us) / 16});
-  if (did_ == Did::kRequest) next_request_ = state_.now + spent + spent * kRest;
+  if (did_ == Did::kRequest) postponeReplies(state_.now + spent + spent * kRest);
   if (did_ == Did::kPrefetch) prefetch_pace_.ended(state_.now, pages_read);
   if (did_ == Did::kKeyframe) prefetch_pace_.keyframeRead(state_.now, pages_read);
 }

@@ -162,6 +162,9 @@ class Session {
   Status take(const proto::Path& path, Time now);
   Status take(const proto::TourRequest& request, Time now);
   Status take(const proto::GroundRequest& request, Time now);
+  Status take(const proto::SightRequest& request, Time now);
+  Status take(const proto::ViewshedRequest& request, Time now);
+  Status take(const proto::RequestCancel& request, Time now);
   Status take(const proto::SceneClock& clock, Time now);
   Status take(const proto::HeldTiles& held, Time now);
   Status take(const proto::PoseUpdate& update, Time now);

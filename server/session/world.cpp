@@ -12,8 +12,9 @@ constexpr std::array kOcclusionNames{"off", "auto", "on"};
 
 }  // namespace
 
-World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects)
-    : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)) {
+World::World(std::shared_ptr<const terrain::Scene> scene, SceneObjects objects, const SightSetup& setup)
+    : hierarchy(std::move(scene), proto::ErrorBound::kSpheroid, std::move(objects)),
+      sight(std::make_unique<SightSupply>(hierarchy, setup.building, setup.options)) {
   if (hierarchy.epochs().epochs().blend() != proto::EpochBlend::kLinear)
     motion = std::make_unique<const GroundMotion>(hierarchy);
   if (hierarchy.scene().tiles().layers().empty() || !hierarchy.epochs().epochs().empty()) return;
@@ -28,10 +29,11 @@ std::optional<Occlusion> occlusionNamed(std::string_view name) {
   return static_cast<Occlusion>(at - kOcclusionNames.begin());
 }
 
-Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Scene> scene, Occlusion occlusion) {
+Result<std::shared_ptr<const World>> openWorld(std::shared_ptr<const terrain::Scene> scene, Occlusion occlusion,
+                                               const SightSetup& sight) {
   auto objects = objectsOf(scene);
   if (!objects) return objects.error();
-  auto world = std::make_shared<World>(std::move(scene), std::move(*objects));
+  auto world = std::make_shared<World>(std::move(scene), std::move(*objects), sight);
   if (occlusion != Occlusion::kOff) {
     auto shared = SceneOcclusion::create(world->hierarchy, world->ground ? world->ground->grid : nullptr);
     if (!shared && occlusion == Occlusion::kOn) return shared.error();

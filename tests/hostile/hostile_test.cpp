@@ -205,6 +205,50 @@ TEST_F(Hostile, ToursUnread) {
   expectNothingIsLeft();
 }
 
+// Viewsheds as large as may be, and as many lines as may be in a request, again and again.
+TEST_F(Hostile, AskWhatIsSeenWithoutEnd) {
+  std::atomic<size_t> told = 0;
+  under(4, [&](size_t i) {
+    WebSocketClient client(port_);
+    client.send(proto::encode(request(640, 360, 1, 200)));
+    proto::SightRequest pairs;
+    for (size_t k = 0; k < 2 * proto::kMaxSightPairs; ++k) pairs.ends.push_back({(k * 37) % 512, (k * 91) % 512, 2});
+    client.send(proto::encode(proto::ViewshedRequest{1, {200, 200.0 + i}, 2, 0, 1e5, 3}));
+    for (int k = 0; k < 12; ++k) client.send(proto::encode(pairs));
+    const Time begin = now();
+    while (now() < begin + Duration::milliseconds(400)) {
+      if (!client.socket().isReadable(std::chrono::milliseconds(50))) continue;
+      if (!client.receive()) break;
+      ++told;
+    }
+  });
+  EXPECT_GT(told, 0u);
+  expectNothingIsLeft();
+}
+
+TEST_F(Hostile, AskWhatIsSeenWithNumbersThatMakeNoSense) {
+  const auto refusalOf = [&](const Bytes& asked) {
+    WebSocketClient client(port_);
+    client.send(proto::encode(request(640, 360, 1, 200)));
+    client.send(asked);
+    while (const auto message = client.receive()) {
+      const auto reply = proto::decodeServerMessage(message->bytes());
+      if (reply.ok() && std::holds_alternative<proto::Refusal>(*reply)) return std::get<proto::Refusal>(*reply).message;
+    }
+    return std::string();
+  };
+  using proto::ViewshedRequest;
+  const std::vector<glm::dvec3> many(2 * (proto::kMaxSightPairs + 1));
+  EXPECT_NE(refusalOf(proto::encode(proto::SightRequest{1, many})).find("1 to 4096 pairs"), std::string::npos);
+  EXPECT_NE(refusalOf(proto::encode(proto::SightRequest{1, {{NAN, 1, 1}, {2, 2, 2}}})).find("not finite"),
+            std::string::npos);
+  EXPECT_NE(refusalOf(proto::encode(ViewshedRequest{1, {9, 9}, 2, 0, 1e300, 30})).find("radius"), std::string::npos);
+  EXPECT_NE(refusalOf(proto::encode(ViewshedRequest{1, {9, 9}, 2, 0, 1000, 0})).find("cells"), std::string::npos);
+  EXPECT_NE(refusalOf(proto::encode(ViewshedRequest{1, {9, NAN}, 2, 0, 1000, 9})).find("observer"), std::string::npos);
+  EXPECT_TRUE(httpGet(port_, "/livez").starts_with("HTTP/1.1 200"));
+  expectNothingIsLeft();
+}
+
 // Takes keyframes without looking into them, and so costs the server far more than itself.
 class Hog {
  public:

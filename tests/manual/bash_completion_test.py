@@ -35,7 +35,7 @@ class BashCompletion(unittest.TestCase):
         self.assertEqual(self.offered("foreland", "help", "ser"), ["serve"])
 
     def test_options_of_the_subcommand(self):
-        self.assertEqual(self.offered("foreland", "build", "--im"), ["--imagery", "--imagery-quality"])
+        self.assertEqual(self.offered("foreland", "build", "--im"), ["--imagery", "--imagery-quality", "--imagery-alpha"])
         self.assertEqual(self.offered("foreland", "serve", "--im"), [])
         self.assertIn("--help", self.offered("foreland", "verify", "--"))
 

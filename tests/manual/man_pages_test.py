@@ -53,7 +53,7 @@ class ManualPages(unittest.TestCase):
             self.assertIn(words, page)
 
     def test_lines_that_roff_would_take_for_its_own_are_shown(self):
-        self.assertIn("a polygon model: .obj, .ply, .stl, .glb or .gltf", shown("foreland-remesh.1"))
+        self.assertIn("a polygon model: .obj, .ply, .stl (text or binary), .glb or .gltf", shown("foreland-remesh.1"))
         self.assertIn("A .png file shows the colours", shown("foreland-render.1"))
 
     def test_the_programs_page_names_the_others(self):

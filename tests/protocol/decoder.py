@@ -37,6 +37,7 @@ class Session:
         """A new connection."""
         self.has_asked = self.is_welcome = self.has_posed = self.is_refused = False
         self.acknowledged = self.taken = 0
+        self.cells = []  # of the viewshed that is told
         self.updates, self.keyframes = wire.PoseUpdates(), wire.Keyframes()
 
     def up(self, message):
@@ -63,7 +64,7 @@ class Session:
             if not self.has_asked:
                 self.wanted_bytes = fields["memory_bytes"]
             self.has_asked = True
-        elif name not in ("PathUpload", "SceneClock"):
+        elif name not in ("PathUpload", "SceneClock", "RequestCancel"):
             self.asked.append((name.replace("Request", "Reply"), fields["id"]))
 
     def resume(self, resume):
@@ -93,9 +94,26 @@ class Session:
             self.welcome(fields)
         elif name == "Refusal":
             self.is_refused = True
+        elif name == "ViewshedReply" and not fields["error"]:
+            self.viewshed(fields)
         else:
+            if name == "SightReply":
+                require(fields["error"] or len(fields["ends"]) == 2 * len(fields["hits"]), "ends without an answer")
+                require(all(hit[3] >= -3 for hit in fields["hits"] or []), "hidden by what there is not")
             self.replied.append((name, fields["id"]))
         return None
+
+    def viewshed(self, fields):
+        """Part of a viewshed; it is replied once it is whole."""
+        cells, told = fields["columns"] * fields["rows"], fields["count"]
+        self.cells = self.cells if fields["begin"] > 0 else []
+        require(cells <= 1 << 22 and told <= 1 << 16 and fields["begin"] == len(self.cells), "cells out of order")
+        packed = fields["cells"]
+        require(len(packed) == (told + 3) // 4, "other cells than are counted")
+        self.cells += [packed[i // 4] >> 2 * (i % 4) & 3 for i in range(told)]
+        require(all(cell < 3 for cell in self.cells) and len(self.cells) <= cells, "cells that are neither seen nor hidden")
+        if len(self.cells) == cells:
+            self.replied.append(("ViewshedReply", fields["id"]))
 
     def welcome(self, fields):
         require(not self.is_welcome and fields["protocol"] == wire.VERSION, "a second welcome, or of another version")

@@ -136,7 +136,11 @@ Script planarScript() {
             {at(4.01), {}, Cue::What::kDisconnect},
             {at(4.5), closer, Cue::What::kConnect},
             {at(5.2), proto::encode(limited)},
-            {at(7), proto::encode(proto::GroundRequest{8, {{3, 4}, {20.5, 100.25}, {179.5, 3}}})}};
+            {at(7), proto::encode(proto::GroundRequest{8, {{3, 4}, {20.5, 100.25}, {179.5, 3}}})},
+            {at(7.9), proto::encode(proto::SightRequest{9, {{3, 4, 2}, {60, 70.5, 0}, {-1, 4, 2}, {5, 5, 0}}})},
+            {at(8), proto::encode(proto::ViewshedRequest{10, {40, 40.5}, 2, 0, 200, 20})},
+            {at(8.1), proto::encode(proto::RequestCancel{11})},
+            {at(8.2), proto::encode(proto::ViewshedRequest{12, {-40, 40.5}, 2, 0, 200, 20})}};
   proto::Path path{Time{} + s.clock_offset + at(7.5), Duration::milliseconds(500), {}};
   for (double t = 7.5; t <= 10; t += 0.5) path.poses.push_back(s.poseAt(at(t)));
   s.cues.push_back({at(7.2), proto::encode(path)});

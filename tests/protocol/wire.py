@@ -4,7 +4,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-VERSION = 13
+VERSION = 14
 CONTROL, POSE, KEYFRAME, RESUME = 1, 2, 3, 4  # the kind byte
 POSE_AFTER, KEYFRAME_AFTER = 5, 6  # its lower three bits
 TILE = 7
@@ -64,6 +64,7 @@ STRUCTS = {
     "Epoch": ["long"] + ["uint"] * 4,
     "BaseOffset": ["uint", "uint", "int"],
     "ObjectRise": ["uint", "uint", "int"],
+    "SightHit": ["double"] * 3 + ["int"],
 }
 TABLES = {
     "Frame": [("kind", "ubyte"), ("height_quantum_m", "double"), ("anchor", "Vec2"), ("axis_x_m", "Vec2"), ("axis_y_m", "Vec2"),
@@ -78,6 +79,10 @@ TABLES = {
     "PathUpload": [("start_us", "long"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "TourRequest": [("id", "uint"), ("name", "string"), ("seconds", "double")],
     "GroundRequest": [("id", "uint"), ("positions", "[Vec2]")],
+    "SightRequest": [("id", "uint"), ("ends", "[Vec3]"), ("above", "ubyte"), ("refraction", "double"), ("scene_time_us", "long")],
+    "ViewshedRequest": [("id", "uint"), ("observer", "Vec2"), ("observer_m", "double"), ("target_m", "double"),
+                        ("radius_m", "double"), ("cell_m", "double"), ("refraction", "double"), ("scene_time_us", "long")],
+    "RequestCancel": [("id", "uint")],
     "SceneClock": [("at_us", "long"), ("scene_time_us", "long"), ("rate", "double")],
     "HeldTiles": [("tiles", "[ulong]")],
     "TileLayer": [("content", "ubyte"), ("coding", "ubyte"), ("width", "uint"), ("height", "uint"), ("origin", "Vec2"),
@@ -93,11 +98,14 @@ TABLES = {
                 ("object_rises", "[ObjectRise]"), ("epoch_blend", "uint")],
     "TourReply": [("id", "uint"), ("step_us", "uint"), ("poses", "[CameraPose]")],
     "GroundReply": [("id", "uint"), ("heights_m", "[float]")],
+    "SightReply": [("id", "uint"), ("error", "string"), ("ends", "[Vec3]"), ("hits", "[SightHit]")],
+    "ViewshedReply": [("id", "uint"), ("error", "string"), ("first", "Vec2"), ("step", "Vec2"), ("columns", "uint"),
+                      ("rows", "uint"), ("begin", "uint"), ("count", "uint"), ("cells", "[ubyte]")],
     "Refusal": [("message", "string")],
 }
 BODIES = ["ViewRequest", "PathUpload", "TourRequest", "GroundRequest", "Welcome", "TourReply", "GroundReply", "Refusal",
-          "SceneClock", "HeldTiles"]
-FROM_CLIENT = BODIES[:4] + ["SceneClock", "HeldTiles"]
+          "SceneClock", "HeldTiles", "SightRequest", "ViewshedRequest", "RequestCancel", "SightReply", "ViewshedReply"]
+FROM_CLIENT = BODIES[:4] + ["SceneClock", "HeldTiles", "SightRequest", "ViewshedRequest", "RequestCancel"]
 
 
 class FlatBuffer:

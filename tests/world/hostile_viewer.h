@@ -98,7 +98,7 @@ class HostileViewer {
   }
 
   Bytes valid(Time now) {
-    switch (choices_.below(12)) {
+    switch (choices_.below(16)) {
       case 0:
         return proto::encode(request());
       case 1:
@@ -108,6 +108,22 @@ class HostileViewer {
             proto::TourRequest{static_cast<uint32_t>(choices_.next()), "survey", choices_.uniform(1, 60)});
       case 3:
         return proto::encode(proto::GroundRequest{1, {{anyNumber(), anyNumber()}, {NAN, 1e308}}});
+      case 12:
+        return proto::encode(proto::SightRequest{
+            2,
+            {{choices_.uniform(-9, 99), choices_.uniform(-9, 99), 1}, {choices_.uniform(-1e6, 1e6), 3, 1e5}},
+            choices_.below(2) == 0 ? proto::Above::kGround : proto::Above::kZeroSurface,
+            choices_.uniform(0, 1),
+            Time{anyTime(now) >> 2}});
+      case 13:
+        return proto::encode(proto::ViewshedRequest{3,
+                                                    {choices_.uniform(-9, 99), choices_.uniform(-9, 99)},
+                                                    2,
+                                                    0,
+                                                    choices_.uniform(1, 2000),
+                                                    choices_.uniform(0.5, 60)});
+      case 14:
+        return proto::encode(proto::RequestCancel{static_cast<uint32_t>(choices_.below(5))});
       case 4:
         return proto::encode(proto::Resume{world_->hierarchy.scene().id(), 1 + static_cast<uint32_t>(choices_.below(9)),
                                            Time{anyTime(now)}, static_cast<uint32_t>(choices_.next()),

@@ -11,6 +11,7 @@ namespace foreland::server {
 
 namespace {
 
+// Whole, at once.
 Bytes replyTo(const proto::TourRequest& request, const terrain::Scene& scene) {
   auto path = planTour(scene, request.name, request.seconds).value();
   return proto::encode(proto::TourReply{request.id, path.step, std::move(path.poses)});
@@ -29,6 +30,13 @@ size_t bytesOf(const proto::TourRequest& request) { return sizeof(request) + req
 size_t bytesOf(const proto::GroundRequest& request) {
   return sizeof(request) + request.positions.size() * sizeof(glm::dvec2);
 }
+size_t bytesOf(const SightWork& work) { return work.bytes(); }
+size_t bytesOf(const ViewshedWork& work) { return work.bytes(); }
+
+uint32_t idOf(const proto::TourRequest& request) { return request.id; }
+uint32_t idOf(const proto::GroundRequest& request) { return request.id; }
+uint32_t idOf(const SightWork& work) { return work.id(); }
+uint32_t idOf(const ViewshedWork& work) { return work.id(); }
 
 }  // namespace
 
@@ -43,9 +51,14 @@ Status Requests::checkRoom() const {
   return Error{ErrorCode::kLimit, "you ask for more than you read; wait for the replies to earlier requests"};
 }
 
+template <class Request>
+void Requests::forget() {
+  std::erase_if(waiting_, [](const auto& waits) { return std::holds_alternative<Request>(waits); });
+}
+
 Status Requests::add(const proto::TourRequest& request) {
   if (Status known = checkTour(request.name); !known.ok()) return known;
-  std::erase_if(waiting_, [](const auto& waits) { return std::holds_alternative<proto::TourRequest>(waits); });
+  forget<proto::TourRequest>();
   if (Status room = checkRoom(); !room.ok()) return room;
   waiting_.emplace_back(request);
   return {};
@@ -57,10 +70,38 @@ Status Requests::add(const proto::GroundRequest& request) {
   return {};
 }
 
-Bytes Requests::answer(const terrain::Scene& scene) {
-  Bytes reply = std::visit([&](const auto& request) { return replyTo(request, scene); }, waiting_.front());
-  waiting_.pop_front();
-  return reply;
+Status Requests::add(const proto::SightRequest& request) {
+  if (Status room = checkRoom(); !room.ok()) return room;
+  waiting_.emplace_back(SightWork(request));
+  return {};
+}
+
+Status Requests::add(const proto::ViewshedRequest& request) {
+  forget<ViewshedWork>();
+  if (Status room = checkRoom(); !room.ok()) return room;
+  waiting_.emplace_back(ViewshedWork(request));
+  return {};
+}
+
+void Requests::cancel(const proto::RequestCancel& request) {
+  std::erase_if(waiting_, [&](const auto& waits) {
+    return std::visit([](const auto& r) { return idOf(r); }, waits) == request.id;
+  });
+}
+
+SightSlice Requests::answer(const terrain::Scene& scene, SightSupply& sight) {
+  auto& oldest = waiting_.front();
+  SightSlice answer{std::nullopt, true, false};
+  if (auto* pairs = std::get_if<SightWork>(&oldest))
+    answer = pairs->proceed(sight);
+  else if (auto* viewshed = std::get_if<ViewshedWork>(&oldest))
+    answer = viewshed->proceed(sight);
+  else if (const auto* tour = std::get_if<proto::TourRequest>(&oldest))
+    answer.message = replyTo(*tour, scene);
+  else
+    answer.message = replyTo(std::get<proto::GroundRequest>(oldest), scene);
+  if (answer.is_whole) waiting_.pop_front();
+  return answer;
 }
 
 }  // namespace foreland::server

@@ -1,6 +1,6 @@
-// What one viewer asks for beside its keyframes, tours and heights of the ground, until it is answered, in order. One
-// owner (a session). Bounded. One tour waits at most, since a tour takes up to a second: who asks for another one does
-// not want the first any more.
+// What one viewer asks for beside its keyframes, tours, heights of the ground and what is seen, until it is answered,
+// in order. One owner (a session). Bounded. One tour and one viewshed wait at most, since they take long: who asks for
+// another one does not want the first any more. What is seen is answered in slices, a viewshed by a message for each.
 #pragma once
 
 #include <deque>
@@ -9,6 +9,7 @@
 #include "base/bytes.h"
 #include "base/result.h"
 #include "proto/message/message.h"
+#include "server/session/input/sight_work.h"
 #include "terrain/store/scene.h"
 
 namespace foreland::server {
@@ -17,21 +18,28 @@ class Requests {
  public:
   static constexpr size_t kMax = 16;
 
-  // An Error if there is no such tour, or if too many requests wait. A tour takes the place of one that waits, behind
-  // all else.
+  // An Error if there is no such tour, or if too many requests wait. A tour or a viewshed takes the place of one that
+  // waits, behind all else.
   Status add(const proto::TourRequest& request);
   Status add(const proto::GroundRequest& request);
+  Status add(const proto::SightRequest& request);
+  Status add(const proto::ViewshedRequest& request);
+  // Forgets a request, if it waits.
+  void cancel(const proto::RequestCancel& request);
   bool empty() const { return waiting_.empty(); }
   // That waiting requests take.
   size_t bytes() const;
 
-  // Removes the oldest and returns the reply to it. Cost: up to a second for a tour, O(positions) for heights.
-  Bytes answer(const terrain::Scene& scene);
+  // The reply to the oldest, or the next part of it; nothing if that takes another call. Once it is whole the request
+  // is removed. Cost: up to a second for a tour, O(positions) for heights, a few milliseconds for what is seen.
+  SightSlice answer(const terrain::Scene& scene, SightSupply& sight);
 
  private:
   Status checkRoom() const;
+  template <class Request>
+  void forget();
 
-  std::deque<std::variant<proto::TourRequest, proto::GroundRequest>> waiting_;
+  std::deque<std::variant<proto::TourRequest, proto::GroundRequest, SightWork, ViewshedWork>> waiting_;
 };
 
 }  // namespace foreland::server

@@ -34,6 +34,9 @@ class ViewerInput {
   void take(const proto::SceneClock& clock) { scene_time_.take(clock); }
   Status take(const proto::TourRequest& request) { return requests_.add(request); }
   Status take(const proto::GroundRequest& request) { return requests_.add(request); }
+  Status take(const proto::SightRequest& request) { return requests_.add(request); }
+  Status take(const proto::ViewshedRequest& request) { return requests_.add(request); }
+  void take(const proto::RequestCancel& request) { requests_.cancel(request); }
   // An Error after the first pose or keyframe.
   Status take(const proto::Resume& resume, bool is_first);
   // Takes a pose. True if the camera has jumped to it: it says so, cannot have flown there, or its clock was set anew,

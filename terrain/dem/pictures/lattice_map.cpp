@@ -36,9 +36,9 @@ Result<LatticeMap> LatticeMap::of(const PictureLattice& lattice) {
   return map;
 }
 
-std::array<double, 6> LatticeMap::transform(const glm::dvec2& upper_left, double texel) const {
+std::array<double, 6> LatticeMap::transform(const glm::dvec2& upper_left, const glm::dvec2& texel) const {
   const glm::dvec2 corner = origin_ + axis_x_ * upper_left.x + axis_y_ * upper_left.y;
-  return {corner.x, axis_x_.x * texel, -axis_y_.x * texel, corner.y, axis_x_.y * texel, -axis_y_.y * texel};
+  return {corner.x, axis_x_.x * texel.x, -axis_y_.x * texel.y, corner.y, axis_x_.y * texel.x, -axis_y_.y * texel.y};
 }
 
 }  // namespace foreland::terrain

@@ -18,8 +18,9 @@ class LatticeMap {
 
   // Null without a reference system.
   void* referenceSystem() const { return crs_.get(); }
-  // GDAL's transform for a raster of texels whose upper left corner is at a lattice position.
-  std::array<double, 6> transform(const glm::dvec2& upper_left, double texel) const;
+  // GDAL's transform for a raster of texels whose upper left corner is at a lattice position; the texel's size is in
+  // lattice steps.
+  std::array<double, 6> transform(const glm::dvec2& upper_left, const glm::dvec2& texel) const;
 
  private:
   glm::dvec2 origin_{0, 0}, axis_x_{1, 0}, axis_y_{0, 1};  // of lattice (0, 0), and to its neighbours

@@ -97,7 +97,7 @@ Status locate(PictureFile& picture, const PictureLattice& lattice, const Lattice
   const bool has_position = has_points || GDALGetGeoTransform(dataset, own.data()) == CE_None;
   if (!has_position) {
     const glm::dvec2 size(GDALGetRasterXSize(dataset), GDALGetRasterYSize(dataset));
-    auto over = map.transform({-0.5, lattice.samples_y - 0.5}, 1);
+    auto over = map.transform({-0.5, lattice.samples_y - 0.5}, glm::dvec2(1));
     for (const size_t i : {1u, 4u}) over[i] *= lattice.samples_x / size.x;
     for (const size_t i : {2u, 5u}) over[i] *= lattice.samples_y / size.y;
     GDALSetGeoTransform(dataset, over.data());
@@ -208,7 +208,7 @@ GdalDataset latticeDataset(const LatticeMap& map, const glm::dvec2& upper_left, 
   GdalDataset out(GDALCreate(GDALGetDriverByName("MEM"), "", static_cast<int>(size.x), static_cast<int>(size.y), bands,
                              GDT_Byte, nullptr));
   if (!out) return out;
-  auto transform = map.transform(upper_left, texel);
+  auto transform = map.transform(upper_left, glm::dvec2(texel));
   GDALSetGeoTransform(out.get(), transform.data());
   if (map.referenceSystem() != nullptr) GDALSetSpatialRef(out.get(), map.referenceSystem());
   constexpr std::array kMeanings{GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};

@@ -36,7 +36,7 @@ class TiffPicture final : public PictureWriter {
                               static_cast<int>(height_), 3, GDT_Byte, options));
     if (!dataset_) return refusal(pending_.destination(), messages);
     if (map.referenceSystem() == nullptr) return {};  // it lies over the whole scene
-    auto transform = map.transform({-0.5, lattice.samples_y - 0.5}, texel);
+    auto transform = map.transform({-0.5, lattice.samples_y - 0.5}, glm::dvec2(texel));
     if (GDALSetGeoTransform(dataset_.get(), transform.data()) != CE_None ||
         GDALSetSpatialRef(dataset_.get(), map.referenceSystem()) != CE_None)
       return refusal(pending_.destination(), messages);

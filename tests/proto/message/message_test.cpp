@@ -112,6 +112,94 @@ TEST(Message, ControlMessagesRoundTrip) {
   EXPECT_EQ(std::get<Refusal>(*decodeServerMessage(encode(Refusal{"no"}))).message, "no");
 }
 
+TEST(Message, WhatIsAskedAndToldOfWhatIsSeenComesBack) {
+  const SightRequest pairs{5, {{1, 2, 3}, {-4, 5, -6}}, Above::kZeroSurface, 0.25, Time{77}};
+  const auto got_pairs = std::get<SightRequest>(*decodeClientMessage(encode(pairs)));
+  EXPECT_EQ(got_pairs.id, 5u);
+  EXPECT_EQ(got_pairs.ends, pairs.ends);
+  EXPECT_EQ(got_pairs.above, Above::kZeroSurface);
+  EXPECT_EQ(got_pairs.refraction, 0.25);
+  EXPECT_EQ(got_pairs.scene_time, Time{77});
+  const ViewshedRequest asked{6, {1.5, 2.5}, 3, 4, 5, 6, 0.5, Time{-8}};
+  const auto got_asked = std::get<ViewshedRequest>(*decodeClientMessage(encode(asked)));
+  EXPECT_EQ(got_asked.observer, asked.observer);
+  EXPECT_EQ((std::array{got_asked.observer_m, got_asked.target_m, got_asked.radius_m, got_asked.cell_m}),
+            (std::array<double, 4>{3, 4, 5, 6}));
+  EXPECT_EQ(got_asked.scene_time, Time{-8});
+  EXPECT_EQ(std::get<RequestCancel>(*decodeClientMessage(encode(RequestCancel{9}))).id, 9u);
+
+  const SightReply told{5, "", {{1, 2, 3}, {4, 5, 6}}, {{{7, 8, 9}, SightHit::kGround}}};
+  const auto got_told = std::get<SightReply>(*decodeServerMessage(encode(told)));
+  EXPECT_EQ(got_told.ends, told.ends);
+  ASSERT_EQ(got_told.hits.size(), 1u);
+  EXPECT_EQ(got_told.hits[0].position, told.hits[0].position);
+  EXPECT_EQ(got_told.hits[0].what, SightHit::kGround);
+  for (uint32_t count = 0; count < 9; ++count) {
+    ViewshedReply cells{6, "", {1, 2}, {3, 4}, 5, 3, 2, {}};
+    for (uint32_t i = 0; i < count; ++i) cells.cells.push_back(static_cast<ViewshedCell>(i % 3));
+    const auto got = std::get<ViewshedReply>(*decodeServerMessage(encode(cells)));
+    EXPECT_EQ(got.cells, cells.cells);
+    EXPECT_EQ((std::array{got.columns, got.rows, got.begin}), (std::array<uint32_t, 3>{5, 3, 2}));
+    EXPECT_EQ(got.first, cells.first);
+    EXPECT_EQ(got.step, cells.step);
+  }
+  ViewshedReply none;
+  none.error = "why";
+  EXPECT_EQ(std::get<ViewshedReply>(*decodeServerMessage(encode(none))).error, "why");
+}
+
+TEST(Message, WhatIsAskedOfWhatIsSeenIsHeldToItsBounds) {
+  const double kNaN = std::nan(""), kBad[] = {kNaN, HUGE_VAL, -HUGE_VAL, 1e300, -1e300};
+  const auto isTaken = [](const auto& message) { return decodeClientMessage(encode(message)).ok(); };
+  const SightRequest pairs{1, {{1, 2, 3}, {4, 5, 6}}};
+  ASSERT_TRUE(isTaken(pairs));
+  for (const double bad : kBad) {
+    for (int axis = 0; axis < 3; ++axis) {
+      SightRequest request = pairs;
+      request.ends[1][axis] = bad;
+      EXPECT_FALSE(isTaken(request)) << bad;
+    }
+    SightRequest request = pairs;
+    request.refraction = bad;
+    EXPECT_FALSE(isTaken(request)) << bad;
+  }
+  EXPECT_FALSE(isTaken(SightRequest{1, {}}));
+  EXPECT_FALSE(isTaken(SightRequest{1, {{1, 2, 3}}}));
+  EXPECT_TRUE(isTaken(SightRequest{1, std::vector<glm::dvec3>(2 * kMaxSightPairs)}));
+  EXPECT_FALSE(isTaken(SightRequest{1, std::vector<glm::dvec3>(2 * kMaxSightPairs + 2)}));
+  EXPECT_FALSE(isTaken(SightRequest{1, {{}, {}}, static_cast<Above>(2)}));
+  EXPECT_FALSE(isTaken(SightRequest{1, {{}, {}}, Above::kGround, 0, Time{INT64_MAX}}));
+
+  ASSERT_TRUE(isTaken(ViewshedRequest{}));
+  for (double ViewshedRequest::*field :
+       {&ViewshedRequest::observer_m, &ViewshedRequest::target_m, &ViewshedRequest::radius_m, &ViewshedRequest::cell_m,
+        &ViewshedRequest::refraction})
+    for (const double bad : {kNaN, HUGE_VAL, 1e300, -1.0}) {
+      ViewshedRequest request;
+      request.*field = bad;
+      EXPECT_FALSE(isTaken(request)) << bad;
+    }
+  ViewshedRequest request;
+  request.cell_m = 0;
+  EXPECT_FALSE(isTaken(request));
+  request = {};
+  request.observer.y = kNaN;
+  EXPECT_FALSE(isTaken(request));
+}
+
+TEST(Message, AViewshedOfMoreCellsThanItHasIsRefused) {
+  const auto isTaken = [](uint32_t columns, uint32_t rows, uint32_t begin, size_t cells) {
+    const ViewshedReply reply{1, "", {0, 0}, {1, 1}, columns, rows, begin, std::vector<ViewshedCell>(cells)};
+    return decodeServerMessage(encode(reply)).ok();
+  };
+  EXPECT_TRUE(isTaken(10, 10, 90, 10));
+  EXPECT_FALSE(isTaken(10, 10, 91, 10));
+  EXPECT_FALSE(isTaken(10, 10, 0xffffffff, 10));
+  EXPECT_FALSE(isTaken(65536, 65536, 0, 10));
+  EXPECT_FALSE(isTaken(2048, 2049, 0, 10));
+  EXPECT_FALSE(isTaken(2048, 2048, 0, kMaxCellsTold + 1));
+}
+
 TEST(Message, AWelcomeTellsAsManyModelsAndObjectsAsASceneHolds) {
   Welcome sent;
   sent.shape = {1, 1, 1, 2, 2};
@@ -247,7 +335,12 @@ TEST(Message, AnyBytesEndInAValueOrAnError) {
                                 encode(GroundRequest{1, {{1, 2}}}),
                                 encode(PoseUpdate{}),
                                 encode(Refusal{"x"}),
-                                encode(GroundReply{1, {2}})};
+                                encode(GroundReply{1, {2}}),
+                                encode(SightRequest{1, {{1, 2, 3}, {4, 5, 6}}}),
+                                encode(ViewshedRequest{}),
+                                encode(RequestCancel{1}),
+                                encode(SightReply{1, "", {{}, {}}, {{}}}),
+                                encode(ViewshedReply{1, "", {}, {}, 2, 2, 0, std::vector<ViewshedCell>(4)})};
   size_t accepted = 0;
   for (int i = 0; i < 20000; ++i) {
     Bytes bytes = good[rng.below(good.size())];

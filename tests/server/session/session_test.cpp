@@ -464,6 +464,24 @@ TEST_F(GreetedSession, ANewerTourReplacesOneThatWaits) {
   EXPECT_EQ(std::get<proto::GroundReply>(*ground).id, 60u);
 }
 
+TEST_F(GreetedSession, ANewerViewshedReplacesOneThatWaitsAndACancelledOneGoes) {
+  for (uint32_t i = 0; i < 60; ++i)
+    ASSERT_TRUE(session.receive(proto::encode(proto::ViewshedRequest{i, {20, 20}, 2, 0, 100, 10}), Time{}).ok());
+  ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{60, {{1, 2}}}), Time{}).ok());
+  ASSERT_TRUE(session.receive(proto::encode(proto::GroundRequest{61, {{1, 2}}}), Time{}).ok());
+  ASSERT_TRUE(session.receive(proto::encode(proto::RequestCancel{60}), Time{}).ok());
+  for (int i = 0; i < 10; ++i) {
+    session.step(Time::seconds(i), scratch, out);
+    session.onDrained(Time::seconds(i));
+  }
+  ASSERT_EQ(out.size(), 2u);
+  const auto viewshed = proto::decodeServerMessage(out[0]), ground = proto::decodeServerMessage(out[1]);
+  ASSERT_TRUE(viewshed.ok() && ground.ok());
+  EXPECT_EQ(std::get<proto::ViewshedReply>(*viewshed).id, 59u);
+  EXPECT_EQ(std::get<proto::ViewshedReply>(*viewshed).error, "");
+  EXPECT_EQ(std::get<proto::GroundReply>(*ground).id, 61u);
+}
+
 TEST_F(GreetedSession, TellsTheBytesThatItKeepsForItsViewer) {
   EXPECT_EQ(session.keptBytes(), 0u);
   proto::Path path{.start = {}, .poses = std::vector<proto::Pose>(1000)};

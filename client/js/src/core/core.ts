@@ -43,6 +43,12 @@ interface Exports {
   foreland_request_ground(viewer: number): number;
   foreland_take_ground(viewer: number): number;
   foreland_announce_path(viewer: number, start_ms: number, step_ms: number): number;
+  foreland_request_sight(viewer: number, above: number, refraction: number, scene_ms: number): number;
+  foreland_request_viewshed(viewer: number, ...question: number[]): number;
+  foreland_cancel_request(viewer: number, id: number): void;
+  foreland_take_sight(viewer: number): number;
+  foreland_read_sight(): number;
+  foreland_sight_error(): number;
   foreland_welcome(viewer: number): number;
   foreland_statistics(viewer: number): number;
   foreland_screen_create(): number;

@@ -3,6 +3,7 @@
 import type { Blend, Pose, Request, Statistics, TextureLayers } from './values.js';
 import type { Failure } from './failure.js';
 import type { MeshUpdate, PartLines } from './mesh_update.js';
+import type { SightAnswer, SightMessage } from './sight.js';
 
 export type ToWorker =
   // First, and once. `clock_origin_ms` is performance.timeOrigin of the drawing thread.
@@ -25,6 +26,7 @@ export type ToWorker =
   | { kind: 'redraw'; count: number } // what was handed over is lost: mesh and tiles are to come again
   | { kind: 'reopen' } // connects anew, and resumes
   | { kind: 'save recording' }
+  | SightMessage
   | { kind: 'close' }; // answered by 'closed'; a recording can still be saved
 
 export type FromWorker =
@@ -41,5 +43,6 @@ export type FromWorker =
   | { kind: 'lines'; version: number; terrain: PartLines; objects: PartLines } // of a mesh that was sent without
   | { kind: 'recording'; file: Blob } // so far
   | { kind: 'damaged'; what: string } // the first tile that cannot be decoded
+  | SightAnswer
   | { kind: 'failed'; failure: Failure } // nothing but a recording comes any more
   | { kind: 'state'; statistics: Statistics; is_open: boolean; ground: Uint8Array | null };

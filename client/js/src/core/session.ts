@@ -5,6 +5,7 @@ import type { Guard } from './guard.js';
 import type { PartLines, MeshUpdate } from './mesh_update.js';
 import type { FromWorker, ToWorker } from './messages.js';
 import { Screen } from './screen.js';
+import { Sights } from './sight.js';
 import type { Pose, Statistics } from './values.js';
 
 // A worker of a browser, or what stands for one elsewhere.
@@ -33,6 +34,7 @@ export interface SessionEvents {
 
 export class Session {
   readonly screen: Screen;
+  readonly sights: Sights;
   is_open = false;
   statistics: Statistics = {
     bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
@@ -45,6 +47,7 @@ export class Session {
   // What is received is handled under `guard`.
   constructor(core: Core, private readonly worker: WorkerLike, private readonly events: SessionEvents, guard: Guard) {
     this.screen = new Screen(core);
+    this.sights = new Sights(core, (message) => this.tell(message));
     worker.onmessage = ({ data }: { data: FromWorker }) => {
       if (data.kind === 'recording') events.onRecording(data.file);
       else if (data.kind === 'closed') events.onClosed();
@@ -127,6 +130,9 @@ export class Session {
         this.screen.add(message.update.interval, message.update.oldest_version);
         return this.events.onMesh(message.update);
       case 'lines': return this.is_redrawn ? this.events.onLines(message.version, message.terrain, message.objects) : undefined;
+      case 'sight asked':
+      case 'sight':
+      case 'sight lost': return this.sights.receive(message);
       case 'damaged': return this.events.onDamaged(message.what);
       case 'failed': return this.events.onFailure(message.failure);
       case 'state':

@@ -12,7 +12,7 @@ const kNoLayer = 0xffffffff;
 
 // The client's side of a session.
 export class Viewer {
-  private readonly handle: number;
+  readonly handle: number; // of the module
   private frame_record = 0;
 
   constructor(private readonly core: Core, request: Request) {

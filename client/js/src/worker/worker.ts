@@ -11,6 +11,7 @@ import { linesOf, memoryOf, updateOf } from '../core/mesh_update.js';
 import type { FromWorker, ToWorker } from '../core/messages.js';
 import type { Blend, Request, Statistics } from '../core/values.js';
 import { Viewer } from './viewer.js';
+import { SightAsker } from '../core/sight.js';
 
 const thread = self as unknown as {
   postMessage(message: FromWorker, memory: Transferable[]): void;
@@ -42,11 +43,13 @@ class Session {
   private tour: string | null = null; // asked for, and has not come; asked for again on a new connection
   private tour_seconds = 0;
   private has_told_damage = false;
+  private readonly sights: SightAsker;
 
   constructor(private readonly core: Core, private readonly start: Start) {
     ({ request: this.request, blend: this.blend, wants_lines: this.wants_lines } = start);
     this.viewer = this.newViewer();
     this.tiles = this.newTiles();
+    this.sights = new SightAsker(core, () => this.viewer.handle, (answer) => this.post(answer));
     this.connection = new Connection(start.server, {
       onOpen: () => guard.run(() => this.begin()),
       onMessage: (message) => guard.run(() => this.receive(message)),
@@ -92,6 +95,11 @@ class Session {
         break;
       case 'hidden':
         this.connection.setHidden(message.is_hidden);
+        break;
+      case 'ask sight':
+      case 'ask viewshed':
+      case 'cancel sight':
+        this.sights.handleMessage(message);
         break;
       case 'redraw': return this.redraw(message.count);
       case 'path':
@@ -167,6 +175,7 @@ class Session {
       this.tiles = this.newTiles();
     }
     if (this.tour !== null) this.viewer.requestTour(this.tour, this.tour_seconds);
+    this.sights.begin();
     this.post({ kind: 'open' });
     this.sendOutgoing();
   }
@@ -213,6 +222,7 @@ class Session {
       this.ground.take(ground.id, ground.heights_m);
       this.sendOutgoing();
     }
+    this.sights.received(message);
     this.sendMesh();
   }
 
