@@ -83,7 +83,7 @@ void addLimits(CLI::App& app, ServeFlags& flags) {
       ->type_name(number("MIB"))
       ->check(within(1.0, 4096.0));
   add("--sight-memory-mib", flags.sight_memory_mib,
-      "MiB that answering what is seen from where may take, once somebody asks: about 12 bytes for a sample; 0: such "
+      "MiB that answering what is seen from where may take, once somebody asks: about 9 bytes for a sample; 0: such "
       "questions are not answered")
       ->type_name(number("MIB"))
       ->check(within(0.0, 1048576.0));

@@ -3,7 +3,7 @@
 // triangles are tested in doubles (sight_line.h). So the answer does not depend on how large the scene is, and one tree
 // answers for every scene time. It shares nothing with the proofs of what a viewer need not be sent (server/occlusion).
 //
-// Immutable after creation; any thread may ask. Memory: about 12 bytes a sample, and 20 a triangle of a model, however
+// Immutable after creation; any thread may ask. Memory: about 9 bytes a sample, and 20 a triangle of a model, however
 // often that stands in the scene; bytes() tells.
 #pragma once
 
