@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include "base/check.h"
 #include "base/rng.h"
@@ -116,7 +117,7 @@ std::vector<Block> layBlocks(int count, uint64_t seed) {
       block.distance = glm::length((corners[0] + corners[1] + corners[2] + corners[3]) / 4.0);
       blocks.push_back(block);
     }
-  std::ranges::stable_sort(blocks, {}, &Block::distance);
+  std::ranges::sort(blocks, {}, [](const Block& b) { return std::tuple(b.distance, b.corners[0].x, b.corners[0].y); });
   return blocks;
 }
 

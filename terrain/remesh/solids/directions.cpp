@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <tuple>
 
 #include "terrain/surface/inner_solids.h"
 
@@ -38,7 +39,9 @@ std::vector<Side> sidesOf(const FullMesh& mesh) {
     else if (sides.size() < kMaxSides)
       sides.push_back({area * normal, area});
   }
-  std::ranges::stable_sort(sides, std::greater<>(), &Side::area);
+  std::ranges::sort(sides, [](const Side& a, const Side& b) {
+    return std::tuple(b.area, a.sum.x, a.sum.y, a.sum.z) < std::tuple(a.area, b.sum.x, b.sum.y, b.sum.z);
+  });
   return sides;
 }
 

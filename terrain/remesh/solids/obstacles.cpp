@@ -55,7 +55,7 @@ std::vector<double> Obstacles::offsetsAbout(const dvec3& point, std::span<const 
     for (size_t i = 0; i < count_; ++i) farthest[i] = std::max(farthest[i], {at[k] - extent(set[k], i), k});
   std::vector<uint32_t> order(count_);
   std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, {}, [&](uint32_t i) { return farthest[i].first; });
+  std::ranges::sort(order, {}, [&](uint32_t i) { return std::pair(farthest[i].first, i); });
   for (const uint32_t i : order) {
     const auto isOut = [&](uint32_t k) { return extent(set[k], i) <= offsets[k]; };
     bool is_out = false;
