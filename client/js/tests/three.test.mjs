@@ -62,11 +62,13 @@ function helpers() {
   };
   // Until nothing new comes: the same mesh and tiles over several keyframes.
   globalThis.settle = async () => {
-    for (let calm = 0, last = ''; calm < 12;) {
+    for (let since = 0, last = ''; ;) {
       const frame = draw();
-      const now = JSON.stringify([ground.drawn.reliefTiles, ground.drawn.triangles, frame.guaranteedPx]);
-      calm = frame.guaranteedPx !== null && now === last ? calm + 1 : 0;
+      const { keyframes, tiles_received } = terrain.stats;
+      const now = JSON.stringify([ground.drawn.reliefTiles, ground.drawn.triangles, frame.guaranteedPx, tiles_received]);
+      if (now !== last) since = keyframes;
       last = now;
+      if (frame.guaranteedPx !== null && ground.drawn.reliefTiles > 0 && keyframes > since + 10) return;
       await new Promise((done) => setTimeout(done, 30));
     }
   };
