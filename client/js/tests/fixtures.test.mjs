@@ -49,7 +49,7 @@ async function flies(path, { complains = [] } = {}) {
   page.setDefaultTimeout(120_000);
   try {
     await page.goto(new URL(`${path}?server=${encodeURIComponent(server.url.href)}`, files.url).href);
-    await page.waitForFunction(() => globalThis.flown, null, { polling: 50 });
+    await page.waitForFunction(() => globalThis.flown, null, { polling: 50 }).catch((error) => assert.fail(`${error.message}\n${complaints.join('\n')}`));
     const flown = await page.evaluate(() => globalThis.flown);
     assert.deepEqual(complaints, complains);
     assert.ok(flown.worst <= 1, `${flown.worst} px`);
@@ -81,7 +81,8 @@ test('webpack finds the worker and the module', kTest, async () => {
     mode: 'production', context: at, entry: './main.js', devtool: false, output: { path: join(at, 'out'), publicPath: 'auto' }, resolve: { symlinks: false },
     performance: { hints: false },
   }, (error, made) => (error ? fail(error) : done(made))));
-  assert.deepEqual(stats.toJson({ all: false, errors: true, warnings: true }).errors, []);
+  const { errors, warnings } = stats.toJson({ all: false, errors: true, warnings: true });
+  assert.deepEqual([errors, warnings], [[], []]);
   await writeFile(join(at, 'out/index.html'), '<!doctype html><meta charset="utf-8"><script defer src="./main.js"></script><body></body>');
   await flies('by-webpack/out/index.html');
 });
