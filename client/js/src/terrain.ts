@@ -245,7 +245,8 @@ export class Terrain {
   }
   /** Asks the server for one of its tours: survey, canyon, spin, orbit. `hasTour` says when it has come. */
   requestTour(name: string, seconds: number): void {
-    this.session?.requestTour(name, seconds);
+    if (this.session) this.session.requestTour(name, seconds);
+    else this.tell({ kind: 'request tour', name, seconds });
   }
   get hasTour(): boolean {
     return this.session?.hasTour() ?? false;
