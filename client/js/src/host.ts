@@ -30,11 +30,14 @@ async function fetchModule(url: URL | string): Promise<WebAssembly.Module> {
   }
 }
 
+// Where this script was loaded from; webpack says where it lay as it was built, file:.
+const here = import.meta.url;
+const isElsewhere = (url: URL) => typeof location !== 'undefined' && /^https?:$/.test(url.protocol) && url.origin !== location.origin;
+
 // A worker of another origin is not allowed; a script of our own that imports it is.
-function workerAt(url: URL | string): Worker {
-  const address = new URL(url, import.meta.url);
-  if (typeof location === 'undefined' || address.origin === location.origin || !/^https?:$/.test(address.protocol)) return new Worker(address, { type: 'module' });
-  const text = URL.createObjectURL(new Blob([`import ${JSON.stringify(address.href)};`], { type: 'text/javascript' }));
+function workerAt(url: URL): Worker {
+  if (!isElsewhere(url)) return new Worker(url, { type: 'module' });
+  const text = URL.createObjectURL(new Blob([`import ${JSON.stringify(url.href)};`], { type: 'text/javascript' }));
   const worker = new Worker(text, { type: 'module' });
   setTimeout(() => URL.revokeObjectURL(text), 60_000);
   return worker;
@@ -53,15 +56,13 @@ export function watchDocument(onChange: (is_hidden: boolean) => void): () => voi
 export const browserHost: Host = {
   has_bitmaps: true,
   loadModule: (from) => fetchModule(from ?? new URL('./foreland.wasm', import.meta.url)),
-  // Bundlers know the words of the first of these, and would take those of the second for another file.
-  makeWorker: (from) => (from === undefined && isOwnOrigin() ? new Worker(new URL('./worker.js', import.meta.url), { type: 'module' })
-    : workerAt(from ?? new URL(['./worker', 'js'].join('.'), import.meta.url))),
+  makeWorker(from) {
+    if (from !== undefined) return workerAt(new URL(from, here));
+    if (isElsewhere(new URL(here))) return workerAt(new URL(['./worker', 'js'].join('.'), here));
+    return new Worker(new URL('./worker.js', import.meta.url), { type: 'module' }); // bundlers know these very words
+  },
   watchVisibility: watchDocument,
 };
-
-function isOwnOrigin(): boolean {
-  return typeof location === 'undefined' || new URL(import.meta.url, location.href).origin === location.origin;
-}
 
 let host: Host = browserHost;
 /** @internal */

@@ -1,6 +1,6 @@
 // A scene as its user sees it: plain, frozen values made of the server's welcome.
 import type { Screen } from './core/screen.js';
-import type { Layer, Welcome } from './core/values.js';
+import type { Layer, MapPosition, Welcome } from './core/values.js';
 
 export type Vector = [number, number, number];
 
@@ -96,4 +96,11 @@ function deepFrozen<T>(value: T): T {
     Object.freeze(value);
   }
   return value;
+}
+
+/** @internal */
+export function placeOf(at: MapPosition, is_geographic: boolean): Place {
+  const rest = { height: at.height_m, ground: at.ground_m, slope: at.slope_rad, up: at.up, lattice: at.lattice };
+  const [northward, eastward] = at.across;
+  return is_geographic ? { lat: northward, lon: eastward, ...rest } : { northing: northward, easting: eastward, ...rest };
 }

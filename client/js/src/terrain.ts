@@ -1,44 +1,25 @@
 // A terrain that a server streams: the session's end in the thread that draws. Connection, decoding and meshes are in a worker.
 import { Core } from './core/core.js';
-import { failureOf, reasonOf } from './core/failure.js';
+import { failureOf } from './core/failure.js';
 import { Guard } from './core/guard.js';
 import { failureOfWorker, Session, type WorkerLike } from './core/session.js';
-import type { MapPosition, Pose, Request, ScreenFrame, Statistics, Welcome } from './core/values.js';
+import type { Pose, Request, Statistics, Welcome } from './core/values.js';
 import type { Screen } from './core/screen.js';
 import { errorOf, ForelandError } from './errors.js';
 import { Emitter, type TerrainEvents } from './events.js';
+import { frameOf, kNoFrame, type Frame } from './frame.js';
 import { moduleOf, theHost } from './host.js';
 import { NoSink, StreamSink, type MeshSink } from './mesh_sink.js';
 import type { MeshUpdate } from './core/mesh_update.js';
 import { kDefaultLens, layersOf, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
-import { sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+import { placeOf, sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+import { rayOnGround } from './ray.js';
 import { filesAt, viewersAt } from './server_address.js';
 
 const kGroundFrames = 8; // so many frames ahead the ground is known
 const kMaxReach = 4096; // samples
 const kMaxGroundPoints = 65_536; // of a question; proto/message/control.h
 const kClosing_ms = 2000; // that a worker is given to answer
-const kRaySteps = 4096;
-
-/** What to draw at an instant. */
-export interface Frame {
-  /** Of the mesh to draw; 0: there is none yet. */
-  readonly version: number;
-  /** Where between its two ends the mesh is drawn, from 0 to 1. */
-  readonly weight: number;
-  /** To draw from: what `frame` was given, but for the strategy `delay`. */
-  readonly pose: Pose;
-  /** What the error on the screen does not exceed, in pixels; null: nothing is guaranteed. */
-  readonly guaranteedPx: number | null;
-  /** Whose ground is shown, milliseconds since 1970, in scenes that change in time. */
-  readonly sceneTime: number;
-  /** Whose view is shown. */
-  readonly shownTime: number;
-  /** When the next mesh begins, unless it is late. */
-  readonly endTime: number;
-  /** The time of the newer keyframe, and the pose that it was computed for. */
-  readonly to: { readonly time: number; readonly pose: Pose };
-}
 
 /** A position and where it looks from: eye in the scene's axes, metres; orientation x, y, z, w of a camera that looks along its -z, y up. */
 export type { Pose };
@@ -264,7 +245,8 @@ export class Terrain {
   }
   /** Asks the server for one of its tours: survey, canyon, spin, orbit. `hasTour` says when it has come. */
   requestTour(name: string, seconds: number): void {
-    this.session?.requestTour(name, seconds);
+    if (this.session) this.session.requestTour(name, seconds);
+    else this.tell({ kind: 'request tour', name, seconds });
   }
   get hasTour(): boolean {
     return this.session?.hasTour() ?? false;
@@ -531,72 +513,11 @@ export class Terrain {
   }
 }
 
-const kNoFrame: Frame = {
-  version: 0, weight: 0, pose: { eye: [0, 0, 0], orientation: [0, 0, 0, 1] }, guaranteedPx: null, sceneTime: 0, shownTime: 0, endTime: 0,
-  to: { time: 0, pose: { eye: [0, 0, 0], orientation: [0, 0, 0, 1] } },
-};
 const kNoStatistics: Statistics = {
   bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
   tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
 };
 
-function frameOf(shown: ScreenFrame): Frame {
-  return {
-    version: shown.mesh_version, weight: shown.weight, pose: shown.pose, guaranteedPx: Number.isFinite(shown.tau_px) && shown.mesh_version > 0 ? shown.tau_px : null,
-    sceneTime: shown.scene_time_ms, shownTime: shown.shown_time_ms, endTime: shown.end_ms, to: { time: shown.to_time_ms, pose: shown.to_pose },
-  };
-}
-
-function placeOf(at: MapPosition, is_geographic: boolean): Place {
-  const rest = { height: at.height_m, ground: at.ground_m, slope: at.slope_rad, up: at.up, lattice: at.lattice };
-  const [northward, eastward] = at.across;
-  return is_geographic ? { lat: northward, lon: eastward, ...rest } : { northing: northward, easting: eastward, ...rest };
-}
-
 function isWorker(worker: OpenOptions['worker']): worker is Worker {
   return typeof worker === 'object' && !(worker instanceof URL);
 }
-
-// Steps along the ray through the scene's box until it is below the ground, then halves.
-function rayOnGround(scene: Scene, placeAt: (point: Vector) => MapPosition | null, origin: readonly number[], direction: readonly number[], far: number): Vector | null {
-  const length = Math.hypot(...direction);
-  if (!(length > 0)) return null;
-  const at = (t: number): Vector => [0, 1, 2].map((i) => origin[i]! + (t / length) * direction[i]!) as Vector;
-  const [begin, end] = insideBox(scene, at, far);
-  const above = (t: number) => {
-    const place = placeAt(at(t));
-    return place === null || place.ground_m === null ? null : place.height_m - place.ground_m;
-  };
-  let before: number | null = null;
-  for (let i = 0; i <= kRaySteps && begin < end; ++i) {
-    const t = begin + ((end - begin) * i) / kRaySteps;
-    const height = above(t);
-    if (height !== null && height <= 0) return before === null ? at(t) : at(crossing(above, before, t));
-    before = height === null ? null : t;
-  }
-  return null;
-}
-function insideBox({ bounds: { low, high } }: Scene, at: (t: number) => Vector, far: number): [number, number] {
-  let [begin, end] = [0, far];
-  const [from, step] = [at(0), at(1)];
-  for (const i of [0, 1, 2] as const) {
-    const [a, b] = [low[i] - 1, high[i] + 1].map((v) => (v - from[i]) / (step[i] - from[i])) as [number, number];
-    if (step[i] === from[i]) {
-      if (from[i] < low[i] - 1 || from[i] > high[i] + 1) return [0, 0];
-      continue;
-    }
-    [begin, end] = [Math.max(begin, Math.min(a, b)), Math.min(end, Math.max(a, b))];
-  }
-  return [begin, end];
-}
-function crossing(above: (t: number) => number | null, outside: number, inside: number): number {
-  for (let i = 0; i < 40; ++i) {
-    const middle = 0.5 * (outside + inside);
-    if ((above(middle) ?? 0) > 0) outside = middle;
-    else inside = middle;
-  }
-  return inside;
-}
-
-/** @internal */
-export const reasonOfError = reasonOf;

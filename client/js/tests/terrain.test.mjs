@@ -184,6 +184,20 @@ test('whoever waits as a terrain is closed is told', kTest, async () => {
   assert.ok(terrain.isOver);
 });
 
+test('what is asked for before there is a session is asked for then', kTest, async () => {
+  const terrain = Terrain.connect(address, { lens: kLens });
+  terrain.requestTour('orbit', 10);
+  terrain.setOptions({ tolerancePx: 3 });
+  assert.equal(terrain.hasScene, false);
+  await terrain.ready;
+  await fly(terrain, (frame) => terrain.hasTour && frame.guaranteedPx === 3);
+  const start = performance.now();
+  terrain.startTour(start);
+  assert.ok(terrain.tourPose(start + 5000));
+  assert.equal(terrain.tourPose(start + 11_000), null);
+  await terrain.close();
+});
+
 test('two terrains fly side by side', kTest, async () => {
   const both = await Promise.all([Terrain.open(address, { lens: kLens }), Terrain.open(address, { lens: kLens, tolerancePx: 3 })]);
   const frames = await Promise.all(both.map((terrain) => fly(terrain, isFlown(terrain))));

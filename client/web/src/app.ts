@@ -71,7 +71,6 @@ export class App {
   start(): void {
     this.resize();
     this.showConnecting();
-    if (this.address.tour) this.chooseTour(this.address.tour);
     this.beginDrawing();
     this.hint.show(kIsPhone ? 'One finger looks, two fingers fly'
       : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed');
@@ -121,6 +120,7 @@ export class App {
     terrain.on('warning', (text) => this.guard.run(() => this.warn(text)));
     terrain.on('attributions', (texts) => (byId('credits').textContent = texts.join(' \u00b7 ')));
     this.showTerrain(terrain);
+    if (this.address.tour) this.chooseTour(this.address.tour);
   }
 
   private showTerrain(terrain: Terrain): void {

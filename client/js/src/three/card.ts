@@ -93,7 +93,7 @@ export class Card {
     this.uploaded = 0;
     if (this.stage.shownVersion === 0) return this.uploadAll(next);
     const cost = this.stage.costTo(next) + this.drape.costTo(next);
-    if (cost === 0 && !this.stage.hasOpen) return;
+    if (cost === 0 && !this.stage.hasWork(next)) return;
     const frames = Math.max(1, Math.floor(left_ms / Math.max(frame_ms, 4)) - 1);
     const budget = Math.min(Math.max(kMinSlice, cost / frames), this.upload_limit);
     withOwnState(this.gl, () => {

@@ -107,9 +107,9 @@ export class Stage {
   get isNextReady(): boolean {
     return this.shown.version > 0 && !this.hidden.open && this.hidden.version === this.shown.version + 1;
   }
-  // Whether a mesh is being brought to the card.
-  get hasOpen(): boolean {
-    return this.hidden.open !== null;
+  // Whether there is something to do on the way to `version`: also for an update that changes nothing, which is to become ready.
+  hasWork(version: number): boolean {
+    return this.hidden.open !== null || this.updates.some((u) => u.version > this.hidden.version && u.version <= version);
   }
   // Of the mesh that is being brought to the card; 0: none.
   get comingVersion(): number {
