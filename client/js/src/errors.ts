@@ -13,10 +13,11 @@ import { sentenceOf } from './core/refusal.js';
  * - `worker`: the worker's script did not load;
  * - `core`: the client core failed in flight;
  * - `client`: something else failed;
+ * - `unanswered`: the server has no answer to a question of what is seen, or it was lost with the connection;
  * - `closed`: the terrain has been closed;
  * - `argument`: what was asked for makes no sense.
  */
-export type ErrorCode = 'address' | 'unreachable' | 'refused' | 'unsupported' | 'module' | 'start' | 'worker' | 'core' | 'client' | 'closed' | 'argument';
+export type ErrorCode = 'address' | 'unreachable' | 'refused' | 'unsupported' | 'module' | 'start' | 'worker' | 'core' | 'client' | 'unanswered' | 'closed' | 'argument';
 
 /** Every error of this package. `message` says what happened, `advice` what to do about it; both are sentences. */
 export class ForelandError extends Error {

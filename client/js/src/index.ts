@@ -3,6 +3,8 @@ export { ForelandError, type ErrorCode } from './errors.js';
 export { type TerrainEvents } from './events.js';
 export { type Blend, type Lens, type Limits, type OpenOptions, type Predictor, type Strategy, type TerrainOptions } from './options.js';
 export { type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+export { type Sight, type SightOptions, type ViewshedQuestion } from './sight.js';
+export { type Viewshed } from './core/sight.js';
 export { type MeshSink } from './mesh_sink.js';
 export { type Frame } from './frame.js';
 export { Terrain, type Pose } from './terrain.js';

@@ -14,6 +14,7 @@ import type { MeshUpdate } from './core/mesh_update.js';
 import { kDefaultLens, layersOf, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
 import { placeOf, sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
 import { rayOnGround } from './ray.js';
+import { askViewshed, askVisible, type Sight, type SightOptions, type Viewshed, type ViewshedQuestion } from './sight.js';
 import { filesAt, viewersAt } from './server_address.js';
 
 const kGroundFrames = 8; // so many frames ahead the ground is known
@@ -289,12 +290,32 @@ export class Terrain {
     if (this.end) throw this.end;
     if (places.length === 0) return new Float64Array();
     const positions = new Float64Array(2 * places.length);
-    places.forEach((place, i) => positions.set(this.session!.screen.mapPosition(this.toScene(place))!.lattice, 2 * i));
+    places.forEach((place, i) => positions.set(this.latticeOf(place), 2 * i));
     const id = this.next_question++;
     return new Promise((resolve, reject) => {
       this.questions.set(id, { resolve, reject });
       this.tell({ kind: 'ground', id, positions });
     });
+  }
+  /**
+   * Whether the second place of each pair is seen from the first, and what hides it: of the server, exactly, over the ground at full
+   * resolution and every object. At most 4,096 pairs at once.
+   */
+  async visible(pairs: readonly (readonly [from: MapPoint, to: MapPoint])[], options: SightOptions = {}): Promise<Sight[]> {
+    return askVisible(this.sights(), (place) => this.latticeOf(place), pairs, options);
+  }
+  /**
+   * What of the ground is seen from a place: of the server, cell by cell, each by a line of sight of its own. `onProgress` is called as
+   * cells become known, with one and the same viewshed. One at a time: another one ends the one before, which rejects.
+   */
+  async viewshed(question: ViewshedQuestion, onProgress: (viewshed: Viewshed) => void = () => {}): Promise<Viewshed> {
+    return askViewshed(this.sights(), (place) => this.latticeOf(place), question, reported(onProgress));
+  }
+  private sights(): Session['sights'] {
+    return this.end || !this.session ? this.noScene() : this.session.sights;
+  }
+  private latticeOf(place: MapPoint): [number, number] {
+    return this.session!.screen.mapPosition(this.toScene(place))!.lattice;
   }
   /** Where an eye comes to that moves from one point of the scene towards another, so far above the ground that is held. */
   sweep(from: readonly number[], to: readonly number[], clearance: number): Vector {
@@ -399,6 +420,7 @@ export class Terrain {
     this.rejectReady(error);
     for (const question of this.questions.values()) question.reject(error);
     this.questions.clear();
+    this.session?.sights.end(error);
   }
   private fail(error: ForelandError): void {
     if (this.end) return;
@@ -520,4 +542,15 @@ const kNoStatistics: Statistics = {
 
 function isWorker(worker: OpenOptions['worker']): worker is Worker {
   return typeof worker === 'object' && !(worker instanceof URL);
+}
+
+// One that throws is reported, and stops nobody else.
+function reported<T>(listener: (value: T) => void): (value: T) => void {
+  return (value) => {
+    try {
+      listener(value);
+    } catch (error) {
+      console.error(error);
+    }
+  };
 }

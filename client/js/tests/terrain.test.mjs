@@ -24,6 +24,7 @@ after(async () => {
   await folder?.remove();
 });
 
+const codeOf = (promise) => promise.then(() => null, (error) => (assert.ok(error instanceof ForelandError, error), assert.ok(error.message && error.advice !== undefined), error.code));
 const middleOf = ({ bounds: { low, high } }, above_m = 500) => [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), high[2] + above_m];
 
 // Frames of a camera that looks down on the scene and moves, until `isDone` of one.
@@ -109,6 +110,84 @@ test('places go to the scene and back, and rays meet the ground', kTest, async (
   await terrain.close();
 });
 
+// A place of the scene by its position on the lattice.
+function placesOf(terrain) {
+  const { low, high } = terrain.scene.bounds;
+  const [at, across] = [terrain.place(low), terrain.place(high)];
+  const step = [0, 1].map((i) => (high[i] - low[i]) / (across.lattice[i] - at.lattice[i]));
+  return (x, y, height) => ({ easting: at.easting + (x - at.lattice[0]) * step[0], northing: at.northing + (y - at.lattice[1]) * step[1], height });
+}
+const kStraight = { refraction: 1 }; // on a map
+
+test('lines of sight end at the ground where it hides, and nowhere else', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  const placeAt = placesOf(terrain);
+  const { highest } = terrain.scene.heights;
+  const columns = Array.from({ length: 200 }, (_, i) => [(i * 97) % 256, (i * 61) % 256]);
+  const down = await terrain.visible(columns.map(([x, y]) => [placeAt(x, y, highest + 500), placeAt(x, y, -5000)]), kStraight);
+  const heights = await terrain.heights(columns.map(([x, y]) => placeAt(x, y)));
+  down.forEach((sight, i) => {
+    assert.ok(sight.isKnown && !sight.isSeen && sight.object === null);
+    assert.ok(Math.abs(terrain.place(sight.hit).height - heights[i]) < 1e-3, `${terrain.place(sight.hit).height} for ${heights[i]} m`);
+    terrain.toScene(placeAt(...columns[i], highest + 500)).forEach((v, axis) => assert.ok(Math.abs(v - sight.from[axis]) < 1e-6));
+  });
+  const level = columns.slice(1).map((column, i) => [placeAt(...columns[i], highest + 500), placeAt(...column, highest + 500)]);
+  for (const sight of await terrain.visible(level)) assert.ok(sight.isSeen && sight.hit === null);
+  const [near, outside] = await terrain.visible([[placeAt(9, 9, 2), placeAt(9.1, 9, 2)], [placeAt(9, 9, 2), placeAt(1e6, 9, 2)]], { above: 'ground' });
+  assert.ok(near.isKnown && Math.abs(terrain.place(near.from).height - 2 - (await terrain.heights([placeAt(9, 9)]))[0]) < 1e-3, 'above the ground');
+  assert.deepEqual([outside.isKnown, outside.isSeen, outside.hit], [false, false, null]);
+  assert.deepEqual(await terrain.visible([]), []);
+  for (const [pairs, options] of [[Array(4097).fill(level[0])], [level, { refraction: 2 }], [[[placeAt(0, 0, NaN), placeAt(1, 1)]]], [[[{ lon: 7, lat: 45 }, placeAt(1, 1)]]]])
+    assert.equal(await codeOf(terrain.visible(pairs, options)), 'argument');
+  assert.ok(terrain.isConnected);
+  await terrain.close();
+});
+
+test('a viewshed has the cells that lines of sight find seen', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  const placeAt = placesOf(terrain);
+  const from = { ...placeAt(130, 120), height: 20 };
+  const told = [];
+  const whole = await terrain.viewshed({ from, target: 2, radius: 3000, cell: 20 }, (viewshed) => {
+    told.push(viewshed.known);
+    if (told.length === 1) throw new Error('a listener of the test, which stops nobody');
+  });
+  assert.ok(told.every((known, i) => known > (told[i - 1] ?? 0)), `${told}`);
+  assert.equal(told.at(-1), whole.cells.length);
+  assert.equal(whole.cells.length, whole.columns * whole.rows);
+  const cells = Array.from({ length: 2000 }, (_, i) => (i * 7919) % whole.cells.length).filter((cell) => whole.cells[cell] !== 2);
+  const middleOfCell = (cell) => placeAt(whole.first[0] + (cell % whole.columns) * whole.step[0], whole.first[1] + Math.floor(cell / whole.columns) * whole.step[1], 2);
+  const sights = await terrain.visible(cells.map((cell) => [from, middleOfCell(cell)]), { above: 'ground' });
+  const differing = cells.filter((cell, i) => (whole.cells[cell] === 1) !== sights[i].isSeen);
+  assert.deepEqual(differing, [], `of ${cells.length}`);
+  const seen = cells.filter((cell) => whole.cells[cell] === 1).length;
+  assert.ok(seen > 0.02 * cells.length && seen < 0.98 * cells.length, `${seen} of ${cells.length} are seen`);
+  await terrain.close();
+});
+
+test('a viewshed is ended by its signal, by another one and with the terrain, and says why there is none', kTest, async () => {
+  const terrain = await Terrain.open(address, { lens: kLens });
+  const placeAt = placesOf(terrain);
+  const question = { from: placeAt(130, 120, 20), radius: 3000, cell: 3 };
+  const ended = new AbortController();
+  const reason = new Error('enough');
+  await assert.rejects(terrain.viewshed({ ...question, signal: ended.signal }, () => ended.abort(reason)), reason);
+  await assert.rejects(terrain.viewshed({ ...question, signal: ended.signal }), reason);
+  const replaced = terrain.viewshed(question).catch((error) => error);
+  const small = await terrain.viewshed({ ...question, cell: 100 });
+  const { code, message } = await replaced;
+  assert.deepEqual([code, message], ['unanswered', 'Another viewshed was asked for instead.']);
+  assert.equal(small.known, small.cells.length);
+  assert.equal(await codeOf(terrain.viewshed({ ...question, from: placeAt(1e6, 0, 20) })), 'unanswered');
+  assert.equal(await codeOf(terrain.viewshed({ ...question, cell: 0.01 })), 'unanswered');
+  for (const wrong of [{ radius: 0 }, { cell: NaN }, { from: placeAt(130, 120, -1) }, { refraction: -1 }])
+    assert.equal(await codeOf(terrain.viewshed({ ...question, ...wrong })), 'argument');
+  const closed = codeOf(terrain.viewshed(question));
+  await terrain.close();
+  assert.equal(await closed, 'closed');
+  assert.equal(await codeOf(terrain.viewshed(question)), 'closed');
+});
+
 test('updates make up the mesh that a frame names', kTest, async () => {
   const terrain = await Terrain.open(address, { lens: kLens });
   const reader = terrain.updates.getReader();
@@ -146,15 +225,13 @@ test('a connection that is lost is made anew, and told of', kTest, async () => {
   await again.stop();
 });
 
-const codeOf = (promise) => promise.then(() => null, (error) => (assert.ok(error instanceof ForelandError, error), assert.ok(error.message && error.advice !== undefined), error.code));
-
 test('each way that opening can fail has its name', kTest, async () => {
   assert.equal(await codeOf(Terrain.open('nowhere', {})), 'address');
   assert.equal(await codeOf(Terrain.open('ftp://localhost/')), 'address');
   assert.equal(await codeOf(Terrain.open(`ws://127.0.0.1:${await freePort()}/`, { patienceMs: 400 })), 'unreachable');
   assert.equal(await codeOf(Terrain.open(address, { wasm: new URL('none.wasm', import.meta.url) })), 'start');
   assert.equal(await codeOf(Terrain.open(address, { worker: new URL('none.js', import.meta.url) })), 'worker');
-  assert.equal(await codeOf(Terrain.open(address, { lens: { fovY: 1, width: 0, height: 0 } })), 'refused');
+  assert.equal(await codeOf(Terrain.open(address, { lens: { fovY: 7, width: 640, height: 360 } })), 'refused');
   assert.equal(await codeOf(Terrain.open(address, { signal: AbortSignal.abort() })), 'closed');
   const aborting = new AbortController();
   const opening = Terrain.open(`ws://127.0.0.1:${await freePort()}/`, { signal: aborting.signal });

@@ -19,6 +19,7 @@ import { Readout } from './ui/readout';
 import { saveFile } from './ui/save_file';
 import { SceneTime } from './ui/scene_time';
 import { kLens, type Address, type Settings, type Tour } from './ui/settings';
+import { SightControl } from './ui/sight_control';
 import { sunDirection } from './ui/sun';
 import { Tours } from './ui/tours';
 import { reasonOf } from './ui/words';
@@ -42,6 +43,9 @@ export class App {
   private readonly steering = new Steering(new Controls(this.canvas), this.tours);
   private readonly scene_time = new SceneTime(byId('time'), (at, ms_rate) => this.terrain?.setSceneTime({ at, rate: ms_rate }));
   private readonly card_loss = new CardLoss((work) => this.guard.run(work), () => this.drawAgain());
+  private readonly sight = new SightControl({
+    picture: () => this.picture, terrain: () => this.terrain, sceneTime: () => this.scene_time_ms, say: (text) => this.hint.show(text),
+  });
   private readonly panel: Panel;
   private readonly settings: Settings;
   private picture: Picture;
@@ -73,7 +77,7 @@ export class App {
     this.showConnecting();
     this.beginDrawing();
     this.hint.show(kIsPhone ? 'One finger looks, two fingers fly'
-      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed');
+      : 'Drag to look \u00b7 W A S D to fly \u00b7 E Q up and down \u00b7 wheel sets the speed \u00b7 shift-click and V show what is seen');
   }
 
   // For tests, and for anyone who opens the console.
@@ -94,6 +98,7 @@ export class App {
       title: this.scene?.title ?? null,
       scene_time_ms: this.scene_time_ms,
       ...this.terrain?.stats,
+      ...this.sight.status(),
     };
   }
 
@@ -222,6 +227,7 @@ export class App {
     if (this.terrain) this.showTerrain(this.terrain);
     this.showColours();
     if (before.frozen_view.pose) this.freezeAt(before.frozen_view.pose);
+    this.sight.show();
     this.mesh = null;
     this.resize();
     if (this.scene) notify(null);

@@ -809,6 +809,68 @@ test('a model without an image is drawn, and none is asked for', kTest, async ()
   }
 });
 
+// The share of the screen's middle that is green beyond what the ground is.
+async function greenShare(page) {
+  return page.evaluate(async (data) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))]));
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
+    let green = 0;
+    for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 1] > 1.4 * pixels[i] && pixels[i + 1] > 1.4 * pixels[i + 2]) ++green;
+    return green / (pixels.length / 4);
+  }, (await middleOf(page)).toString('base64'));
+}
+const nextFrames = async (page) => until(page, (s, n) => s.frames > n + 2, (await status(page)).frames);
+
+test('shift-click draws a line of sight, and V what is seen', kTest, async () => {
+  const own = await makeFolder();
+  const small = await startServer(await makeScene(own.folder, { size: 129 }));
+  try {
+    await visit('fog=0', async (page) => {
+      const shiftClick = async (x, y) => {
+        await page.keyboard.down('Shift');
+        await page.mouse.click(x, y);
+        await page.keyboard.up('Shift');
+      };
+      await page.mouse.click(480, 400);
+      await nextFrames(page);
+      assert.equal((await status(page)).sight_marked, false, 'a click without Shift marks nothing');
+      await shiftClick(480, 400);
+      await until(page, (s) => s.sight_marked && s.sight_seen === null);
+      await shiftClick(520, 330);
+      await until(page, (s) => !s.sight_marked && s.sight_seen !== null);
+      assert.match(await page.locator('#hint').textContent(), /^(Seen\.|Hidden behind the ground\.)$/);
+      await nextFrames(page);
+      const before_ = await greenShare(page);
+      await page.keyboard.press('KeyV');
+      await until(page, (s) => s.viewshed_known === 1 && !s.viewshed_coming);
+      assert.match(await page.locator('#hint').textContent(), /^[\d.]+ % of the ground around is seen/);
+      await nextFrames(page);
+      const draped = await greenShare(page);
+      assert.ok(draped > before_ + 0.1, `${draped} of the picture is green, ${before_} before`); // from the camera: what it sees is seen
+      await page.keyboard.press('KeyV');
+      await until(page, (s) => s.viewshed_known === null);
+      await nextFrames(page);
+      assert.ok((await greenShare(page)) < before_ + 0.02);
+      // Ended as it comes, it leaves nothing, and another one can be asked for.
+      await page.evaluate(() => {
+        window.dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyV' }));
+        window.coming = window.foreland.status().viewshed_coming;
+        window.dispatchEvent(new KeyboardEvent('keydown', { code: 'Escape' }));
+      });
+      assert.equal(await page.evaluate(() => window.coming), true);
+      const ended = await nextFrames(page);
+      assert.deepEqual([ended.viewshed_coming, ended.viewshed_known], [false, null]);
+      await page.keyboard.press('KeyV');
+      await until(page, (s) => s.viewshed_known === 1);
+    }, { server: small });
+  } finally {
+    await small.stop();
+    await own.remove();
+  }
+});
+
 // Small, but when the picture is asked for.
 test('the picture of hidden valleys, frozen and seen from outside', kTest, async () => {
   const occluding = await startServer(scene, 0, ['--occlusion', 'on']);

@@ -30,14 +30,19 @@ export interface Sight {
   object: number | null; // that hides; null: the ground, or none
   is_known: boolean; // false if an end lies beyond the data: it has no ground
 }
-// Of cells by their middles: lattice positions first + (i, j) step, row by row from the south.
+/**
+ * Which cells about a point are seen from it. The middle of cell (i, j) is at `first` + (i, j) `step` on the lattice of the data's samples
+ * (`Place.lattice`); cells go eastward, row by row from the south.
+ */
 export interface Viewshed {
-  first: [number, number];
-  step: [number, number];
-  columns: number;
-  rows: number;
-  cells: Uint8Array<ArrayBuffer>; // 0 hidden, 1 seen, 2 beyond the radius or the data, or not known yet
-  known: number; // so many are, from the first on
+  readonly first: [number, number];
+  readonly step: [number, number];
+  readonly columns: number;
+  readonly rows: number;
+  /** 0 hidden, 1 seen, 2 beyond the radius or the data, or not known yet. */
+  readonly cells: Uint8Array<ArrayBuffer>;
+  /** So many cells are known, from the first on. */
+  known: number;
 }
 
 const kLatest_ms = 2 ** 60 / 1000;
@@ -102,6 +107,7 @@ interface Waiting {
 export class Sights {
   private readonly waiting = new Map<number, Waiting>(); // by ask
   private next = 1;
+  private endViewshed: (reason: unknown) => void = () => {}; // of the one that waits
 
   constructor(private readonly core: Core, private readonly tell: (message: SightMessage) => void) {}
 
@@ -117,6 +123,7 @@ export class Sights {
 
   // What is seen from a point; `onCells` is called as cells become known. Another one takes its place. Ends by `signal`.
   viewshed(question: ViewshedQuestion, onCells: (viewshed: Viewshed) => void = () => {}, signal?: AbortSignal): Promise<Viewshed> {
+    this.endViewshed(new Error('Another viewshed was asked for instead.'));
     return new Promise((resolve, reject) => {
       let viewshed: Viewshed | null = null;
       const ask = this.ask({ kind: 'ask viewshed', ask: this.next, question }, reject, (numbers) => {
@@ -129,16 +136,18 @@ export class Sights {
         resolve(viewshed);
         return true;
       });
-      signal?.addEventListener('abort', () => {
+      this.endViewshed = (reason) => {
         if (!this.waiting.delete(ask)) return;
         this.tell({ kind: 'cancel sight', ask });
-        reject(new DOMException('What is seen is no longer wanted.', 'AbortError'));
-      });
+        reject(reason);
+      };
+      const end = this.endViewshed;
+      signal?.addEventListener('abort', () => end(signal.reason), { once: true });
     });
   }
 
   receive(answer: SightAnswer): void {
-    if (answer.kind === 'sight lost') return this.failAll(new Error('The connection was lost before the server could answer.'));
+    if (answer.kind === 'sight lost') return this.end(new Error('The connection was lost before the server could answer.'));
     if (answer.kind === 'sight asked') {
       const asked = this.waiting.get(answer.ask);
       if (asked) asked.id = answer.id;
@@ -170,7 +179,8 @@ export class Sights {
     }
   }
 
-  private failAll(reason: Error): void {
+  // Nothing that was asked is answered any more.
+  end(reason: Error): void {
     const all = [...this.waiting.values()];
     this.waiting.clear();
     for (const waits of all) waits.fail(reason);

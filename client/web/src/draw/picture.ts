@@ -1,12 +1,14 @@
 // The picture: a canvas with its renderer, the terrain with the page's own look, the sky and the frozen view; and a frame of it.
-import type { Frame, Place, Pose, Scene, Terrain } from '@foreland/client';
+import type { Frame, Place, Pose, Scene, Terrain, Vector } from '@foreland/client';
 import { ForelandTerrain } from '@foreland/client/three';
 import * as THREE from 'three';
 import { kLens, type Settings } from '../ui/settings';
 import { FrozenView } from './frozen_view';
 import { pageMaterials } from './materials';
 import { ShadeProbe } from './shade_probe';
+import { SightLines } from './sight_lines';
 import { Sky } from './sky';
+import { ViewshedDrape } from './viewshed_drape';
 
 const kVisible = 8; // of 255
 const kLargestSide = 16384; // of a lens, in pixels: proto/space/pose.h
@@ -22,6 +24,8 @@ export interface Shot {
 export class Picture {
   readonly renderer: THREE.WebGLRenderer;
   readonly frozen_view = new FrozenView();
+  readonly sight_lines = new SightLines();
+  readonly viewshed_drape = new ViewshedDrape();
   readonly up = new THREE.Vector3(0, 0, 1); // at the camera's eye
   ground: ForelandTerrain | null = null;
   private readonly sun = new THREE.Vector3(); // towards it
@@ -37,13 +41,13 @@ export class Picture {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly anisotropy: number | null) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
-    this.scene.add(this.sky.object, this.frozen_view.object);
+    this.scene.add(this.sky.object, this.frozen_view.object, this.sight_lines.object);
   }
 
   // Shows a terrain; once.
   show(terrain: Terrain): void {
     this.ground = new ForelandTerrain(terrain, {
-      renderer: this.renderer, materials: pageMaterials(this.haze), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
+      renderer: this.renderer, materials: pageMaterials(this.haze, this.viewshed_drape.uniforms), ...(this.anisotropy === null ? {} : { anisotropy: this.anisotropy }),
     });
     this.scene.add(this.ground);
   }
@@ -128,9 +132,27 @@ export class Picture {
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
     this.sky.update(camera);
+    this.viewshed_drape.place(ground!.uniforms.u_pivot!.value as THREE.Vector2);
     this.renderer.clear();
     this.renderer.render(this.scene, camera);
     ++this.frames;
+  }
+
+  // ---- what was drawn last
+
+  // Whether an event's target is what it draws on.
+  isOn(target: EventTarget | null): boolean {
+    return target === this.canvas;
+  }
+  // In the scene's axes.
+  get eye(): Vector {
+    return this.camera.position.toArray();
+  }
+  // The unit direction, in the scene's axes, of what is seen at a point of the window.
+  directionAt(x: number, y: number): Vector {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector3((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height, 0.5);
+    return at.unproject(this.camera).sub(this.camera.position).normalize().toArray();
   }
 
   // ---- for tests

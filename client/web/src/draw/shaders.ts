@@ -13,13 +13,14 @@ import skyFrag from './shaders/sky.frag.glsl?raw';
 import skyVert from './shaders/sky.vert.glsl?raw';
 import terrainFrag from './shaders/terrain.frag.glsl?raw';
 import terrainVert from './shaders/terrain.vert.glsl?raw';
+import viewshed from './shaders/viewshed.glsl?raw';
 import wireFrag from './shaders/wire.frag.glsl?raw';
 import wireVert from './shaders/wire.vert.glsl?raw';
 
 const { common, ground, groundVertex, interpolation, tiles } = glsl;
 
 export const kTerrainVertex = head + interpolation + groundVertex + terrainVert;
-export const kTerrainFragment = head + common + atmosphere + light + tiles + ground + terrainFrag;
+export const kTerrainFragment = head + common + atmosphere + light + tiles + ground + viewshed + terrainFrag;
 export const kProbeVertex = head + probeVert;
 export const kProbeFragment = head + common + atmosphere + light.replace('in vec3 v_from_eye;', 'const vec3 v_from_eye = vec3(0.0);') + tiles + probeFrag;
 export const kObjectVertex = head + interpolation + objectVert;
