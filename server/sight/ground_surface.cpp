@@ -17,7 +17,7 @@ bool passesBy(const SightLine& line, const SightLine::Aside& a, const SightLine:
   if (left > SightLine::kTouch_m || right < -SightLine::kTouch_m) return true;
   const auto [below, above] = std::minmax({a.above_m, b.above_m, c.above_m, d.above_m});
   const auto [first, last] = std::minmax({a.share, b.share, c.share, d.share});
-  const double touch_m = line.touch_m(first, last);
+  const double touch_m = line.touchMetres(first, last);
   return below > touch_m || above < -touch_m;
 }
 

@@ -25,7 +25,7 @@ class ObjectSurface {
   // The model's frame, metres; of a group it holds all poses.
   Box boundsOf(uint32_t group) const;
   // From the model's origin to its farthest vertex, in any pose, along an axis; metres.
-  double reach_m() const { return reach_m_; }
+  double reachMetres() const { return reach_m_; }
   uint64_t bytes() const { return corners_.size() * sizeof(uint32_t); }
 
   // Calls visit(corners) for each triangle of a group, with positions in the model's frame, mixed from its poses by

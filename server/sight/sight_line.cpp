@@ -50,7 +50,7 @@ std::array<double, 2> SightLine::meetPlane(const glm::dvec3& normal, const glm::
 
 std::optional<double> SightLine::meet(const std::array<glm::dvec3, 3>& t, const std::array<Aside, 3>& asides) const {
   const auto [first, last] = std::minmax({asides[0].share, asides[1].share, asides[2].share});
-  if (!isMet(asides, touch_m(first, last))) return std::nullopt;
+  if (!isMet(asides, touchMetres(first, last))) return std::nullopt;
   const glm::dvec3 u = t[1] - t[0], v = t[2] - t[0], n = glm::cross(u, v);
   const double area2 = glm::dot(n, n);
   if (area2 == 0) return std::nullopt;

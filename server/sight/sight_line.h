@@ -33,15 +33,15 @@ class SightLine {
 
   // How far the path may be from the edges of a triangle whose corners are as far along as these, if they are taken as
   // straight in aside()'s coordinates.
-  double touch_m(double first_share, double last_share) const {
+  double touchMetres(double first_share, double last_share) const {
     const double along = last_share - first_share;
-    return kTouch_m + sag_m() * along * along;
+    return kTouch_m + sagMetres() * along * along;
   }
   // A share of the way: 0 at `from`, 1 at `to`.
   glm::dvec3 at(double share) const { return from_ + share * way_ - (sagAt(share) * up_); }
-  double length_m() const { return length_m_; }
+  double lengthMetres() const { return length_m_; }
   // Of its middle from the chord, either way.
-  double sag_m() const { return sag_m_ < 0 ? -sag_m_ : sag_m_; }
+  double sagMetres() const { return sag_m_ < 0 ? -sag_m_ : sag_m_; }
   // The shares between which it can be hidden.
   double firstShare() const { return ends_; }
   double lastShare() const { return 1 - ends_; }

@@ -31,7 +31,7 @@ Surfaces surfacesOf(const SceneObjects& objects) {
 
 // Of an object's farthest point from its position, wherever the ground carries it.
 double reachOf(const proto::ObjectPlacement& p, const ObjectSurface& surface) {
-  const double diagonal = std::sqrt(3.0) * surface.reach_m() * p.scale;
+  const double diagonal = std::sqrt(3.0) * surface.reachMetres() * p.scale;
   return diagonal + glm::length(p.rise.quantum) * std::max(std::fabs(p.rise.range[0]), std::fabs(p.rise.range[1]));
 }
 
@@ -198,7 +198,7 @@ std::optional<SightHit> SightScene::firstHit(const glm::dvec3& from, const glm::
                                              const SightTime& time, uint64_t* work) const {
   const SightLine line(transform(), from, to, refraction);
   Question question{*this, line, time};
-  const double count = pieces(line.sag_m());
+  const double count = pieces(line.sagMetres());
   for (double i = 0; i < count && question.first > i / count; ++i) {
     const double begin = i / count, end = (i + 1) / count;
     tree_.castInOrder(line.at(begin), line.at(end), [&](int32_t instance, uint32_t box) {
@@ -215,7 +215,7 @@ bool SightScene::sees(const glm::dvec3& from, const glm::dvec3& to, double refra
                       uint64_t* work) const {
   const SightLine line(transform(), from, to, refraction);
   Question question{*this, line, time};
-  const double count = pieces(line.sag_m());
+  const double count = pieces(line.sagMetres());
   for (double i = 0; i < count && !question.is_hidden; ++i)
     tree_.cast(line.at(i / count), line.at((i + 1) / count),
                [&](int32_t instance, uint32_t box) { return question.ask(instance, box) ? -1.0 : 1.0; });

@@ -73,7 +73,7 @@ struct StreetLines {
 };
 StreetLines drawLines(int count, Rng& rng) {
   StreetLines lines;
-  const auto size = static_cast<size_t>(2 * count + 2);
+  const auto size = 2 * static_cast<size_t>(count) + 2;
   lines.at.resize(size), lines.half_width.resize(size);
   for (double& half : lines.half_width) half = rng.uniform(6.5, 9.5);
   const auto middle = static_cast<size_t>(count);
