@@ -181,12 +181,13 @@ bool SectionSender::sendObjects(const proto::View& view, size_t max_nodes, Objec
     // What is out of view and has no nodes gets none.
     const bool is_idle = objects_[i].nodeCount() == 0 && !objects.mayBeSeen(i, view, frustum);
     is_object_hidden_[i] = visibility && visibility->isObjectHidden(i, objects_[i].nodeCount()) ? 1 : 0;
+    const auto isAdapted = [&] {
+      return objects_[i].adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - others, records,
+                               scratch.adapt, delta);
+    };
     if (is_object_hidden_[i] != 0)
       empty(i, delta);
-    else if (others > max_nodes)
-      return false;
-    else if (!is_idle && !objects_[i].adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - others, records,
-                                            scratch.adapt, delta))
+    else if (others > max_nodes || (!is_idle && !isAdapted()))
       return false;
     others += objects_[i].nodeCount();
     stream_->encode(i, delta, objects.nodesOf(i), coder, object_bits_);
