@@ -55,7 +55,7 @@ ViewerOcclusion::ViewerOcclusion(const Hierarchy& hierarchy, const SceneOcclusio
       options_(options),
       spans_(intervals_, scene.grid.get()),
       proofs_(hierarchy.grid()) {
-  if (scene.objects) objects_.emplace(*scene.objects, hierarchy.objects().set.size());
+  if (scene.objects) objects_.emplace(hierarchy.objects(), *scene.objects);
 }
 
 void ViewerOcclusion::begin(const proto::View& view) {
@@ -221,11 +221,12 @@ bool ViewerOcclusion::isHidden(const BlockId& block) {
   return is_hidden;
 }
 
-// Whether a block is hidden from now on.
+// Whether a block is hidden from now on. What has faded may be tried again at once when the fading has ended.
 bool ViewerOcclusion::review(const BlockId& block, TileProofs& tile, bool was_hidden) {
   if (!was_hidden) return turnsHidden(block, tile);
-  if (staysHidden(block, tile)) return true;
-  tile.next[bitOf(block)] = static_cast<int32_t>(intervals_.last() + kWorth);
+  const bool is_fading = effort_ == Effort::kFading;
+  if (!(is_fading && hasFaded(block)) && staysHidden(block, tile)) return true;
+  tile.next[bitOf(block)] = static_cast<int32_t>(intervals_.last() + (is_fading ? 0 : kWorth));
   return false;
 }
 
@@ -233,53 +234,35 @@ bool ViewerOcclusion::hasFaded(const BlockId& block) const {
   return keyframe_ - fading_since_ >= turnOf(block, kFadeKeyframes);
 }
 
-// The hidden blocks of a tile that turn visible.
-uint32_t ViewerOcclusion::fade(const BlockId& lowest, uint32_t hidden) {
-  const InView tile_in_view =
-      inView(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2);
-  if (hidden == 0 || tile_in_view == InView::kNot) return 0;
-  const auto [due, proofs] = proofs_.of(lowest, keyframe_);
-  uint32_t changed = 0;
-  for (uint32_t left = hidden; left != 0; left &= left - 1) {
-    const auto bit = static_cast<uint32_t>(std::countr_zero(left));
-    const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
-    if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot) {
-      proofs.next[bit] = std::min(proofs.next[bit], static_cast<int32_t>(intervals_.last()));
-      continue;
-    }
-    const bool stays = !hasFaded(block) && staysHidden(block, proofs);
-    if (!stays) proofs.next[bit] = static_cast<int32_t>(intervals_.last());
-    changed |= stays ? 0 : 1u << bit;
-    hidden_in_view_ += stays ? 1 : 0;
-  }
-  due = {std::numeric_limits<int32_t>::min(), spans_.revision()};  // all of it is looked at when the fading has ended
-  return changed;
-}
-
-// Out of view it makes no difference whether a block is hidden, and need not be tried before it comes into view.
+// Out of view it makes no difference whether a block is hidden, and need not be tried before it comes into view. While
+// they fade all hidden blocks are reviewed, and no other ones; and all of the tile when the fading has ended.
 uint32_t ViewerOcclusion::changes(const BlockId& lowest, uint32_t known, uint32_t hidden) {
-  if (effort_ == Effort::kFading) return fade(lowest, hidden);
-  hidden_in_view_ += static_cast<uint64_t>(std::popcount(hidden));
+  const bool is_fading = effort_ == Effort::kFading;
+  if (is_fading && hidden == 0) return 0;
+  hidden_in_view_ += is_fading ? 0 : static_cast<uint64_t>(std::popcount(hidden));
   const auto [due, proofs] = proofs_.of(lowest, keyframe_);
   const auto last = static_cast<int32_t>(intervals_.last());
   const bool is_revised = due.revision != spans_.revision();
-  if (due.first > last && !is_revised) return 0;
+  if (due.first > last && !is_revised && !is_fading) return 0;
   // A tile is a square of a scale whose blocks are eight times as large.
   const InView tile_in_view =
       inView(lowest.scale + 3u, lowest.x >> HiddenBlocks::kTileLog2, lowest.y >> HiddenBlocks::kTileLog2);
   if (tile_in_view == InView::kNot) return 0;
   uint32_t changed = 0;
-  int32_t first = std::numeric_limits<int32_t>::max();
-  for (uint32_t left = known; left != 0; left &= left - 1) {
+  int32_t first = is_fading ? std::numeric_limits<int32_t>::min() : std::numeric_limits<int32_t>::max();
+  for (uint32_t left = is_fading ? hidden : known; left != 0; left &= left - 1) {
     const auto bit = static_cast<uint32_t>(std::countr_zero(left));
     const bool was_hidden = (hidden >> bit & 1) != 0;
     const BlockId block{lowest.scale, lowest.x + (bit & kTileMask), lowest.y + (bit >> HiddenBlocks::kTileLog2)};
     int32_t& next = proofs.next[bit];
-    if (next <= last || (was_hidden && is_revised)) {
-      if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot)
+    if (next <= last || (was_hidden && (is_revised || is_fading))) {
+      if (tile_in_view == InView::kPartly && inView(block.scale + 1u, block.x, block.y) == InView::kNot) {
         next = std::min(next, last);
-      else if (review(block, proofs, was_hidden) != was_hidden)
-        changed |= 1u << bit;
+      } else {
+        const bool is_hidden = review(block, proofs, was_hidden);
+        changed |= is_hidden != was_hidden ? 1u << bit : 0;
+        hidden_in_view_ += is_fading && is_hidden ? 1 : 0;
+      }
     }
     first = std::min(first, next);
   }

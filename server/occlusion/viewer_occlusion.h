@@ -104,7 +104,6 @@ class ViewerOcclusion final : public proto::BlockVisibility, public ObjectVisibi
   bool staysHidden(const proto::BlockId& block, TileProofs& tile);
   bool review(const proto::BlockId& block, TileProofs& tile, bool was_hidden);
   bool hasFaded(const proto::BlockId& block) const;
-  uint32_t fade(const proto::BlockId& lowest, uint32_t hidden);
 
   const Hierarchy& hierarchy_;
   const SceneOcclusion& scene_;

@@ -13,6 +13,15 @@ namespace {
 constexpr double kDepthRounding_m = 1e-5;  // of depths, of coordinates up to 10^6 m
 constexpr double kFloatPad_m = 0.25;       // that the boxes which Embree reads, in floats, are larger
 
+std::array<glm::dvec3, 8> boxCorners(const proto::ObjectPlacement& placement, const glm::dvec3& low,
+                                     const glm::dvec3& high) {
+  std::array<glm::dvec3, 8> corners;
+  for (size_t i = 0; i < corners.size(); ++i)
+    corners[i] = placement.toScene(
+        {(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z});
+  return corners;
+}
+
 }  // namespace
 
 struct ObjectSolids::Embree {
@@ -49,25 +58,16 @@ ObjectSolids::~ObjectSolids() = default;
 void ObjectSolids::addObject(const SceneObjects& objects, size_t object) {
   const proto::ObjectPlacement& placement = objects.set.placement(object);
   const auto& [low, high] = objects.hulls[placement.model].box;
-  Box box{{}, glm::dvec3(0), 0, low, high, placement.position, placement.orientation, placement.scale};
-  glm::dvec3 sum{0};
-  for (size_t i = 0; i < box.corners.size(); ++i) {
-    const glm::dvec3 p((i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z);
-    box.corners[i] = placement.toScene(p);
-    sum += box.corners[i];
-  }
+  Box box{boxCorners(placement, low, high), low, high, placement.position, placement.orientation, placement.scale};
   // What the ground carries moves along one line; the box is made longer on the side that it moves to.
   if (!placement.rise.isStill()) {
+    const glm::dvec3 middle = placement.toScene(0.5 * (low + high));
     const auto [lowest, highest] = placement.rise.range;
     for (glm::dvec3& corner : box.corners) {
-      const bool is_above = glm::dot(corner - sum / 8.0, placement.rise.quantum) > 0;
+      const bool is_above = glm::dot(corner - middle, placement.rise.quantum) > 0;
       corner += (is_above ? highest : lowest) * placement.rise.quantum;
     }
-    sum = {};
-    for (const glm::dvec3& corner : box.corners) sum += corner;
   }
-  box.middle = sum / 8.0;
-  for (const glm::dvec3& corner : box.corners) box.radius_m = std::max(box.radius_m, glm::distance(box.middle, corner));
   boxes_.push_back(box);
 }
 
@@ -84,10 +84,7 @@ void ObjectSolids::addSolids(const SceneObjects& objects, size_t object) {
     }
     solid.low = glm::dvec3(std::numeric_limits<double>::infinity());
     solid.high = -solid.low;
-    for (unsigned i = 0; i < 8; ++i) {
-      const glm::dvec3 p =
-          placement.toScene({(i & 1) != 0 ? inner.high.x : inner.low.x, (i & 2) != 0 ? inner.high.y : inner.low.y,
-                             (i & 4) != 0 ? inner.high.z : inner.low.z});
+    for (const glm::dvec3& p : boxCorners(placement, inner.low, inner.high)) {
       solid.low = glm::min(solid.low, p);
       solid.high = glm::max(solid.high, p);
     }

@@ -43,8 +43,6 @@ class ObjectSolids {
   using Corners = std::array<glm::dvec3, 8>;
   // Their hull holds what is drawn of the object, at all scene times. Scene frame, metres.
   const Corners& cornersOf(size_t object) const { return boxes_[object].corners; }
-  const glm::dvec3& middleOf(size_t object) const { return boxes_[object].middle; }
-  double radiusOf(size_t object) const { return boxes_[object].radius_m; }
 
   // A solid that hides the points from all of the eyes; kNone if there is none. `first` is tried first. The target may
   // be drawn up to `rho_m` from the points' hull. Solids of objects to whose boxes the eyes come are left out.
@@ -67,8 +65,6 @@ class ObjectSolids {
   };
   struct Box {
     Corners corners;
-    glm::dvec3 middle;
-    double radius_m;
     // In the object's own frame, to which a point p goes by conjugate(orientation) * (p - position) / scale.
     glm::dvec3 low, high, position;
     glm::dquat orientation;

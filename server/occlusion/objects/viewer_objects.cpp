@@ -40,15 +40,11 @@ void ViewerObjects::begin(Keyframe keyframe) {
 
 void ViewerObjects::forget() { states_.assign(states_.size(), {}); }
 
-bool ViewerObjects::isInView(size_t object) const {
-  const ObjectBall ball{solids_.middleOf(object), solids_.radiusOf(object)};
-  return ball.mayBeSeen(now_->view, now_->frustum);
-}
-
 bool ViewerObjects::isWorth(size_t object, size_t nodes) const {
   if (nodes > 0) return nodes >= kFewestNodes;
-  const double distance = glm::distance(solids_.middleOf(object), now_->view.pose.eye);
-  return 2 * solids_.radiusOf(object) * now_->view.lens.focalPx() > kLargeEnough_px * distance;
+  const ObjectBall& ball = objects_.balls[object];
+  const double distance = glm::distance(ball.middle, now_->view.pose.eye);
+  return 2 * ball.radius_m * now_->view.lens.focalPx() > kLargeEnough_px * distance;
 }
 
 bool ViewerObjects::hides(size_t object, State& state, PathSpan& span, Towards towards) {
@@ -62,7 +58,7 @@ bool ViewerObjects::hides(size_t object, State& state, PathSpan& span, Towards t
 bool ViewerObjects::isHidden(size_t object, size_t nodes) {
   State& state = states_[object];
   const auto last = static_cast<int32_t>(now_->intervals.last());
-  if (!isInView(object)) {
+  if (!objects_.mayBeSeen(object, now_->view, now_->frustum)) {
     state.next = std::min(state.next, last);
     return state.is_hidden;
   }

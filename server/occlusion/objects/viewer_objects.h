@@ -31,8 +31,9 @@ class ViewerObjects {
   static constexpr uint64_t kMaxQueries = 2000;
   static constexpr size_t kFewestNodes = 16;  // that are worth a query
 
-  // Must outlive it.
-  explicit ViewerObjects(const ObjectSolids& solids, size_t objects) : solids_(solids), states_(objects) {}
+  // Both must outlive it; `solids` are of `objects`.
+  ViewerObjects(const SceneObjects& objects, const ObjectSolids& solids)
+      : objects_(objects), solids_(solids), states_(objects.set.size()) {}
 
   // Whether ridges hide the hull of points from all eyes of a span.
   using BehindRidge = std::function<bool(PathSpan&, std::span<const glm::dvec3>, Towards)>;
@@ -65,10 +66,10 @@ class ViewerObjects {
     bool is_hidden = false;
   };
 
-  bool isInView(size_t object) const;
   bool isWorth(size_t object, size_t nodes) const;
   bool hides(size_t object, State& state, PathSpan& span, Towards towards);
 
+  const SceneObjects& objects_;
   const ObjectSolids& solids_;
   std::vector<State> states_;
   std::optional<Keyframe> now_;

@@ -103,8 +103,13 @@ TEST(ObjectSolids, BoxesHoldTheObjects) {
   const Field field(20, rng);
   for (size_t i = 0; i < 20; ++i)
     for (const auto& t : field.spheres.full)
-      EXPECT_LE(glm::distance(field.objects.set.placement(i).toScene(t[0]), field.solids->middleOf(i)),
-                field.solids->radiusOf(i) + 1e-9);
+      for (const int axis : {1, 2, 4}) {
+        const ObjectSolids::Corners& corners = field.solids->cornersOf(i);
+        const dvec3 side = corners[static_cast<size_t>(axis)] - corners[0],
+                    at = field.objects.set.placement(i).toScene(t[0]) - corners[0];
+        EXPECT_GE(glm::dot(at, side), -1e-6);
+        EXPECT_LE(glm::dot(at, side), glm::dot(side, side) + 1e-6);
+      }
 }
 
 }  // namespace
