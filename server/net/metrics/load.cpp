@@ -15,7 +15,8 @@ void Load::add(Duration spent, Time now) {
   const int64_t length_us = end == 0 ? kWindow.us : now.us - end + kWindow.us;
   const double used = std::min(1.0, sum / (static_cast<double>(length_us) * workers_));
   busy_.store(used, std::memory_order_relaxed);
-  const bool has_room = used <= kCrowded && !has_waited_.exchange(false, std::memory_order_relaxed);
+  const bool has_waited = has_waited_.exchange(false, std::memory_order_relaxed);
+  const bool has_room = used <= kCrowded && !has_waited;
   const double change = has_room ? (used < kIdle ? kQuickRegain : kRegain) : used > kFree ? -1 : -kShed;
   changeOcclusionShare(change);
   constexpr double kUntilKnown_s = 2;

@@ -49,10 +49,10 @@ class Load {
   double fairShare(int64_t viewers) const;
 
  private:
-  const double workers_;
-  std::atomic<int64_t> window_end_us_{0}, spent_us_{0};
   void changeOcclusionShare(double by);
 
+  const double workers_;
+  std::atomic<int64_t> window_end_us_{0}, spent_us_{0};
   std::atomic<double> busy_{0}, expected_{0}, occlusion_share_{1};
   std::atomic<bool> has_waited_{false};  // a keyframe, in this window, for longer than kMaxWait
 };
