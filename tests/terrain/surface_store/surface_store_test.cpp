@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "base/rng.h"
 #include "terrain/store/scene.h"
@@ -18,6 +19,20 @@
 
 namespace foreland::terrain {
 namespace {
+
+// Whether a file can be opened of which a header is changed whose checksums are then made to hold.
+template <class Change>
+bool opensForged(auto file, const std::filesystem::path& path, const Change& change) {
+  SurfaceHeader header;
+  std::memcpy(&header, file.data(), sizeof(header));
+  change(header);
+  const SectionRange& sums = header.sections[kSurfaceChecksums];
+  header.scene_id = contentId(header, {reinterpret_cast<const uint8_t*>(file.data()) + sums.offset, sums.bytes});
+  header.header_checksum = headerChecksum(header);
+  std::memcpy(file.data(), &header, sizeof(header));
+  test::spit(path, file);
+  return MappedSurface::open(path).ok();
+}
 
 // A bumpy surface with its bounds, and texels from a seed.
 struct Made {
@@ -149,16 +164,9 @@ TEST_F(SurfaceFile, KeepsTheOriginInAVersionOfItsOwn) {
 
     // Forged: an origin of an older version, of none, and one that is no number.
     const auto forge = [&](uint32_t version, double x) {
-      SurfaceHeader header;
-      std::memcpy(&header, file.data(), sizeof(header));
-      header.version = version, header.origin[0] = x, header.origin[1] = header.origin[2] = 0;
-      const SectionRange& sums = header.sections[kSurfaceChecksums];
-      header.scene_id = contentId(header, {reinterpret_cast<const uint8_t*>(file.data()) + sums.offset, sums.bytes});
-      header.header_checksum = headerChecksum(header);
-      auto forged = file;
-      std::memcpy(forged.data(), &header, sizeof(header));
-      test::spit(folder / "forged.fls", forged);
-      return MappedSurface::open(folder / "forged.fls").ok();
+      return opensForged(file, folder / "forged.fls", [&](SurfaceHeader& header) {
+        header.version = version, header.origin[0] = x, header.origin[1] = header.origin[2] = 0;
+      });
     };
     EXPECT_TRUE(forge(4, 1));
     EXPECT_FALSE(forge(4, 0));
@@ -230,18 +238,7 @@ TEST_F(SurfaceFile, ForgedSolidsAreRefused) {
   const auto records = computeBounds(sphere, {.threads = 1});
   ASSERT_TRUE(writeSurface(path, withSolids(sphere, records)).ok());
   const auto file = test::slurp(path);
-  const auto opens = [&](const auto& change) {
-    SurfaceHeader header;
-    std::memcpy(&header, file.data(), sizeof(header));
-    change(header);
-    const SectionRange& sums = header.sections[kSurfaceChecksums];
-    header.scene_id = contentId(header, {reinterpret_cast<const uint8_t*>(file.data()) + sums.offset, sums.bytes});
-    header.header_checksum = headerChecksum(header);
-    auto forged = file;
-    std::memcpy(forged.data(), &header, sizeof(header));
-    test::spit(folder / "forged.fls", forged);
-    return MappedSurface::open(folder / "forged.fls").ok();
-  };
+  const auto opens = [&](const auto& change) { return opensForged(file, folder / "forged.fls", change); };
   EXPECT_TRUE(opens([](SurfaceHeader&) {}));
   EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids = 1; })) << "one more than it says";
   EXPECT_FALSE(opens([](SurfaceHeader& h) { h.solids = 3; }));
