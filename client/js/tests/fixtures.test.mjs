@@ -9,7 +9,7 @@ import { promisify } from 'node:util';
 import { build as buildByEsbuild } from 'esbuild';
 import { build as buildByVite } from 'vite';
 import webpack from 'webpack';
-import { makeFolder, makeScene, openBrowser, openPage, package_folder, startServer } from './support.mjs';
+import { complainOfWarnings, makeFolder, makeScene, openBrowser, openPage, package_folder, startServer } from './support.mjs';
 import { serveFolder } from './static_server.mjs';
 
 const run = promisify(execFile);
@@ -45,7 +45,7 @@ const pageOf = (script, head = '') => `<!doctype html><meta charset="utf-8">${he
 // The page at `path` flies; nothing goes wrong in it.
 async function flies(path, { complains = [] } = {}) {
   const { page, complaints, close } = await openPage(browser, { width: 160, height: 90 });
-  page.on('console', (m) => m.type() === 'warning' && !/GPU stall/.test(m.text()) && complaints.push(m.text()));
+  complainOfWarnings(page, complaints);
   page.setDefaultTimeout(120_000);
   try {
     await page.goto(new URL(`${path}?server=${encodeURIComponent(server.url.href)}`, files.url).href);

@@ -202,3 +202,9 @@ export async function openPage(browser, { width = 960, height = 540, mobile = fa
   return { page, complaints, close: () => context.close() };
 }
 
+// Warnings are complaints, too, but for what a driver or a browser says of its own speed, which depends on the machine.
+export function complainOfWarnings(page, complaints) {
+  const of_speed = /GL Driver Message \(OpenGL, Performance|willReadFrequently/;
+  page.on('console', (m) => m.type() === 'warning' && !of_speed.test(m.text()) && complaints.push(m.text()));
+}
+

@@ -2,7 +2,7 @@
 // it leaves of the graphics interface's state, and what it gives back. Every wait is for a condition.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { makeFolder, makeScene, makeSceneWithObjects, openBrowser, openPage, package_folder, startServer } from './support.mjs';
+import { complainOfWarnings, makeFolder, makeScene, makeSceneWithObjects, openBrowser, openPage, package_folder, startServer } from './support.mjs';
 import { serveFolder } from './static_server.mjs';
 
 const kTest = { timeout: 600_000 };
@@ -26,7 +26,7 @@ after(async () => {
 async function visit(name, body, { at = server, expected } = {}) {
   const { page, complaints, close } = await openPage(browser, { width: 192, height: 108 });
   page.setDefaultTimeout(120_000);
-  page.on('console', (m) => m.type() === 'warning' && !/GPU stall|willReadFrequently/.test(m.text()) && complaints.push(m.text()));
+  complainOfWarnings(page, complaints);
   try {
     await page.goto(new URL(`examples/${name}.html?server=${encodeURIComponent(at.url.href)}`, files.url).href);
     while (!(await page.evaluate(() => globalThis.ground?.drawn.version > 0))) await page.waitForTimeout(50);
