@@ -113,7 +113,7 @@ int viewshed(const Options& o) {
 }
 
 const std::vector<Example> kExamples{
-    {"what is seen from the height of a man's eyes, within 10 km",
+    {"what is seen from the height of a person's eyes, within 10 km",
      "foreland viewshed hills.fls --from 5000,-15000,1.75 -o seen.tif"},
     {"where a mast of 30 m is seen from, cell by cell of 50 m",
      "foreland viewshed hills.fls --from 5000,-15000,30 --target 1.75 --radius 20000 --cell 50 -o seen.tif"}};
