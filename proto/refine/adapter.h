@@ -55,6 +55,11 @@ class Adapter {
   size_t nodeCount() const { return nodes_in_section_; }
   Section section() const;
   bool contains(Slot slot) const { return frontier_.nodes().isInSection(slot); }
+  // Calls visit(slot) for one in `every` of the section's nodes, ascending and evenly.
+  template <class Visit>
+  void sampleSection(uint32_t every, const Visit& visit) const {
+    frontier_.nodes().sampleSection(every, visit);
+  }
   // The radius of the slot's page, and the set of its nodes that are known; both are empty if nothing is remembered of
   // the page.
   std::optional<QuantisedRadius> radius(Slot slot) const {
