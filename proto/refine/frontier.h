@@ -36,6 +36,8 @@ class Frontier {
   void orderPages() { nodes_.orderPages(); }
   void addToSection(uint32_t number, uint8_t low) { nodes_.addToSection(number, low); }
   void removeFromSection(uint32_t number, uint8_t low) { nodes_.removeFromSection(number, low); }
+  void addToSection(uint32_t number, const SlotBits& some) { nodes_.addToSection(number, some); }
+  void removeFromSection(uint32_t number, const SlotBits& some) { nodes_.removeFromSection(number, some); }
 
   // Puts a node on the frontier, or replaces its entry if it is there.
   void put(uint32_t number, FrontierEntry entry, float slack);

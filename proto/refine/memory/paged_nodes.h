@@ -116,6 +116,13 @@ class PagedNodes {
   void addToFrontier(uint32_t number, uint8_t low) { pages_[number].on_frontier.set(low); }
   void removeFromFrontier(uint32_t number, uint8_t low) { removeFromFrontier(number, SlotBits::of(low)); }
   // Some of a page at once.
+  void addToSection(uint32_t number, const SlotBits& nodes) {
+    pages_[number].in_section = pages_[number].in_section | nodes;
+  }
+  void removeFromSection(uint32_t number, const SlotBits& nodes) {
+    pages_[number].in_section = pages_[number].in_section - nodes;
+    noteIfEmpty(number);
+  }
   void addToFrontier(uint32_t number, const SlotBits& nodes) {
     pages_[number].on_frontier = pages_[number].on_frontier | nodes;
   }
