@@ -51,7 +51,7 @@ class Adapter<Tester>::Step {
   bool run() {
     if (!tester_.reviseBlocks(nodes_, [this](uint32_t page, uint8_t low) { scratch_.markUndecided(page, low); }))
       return false;
-    testStale();
+    findUndecided();
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
@@ -84,22 +84,48 @@ class Adapter<Tester>::Step {
     changes_.grow();
   }
 
-  // Stale entries that still hold get a new slack; the others are undecided.
+  // Finds the entries that are undecided: those that their tests contradict.
+  void findUndecided() {
+    if constexpr (std::is_same_v<Tester, TerrainTester>)
+      if (tester_.isSwept()) return sweep();
+    testStale();
+  }
+  // By a test of all of them. The unsure ones are tested exactly, before any is a candidate.
+  void sweep() requires std::is_same_v<Tester, TerrainTester> {
+    int level = 1;
+    const Sweep sweep(*a_.domain_, tester_.metric(),
+                      motion_.isUnbounded() ? HiddenEntries::kTest : HiddenEntries::kLeave);
+    frontier_.forEachPage(
+        [&](uint32_t number, const FrontierPage& page, const float* heights, const FrontierEntry* entries) {
+          while (page.first() >= begin(level + 1)) ++level;
+          const Sweep::Found found = sweep.test(level, page, heights, entries);
+          if (found.changed.any()) {
+            found.changed.forEach([&](uint8_t rank) { scratch_.undecided[number].set(entries[rank].low()); });
+            scratch_.has_undecided[number] = 1;
+          }
+          if (found.unsure.any()) pushStale(number, page, level, found.unsure);
+        });
+    finishStale();
+  }
+  // By those whose slack is used up. Those that still hold get a new one.
   void testStale() {
     int level = 1;
     frontier_.consume(motion_, [&](uint32_t number, const SlotBits& ranks) {
       const FrontierPage& page = nodes_.page(number);
       while (page.first() >= begin(level + 1)) ++level;
-      const auto nodes = topology_.pageNodes(level, page.first());
-      const uint32_t first = frontier_.firstEntry(number);
-      ranks.forEach([&](uint8_t rank) {
-        const FrontierEntry entry = frontier_.entryAt(first + rank);
-        stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
-        tester_.push(nodes.at(entry.low()), level, page, entry);
-        if (tester_.full()) finishStale();
-      });
+      pushStale(number, page, level, ranks);
     });
     finishStale();
+  }
+  void pushStale(uint32_t number, const FrontierPage& page, int level, const SlotBits& ranks) {
+    const auto nodes = topology_.pageNodes(level, page.first());
+    const uint32_t first = frontier_.firstEntry(number);
+    ranks.forEach([&](uint8_t rank) {
+      const FrontierEntry entry = frontier_.entryAt(first + rank);
+      stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
+      tester_.push(nodes.at(entry.low()), level, page, entry);
+      if (tester_.full()) finishStale();
+    });
   }
   void finishStale() {
     tester_.test();
@@ -107,7 +133,7 @@ class Adapter<Tester>::Step {
     // Without branches, for every other one is undecided. An undecided entry is replaced or removed in this step.
     for (size_t i = 0; i < tester_.count(); ++i) {
       const bool is_undecided = tester_.passes(i) != stale_[i].is_in_section;
-      frontier_.renew(stale_[i].index, tester_.entry(i), tester_.slack(i));
+      frontier_.renew(stale_[i].index, tester_.entry(i, stale_[i].is_in_section), tester_.slack(i));
       scratch_.undecided[stale_[i].page].add(lowOf(tester_.slot(i)), is_undecided);
       scratch_.has_undecided[stale_[i].page] |= static_cast<uint8_t>(is_undecided);
     }
@@ -163,7 +189,8 @@ class Adapter<Tester>::Step {
     for (const AdaptCandidate& c : part) tester_.push(c.node, level, nodes_.page(c.page), frontier_.entryAt(c.entry));
     if (!tester_.decide(level, part, frontier_)) return false;
     a_.tests_ += part.size();
-    for (size_t i = 0; i < part.size(); ++i) frontier_.renew(part[i].entry, tester_.entry(i), tester_.slack(i));
+    for (size_t i = 0; i < part.size(); ++i)
+      frontier_.renew(part[i].entry, tester_.entry(i, part[i].is_in_section), tester_.slack(i));
     tester_.clear();
     return true;
   }
@@ -282,7 +309,8 @@ Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, So
   for (Slot slot : section) {
     bool is_leaf = true;
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
-    if (is_leaf) frontier_.put(nodes.find(slot), FrontierEntry::newLeaf(lowOf(slot)), 0);
+    if (is_leaf)
+      frontier_.put(nodes.find(slot), Tester::unknownLeaf(domain, lowOf(slot)), Tester::unknownSlack(domain));
   }
 }
 
