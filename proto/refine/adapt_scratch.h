@@ -34,13 +34,17 @@ struct AdaptScratch {
   // By page: nodes whose test is undecided, or that may have come to the frontier; and whether there are any.
   std::vector<SlotBits> undecided;
   std::vector<uint8_t> has_undecided;
-  // By page: nodes that leave the frontier, and whether there are any; the pages that have some.
+  // By page: nodes that leave the frontier, and whether there are any (node_changes.h).
   std::vector<SlotBits> leaving;
   std::vector<uint8_t> has_leaving;
-  std::vector<uint32_t> left_pages;
+  // Pages about nodes that have changed: by number those that nodes leave (node_changes.h), or by first slot those of
+  // parents (page_changes.h).
+  std::vector<uint32_t> near_pages;
   // Undecided nodes whose pages do not exist yet: of any level, descending; and of the level that is next.
   std::vector<Slot> initial, pending;
-  std::vector<Slot> new_pages;  // of each such page the first undecided node
+  // Of each such page the first undecided node; or the first slots of pages of children of nodes that have changed
+  // (page_changes.h).
+  std::vector<Slot> new_pages;
   std::vector<AdaptCandidate> candidates;
   // Nodes that become known with the step's end.
   struct PagedSlot {
@@ -49,6 +53,25 @@ struct AdaptScratch {
   };
   std::vector<PagedSlot> learnt;
   DecisionScratch decisions;
+
+  void markUndecided(uint32_t page, uint8_t low) {
+    undecided[page].set(low);
+    has_undecided[page] = 1;
+  }
+  void markUndecided(uint32_t page, const SlotBits& some) {
+    undecided[page] = undecided[page] | some;
+    has_undecided[page] |= some.any() ? 1 : 0;
+  }
+  // Takes a node whose parents are in the section as undecided, unless it is known; as one of `without_page` if its
+  // page does not exist.
+  template <class Nodes>
+  void considerAddable(const Nodes& nodes, Slot slot, std::vector<Slot>& without_page) {
+    const uint32_t page = nodes.find(slot);
+    if (page == Nodes::kNone)
+      without_page.push_back(slot);
+    else if (!nodes.page(page).in_section.has(lowOf(slot)) && !nodes.page(page).on_frontier.has(lowOf(slot)))
+      markUndecided(page, lowOf(slot));
+  }
 };
 
 }  // namespace foreland::proto

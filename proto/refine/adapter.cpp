@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <type_traits>
 
 #include "base/sort.h"
 #include "proto/refine/metric/slack.h"
+#include "proto/refine/node_changes.h"
+#include "proto/refine/page_changes.h"
 
 namespace foreland::proto {
 
@@ -36,19 +39,19 @@ class Adapter<Tester>::Step {
         source_(source),
         scratch_(scratch),
         delta_(delta),
-        tester_(*adapter.domain_, view, motion, source, adapter.memory_, scratch.decisions) {
-    const size_t pages = nodes_.pageCount();
-    for (std::vector<SlotBits>* sets : {&scratch_.undecided, &scratch_.leaving}) sets->assign(pages, {});
-    for (std::vector<uint8_t>* flags : {&scratch_.has_undecided, &scratch_.has_leaving}) flags->assign(pages, 0);
-    scratch_.left_pages.resize(pages + 1);
+        tester_(*adapter.domain_, view, motion, source, adapter.memory_, scratch.decisions),
+        changes_(topology_, frontier_, scratch) {
+    scratch_.undecided.assign(nodes_.pageCount(), {});
+    scratch_.has_undecided.assign(nodes_.pageCount(), 0);
     scratch_.initial.clear();
     scratch_.pending.clear();
     scratch_.learnt.clear();
   }
 
   bool run() {
-    if (!tester_.reviseBlocks(nodes_, [this](uint32_t page, uint8_t low) { markUndecided(page, low); })) return false;
-    testStale();
+    if (!tester_.reviseBlocks(nodes_, [this](uint32_t page, uint8_t low) { scratch_.markUndecided(page, low); }))
+      return false;
+    findUndecided();
     const size_t removed = delta_.removed.size();
     for (int level = topology_.maxLevel(); level >= 1; --level)
       if (!remove(level)) return false;
@@ -62,13 +65,12 @@ class Adapter<Tester>::Step {
   }
 
  private:
+  // Of grids by pages, of other topologies by nodes.
+  using Topology = typename Domain::Topology;
+  using Changes = std::conditional_t<std::is_same_v<Topology, GridTopology>, PageChanges, NodeChanges<Topology>>;
+
   Slot begin(int level) const { return topology_.levelOffset(level); }
   bool isInSection(Slot slot) const { return nodes_.isInSection(slot); }
-  bool hasChildInSection(NodeId n, int level) const {
-    bool any = false;  // without branches, for nothing foretells which children are there
-    for (NodeId child : topology_.children(n, level)) any = any | isInSection(topology_.slot(child, level + 1));
-    return any;
-  }
   bool hasParentsInSection(NodeId n, int level) const {
     for (NodeId parent : topology_.parents(n, level))
       if (!isInSection(topology_.slot(parent, level - 1))) return false;
@@ -77,32 +79,53 @@ class Adapter<Tester>::Step {
 
   // After pages were made.
   void growScratch() {
-    const size_t pages = nodes_.pageCount();
-    for (std::vector<SlotBits>* sets : {&scratch_.undecided, &scratch_.leaving}) sets->resize(pages);
-    for (std::vector<uint8_t>* flags : {&scratch_.has_undecided, &scratch_.has_leaving}) flags->resize(pages);
-    scratch_.left_pages.resize(pages + 1);
-  }
-  void markUndecided(uint32_t page, uint8_t low) {
-    scratch_.undecided[page].set(low);
-    scratch_.has_undecided[page] = 1;
+    scratch_.undecided.resize(nodes_.pageCount());
+    scratch_.has_undecided.resize(nodes_.pageCount());
+    changes_.grow();
   }
 
-  // Stale entries that still hold get a new slack; the others are undecided.
+  // Finds the entries that are undecided: those that their tests contradict.
+  void findUndecided() {
+    if constexpr (std::is_same_v<Tester, TerrainTester>)
+      if (tester_.isSwept()) return sweep();
+    testStale();
+  }
+  // By a test of all of them. The unsure ones are tested exactly, before any is a candidate.
+  void sweep() requires std::is_same_v<Tester, TerrainTester> {
+    int level = 1;
+    const Sweep sweep(*a_.domain_, tester_.metric(),
+                      motion_.isUnbounded() ? HiddenEntries::kTest : HiddenEntries::kLeave);
+    frontier_.forEachPage(
+        [&](uint32_t number, const FrontierPage& page, const float* heights, const FrontierEntry* entries) {
+          while (page.first() >= begin(level + 1)) ++level;
+          const Sweep::Found found = sweep.test(level, page, heights, entries);
+          if (found.changed.any()) {
+            found.changed.forEach([&](uint8_t rank) { scratch_.undecided[number].set(entries[rank].low()); });
+            scratch_.has_undecided[number] = 1;
+          }
+          if (found.unsure.any()) pushStale(number, page, level, found.unsure);
+        });
+    finishStale();
+  }
+  // By those whose slack is used up. Those that still hold get a new one.
   void testStale() {
     int level = 1;
     frontier_.consume(motion_, [&](uint32_t number, const SlotBits& ranks) {
       const FrontierPage& page = nodes_.page(number);
       while (page.first() >= begin(level + 1)) ++level;
-      const auto nodes = topology_.pageNodes(level, page.first());
-      const uint32_t first = frontier_.firstEntry(number);
-      ranks.forEach([&](uint8_t rank) {
-        const FrontierEntry entry = frontier_.entryAt(first + rank);
-        stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
-        tester_.push(nodes.at(entry.low()), level, page, entry);
-        if (tester_.full()) finishStale();
-      });
+      pushStale(number, page, level, ranks);
     });
     finishStale();
+  }
+  void pushStale(uint32_t number, const FrontierPage& page, int level, const SlotBits& ranks) {
+    const auto nodes = topology_.pageNodes(level, page.first());
+    const uint32_t first = frontier_.firstEntry(number);
+    ranks.forEach([&](uint8_t rank) {
+      const FrontierEntry entry = frontier_.entryAt(first + rank);
+      stale_[tester_.count()] = {number, first + rank, page.in_section.has(entry.low())};
+      tester_.push(nodes.at(entry.low()), level, page, entry);
+      if (tester_.full()) finishStale();
+    });
   }
   void finishStale() {
     tester_.test();
@@ -110,7 +133,7 @@ class Adapter<Tester>::Step {
     // Without branches, for every other one is undecided. An undecided entry is replaced or removed in this step.
     for (size_t i = 0; i < tester_.count(); ++i) {
       const bool is_undecided = tester_.passes(i) != stale_[i].is_in_section;
-      frontier_.renew(stale_[i].index, tester_.entry(i), tester_.slack(i));
+      frontier_.renew(stale_[i].index, tester_.entry(i, stale_[i].is_in_section), tester_.slack(i));
       scratch_.undecided[stale_[i].page].add(lowOf(tester_.slot(i)), is_undecided);
       scratch_.has_undecided[stale_[i].page] |= static_cast<uint8_t>(is_undecided);
     }
@@ -136,7 +159,7 @@ class Adapter<Tester>::Step {
     const auto nodes = topology_.pageNodes(level, page.first());
     SlotBits entering = taken - page.on_frontier;
     if (which == Which::kLeaves) {  // parents of removed nodes, some of which have other children
-      const SlotBits inner = innerOf(level, nodes, entering);
+      const SlotBits inner = changes_.innerOf(level, nodes, entering);
       entering = entering - inner;
       taken = taken - inner;
     }
@@ -153,14 +176,6 @@ class Adapter<Tester>::Step {
                                      .is_settled = page.knowledge.settled.has(low)});
     });
   }
-  // Those of a page's nodes that have a child in the section.
-  template <class PageNodes>
-  SlotBits innerOf(int level, const PageNodes& nodes, const SlotBits& some) const {
-    SlotBits inner;
-    some.forEach([&](uint8_t low) { inner.add(low, hasChildInSection(nodes.at(low), level)); });
-    return inner;
-  }
-
   // Decides for each candidate whether it is in the section from now on, and renews its entry.
   bool resolve(int level) {
     std::vector<AdaptCandidate>& candidates = scratch_.candidates;
@@ -174,7 +189,8 @@ class Adapter<Tester>::Step {
     for (const AdaptCandidate& c : part) tester_.push(c.node, level, nodes_.page(c.page), frontier_.entryAt(c.entry));
     if (!tester_.decide(level, part, frontier_)) return false;
     a_.tests_ += part.size();
-    for (size_t i = 0; i < part.size(); ++i) frontier_.renew(part[i].entry, tester_.entry(i), tester_.slack(i));
+    for (size_t i = 0; i < part.size(); ++i)
+      frontier_.renew(part[i].entry, tester_.entry(i, part[i].is_in_section), tester_.slack(i));
     tester_.clear();
     return true;
   }
@@ -198,63 +214,24 @@ class Adapter<Tester>::Step {
     keep(Which::kAddable);
     std::vector<AdaptCandidate>& candidates = scratch_.candidates;
     a_.nodes_in_section_ -= candidates.size();
-    for (const AdaptCandidate& c : candidates) {
-      frontier_.removeFromSection(c.page, lowOf(c.slot));
-      for (NodeId child : topology_.children(c.node, level)) leaveFrontier(topology_.slot(child, level + 1));
-      for (NodeId parent : topology_.parents(c.node, level)) {
-        const Slot above = topology_.slot(parent, level - 1);
-        markUndecided(nodes_.find(above), lowOf(above));
-      }
-    }
-    endLeaving();
+    changes_.remove(level, candidates);
     for (size_t i = candidates.size(); i-- > 0;) delta_.removed.push_back(candidates[i].slot);
     return true;
   }
-  // Takes a node off the frontier, if it is there, by the next call of endLeaving(), at the end of the level.
-  void leaveFrontier(Slot slot) {
-    const uint32_t page = nodes_.find(slot);
-    const bool leaves = nodes_.page(page).on_frontier.has(lowOf(slot));
-    scratch_.leaving[page].add(lowOf(slot), leaves);
-    scratch_.left_pages[left_pages_] = page;
-    left_pages_ += (leaves & (scratch_.has_leaving[page] == 0)) ? 1 : 0;
-    scratch_.has_leaving[page] |= static_cast<uint8_t>(leaves);
-  }
-  // Page by page: until then nothing reads the entries of these pages, which lie on a level that is done with.
-  void endLeaving() {
-    for (size_t i = 0; i < left_pages_; ++i) {
-      const uint32_t page = scratch_.left_pages[i];
-      SlotBits& leaving = scratch_.leaving[page];
-      frontier_.leave(page, leaving);
-      scratch_.undecided[page] = scratch_.undecided[page] - leaving;
-      leaving = {};
-      scratch_.has_leaving[page] = 0;
-    }
-    left_pages_ = 0;
-  }
-
   // Finds all nodes that can be added to a section of which only the leaves have entries.
   void findFrontier() {
     a_.is_complete_ = true;
     for (Slot slot = begin(1); slot < begin(2); ++slot)
-      if (!topology_.isBase(topology_.node(slot))) considerAddable(slot, scratch_.initial);
+      if (!topology_.isBase(topology_.node(slot))) scratch_.considerAddable(nodes_, slot, scratch_.initial);
     nodes_.forEachInSection([this](Slot slot) {
       const NodeId n = topology_.node(slot);
       const int below = topology_.level(n) + 1;
       for (NodeId child : topology_.children(n))
-        if (hasParentsInSection(child, below)) considerAddable(topology_.slot(child, below), scratch_.initial);
+        if (hasParentsInSection(child, below))
+          scratch_.considerAddable(nodes_, topology_.slot(child, below), scratch_.initial);
     });
     foreland::sort(scratch_.initial.begin(), scratch_.initial.end(), std::greater<>());
   }
-  // Takes a node whose parents are in the section as undecided, unless it is known; `pending` if its page does not
-  // exist.
-  void considerAddable(Slot slot, std::vector<Slot>& pending) {
-    const uint32_t page = nodes_.find(slot);
-    if (page == Frontier::Nodes::kNone)
-      pending.push_back(slot);
-    else if (!nodes_.page(page).in_section.has(lowOf(slot)) && !nodes_.page(page).on_frontier.has(lowOf(slot)))
-      markUndecided(page, lowOf(slot));
-  }
-
   // Adds nodes of a level: of those whose test is undecided and those that have just become addable.
   bool add(int level) {
     makePages(level);
@@ -268,16 +245,8 @@ class Adapter<Tester>::Step {
     for (const AdaptCandidate& c : candidates) {
       delta_.added.push_back(c.slot);
       if (!c.is_known) scratch_.learnt.push_back({c.page, lowOf(c.slot)});
-      frontier_.addToSection(c.page, lowOf(c.slot));
     }
-    for (const AdaptCandidate& c : candidates) {
-      for (NodeId parent : topology_.parents(c.node, level)) leaveFrontier(topology_.slot(parent, level - 1));
-      for (NodeId child : topology_.children(c.node, level))
-        if (topology_.hasOtherParent(child, c.node,
-                                     [&](NodeId other) { return isInSection(topology_.slot(other, level)); }))
-          considerAddable(topology_.slot(child, level + 1), scratch_.pending);
-    }
-    endLeaving();
+    changes_.add(level, candidates);
     return true;
   }
 
@@ -299,7 +268,7 @@ class Adapter<Tester>::Step {
       if (nodes_.find(slot) == Frontier::Nodes::kNone)
         frontier_.makePage(slot, Tester::knowledgeOf(source_, a_.memory_, slot));
     growScratch();
-    for (Slot slot : pending) markUndecided(nodes_.find(slot), lowOf(slot));
+    for (Slot slot : pending) scratch_.markUndecided(nodes_.find(slot), lowOf(slot));
     frontier_.orderPages();
     pending.clear();
   }
@@ -312,14 +281,14 @@ class Adapter<Tester>::Step {
   Adapter& a_;
   Frontier& frontier_;
   const Frontier::Nodes& nodes_;
-  const typename Domain::Topology& topology_;
+  const Topology& topology_;
   const MotionBound motion_;
   const size_t max_nodes_;
   Source& source_;
   AdaptScratch& scratch_;
   CutDelta& delta_;
   Tester tester_;
-  size_t left_pages_ = 0;                   // in scratch_.left_pages
+  Changes changes_;
   std::array<Stale, Tester::kSize> stale_;  // of the nodes in the tester
 };
 
@@ -340,7 +309,8 @@ Adapter<Tester>::Adapter(const Domain& domain, std::span<const Slot> section, So
   for (Slot slot : section) {
     bool is_leaf = true;
     for (NodeId child : topology.children(topology.node(slot))) is_leaf = is_leaf && !contains(topology.slot(child));
-    if (is_leaf) frontier_.put(nodes.find(slot), FrontierEntry::newLeaf(lowOf(slot)), 0);
+    if (is_leaf)
+      frontier_.put(nodes.find(slot), Tester::unknownLeaf(domain, lowOf(slot)), Tester::unknownSlack(domain));
   }
 }
 

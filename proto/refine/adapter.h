@@ -1,10 +1,11 @@
 // An adapter moves from the previous section to the next at a cost that follows the changes. Only the frontier can
-// change: the leaves, which can be removed, and the nodes that can be added. The test of a frontier node can change
-// only once the camera has moved far enough, so each entry has a slack: the motion that its last result is sure to
-// survive (motion_margin.h). A step subtracts its motion from every slack, page by page, and tests again only the nodes
-// whose slack is used up. The result equals refine(), node for node, for any motion.
+// change: the leaves, which can be removed, and the nodes that can be added. On planar terrain a step tests all of them
+// in single precision, page by page, and exactly those of which that leaves a doubt (sweep.h). On curved frames and on
+// surfaces each entry has a slack: the motion that its last result is sure to survive (motion_margin.h). There a step
+// subtracts its motion from every slack, and tests again only the nodes whose slack is used up. Either way the result
+// equals refine(), node for node, for any motion.
 //
-// S 3.4 moves the cut by testing all of it; the slack is ours.
+// S 3.4 moves the cut by testing all of it; sweep and slack are ours.
 //
 // Both ends run the adapter: the server on the scene's records, the client on what it is sent. Terrain and surfaces
 // differ in their tester only: terrain_tester.h decides by bounds on errors, and by predicates where the bounds leave a
@@ -55,6 +56,11 @@ class Adapter {
   size_t nodeCount() const { return nodes_in_section_; }
   Section section() const;
   bool contains(Slot slot) const { return frontier_.nodes().isInSection(slot); }
+  // Calls visit(slot) for one in `every` of the section's nodes, ascending and evenly.
+  template <class Visit>
+  void sampleSection(uint32_t every, const Visit& visit) const {
+    frontier_.nodes().sampleSection(every, visit);
+  }
   // The radius of the slot's page, and the set of its nodes that are known; both are empty if nothing is remembered of
   // the page.
   std::optional<QuantisedRadius> radius(Slot slot) const {

@@ -1,5 +1,6 @@
 // A section and its frontier as an adapter keeps them (paged_nodes.h), with an entry for each frontier node: what is
-// known of its error, and how much motion its last test survives. A page's entries stand in the order of its slots, so
+// known of its error, and how much motion its last test survives, or the height of its sphere where all entries are
+// tested in each step. A page's entries stand in the order of its slots, so
 // an entry is found by counting bits.
 //
 // One owner. No allocation once grown to the section's size.
@@ -8,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "proto/refine/memory/entry_pool.h"
 #include "proto/refine/memory/node_memory.h"
@@ -36,6 +38,8 @@ class Frontier {
   void orderPages() { nodes_.orderPages(); }
   void addToSection(uint32_t number, uint8_t low) { nodes_.addToSection(number, low); }
   void removeFromSection(uint32_t number, uint8_t low) { nodes_.removeFromSection(number, low); }
+  void addToSection(uint32_t number, const SlotBits& some) { nodes_.addToSection(number, some); }
+  void removeFromSection(uint32_t number, const SlotBits& some) { nodes_.removeFromSection(number, some); }
 
   // Puts a node on the frontier, or replaces its entry if it is there.
   void put(uint32_t number, FrontierEntry entry, float slack);
@@ -62,10 +66,23 @@ class Frontier {
       if (const SlotBits ranks = consume(motion, nodes_.page(number)); ranks.any()) visit(number, ranks);
     }
   }
+  // Calls visit(number, page, slacks or heights, entries) for each page with entries, ascending.
+  template <class Visit>
+  void forEachPage(const Visit& visit) {
+    constexpr size_t kAhead = 8;  // pages
+    const auto order = nodes_.pages();
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (i + 2 * kAhead < order.size()) __builtin_prefetch(&nodes_.page(order[i + 2 * kAhead].number));
+      if (i + kAhead < order.size()) pool_.prefetch(nodes_.page(order[i + kAhead].number).block);
+      const Page& page = nodes_.page(order[i].number);
+      if (page.entries > 0)
+        visit(order[i].number, page, std::as_const(pool_).slack(page.block), std::as_const(pool_).entries(page.block));
+    }
+  }
   // By their index in the pool; first that of a page's first entry.
   uint32_t firstEntry(uint32_t number) const { return nodes_.page(number).block.first; }
   FrontierEntry entryAt(uint32_t index) const { return pool_.entryAt(index); }
-  // Replaces the entry of the same node.
+  // Replaces the entry of the same node, and its slack, or its height if the frontier is swept.
   void renew(uint32_t index, FrontierEntry entry, float slack) {
     pool_.slackAt(index) = slack;
     pool_.entryAt(index) = entry;

@@ -29,6 +29,29 @@ class Descent {
 
   // False if there are more than `max_nodes`.
   bool run(size_t max_nodes) {
+    return descend([&] { return scratch_.slots.size() <= max_nodes; });
+  }
+
+  // A level's nodes that are followed stand for `weight` of them each.
+  SampledSize estimate(const Metric& inner) {
+    constexpr size_t kFollowed = 2048;  // at most, of a level
+    SampledSize size;
+    double weight = 1;
+    inner_ = &inner;
+    (void)descend([&] {
+      size.nodes += weight * static_cast<double>(scratch_.slots.size() - size.sample);
+      size.within += weight * static_cast<double>(std::exchange(within_, 0));
+      size.sample = scratch_.slots.size();
+      for (; scratch_.in_section.size() > kFollowed; weight *= 2) halve(scratch_.in_section);
+      return true;
+    });
+    return size;
+  }
+
+ private:
+  // Calls goOn() after each level, whose nodes are in scratch_.in_section then, until it is false, which is returned.
+  template <class GoOn>
+  bool descend(const GoOn& goOn) {
     scratch_.slots.clear();
     scratch_.in_section.clear();
     const int32_t size = static_cast<int32_t>(grid_.rootSize());
@@ -43,12 +66,22 @@ class Descent {
         centresOf(s);
       flush();
       scratch_.in_section.swap(scratch_.next);
-      if (scratch_.slots.size() > max_nodes) return false;
+      if (!goOn()) return false;
     }
     return true;
   }
+  // Keeps one of each two neighbours, which one as if by chance: siblings lie to the same sides of their parents.
+  static void halve(std::vector<LatticePoint>& points) {
+    size_t kept = 0;
+    for (size_t i = 0; i < points.size(); i += 2) {
+      const uint32_t mixed =
+          static_cast<uint32_t>(points[i].x) * 0x9e3779b1u ^ static_cast<uint32_t>(points[i].y) * 0x85ebca77u;
+      const size_t chosen = i + (mixed >> 31);
+      if (chosen < points.size()) points[kept++] = points[chosen];
+    }
+    points.resize(kept);
+  }
 
- private:
   // The sides of squares of 2s around the active centres.
   void sidesOf(int32_t s) {
     for (const LatticePoint p : scratch_.in_section) {
@@ -86,7 +119,14 @@ class Descent {
       scratch_.slots.push_back(batch_.slot[i]);
       scratch_.next.push_back({batch_.x[i], batch_.y[i]});
     }
+    if (inner_) countWithin();
     batch_.count = 0;
+  }
+
+  void countWithin() {
+    const auto outer = batch_.passes;
+    batch_.test(domain_, *inner_);
+    for (size_t i = 0; i < batch_.count; ++i) within_ += outer[i] & batch_.passes[i];
   }
 
   const TerrainDomain& domain_;
@@ -97,6 +137,8 @@ class Descent {
   const HiddenBlocks* hidden_;
   int32_t max_x_, max_y_;
   int level_ = 0;
+  const Metric* inner_ = nullptr;  // of the smaller section that is counted, too, if any
+  size_t within_ = 0;              // its nodes of the level
   TerrainBatch batch_;
 };
 
@@ -124,6 +166,34 @@ bool refine(const TerrainDomain& domain, std::span<const NodeRecord> nodes, cons
   sortSlots(scratch.slots, scratch.sorted);
   section.slots.assign(scratch.slots.begin(), scratch.slots.end());
   return true;
+}
+
+SampledSize estimateSize(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+                         const View& inner, RefineScratch& scratch, const HiddenBlocks* hidden) {
+  const Metric metric = domain.metric(view);
+  return Descent(domain, nodes, metric, scratch, hidden).estimate(domain.metric(inner));
+}
+
+size_t countNeeded(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+                   std::span<const Slot> slots) {
+  const Metric metric = domain.metric(view);
+  TerrainBatch batch;
+  batch.count = 0;
+  size_t needed = 0;
+  const auto flush = [&] {
+    batch.test(domain, metric);
+    for (size_t i = 0; i < batch.count; ++i) needed += batch.passes[i];
+    batch.count = 0;
+  };
+  for (Slot slot : slots) {
+    const NodeId n = domain.grid.node(slot);
+    const int level = domain.grid.level(n);
+    batch.setRecord(batch.count, nodes[slot]);
+    batch.push(n, slot, level, nodes[slot].error(), domain.spheres.radius(level, nodes[slot].radius()));
+    if (batch.full()) flush();
+  }
+  flush();
+  return needed;
 }
 
 size_t triangleCount(const GridTopology& grid, const Section& section) {

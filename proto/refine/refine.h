@@ -30,6 +30,20 @@ struct RefineScratch {
                           size_t max_nodes, RefineScratch& scratch, Section& section,
                           const HiddenBlocks* hidden = nullptr);
 
+// The size of a section, as a sample says; lab/README.md has its errors.
+struct SampledSize {
+  double nodes = 0;
+  double within = 0;  // of these, nodes that a smaller section has as well
+  size_t sample = 0;  // nodes that it is told from, which is what it costs
+};
+// About how many nodes refine() finds for `view`, and for `inner`, which needs no others. It follows one of two of a
+// level's nodes where the level has many, so that it finds at most some ten thousand of any section's.
+[[nodiscard]] SampledSize estimateSize(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+                                       const View& inner, RefineScratch& scratch, const HiddenBlocks* hidden = nullptr);
+// How many of some nodes a section for `view` has, hidden ones included.
+[[nodiscard]] size_t countNeeded(const TerrainDomain& domain, std::span<const NodeRecord> nodes, const View& view,
+                                 std::span<const Slot> slots);
+
 // Triangles of a section's mesh before clipping: 4 per root, one more per border node, two more per other node.
 size_t triangleCount(const GridTopology& grid, const Section& section);
 

@@ -9,7 +9,9 @@ constexpr QuantisedError kMinError{1}, kAnyError{255};
 }  // namespace
 
 void TerrainTester::test() {
+  decides_ = false;
   source_.load(batch_);
+  if (isSwept()) return batch_.test(domain_, metric_);
   batch_.locate(domain_, metric_);
   batch_.testWithSlack(metric_, motion_);
 }
@@ -35,6 +37,8 @@ bool TerrainTester::decide(int level, std::span<AdaptCandidate> candidates, Fron
   if (memory_.hides) leaveOutHidden(candidates);
   if (!tellAdded(level, candidates)) return false;
   settle(candidates, frontier);
+  decides_ = true;
+  if (isSwept()) return true;
   batch_.testWithSlack(metric_, motion_);
   // No motion of the camera changes that a block is hidden.
   for (size_t i = 0; memory_.hides && i < candidates.size(); ++i)

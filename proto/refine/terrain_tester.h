@@ -10,12 +10,14 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 
 #include "proto/refine/adapt_scratch.h"
 #include "proto/refine/block_nodes.h"
 #include "proto/refine/frontier.h"
 #include "proto/refine/hidden/hidden_blocks.h"
+#include "proto/refine/sweep.h"
 #include "proto/refine/terrain_batch.h"
 #include "proto/refine/terrain_source.h"
 
@@ -74,6 +76,15 @@ class TerrainTester {
     return knowledge;
   }
 
+  // The entry of a leaf of whose error and height nothing is known, and what goes with it: the next step tests it.
+  static FrontierEntry unknownLeaf(const Domain& domain, uint8_t low) {
+    const FrontierEntry leaf = FrontierEntry::newLeaf(low);
+    return domain.isPlanar() ? FrontierEntry::swept(low, leaf.bound(), FrontierEntry::Stands::kInSection) : leaf;
+  }
+  static float unknownSlack(const Domain& domain) {
+    return domain.isPlanar() ? std::numeric_limits<float>::quiet_NaN() : 0;
+  }
+
   size_t count() const { return batch_.count; }
   bool full() const { return batch_.full(); }
   void clear() { batch_.count = 0; }
@@ -86,13 +97,21 @@ class TerrainTester {
   // Decides for some candidates of a level, all of which were pushed, whether they are in the section from now on. A
   // level with more candidates than kSize takes several calls. The result is false if the source stopped.
   bool decide(int level, std::span<AdaptCandidate> candidates, Frontier& frontier);
-  // These functions return what test() or decide() found for the node that was pushed as number `i`.
+  // Planar frontiers are swept (sweep.h), others have slacks.
+  bool isSwept() const { return domain_.isPlanar(); }
+  const Metric& metric() const { return metric_; }
+  // These functions return what test() or decide() found for the node that was pushed as number `i`. `in_section` says
+  // where the node stands from now on.
   Slot slot(size_t i) const { return batch_.slot[i]; }
   bool passes(size_t i) const { return batch_.passes[i] != 0; }
-  FrontierEntry entry(size_t i) const {
-    return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i]);
+  FrontierEntry entry(size_t i, bool in_section) const {
+    using enum FrontierEntry::Stands;
+    if (!isSwept()) return FrontierEntry::of(lowOf(batch_.slot[i]), batch_.bound[i], batch_.constraint[i]);
+    const bool is_hidden = decides_ && is_hidden_[i] != 0;
+    return FrontierEntry::swept(lowOf(batch_.slot[i]), batch_.bound[i],
+                                is_hidden ? kHidden : (in_section ? kInSection : kOutside));
   }
-  float slack(size_t i) const { return batch_.slack[i]; }
+  float slack(size_t i) const { return isSwept() ? Sweep::heightOf(batch_.height[i]) : batch_.slack[i]; }
 
   // Tells the source which of a level's candidates are new to the frontier and not known.
   void tellAddable(int level, std::span<const AdaptCandidate> candidates);
@@ -120,6 +139,7 @@ class TerrainTester {
   DecisionScratch& scratch_;
   TerrainBatch batch_;
   std::array<uint8_t, kSize> is_hidden_;
+  bool decides_ = false;  // what was called last is decide(), which sets is_hidden_
 };
 
 template <class Undecide>

@@ -60,6 +60,8 @@ class GridTopology {
   int levelOfScale(uint32_t scale) const { return 2 * static_cast<int>(shape_.root_log2 - 1 - scale); }
   // A page has the centres, or half of the sides, of a tile of so many samples times 2^scale.
   static constexpr uint32_t kTileSide = 32;
+  // Tiles of a level follow each other in the slot order, row by row, so many in a row.
+  uint32_t tilesAlongX(int level) const { return tiles_x_[level]; }
 
   bool contains(NodeId n) const { return n.x() <= maxX() && n.y() <= maxY(); }
 

@@ -89,4 +89,11 @@ class Hierarchy {
   return proto::refine(hierarchy.domain(), hierarchy.nodes(), view, max_nodes, scratch, section, hidden);
 }
 
+// About how many nodes it has, and one for `inner`, from a sample.
+[[nodiscard]] inline proto::SampledSize estimateSize(const Hierarchy& hierarchy, const proto::View& view,
+                                                     const proto::View& inner, proto::RefineScratch& scratch,
+                                                     const proto::HiddenBlocks* hidden = nullptr) {
+  return proto::estimateSize(hierarchy.domain(), hierarchy.nodes(), view, inner, scratch, hidden);
+}
+
 }  // namespace foreland::server

@@ -96,13 +96,19 @@ bool SectionSender::isLikelyToFit(const proto::View& view, size_t max_nodes) con
 SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const {
   const SectionSize too_large{.fits = false, .nodes = max_nodes, .added = max_nodes};
   if (!refine(*hierarchy_, view, max_nodes, scratch.refine, scratch.section, hiddenBlocks())) return too_large;
+  SectionSize size{.fits = true, .nodes = scratch.section.slots.size(), .added = 0};
+  proto::KnownNodes known(adapter_);
+  for (proto::Slot slot : scratch.section.slots) size.added += known.has(slot) ? 0 : 1;
+  return measureObjects(view, max_nodes, scratch, size) ? size : too_large;
+}
+
+// Adds the objects' nodes to the size. False if there are more than `max_nodes` then.
+bool SectionSender::measureObjects(const proto::View& view, size_t max_nodes, SendScratch& scratch,
+                                   SectionSize& size) const {
   const auto newIn = [](const std::vector<proto::Slot>& slots, const auto& held) {
     return static_cast<size_t>(
         std::count_if(slots.begin(), slots.end(), [&](proto::Slot slot) { return !held.contains(slot); }));
   };
-  SectionSize size{.fits = true, .nodes = scratch.section.slots.size(), .added = 0};
-  proto::KnownNodes known(adapter_);
-  for (proto::Slot slot : scratch.section.slots) size.added += known.has(slot) ? 0 : 1;
   const SceneObjects& objects = hierarchy_->objects();
   const proto::Frustum frustum(view, 0);
   for (size_t i = 0; i < objects_.size(); ++i) {
@@ -112,11 +118,37 @@ SectionSize SectionSender::measure(const proto::View& view, size_t max_nodes, Se
     scratch.object_delta = {};
     if (!fresh.adapt(objects.set.placement(i).toCarriedObject(view), max_nodes - size.nodes, records, scratch.adapt,
                      scratch.object_delta))
-      return too_large;
+      return false;
     size.nodes += fresh.nodeCount();
     size.added += newIn(scratch.object_delta.added, objects_[i]);
   }
+  return true;
+}
+
+double SectionSender::objectNodes(const proto::View& view, SendScratch& scratch) const {
+  SectionSize size{.fits = true, .nodes = 0, .added = 0};
+  CHECK_TRUE(measureObjects(view, std::numeric_limits<size_t>::max(), scratch, size));
+  return static_cast<double>(size.nodes);
+}
+
+proto::SampledSize SectionSender::estimate(const proto::View& view, const proto::View& inner,
+                                           SendScratch& scratch) const {
+  proto::SampledSize size = estimateSize(*hierarchy_, view, inner, scratch.refine, hiddenBlocks());
+  size.nodes += objectNodes(view, scratch);
+  size.within += objectNodes(inner, scratch);
   return size;
+}
+
+proto::SampledSize SectionSender::estimateWithin(const proto::View& inner, SendScratch& scratch) const {
+  constexpr size_t kMost = 16, kFewest = 4096;  // one node in so many, but not fewer than so many
+  const auto every = static_cast<uint32_t>(std::clamp<size_t>(adapter_.nodeCount() / kFewest, 1, kMost));
+  std::vector<proto::Slot>& sample = scratch.section.slots;
+  sample.clear();
+  adapter_.sampleSection(every, [&](proto::Slot slot) { sample.push_back(slot); });
+  const size_t needed = countNeeded(hierarchy_->domain(), hierarchy_->nodes(), inner, sample);
+  const double of_terrain = static_cast<double>(adapter_.nodeCount()) * static_cast<double>(needed) /
+                            static_cast<double>(std::max<size_t>(sample.size(), 1));
+  return {static_cast<double>(nodeCount()), of_terrain + objectNodes(inner, scratch), sample.size()};
 }
 
 bool SectionSender::send(const proto::View& view, Time time, size_t max_nodes, SendScratch& scratch, Bytes& out,

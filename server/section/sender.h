@@ -75,6 +75,15 @@ class SectionSender {
   // there are more than `max_nodes`.
   [[nodiscard]] SectionSize measure(const proto::View& view, size_t max_nodes, SendScratch& scratch) const;
 
+  // The same from a sample, for what steers and promises nothing: about how many nodes the sections for `view` have,
+  // and those for `inner`, which differs from it by a smaller region. Cost: some ten thousand nodes of the terrain at
+  // most, and refinements of the objects from scratch.
+  [[nodiscard]] proto::SampledSize estimate(const proto::View& view, const proto::View& inner,
+                                            SendScratch& scratch) const;
+  // The same for the last keyframe's own sections. Cost: a sixteenth of the terrain's section, but all of a
+  // small one, and the objects.
+  [[nodiscard]] proto::SampledSize estimateWithin(const proto::View& inner, SendScratch& scratch) const;
+
   // Adapts the sections to `view` and appends the keyframe message to `out`. False, with nothing appended, if they
   // would have more than `max_nodes` together: the next keyframe then starts from nothing, and must be for a view that
   // was measured.
@@ -112,6 +121,8 @@ class SectionSender {
 
  private:
   void restart(proto::Remembered remembered);
+  bool measureObjects(const proto::View& view, size_t max_nodes, SendScratch& scratch, SectionSize& size) const;
+  double objectNodes(const proto::View& view, SendScratch& scratch) const;
   bool sendObjects(const proto::View& view, size_t max_nodes, ObjectVisibility* visibility, SendScratch& scratch,
                    proto::RangeEncoder& coder);
   void makeObjects();

@@ -80,9 +80,10 @@ struct SessionStatistics {
   uint64_t keyframes = 0;
   uint64_t skipped_keyframes = 0;  // No keyframe was sent for so many points of the grid.
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t nodes_tested = 0;    // Keyframes made so many tests of terrain nodes.
-  uint64_t nodes_measured = 0;  // Sections that were refined from scratch, only to be counted, had so many nodes.
-  size_t section_nodes = 0;     // The last keyframe's section has so many nodes.
+  uint64_t nodes_tested = 0;  // Keyframes made so many tests of terrain nodes.
+  // So many nodes were found only to be counted: of sections that were refined from scratch, and of samples of some.
+  uint64_t nodes_measured = 0;
+  size_t section_nodes = 0;  // The last keyframe's section has so many nodes.
   // The viewer knows so many nodes of the terrain beside those around the last keyframe's section.
   size_t remembered_nodes = 0;
   // The server holds so many bytes to know which nodes the viewer remembers, and what ridges hide from it.

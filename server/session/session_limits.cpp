@@ -2,6 +2,7 @@
 // may add.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "server/session/session.h"
@@ -84,12 +85,17 @@ bool Session::isRegionGuessed() const { return state_.predicts && !input_.motion
 void Session::fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch) {
   if (!isRegionGuessed() || !input_.motion().isMotionKnown() || sender_.startsFromNothing()) return;
   view.tau_px = std::max(view.tau_px, tolerance_.tolerance());
+  proto::View pose_alone = view;
+  pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
+  std::optional<double> alone;  // as the first sample says; what others add to it is told by each alone
   const auto nodesOf = [&](const Region& region, size_t most) -> std::optional<size_t> {
     view.region_radius_m = region.radius_m;
     view.region_angle_rad = region.angle_rad;
-    const SectionSize size = sender_.measure(view, std::min(most, options_.max_section_nodes), scratch.send);
-    statistics_.nodes_measured += size.nodes;
-    return size.fits ? std::optional(size.nodes) : std::nullopt;
+    const proto::SampledSize size = sender_.estimate(view, pose_alone, scratch.send);
+    statistics_.nodes_measured += size.sample;
+    if (!alone) alone = size.within;
+    const auto nodes = static_cast<size_t>(std::llround(*alone * size.nodes / std::max(size.within, 1.0)));
+    return nodes <= std::min(most, options_.max_section_nodes) ? std::optional(nodes) : std::nullopt;
   };
   input_.motion().regionShare().fit(parts, nodesOf);
 }
@@ -99,10 +105,10 @@ void Session::observeRegion(SessionScratch& scratch) {
   if (!isRegionGuessed() || !input_.motion().regionShare().isDue(sender_.nodeCount())) return;
   proto::View pose_alone = proto::viewOf(keyframe());
   pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
-  const SectionSize size = sender_.measure(pose_alone, sender_.nodeCount() + 1, scratch.send);
-  statistics_.nodes_measured += size.nodes;
+  const proto::SampledSize size = sender_.estimateWithin(pose_alone, scratch.send);
+  statistics_.nodes_measured += size.sample;
   input_.motion().regionShare().observe({keyframe().region_radius_m, keyframe().region_angle_rad}, sender_.nodeCount(),
-                                        size.nodes);
+                                        static_cast<size_t>(std::llround(size.within)));
 }
 
 }  // namespace foreland::server

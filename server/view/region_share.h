@@ -31,14 +31,14 @@ class RegionShare {
 
   // Before a keyframe: raises a reduced share where what was observed leaves room for more, and reduces it until the
   // section is within kMax. `nodesOf(region, most)` gives the nodes of the section for a region, or nothing if there
-  // are more than `most`. Cost: nothing as long as the region is small by what was observed; else a refinement from
-  // scratch for the pose alone, which may be of any size, and one for each try, seldom more than three, of 2.5 times as
-  // many nodes at most.
+  // are more than `most`. Cost: nothing as long as the region is small by what was observed; else `nodesOf` for the
+  // pose alone, and once for each try, seldom more than three, with at most 2.5 times as many nodes. What `nodesOf` is
+  // off by changes the share, which the next keyframes correct, and no guarantee.
   template <class NodesOf>
   void fit(const RegionParts& parts, const NodesOf& nodesOf);
 
-  // After each keyframe, once, with the nodes of its section. True if it is to be observed, which costs a refinement
-  // from scratch: the first, each whose section is an eighth larger or smaller than the last one observed, and
+  // After each keyframe, once, with the nodes of its section. True if it is to be observed, which costs a sample of
+  // it: the first, each whose section is an eighth larger or smaller than the last one observed, and
   // otherwise after kSeldom more at the latest, or kOften while the region is wide, and at the earliest after half.
   [[nodiscard]] bool isDue(size_t nodes);
   // Of a keyframe: its region, the nodes of its section, and those of one for its pose alone.

@@ -1,7 +1,8 @@
-// Where a frontier's entries live: in one pool, a block of it for each page that has entries. Entries and their slacks
-// are two columns, so that subtracting a step's motion is one pass of vector instructions over each. Blocks come in few
-// sizes, all multiples of a vector, so a block that is given back fits others; behind a block's last entry the slacks
-// are endless. One owner; grows by an eighth at a time, for a session's memory is counted.
+// Where a frontier's entries live: in one pool, a block of it for each page that has entries. Entries and their slacks,
+// or their heights on a frontier that is swept (sweep.h), are two columns, so that a step is one pass of vector
+// instructions over each. Blocks come in few sizes, all multiples of a vector, so a block that is given back fits
+// others; behind a block's last entry the slacks are endless. One owner; grows by an eighth at a time, for a session's
+// memory is counted.
 #pragma once
 
 #include <algorithm>
@@ -26,9 +27,11 @@ struct MotionConstraint {
 };
 
 // What is known of a frontier node, except its slack: that its error is at least `bound` if it is in the section, at
-// most `bound` if it is not (of a surface, whose records are known, no bound is kept), and its motion constraint.
+// most `bound` if it is not (of a surface, whose records are known, no bound is kept), and its motion constraint. On a
+// frontier that is swept there is no constraint, but whether the node is in the section, and whether it is left out as
+// hidden.
 struct FrontierEntry {
-  uint32_t bits = 0;  // from the lowest: slot within the page (8), bound (8), constraint (16)
+  uint32_t bits = 0;  // from the lowest: slot within the page (8), bound (8), constraint (16) or two flags
 
   static FrontierEntry of(uint8_t low, QuantisedError bound, MotionConstraint constraint) {
     return {low | uint32_t{bound.value} << 8 | uint32_t{constraint.bits} << 16};
@@ -36,6 +39,11 @@ struct FrontierEntry {
   // Of a node of whose error nothing is known but that it is not 0, for it is in the section; and that has any error.
   static FrontierEntry newLeaf(uint8_t low) { return of(low, {1}, {}); }
   static FrontierEntry newAddable(uint8_t low) { return of(low, {255}, {}); }
+
+  enum class Stands : uint8_t { kOutside = 0, kInSection = 1, kHidden = 2 };
+  static FrontierEntry swept(uint8_t low, QuantisedError bound, Stands stands) {
+    return {low | uint32_t{bound.value} << 8 | static_cast<uint32_t>(stands) << 16};
+  }
 
   // The same of another slot.
   FrontierEntry at(uint8_t other_low) const { return {(bits & ~0xffu) | other_low}; }
@@ -67,6 +75,7 @@ class EntryPool {
   };
 
   float* slack(const Block& block) { return slack_.data() + block.first; }
+  const float* slack(const Block& block) const { return slack_.data() + block.first; }
   FrontierEntry* entries(const Block& block) { return entries_.data() + block.first; }
   const FrontierEntry* entries(const Block& block) const { return entries_.data() + block.first; }
   float& slackAt(uint32_t index) { return slack_[index]; }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -115,6 +116,13 @@ class PagedNodes {
   void addToFrontier(uint32_t number, uint8_t low) { pages_[number].on_frontier.set(low); }
   void removeFromFrontier(uint32_t number, uint8_t low) { removeFromFrontier(number, SlotBits::of(low)); }
   // Some of a page at once.
+  void addToSection(uint32_t number, const SlotBits& nodes) {
+    pages_[number].in_section = pages_[number].in_section | nodes;
+  }
+  void removeFromSection(uint32_t number, const SlotBits& nodes) {
+    pages_[number].in_section = pages_[number].in_section - nodes;
+    noteIfEmpty(number);
+  }
   void addToFrontier(uint32_t number, const SlotBits& nodes) {
     pages_[number].on_frontier = pages_[number].on_frontier | nodes;
   }
@@ -133,6 +141,22 @@ class PagedNodes {
   void forEachOnFrontier(const Visit& visit) const {
     for (const PageName& name : order_)
       pages_[name.number].on_frontier.forEach([&](uint8_t low) { visit(name.key * kPageSlots | low); });
+  }
+  // Calls visit(slot) for one in `every` of the slots in the section, ascending and evenly.
+  template <class Visit>
+  void sampleSection(uint32_t every, const Visit& visit) const {
+    uint32_t skipped = every / 2;  // so many stand before the next one
+    for (const PageName& name : order_)
+      for (uint32_t w = 0; w < 4; ++w) {
+        uint64_t bits = pages_[name.number].in_section.words[w];
+        auto left = static_cast<uint32_t>(std::popcount(bits));
+        for (; skipped < left; left -= skipped + 1, skipped = every - 1) {
+          for (uint32_t i = 0; i < skipped; ++i) bits &= bits - 1;
+          visit(name.key * kPageSlots | w << 6 | static_cast<uint32_t>(std::countr_zero(bits)));
+          bits &= bits - 1;
+        }
+        skipped -= left;
+      }
   }
 
   // Drops the pages that have become empty; the second after a call of dropped(page) for each, ascending.

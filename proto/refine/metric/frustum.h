@@ -81,6 +81,11 @@ class Frustum {
   }
 
   double nearest() const { return nearest_; }  // metres of depth
+  // Of half the field of view, across and upright.
+  struct Sides {
+    double sin_x, cos_x, sin_y, cos_y;
+  };
+  Sides sides() const { return {sin_x_, cos_x_, sin_y_, cos_y_}; }
   double cosCorner() const { return cos_corner_; }
   // The largest ratio of distance to depth of a visible point.
   double inverseCosCorner() const { return inverse_cos_corner_; }

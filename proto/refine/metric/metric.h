@@ -75,6 +75,8 @@ class Metric {
             frustum_.sideDistance(p) + R};
   }
   bool hasVerticalErrors() const { return any_direction_ == 0; }
+  double focalOverTau() const { return focal_over_tau_; }
+  double regionRadius() const { return region_radius_; }
 
   // Depth in metres below which nothing is guaranteed: a node is never taken to be nearer.
   static constexpr double kNearest_m = 0.1;

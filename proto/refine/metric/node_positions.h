@@ -30,6 +30,10 @@ class PlanarPositions {
     return {{row(0, x, y, h), row(1, x, y, h), row(2, x, y, h)}, std::sqrt(east * east + north * north)};
   }
 
+  // The coefficients of lattice position and height, and a constant: of the position in the view, and of its parts
+  // along the ground.
+  const std::array<std::array<double, 4>, 5>& rows() const { return k_; }
+
  private:
   [[gnu::always_inline]] double row(size_t i, double x, double y, double h) const {
     return k_[i][0] * x + k_[i][1] * y + k_[i][2] * h + k_[i][3];

@@ -51,6 +51,11 @@ class PagedNodesAndReference {
     ASSERT_EQ(in_section, std::vector<Slot>(in_section_.begin(), in_section_.end()));
     ASSERT_EQ(on_frontier, std::vector<Slot>(on_frontier_.begin(), on_frontier_.end()));
     for (const Nodes::PageName& name : nodes_.pages()) ASSERT_EQ(nodes_.page(name.number).own, name.key);
+    const auto every = static_cast<uint32_t>(1 + rng_.below(20));
+    std::vector<Slot> sampled, some;
+    nodes_.sampleSection(every, [&](Slot slot) { sampled.push_back(slot); });
+    for (size_t i = every / 2; i < in_section.size(); i += every) some.push_back(in_section[i]);
+    ASSERT_EQ(sampled, some) << "one in " << every;
     for (int i = 0; i < 200; ++i) {
       const Slot slot = static_cast<Slot>(rng_.below(45 << 8)), first = slot - slot % 64;
       ASSERT_EQ(nodes_.isInSection(slot), in_section_.contains(slot));

@@ -99,5 +99,73 @@ TEST(RefineLimits, AbsurdPosesGiveAValidSection) {
     }
 }
 
+// The region is wider for `wide` than for its pose alone.
+struct Views {
+  View wide, alone;
+};
+Views randomViews(const Hierarchy& h, Rng& rng) {
+  View view = randomView(h, rng);
+  const View alone = view;
+  view.region_radius_m = rng.uniform(0, 50);
+  view.region_angle_rad = rng.uniform(0, 0.4);
+  return {view, alone};
+}
+
+TEST(EstimatedSize, IsTheSizeOfSmallSections) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  RecordProperty("seed", std::to_string(seed));
+  Rng rng(seed);
+  const Hierarchy hierarchy(test::makeScene(65, 65, rng.next()));  // no level has many nodes
+  RefineScratch scratch;
+  Section wide, alone;
+  for (int i = 0; i < 50; ++i) {
+    const Views views = randomViews(hierarchy, rng);
+    ASSERT_TRUE(refine(hierarchy, views.wide, kNoLimit, scratch, wide));
+    ASSERT_TRUE(refine(hierarchy, views.alone, kNoLimit, scratch, alone));
+    const SampledSize size = estimateSize(hierarchy, views.wide, views.alone, scratch);
+    EXPECT_EQ(size.nodes, static_cast<double>(wide.slots.size())) << "seed " << seed;
+    EXPECT_EQ(size.within, static_cast<double>(alone.slots.size())) << "seed " << seed;
+    EXPECT_EQ(size.sample, wide.slots.size()) << "seed " << seed;
+  }
+}
+
+TEST(EstimatedSize, IsWithinATenthOfThatOfLargeSections) {
+  const Hierarchy hierarchy(test::makeScene(513, 513, 6));
+  RefineScratch scratch;
+  Section section;
+  Rng rng(7);
+  for (int i = 0; i < 10; ++i) {
+    Views views{randomView(hierarchy, rng), {}};
+    views.wide.tau_px = 0.01;
+    views.wide.pose.orientation = lookAlong({std::cos(0.6 * i), std::sin(0.6 * i), -1}, {0, 0, 1});
+    views.alone = views.wide;
+    views.wide.region_angle_rad = 0.1;
+    const SampledSize size = estimateSize(hierarchy, views.wide, views.alone, scratch);
+    ASSERT_TRUE(refine(hierarchy, views.wide, kNoLimit, scratch, section));
+    const auto nodes = static_cast<double>(section.slots.size());
+    EXPECT_NEAR(size.nodes, nodes, 0.1 * nodes + 1) << i;
+    ASSERT_TRUE(refine(hierarchy, views.alone, kNoLimit, scratch, section));
+    const auto alone = static_cast<double>(section.slots.size());
+    EXPECT_NEAR(size.within, alone, 0.1 * alone + 1) << i;
+    EXPECT_LT(static_cast<double>(size.sample), std::max(0.6 * nodes, 50'000.0)) << i;
+  }
+}
+
+TEST(CountNeeded, CountsTheNodesOfASmallerSection) {
+  const uint64_t seed = testing::UnitTest::GetInstance()->random_seed();
+  RecordProperty("seed", std::to_string(seed));
+  Rng rng(seed);
+  const Hierarchy hierarchy(test::makeScene(129, 90, rng.next()));
+  RefineScratch scratch;
+  Section wide, alone;
+  for (int i = 0; i < 30; ++i) {
+    const Views views = randomViews(hierarchy, rng);
+    ASSERT_TRUE(refine(hierarchy, views.wide, kNoLimit, scratch, wide));
+    ASSERT_TRUE(refine(hierarchy, views.alone, kNoLimit, scratch, alone));
+    EXPECT_EQ(countNeeded(hierarchy.domain(), hierarchy.nodes(), views.alone, wide.slots), alone.slots.size())
+        << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace foreland::proto

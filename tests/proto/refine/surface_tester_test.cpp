@@ -11,7 +11,7 @@ namespace {
 
 using test::SurfaceWanderer;
 
-constexpr size_t kNoLimit = 1u << 30;
+constexpr size_t kAnyNumber = 1u << 30;
 
 // What passes is closed, so a look at every node gives the section.
 Section everyNodeThatPasses(const SurfaceDomain& domain, const std::vector<SurfaceRecord>& records, const View& view) {
@@ -40,7 +40,7 @@ TEST_P(SurfaceAdaptation, EqualsTheNodesThatPassOnAnyMotion) {
     for (int i = 0; i < 300; ++i) {
       const View view = wanderer.next();
       CutDelta delta;
-      ASSERT_TRUE(adapter.adapt(view, kNoLimit, records, scratch, delta));
+      ASSERT_TRUE(adapter.adapt(view, kAnyNumber, records, scratch, delta));
       adapter.validate();
       const Section expected = everyNodeThatPasses(domain, records, view);
       ASSERT_EQ(adapter.section(), expected) << named.name << ", seed " << seed << ", step " << i;
@@ -63,10 +63,10 @@ TEST(SurfaceAdapter, TestsOnlyAFewNodesOnASmallMotion) {
   CutDelta delta;
   View view;
   view.pose = {{0, -3, 0}, lookAlong({0, 1, 0}, {0, 0, 1})};
-  ASSERT_TRUE(adapter.adapt(view, kNoLimit, records, scratch, delta));
+  ASSERT_TRUE(adapter.adapt(view, kAnyNumber, records, scratch, delta));
   const uint64_t from_scratch = adapter.testCount();
   view.pose.eye.x += 0.001;
-  ASSERT_TRUE(adapter.adapt(view, kNoLimit, records, scratch, delta));
+  ASSERT_TRUE(adapter.adapt(view, kAnyNumber, records, scratch, delta));
   EXPECT_LT(adapter.testCount() - from_scratch, from_scratch / 5);
   EXPECT_GT(adapter.nodeCount(), 100u);
 }

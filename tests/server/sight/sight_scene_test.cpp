@@ -55,17 +55,26 @@ bool isGrazing(const PlainLine& line, const Ask& isHidden) {
   return some && none;
 }
 
+// Whether a point is within a millimetre of a triangle that `near(point, visit)` visits.
+template <class Near>
+bool isOnTriangle(const glm::dvec3& point, const Near& near) {
+  bool is_on = false;
+  near(point, [&](const Corners& t) {
+    const glm::dvec3 across = 1e-3 * glm::normalize(glm::cross(t[1] - t[0], t[2] - t[0]));
+    is_on = is_on || meetPlainly(point - across, point + across, t);
+  });
+  return is_on;
+}
+
 // Whether both say the same. Where light comes nearly along a triangle, rounding moves the point where they meet: there
-// the point that was found must lie on the ground.
+// the point that was found must lie on a triangle.
+template <class Near>
 bool isSame(const std::optional<server::SightHit>& found, const std::optional<double>& expected, const PlainLine& line,
-            const PlainGround& ground) {
+            const Near& near) {
   if (found.has_value() != expected.has_value()) return false;
   if (!found) return true;
   const double apart_m = std::fabs(found->share - *expected) * glm::distance(line.from, line.to);
-  if (apart_m < 0.01) return true;
-  if (apart_m > 1 || found->object != server::SightHit::kGround) return false;
-  const proto::LatticePosition at = ground.transform().toLattice(found->position);
-  return std::fabs(at.height_m - ground.heightAt(at.x, at.y).value_or(-1e9)) < 1e-3;
+  return apart_m < 0.01 || (apart_m < 1 && isOnTriangle(found->position, near));
 }
 
 class SightLines : public testing::TestWithParam<proto::FrameKind> {};
@@ -82,14 +91,14 @@ TEST_P(SightLines, AreThoseOfAWalkOverAllTriangles) {
   const server::SightTime time = place.sight->at(std::nullopt);
   Rng rng(seed);
   int hidden = 0, by_objects = 0, grazing = 0;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 800; ++i) {
     PlainLine line{ground.transform(), place.anywhere(rng, time), place.anywhere(rng, time), 0.5 * rng.below(3)};
     if (rng.below(2) == 0) line.to.z += 700;  // among the objects
     const auto plainly = [&](const PlainLine& l) { return firstHitPlainly(l, 4, all); };
     const auto expected = plainly(line);
     const auto found = place.sight->firstHit(line.from, line.to, line.refraction, time);
     ASSERT_EQ(place.sight->sees(line.from, line.to, line.refraction, time), !found) << "seed " << seed << " line " << i;
-    if (!isSame(found, expected, line, ground)) {
+    if (!isSame(found, expected, line, all)) {
       ++grazing;
       ASSERT_TRUE(isGrazing(line, [&](const PlainLine& l) { return plainly(l).has_value(); }))
           << "seed " << seed << " line " << i << ": " << (found ? found->share : -1) << ", plainly "
@@ -100,8 +109,8 @@ TEST_P(SightLines, AreThoseOfAWalkOverAllTriangles) {
     by_objects += found && found->object >= 0 ? 1 : 0;
   }
   EXPECT_GT(hidden, 40);
-  EXPECT_GT(by_objects, 1);
-  EXPECT_LT(grazing, 5);
+  EXPECT_GT(by_objects, 0);
+  EXPECT_LT(grazing, 20);
 }
 
 TEST_P(SightLines, OnLatticeLinesLetNothingThroughEdges) {
@@ -236,7 +245,7 @@ TEST(SightLinesOverHelens, AreThoseOfAWalkOverAllTriangles) {
     const auto expected = plainly(line);
     const auto found = place.sight->firstHit(line.from, line.to, line.refraction, time);
     hidden += found ? 1 : 0;
-    if (isSame(found, expected, line, ground)) continue;
+    if (isSame(found, expected, line, near)) continue;
     ++grazing;
     ASSERT_TRUE(isGrazing(line, [&](const PlainLine& l) { return plainly(l).has_value(); }))
         << "seed " << seed << " line " << i << ": " << (found ? found->share : -1) << ", plainly "

@@ -1,0 +1,65 @@
+// Which entries of a planar terrain's frontier have another test result than they stand for, for one view: found for
+// all of them in each step, in single precision, with a tolerance that holds whatever rounding does. An entry is surely
+// as it was, surely changed, or unsure; only the unsure are tested exactly (terrain_batch.h), a few of a hundred
+// thousand. So the answers that count are those of the exact test, on any machine.
+//
+// docs/decisions/0003-adaptation.md derives the tolerance. The arithmetic is plain floating point in a fixed order,
+// which compilers turn into whatever vector instructions they are told to use, with the same bits. Immutable while a
+// view lasts; any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "proto/refine/frontier.h"
+#include "proto/refine/metric/metric.h"
+#include "proto/refine/metric/terrain_domain.h"
+
+namespace foreland::proto {
+
+// What a sweep does with entries of nodes that are left out as hidden, whose test says nothing.
+enum class HiddenEntries : uint8_t { kLeave, kTest };
+
+class Sweep {
+ public:
+  // The domain is planar. `tolerance` is a share of what is derived: 1 but for tests.
+  Sweep(const TerrainDomain& domain, const Metric& metric, HiddenEntries hidden, double tolerance = 1);
+
+  // Of a page's entries, by rank.
+  struct Found {
+    SlotBits changed, unsure;
+  };
+  // `heights` and `entries` are the page's, in whole vectors (EntryPool::kVector). O(entries).
+  Found test(int level, const FrontierPage& page, const float* heights, const FrontierEntry* entries) const;
+
+  // The height of a node's sphere as entries keep it. Not a number, which makes entries unsure, where it has no exact
+  // float within what the tolerance is derived for.
+  static float heightOf(int32_t quanta);
+
+ private:
+  static constexpr size_t kRows = 5;  // to the right, up, depth, east, north, of a position relative to the eye
+
+  // Of a page.
+  struct Place {
+    std::array<float, kRows> origin, along_x, along_y;  // of its middle, and of half a cell
+    float radius, tolerance;                            // R in the metric's letters; what every tolerance has
+  };
+  template <bool kSides>
+  Found testAll(const Place& place, const float* heights, const FrontierEntry* entries, uint32_t count) const;
+  Place placeOf(int level, const FrontierPage& page) const;
+
+  const TerrainDomain& domain_;
+  const HiddenEntries hidden_;
+  std::array<std::array<double, 4>, kRows> row_;      // PlanarPositions, from the eye's height in quanta
+  double region_radius_, step_x_, step_y_, quantum_;  // metres; steps are of the lattice
+  double tolerance_;
+  // As the kernel takes them.
+  struct {
+    std::array<float, 3> up;  // what a quantum of height adds to the first rows
+    float eye_height, cos_angle, sin_angle, cos_corner, inverse_cos_corner, sin_x, cos_x, sin_y, cos_y, focal_over_tau,
+        any_direction;
+    float of_distance, of_error, of_side, of_steep;  // tolerances
+  } k_;
+};
+
+}  // namespace foreland::proto
