@@ -18,6 +18,12 @@ constexpr Duration kPlayoutDelayFall = Duration::milliseconds(2);  // at most, p
 // cannot be waited for.
 bool startsAnew(const MeshPatch& mesh) { return mesh.from.index == mesh.to.index || mesh.to.time < mesh.from.time; }
 
+// The server sends a section coarse so that it is there at once, and what is missing after it.
+bool refines(const Interval& shown, const MeshPatch& mesh, Duration shortest) {
+  return shown.from.index == shown.to.index && mesh.from.index == shown.to.index && mesh.to.tau_px < mesh.from.tau_px &&
+         mesh.to.time - mesh.from.time < shortest;
+}
+
 // Of n + 1 keyframes the last one must be there (n + 1) / 2 intervals before what is in the middle of them is shown.
 Duration leadTime(const EarlierKeyframes& earlier, Duration interval) {
   return interval + Duration{interval.us * earlier.count / 2};
@@ -69,6 +75,7 @@ Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, prot
   const bool still = startsAnew(*mesh), predicted = strategy == proto::Strategy::kPredict;
   if (still) restart();
   const bool first = meshes_.empty();
+  const bool refining = !first && !still && refines(schedule_.back(), *mesh, interval_.shortest);
   const Duration playout_delay_before = playout_delay_;
   if (predicted) {
     latencies_.clear();
@@ -76,24 +83,25 @@ Duration Timeline::add(std::shared_ptr<const MeshPatch> mesh, Time arrival, prot
   } else {
     updatePlayoutDelay(*mesh, arrival);
   }
-  const Duration lead = leadTime(mesh->earlier, intervalOf(*mesh));
+  const Duration lead = leadTime(mesh->earlier, refining ? interval_.most() : intervalOf(*mesh));
   const Time shown_from = mesh->from.time - mesh->earlier.from_age, shown_to = mesh->to.time - mesh->earlier.to_age;
   // Late by the playout delay in force before this arrival, which is what the viewer was shown by.
   const Duration lateness = arrival - (shown_from + (predicted ? Duration{} : lead + playout_delay_before));
   const Duration delay = predicted ? Duration{} : lead + playout_delay_;
   Time begin = std::max(arrival, shown_from + delay);
-  if (first)
+  if (first || refining)
     begin = arrival;
   else
     begin = std::max(begin, schedule_.back().end);
-  const Time end = first ? begin : std::max(shown_to + delay, begin + kShortestBlend);
+  const Time soonest = begin + kShortestBlend;
+  const Time end = first ? begin : refining && !predicted ? soonest : std::max(shown_to + delay, soonest);
   push(std::move(mesh), begin, end);
   ++undrawn_;
   while (meshes_.size() > (undrawn_ > kMaxUndrawn ? kMaxUndrawn : kMaxMeshes)) {
     meshes_.pop_front();
     schedule_.popFront();
   }
-  return still || first ? Duration{} : lateness;
+  return still || first || refining ? Duration{} : lateness;
 }
 
 void Timeline::extend(std::shared_ptr<const MeshPatch> mesh) {

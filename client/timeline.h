@@ -12,7 +12,8 @@
 // A mesh of n + 1 keyframes shows the times that its keyframes blend to, which are in the middle of them
 // (EarlierKeyframes), so for such a mesh T counts (n + 1) / 2 times. A mesh that does not move shows a section that was
 // sent whole: the section is the first one, or the camera has jumped, or a new server could not resume. Such a mesh is
-// shown on arrival, and the meshes before it are dropped, since their guarantees hold elsewhere. A mesh that arrives
+// shown on arrival, and the meshes before it are dropped, since their guarantees hold elsewhere. A mesh that follows it
+// within less than an interval and is finer is shown on arrival, too. A mesh that arrives
 // late begins on arrival and still ends in time, but lasts at least kShortestBlend. When no keyframe has arrived for
 // kTimeout, the host extends the transitions that are not over, by kExtension at a time. One owner; times are those of
 // the client's clock.

@@ -26,7 +26,7 @@ std::string framesCsv(const CellFlight& flight) {
     }
     table.cell("lod_motion_px", rounded(frame.lod_motion_px));
     table.cell("triangles", std::to_string(frame.triangles));
-    table.cell("outside", frame.is_outside ? "1" : "0");
+    table.cell("tolerance_px", rounded(frame.tolerance_px));
     table.end();
   }
   return table.text();

@@ -35,6 +35,7 @@ void countJudged(const CellFlight& flight, CellFigures& out) {
   for (const FrameTerms& frame : flight.frames) {
     out.bound_violations += frame.breaks_bound;
     out.over_tau += frame.of(Term::kTotal).max_px > flight.cell.tau_px + kRounding_px;
+    out.over_stated += frame.of(Term::kTotal).max_px > frame.tolerance_px + kRounding_px;
     motion_px.push_back(frame.lod_motion_px);
   }
   out.lod_motion_p99_px = quantile(motion_px, 0.99);
@@ -48,6 +49,8 @@ void countShown(const ShownFrames& shown, CellFigures& out) {
   out.triangles = static_cast<double>(shown.triangles) / n;
   out.delay_mean_ms = shown.delay_ms / n;
   out.delay_max_ms = shown.delay_max_ms;
+  out.stated_mean_px = shown.tolerance_px / static_cast<double>(std::max<uint64_t>(shown.count - shown.outside, 1));
+  out.stated_max_px = shown.tolerance_max_px;
 }
 
 void countKeyframes(const CellFlight& flight, CellFigures& out) {

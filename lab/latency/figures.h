@@ -30,7 +30,8 @@ struct TermFigures {
 struct CellFigures {
   LatencyCell cell;
   std::array<TermFigures, kTerms> terms;
-  uint64_t frames = 0, judged = 0, outside = 0, bound_violations = 0, over_tau = 0;
+  uint64_t frames = 0, judged = 0, outside = 0, bound_violations = 0, over_tau = 0, over_stated = 0;
+  double stated_mean_px = 0, stated_max_px = 0;
   double delay_mean_ms = 0, delay_max_ms = 0;
   double lod_motion_p99_px = 0, lod_motion_max_px = 0;
   double triangles = 0;  // mean
@@ -54,6 +55,9 @@ struct CellFigures {
     visit("frames_judged", judged);
     visit("frames_outside", outside);
     visit("frames_over_tau", over_tau);
+    visit("frames_over_stated", over_stated);
+    visit("stated_mean_px", stated_mean_px);
+    visit("stated_max_px", stated_max_px);
     visit("bound_violations", bound_violations);
     visit("keyframes", keyframes);
     visit("late_keyframes", late);

@@ -85,7 +85,12 @@ class Recorder {
 void ShownFrames::add(const client::FrameView& view, Time now) {
   const double frame_delay_ms = (now - view.shown_time).toMilliseconds();
   ++count;
-  outside += std::isinf(view.tolerance_px) ? 1 : 0;
+  if (std::isinf(view.tolerance_px)) {
+    ++outside;
+  } else {
+    tolerance_px += view.tolerance_px;
+    tolerance_max_px = std::max<double>(tolerance_max_px, view.tolerance_px);
+  }
   triangles += view.mesh->triangleCount();
   delay_ms += frame_delay_ms;
   delay_max_ms = std::max(delay_max_ms, frame_delay_ms);

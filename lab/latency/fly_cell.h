@@ -43,6 +43,7 @@ struct FlownKeyframe {
 struct ShownFrames {
   uint64_t count = 0, outside = 0, triangles = 0;
   double delay_ms = 0, delay_max_ms = 0;
+  double tolerance_px = 0, tolerance_max_px = 0;  // of those that are not outside
 
   void add(const client::FrameView& view, Time now);
 };

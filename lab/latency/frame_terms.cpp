@@ -86,7 +86,7 @@ FrameTerms FrameJudge::judge(const client::FrameView& view, Time now) {
                    .weight = view.weight,
                    .delay_ms = (now - view.shown_time).toMilliseconds(),
                    .triangles = view.mesh->triangleCount(),
-                   .is_outside = std::isinf(view.tolerance_px)};
+                   .tolerance_px = view.tolerance_px};
   const std::vector<oracle::Deviation> found = oracle_.compare(surfaces, pairs, view.pose, flight_.lens);
   for (size_t i = 0; i < terms.size(); ++i) frame.terms[static_cast<size_t>(terms[i])] = found[i];
   frame.breaks_bound = !isBounded(frame);

@@ -36,7 +36,7 @@ struct FrameTerms {
   double weight = 0, delay_ms = 0;
   std::array<oracle::Deviation, kTerms> terms{};  // by Term; zero where a strategy has none
   uint64_t triangles = 0;
-  bool is_outside = false;    // of the region of a keyframe that is shown
+  double tolerance_px = 0;    // that the frame states; infinite outside of the region of a keyframe that is shown
   double lod_motion_px = 0;   // the largest motion of a vertex by level of detail alone, in a 60th of a second
   bool breaks_bound = false;  // the total is more than the sum of the terms
 

@@ -192,8 +192,10 @@ class Session {
     Time time_client;
     Duration until_next;  // The next keyframe is at most this much later.
     proto::View view;
+    RegionParts parts;  // of its region
   };
   void computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch, std::vector<Bytes>& out);
+  bool isCoarserThanWanted() const;
   Keyframe viewOf(Time t, SessionScratch& scratch);
   void moveGround(const Keyframe& keyframe);
   bool sendKeyframe(Keyframe keyframe, size_t max_nodes, SessionScratch& scratch, Bytes& message);
@@ -213,7 +215,7 @@ class Session {
   double loadOf(const proto::View& view, SessionScratch& scratch);
   bool isRegionGuessed() const;
   void fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch);
-  void observeRegion(SessionScratch& scratch);
+  void observeRegion(const RegionParts& parts, SessionScratch& scratch);
 
   std::shared_ptr<const World> world_;
   SessionOptions options_;

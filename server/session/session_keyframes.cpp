@@ -39,9 +39,10 @@ Session::Keyframe Session::viewOf(Time t, SessionScratch& scratch) {
   Duration until_next = adaptive_interval_.next(input_.bounds(), state_.interval);
   fit(until_next);
   // Rather than guarantee less for long, the next keyframe follows sooner.
-  const Duration sooner = AdaptiveInterval::shortened(input_.bounds(), until_next, motion.regionShare().shareOf(parts));
+  const double share = motion.regionShare().shareOf(parts) / motion.regionShare().coarser();
+  const Duration sooner = AdaptiveInterval::shortened(input_.bounds(), until_next, share);
   if (sooner < until_next) fit(until_next = sooner);
-  return {t, until_next, viewFor(motion, request, tau_px, t, parts)};
+  return {t, until_next, viewFor(motion, request, tau_px, t, parts), parts};
 }
 
 // Computes a keyframe whose section is within all limits. False if it turned out to be larger than `max_nodes`.
@@ -112,7 +113,7 @@ void Session::moveGround(const Keyframe& keyframe) {
 }
 
 void Session::computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch, std::vector<Bytes>& out) {
-  const bool is_first = state_.isFirst();
+  const bool is_first = state_.isFirst(), is_after_jump = state_.has_jumped;
   const Duration step = is_first || state_.has_jumped ? state_.grid : plan.time_client - this->keyframe().time;
   if (state_.has_jumped) {
     sender_.restart();
@@ -127,7 +128,7 @@ void Session::computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch,
   tolerance_.observe(sender_.triangles(), static_cast<double>(message.size()), step.toSeconds());
   if (!is_first) state_.last_client = this->keyframe().time;
   sendWithTiles(std::move(message), keyframe, out);
-  observeRegion(scratch);
+  observeRegion(keyframe.parts, scratch);
 
   unsent_ = true;
   did_ = Did::kKeyframe;
@@ -135,6 +136,7 @@ void Session::computeKeyframe(const KeyframePlan& plan, SessionScratch& scratch,
   state_.before_last_computed = is_first ? state_.now - state_.grid : state_.last_computed;
   state_.last_computed = state_.now;
   state_.was_after_jump = std::exchange(state_.has_jumped, false);
+  state_.is_coarse = is_after_jump && isCoarserThanWanted();
   notePredictions(keyframe);
   if (this->keyframe().base_index > 0)
     adaptive_interval_.observe(scratch.send.delta.added.size() + scratch.send.delta.removed.size(),
@@ -157,13 +159,16 @@ void Session::notePredictions(const Keyframe& keyframe) {
   input_.motion().notePrediction({end, input_.motion().expected(input_.request()).at(end)}, foreseen);
 }
 
+// The header's tolerance is a float.
+bool Session::isCoarserThanWanted() const { return keyframe().tau_px > 1.001 * sectionTolerance(); }
+
 void Session::count(const KeyframePlan& plan, const SessionScratch& scratch) {
   statistics_.keyframes += 1;
   statistics_.skipped_keyframes += plan.skipped;
   statistics_.nodes_added += scratch.send.delta.added.size();
   statistics_.nodes_removed += scratch.send.delta.removed.size();
   statistics_.tau_px = keyframe().tau_px;
-  statistics_.is_coarse = keyframe().tau_px > 1.001 * sectionTolerance();  // it is a float
+  statistics_.is_coarse = isCoarserThanWanted();
   statistics_.nodes_tested = sender_.adapter().testCount();
   if (occlusion_) countOcclusion();
   statistics_.section_nodes = sender_.nodeCount();

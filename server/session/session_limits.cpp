@@ -15,6 +15,15 @@ namespace {
 // the first section may take on the link.
 constexpr double kBitsOfNode = 10, kCoarsest_px = 200;
 constexpr Duration kFirstThrough = Duration::seconds(1);
+// Beyond so many times the wanted tolerance a section is better for less than its region.
+constexpr double kUseless = 64;
+
+// For the motion that is expected alone.
+proto::View withoutErrors(proto::View view, const RegionParts& parts) {
+  view.region_radius_m = parts.motion.radius_m + parts.rest.radius_m;
+  view.region_angle_rad = parts.motion.angle_rad + parts.rest.angle_rad;
+  return view;
+}
 
 }  // namespace
 
@@ -59,7 +68,8 @@ double Session::loadOf(const proto::View& view, SessionScratch& scratch) {
 void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
   const Budget budget{input_.request().max_triangles, input_.request().max_bytes_per_second, processors_};
   const double before_px = tolerance_.tolerance();
-  const double wanted_px = static_cast<float>(tolerance_.next(sectionTolerance(), budget));
+  const double coarser = isRegionGuessed() ? input_.motion().regionShare().coarser() : 1;
+  const double wanted_px = static_cast<float>(tolerance_.next(coarser * sectionTolerance(), budget));
   view.tau_px = wanted_px;
   if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, maxNodes())) return tolerance_.force(wanted_px);
   const auto load = [&](double tau_px) {
@@ -67,8 +77,8 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
     return loadOf(view, scratch);
   };
   view.tau_px = toleranceThatFits(wanted_px, before_px, load);
-  if (view.tau_px == kMaxTolerance_px) {
-    // No section guarantees anything for a region that holds much of the scene, so this one does for its pose alone.
+  if (view.tau_px > kUseless * wanted_px) {
+    // Hardly anything can be guaranteed for a region that holds much of the scene, so this one does for its pose alone.
     view.region_radius_m = view.region_angle_rad = 0;
     view.tau_px = toleranceThatFits(wanted_px, before_px, load);
   }
@@ -77,21 +87,20 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
     tolerance_.force(view.tau_px);
 }
 
-// Along an announced path the region is not reduced: there it is no guess.
+// Along an announced path the region is no guess.
 bool Session::isRegionGuessed() const { return state_.predicts && !input_.motion().isOnPath(input_.request()); }
 
-// Before a keyframe: makes its region no larger than sections allow (RegionShare). What starts from nothing is measured
-// by fitBudget, and what a jump leaves unknown is not reduced.
+// Before a keyframe: lets errors of predictions make its section no larger than they may (RegionShare). What starts
+// from nothing is measured by fitBudget, and what a jump leaves unknown is not reduced.
 void Session::fitRegion(proto::View view, const RegionParts& parts, SessionScratch& scratch) {
   if (!isRegionGuessed() || !input_.motion().isMotionKnown() || sender_.startsFromNothing()) return;
   view.tau_px = std::max(view.tau_px, tolerance_.tolerance());
-  proto::View pose_alone = view;
-  pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
-  std::optional<double> alone;  // as the first sample says; what others add to it is told by each alone
+  const proto::View without = withoutErrors(view, parts);
+  std::optional<double> alone;  // as the first sample says; what errors add to it is told by each alone
   const auto nodesOf = [&](const Region& region, size_t most) -> std::optional<size_t> {
     view.region_radius_m = region.radius_m;
     view.region_angle_rad = region.angle_rad;
-    const proto::SampledSize size = sender_.estimate(view, pose_alone, scratch.send);
+    const proto::SampledSize size = sender_.estimate(view, without, scratch.send);
     statistics_.nodes_measured += size.sample;
     if (!alone) alone = size.within;
     const auto nodes = static_cast<size_t>(std::llround(*alone * size.nodes / std::max(size.within, 1.0)));
@@ -100,15 +109,12 @@ void Session::fitRegion(proto::View view, const RegionParts& parts, SessionScrat
   input_.motion().regionShare().fit(parts, nodesOf);
 }
 
-// After a keyframe: how much the region made of its section.
-void Session::observeRegion(SessionScratch& scratch) {
+// After a keyframe: how much errors made of its section.
+void Session::observeRegion(const RegionParts& parts, SessionScratch& scratch) {
   if (!isRegionGuessed() || !input_.motion().regionShare().isDue(sender_.nodeCount())) return;
-  proto::View pose_alone = proto::viewOf(keyframe());
-  pose_alone.region_radius_m = pose_alone.region_angle_rad = 0;
-  const proto::SampledSize size = sender_.estimateWithin(pose_alone, scratch.send);
+  const proto::SampledSize size = sender_.estimateWithin(withoutErrors(proto::viewOf(keyframe()), parts), scratch.send);
   statistics_.nodes_measured += size.sample;
-  input_.motion().regionShare().observe({keyframe().region_radius_m, keyframe().region_angle_rad}, sender_.nodeCount(),
-                                        static_cast<size_t>(std::llround(size.within)));
+  input_.motion().regionShare().observe(parts, sender_.nodeCount(), static_cast<size_t>(std::llround(size.within)));
 }
 
 }  // namespace foreland::server

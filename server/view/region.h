@@ -14,7 +14,7 @@ struct Region {
 };
 
 // What a keyframe's region adds up: the expected motion around its pose, how much predictions were off by of late, and
-// what is always allowed for. Only the first two may be reduced (RegionShare).
+// what is always allowed for. Only errors may be reduced (RegionShare).
 struct RegionParts {
   Region motion, error, rest;
 };

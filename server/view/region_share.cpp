@@ -1,14 +1,14 @@
 #include "server/view/region_share.h"
 
-#include <algorithm>
+#include <cmath>
 
 namespace foreland::server {
 
 Region RegionShare::of(const RegionParts& parts) const {
   const auto& [motion, error, rest] = parts;
-  const double of_motion = std::min(1.0, 2 * share_), of_error = std::max(0.0, 2 * share_ - 1);
-  return {of_motion * motion.radius_m + of_error * error.radius_m + rest.radius_m,
-          of_motion * motion.angle_rad + of_error * error.angle_rad + rest.angle_rad};
+  const double of_error = share_ > kLeast ? share_ : 0;
+  return {motion.radius_m + of_error * error.radius_m + rest.radius_m,
+          motion.angle_rad + of_error * error.angle_rad + rest.angle_rad};
 }
 
 double RegionShare::shareOf(const RegionParts& parts) const {
@@ -17,12 +17,30 @@ double RegionShare::shareOf(const RegionParts& parts) const {
   return std::min(share(left.radius_m, whole.radius_m), share(left.angle_rad, whole.angle_rad));
 }
 
-double RegionShare::expectedExcess(const Region& region) const {
-  constexpr double kMin = 0.01;  // sections of small regions differ by chance
+// With what is always allowed for, so that errors below it do not count as growth.
+Region RegionShare::errorsOf(const RegionParts& parts) const {
+  return {share_ * parts.error.radius_m + parts.rest.radius_m, share_ * parts.error.angle_rad + parts.rest.angle_rad};
+}
+
+double RegionShare::expectedExcess(const RegionParts& parts) const {
+  constexpr double kMin = 0.01;  // sections with small errors differ by chance
   constexpr double kRadius_m = 1e-3, kAngle_rad = 1e-5;
-  const double growth = std::max(region.radius_m / std::max(observed_.radius_m, kRadius_m),
-                                 region.angle_rad / std::max(observed_.angle_rad, kAngle_rad));
+  const Region errors = errorsOf(parts);
+  const double growth = std::max(errors.radius_m / std::max(observed_.radius_m, kRadius_m),
+                                 errors.angle_rad / std::max(observed_.angle_rad, kAngle_rad));
   return growth * std::max(excess_, kMin);
+}
+
+bool RegionShare::isForeseen(double excess) const {
+  constexpr double kSmall = 0.9 * (kMax - 1), kAlike = 1.1;
+  if (excess <= kSmall && excess_ <= 2 * kSmall) return true;
+  return excess <= kAim - 1 && excess <= kAlike * excess_ && excess_ <= kAlike * excess;
+}
+
+double RegionShare::toleranceFor(double excess) {
+  constexpr double kAimed = 0.9 * kMax;  // sections differ
+  if (1 + excess <= kMax) return 1;
+  return std::min(kCoarsest, std::pow((1 + excess) / kAimed, 1 / kNodePower));
 }
 
 // Viewers who came together would all be observed in the same keyframe for ever. The nodes of a section are as good as
@@ -34,16 +52,16 @@ bool RegionShare::isDue(size_t nodes) {
   return ++keyframes_ >= most - nodes_ % (most / 2) || change > nodes_ / kChange;
 }
 
-// What the region adds to a section is about proportional to its share.
-void RegionShare::observe(const Region& region, size_t nodes, size_t pose_alone) {
-  constexpr double kWide = 1.2, kMin = 1.0 / 1024, kFall = 0.3, kRise = 1.3;
-  observed_ = region;
+// What errors add to a section is about proportional to their share.
+void RegionShare::observe(const RegionParts& parts, size_t nodes, size_t without_errors) {
+  constexpr double kWide = 1.2, kFall = 0.3, kRise = 1.3;
+  observed_ = errorsOf(parts);
   nodes_ = nodes;
   keyframes_ = 0;
-  excess_ = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(pose_alone, 1)) - 1;
+  excess_ = static_cast<double>(nodes) / static_cast<double>(std::max<size_t>(without_errors, 1)) - 1;
   is_wide_ = excess_ > kWide - 1 || share_ < 1;
   const double change = excess_ > 0 ? (kAim - 1) / excess_ : kRise;
-  share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kMin, 1.0);
+  share_ = std::clamp(share_ * std::clamp(change, kFall, kRise), kLeast, 1.0);
 }
 
 }  // namespace foreland::server

@@ -166,6 +166,26 @@ TEST(Timeline, DoesNotWaitForATimeThatWasWrong) {
 }
 
 // The first interval is a fault, and so no measure of those that are usual.
+// The server sends what was not to be had at once as soon as it can; what is coarse is not shown for longer than that.
+TEST(Timeline, ShowsWhatRefinesAStillMeshAsItArrives) {
+  for (Strategy strategy : {Strategy::kDelay, Strategy::kCurrent, Strategy::kPredict})
+    for (const float tau_px : {1.f, 4.f}) {
+      Timeline timeline;
+      const auto coarse = stillMesh(1000), finer = mesh(1, 1000, 1040);
+      coarse->from.tau_px = coarse->to.tau_px = finer->from.tau_px = 4;
+      finer->to.tau_px = tau_px;
+      timeline.add(coarse, at(1100), strategy);
+      const Duration lateness = timeline.add(finer, at(1170), strategy);
+      const bool refines = tau_px < 4;
+      EXPECT_EQ(lateness == Duration{}, refines);
+      if (refines) {
+        EXPECT_EQ(timeline.at(at(1169)).version, 1u);
+        EXPECT_EQ(timeline.at(at(1170)).version, 2u);
+        EXPECT_EQ(timeline.at(at(1170) + Timeline::kShortestBlend).weight, 1);
+      }
+    }
+}
+
 TEST(Timeline, CatchesUpWithAnOutageRightAfterTheFirstKeyframe) {
   for (Strategy strategy : {Strategy::kDelay, Strategy::kCurrent}) {
     Timeline timeline;

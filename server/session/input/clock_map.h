@@ -30,6 +30,8 @@ class ClockMap {
   // The server time at which a message should leave to arrive at `arrival_client`, by the slowest recent L_down that is
   // no outage (slowestUsual in base/latency.h).
   Time sendBy(Time arrival_client) const { return Time{arrival_client.us - max_down_}; }
+  // The client's time at which a message that leaves at `sent` arrives, by the same L_down.
+  Time arrivalOf(Time sent) const { return Time{sent.us + max_down_}; }
 
  private:
   static constexpr size_t kMemory = 32;               // messages, each way

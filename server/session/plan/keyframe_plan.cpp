@@ -51,6 +51,15 @@ KeyframePlan predicted(const KeyframeState& state, const ClockMap& clocks, const
   return {target, due, skippedTo(state, target)};
 }
 
+// For `delay` and `current` the pose of its time must have arrived.
+std::optional<KeyframePlan> refining(const KeyframeState& state, const ClockMap& clocks) {
+  const Time last = *state.last_client;
+  const Time t = state.predicts ? std::max(last + Duration{1}, clocks.arrivalOf(state.now + state.compute_time))
+                                : state.newest_client;
+  if (t <= last) return std::nullopt;
+  return KeyframePlan{t, {state.now, state.now + Duration{state.grid.us / 2}, false, state.compute_time}};
+}
+
 }  // namespace
 
 Time gridAtOrAfter(Time t, Duration grid) {
@@ -71,6 +80,7 @@ std::optional<KeyframePlan> planKeyframe(const KeyframeState& state, const Clock
   const Time now = state.now, newest = state.newest_client;
   // After a jump the newest pose counts at once: what is shown was computed for elsewhere.
   if (state.has_jumped) return notTooSoon(state, {newest, {now, now}});
+  if (state.is_coarse) return refining(state, clocks);
   if (state.predicts) {
     if (!target) return std::nullopt;
     return notTooSoon(state, predicted(state, clocks, options, *target));

@@ -6,6 +6,9 @@
 // `predict` its keyframes are computed (n - 1) / 2 intervals sooner. If viewer, link or server cannot keep up, grid
 // points are skipped.
 //
+// After a jump a coarse keyframe is computed at once, and the one that refines it as soon as that has left, for the
+// time at which it arrives: not on the grid, for nothing else is shown.
+//
 // Pure functions; any thread; O(1).
 #pragma once
 
@@ -39,7 +42,7 @@ Time targetOf(const KeyframeState& state, const ClockMap& clocks, Duration safet
 
 // The next keyframe; nothing if it waits for a pose or, with `predict`, has no target. Keyframes are an interval apart
 // on the client's clock. Whatever that clock says, hardly more than two of them are computed in an interval of the
-// server's, and one if the camera jumps every time.
+// server's, and as many if the camera jumps every time.
 std::optional<KeyframePlan> planKeyframe(const KeyframeState& state, const ClockMap& clocks, const PlanOptions& options,
                                          std::optional<Time> target);
 

@@ -18,6 +18,7 @@ struct KeyframeState {
   bool predicts = false;            // a keyframe is computed before its time (strategy `predict`)
   bool has_jumped = false;          // the camera, and no keyframe has been computed since
   bool was_after_jump = false;      // the last keyframe was the first after a jump
+  bool is_coarse = false;           // and coarser than wanted, to be there at once
   Time newest_client;               // of the newest pose
   std::optional<Time> last_client;  // of the last keyframe; nothing before the first one of the connection
   Time last_computed, before_last_computed;            // the last keyframe and the one before it

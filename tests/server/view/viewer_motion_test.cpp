@@ -69,7 +69,8 @@ TEST(ViewerMotion, AfterAJumpIsThatOfAViewerWhoBeginsThere) {
       if (stands) pose.pose = proto::Pose{{0, 0, 500}, {1, 0, 0, 0}};
       add(jumped, pose, request);
     }
-    if (!stands && rng.below(2) == 0 && !jumped.empty()) jumped.regionShare().observe({10, 0.1}, 300'000, 100'000);
+    if (!stands && rng.below(2) == 0 && !jumped.empty())
+      jumped.regionShare().observe({{}, {10, 0.1}, {}}, 900'000, 100'000);
     Flight after(rng, before.pose().time, before.pose().pose.eye + glm::dvec3(300, 0, 0));
     const proto::TimedPose first = after.next();
     jumped.jumpTo(first);

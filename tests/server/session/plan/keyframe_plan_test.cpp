@@ -134,6 +134,27 @@ TEST(Plan, EndsWhenThePredictedKeyframeIsNeeded) {
   }));
 }
 
+// With `predict` for when it arrives, else for the newest pose, but after the coarse one in any case.
+TEST(Plan, RefinesACoarseSectionAtOnce) {
+  EXPECT_TRUE(rc::check([] {
+    Scenario s = some();
+    s.state.is_coarse = true;
+    if (!s.state.last_client) s.state.last_client = s.state.newest_client - someDuration(0, 10);
+    const auto plan = planKeyframe(s.state, s.clocks, s.options, std::nullopt);
+    if (!plan) {
+      RC_ASSERT(!s.state.predicts && s.state.newest_client <= *s.state.last_client);
+      return;
+    }
+    RC_ASSERT(plan->due.release == s.state.now && plan->due.deadline <= s.state.now + s.state.grid);
+    RC_ASSERT(plan->time_client > *s.state.last_client);
+    if (!s.state.predicts)
+      RC_ASSERT(plan->time_client == s.state.newest_client);
+    else
+      RC_ASSERT(s.clocks.sendBy(plan->time_client) == s.state.now + s.state.compute_time ||
+                plan->time_client == *s.state.last_client + Duration{1});
+  }));
+}
+
 // A client's clock that runs ten times as fast makes no more work.
 TEST(Plan, MakesHardlyMoreThanTwoKeyframesInAnIntervalOfTheServer) {
   EXPECT_TRUE(rc::check([] {
