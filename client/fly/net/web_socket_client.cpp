@@ -248,13 +248,13 @@ LostBy WebSocketClient::lostBy() const {
                                                                                        : LostBy::kFailure;
 }
 
-void WebSocketClient::close() try {
+void WebSocketClient::close(std::chrono::milliseconds longest) try {
   if (impl_->failure) return;
   const std::function<Status(ByteSpan)> ignore = [](ByteSpan) { return Status(); };
   impl_->on_message = &ignore;
   impl_->stream->close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
   impl_->io.restart();
-  impl_->io.run_for(std::chrono::seconds(1));
+  impl_->io.run_for(longest);
   impl_->failure = Error{ErrorCode::kIo, impl_->name + ": closed"};
 } catch (const std::exception&) {
   return;  // the connection is being given up anyway

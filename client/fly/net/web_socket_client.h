@@ -66,8 +66,8 @@ class WebSocketClient {
   size_t unsentBytes() const;
   // Of the last run's Error.
   LostBy lostBy() const;
-  // Closes the connection with a close frame; waits for the server's at most a second.
-  void close();
+  // Closes the connection with a close frame; waits for the server's so long at most.
+  void close(std::chrono::milliseconds longest = std::chrono::seconds(1));
 
  private:
   struct Impl;
