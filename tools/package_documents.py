@@ -37,7 +37,7 @@ HEAD = """\
 Foreland is free software: you may use, change and pass it on under the Apache License, version 2.0. On Debian systems
 its text is in /usr/share/common-licenses/Apache-2.0.
 
-Copyright: the authors of Foreland
+Copyright 2026 the authors of Foreland
 
 The programs and the page contain parts of the following, each under its own licence.
 """
