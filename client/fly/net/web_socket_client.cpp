@@ -157,7 +157,10 @@ Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::m
   const std::string authorization = options.token.empty() ? "" : "Bearer " + options.token;
   error_code error;
   transport::WebSocket::Answer answer;
-  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, answer, [&](error_code e) { error = e; });
+  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, answer, [&](error_code e) {
+    error = e;
+    io.stop();  // Beast's timer goes on where the server declines
+  });
   if (Status s = runStep(options.stop); !s.ok()) return s;
   if (!error) return {};
   const bool is_answer = answer.status != 0 && answer.status != 101;
