@@ -143,9 +143,8 @@ bool GroundSupply::mayNeedExact(const Viewer& viewer, const proto::LatticePositi
 
 void GroundSupply::putExact(Viewer& viewer, const proto::LatticePosition& eye, double reach) {
   if (mayNeedExact(viewer, eye, reach)) ask(viewer, eye, reach);
-  auto reply = viewer.takeGround();
-  const bool is_ours =
-      reply && asked_ && reply->id == asked_->id && reply->heights_m.size() % asked_->patch.columns == 0;
+  auto reply = asked_ ? viewer.takeGround(asked_->id) : std::nullopt;
+  const bool is_ours = reply && reply->heights_m.size() % asked_->patch.columns == 0;
   ByteWriter out(out_);
   out.put(static_cast<uint32_t>(is_ours ? 1 : 0));
   if (!is_ours) return;

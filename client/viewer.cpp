@@ -15,6 +15,15 @@ std::optional<Reply> takeFirst(std::deque<Reply>& replies) {
   return first;
 }
 
+// Replies that nobody asked for, or nobody takes, are not kept for good.
+constexpr size_t kMaxReplies = 64;
+
+template <class Reply>
+void keepNewest(std::deque<Reply>& replies, Reply reply) {
+  if (replies.size() == kMaxReplies) replies.pop_front();
+  replies.push_back(std::move(reply));
+}
+
 }  // namespace
 
 Viewer::Viewer(const proto::ViewRequest& request, Blend blend, Duration pose_interval)
@@ -61,7 +70,7 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
     statistics_.texel_px = statement->texel_px;
   }
   if (auto* tour = std::get_if<proto::TourReply>(&*message)) tour_ = std::move(*tour);
-  if (auto* ground = std::get_if<proto::GroundReply>(&*message)) ground_ = std::move(*ground);
+  if (auto* ground = std::get_if<proto::GroundReply>(&*message)) keepNewest(grounds_, std::move(*ground));
   if (auto* sight = std::get_if<proto::SightReply>(&*message)) sights_.push_back(std::move(*sight));
   if (auto* viewshed = std::get_if<proto::ViewshedReply>(&*message)) viewsheds_.push_back(std::move(*viewshed));
   if (auto* refusal = std::get_if<proto::Refusal>(&*message))
@@ -71,6 +80,7 @@ Status Viewer::receive(ByteSpan bytes, Time now) {
 
 void Viewer::reconnect(Time now) {
   outgoing_.clear();
+  grounds_.clear();
   sights_.clear();
   viewsheds_.clear();
   is_greeted_ = false;
@@ -236,7 +246,15 @@ uint32_t Viewer::requestViewshed(proto::ViewshedRequest request) {
 void Viewer::cancelRequest(uint32_t id) { send(proto::encode(proto::RequestCancel{id})); }
 
 std::optional<proto::TourReply> Viewer::takeTour() { return std::exchange(tour_, std::nullopt); }
-std::optional<proto::GroundReply> Viewer::takeGround() { return std::exchange(ground_, std::nullopt); }
+std::optional<proto::GroundReply> Viewer::takeGround() { return takeFirst(grounds_); }
+
+std::optional<proto::GroundReply> Viewer::takeGround(uint32_t id) {
+  const auto reply = std::find_if(grounds_.begin(), grounds_.end(), [&](const auto& r) { return r.id == id; });
+  if (reply == grounds_.end()) return std::nullopt;
+  std::optional<proto::GroundReply> taken = std::move(*reply);
+  grounds_.erase(reply);
+  return taken;
+}
 
 std::optional<proto::SightReply> Viewer::takeSight() { return takeFirst(sights_); }
 std::optional<proto::ViewshedReply> Viewer::takeViewshed() { return takeFirst(viewsheds_); }

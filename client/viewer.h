@@ -97,6 +97,8 @@ class Viewer {
   // The reply to such a request, once; nullopt until it arrives. Of a viewshed the next part.
   std::optional<proto::TourReply> takeTour();
   std::optional<proto::GroundReply> takeGround();
+  // That to one request, where several parts of a host ask.
+  std::optional<proto::GroundReply> takeGround(uint32_t id);
   std::optional<proto::SightReply> takeSight();
   std::optional<proto::ViewshedReply> takeViewshed();
 
@@ -158,7 +160,7 @@ class Viewer {
   uint32_t received_keyframe_ = 0;
   Time received_at_;
   std::optional<proto::TourReply> tour_;
-  std::optional<proto::GroundReply> ground_;
+  std::deque<proto::GroundReply> grounds_;
   std::deque<proto::SightReply> sights_;
   std::deque<proto::ViewshedReply> viewsheds_;
   uint32_t next_request_id_ = 1;

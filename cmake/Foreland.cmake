@@ -51,10 +51,19 @@ function(foreland_units target)
   endif()
 endfunction()
 
+# Any library may become a part of the shared one (client/c), which shows nothing but its C functions. Code that no other library can
+# replace is as fast as a program's own: it needs no table to find itself.
+function(foreland_for_shared_library target)
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "WASI")
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  endif()
+endfunction()
+
 # foreland_library(NAME SOURCES... [PUBLIC libs] [PRIVATE libs])
 function(foreland_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
+  foreland_for_shared_library(${name})
   target_link_libraries(${name} PUBLIC foreland_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   foreland_use_precompiled(${name} precompiled_for_libraries)
   foreland_units(${name})

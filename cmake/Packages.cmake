@@ -1,5 +1,5 @@
 # Where `cmake --install` puts what is built, by the file hierarchy standard, and what CPack makes of it: the packages
-# foreland and, with the laboratory, foreland-lab. docs/INSTALL.md says how to use both.
+# foreland, libforeland-client0 and -dev (client/c), and, with the laboratory, foreland-lab. docs/INSTALL.md says how to use both.
 include(GNUInstallDirs)
 set(CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 # PATH gets one name, `foreland`. What it runs lies in libexec: nobody need call that by name, and the laboratory's package adds to it.
@@ -36,7 +36,7 @@ install(FILES deploy/haproxy.cfg deploy/nginx.conf deploy/Caddyfile DESTINATION 
 install(FILES LICENSE DESTINATION ${doc_dir}/foreland COMPONENT checkout)
 
 # ---- the laboratory ----
-set(packages foreland)
+set(packages foreland client client_dev)
 if(FORELAND_LAB)
   list(APPEND packages lab)
   foreland_install_subcommands(lab/apps lab)
@@ -45,6 +45,7 @@ if(FORELAND_LAB)
 endif()
 
 # ---- what depends on where it is installed ----
+get_target_property(abi foreland_c SOVERSION)
 set(FORELAND_MAINTAINER "Foreland <founders@foreland.example>" CACHE STRING "Whom packages name as who keeps them: NAME <ADDRESS>")
 configure_file(cmake/install_documents.cmake.in ${CMAKE_BINARY_DIR}/install_documents.cmake @ONLY)
 foreach(component ${packages})
@@ -67,6 +68,8 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${FORELAND_MAINTAINER})
 
@@ -91,6 +94,20 @@ ${needs}")
 set(CPACK_DEBIAN_FORELAND_PACKAGE_SUGGESTS "foreland-lab, haproxy")
 set(CPACK_DEBIAN_FORELAND_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/deploy/debian/conffiles ${CMAKE_SOURCE_DIR}/deploy/debian/postinst
   ${CMAKE_SOURCE_DIR}/deploy/debian/prerm ${CMAKE_SOURCE_DIR}/deploy/debian/postrm)
+set(CPACK_DEBIAN_CLIENT_PACKAGE_NAME libforeland-client${abi})
+set(CPACK_DEBIAN_CLIENT_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_CLIENT_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/deploy/debian/triggers)
+set(CPACK_DEBIAN_CLIENT_DESCRIPTION "client of foreland for other engines: shared library
+The library connects to a server of foreland, and gives terrain as meshes to
+draw and heights to ask for. Its interface is of C.
+.
+${needs}")
+set(CPACK_DEBIAN_CLIENT_DEV_PACKAGE_NAME libforeland-client-dev)
+set(CPACK_DEBIAN_CLIENT_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_CLIENT_DEV_PACKAGE_DEPENDS "libforeland-client${abi} (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_CLIENT_DEV_DESCRIPTION "client of foreland for other engines: what programs are built with
+The header foreland.h, with all that there is to know of the interface, and
+what pkg-config and CMake ask for.")
 set(CPACK_DEBIAN_LAB_PACKAGE_NAME foreland-lab)
 set(CPACK_DEBIAN_LAB_DESCRIPTION "laboratory of foreland: benchmarks and experiments
 The programs are `foreland bench`, which measures the engine beside named

@@ -77,6 +77,7 @@ SEES["client/fly/net"] = [*CLIENT, "transport"]
 SEES["server/net"] = [*SEES["server/net"], "transport"]
 SEES["client/fly/tracks"] = CLIENT
 SEES["client/fly"] = [*CLIENT, "client/fly/net", "client/fly/tracks"]
+SEES["client/c"] = [*CLIENT, "client/fly/net"]  # the client for other engines, whose hosts see foreland.h alone
 
 LIBRARIES = sorted(SEES)
 # The judge of what is drawn, in measurements, in the player and in tests; it knows nothing of the server.
@@ -130,7 +131,7 @@ THIRD_PARTY = [
 ]
 
 CLOCK = re.compile(r"\b(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|std::time\s*\()|<ctime>")
-CLOCK_ROOMS = ["server/net", "client/fly", "client/fly/net", "sim", "lab/load", *EDGES]  # sim: to time its steps; lab/load: for runs in real time
+CLOCK_ROOMS = ["server/net", "client/c", "client/fly", "client/fly/net", "sim", "lab/load", *EDGES]  # sim: to time its steps; lab/load: for runs in real time
 
 # Rooms of the client's package in TypeScript, and what each may import; `three` is the library. Only the worker's entry knows Node.
 SCRIPT_SEES = {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes what Debian wants in /usr/share/doc of a package: `copyright`, and CHANGELOG.md as `changelog.gz`.
 
-    tools/package_documents.py PACKAGE VERSION MAINTAINER FOLDER    PACKAGE is foreland or foreland-lab
+    tools/package_documents.py PACKAGE VERSION MAINTAINER FOLDER    PACKAGE is foreland, foreland-lab, libforeland-client0 or -dev
     tools/package_documents.py --self-test
 
 Other makers' licences ask for their texts where their code is in what is shipped: in the programs, in the module of
@@ -26,6 +26,8 @@ ROOT = Path(__file__).resolve().parent.parent
 DEBIAN = ["libcli11-dev", "libflatbuffers-dev", "libglm-dev", "libspdlog-dev", "libtomlplusplus-dev", "nlohmann-json3-dev"]
 CONTENTS = {
     "foreland": {"debian": [*DEBIAN, "wasi-libc"], "npm": ["client/web/node_modules/three"]},
+    "libforeland-client0": {"debian": ["libflatbuffers-dev", "libglm-dev"], "npm": []},
+    "libforeland-client-dev": {"debian": [], "npm": []},
     "foreland-lab": {"debian": [*DEBIAN, "wasi-libc"],
                      "npm": ["lab/report/node_modules/*", "lab/report/node_modules/@observablehq/*", "lab/martini/node_modules/@mapbox/martini",
                              "lab/wire/peers/node_modules/@here/quantized-mesh-decoder"]},
@@ -35,7 +37,7 @@ HEAD = """\
 Foreland is free software: you may use, change and pass it on under the Apache License, version 2.0. On Debian systems
 its text is in /usr/share/common-licenses/Apache-2.0.
 
-Copyright: the authors of Foreland
+Copyright 2026 the authors of Foreland
 
 The programs and the page contain parts of the following, each under its own licence.
 """

@@ -58,6 +58,17 @@ checkLaboratoryIsApart() {
   [[ $status -eq 2 && "$said" == *"install the package foreland-lab"* ]] || fail "without the laboratory: exit code $status: $said"
 }
 
+# The client for other engines, and that programs are built with it.
+checkLibrary() {
+  local library said
+  unpack "$(ls "$packages"/libforeland-client0_*.deb)" && unpack "$(ls "$packages"/libforeland-client-dev_*.deb)" || fail "there are no packages of the library"
+  library="$tree/usr/lib/libforeland_client.so.0"
+  said="$(python3 -c 'import ctypes, sys; l = ctypes.CDLL(sys.argv[1]); l.foreland_version.restype = ctypes.c_char_p; print(l.foreland_version().decode())' "$library" 2>&1)" ||
+    fail "the library does not load: $said"
+  [[ "$said" == "$version" ]] || fail "the library is of version $said"
+  [[ -f "$tree/usr/include/foreland.h" && -f "$tree/usr/lib/pkgconfig/foreland.pc" ]] || fail "there is nothing to build programs with"
+}
+
 # ---- a flight from installed programs: run by bash as `fly PREFIX`, with PREFIX/bin in PATH ----
 
 readonly flight='
@@ -200,6 +211,7 @@ unpack "$foreland"
 checkUnit
 checkProcessor
 checkLaboratoryIsApart
+checkLibrary
 unpack "$lab"
 PATH="$tree/usr/bin:$PATH" bash -c "$measure" measure "$tree/usr/share/foreland/lab" || fail "the laboratory failed"
 say "unpacked, and measured"

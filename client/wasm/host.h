@@ -3,13 +3,12 @@
 #pragma once
 
 #include <array>
-#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "client/ground_supply.h"
-#include "client/imagery/drape.h"
+#include "client/newest_mesh.h"
 #include "client/viewer.h"
 #include "client/wasm/records.h"
 #include "client/wasm/scene_record.h"
@@ -20,15 +19,11 @@ struct Host {
   explicit Host(const proto::ViewRequest& request) : viewer(request) {}
 
   Viewer viewer;
+  NewestMesh newest{viewer};
   Bytes outgoing;
   std::string error;
   proto::Path tour;
   SceneRecord welcome;
-  uint32_t taken_mesh = 0;  // the last version that takeNewest() gave
-  Drape::Sizes texture_layers;
-  std::optional<Drape> drape;
-  uint32_t draped_scene = 0;      // TileStore::scene() that it is for
-  std::optional<glm::dvec3> sun;  // that casts shadows
   std::vector<uint32_t> arrivals, dropped;
 
   FrameRecord frame_record{};

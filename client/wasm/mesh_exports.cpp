@@ -68,24 +68,13 @@ FORELAND_EXPORT(foreland_draw_ahead) void drawAhead(Host* host) { host->viewer.d
 // The newest mesh, whose interval foreland_interval gives; null if it has been taken already. For viewers that draw
 // ahead.
 FORELAND_EXPORT(foreland_take_newest) const FrameRecord* takeNewest(Host* host) {
-  const Interval* newest = host->viewer.timeline().newest();
-  if (newest == nullptr || newest->version == host->taken_mesh) return nullptr;
-  host->taken_mesh = newest->version;
+  const Interval* newest = host->newest.take();
+  if (newest == nullptr) return nullptr;
   FrameRecord& out = host->frame_record;
   out = {};
   out.mesh_version = newest->version;
   out.oldest_version = host->viewer.timeline().oldestVersion();
   fillMesh(host->viewer.drawn().mesh(), out);
-  if (host->draped_scene != host->viewer.tiles().scene()) {
-    host->draped_scene = host->viewer.tiles().scene();
-    host->drape.emplace(host->viewer.tiles(), host->texture_layers);
-    const proto::Welcome& welcome = *host->viewer.welcome();
-    const double quantum_m = welcome.frame.height_quantum_m;
-    host->drape->setHeights(host->viewer.frameGrid().transform(), welcome.lowest * quantum_m,
-                            welcome.highest * quantum_m);
-    host->drape->setSun(host->sun);
-  }
-  host->drape->advance(host->viewer.frameGrid().transform(), newest->from, newest->to);
   return &out;
 }
 

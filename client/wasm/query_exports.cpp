@@ -28,9 +28,9 @@ FORELAND_EXPORT(foreland_request_ground) uint32_t requestGround(Host* host) {
   return host->viewer.requestGround(std::move(points));
 }
 
-// The reply that has arrived since the last call; null if none has.
-FORELAND_EXPORT(foreland_take_ground) const GroundRecord* takeGround(Host* host) {
-  std::optional<proto::GroundReply> reply = host->viewer.takeGround();
+// The reply to that request, once; null if it has not arrived. Those to foreland_ground's own requests stay.
+FORELAND_EXPORT(foreland_take_ground) const GroundRecord* takeGround(Host* host, uint32_t request) {
+  std::optional<proto::GroundReply> reply = host->viewer.takeGround(request);
   if (!reply) return nullptr;
   host->ground_reply = std::move(reply);
   host->ground_record = {.id = host->ground_reply->id,

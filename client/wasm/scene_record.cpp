@@ -1,53 +1,10 @@
 #include "client/wasm/scene_record.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "client/wasm/conversions.h"
 
 namespace foreland::client {
-namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
-
-// Corners and centres of the root squares that lie inside the data: the only relief known before the first keyframe.
-void collectLandmarks(const proto::Welcome& welcome, const proto::FrameTransform& transform, std::vector<double>& out) {
-  const auto& shape = welcome.shape;
-  const double size = static_cast<double>(1u << shape.root_log2), step = welcome.frame.height_quantum_m;
-  const auto add = [&](double x, double y, int32_t height) {
-    if (x > shape.samples_x - 1.0 || y > shape.samples_y - 1.0) return;
-    const glm::dvec3 p = transform.toScene(proto::LatticePosition{x, y, height * step});
-    out.insert(out.end(), {p.x, p.y, p.z});
-  };
-  for (uint32_t j = 0; j <= shape.roots_y; ++j)
-    for (uint32_t i = 0; i <= shape.roots_x; ++i)
-      add(i * size, j * size, welcome.corner_heights[j * (shape.roots_x + 1) + i]);
-  for (uint32_t j = 0; j < shape.roots_y; ++j)
-    for (uint32_t i = 0; i < shape.roots_x; ++i)
-      add((i + 0.5) * size, (j + 0.5) * size, welcome.centre_heights[j * shape.roots_x + i]);
-}
-
-// Box around the data, from a net of lattice positions at both extreme heights.
-void fillBox(const proto::Welcome& welcome, const proto::FrameTransform& transform, WelcomeRecord& out) {
-  constexpr int kCells = 8;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.low[axis] = std::numeric_limits<double>::infinity();
-    out.high[axis] = -out.low[axis];
-  }
-  for (int k = 0; k <= kCells; ++k)
-    for (int l = 0; l <= kCells; ++l)
-      for (double height : {out.lowest_m, out.highest_m}) {
-        const glm::dvec3 p = transform.toScene(proto::LatticePosition{
-            (welcome.shape.samples_x - 1.0) * k / kCells, (welcome.shape.samples_y - 1.0) * l / kCells, height});
-        for (int axis = 0; axis < 3; ++axis) {
-          out.low[axis] = std::min(out.low[axis], p[axis]);
-          out.high[axis] = std::max(out.high[axis], p[axis]);
-        }
-      }
-}
-
-}  // namespace
-
 const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::FrameTransform& transform) {
   WelcomeRecord& out = record_;
   out.lowest_m = from.lowest * from.frame.height_quantum_m;
@@ -63,9 +20,10 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
   out.is_geographic = from.frame.kind == proto::FrameKind::kGeographic ? 1 : 0;
   out.samples_x = from.shape.samples_x;
   out.samples_y = from.shape.samples_y;
-  fillBox(from, transform, out);
+  const SceneBox box = boxOf(from, transform);
+  for (int axis = 0; axis < 3; ++axis) out.low[axis] = box.low[axis], out.high[axis] = box.high[axis];
   landmarks_.clear();
-  collectLandmarks(from, transform, landmarks_);
+  for (const glm::dvec3& p : landmarksOf(from, transform)) landmarks_.insert(landmarks_.end(), {p.x, p.y, p.z});
   out.landmark_count = static_cast<uint32_t>(landmarks_.size() / 3);
   out.landmarks = addressOf(landmarks_.data());
   epochs_ms_.clear();
@@ -80,35 +38,15 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
   return &out;
 }
 
-MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const glm::dvec3& point, double ground_m) {
-  const glm::dvec3 up = transform.upAt(point);
-  MapPositionRecord out{};
-  const proto::LatticePosition lattice = transform.toLattice(point);
-  out.height_m = lattice.height_m;
-  out.lattice[0] = lattice.x;
-  out.lattice[1] = lattice.y;
-  out.ground_m = ground_m;
-  out.up[0] = up.x;
-  out.up[1] = up.y;
-  out.up[2] = up.z;
-  if (transform.frame().kind == proto::FrameKind::kGeographic) {
-    const proto::Geodetic geodetic = transform.toGeodetic(point);
-    out.across[0] = geodetic.latitude_rad * kDegreesPerRadian;
-    out.across[1] = geodetic.longitude_rad * kDegreesPerRadian;
-  } else {
-    out.across[0] = transform.frame().map_origin_m.y + point.y;
-    out.across[1] = transform.frame().map_origin_m.x + point.x;
-  }
-  return out;
-}
-
-glm::dvec3 scenePointOf(const proto::FrameTransform& transform, glm::dvec2 across, double height_m) {
-  const proto::Frame& frame = transform.frame();
-  if (frame.kind == proto::FrameKind::kPlanar)
-    return {across[1] - frame.map_origin_m.x, across[0] - frame.map_origin_m.y, height_m};
-  return transform.toScene(proto::Geodetic{.latitude_rad = across[0] / kDegreesPerRadian,
-                                           .longitude_rad = across[1] / kDegreesPerRadian,
-                                           .height_m = height_m});
+MapPositionRecord mapPositionRecordOf(const ScreenPlace& place) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const MapPosition& at = place.at;
+  return {.height_m = at.height_m,
+          .ground_m = place.ground_m.value_or(kUnknown),
+          .up = {at.up.x, at.up.y, at.up.z},
+          .across = {at.across.x, at.across.y},
+          .lattice = {at.lattice.x, at.lattice.y},
+          .slope_rad = place.slope_rad.value_or(kUnknown)};
 }
 
 SlopeFrameRecord slopeFrameOf(const proto::Frame& frame) {

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "client/screen.h"
 #include "client/wasm/records.h"
 #include "proto/message/message.h"
 #include "proto/space/frame.h"
@@ -20,12 +21,7 @@ class SceneRecord {
   std::vector<uint32_t> model_sides_;
 };
 
-// A point of the scene in the coordinates of the data's owner; the ground's height there is given.
-MapPositionRecord mapPositionOf(const proto::FrameTransform& transform, const glm::dvec3& point, double ground_m);
-
-// The point of the scene at a place in those coordinates (MapPositionRecord::across) and a height above the zero
-// surface.
-glm::dvec3 scenePointOf(const proto::FrameTransform& transform, glm::dvec2 across, double height_m);
+MapPositionRecord mapPositionRecordOf(const ScreenPlace& place);
 
 // How slopes along the lattice's axes become a normal.
 SlopeFrameRecord slopeFrameOf(const proto::Frame& frame);

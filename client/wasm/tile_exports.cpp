@@ -19,7 +19,7 @@ void fillTiles(proto::TileContent content, const Residency& residency, Host& hos
     host.arrivals.insert(host.arrivals.end(), {low, high, a.texture_layer, a.parent_layer.value_or(kNoLayer), 0});
   }
   if (content == proto::TileContent::kRelief)
-    for (const Residency::Shown& r : host.drape->relit()) {
+    for (const Residency::Shown& r : host.newest.drape()->relit()) {
       const auto [low, high] = halvesOf(r.tile.key());
       host.arrivals.insert(host.arrivals.end(), {low, high, r.texture_layer, kNoLayer, 1});
     }
@@ -27,7 +27,7 @@ void fillTiles(proto::TileContent content, const Residency& residency, Host& hos
     const auto [low, high] = halvesOf(tile.key());
     host.dropped.insert(host.dropped.end(), {low, high});
   }
-  out.scene = host.draped_scene;
+  out.scene = host.newest.drapedScene();
   out.shown = static_cast<uint32_t>(residency.shown().size());
   out.page_table = addressOf(residency.pageTable().data());
   out.page_count = static_cast<uint32_t>(residency.pageTable().size() / 4);
@@ -41,20 +41,19 @@ void fillTiles(proto::TileContent content, const Residency& residency, Host& hos
 
 // How many layers the texture arrays of relief and imagery have. To be called before the first mesh is taken.
 FORELAND_EXPORT(foreland_set_texture_layers)
-void setTextureLayers(Host* host, uint32_t relief, uint32_t imagery) { host->texture_layers = {relief, imagery}; }
+void setTextureLayers(Host* host, uint32_t relief, uint32_t imagery) {
+  host->newest.setTextureLayers({relief, imagery});
+}
 
 // What the host had taken is lost (its graphics card was reset): the newest mesh is taken again, and all tiles come
 // again with it and those that follow.
-FORELAND_EXPORT(foreland_redraw) void redraw(Host* host) {
-  host->taken_mesh = 0;
-  host->draped_scene = 0;
-}
+FORELAND_EXPORT(foreland_redraw) void redraw(Host* host) { host->newest.redraw(); }
 
 // What of the tiles of a proto::TileContent is drawn with the mesh that was taken last. Null if the scene has none.
 FORELAND_EXPORT(foreland_tiles) const TilesRecord* tiles(Host* host, uint32_t content) {
   const Residency* residency = nullptr;
-  if (host->drape && content < proto::kMaxTileLayers)
-    residency = host->drape->residency(static_cast<proto::TileContent>(content));
+  if (host->newest.drape() && content < proto::kMaxTileLayers)
+    residency = host->newest.drape()->residency(static_cast<proto::TileContent>(content));
   if (residency == nullptr) return nullptr;
   fillTiles(static_cast<proto::TileContent>(content), *residency, *host);
   return &host->tiles_record;
@@ -63,31 +62,30 @@ FORELAND_EXPORT(foreland_tiles) const TilesRecord* tiles(Host* host, uint32_t co
 // Slopes of a tile of relief that arrives (`half` 0), and of its half-size image (`half` 1).
 FORELAND_EXPORT(foreland_slopes) const uint32_t* slopes(Host* host, uint32_t low, uint32_t high, uint32_t half) {
   const proto::TileId tile = tileOf(low, high);
-  return half == 0 ? host->drape->slopes(tile).data() : host->drape->halfSlopes(tile).data();
+  return half == 0 ? host->newest.drape()->slopes(tile).data() : host->newest.drape()->halfSlopes(tile).data();
 }
 
 // Its ground texels likewise (client/imagery/shadows.h), also of tiles that are relit.
 FORELAND_EXPORT(foreland_ground_texels)
 const uint32_t* groundTexels(Host* host, uint32_t low, uint32_t high, uint32_t half) {
   const proto::TileId tile = tileOf(low, high);
-  return half == 0 ? host->drape->ground(tile).data() : host->drape->halfGround(tile).data();
+  return half == 0 ? host->newest.drape()->ground(tile).data() : host->newest.drape()->halfGround(tile).data();
 }
 
 // Towards the sun, in the scene's axes, if it casts shadows (`wanted` 1).
 FORELAND_EXPORT(foreland_set_sun) void setSun(Host* host, double x, double y, double z, uint32_t wanted) {
-  host->sun = wanted == 1 ? std::optional(glm::normalize(glm::dvec3{x, y, z})) : std::nullopt;
-  if (host->drape) host->drape->setSun(host->sun);
+  host->newest.setSun(wanted == 1 ? std::optional(glm::dvec3{x, y, z}) : std::nullopt);
 }
 
 // Decodes a tile of relief, if one is wanted: 1 if so.
 FORELAND_EXPORT(foreland_decode_relief) uint32_t decodeRelief(Host* host) {
-  return host->drape && host->drape->decodeRelief() ? 1 : 0;
+  return host->newest.drape() && host->newest.drape()->decodeRelief() ? 1 : 0;
 }
 
 // The next image to be decoded, each once; null if there is none.
 FORELAND_EXPORT(foreland_next_image) const ImageRecord* nextImage(Host* host) {
-  if (!host->drape) return nullptr;
-  const auto tile = host->drape->takeWantedImage();
+  if (!host->newest.drape()) return nullptr;
+  const auto tile = host->newest.drape()->takeWantedImage();
   const HeldTile* held = tile ? host->viewer.tiles().find(*tile) : nullptr;
   if (held == nullptr) return nullptr;
   const auto [low, high] = halvesOf(tile->key());
@@ -97,7 +95,7 @@ FORELAND_EXPORT(foreland_next_image) const ImageRecord* nextImage(Host* host) {
 
 // The image of a tile has been decoded.
 FORELAND_EXPORT(foreland_image_ready) void imageReady(Host* host, uint32_t low, uint32_t high) {
-  if (host->drape) host->drape->setImageReady(tileOf(low, high));
+  if (host->newest.drape()) host->newest.drape()->setImageReady(tileOf(low, high));
 }
 
 }  // namespace foreland::client

@@ -4,6 +4,7 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -49,7 +50,8 @@ Result<WebSocketUrl> parseWebSocketUrl(const std::string& url) {
   std::string authority = url.substr(scheme->prefix.size());
   WebSocketUrl result{.security = scheme->security, .host = {}, .port = scheme->port, .target = "/fly"};
   if (const size_t slash = authority.find('/'); slash != std::string::npos) {
-    if (slash + 1 < authority.size()) result.target = authority.substr(slash);
+    result.target = authority.substr(slash);
+    if (result.target.ends_with('/')) result.target += "fly";  // of the page there
     authority.resize(slash);
   }
   const size_t bracket = authority.find(']');
@@ -75,8 +77,10 @@ struct WebSocketClient::Impl {
   beast::flat_buffer incoming;
   std::deque<Bytes> outgoing;  // the front one is being written
   const std::function<Status(ByteSpan)>* on_message = nullptr;
+  size_t unsent_bytes = 0;
   std::optional<Error> failure;
 
+  Status runStep(const std::stop_token& stop);
   Status open(const std::string& url, std::chrono::milliseconds timeout, const Options& options);
   Status connectTo(const WebSocketUrl& url, std::chrono::milliseconds timeout, const Options& options);
   Status startTls(const WebSocketUrl& url, const Options& options);
@@ -90,17 +94,29 @@ Status WebSocketClient::Impl::open(const std::string& url, std::chrono::millisec
   const Result<WebSocketUrl> parsed = parseWebSocketUrl(url);
   if (!parsed.ok()) return parsed.error();
   name = url;
+  const std::stop_callback on_stop(options.stop, [this] { io.stop(); });
   if (Status s = connectTo(*parsed, timeout, options); !s.ok()) return s;
   if (parsed->security == Security::kTls)
     if (Status s = startTls(*parsed, options); !s.ok()) return s;
   return shakeHands(*parsed, timeout, options);
 }
 
+// Runs what was begun to its end.
+Status WebSocketClient::Impl::runStep(const std::stop_token& stop) {
+  io.restart();  // before it is asked, so that a stop after that ends the run
+  if (!stop.stop_requested()) io.run();
+  if (stop.stop_requested()) return Error{ErrorCode::kIo, name + ": connecting was stopped"};
+  return {};
+}
+
 Status WebSocketClient::Impl::connectTo(const WebSocketUrl& url, std::chrono::milliseconds timeout,
                                         const Options& options) {
   error_code error;
   tcp::resolver resolver(io);
-  const auto endpoints = resolver.resolve(url.host, url.port, error);
+  tcp::resolver::results_type endpoints;
+  resolver.async_resolve(url.host, url.port,
+                         [&](error_code e, const tcp::resolver::results_type& found) { error = e, endpoints = found; });
+  if (Status s = runStep(options.stop); !s.ok()) return s;
   if (error) return Error{ErrorCode::kNotFound, name + ": no such host: " + error.message()};
   if (url.security == Security::kTls) {
     tls.set_verify_mode(asio::ssl::verify_peer);
@@ -117,8 +133,7 @@ Status WebSocketClient::Impl::connectTo(const WebSocketUrl& url, std::chrono::mi
   beast::tcp_stream& socket = stream->transport().next_layer();
   socket.expires_after(timeout);
   socket.async_connect(endpoints, [&](error_code e, const tcp::endpoint&) { error = e; });
-  io.run();
-  io.restart();
+  if (Status s = runStep(options.stop); !s.ok()) return s;
   if (error)
     return Error{ErrorCode::kIo,
                  name + ": cannot connect: " + error.message() + "; is `foreland serve` running there?"};
@@ -129,11 +144,10 @@ Status WebSocketClient::Impl::connectTo(const WebSocketUrl& url, std::chrono::mi
 Status WebSocketClient::Impl::startTls(const WebSocketUrl& url, const Options& options) {
   error_code error;
   stream->transport().handshakeAsClient(url.host, [&](error_code e) { error = e; });
-  io.run();
-  io.restart();
+  if (Status s = runStep(options.stop); !s.ok()) return s;
   if (!error) return {};
   return Error{ErrorCode::kIo, name + ": no TLS: " + error.message() +
-                                   (options.ca_file.empty() ? "; --ca names the authority of its certificate" : "")};
+                                   (options.ca_file.empty() ? "; " + options.ca_advice + " of its certificate" : "")};
 }
 
 Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::milliseconds timeout,
@@ -143,16 +157,18 @@ Status WebSocketClient::Impl::shakeHands(const WebSocketUrl& url, std::chrono::m
   const std::string authorization = options.token.empty() ? "" : "Bearer " + options.token;
   error_code error;
   transport::WebSocket::Answer answer;
-  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, answer, [&](error_code e) { error = e; });
-  io.run();
-  io.restart();
+  stream->shakeHands(url.host + ":" + url.port, url.target, authorization, answer, [&](error_code e) {
+    error = e;
+    io.stop();  // Beast's timer goes on where the server declines
+  });
+  if (Status s = runStep(options.stop); !s.ok()) return s;
   if (!error) return {};
   const bool is_answer = answer.status != 0 && answer.status != 101;
   const std::string said = printable(answer.text.substr(0, answer.text.find_last_not_of(" \r\n") + 1), kMaxSaidBytes);
   return Error{ErrorCode::kIo, name + ": is not a Foreland server, or refuses viewers: " + error.message() +
                                    (is_answer ? " (HTTP " + std::to_string(answer.status) + ")" : "") +
                                    (said.empty() ? "" : "; it says: " + said) +
-                                   (answer.status == 401 ? "; give a valid token with --token" : "")};
+                                   (answer.status == 401 ? "; " + options.token_advice : "")};
 }
 
 void WebSocketClient::Impl::fail(const error_code& error) {
@@ -184,6 +200,7 @@ void WebSocketClient::Impl::read() {
 void WebSocketClient::Impl::write() {
   stream->write(asio::buffer(outgoing.front()), [this](error_code error, size_t) {
     if (error) return;  // reading reports the loss, after what still came in
+    unsent_bytes -= outgoing.front().size();
     outgoing.pop_front();
     if (!outgoing.empty()) write();
   });
@@ -201,7 +218,12 @@ Result<WebSocketClient> WebSocketClient::connect(const std::string& url, std::ch
   return WebSocketClient(std::move(impl));
 } catch (const std::exception& e) { return Error{ErrorCode::kIo, url + ": " + e.what()}; }
 
+Result<WebSocketClient> WebSocketClient::connect(const std::string& url, std::chrono::milliseconds timeout) {
+  return connect(url, timeout, Options());
+}
+
 void WebSocketClient::send(Bytes message) {
+  impl_->unsent_bytes += message.size();
   impl_->outgoing.push_back(std::move(message));
   if (impl_->outgoing.size() == 1) impl_->write();
 }
@@ -218,18 +240,24 @@ Status WebSocketClient::run(Clock::time_point until, const std::function<Status(
   return {};
 } catch (const std::exception& e) { return Error{ErrorCode::kIo, impl_->name + ": " + e.what()}; }
 
+void WebSocketClient::wake() {
+  asio::post(impl_->io, [io = &impl_->io] { io->stop(); });
+}
+
+size_t WebSocketClient::unsentBytes() const { return impl_->unsent_bytes; }
+
 LostBy WebSocketClient::lostBy() const {
   return impl_->stream->reason().code == beast::websocket::close_code::service_restart ? LostBy::kMigrate
                                                                                        : LostBy::kFailure;
 }
 
-void WebSocketClient::close() try {
+void WebSocketClient::close(std::chrono::milliseconds longest) try {
   if (impl_->failure) return;
   const std::function<Status(ByteSpan)> ignore = [](ByteSpan) { return Status(); };
   impl_->on_message = &ignore;
   impl_->stream->close(beast::websocket::close_code::normal, [this](error_code) { impl_->io.stop(); });
   impl_->io.restart();
-  impl_->io.run_for(std::chrono::seconds(1));
+  impl_->io.run_for(longest);
   impl_->failure = Error{ErrorCode::kIo, impl_->name + ": closed"};
 } catch (const std::exception&) {
   return;  // the connection is being given up anyway

@@ -1,12 +1,13 @@
 // A WebSocket connection to a server, driven from one thread: sending queues, and run() moves bytes both ways until a
-// given moment. The only file of the client that knows sockets and Boost; nothing of Boost shows here, and no
-// exception leaves. One owner, one thread.
+// given moment, or until another thread wakes it. The only file of the client that knows sockets and Boost; nothing of
+// Boost shows here, and no exception leaves. One owner, one thread.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "base/bytes.h"
@@ -40,11 +41,15 @@ class WebSocketClient {
   struct Options {
     std::string token;    // a bearer token for the server; empty for none
     std::string ca_file;  // certificates of authorities to trust, in PEM format; empty for the system's
+    // How the one who is told of an Error gives these.
+    std::string token_advice = "give a valid token with --token", ca_advice = "--ca names the authority";
+    std::stop_token stop;  // ends connecting, but not the system's search for a host's name
   };
 
-  // Resolves the name, connects and shakes hands; each may take `timeout` at most.
+  // Resolves the name, connects and shakes hands; each may take `timeout` at most, but the first.
   static Result<WebSocketClient> connect(const std::string& url, std::chrono::milliseconds timeout,
-                                         const Options& options = {});
+                                         const Options& options);
+  static Result<WebSocketClient> connect(const std::string& url, std::chrono::milliseconds timeout);
   ~WebSocketClient();
   WebSocketClient(WebSocketClient&&) noexcept;
   WebSocketClient& operator=(WebSocketClient&&) noexcept;
@@ -55,10 +60,14 @@ class WebSocketClient {
   // `on_message` ends the run and is returned; so is the loss of the connection, after all messages that arrived before
   // it.
   Status run(Clock::time_point until, const std::function<Status(ByteSpan)>& on_message);
+  // Ends a run that is under way, or else the next one, at once. Any thread.
+  void wake();
+  // Bytes that were queued and have not been written.
+  size_t unsentBytes() const;
   // Of the last run's Error.
   LostBy lostBy() const;
-  // Closes the connection with a close frame; waits for the server's at most a second.
-  void close();
+  // Closes the connection with a close frame; waits for the server's so long at most.
+  void close(std::chrono::milliseconds longest = std::chrono::seconds(1));
 
  private:
   struct Impl;

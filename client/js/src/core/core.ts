@@ -41,7 +41,7 @@ interface Exports {
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
   foreland_request_ground(viewer: number): number;
-  foreland_take_ground(viewer: number): number;
+  foreland_take_ground(viewer: number, request: number): number;
   foreland_announce_path(viewer: number, start_ms: number, step_ms: number): number;
   foreland_request_sight(viewer: number, above: number, refraction: number, scene_ms: number): number;
   foreland_request_viewshed(viewer: number, ...question: number[]): number;

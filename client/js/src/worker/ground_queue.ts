@@ -7,12 +7,15 @@ interface Question {
 
 export class GroundQueue {
   private readonly waiting: Question[] = [];
-  private asked: number | null = null; // the request's id of the first of them
+  private asked: number | null = null; // the request's id of the first of them; who else asks takes its own replies
 
   // `request` sends lattice positions and gives the id of the reply, or null while there is no session.
   constructor(private readonly request: (positions: Float64Array) => number | null,
               private readonly onReply: (id: number, heights_m: Float32Array<ArrayBuffer>) => void) {}
 
+  get request(): number | null {
+    return this.asked;
+  }
   ask(id: number, positions: Float64Array): void {
     this.waiting.push({ id, positions });
     this.askNext();

@@ -196,9 +196,9 @@ export class Viewer {
     this.core.put(new Uint8Array(positions.buffer, positions.byteOffset, positions.byteLength));
     return this.core.exports.foreland_request_ground(this.handle);
   }
-  // The reply that has arrived since the last call; a copy.
-  takeGround(): { id: number; heights_m: Float32Array<ArrayBuffer> } | null {
-    const record = this.core.exports.foreland_take_ground(this.handle);
+  // The reply to that request, once; a copy.
+  takeGround(request: number): { id: number; heights_m: Float32Array<ArrayBuffer> } | null {
+    const record = this.core.exports.foreland_take_ground(this.handle, request);
     if (record === 0) return null;
     const { id, count, heights_m } = readGroundRecord(this.core.view(), record);
     return { id, heights_m: new Float32Array(this.core.copy(heights_m, 4 * count).buffer) };

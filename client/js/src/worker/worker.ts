@@ -217,7 +217,7 @@ class Session {
       this.tour = null;
       this.post({ kind: 'tour', message });
     }
-    const ground = this.viewer.takeGround();
+    const ground = this.ground.request === null ? null : this.viewer.takeGround(this.ground.request);
     if (ground) {
       this.ground.take(ground.id, ground.heights_m);
       this.sendOutgoing();
