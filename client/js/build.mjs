@@ -36,7 +36,7 @@ const source = (name) => join(here, 'src', name);
 await rm(dist, { recursive: true, force: true });
 await writeRecords(wasm);
 await Promise.all([
-  build({ ...common, entryPoints: { index: source('index.ts'), three: source('three/index.ts') }, splitting: true, external: ['three'] }),
+  build({ ...common, entryPoints: { index: source('index.ts'), three: source('three/index.ts'), maplibre: source('maplibre/index.ts') }, splitting: true, external: ['three', 'maplibre-gl'] }),
   build({ ...common, entryPoints: { worker: source('worker/worker.ts') } }),
   build({ ...common, entryPoints: { node: source('node.ts'), 'node-worker': source('worker/node_worker.ts') }, platform: 'node', external: ['ws', './worker.js'] }),
   run(join(here, 'node_modules/.bin/tsc'), ['-p', here]),

@@ -6,6 +6,7 @@ export { type MapPoint, type Place, type Scene, type Vector } from './scene.js';
 export { type Sight, type SightOptions, type ViewshedQuestion } from './sight.js';
 export { type Viewshed } from './core/sight.js';
 export { type MeshSink } from './mesh_sink.js';
+export { type Hit } from './object_triangles.js';
 export { type Frame } from './frame.js';
 export { Terrain, type Pose } from './terrain.js';
 export { type ChannelName, type ChannelUpdate, type MeshUpdate, type PartLines, type PartUpdate } from './core/mesh_update.js';

@@ -102,3 +102,14 @@ export async function askViewshed(sights: Sights, latticeOf: LatticeOf, question
     return unanswered(error);
   });
 }
+
+/** @internal A listener that throws is reported, and stops nobody else. */
+export function reported<T>(listener: (value: T) => void): (value: T) => void {
+  return (value) => {
+    try {
+      listener(value);
+    } catch (error) {
+      console.error(error);
+    }
+  };
+}

@@ -1,57 +1,50 @@
 // A terrain that a server streams: the session's end in the thread that draws. Connection, decoding and meshes are in a worker.
-import { Core } from './core/core.js';
+import type { Core } from './core/core.js';
 import { failureOf } from './core/failure.js';
 import { Guard } from './core/guard.js';
-import { failureOfWorker, Session, type WorkerLike } from './core/session.js';
+import { kNoStatistics, Session, type WorkerLike } from './core/session.js';
 import type { Pose, Request, Statistics, Welcome } from './core/values.js';
 import type { Screen } from './core/screen.js';
 import { errorOf, ForelandError } from './errors.js';
 import { Emitter, type TerrainEvents } from './events.js';
 import { frameOf, kNoFrame, type Frame } from './frame.js';
-import { moduleOf, theHost } from './host.js';
-import { NoSink, StreamSink, type MeshSink } from './mesh_sink.js';
+import { GroundReach } from './ground_reach.js';
+import { HeightQuestions } from './height_questions.js';
+import { theHost } from './host.js';
+import { MeshFeed } from './mesh_feed.js';
+import type { MeshSink } from './mesh_sink.js';
 import type { MeshUpdate } from './core/mesh_update.js';
-import { kDefaultLens, layersOf, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
-import { placeOf, sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
-import { rayOnGround } from './ray.js';
-import { askViewshed, askVisible, type Sight, type SightOptions, type Viewshed, type ViewshedQuestion } from './sight.js';
+import { layersOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
+import type { Hit } from './object_triangles.js';
+import { awaitSession, loadCore, makeWorker } from './opening.js';
+import { Places } from './places.js';
+import { sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+import { askViewshed, askVisible, reported, type Sight, type SightOptions, type Viewshed, type ViewshedQuestion } from './sight.js';
 import { filesAt, viewersAt } from './server_address.js';
+import { Wishes } from './wishes.js';
 
-const kGroundFrames = 8; // so many frames ahead the ground is known
-const kMaxReach = 4096; // samples
-const kMaxGroundPoints = 65_536; // of a question; proto/message/control.h
 const kClosing_ms = 2000; // that a worker is given to answer
 
 /** A position and where it looks from: eye in the scene's axes, metres; orientation x, y, z, w of a camera that looks along its -z, y up. */
 export type { Pose };
 
-interface Question {
-  resolve(heights: Float64Array): void;
-  reject(error: ForelandError): void;
-}
-
 export class Terrain {
   private readonly emitter = new Emitter();
   private readonly guard = new Guard((error) => this.fail(errorOf(failureOf(error))));
-  private readonly questions = new Map<number, Question>();
+  private readonly questions = new HeightQuestions((id, positions) => this.tell({ kind: 'ground', id, positions }));
+  private readonly feed = new MeshFeed(() => this.session?.redraw());
+  private readonly reach = new GroundReach();
+  private readonly wishes: Wishes;
   private readonly viewers: URL;
-  private options: TerrainOptions;
-  private lens: Lens;
   private session: Session | null = null;
   private worker: WorkerLike | null = null;
   private unwatch = () => {};
   private is_sized = true;
   private is_document_hidden = false;
-  private current: { welcome: Welcome; scene: Scene } | null = null;
-  private sink: MeshSink = new NoSink();
-  private has_added = false; // to the sink
+  private current: { welcome: Welcome; scene: Scene; places: Places } | null = null;
   private wants_lines = false;
-  private sent_request = '';
   private may_occlude = false; // this connection's deltas can tell hidden blocks
-  private path_version = 0;
-  private next_question = 1;
   private last: Frame | null = null;
-  private last_eye: Vector = [0, 0, 0];
   private guaranteed: number | null = null;
   private attributed = '';
   private end: ForelandError | null = null; // why nothing comes any more
@@ -68,8 +61,7 @@ export class Terrain {
 
   private constructor(server: string | URL, private readonly opening: OpenOptions) {
     this.viewers = viewersAt(server, opening.token, typeof location === 'undefined' ? undefined : location.href);
-    this.options = { ...opening };
-    this.lens = opening.lens ?? kDefaultLens;
+    this.wishes = new Wishes(opening);
     this.ready = new Promise((resolve, reject) => ([this.resolveReady, this.rejectReady] = [resolve, reject]));
     this.ready.catch(() => {}); // whoever awaits it is told
     this.signal = opening.signal;
@@ -91,9 +83,7 @@ export class Terrain {
     const terrain = Terrain.connect(server, options);
     let last_reason = '';
     const off = terrain.on('stall', ({ reason }) => (last_reason = reason || last_reason));
-    const patience_ms = options.patienceMs ?? 30_000;
-    const timer = patience_ms === Infinity ? undefined : setTimeout(() => terrain.rejectReady(new ForelandError('unreachable',
-      `No session with ${terrain.server} began in ${patience_ms / 1000} s. ${last_reason}`.trim(), 'Look whether the server runs there, and whether this page may reach it.')), patience_ms);
+    const stopWaiting = awaitSession(terrain.server, options.patienceMs ?? 30_000, () => last_reason, (error) => terrain.rejectReady(error));
     try {
       await terrain.ready;
       return terrain;
@@ -102,7 +92,7 @@ export class Terrain {
       throw error;
     } finally {
       off();
-      clearTimeout(timer);
+      stopWaiting();
     }
   }
 
@@ -120,7 +110,7 @@ export class Terrain {
   }
   /** What it was given to take. */
   get limits(): Limits {
-    return this.opening.limits ?? {};
+    return this.wishes.limits;
   }
   /** Whether a session has begun, so that `scene` is known. */
   get hasScene(): boolean {
@@ -149,7 +139,7 @@ export class Terrain {
   }
   /** What is asked of the server now. */
   get request(): Readonly<Request> {
-    return requestOf(this.optionsInForce(), this.limits, this.lens, theHost().has_bitmaps);
+    return this.wishes.request;
   }
 
   /** Calls `listener` whenever something happens; the function that it gives ends that. */
@@ -161,20 +151,15 @@ export class Terrain {
 
   /** The camera's angle, and the picture's size in pixels. Call it after resizing, not for each step of it. */
   setLens(lens: Lens): void {
-    const { fovY, width, height } = this.lens;
-    if (Math.abs(lens.fovY - fovY) < 1e-9 && lens.width === width && lens.height === height) return;
-    if (!(lens.fovY > 0 && lens.fovY < Math.PI && lens.width >= 1 && lens.height >= 1))
-      throw new ForelandError('argument', `A lens of ${lens.fovY} radians and ${lens.width} x ${lens.height} pixels sees nothing.`);
-    this.lens = { ...lens };
-    this.sendRequest();
+    if (this.wishes.setLens(lens)) this.sendRequest();
   }
   /** Changes what is given, and leaves the rest. */
   setOptions(options: TerrainOptions): void {
-    const { blend } = this.options;
-    this.options = { ...this.options, ...options };
-    if (this.options.blend !== blend) this.tell({ kind: 'blend', blend: this.options.blend ?? 'keyframe' });
+    const { wishes } = this, { blend } = wishes.options;
+    wishes.options = { ...wishes.options, ...options };
+    if (wishes.options.blend !== blend) this.tell({ kind: 'blend', blend: wishes.options.blend ?? 'keyframe' });
     this.sendRequest();
-    if (this.isConnected && (this.options.occlusion ?? true) && !this.may_occlude) this.tell({ kind: 'reopen' });
+    if (this.isConnected && (wishes.options.occlusion ?? true) && !this.may_occlude) this.tell({ kind: 'reopen' });
   }
   /** From now on shows the ground of scene time `at`, milliseconds since 1970, which goes at `rate` scene seconds a second. */
   setSceneTime({ at, rate = 0 }: { at: number; rate?: number }): void {
@@ -213,11 +198,11 @@ export class Terrain {
    */
   frame(now: number, pose: Pose, eye: readonly number[] = pose.eye): Frame {
     if (!this.session || this.end) return this.last ?? { ...kNoFrame, pose, shownTime: now };
-    const { session, sink } = this;
-    const shown = session.screen.frame(now, pose, this.options.strategy ?? 'predict', sink.ready, sink.coming);
+    const { session, feed: { sink } } = this;
+    const shown = session.screen.frame(now, pose, this.wishes.options.strategy ?? 'predict', sink.ready, sink.coming);
     this.last = frameOf(shown);
     this.tellGuarantee(this.last.guaranteedPx);
-    session.frame(now, pose, eye, this.groundReach(eye), sink.staged);
+    session.frame(now, pose, eye, this.current ? this.reach.of(this.current.welcome, eye) : 1, sink.staged);
     return this.last;
   }
   /** The camera of the next frame will not have moved there, but jumped. */
@@ -236,11 +221,7 @@ export class Terrain {
    * ends that.
    */
   announcePath(poses: readonly Pose[], { start, stepMs }: { start: number; stepMs: number } = { start: performance.now(), stepMs: 100 }): void {
-    const numbers = new Float64Array(7 * poses.length);
-    poses.forEach(({ eye, orientation }, i) => numbers.set([...eye, ...orientation], 7 * i));
-    if (poses.length === 1 || poses.length > 100_000 || !numbers.every(Number.isFinite) || !(stepMs >= 1 && stepMs <= 60_000))
-      throw new ForelandError('argument', `${poses.length} poses in steps of ${stepMs} ms are no path.`, 'A path has 2 to 100,000 poses of finite numbers, in steps of 1 ms to 60 s.');
-    this.path_version = poses.length === 0 ? 0 : this.path_version + 1;
+    const numbers = this.wishes.setPath(poses, stepMs);
     if (poses.length > 0) this.tell({ kind: 'path', start_ms: start, step_ms: stepMs, poses: numbers });
     this.sendRequest();
   }
@@ -265,8 +246,7 @@ export class Terrain {
 
   /** A point of the scene in the coordinates of the data's owner, with the ground there. Null before a session has begun. */
   place(point: Readonly<Vector> | readonly number[]): Place | null {
-    const at = this.session?.screen.mapPosition(point);
-    return at && this.current ? placeOf(at, this.current.welcome.is_geographic) : null;
+    return this.current?.places.at(point) ?? null;
   }
   /** Longitude and latitude, or easting and northing, and height of a point of the scene. */
   toGeodetic(point: Readonly<Vector>): Place {
@@ -274,11 +254,7 @@ export class Terrain {
   }
   /** The point of the scene at a place; `height` is 0 where it is not given. */
   toScene(place: MapPoint): Vector {
-    const is_geographic = this.scene.frame === 'geographic';
-    if ('lon' in place !== is_geographic) throw new ForelandError('argument', is_geographic ? 'The scene is geographic: name places by lon and lat.'
-      : `The scene is on a map (${this.scene.crs}): name places by easting and northing.`);
-    const across = 'lon' in place ? [place.lat, place.lon] as const : [place.northing, place.easting] as const;
-    return this.session!.screen.scenePoint(across, place.height ?? 0) ?? this.noScene();
+    return (this.current ?? this.noScene()).places.toScene(place) ?? this.noScene();
   }
   /** Height of the ground that is held at a place, above the zero surface, at once; null where none is known. */
   heightNow(place: MapPoint): number | null {
@@ -286,16 +262,9 @@ export class Terrain {
   }
   /** Exact heights of the ground, of the server, at full resolution; NaN beyond the data. At most 65,536 places at once. */
   async heights(places: readonly MapPoint[]): Promise<Float64Array> {
-    if (places.length > kMaxGroundPoints) throw new ForelandError('argument', `${places.length} places are too many for one question.`, `Ask for at most ${kMaxGroundPoints}.`);
+    HeightQuestions.check(places.length);
     if (this.end) throw this.end;
-    if (places.length === 0) return new Float64Array();
-    const positions = new Float64Array(2 * places.length);
-    places.forEach((place, i) => positions.set(this.latticeOf(place), 2 * i));
-    const id = this.next_question++;
-    return new Promise((resolve, reject) => {
-      this.questions.set(id, { resolve, reject });
-      this.tell({ kind: 'ground', id, positions });
-    });
+    return places.length === 0 ? new Float64Array() : this.questions.heights(places.map((place) => this.latticeOf(place)));
   }
   /**
    * Whether the second place of each pair is seen from the first, and what hides it: of the server, exactly, over the ground at full
@@ -315,7 +284,7 @@ export class Terrain {
     return this.end || !this.session ? this.noScene() : this.session.sights;
   }
   private latticeOf(place: MapPoint): [number, number] {
-    return this.session!.screen.mapPosition(this.toScene(place))!.lattice;
+    return (this.current ?? this.noScene()).places.latticeOf(place);
   }
   /** Where an eye comes to that moves from one point of the scene towards another, so far above the ground that is held. */
   sweep(from: readonly number[], to: readonly number[], clearance: number): Vector {
@@ -323,34 +292,30 @@ export class Terrain {
   }
   /** Where a ray meets the ground that is held, in the scene's axes; null if it does not. Found to a thousandth of its length. */
   raycast(origin: readonly number[], direction: readonly number[], far = Infinity): Vector | null {
-    return this.current ? rayOnGround(this.current.scene, (point) => this.session!.screen.mapPosition(point), origin, direction, far) : null;
+    return this.current?.places.groundOnRay(origin, direction, far) ?? null;
+  }
+  /**
+   * What a ray meets first, ground or an object of the scene, as `raycast` does: of what is held, at once. `visible` tells the same exactly,
+   * of the server.
+   */
+  pick(origin: readonly number[], direction: readonly number[], far = Infinity): Hit | null {
+    return this.current?.places.pick(this.feed.objects, origin, direction, far) ?? null;
   }
 
   // ---- who draws
 
   /** Gives the meshes to what draws them, instead of to whom they went before. The function that it gives ends that. */
   attach(sink: MeshSink): () => void {
-    this.sink.reset();
-    this.sink = sink;
-    if (this.has_added) this.session?.redraw();
-    this.has_added = false;
-    return () => {
-      if (this.sink !== sink) return;
-      this.sink = new NoSink();
-      this.has_added = true; // what the next one needs has gone to this one
-    };
+    return this.feed.attach(sink);
   }
   /** What changes in the mesh, for engines other than three. `frame` shows no version that has not been read. One stream at a time. */
   get updates(): ReadableStream<MeshUpdate> {
-    const sink: StreamSink = new StreamSink(() => detach());
-    const detach = this.attach(sink);
-    this.on('closed', () => sink.close());
-    return sink.stream;
+    return this.feed.stream((end) => this.on('closed', end));
   }
   /** @internal What draws was lost: what comes is left out until something is attached. */
   leaveOutMeshes(): void {
     this.session?.leaveOutMeshes();
-    this.has_added = true;
+    this.feed.lose();
   }
   /** @internal */
   get screen(): Screen | null {
@@ -394,7 +359,7 @@ export class Terrain {
     if (this.is_closing) return;
     this.is_closing = true;
     const { session, worker } = this;
-    this.sink.reset();
+    this.feed.sink.reset();
     this.over(new ForelandError('closed', 'The terrain has been closed.'));
     if (session && worker) {
       const answered = new Promise<void>((resolve) => (this.onClosedByWorker = resolve));
@@ -418,8 +383,7 @@ export class Terrain {
     this.unwatch();
     this.signal?.removeEventListener('abort', this.abort);
     this.rejectReady(error);
-    for (const question of this.questions.values()) question.reject(error);
-    this.questions.clear();
+    this.questions.end(error);
     this.session?.sights.end(error);
   }
   private fail(error: ForelandError): void {
@@ -433,14 +397,10 @@ export class Terrain {
 
   private async start(): Promise<void> {
     try {
-      if (typeof WebAssembly === 'undefined') throw new ForelandError('unsupported', 'WebAssembly is missing here.', 'Try another browser, or switch WebAssembly on.');
-      const { worker, wasm } = this.opening;
-      const made: WorkerLike = isWorker(worker) ? worker : theHost().makeWorker(worker); // it loads while the module does
-      this.worker = made;
-      made.onerror = (event) => this.fail(errorOf(failureOfWorker(event)));
-      const core = await Core.load(await moduleOf(wasm));
-      if (this.end) return made.terminate();
-      this.begin(core, made);
+      const worker = (this.worker = makeWorker(this.opening, (failure) => this.fail(errorOf(failure))));
+      const core = await loadCore(this.opening);
+      if (this.end) return worker.terminate();
+      this.begin(core, worker);
     } catch (error) {
       this.worker?.terminate();
       this.fail(error instanceof ForelandError ? error : errorOf({ ...failureOf(error), part: 'core start' }));
@@ -449,26 +409,22 @@ export class Terrain {
 
   private begin(core: Core, worker: WorkerLike): void {
     this.session = new Session(core, worker, {
-      onOpen: () => (this.may_occlude = this.options.occlusion ?? true),
+      onOpen: () => (this.may_occlude = this.wishes.options.occlusion ?? true),
       onWaiting: (seconds, reason) => this.emitter.emit('stall', { seconds, reason }),
       onMigrate: () => this.emitter.emit('migrate', undefined),
       onRefused: (reason) => this.refuse(reason),
       onWelcome: (message) => this.enter(message),
-      onMesh: (update) => {
-        this.has_added = true;
-        this.sink.add(update);
-      },
-      onLines: (version, terrain, objects) => this.sink.addLines?.(version, terrain, objects),
-      onGround: (id, heights_m) => this.answer(id, heights_m),
+      onMesh: (update) => this.feed.add(update),
+      onLines: (version, terrain, objects) => this.feed.addLines(version, terrain, objects),
+      onGround: (id, heights_m) => this.questions.answer(id, heights_m),
       onRecording: (file) => this.onRecording?.(file),
       onDamaged: () => this.warn('A tile of the ground is damaged: a coarser one stays in its place.'),
       onClosed: () => this.onClosedByWorker(),
       onFailure: (failure) => this.fail(errorOf(failure)),
     }, this.guard);
-    const request = this.request;
-    this.sent_request = JSON.stringify(request);
+    const request = this.wishes.takeRequest() ?? this.request;
     this.session.tell({
-      kind: 'start', module: core.module, server: this.viewers.href, request, blend: this.options.blend ?? 'keyframe', wants_lines: this.wants_lines,
+      kind: 'start', module: core.module, server: this.viewers.href, request, blend: this.wishes.options.blend ?? 'keyframe', wants_lines: this.wants_lines,
       texture_layers: layersOf(this.limits), clock_origin_ms: performance.timeOrigin, is_recorded: this.opening.record ?? false,
     });
     this.unwatch = theHost().watchVisibility((is_hidden) => {
@@ -481,7 +437,8 @@ export class Terrain {
 
   private enter(message: Uint8Array): void {
     const welcome = this.session!.screen.enter(message);
-    this.current = { welcome, scene: sceneOf(welcome, this.session!.screen) };
+    const { screen } = this.session!, scene = sceneOf(welcome, screen);
+    this.current = { welcome, scene, places: new Places(screen, welcome, scene) };
     this.resolveReady();
     this.emitter.emit('scene', this.current.scene);
   }
@@ -489,10 +446,6 @@ export class Terrain {
     const error = new ForelandError('refused', reason, 'Do what the server says; `reconnect()` tries again.');
     this.rejectReady(error);
     this.emitter.emit('refused', error);
-  }
-  private answer(id: number, heights_m: Float32Array): void {
-    this.questions.get(id)?.resolve(Float64Array.from(heights_m));
-    this.questions.delete(id);
   }
 
   private readonly untold: Parameters<Session['tell']>[0][] = []; // said before there was a session
@@ -504,16 +457,11 @@ export class Terrain {
   private tellHidden(): void {
     if (this.session && !this.end) this.session.setHidden(this.is_document_hidden || !this.is_sized);
   }
-  private optionsInForce(): TerrainOptions {
-    return { ...this.options, predictor: this.options.predictor ?? (this.path_version > 0 ? 'path' : 'velocity') };
-  }
   // If it differs from the last one.
   private sendRequest(): void {
     if (!this.session) return;
-    const request = this.request;
-    if (JSON.stringify(request) === this.sent_request) return;
-    this.sent_request = JSON.stringify(request);
-    this.tell({ kind: 'request', request });
+    const request = this.wishes.takeRequest();
+    if (request) this.tell({ kind: 'request', request });
   }
 
   private tellGuarantee(guaranteed: number | null): void {
@@ -521,36 +469,7 @@ export class Terrain {
     this.guaranteed = guaranteed;
     this.emitter.emit('guarantee', guaranteed);
   }
-  // How far about the eye, in samples, the ground is needed before the worker tells it again.
-  private groundReach(eye: readonly number[]): number {
-    if (!this.current) return 1;
-    const { low, high, samples } = this.current.welcome;
-    const spacing_m = Math.hypot(high[0] - low[0], high[1] - low[1]) / Math.hypot(...samples);
-    const step_m = Math.hypot(...this.last_eye.map((v, i) => eye[i]! - v));
-    this.last_eye = [eye[0]!, eye[1]!, eye[2]!];
-    return Math.min(Math.max(1, (kGroundFrames * step_m) / spacing_m), kMaxReach);
-  }
   private noScene(): never {
     throw this.end ?? new ForelandError('closed', 'No session has begun yet.', 'Wait for `ready`.');
   }
-}
-
-const kNoStatistics: Statistics = {
-  bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
-  tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
-};
-
-function isWorker(worker: OpenOptions['worker']): worker is Worker {
-  return typeof worker === 'object' && !(worker instanceof URL);
-}
-
-// One that throws is reported, and stops nobody else.
-function reported<T>(listener: (value: T) => void): (value: T) => void {
-  return (value) => {
-    try {
-      listener(value);
-    } catch (error) {
-      console.error(error);
-    }
-  };
 }

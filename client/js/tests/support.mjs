@@ -85,6 +85,23 @@ export async function makeSceneWithPicture(folder) {
   return scene;
 }
 
+// Ground on the ellipsoid, in degrees: `heightOf(i, j)` metres at sample i eastward and j northward.
+export const on_earth = {
+  size: 301, west: 8, south: 46, step: 1 / 1200,
+  heightOf: (i, j) => 900 + 600 * Math.sin(i / 23) * Math.cos(j / 31) + 250 * Math.sin((i + j) / 9),
+};
+export async function makeSceneOnEarth(folder) {
+  const { size, west, south, step, heightOf } = on_earth;
+  const lines = [`ncols ${size}`, `nrows ${size}`, `xllcenter ${west}`, `yllcenter ${south}`, `cellsize ${step}`];
+  for (let j = size - 1; j >= 0; --j) lines.push(Array.from({ length: size }, (_, i) => heightOf(i, j).toFixed(1)).join(' '));
+  const [raster, scene] = ['On the earth.asc', 'on_earth.fls'].map((name) => join(folder, name));
+  await writeFile(raster, lines.join('\n') + '\n');
+  const picture = join(folder, 'on_earth.ppm');
+  await writeFile(picture, Buffer.concat([Buffer.from('P6 512 512 255\n'), Buffer.alloc(3 * 512 * 512, 150)]));
+  await run(join(bin, 'foreland'), ['build', raster, '--frame', 'geographic', '--imagery', picture, '--attribution', 'Painted by a test', '-o', scene]);
+  return scene;
+}
+
 // A landscape that becomes another one from 2000 to 2002, by way of a third.
 export async function makeMovingScene(folder) {
   const foreland = join(bin, 'foreland');
@@ -204,7 +221,7 @@ export async function openPage(browser, { width = 960, height = 540, mobile = fa
 
 // Warnings are complaints, too, but for what a driver or a browser says of its own speed, which depends on the machine.
 export function complainOfWarnings(page, complaints) {
-  const of_speed = /GL Driver Message \(OpenGL, Performance|willReadFrequently/;
+  const of_speed = /GL Driver Message \(OpenGL, Performance|performance warning:|willReadFrequently/;
   page.on('console', (m) => m.type() === 'warning' && !of_speed.test(m.text()) && complaints.push(m.text()));
 }
 

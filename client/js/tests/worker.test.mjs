@@ -107,6 +107,50 @@ const hasEnded = (worker) => () => worker.of('failed').length > 0;
 const imagesOf = (worker) => worker.of('mesh').flatMap(({ update }) => update.tiles.imagery?.uploads ?? []).filter(({ image }) => image);
 const errorsOf = (said) => said.calls.map((call) => call.arguments[0]).filter((argument) => argument instanceof Error);
 
+test('a program that draws no frames keeps its session, and a page that nobody sees does not', kTest, async (context) => {
+  context.mock.timers.enable({ apis: ['setInterval'] });
+  const worker = await startWorker();
+  while (worker.of('welcome').length === 0) await setImmediate();
+  context.mock.timers.tick(5000); // what was said at first
+  const { length } = sockets[0].sent;
+  for (let i = 1; i <= 4; ++i) {
+    context.mock.timers.tick(5000);
+    assert.equal(sockets[0].sent.length, length + i);
+  }
+  worker.say({ kind: 'hidden', is_hidden: true });
+  context.mock.timers.tick(60_000);
+  assert.equal(sockets[0].sent.length, length + 4);
+  worker.say({ kind: 'hidden', is_hidden: false });
+  worker.say({ kind: 'ground', id: 1, positions: new Float64Array([3, 4]) });
+  while (worker.of('ground').length === 0) await setImmediate(); // the server took all that
+  assert.equal(sockets.length, 1);
+  worker.say({ kind: 'close' });
+  const said = sockets[0].sent.length;
+  context.mock.timers.tick(60_000);
+  assert.equal(sockets[0].sent.length, said);
+});
+
+test('questions of what is seen are forgotten as they are answered', kTest, async () => {
+  const { SightAsker, Sights } = await sources.load('core/sight.ts');
+  const core = { exports: { foreland_cancel_request: (_, id) => cancelled.push(id), foreland_request_sight: () => ++made, foreland_request_viewshed: () => ++made,
+    foreland_take_sight: () => 1, foreland_read_sight: () => 1, foreland_sight_error: () => 0 }, put: () => {}, view: () => new DataView(new ArrayBuffer(16)), copy: () => ({ buffer: reply.buffer }), textAt: () => '' };
+  const cancelled = [];
+  let made = 0, reply;
+  const asker = new SightAsker(core, () => 1, (answer) => sights.receive(answer));
+  const sights = new Sights(core, (message) => asker.handleMessage(message));
+  for (let i = 0; i < 100; ++i) {
+    const answer = sights.visible({ pairs: [[[0, 0, 0], [1, 1, 1]]] });
+    reply = Float64Array.from([made, 0, 0, 0, 1, 1, 1, 0, 0, 0, -2]);
+    asker.received(new Uint8Array());
+    assert.equal((await answer)[0].hit, null);
+  }
+  const end = new AbortController(), viewshed = sights.viewshed({ observer: [0, 0], observer_m: 2, radius_m: 10, cell_m: 1 }, () => {}, end.signal);
+  end.abort(new Error('enough'));
+  await assert.rejects(viewshed, /enough/);
+  assert.deepEqual(cancelled, [made]);
+  assert.equal(asker.ids.size, 0);
+});
+
 test('where nothing goes up any more the session goes on over another connection', kTest, async () => {
   const worker = await startWorker();
   const { statistics: first } = await fly(worker, (state) => state?.statistics.keyframes > 5);

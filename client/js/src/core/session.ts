@@ -32,14 +32,16 @@ export interface SessionEvents {
   onFailure(failure: Failure): void; // of the worker, which has logged it; only a recording can still come
 }
 
+export const kNoStatistics: Statistics = {
+  bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
+  tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
+};
+
 export class Session {
   readonly screen: Screen;
   readonly sights: Sights;
   is_open = false;
-  statistics: Statistics = {
-    bytes_down: 0, bytes_up: 0, last_lateness_ms: 0, worst_lateness_ms: 0, nodes_added: 0, nodes_removed: 0, keyframes: 0, late_keyframes: 0,
-    tiles: 0, tile_bytes: 0, tiles_received: 0, relief_texel_px: Infinity, imagery_texel_px: Infinity, damaged_tiles: 0,
-  };
+  statistics: Statistics = kNoStatistics;
   private tour: Uint8Array | null = null; // has come, and has not been started
   private redraws = 0; // how often mesh and tiles were to come again
   private is_redrawn = true; // the meshes that come now are of the last of these

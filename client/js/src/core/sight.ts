@@ -51,7 +51,8 @@ const kLatest_ms = 2 ** 60 / 1000;
 export type SightMessage =
   | { kind: 'ask sight'; ask: number; question: SightQuestion }
   | { kind: 'ask viewshed'; ask: number; question: ViewshedQuestion }
-  | { kind: 'cancel sight'; ask: number };
+  | { kind: 'cancel sight'; ask: number }
+  | { kind: 'forget sight'; ask: number }; // it has been answered
 export type SightAnswer =
   | { kind: 'sight asked'; ask: number; id: number } // the reply will have this number
   | { kind: 'sight'; message: Uint8Array }
@@ -59,15 +60,16 @@ export type SightAnswer =
 
 // The worker's part: asks through a viewer, and says which reply will be which.
 export class SightAsker {
-  private readonly ids = new Map<number, number>(); // by ask
+  private readonly ids = new Map<number, number>(); // by ask, of what is not answered yet
 
   constructor(private readonly core: Core, private readonly handle: () => number, private readonly post: (answer: SightAnswer) => void) {}
 
   handleMessage(message: SightMessage): void {
     const { exports } = this.core;
-    if (message.kind === 'cancel sight') {
+    if (message.kind === 'cancel sight' || message.kind === 'forget sight') {
       const id = this.ids.get(message.ask);
-      if (id !== undefined) exports.foreland_cancel_request(this.handle(), id);
+      this.ids.delete(message.ask);
+      if (id !== undefined && message.kind === 'cancel sight') exports.foreland_cancel_request(this.handle(), id);
       return;
     }
     const { question } = message;
@@ -175,7 +177,9 @@ export class Sights {
 
   private give(numbers: Float64Array, error: string): void {
     for (const [ask, waits] of this.waiting) {
-      if (waits.id === numbers[0] && waits.take(numbers, error)) this.waiting.delete(ask);
+      if (waits.id !== numbers[0] || !waits.take(numbers, error)) continue;
+      this.waiting.delete(ask);
+      this.tell({ kind: 'forget sight', ask });
     }
   }
 

@@ -164,15 +164,16 @@ export class ForelandTerrain extends THREE.Group {
     return (this.card?.terrain.surface.material as THREE.Material | undefined) ?? null;
   }
 
-  /** Where a ray meets the ground that is held. Objects of the scene are not met yet. */
+  /** Where a ray meets ground or an object of the scene first, of what is held. The intersection's `instanceId` is the object's number. */
   override raycast(raycaster: THREE.Raycaster, intersects: THREE.Intersection[]): void {
     const to_scene = kInverse.copy(this.sceneToWorld).invert();
     const ray = kRay.copy(raycaster.ray).applyMatrix4(to_scene);
-    const met = this.terrain.raycast(ray.origin.toArray(), ray.direction.toArray());
+    const met = this.terrain.pick(ray.origin.toArray(), ray.direction.toArray());
     if (!met) return;
-    const point = new THREE.Vector3().fromArray(met).applyMatrix4(this.sceneToWorld);
+    const point = new THREE.Vector3().fromArray(met.point).applyMatrix4(this.sceneToWorld);
     const distance = raycaster.ray.origin.distanceTo(point);
-    if (distance >= raycaster.near && distance <= raycaster.far) intersects.push({ distance, point, object: this });
+    if (distance < raycaster.near || distance > raycaster.far) return;
+    intersects.push({ distance, point, object: this, ...(met.object === null ? {} : { instanceId: met.object }) });
   }
 
   /** Gives back all that it has on the graphics card. The terrain stays open. */

@@ -203,6 +203,10 @@ export class Viewer {
     const { id, count, heights_m } = readGroundRecord(this.core.view(), record);
     return { id, heights_m: new Float32Array(this.core.copy(heights_m, 4 * count).buffer) };
   }
+  // The shortest message that changes nothing: it takes back a request that there is not.
+  saySomething(): void {
+    this.core.exports.foreland_cancel_request(this.handle, 0);
+  }
   // Poses of seven numbers each: eye, orientation. False if that is no path.
   announcePath(poses: Float64Array, start_ms: number, step_ms: number): boolean {
     this.core.put(new Uint8Array(poses.buffer, poses.byteOffset, poses.byteLength));

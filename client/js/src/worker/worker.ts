@@ -22,6 +22,9 @@ const thread = self as unknown as {
 // next one has all changes since.
 const kMaxUnstaged = 8;
 
+// A server ends sessions that say nothing for 30 s. Something is said within ten, though no frame is drawn.
+const kQuiet_ms = 5000;
+
 type Start = ToWorker & { kind: 'start' };
 
 class Session {
@@ -44,6 +47,9 @@ class Session {
   private tour_seconds = 0;
   private has_told_damage = false;
   private readonly sights: SightAsker;
+  private is_hidden = false;
+  private has_spoken = false; // since the last look
+  private readonly waker = setInterval(() => guard.run(() => this.keepAwake()), kQuiet_ms);
 
   constructor(private readonly core: Core, private readonly start: Start) {
     ({ request: this.request, blend: this.blend, wants_lines: this.wants_lines } = start);
@@ -94,11 +100,13 @@ class Session {
         this.viewer.setSun(message.towards);
         break;
       case 'hidden':
+        this.is_hidden = message.is_hidden;
         this.connection.setHidden(message.is_hidden);
         break;
       case 'ask sight':
       case 'ask viewshed':
       case 'cancel sight':
+      case 'forget sight':
         this.sights.handleMessage(message);
         break;
       case 'redraw': return this.redraw(message.count);
@@ -127,6 +135,7 @@ class Session {
 
   // Calls nothing of the client core, which may have failed.
   end(): void {
+    clearInterval(this.waker);
     this.connection.close();
     this.tiles.stop();
   }
@@ -271,7 +280,19 @@ class Session {
   }
 
   private sendOutgoing(): void {
-    for (let message = this.viewer.takeOutgoing(); message; message = this.viewer.takeOutgoing()) this.connection.send(message);
+    for (let message = this.viewer.takeOutgoing(); message; message = this.viewer.takeOutgoing()) {
+      this.connection.send(message);
+      this.has_spoken = true;
+    }
+  }
+
+  // For programs that draw no frames. A page that nobody sees may be left by the server.
+  private keepAwake(): void {
+    if (!this.has_spoken && this.is_greeted && !this.is_hidden) {
+      this.viewer.saySomething();
+      this.sendOutgoing();
+    }
+    this.has_spoken = false;
   }
 }
 
