@@ -73,6 +73,8 @@ Result<proto::ViewRequest> requestOf(const Choice& choice) {
       .predictor = o.predictor == 0 && choice.has_path ? Predictor::kKnownPath : kPredictors[o.predictor],
       .keyframe_interval = toDuration(o.keyframe_ms != 0 ? o.keyframe_ms : 200),
       .longest_interval = toDuration(o.longest_keyframe_ms),
+      .max_triangles = o.max_triangles,
+      .max_bytes_per_second = o.max_bytes_per_second,
       .occlusion = isOn(o.occlusion, true),
       .memory_bytes = o.memory_bytes != 0 ? o.memory_bytes : proto::kDefaultMemoryBytes,
       .relief = isOn(o.relief, false),

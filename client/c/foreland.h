@@ -100,9 +100,11 @@ typedef struct ForelandOptions {
   uint32_t occlusion;         /* leave out what ridges hide; default FORELAND_ON */
   uint32_t relief;            /* tiles of relief, by which heights near the camera are finer; default FORELAND_OFF */
   /* What follows counts when a terrain is opened. */
-  uint32_t meshes;       /* FORELAND_OFF: for heights alone, with half of the work. Default FORELAND_ON */
-  uint32_t memory_bytes; /* for terrain that was flown over; default 16 MiB */
-  uint32_t tile_bytes;   /* for coded tiles; default 64 MiB */
+  uint32_t meshes;               /* FORELAND_OFF: for heights alone, with half of the work. Default FORELAND_ON */
+  uint32_t memory_bytes;         /* for terrain that was flown over; default 16 MiB */
+  uint32_t tile_bytes;           /* for coded tiles; default 64 MiB */
+  uint32_t max_triangles;        /* of a mesh; where it would have more the tolerance is raised. Default: no limit */
+  uint32_t max_bytes_per_second; /* that may come; likewise */
   uint32_t reserved;
   const char* token;   /* for a server that asks for one (`foreland token`) */
   const char* ca_file; /* certificates of authorities to trust, PEM; default: the system's */

@@ -23,7 +23,7 @@ export interface TerrainOptions {
   keyframeMs?: number | { shortest: number; longest: number };
 }
 
-/** What a terrain may take. A connection's first request decides, so these are fixed once it is open. */
+/** What a terrain may take; fixed once it is open. */
 export interface Limits {
   /** For terrain that was flown over, bytes. Default 16 MiB. */
   memoryBytes?: number;
@@ -31,6 +31,10 @@ export interface Limits {
   tileBytes?: number;
   /** How many tiles the graphics card holds. Default 64 of relief, 256 of imagery. */
   textureLayers?: { relief: number; imagery: number };
+  /** Of a mesh: where it would have more, the tolerance is raised, and said. Default: no limit. */
+  triangles?: number;
+  /** Of the connection: where the terrain would take more, the tolerance is raised, and said. Default: no limit. */
+  bytesPerSecond?: number;
 }
 
 /** What the camera sees: the vertical angle in radians, and the picture in pixels. */
@@ -79,6 +83,8 @@ export function requestOf(options: TerrainOptions, limits: Limits, lens: Lens, h
     relief: options.relief ?? true,
     imagery: (options.imagery ?? true) && has_bitmaps,
     tile_bytes: limits.tileBytes ?? 64 << 20,
+    max_triangles: limits.triangles ?? 0,
+    max_bytes_per_second: limits.bytesPerSecond ?? 0,
   };
 }
 

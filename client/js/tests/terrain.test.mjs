@@ -67,6 +67,19 @@ test('no frame tells a guarantee beyond the tolerance, and a change of it takes 
   await terrain.close();
 });
 
+test('a limit of triangles raises the tolerance, and no mesh is larger', kTest, async () => {
+  const triangles = 3000;
+  const terrain = await Terrain.open(address, { lens: kLens, tolerancePx: 0.25, limits: { triangles } });
+  let most = 0;
+  const feed = (async () => {
+    for await (const update of terrain.updates) most = Math.max(most, update.terrain.triangles);
+  })();
+  await fly(terrain, (frame) => isFlown(terrain, 8)(frame) && frame.guaranteedPx > 0.25);
+  await terrain.close();
+  await feed;
+  assert.ok(most > triangles / 4 && most <= triangles, `${most} triangles`);
+});
+
 test('exact heights are those of the raster, and what is held agrees with them by the tolerance', kTest, async () => {
   const terrain = await Terrain.open(address, { lens: kLens });
   const raster = await readHeights(join(folder.folder, 'Example mountains.tif'));
