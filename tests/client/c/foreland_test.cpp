@@ -257,9 +257,7 @@ TEST(ForelandC, ClosesInMidFlight) {
     uint64_t question = 0;
     const ForelandMapPoint place = placeAt(host, host.poseAt(0.5, 0.5).eye);
     EXPECT_EQ(foreland_heights(*host, &place, 1, &question), FORELAND_OK);
-    if (i % 4 == 3) {
-      EXPECT_EQ(foreland_reconnect(*host), FORELAND_OK);
-    }
+    if (i % 4 == 3) { EXPECT_EQ(foreland_reconnect(*host), FORELAND_OK); }
   }
 }
 
