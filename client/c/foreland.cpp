@@ -78,7 +78,8 @@ ForelandStatus open(const char* server, const ForelandOptions* options, Foreland
   WebSocketClient::Options connection{.token = textOf(choice.options.token),
                                       .ca_file = textOf(choice.options.ca_file),
                                       .token_advice = "give a valid token by foreland_set_token",
-                                      .ca_advice = "ForelandOptions.ca_file names the authority"};
+                                      .ca_advice = "ForelandOptions.ca_file names the authority",
+                                      .stop = {}};
   if (const auto blend = blendOf(choice.options); !blend.ok()) return refuse(blend.error());
   if (const auto request = requestOf(choice); !request.ok()) return refuse(request.error());
   *out = new ForelandTerrain{Terrain(server, std::move(connection), choice)};

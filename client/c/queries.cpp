@@ -126,7 +126,8 @@ ForelandStatus foreland_visible(ForelandTerrain* terrain, const ForelandMapPoint
     if (pair_count == 0 || pair_count > proto::kMaxSightPairs)
       return refuse(FORELAND_ARGUMENT, "Ask about 1 to 4,096 pairs of places at once.");
     const ForelandSightOptions chosen = options != nullptr ? readStruct(*options) : ForelandSightOptions{};
-    proto::SightRequest request{.above = chosen.above_ground != 0 ? proto::Above::kGround : proto::Above::kZeroSurface,
+    proto::SightRequest request{.ends = {},
+                                .above = chosen.above_ground != 0 ? proto::Above::kGround : proto::Above::kZeroSurface,
                                 .refraction = refractionOf(chosen),
                                 .scene_time = sceneTimeOf(chosen)};
     for (const ForelandMapPoint* place = pairs; place != pairs + size_t{2} * pair_count; ++place) {

@@ -28,7 +28,8 @@ SessionOptions sessionOptions(const std::string& url, WebSocketClient::Options c
 
 ForelandSight sightOf(const proto::SightReply& reply, size_t i) {
   const proto::SightHit& hit = reply.hits[i];
-  ForelandSight out{.what = hit.what};
+  ForelandSight out{};
+  out.what = hit.what;
   put(reply.ends[2 * i], out.from);
   put(reply.ends[2 * i + 1], out.to);
   const bool hides = hit.what >= proto::SightHit::kGround;
@@ -84,8 +85,11 @@ const ForelandEvent* Terrain::nextEvent() {
 void Terrain::happen(uint32_t kind, double value, std::string message) {
   const bool is_answer = kind >= FORELAND_EVENT_HEIGHTS;
   if (!is_answer) std::erase_if(happenings_, [&](const Happening& h) { return h.event.kind == kind; });
-  happenings_.push_back(
-      {.event = {.size = sizeof(ForelandEvent), .kind = kind, .value = value}, .message = std::move(message)});
+  Happening& happening = happenings_.emplace_back();
+  happening.event.size = sizeof(ForelandEvent);
+  happening.event.kind = kind;
+  happening.event.value = value;
+  happening.message = std::move(message);
 }
 
 Happening& Terrain::answer(uint32_t kind, uint64_t question) {
@@ -178,14 +182,19 @@ void Terrain::tellScene() {
             .id = w.scene_id,
             .title = w.title.c_str(),
             .crs = w.crs.c_str(),
+            .low = {},
+            .high = {},
             .lowest = w.lowest * w.frame.height_quantum_m,
             .highest = w.highest * w.frame.height_quantum_m,
             .samples = {w.shape.samples_x, w.shape.samples_y},
+            .to_ecef = {},
             .epochs = epochs_.data(),
             .epoch_count = static_cast<uint32_t>(epochs_.size()),
             .landmark_count = static_cast<uint32_t>(landmarks_.size() / 3),
             .landmarks = landmarks_.data(),
             .max_moved = w.max_offset * w.frame.height_quantum_m,
+            .has_relief = 0,
+            .has_imagery = 0,
             .relief_attribution = "",
             .imagery_attribution = ""};
   const SceneBox box = boxOf(w, transform);
@@ -275,7 +284,8 @@ ForelandFrame Terrain::frame(Time now, const proto::Pose& pose) {
                     .shown_time = toMilliseconds(shown.interval ? shown.shown_time : now),
                     .end_time = shown.interval ? toMilliseconds(shown.interval->end) : 0,
                     .scene_time = shown.scene_time_us / 1000,
-                    .next_version = shown.next_version};
+                    .next_version = shown.next_version,
+                    .reserved = 0};
   tellGuarantee(out.guaranteed_px);
   tell(told::Frame{now, pose, groundReach(pose.eye), taken_});
   return out;
@@ -326,9 +336,11 @@ ForelandPlace Terrain::placeOf(const glm::dvec3& point) const {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const ScreenPlace place = screen_.placeAt(point);
   ForelandPlace out{.size = sizeof(ForelandPlace),
+                    .reserved = 0,
                     .at = {place.at.across.y, place.at.across.x, place.at.height_m},
                     .ground = place.ground_m.value_or(kUnknown),
                     .slope = place.slope_rad.value_or(kUnknown),
+                    .up = {},
                     .lattice = {place.at.lattice.x, place.at.lattice.y}};
   put(place.at.up, out.up);
   return out;
