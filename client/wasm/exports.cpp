@@ -14,13 +14,16 @@ namespace {
 
 proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
                              uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
-                             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
+                             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes,
+                             uint32_t max_triangles, uint32_t max_bytes_per_second) {
   return {.lens = {.vertical_fov_rad = fov_rad, .width_px = width_px, .height_px = height_px},
           .tau_px = tau_px,
           .strategy = static_cast<proto::Strategy>(strategy),
           .predictor = static_cast<proto::Predictor>(predictor),
           .keyframe_interval = {timeOf(keyframe_ms).us},
           .longest_interval = {timeOf(longest_keyframe_ms).us},
+          .max_triangles = max_triangles,
+          .max_bytes_per_second = max_bytes_per_second,
           .occlusion = occlusion != 0,
           .memory_bytes = memory_bytes,
           .relief = relief != 0,
@@ -56,9 +59,10 @@ FORELAND_EXPORT(foreland_buffer) uint8_t* buffer(uint32_t size) {
 FORELAND_EXPORT(foreland_create)
 Host* create(double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
              uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
-             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
+             uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes, uint32_t max_triangles,
+             uint32_t max_bytes_per_second) {
   return new Host(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms, longest_keyframe_ms,
-                            occlusion, memory_bytes, relief, imagery, tile_bytes));
+                            occlusion, memory_bytes, relief, imagery, tile_bytes, max_triangles, max_bytes_per_second));
 }
 
 // Continues over a new connection after the old one was lost (Viewer::reconnect).
@@ -94,9 +98,11 @@ FORELAND_EXPORT(foreland_jump) void jump(Host* host) { host->viewer.jump(); }
 FORELAND_EXPORT(foreland_set_request)
 void setRequest(Host* host, double fov_rad, uint32_t width_px, uint32_t height_px, double tau_px, uint32_t strategy,
                 uint32_t predictor, double keyframe_ms, double longest_keyframe_ms, uint32_t occlusion,
-                uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes) {
+                uint32_t memory_bytes, uint32_t relief, uint32_t imagery, uint32_t tile_bytes, uint32_t max_triangles,
+                uint32_t max_bytes_per_second) {
   host->viewer.setRequest(requestOf(fov_rad, width_px, height_px, tau_px, strategy, predictor, keyframe_ms,
-                                    longest_keyframe_ms, occlusion, memory_bytes, relief, imagery, tile_bytes));
+                                    longest_keyframe_ms, occlusion, memory_bytes, relief, imagery, tile_bytes,
+                                    max_triangles, max_bytes_per_second));
 }
 
 // From `at_ms` on scene time goes from `scene_ms`, since 1970, at `rate` scene seconds a second.

@@ -31,6 +31,10 @@ export interface Limits {
   tileBytes?: number;
   /** How many tiles the graphics card holds. Default 64 of relief, 256 of imagery. */
   textureLayers?: { relief: number; imagery: number };
+  /** Triangles of ground and objects at once. Where the tolerance takes more, the server raises it, and `guaranteedPx` says so. Default: no limit. */
+  triangles?: number;
+  /** What the server sends in a second, bytes, likewise. Default: what the connection takes. */
+  bytesPerSecond?: number;
 }
 
 /** What the camera sees: the vertical angle in radians, and the picture in pixels. */
@@ -79,6 +83,8 @@ export function requestOf(options: TerrainOptions, limits: Limits, lens: Lens, h
     relief: options.relief ?? true,
     imagery: (options.imagery ?? true) && has_bitmaps,
     tile_bytes: limits.tileBytes ?? 64 << 20,
+    max_triangles: limits.triangles ?? 0,
+    max_bytes_per_second: limits.bytesPerSecond ?? 0,
   };
 }
 

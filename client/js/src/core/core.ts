@@ -11,7 +11,8 @@ interface Exports {
   foreland_record_layout(): number;
   foreland_buffer(size: number): number;
   foreland_create(fov: number, w: number, h: number, tau: number, strategy: number, predictor: number, interval_ms: number,
-                  longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): number;
+                  longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
+                  max_triangles: number, max_bytes_per_second: number): number;
   foreland_destroy(viewer: number): void;
   foreland_reconnect(viewer: number, now_ms: number): void;
   foreland_receive(viewer: number, now_ms: number): number;
@@ -34,7 +35,8 @@ interface Exports {
   foreland_ground(viewer: number, x: number, y: number, z: number, reach: number): number;
   foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
-                       interval_ms: number, longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number): void;
+                       interval_ms: number, longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
+                       max_triangles: number, max_bytes_per_second: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;
