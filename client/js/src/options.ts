@@ -23,7 +23,7 @@ export interface TerrainOptions {
   keyframeMs?: number | { shortest: number; longest: number };
 }
 
-/** What a terrain may take; fixed once it is open. */
+/** What a terrain may take. A connection's first request decides, so these are fixed once it is open. */
 export interface Limits {
   /** For terrain that was flown over, bytes. Default 16 MiB. */
   memoryBytes?: number;
@@ -31,9 +31,9 @@ export interface Limits {
   tileBytes?: number;
   /** How many tiles the graphics card holds. Default 64 of relief, 256 of imagery. */
   textureLayers?: { relief: number; imagery: number };
-  /** Of a mesh: where it would have more, the tolerance is raised, and said. Default: no limit. */
+  /** Triangles of ground and objects at once. Where the tolerance takes more, the server raises it, and `guaranteedPx` says so. Default: no limit. */
   triangles?: number;
-  /** Of the connection: where the terrain would take more, the tolerance is raised, and said. Default: no limit. */
+  /** What the server sends in a second, bytes, likewise. Default: what the connection takes. */
   bytesPerSecond?: number;
 }
 

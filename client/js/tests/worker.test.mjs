@@ -9,7 +9,7 @@ import { loadModule, makeFolder, makeSceneWithPicture, openSources, startServer 
 const kTest = { timeout: 180_000 };
 const kRequest = {
   fov_rad: 1.05, width_px: 640, height_px: 360, tau_px: 1, strategy: 'predict', predictor: 'velocity', keyframe_ms: 100,
-  occlusion: false, memory_bytes: 16 << 20, relief: true, imagery: true, tile_bytes: 64 << 20, max_triangles: 0, max_bytes_per_second: 0,
+  occlusion: false, memory_bytes: 16 << 20, relief: true, imagery: true, tile_bytes: 64 << 20,
 };
 const kResume = 4, kTile = 7; // proto/message/kind.h
 const real = { WebSocket: globalThis.WebSocket, self: globalThis.self, createImageBitmap: globalThis.createImageBitmap };

@@ -36,14 +36,14 @@ interface Exports {
   foreland_take_changes(viewer: number, part: number): number;
   foreland_set_request(viewer: number, fov: number, w: number, h: number, tau: number, strategy: number, predictor: number,
                        interval_ms: number, longest_interval_ms: number, occlusion: number, memory_bytes: number, relief: number, imagery: number, tile_bytes: number,
-                  max_triangles: number, max_bytes_per_second: number): void;
+                       max_triangles: number, max_bytes_per_second: number): void;
   foreland_set_blend(viewer: number, blend: number): number;
   foreland_set_scene_clock(viewer: number, at_ms: number, scene_ms: number, rate: number): void;
   foreland_request_tour(viewer: number, seconds: number): void;
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
   foreland_request_ground(viewer: number): number;
-  foreland_take_ground(viewer: number, request: number): number;
+  foreland_take_ground(viewer: number): number;
   foreland_announce_path(viewer: number, start_ms: number, step_ms: number): number;
   foreland_request_sight(viewer: number, above: number, refraction: number, scene_ms: number): number;
   foreland_request_viewshed(viewer: number, ...question: number[]): number;

@@ -25,8 +25,8 @@ export interface Request {
   relief: boolean; // tiles that ground is shaded by
   imagery: boolean;
   tile_bytes: number; // for coded tiles; a connection's first request decides
-  max_triangles: number; // 0: no limit
-  max_bytes_per_second: number; // likewise
+  max_triangles?: number; // that are drawn; 0 or absent: no limit
+  max_bytes_per_second?: number; // that are received; 0 or absent: no limit
 }
 
 // What tiles are of, in the order of proto::TileContent; and how many of them the graphics card holds.

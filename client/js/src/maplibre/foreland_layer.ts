@@ -61,7 +61,7 @@ export class ForelandLayer implements CustomLayerInterface {
     const { terrain, options } = this;
     if (!(gl instanceof WebGL2RenderingContext)) throw new ForelandError('unsupported', 'This map draws by WebGL 1.', 'Let it draw by WebGL 2.');
     if (terrain.request.strategy === 'delay') throw new ForelandError('argument', 'A map does not draw late, as the strategy delay asks for.', 'Open the terrain with another strategy.');
-    if (terrain.hasScene && !terrain.scene.toEcef) throw new ForelandError('argument', `The scene is on a map of its own (${terrain.scene.crs}), and has no place on the earth.`, 'Build it with --frame geographic.');
+    if (terrain.hasScene && !terrain.scene.toEcef) throw notOnEarth(terrain.scene.crs);
     terrain.setOptions({ occlusion: false }); // what a ridge hides on the round earth is seen on a flat map
     this.renderer = rendererOf(map.getCanvas(), gl);
     const materials = standardMaterials({ name: 'onMap', glsl: onMap, uniforms: this.uniforms });
@@ -70,7 +70,7 @@ export class ForelandLayer implements CustomLayerInterface {
     this.ground.matrixAutoUpdate = false;
     this.scene.add(this.ground);
     this.pulse = new Pulse(() => map.triggerRepaint());
-    this.offs = [terrain.on('scene', () => map.triggerRepaint())];
+    this.offs = [terrain.on('scene', (scene) => (scene.toEcef ? map.triggerRepaint() : terrain.warn(notOnEarth(scene.crs).message)))];
     if (options.attribution ?? true) {
       map.addControl(this.credits);
       this.offs.push(terrain.on('attributions', (texts) => this.credits.show(texts)), () => map.removeControl(this.credits));
@@ -87,7 +87,7 @@ export class ForelandLayer implements CustomLayerInterface {
   /** The map calls it for each picture. */
   render(gl: WebGLRenderingContext | WebGL2RenderingContext, { defaultProjectionData: data }: CustomRenderMethodInput): void {
     const { ground, renderer, terrain } = this;
-    if (!ground || !renderer || !terrain.hasScene) return;
+    if (!ground || !renderer || !terrain.hasScene || !terrain.scene.toEcef) return;
     // From a globe to Mercator's map the map goes by way of both; here the nearer one is drawn.
     const is_globe = data.projectionTransition > 0.5;
     const has_both = data.projectionTransition > 0;
@@ -142,6 +142,8 @@ export class ForelandLayer implements CustomLayerInterface {
     return farthest;
   }
 }
+
+const notOnEarth = (crs: string) => new ForelandError('argument', `The scene is on a map of its own (${crs}), and has no place on the earth.`, 'Build it with --frame geographic.');
 
 // One for each map, for good: three does not give back all that a renderer has made in a context.
 const renderers = new WeakMap<WebGL2RenderingContext, THREE.WebGLRenderer>();

@@ -63,6 +63,7 @@ function choiceOf(request: Request, blend: Blend): Record<string, unknown> {
   return {
     request: {
       ...same, keyframe_us: Math.round(keyframe_ms * 1000), longest_keyframe_us: Math.round((longest_keyframe_ms ?? 0) * 1000),
+      max_triangles: request.max_triangles ?? 0, max_bytes_per_second: request.max_bytes_per_second ?? 0,
     },
     blend,
   };

@@ -196,9 +196,9 @@ export class Viewer {
     this.core.put(new Uint8Array(positions.buffer, positions.byteOffset, positions.byteLength));
     return this.core.exports.foreland_request_ground(this.handle);
   }
-  // The reply to that request, once; a copy.
-  takeGround(request: number): { id: number; heights_m: Float32Array<ArrayBuffer> } | null {
-    const record = this.core.exports.foreland_take_ground(this.handle, request);
+  // The reply that has arrived since the last call; a copy.
+  takeGround(): { id: number; heights_m: Float32Array<ArrayBuffer> } | null {
+    const record = this.core.exports.foreland_take_ground(this.handle);
     if (record === 0) return null;
     const { id, count, heights_m } = readGroundRecord(this.core.view(), record);
     return { id, heights_m: new Float32Array(this.core.copy(heights_m, 4 * count).buffer) };
@@ -262,11 +262,11 @@ function meshOf(memory: ArrayBuffer, r: FrameRecord): Mesh {
   };
 }
 
-type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number, number, number,
-  number];
+type RequestArguments = [number, number, number, number, number, number, number, number, number, number, number, number, number, number, number];
 
 function requestArguments(r: Request): RequestArguments {
   const strategy = kStrategies.indexOf(r.strategy);
   return [r.fov_rad, r.width_px, r.height_px, r.tau_px, strategy, kPredictors.indexOf(r.predictor), r.keyframe_ms, r.longest_keyframe_ms ?? 0,
-    r.occlusion ? 1 : 0, r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes, r.max_triangles, r.max_bytes_per_second];
+    r.occlusion ? 1 : 0, r.memory_bytes, r.relief ? 1 : 0, r.imagery ? 1 : 0, r.tile_bytes,
+    r.max_triangles ?? 0, r.max_bytes_per_second ?? 0];
 }
