@@ -9,6 +9,7 @@
 #include "apps/info/info_objects.h"
 #include "apps/info/info_surface.h"
 #include "apps/info/info_tiles.h"
+#include "apps/info/info_vertical.h"
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
 #include "apps/options/options.h"
@@ -107,6 +108,7 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["nodes"] = nodeCount(scene.grid());
   about["lowest_m"] = scene.heightRange().lowest * quantum_m;
   about["highest_m"] = scene.heightRange().highest * quantum_m;
+  about["vertical"] = apps::describeVertical(scene);
   about["frame"] = describeFrame(scene);
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
@@ -150,6 +152,7 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
   std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * quantum_m,
               scene.heightRange().highest * quantum_m, quantum_m);
+  apps::printVertical(scene);
   printFrame(scene.frame(), scene.origin().crs_wkt);
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());

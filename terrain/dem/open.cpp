@@ -7,7 +7,9 @@
 #include <system_error>
 
 #include "base/check.h"
+#include "terrain/dem/datum.h"
 #include "terrain/dem/formats/exr_raster.h"
+#include "terrain/dem/formats/gdal_georeference.h"
 #include "terrain/dem/formats/gdal_raster.h"
 #include "terrain/dem/mosaic/mosaic.h"
 #include "terrain/dem/mosaic/placement.h"
@@ -17,6 +19,7 @@ namespace foreland::terrain {
 namespace {
 
 constexpr uint32_t kWindowRows = 64;
+constexpr double kOnLattice = 0.01;  // samples
 
 // Rows are fetched from the files in windows, top to bottom within each: archives and text formats are slow to read
 // backwards.
@@ -167,7 +170,7 @@ Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& in
       if (!map.ok()) return map.error();
       const std::string file = std::filesystem::path(raster->info().name).filename().string();
       for (const std::string& note : file_notes) notes.push_back(file + ": " + note);
-      tiles.push_back({.raster = std::move(raster), .map = std::move(map).value()});
+      tiles.push_back({.raster = std::move(raster), .map = std::move(map).value(), .input = input.string()});
     }
   }
   orientAlike(tiles);
@@ -183,6 +186,30 @@ std::string titleOf(const Mosaic& mosaic) {
   return title;
 }
 
+ElevationInput inputOf(const Tile& tile, const Mosaic& mosaic, const RasterPlacement& placement) {
+  const RasterInfo& raster = tile.raster->info();
+  const auto from = [](bool is_reversed, uint32_t whole, uint32_t first, uint32_t count) {
+    return is_reversed ? whole - first - count : first;
+  };
+  return {
+      .name = std::filesystem::path(raster.name).filename().string(),
+      .window = {from(placement.is_column_reversed, mosaic.width, tile.column, raster.width),
+                 from(placement.is_row_reversed, mosaic.height, tile.row, raster.height), raster.width, raster.height},
+      .vertical = tile.vertical,
+      .may_have_voids = raster.survey.voids > 0 || raster.survey.samples < uint64_t{raster.width} * raster.height,
+      .is_on_lattice = tile.off_lattice <= kOnLattice};
+}
+
+Status describeDatum(const Mosaic& mosaic, const RasterPlacement& placement, const Datum& datum, ElevationInfo& info) {
+  auto vertical = datumOver(mosaic, placement, datum, info.notes);
+  if (!vertical.ok()) return vertical.error();
+  info.vertical = std::move(*vertical);
+  for (const Tile& tile : mosaic.tiles) info.inputs.push_back(inputOf(tile, mosaic, placement));
+  // A reference system must not say otherwise than the scene.
+  if (mosaic.tiles.front().vertical != info.vertical.name) info.crs_wkt = withoutHeights(info.crs_wkt);
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::filesystem::path>& inputs,
@@ -191,6 +218,8 @@ Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::fi
   ElevationInfo info;
   Result<std::vector<Tile>> tiles = openTiles(inputs, options, info.notes);
   if (!tiles.ok()) return tiles.error();
+  const auto datum = alignHeights(*tiles, options, info.notes);
+  if (!datum.ok()) return datum.error();
   Result<Mosaic> mosaic = makeMosaic(std::move(tiles).value());
   if (!mosaic.ok()) return mosaic.error();
   const Result<RasterPlacement> placement =
@@ -203,6 +232,8 @@ Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::fi
   info.crs_wkt = mosaic->map.crs_wkt;
   info.notes.insert(info.notes.end(), mosaic->notes.begin(), mosaic->notes.end());
   info.notes.insert(info.notes.end(), placement->notes.begin(), placement->notes.end());
+  if (datum->has_value())
+    if (Status s = describeDatum(*mosaic, *placement, **datum, info); !s.ok()) return s.error();
   return std::unique_ptr<ElevationSource>(
       std::make_unique<RasterSource>(std::move(mosaic).value(), *placement, std::move(info)));
 }
