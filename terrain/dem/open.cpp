@@ -12,6 +12,7 @@
 #include "terrain/dem/formats/gdal_georeference.h"
 #include "terrain/dem/formats/gdal_raster.h"
 #include "terrain/dem/mosaic/mosaic.h"
+#include "terrain/dem/mosaic/overlap.h"
 #include "terrain/dem/mosaic/placement.h"
 
 namespace foreland::terrain {
@@ -26,7 +27,7 @@ constexpr double kOnLattice = 0.01;  // samples
 class RasterSource final : public ElevationSource {
  public:
   RasterSource(Mosaic mosaic, const RasterPlacement& placement, ElevationInfo info)
-      : mosaic_(std::move(mosaic)), placement_(placement), info_(std::move(info)) {}
+      : mosaic_(std::move(mosaic)), placement_(placement), info_(std::move(info)), overlaps_(mosaic_.tiles.size()) {}
 
   const ElevationInfo& info() const override { return info_; }
 
@@ -46,7 +47,30 @@ class RasterSource final : public ElevationSource {
     return {};
   }
 
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all;
+    for (size_t i = 0; i < overlaps_.size(); ++i)
+      if (const auto doubt = overlaps_[i].doubt())
+        all.push_back(firstUnder(i) + " and " + mosaic_.tiles[i].raster->info().name +
+                      " do not agree where they overlap: " + *doubt);
+    return all;
+  }
+
  private:
+  // The name of the first tile that lies under a tile.
+  std::string firstUnder(size_t tile) const {
+    const auto overlap = [](uint32_t a, uint32_t a_count, uint32_t b, uint32_t b_count) {
+      return uint64_t{a} < uint64_t{b} + b_count && uint64_t{b} < uint64_t{a} + a_count;
+    };
+    const Tile& t = mosaic_.tiles[tile];
+    for (const Tile& other : mosaic_.tiles) {
+      const RasterInfo &o = other.raster->info(), &r = t.raster->info();
+      if (overlap(other.column, o.width, t.column, r.width) && overlap(other.row, o.height, t.row, r.height))
+        return o.name;
+    }
+    return "the first input";
+  }
+
   // Loads the window that contains file row `row`.
   Status load(uint32_t row) {
     if (row >= window_first_ && row < window_first_ + window_count_) return {};
@@ -54,14 +78,14 @@ class RasterSource final : public ElevationSource {
     window_count_ = 0;
     const uint32_t count = std::min(kWindowRows, info_.height - window_first_);
     window_.assign(size_t{count} * info_.width, kVoid);
-    for (Tile& tile : mosaic_.tiles)
-      if (Status s = copyTile(tile, count); !s.ok()) return s;
+    for (size_t i = 0; i < mosaic_.tiles.size(); ++i)
+      if (Status s = copyTile(mosaic_.tiles[i], count, overlaps_[i]); !s.ok()) return s;
     window_count_ = count;
     return {};
   }
 
   // Copies the part of a tile that lies in the window, but only where no earlier tile has data.
-  Status copyTile(Tile& tile, uint32_t window_count) {
+  Status copyTile(Tile& tile, uint32_t window_count, Overlap& overlap) {
     const uint32_t begin = std::max(window_first_, tile.row);
     const uint32_t end = std::min(window_first_ + window_count, tile.row + tile.raster->info().height);
     if (begin >= end) return {};
@@ -72,7 +96,10 @@ class RasterSource final : public ElevationSource {
       const float* from = tile_rows_.data() + size_t{row - begin} * width;
       float* to = window_.data() + size_t{row - window_first_} * info_.width + tile.column;
       for (uint32_t x = 0; x < width; ++x)
-        if (std::isnan(to[x])) to[x] = from[x];
+        if (std::isnan(to[x]))
+          to[x] = from[x];
+        else if (!std::isnan(from[x]))
+          overlap.add(to[x], from[x]);
     }
     return {};
   }
@@ -80,6 +107,7 @@ class RasterSource final : public ElevationSource {
   Mosaic mosaic_;
   RasterPlacement placement_;
   ElevationInfo info_;
+  std::vector<Overlap> overlaps_;  // of each tile with those before it
   std::vector<float> window_, tile_rows_;
   uint32_t window_first_ = 0, window_count_ = 0;
 };
