@@ -150,6 +150,9 @@ const MapPositionRecord* screenMapPosition(Screen* screen, double x, double y, d
   const auto height_m = heights.heightAt({lattice.x, lattice.y});
   screen->place_record =
       mapPositionOf(*screen->transform, {x, y, z}, height_m.value_or(std::numeric_limits<double>::quiet_NaN()));
+  const proto::UndulationGrid& undulations = screen->welcome->vertical.undulations;
+  screen->place_record.undulation_m =
+      undulations.isEmpty() ? std::numeric_limits<double>::quiet_NaN() : undulations.at({lattice.x, lattice.y});
   screen->place_record.slope_rad = std::numeric_limits<double>::quiet_NaN();
   if (const auto gradient = heights.gradientAt({lattice.x, lattice.y}))
     screen->place_record.slope_rad = slopeOf(*screen->transform, {lattice.x, lattice.y, *height_m}, *gradient);

@@ -10,9 +10,10 @@ import { Emitter, type TerrainEvents } from './events.js';
 import { frameOf, kNoFrame, type Frame } from './frame.js';
 import { moduleOf, theHost } from './host.js';
 import { NoSink, StreamSink, type MeshSink } from './mesh_sink.js';
+import type { ExactGround } from './core/messages.js';
 import type { MeshUpdate } from './core/mesh_update.js';
 import { kDefaultLens, layersOf, requestOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
-import { placeOf, sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+import { bothHeights, placeOf, sceneOf, type BothHeights, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
 import { rayOnGround } from './ray.js';
 import { askViewshed, askVisible, type Sight, type SightOptions, type Viewshed, type ViewshedQuestion } from './sight.js';
 import { filesAt, viewersAt } from './server_address.js';
@@ -26,7 +27,7 @@ const kClosing_ms = 2000; // that a worker is given to answer
 export type { Pose };
 
 interface Question {
-  resolve(heights: Float64Array): void;
+  resolve(ground: ExactGround): void;
   reject(error: ForelandError): void;
 }
 
@@ -266,7 +267,7 @@ export class Terrain {
   /** A point of the scene in the coordinates of the data's owner, with the ground there. Null before a session has begun. */
   place(point: Readonly<Vector> | readonly number[]): Place | null {
     const at = this.session?.screen.mapPosition(point);
-    return at && this.current ? placeOf(at, this.current.welcome.is_geographic) : null;
+    return at && this.current ? placeOf(at, this.current.welcome.is_geographic, this.current.welcome.zero_surface) : null;
   }
   /** Longitude and latitude, or easting and northing, and height of a point of the scene. */
   toGeodetic(point: Readonly<Vector>): Place {
@@ -286,9 +287,18 @@ export class Terrain {
   }
   /** Exact heights of the ground, of the server, at full resolution; NaN beyond the data. At most 65,536 places at once. */
   async heights(places: readonly MapPoint[]): Promise<Float64Array> {
+    return Float64Array.from((await this.exactGround(places)).heights_m);
+  }
+  /** The same, by both surfaces: above the sea and above the ellipsoid, as far as the scene knows them (`Scene.vertical`). */
+  async bothHeights(places: readonly MapPoint[]): Promise<(BothHeights & { height: number })[]> {
+    const { heights_m, undulations_m } = await this.exactGround(places);
+    const { above } = this.scene.vertical;
+    return Array.from(heights_m, (height, i) => ({ height, ...bothHeights(above, height, undulations_m?.[i] ?? null) }));
+  }
+  private async exactGround(places: readonly MapPoint[]): Promise<ExactGround> {
     if (places.length > kMaxGroundPoints) throw new ForelandError('argument', `${places.length} places are too many for one question.`, `Ask for at most ${kMaxGroundPoints}.`);
     if (this.end) throw this.end;
-    if (places.length === 0) return new Float64Array();
+    if (places.length === 0) return { heights_m: new Float32Array(), undulations_m: null };
     const positions = new Float64Array(2 * places.length);
     places.forEach((place, i) => positions.set(this.latticeOf(place), 2 * i));
     const id = this.next_question++;
@@ -459,7 +469,7 @@ export class Terrain {
         this.sink.add(update);
       },
       onLines: (version, terrain, objects) => this.sink.addLines?.(version, terrain, objects),
-      onGround: (id, heights_m) => this.answer(id, heights_m),
+      onGround: (id, ground) => this.answer(id, ground),
       onRecording: (file) => this.onRecording?.(file),
       onDamaged: () => this.warn('A tile of the ground is damaged: a coarser one stays in its place.'),
       onClosed: () => this.onClosedByWorker(),
@@ -490,8 +500,8 @@ export class Terrain {
     this.rejectReady(error);
     this.emitter.emit('refused', error);
   }
-  private answer(id: number, heights_m: Float32Array): void {
-    this.questions.get(id)?.resolve(Float64Array.from(heights_m));
+  private answer(id: number, ground: ExactGround): void {
+    this.questions.get(id)?.resolve(ground);
     this.questions.delete(id);
   }
 

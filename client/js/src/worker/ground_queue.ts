@@ -1,5 +1,7 @@
 // Questions for exact ground, one at a time: a server refuses a viewer that asks for more than it reads. One that is under way as a
 // connection is lost is asked again on the next.
+import type { ExactGround } from '../core/messages.js';
+
 interface Question {
   id: number;
   positions: Float64Array;
@@ -11,7 +13,7 @@ export class GroundQueue {
 
   // `request` sends lattice positions and gives the id of the reply, or null while there is no session.
   constructor(private readonly request: (positions: Float64Array) => number | null,
-              private readonly onReply: (id: number, heights_m: Float32Array<ArrayBuffer>) => void) {}
+              private readonly onReply: (id: number, ground: ExactGround) => void) {}
 
   ask(id: number, positions: Float64Array): void {
     this.waiting.push({ id, positions });
@@ -22,10 +24,10 @@ export class GroundQueue {
     this.asked = null;
     this.askNext();
   }
-  take(request: number, heights_m: Float32Array<ArrayBuffer>): void {
+  take(request: number, ground: ExactGround): void {
     if (request !== this.asked) return;
     this.asked = null;
-    this.onReply(this.waiting.shift()!.id, heights_m);
+    this.onReply(this.waiting.shift()!.id, ground);
     this.askNext();
   }
 
