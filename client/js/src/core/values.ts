@@ -140,9 +140,9 @@ export interface Welcome {
   undulation_error_m: number;
 }
 
-// What heights of a scene count from; in the order of proto/space/vertical.h.
-export const kZeroSurfaces = ['unstated', 'ellipsoid', 'sea'] as const;
-export type ZeroSurface = (typeof kZeroSurfaces)[number];
+/** What heights count from: an ellipsoid, the level of the sea, or nobody says. */
+export type ZeroSurface = 'unstated' | 'ellipsoid' | 'sea';
+export const kZeroSurfaces: readonly ZeroSurface[] = ['unstated', 'ellipsoid', 'sea']; // in the order of proto/space/vertical.h
 
 // A point of the scene as client/wasm/records.h has it; null where the ground is not known.
 export type MapPosition = Omit<MapPositionRecord, 'ground_m' | 'slope_rad' | 'undulation_m'> & {
