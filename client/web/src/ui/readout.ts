@@ -150,11 +150,12 @@ function metresText(metres: number): string {
   return `${metres.toFixed(Math.abs(metres) < 10 ? 1 : 0)} m`;
 }
 
-// By both surfaces, as far as they are known.
+// By both surfaces, as far as they are known. The one that is not the scene's own may be off, which is said of more than half a metre.
 function heightsText(place: Place, vertical: Scene['vertical']): string {
   if (vertical.above === 'unstated') return `${metresText(place.height)} high`;
-  const sea = place.aboveSea === null ? '' : `${metresText(place.aboveSea)} above the sea`;
-  const ellipsoid = place.aboveEllipsoid === null ? '' : `${metresText(place.aboveEllipsoid)} above the ellipsoid`;
+  const off = vertical.maxError < 0.5 ? '' : ` (\u00b1 ${metresText(vertical.maxError)})`;
+  const sea = place.aboveSea === null ? '' : `${metresText(place.aboveSea)} above the sea${vertical.above === 'sea' ? '' : off}`;
+  const ellipsoid = place.aboveEllipsoid === null ? '' : `${metresText(place.aboveEllipsoid)} above the ellipsoid${vertical.above === 'ellipsoid' ? '' : off}`;
   return [sea, ellipsoid].filter((text) => text !== '').join(' \u00b7 ');
 }
 
