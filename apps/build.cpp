@@ -24,6 +24,7 @@
 #include "apps/stop_signal.h"
 #include "terrain/dem/open.h"
 #include "terrain/dem/pictures/open_pictures.h"
+#include "terrain/dem/vertical/height_reference.h"
 #include "terrain/geo/geodesy.h"
 #include "terrain/pipeline/build.h"
 #include "terrain/surface_store/mapped_surface.h"
@@ -101,6 +102,15 @@ void describeElevation(CLI::App& app, Arguments& arguments) {
          "green * 256 + blue) / 10 - 10000; of pictures whose colours are heights it is found out")
       ->check(apps::oneOf({"plain", "terrarium", "terrain-rgb"}))
       ->default_str("plain");
+  app.add_option("--vertical", arguments.open.vertical,
+                 "what the heights of the inputs are above: ellipsoid, egm96, egm2008, a grid of undulations that PROJ "
+                 "reads (.gtx, .tif), or file: what each file's reference system says; INPUT@vertical=... is for one "
+                 "input. Inputs above different surfaces are brought to one before they are merged. By default as the "
+                 "reference systems say")
+      ->type_name(apps::text("DATUM"));
+  app.add_option("--scene-vertical", arguments.open.scene_vertical,
+                 "what the heights of the scene are to be above, as for --vertical; by default as the first input's")
+      ->type_name(apps::text("DATUM"));
   app.add_option("--threads", arguments.threads, "worker threads; 0 for one per processor")
       ->type_name(apps::whole("N"))
       ->check(apps::within(0u, 1024u))
@@ -159,6 +169,27 @@ void describeImagery(CLI::App& app, Arguments& arguments) {
       ->needs(imagery);
 }
 
+constexpr std::string_view kVerticalOfOne = "@vertical=";
+
+// Takes what follows a file's name off it, and remembers it for that file.
+std::string withoutVertical(const std::string& text, terrain::OpenOptions& open) {
+  const size_t at = text.rfind(kVerticalOfOne);
+  if (at == std::string::npos) return text;
+  const std::string file = text.substr(0, at);
+  open.vertical_of[file] = text.substr(at + kVerticalOfOne.size());
+  return file;
+}
+
+// From here on inputs and epochs are names of files.
+void takeVerticals(Arguments& arguments) {
+  for (std::filesystem::path& input : arguments.inputs) input = withoutVertical(input.string(), arguments.open);
+  for (std::string& epoch : arguments.epochs) {
+    const size_t split = epoch.find('=');
+    if (split != std::string::npos && epoch.find(kVerticalOfOne) > split)
+      epoch = epoch.substr(0, split + 1) + withoutVertical(epoch.substr(split + 1), arguments.open);
+  }
+}
+
 int fail(const Error& error) {
   std::fprintf(stderr, "foreland build: %s\n", error.message.c_str());
   return 2;
@@ -199,6 +230,7 @@ void describeInput(const terrain::ElevationInfo& info) {
 
 void describeScene(const terrain::BuildReport& report, const std::filesystem::path& output, double seconds) {
   for (const std::string& note : report.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  for (const std::string& warning : report.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   for (const terrain::EpochReport& epoch : report.epochs)
     std::printf("  epoch %s: %llu samples changed, by %.1f m at most, %.3f MB\n", epoch.date.c_str(),
                 static_cast<unsigned long long>(epoch.changed_samples), epoch.max_m,
@@ -231,8 +263,11 @@ Result<std::vector<terrain::EpochRequest>> epochsOfPoses(const std::vector<terra
   return epochs;
 }
 
-Result<OpenedEpochs> openEpochs(const Arguments& arguments) {
+// Heights of epochs count from what the scene's do.
+Result<OpenedEpochs> openEpochs(const Arguments& arguments, const std::string& scene_vertical) {
   OpenedEpochs epochs;
+  terrain::OpenOptions open = arguments.open;
+  if (!scene_vertical.empty()) open.scene_vertical = scene_vertical;
   for (const std::string& text : arguments.epochs) {
     const size_t split = text.find('=');
     const auto time = split == std::string::npos ? std::nullopt : apps::parseDate(text.substr(0, split));
@@ -242,7 +277,7 @@ Result<OpenedEpochs> openEpochs(const Arguments& arguments) {
                                                     "2004-10-04=dome.tif"};
     const std::filesystem::path file = text.substr(split + 1);
     if (Status s = apps::checkApart(arguments.output, file, "one of the epochs"); !s.ok()) return s.error();
-    auto source = terrain::openElevation({file}, arguments.open);
+    auto source = terrain::openElevation({file}, open);
     if (!source) return source.error();
     epochs.requests.push_back({*time, text.substr(0, split), source->get()});
     epochs.sources.push_back(std::move(*source));
@@ -256,7 +291,20 @@ std::vector<std::filesystem::path> filesOf(const Arguments& arguments) {
   files.insert(files.end(), arguments.imagery.begin(), arguments.imagery.end());
   for (const std::string& text : arguments.epochs) files.emplace_back(text.substr(text.find('=') + 1));
   for (const std::string& text : arguments.objects) files.emplace_back(text.substr(0, text.rfind('@')));
+  for (const auto& choice : {arguments.open.vertical, arguments.open.scene_vertical})
+    if (choice) files.emplace_back(*choice);
+  for (const auto& [input, choice] : arguments.open.vertical_of) files.emplace_back(choice);
+  std::erase_if(files, [](const std::filesystem::path& file) { return terrain::isNamedDatum(file.string()); });
   return files;
+}
+
+// As an option would say it; empty if nothing is stated, or no option can say it.
+std::string verticalOfScene(const Arguments& arguments, const terrain::ElevationInfo& info) {
+  if (info.vertical.name.empty()) return {};
+  if (arguments.open.scene_vertical) return *arguments.open.scene_vertical;
+  const auto own = arguments.open.vertical_of.find(arguments.inputs.front().string());
+  const auto choice = own != arguments.open.vertical_of.end() ? std::optional(own->second) : arguments.open.vertical;
+  return choice && *choice != terrain::kAsTheFileSays ? *choice : terrain::choiceNamed(info.vertical.name);
 }
 
 int build(const Arguments& arguments) {
@@ -274,7 +322,7 @@ int build(const Arguments& arguments) {
     if (!object.ok()) return fail(object.error());
     options.objects.push_back(std::move(*object));
   }
-  auto epochs = openEpochs(arguments);
+  auto epochs = openEpochs(arguments, verticalOfScene(arguments, (*source)->info()));
   if (!epochs.ok()) return fail(epochs.error());
   options.epochs = epochs->requests;
   if (options.epochs.empty()) {
@@ -324,6 +372,7 @@ int main(int argc, char** argv) {
        {"ground that changes in time",
         "foreland build msh.tif --epoch 2000-09-25=01.tif --epoch 2004-10-04=02.tif -o dome.fls"}});
   if (exit_code) return *exit_code;
+  takeVerticals(arguments);
   arguments.open.allowed_folders = arguments.foreign.allowed;
   apps::confineTo(arguments.foreign, filesOf(arguments), {arguments.output});
   apps::catchStopSignals();

@@ -41,6 +41,7 @@ constexpr std::array kSubcommands{
     Subcommand{"fly", "fly through a served scene without a screen, and report"},
     Subcommand{"replay", "fly a recorded flight again, and report"},
     Subcommand{"render", "make reference pictures by ray casting"},
+    Subcommand{"heights", "tell heights at places, above the sea and the ellipsoid"},
     Subcommand{"viewshed", "tell what is seen from a point, exactly"},
     Subcommand{"bench", "run a measurement", Part::kLaboratory},
 };

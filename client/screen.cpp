@@ -41,11 +41,13 @@ void Screen::takeGround(ByteSpan update) {
 }
 
 ScreenPlace Screen::placeAt(const glm::dvec3& point) const {
-  ScreenPlace out{mapPositionOf(*transform, point), std::nullopt, std::nullopt};
+  ScreenPlace out{mapPositionOf(*transform, point), std::nullopt, std::nullopt, std::nullopt};
   const glm::dvec2 lattice = out.at.lattice;
   out.ground_m = ground.heights().heightAt(lattice);
   if (const auto gradient = ground.heights().gradientAt(lattice))
     out.slope_rad = slopeOf(*transform, {lattice.x, lattice.y, *out.ground_m}, *gradient);
+  const proto::UndulationGrid& undulations = welcome->vertical.undulations;
+  if (!undulations.isEmpty()) out.undulation_m = undulations.at({lattice.x, lattice.y});
   return out;
 }
 

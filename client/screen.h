@@ -28,6 +28,7 @@ struct ScreenFrame {
 struct ScreenPlace {
   MapPosition at;
   std::optional<double> ground_m, slope_rad;
+  std::optional<double> undulation_m;  // of the geoid above the ellipsoid
 };
 
 struct Screen {

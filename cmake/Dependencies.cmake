@@ -1,6 +1,7 @@
 # Every library comes from Debian 12; tools/install_packages.sh lists the packages. Nothing is downloaded.
 list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
 find_package(GDAL 3.6 REQUIRED)
+find_package(PROJ 9.1 REQUIRED CONFIG)
 find_package(OpenEXR 3.1 REQUIRED)
 find_package(GeographicLib 2.1 REQUIRED)
 find_package(PNG 1.6 REQUIRED)

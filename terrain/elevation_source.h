@@ -9,11 +9,22 @@
 #include <vector>
 
 #include "base/result.h"
+#include "proto/section/epochs.h"
 #include "proto/space/frame.h"
+#include "proto/space/vertical.h"
 
 namespace foreland::terrain {
 
 inline constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
+
+// One of the inputs that a source is put together from.
+struct ElevationInput {
+  std::string name;             // the file
+  proto::LatticeWindow window;  // of the source's samples
+  std::string vertical;         // what its heights counted from; empty if that is not stated
+  bool may_have_voids = false;  // that later inputs fill
+  bool is_on_lattice = true;    // whether its samples are where the source's are
+};
 
 struct ElevationInfo {
   uint32_t width = 0;              // samples along lattice x
@@ -22,6 +33,9 @@ struct ElevationInfo {
   std::string title;               // file names, for people
   std::string crs_wkt;             // empty if none
   std::vector<std::string> notes;  // what was assumed about the input, a sentence each
+  proto::VerticalDatum vertical{};
+  // Where `vertical` is stated: the first that has data at a sample counts.
+  std::vector<ElevationInput> inputs{};
 };
 
 class ElevationSource {
@@ -31,6 +45,8 @@ class ElevationSource {
   // Heights in metres of `count` rows from lattice row `first` (0 is the southernmost), each `width` samples from the
   // west; kVoid where the source has no data. `out` holds count * width values.
   virtual Status readRows(uint32_t first, uint32_t count, std::span<float> out) = 0;
+  // What the rows that were read make doubtful, a sentence each.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 }  // namespace foreland::terrain

@@ -46,9 +46,10 @@ SEES |= {
     "terrain/render": [*PROTO, "terrain", *STORE, "terrain/surface", "terrain/surface_store", "terrain/objects",
                        "terrain/model"],  # reference pictures; shares no code with server/occlusion
 }
-DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
+SEES["terrain/geoid"] = ["base"]  # how far geoids lie above the ellipsoid, and where maps are on it
+DEM_ROOMS = ["terrain/dem/raster", "terrain/dem/vertical", "terrain/dem/formats", "terrain/dem/pictures", "terrain/dem/mosaic", "terrain/dem"]
 for at, room in enumerate(DEM_ROOMS):
-    SEES[room] = [*PROTO, "terrain", "terrain/geo", "terrain/fence", *DEM_ROOMS[:at]]
+    SEES[room] = [*PROTO, "terrain", "terrain/geo", "terrain/geoid", "terrain/fence", *DEM_ROOMS[:at]]
 SEES["terrain/dem/voids"] = ["base"]  # knows no file format
 REMESH_ROOMS = ["terrain/remesh/original", "terrain/remesh/simplify", "terrain/remesh/lattice", "terrain/remesh",
                 "terrain/remesh/paint"]
@@ -114,6 +115,7 @@ THIRD_PARTY = [
     (r"(jpeglib\.h$|jerror\.h$|webp/)", "libjpeg or libwebp", ["terrain/model", "terrain/imagery", *TESTS]),
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly/tracks", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
+    (r"proj(_experimental|_constants)?\.h$", "PROJ", ["terrain/geoid", *TESTS]),
     (r"embree\d?/", "Embree", ["server/occlusion", "server/occlusion/objects", "server/sight", "terrain/render", *TESTS]),
     (r"boost/", "Boost", ["transport", "server/net/http", "server/net/access", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["transport", "server/net/access", *EDGES]),

@@ -7,7 +7,7 @@ set -euo pipefail
 
 readonly build_packages=(
   ca-certificates git cmake ninja-build g++ ccache python3
-  libgdal-dev gdal-bin proj-data
+  libgdal-dev gdal-bin libproj-dev proj-data
   libopenexr-dev
   libpng-dev libjpeg-dev libwebp-dev
   libpugixml-dev

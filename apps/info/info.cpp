@@ -3,12 +3,17 @@
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "apps/info/info_map.h"
 #include "apps/info/info_objects.h"
 #include "apps/info/info_surface.h"
 #include "apps/info/info_tiles.h"
+#include "apps/info/info_vertical.h"
 #include "apps/options/command_line.h"
 #include "apps/options/date.h"
 #include "apps/options/options.h"
@@ -107,6 +112,7 @@ ordered_json describe(const std::string& path, const terrain::Scene& scene) {
   about["nodes"] = nodeCount(scene.grid());
   about["lowest_m"] = scene.heightRange().lowest * quantum_m;
   about["highest_m"] = scene.heightRange().highest * quantum_m;
+  about["vertical"] = apps::describeVertical(scene);
   about["frame"] = describeFrame(scene);
   about["voids_filled"] = scene.origin().voids_filled;
   about["notes"] = scene.origin().notes;
@@ -150,6 +156,7 @@ void print(const std::string& path, const terrain::Scene& scene) {
   std::printf("hierarchy  %d levels, %" PRIu64 " nodes\n", scene.grid().maxLevel(), nodeCount(scene.grid()));
   std::printf("heights    %.3f to %.3f m, multiples of %g m\n", scene.heightRange().lowest * quantum_m,
               scene.heightRange().highest * quantum_m, quantum_m);
+  apps::printVertical(scene);
   printFrame(scene.frame(), scene.origin().crs_wkt);
   std::printf("voids      %" PRIu64 " filled\n", scene.origin().voids_filled);
   for (const std::string& note : scene.origin().notes) std::printf("note       %s\n", note.c_str());
@@ -179,18 +186,26 @@ int showSurface(const std::string& path, bool json) {
   return 0;
 }
 
-int showTerrain(const std::string& path, bool json) {
+// The picture's legend goes with what is printed.
+int showTerrain(const std::string& path, bool json, const std::optional<std::filesystem::path>& map) {
   const auto scene = terrain::Scene::open(path);
   if (!scene.ok()) return fail(scene.error());
+  std::vector<apps::Outline> outlines;
+  if (map) {
+    outlines = apps::outlinesOf(**scene);
+    if (Status s = apps::writeMap(*scene, outlines, *map); !s.ok()) return fail(s.error());
+  }
   const auto objects = terrain::readObjects(*scene);
   if (!objects.ok()) return fail({objects.error().code, path + ": " + objects.error().message});
   if (json) {
     ordered_json about = describe(path, **scene);
     about["objects"] = apps::describeObjects(*objects);
+    if (map) about["map"] = apps::describeOutlines(outlines);
     printJson(about);
   } else {
     print(path, **scene);
     apps::printObjects(*objects);
+    apps::printOutlines(outlines);
   }
   return 0;
 }
@@ -200,13 +215,23 @@ int showTerrain(const std::string& path, bool json) {
 int main(int argc, char** argv) {
   std::string path;
   bool json = false;
+  std::optional<std::filesystem::path> map;
   CLI::App app("Prints what a scene or surface file holds.", "foreland info");
   app.add_option("SCENE", path, "a file made by `foreland build` or `foreland remesh`")
       ->type_name(apps::file("SCENE.fls"))
       ->required();
   app.add_flag("--json", json, "print JSON");
+  app.add_option(
+         "--map", map,
+         "write a picture of a scene, too: its ground from above, north up, with the outlines of what it was put "
+         "together from and of the windows in which it changes; their colours and resolutions are printed")
+      ->type_name(apps::file("FILE.png"));
   const auto exit_code = apps::parseCommandLine(
-      app, argc, argv, {{"a scene's size, heights, frame and notes", "foreland info hills.fls"}});
+      app, argc, argv,
+      {{"a scene's size, heights, frame and notes", "foreland info hills.fls"},
+       {"a picture of it, with its inputs' outlines", "foreland info hills.fls --map hills.png"}});
   if (exit_code) return *exit_code;
-  return terrain::isSurfaceFile(path) ? showSurface(path, json) : showTerrain(path, json);
+  if (!terrain::isSurfaceFile(path)) return showTerrain(path, json, map);
+  if (map) return fail({ErrorCode::kInvalidArgument, path + ": a surface; --map is for scenes"});
+  return showSurface(path, json);
 }

@@ -35,7 +35,10 @@ FORELAND_EXPORT(foreland_take_ground) const GroundRecord* takeGround(Host* host,
   host->ground_reply = std::move(reply);
   host->ground_record = {.id = host->ground_reply->id,
                          .count = static_cast<uint32_t>(host->ground_reply->heights_m.size()),
-                         .heights_m = addressOf(host->ground_reply->heights_m.data())};
+                         .heights_m = addressOf(host->ground_reply->heights_m.data()),
+                         .undulations_m = host->ground_reply->undulations_m.empty()
+                                              ? Address{0}
+                                              : addressOf(host->ground_reply->undulations_m.data())};
   return &host->ground_record;
 }
 

@@ -97,8 +97,9 @@ struct WelcomeRecord {
   double highest_m;
   double tau_px;
   double keyframe_ms;
-  double max_moved_m;  // by which the ground moves at most from the first epoch to another
-  Address title;       // UTF-8
+  double max_moved_m;         // by which the ground moves at most from the first epoch to another
+  double undulation_error_m;  // by which heights above the other surface may be off (MapPositionRecord)
+  Address title;              // UTF-8
   uint32_t title_size;
   Address crs;
   uint32_t crs_size;
@@ -112,7 +113,11 @@ struct WelcomeRecord {
   uint32_t model_count;     // of objects
   Address model_sides;      // uint32: texels a base edge of each model's image; 0: it has none
   uint32_t scene_id[2];     // the lower half first
-  uint32_t unused;          // keeps the size a multiple of 8
+  uint32_t zero_surface;    // proto::ZeroSurface
+  Address datum;            // its name, UTF-8
+  uint32_t datum_size;
+  Address geoid;  // whose undulations are known, UTF-8; of no size if none are
+  uint32_t geoid_size;
 };
 
 // Where a point of the scene is, in the coordinates of the data's owner.
@@ -122,7 +127,8 @@ struct MapPositionRecord {
   double up[3];      // away from the zero surface
   double across[2];  // geographic: latitude and longitude, degrees; planar: northing and easting of the map, metres
   double lattice[2];
-  double slope_rad;  // of the ground below; NaN: unknown
+  double slope_rad;     // of the ground below; NaN: unknown
+  double undulation_m;  // of the geoid above the ellipsoid; NaN: unknown
 };
 
 // What of the tiles of a content is drawn with the newest mesh.
@@ -198,7 +204,8 @@ struct StatisticsRecord {
 struct GroundRecord {
   uint32_t id;
   uint32_t count;
-  Address heights_m;  // float; NaN beyond the data
+  Address heights_m;      // float; NaN beyond the data
+  Address undulations_m;  // likewise, as many; 0 if none are known
 };
 
 struct TextRecord {

@@ -31,6 +31,13 @@ const WelcomeRecord* SceneRecord::fill(const proto::Welcome& from, const proto::
   out.epoch_count = static_cast<uint32_t>(epochs_ms_.size());
   out.epochs = addressOf(epochs_ms_.data());
   out.max_moved_m = from.max_offset * from.frame.height_quantum_m;
+  const proto::VerticalDatum& vertical = from.vertical;
+  out.zero_surface = static_cast<uint32_t>(vertical.zero_surface);
+  out.undulation_error_m = vertical.undulations.max_error_m;
+  out.datum = addressOf(vertical.name.data());
+  out.datum_size = static_cast<uint32_t>(vertical.name.size());
+  out.geoid = addressOf(vertical.geoid.data());
+  out.geoid_size = static_cast<uint32_t>(vertical.geoid.size());
   model_sides_.clear();
   for (const proto::ObjectModel& model : from.models) model_sides_.push_back(model.atlas_side);
   out.model_count = static_cast<uint32_t>(model_sides_.size());
@@ -46,7 +53,8 @@ MapPositionRecord mapPositionRecordOf(const ScreenPlace& place) {
           .up = {at.up.x, at.up.y, at.up.z},
           .across = {at.across.x, at.across.y},
           .lattice = {at.lattice.x, at.lattice.y},
-          .slope_rad = place.slope_rad.value_or(kUnknown)};
+          .slope_rad = place.slope_rad.value_or(kUnknown),
+          .undulation_m = place.undulation_m.value_or(kUnknown)};
 }
 
 SlopeFrameRecord slopeFrameOf(const proto::Frame& frame) {

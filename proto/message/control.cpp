@@ -169,8 +169,11 @@ Result<ServerControl> read(const fb::TourReply& m) {
 }
 
 Result<ServerControl> read(const fb::GroundReply& m) {
-  GroundReply out{m.id(), {}};
+  GroundReply out{m.id(), {}, {}};
   if (m.heights_m()) out.heights_m.assign(m.heights_m()->begin(), m.heights_m()->end());
+  if (m.undulations_m()) out.undulations_m.assign(m.undulations_m()->begin(), m.undulations_m()->end());
+  if (!out.undulations_m.empty() && out.undulations_m.size() != out.heights_m.size())
+    return malformed("a reply has not as many undulations as heights");
   return ServerControl(std::move(out));
 }
 
@@ -239,7 +242,9 @@ Bytes encode(const TourReply& m) {
 Bytes encode(const GroundReply& m) {
   Builder b;
   const auto heights = b.CreateVector(m.heights_m);
-  return finish(b, fb::Body_GroundReply, fb::CreateGroundReply(b, m.id, heights).Union());
+  flatbuffers::Offset<flatbuffers::Vector<float>> undulations;
+  if (!m.undulations_m.empty()) undulations = b.CreateVector(m.undulations_m);
+  return finish(b, fb::Body_GroundReply, fb::CreateGroundReply(b, m.id, heights, undulations).Union());
 }
 
 Bytes encode(const Refusal& m) {

@@ -19,6 +19,7 @@
 #include "proto/space/frame.h"
 #include "proto/space/path.h"
 #include "proto/space/pose.h"
+#include "proto/space/vertical.h"
 #include "proto/topology/grid.h"
 
 namespace foreland::proto {
@@ -27,6 +28,7 @@ inline constexpr uint32_t kProtocolVersion = 14;
 
 // What a client spends, unless told otherwise, on terrain that it has been sent and does not need now.
 inline constexpr uint32_t kDefaultMemoryBytes = 16u << 20;
+inline constexpr uint32_t kMaxUndulationSide = 33;
 inline constexpr size_t kMaxGroundPoints = 65'536;
 inline constexpr uint32_t kMaxOrder = 3;
 
@@ -113,6 +115,7 @@ struct Welcome {
   uint32_t max_offset = 0;               // the largest either way, of all vertices and epochs; at most kMaxOffset
   std::vector<TileLayer> tile_layers;    // at most one of each content
   uint32_t tile_bytes = 0;               // that the client holds, at most what it asked for
+  VerticalDatum vertical{};              // undulations at most kMaxUndulationSide a side, as read-outs need them
 };
 
 struct TourReply {
@@ -123,7 +126,8 @@ struct TourReply {
 
 struct GroundReply {
   uint32_t id = 0;
-  std::vector<float> heights_m;  // NaN beyond the data
+  std::vector<float> heights_m;        // NaN beyond the data
+  std::vector<float> undulations_m{};  // as many, or none where the scene knows no geoid
 };
 
 // The server closes the connection after it.

@@ -166,6 +166,24 @@ Status readRises(const fb::Welcome& m, Welcome& out) {
   return {};
 }
 
+Status readVertical(const fb::VerticalDatum* m, VerticalDatum& out) {
+  if (!m) return {};
+  out.zero_surface = static_cast<ZeroSurface>(m->zero_surface());
+  out.name = text(m->name(), kMaxTextBytes);
+  out.geoid = text(m->geoid(), kMaxTextBytes);
+  UndulationGrid& grid = out.undulations;
+  grid.columns = m->columns();
+  grid.rows = m->rows();
+  if (grid.columns > kMaxUndulationSide || grid.rows > kMaxUndulationSide)
+    return malformed("the welcome has more undulations than read-outs need");
+  if (m->first()) grid.first = vectorOf(*m->first());
+  if (m->step()) grid.step = vectorOf(*m->step());
+  grid.max_error_m = m->max_error_m();
+  if (m->undulations_m()) grid.metres.assign(m->undulations_m()->begin(), m->undulations_m()->end());
+  if (Status s = out.validate(); !s.ok()) return malformed(s.error().message);
+  return {};
+}
+
 }  // namespace
 
 Result<Welcome> readWelcome(const fb::Welcome& m) {
@@ -199,6 +217,7 @@ Result<Welcome> readWelcome(const fb::Welcome& m) {
   if (Status objects = readObjects(m, out); !objects.ok()) return objects.error();
   if (Status rises = readRises(m, out); !rises.ok()) return rises.error();
   if (Status tiles = readTiles(m, out); !tiles.ok()) return tiles.error();
+  if (Status vertical = readVertical(m.vertical(), out.vertical); !vertical.ok()) return vertical.error();
   return out;
 }
 
@@ -247,6 +266,17 @@ flatbuffers::Offset<fb::Model> putModel(Builder& b, const ObjectModel& m) {
                          base_at, m.quantum_m, m.atlas_side, epochs_at, moves_at);
 }
 
+flatbuffers::Offset<fb::VerticalDatum> putVertical(Builder& b, const VerticalDatum& m) {
+  if (m.zero_surface == ZeroSurface::kUnstated) return {};
+  const UndulationGrid& grid = m.undulations;
+  const auto name = b.CreateString(m.name), geoid = b.CreateString(m.geoid);
+  flatbuffers::Offset<flatbuffers::Vector<float>> undulations;
+  if (!grid.isEmpty()) undulations = b.CreateVector(grid.metres);
+  const fb::Vec2 first = bufferOf(grid.first), step = bufferOf(grid.step);
+  return fb::CreateVerticalDatum(b, static_cast<uint8_t>(m.zero_surface), name, geoid, &first, &step, grid.columns,
+                                 grid.rows, undulations, grid.max_error_m);
+}
+
 fb::Placement toFb(const ObjectPlacement& p) {
   const glm::dquat& q = p.orientation;
   return {fb::Vec3(p.position.x, p.position.y, p.position.z), fb::Quat(q.w, q.x, q.y, q.z), p.scale, p.model};
@@ -283,6 +313,7 @@ Bytes encode(const Welcome& m) {
   flatbuffers::Offset<flatbuffers::Vector<const fb::ObjectRise*>> object_rises;
   if (!rises.empty()) object_rises = b.CreateVectorOfStructs(rises);
   const auto layers = putLayers(b, m.tile_layers);
+  const auto vertical = putVertical(b, m.vertical);
   const auto title = b.CreateString(m.title), crs = b.CreateString(m.crs);
   const auto frame = putFrame(b, m.frame);
   const auto shape =
@@ -292,7 +323,7 @@ Bytes encode(const Welcome& m) {
                                       corners, centres, m.tau_px, static_cast<uint32_t>(m.keyframe_interval.us), models,
                                       objects, m.occlusion, m.memory_bytes, epochs, base_offsets, layers, m.tile_bytes,
                                       static_cast<uint32_t>(m.longest_interval.us), m.max_offset, object_rises,
-                                      static_cast<uint32_t>(m.epoch_blend));
+                                      static_cast<uint32_t>(m.epoch_blend), vertical);
   return finish(b, fb::Body_Welcome, body.Union());
 }
 

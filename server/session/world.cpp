@@ -63,6 +63,8 @@ proto::Welcome welcomeTo(const Hierarchy& hierarchy) {
   w.base_offsets.assign(epochs.baseOffsets().begin(), epochs.baseOffsets().end());
   w.max_offset = hierarchy.maxOffset();
   w.tile_layers.assign(scene.tiles().layers().begin(), scene.tiles().layers().end());
+  w.vertical = scene.vertical();
+  w.vertical.undulations = proto::thinned(scene.vertical().undulations, proto::kMaxUndulationSide);
   return w;
 }
 

@@ -7,9 +7,12 @@
 #include <system_error>
 
 #include "base/check.h"
+#include "terrain/dem/datum.h"
 #include "terrain/dem/formats/exr_raster.h"
+#include "terrain/dem/formats/gdal_georeference.h"
 #include "terrain/dem/formats/gdal_raster.h"
 #include "terrain/dem/mosaic/mosaic.h"
+#include "terrain/dem/mosaic/overlap.h"
 #include "terrain/dem/mosaic/placement.h"
 
 namespace foreland::terrain {
@@ -17,13 +20,14 @@ namespace foreland::terrain {
 namespace {
 
 constexpr uint32_t kWindowRows = 64;
+constexpr double kOnLattice = 0.01;  // samples
 
 // Rows are fetched from the files in windows, top to bottom within each: archives and text formats are slow to read
 // backwards.
 class RasterSource final : public ElevationSource {
  public:
   RasterSource(Mosaic mosaic, const RasterPlacement& placement, ElevationInfo info)
-      : mosaic_(std::move(mosaic)), placement_(placement), info_(std::move(info)) {}
+      : mosaic_(std::move(mosaic)), placement_(placement), info_(std::move(info)), overlaps_(mosaic_.tiles.size()) {}
 
   const ElevationInfo& info() const override { return info_; }
 
@@ -43,7 +47,30 @@ class RasterSource final : public ElevationSource {
     return {};
   }
 
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all;
+    for (size_t i = 0; i < overlaps_.size(); ++i)
+      if (const auto doubt = overlaps_[i].doubt())
+        all.push_back(firstUnder(i) + " and " + mosaic_.tiles[i].raster->info().name +
+                      " do not agree where they overlap: " + *doubt);
+    return all;
+  }
+
  private:
+  // The name of the first tile that lies under a tile.
+  std::string firstUnder(size_t tile) const {
+    const auto overlap = [](uint32_t a, uint32_t a_count, uint32_t b, uint32_t b_count) {
+      return uint64_t{a} < uint64_t{b} + b_count && uint64_t{b} < uint64_t{a} + a_count;
+    };
+    const Tile& t = mosaic_.tiles[tile];
+    for (const Tile& other : mosaic_.tiles) {
+      const RasterInfo &o = other.raster->info(), &r = t.raster->info();
+      if (overlap(other.column, o.width, t.column, r.width) && overlap(other.row, o.height, t.row, r.height))
+        return o.name;
+    }
+    return "the first input";
+  }
+
   // Loads the window that contains file row `row`.
   Status load(uint32_t row) {
     if (row >= window_first_ && row < window_first_ + window_count_) return {};
@@ -51,14 +78,14 @@ class RasterSource final : public ElevationSource {
     window_count_ = 0;
     const uint32_t count = std::min(kWindowRows, info_.height - window_first_);
     window_.assign(size_t{count} * info_.width, kVoid);
-    for (Tile& tile : mosaic_.tiles)
-      if (Status s = copyTile(tile, count); !s.ok()) return s;
+    for (size_t i = 0; i < mosaic_.tiles.size(); ++i)
+      if (Status s = copyTile(mosaic_.tiles[i], count, overlaps_[i]); !s.ok()) return s;
     window_count_ = count;
     return {};
   }
 
   // Copies the part of a tile that lies in the window, but only where no earlier tile has data.
-  Status copyTile(Tile& tile, uint32_t window_count) {
+  Status copyTile(Tile& tile, uint32_t window_count, Overlap& overlap) {
     const uint32_t begin = std::max(window_first_, tile.row);
     const uint32_t end = std::min(window_first_ + window_count, tile.row + tile.raster->info().height);
     if (begin >= end) return {};
@@ -69,7 +96,10 @@ class RasterSource final : public ElevationSource {
       const float* from = tile_rows_.data() + size_t{row - begin} * width;
       float* to = window_.data() + size_t{row - window_first_} * info_.width + tile.column;
       for (uint32_t x = 0; x < width; ++x)
-        if (std::isnan(to[x])) to[x] = from[x];
+        if (std::isnan(to[x]))
+          to[x] = from[x];
+        else if (!std::isnan(from[x]))
+          overlap.add(to[x], from[x]);
     }
     return {};
   }
@@ -77,6 +107,7 @@ class RasterSource final : public ElevationSource {
   Mosaic mosaic_;
   RasterPlacement placement_;
   ElevationInfo info_;
+  std::vector<Overlap> overlaps_;  // of each tile with those before it
   std::vector<float> window_, tile_rows_;
   uint32_t window_first_ = 0, window_count_ = 0;
 };
@@ -167,7 +198,7 @@ Result<std::vector<Tile>> openTiles(const std::vector<std::filesystem::path>& in
       if (!map.ok()) return map.error();
       const std::string file = std::filesystem::path(raster->info().name).filename().string();
       for (const std::string& note : file_notes) notes.push_back(file + ": " + note);
-      tiles.push_back({.raster = std::move(raster), .map = std::move(map).value()});
+      tiles.push_back({.raster = std::move(raster), .map = std::move(map).value(), .input = input.string()});
     }
   }
   orientAlike(tiles);
@@ -183,6 +214,30 @@ std::string titleOf(const Mosaic& mosaic) {
   return title;
 }
 
+ElevationInput inputOf(const Tile& tile, const Mosaic& mosaic, const RasterPlacement& placement) {
+  const RasterInfo& raster = tile.raster->info();
+  const auto from = [](bool is_reversed, uint32_t whole, uint32_t first, uint32_t count) {
+    return is_reversed ? whole - first - count : first;
+  };
+  return {
+      .name = std::filesystem::path(raster.name).filename().string(),
+      .window = {from(placement.is_column_reversed, mosaic.width, tile.column, raster.width),
+                 from(placement.is_row_reversed, mosaic.height, tile.row, raster.height), raster.width, raster.height},
+      .vertical = tile.vertical,
+      .may_have_voids = raster.survey.voids > 0 || raster.survey.samples < uint64_t{raster.width} * raster.height,
+      .is_on_lattice = tile.off_lattice <= kOnLattice};
+}
+
+Status describeDatum(const Mosaic& mosaic, const RasterPlacement& placement, const Datum& datum, ElevationInfo& info) {
+  auto vertical = datumOver(mosaic, placement, datum, info.notes);
+  if (!vertical.ok()) return vertical.error();
+  info.vertical = std::move(*vertical);
+  for (const Tile& tile : mosaic.tiles) info.inputs.push_back(inputOf(tile, mosaic, placement));
+  // A reference system must not say otherwise than the scene.
+  if (mosaic.tiles.front().vertical != info.vertical.name) info.crs_wkt = withoutHeights(info.crs_wkt);
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::filesystem::path>& inputs,
@@ -191,6 +246,8 @@ Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::fi
   ElevationInfo info;
   Result<std::vector<Tile>> tiles = openTiles(inputs, options, info.notes);
   if (!tiles.ok()) return tiles.error();
+  const auto datum = alignHeights(*tiles, options, info.notes);
+  if (!datum.ok()) return datum.error();
   Result<Mosaic> mosaic = makeMosaic(std::move(tiles).value());
   if (!mosaic.ok()) return mosaic.error();
   const Result<RasterPlacement> placement =
@@ -203,6 +260,8 @@ Result<std::unique_ptr<ElevationSource>> openElevation(const std::vector<std::fi
   info.crs_wkt = mosaic->map.crs_wkt;
   info.notes.insert(info.notes.end(), mosaic->notes.begin(), mosaic->notes.end());
   info.notes.insert(info.notes.end(), placement->notes.begin(), placement->notes.end());
+  if (datum->has_value())
+    if (Status s = describeDatum(*mosaic, *placement, **datum, info); !s.ok()) return s.error();
   return std::unique_ptr<ElevationSource>(
       std::make_unique<RasterSource>(std::move(mosaic).value(), *placement, std::move(info)));
 }

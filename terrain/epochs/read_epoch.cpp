@@ -39,6 +39,9 @@ Result<proto::LatticeWindow> windowOf(const ElevationInfo& epoch, const Elevatio
   };
   if (!epoch.crs_wkt.empty() && !base.crs_wkt.empty() && epoch.crs_wkt != base.crs_wkt)
     return refused("its reference system is not that of " + base.title + "; warp it with gdalwarp -t_srs");
+  if (!epoch.vertical.name.empty() && !base.vertical.name.empty() && epoch.vertical.name != base.vertical.name)
+    return refused("its heights are above " + epoch.vertical.name + ", those of " + base.title + " above " +
+                   base.vertical.name + "; say both by --vertical");
   const auto origin = originOn(base.frame, epoch.frame);
   if (!origin)
     return refused("its samples are spaced otherwise than those of " + base.title + "; resample it onto the same grid");

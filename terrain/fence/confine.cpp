@@ -62,6 +62,15 @@ constexpr const char* kSystem[] = {
     "/proc/self",   "/proc/cpuinfo",  "/proc/stat", "/proc/meminfo",    "/sys/devices/system",
     "/dev/urandom", "/sys/fs/cgroup", "/dev/zero"};
 
+// Where projsync puts the grids that a user fetches.
+std::vector<std::filesystem::path> foldersOfProjsync() {
+  std::vector<std::filesystem::path> folders;
+  if (const char* own = std::getenv("PROJ_USER_WRITABLE_DIRECTORY")) folders.emplace_back(own);
+  if (const char* data = std::getenv("XDG_DATA_HOME")) folders.push_back(std::filesystem::path(data) / "proj");
+  if (const char* home = std::getenv("HOME")) folders.push_back(std::filesystem::path(home) / ".local/share/proj");
+  return folders;
+}
+
 bool confineFiles(const Confinement& confinement) {
   const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
   if (version < 1) return false;
@@ -73,6 +82,7 @@ bool confineFiles(const Confinement& confinement) {
   for (const char* path : kSystem) allow(rules, path, kReadFolder | kExecute);
   for (const char* name : {"PROJ_LIB", "PROJ_DATA", "GDAL_DATA"})
     if (const char* path = std::getenv(name)) allow(rules, path, kReadFolder);
+  for (const std::filesystem::path& grids : foldersOfProjsync()) allow(rules, grids, kReadFolder);
   allow(rules, "/dev/null", all);
   for (const std::filesystem::path& path : confinement.read) allow(rules, path, kReadFolder);
   for (const std::filesystem::path& path : confinement.write) allow(rules, path, all & ~kExecute);

@@ -255,6 +255,19 @@ std::optional<double> groundAt(const Heights& heights, const proto::Frame& frame
   return bilinear(heights.width, heights.height, x, y, at) * frame.height_quantum_m;
 }
 
+// Samples that stayed where they were differ by rounding alone.
+SceneDatum datumOf(const ElevationInfo& info, double height_quantum_m) {
+  SceneDatum datum{info.vertical, {}};
+  for (const ElevationInput& input : info.inputs)
+    datum.inputs.push_back(
+        {.name = input.name,
+         .vertical = input.vertical,
+         .window = input.window,
+         .may_have_voids = input.may_have_voids,
+         .residual_m = input.is_on_lattice ? 0.5 * height_quantum_m : std::numeric_limits<double>::quiet_NaN()});
+  return datum;
+}
+
 Status checkOptions(const BuildOptions& options) {
   if (!(options.height_quantum_m > 0) || !std::isfinite(options.height_quantum_m))
     return Error{ErrorCode::kInvalidArgument, "the vertical step must be a positive number of metres"};
@@ -320,6 +333,7 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                                                      .objects = std::move(*objects),
                                                      .epochs = layers ? layers->section() : Bytes{},
                                                      .epoch_blend = options.epoch_blend,
+                                                     .datum = datumOf(info, height_quantum_m),
                                                      .tiles = &*tiles});
   if (!writer.ok()) return writer.error();
   fillBase(grid->shape(), heights, *writer);
@@ -343,7 +357,8 @@ Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& opti
                      .lowest_m = range.lowest * height_quantum_m,
                      .highest_m = range.highest * height_quantum_m,
                      .epochs = layers ? layers->reports() : std::vector<EpochReport>{},
-                     .imagery = imagery};
+                     .imagery = imagery,
+                     .warnings = source.warnings()};
 }
 
 }  // namespace foreland::terrain

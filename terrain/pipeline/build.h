@@ -58,7 +58,8 @@ struct BuildReport {
   uint64_t scene_id = 0;
   double lowest_m = 0, highest_m = 0;
   std::vector<EpochReport> epochs;
-  ImageryReport imagery;  // without tiles if there is none
+  ImageryReport imagery;                // without tiles if there is none
+  std::vector<std::string> warnings{};  // what of the source is doubtful
 };
 
 [[nodiscard]] Result<BuildReport> buildScene(ElevationSource& source, const BuildOptions& options,

@@ -92,6 +92,14 @@ glm::vec3 Shading::sky(const Ray& ray) const {
   return glm::mix(kHaze, kZenith, 1 - std::exp(-5.5f * std::max(height, 0.0f)));
 }
 
+glm::vec3 Shading::fromAbove(const glm::vec3& normal, double height_m) const {
+  constexpr glm::vec3 kUp{0, 0, 1};
+  RayHit hit;
+  hit.normal = normal;
+  hit.height_m = height_m;
+  return lit(ground(hit, kUp), normal, kUp);
+}
+
 glm::vec3 toScreen(const glm::vec3& linear) {
   const glm::vec3 x = linear * 0.80f;
   const glm::vec3 filmic = glm::clamp(x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f), 0.0f, 1.0f);

@@ -18,6 +18,8 @@ class Shading {
 
   glm::vec3 surface(const Ray& ray, const RayHit& hit) const;
   glm::vec3 sky(const Ray& ray) const;
+  // Ground as on a map: from straight above, without haze. The normal is unit, in axes east, north, up of the place.
+  glm::vec3 fromAbove(const glm::vec3& normal, double height_m) const;
 
  private:
   Shading(std::shared_ptr<const Scene> scene, PlacedObjects objects);

@@ -17,14 +17,15 @@
 namespace foreland::terrain {
 
 inline constexpr std::array<char, 8> kSceneMagic{'F', 'O', 'R', 'E', 'L', 'A', 'N', 'D'};
-inline constexpr uint32_t kFormatVersion = 5;
+inline constexpr uint32_t kFormatVersion = 6;
 
 enum SectionKind : uint32_t { kText, kCorners, kCentres, kNodes, kObjects, kChecksums, kSectionCount };
 
 // The start of the file's first page; the rest of the page is zero.
 struct FileHeader {
-  static constexpr uint32_t kOldestVersion = 3;  // had no tiles; the reader still takes it
-  static constexpr uint32_t kLinearVersion = 4;  // epochs were blended linearly; written for scenes whose are
+  static constexpr uint32_t kOldestVersion = 3;    // had no tiles; the reader still takes it
+  static constexpr uint32_t kLinearVersion = 4;    // epochs were blended linearly; written for scenes whose are
+  static constexpr uint32_t kUnstatedVersion = 5;  // no vertical datum is stated; written for scenes whose is not
 
   std::array<char, 8> magic = kSceneMagic;
   uint32_t version = kFormatVersion;
@@ -47,18 +48,19 @@ struct FileHeader {
   SectionRange tiles;        // after the epochs (tile_section.h); zeros in scenes without tiles
   uint32_t epoch_blend = 0;  // proto::EpochBlend
   uint32_t unused = 0;
+  SectionRange datum;  // after the tiles (datum_section.h); zeros where no vertical datum is stated
 };
-static_assert(sizeof(FileHeader) == 368 && std::is_trivially_copyable_v<FileHeader>);
+static_assert(sizeof(FileHeader) == 384 && std::is_trivially_copyable_v<FileHeader>);
 static_assert(offsetof(FileHeader, roots_x) == 40 && offsetof(FileHeader, height_quantum_m) == 64);
 static_assert(offsetof(FileHeader, lowest) == 208 && offsetof(FileHeader, sections) == 232);
 
 // Where the sections of a file lie, given the grid and the sizes of those that do not follow from it.
 struct FileLayout {
   struct Sizes {
-    uint64_t text = 0, objects = 0, epochs = 0, tiles = 0;
+    uint64_t text = 0, objects = 0, epochs = 0, tiles = 0, datum = 0;
   };
   std::array<SectionRange, kSectionCount> sections;
-  SectionRange epochs, tiles;  // zeros if there are none
+  SectionRange epochs, tiles, datum;  // zeros if there are none
   uint64_t file_bytes = 0;
   static FileLayout of(const proto::GridTopology& grid, const Sizes& bytes);
 };

@@ -40,11 +40,17 @@ Status MappedScene::adopt() {
   const uint64_t tile_bytes = header_.tiles.bytes;
   if (tile_bytes > bytes_.size()) return malformed("its tiles are too large");
   if (header_.version == FileHeader::kOldestVersion && tile_bytes > 0) return malformed("it is too old to have tiles");
-  const FileLayout layout = FileLayout::of(grid_, {text_bytes, object_bytes, epoch_bytes, tile_bytes});
+  const uint64_t datum_bytes = header_.datum.bytes;
+  if (datum_bytes > std::min<uint64_t>(bytes_.size(), kMaxDatumBytes))
+    return malformed("its vertical datum is too large");
+  if ((header_.version > FileHeader::kUnstatedVersion) != (datum_bytes > 0))
+    return malformed("its version does not go with its vertical datum");
+  const FileLayout layout = FileLayout::of(grid_, {text_bytes, object_bytes, epoch_bytes, tile_bytes, datum_bytes});
   for (uint32_t kind = 0; kind < kSectionCount; ++kind)
     if (header_.sections[kind] != layout.sections[kind]) return malformed("its sections are not where they belong");
   if (header_.epochs != layout.epochs) return malformed("its epochs are not where they belong");
   if (header_.tiles != layout.tiles) return malformed("its tiles are not where they belong");
+  if (header_.datum != layout.datum) return malformed("its vertical datum is not where it belongs");
   if (header_.file_bytes != layout.file_bytes || header_.slot_count != grid_.slotCount() ||
       header_.lowest > header_.highest)
     return malformed("its sizes contradict each other");
@@ -69,6 +75,13 @@ Status MappedScene::adopt() {
   auto tiles = TileTable::read(sectionOf<uint8_t>(bytes_, header_.tiles));
   if (!tiles) return tiles.error();
   tiles_ = std::move(*tiles);
+  if (datum_bytes > 0) {
+    auto datum = decodeDatum(sectionOf<uint8_t>(bytes_, header_.datum), header_.samples_x, header_.samples_y);
+    if (!datum) return datum.error();
+    datum_ = std::move(*datum);
+  } else {
+    datum_.vertical = datumOfReferenceSystem(origin_.crs_wkt);
+  }
   const auto isAbsurd = [](int32_t h) { return h < -proto::kMaxHeight || h > proto::kMaxHeight; };
   if (std::any_of(corners_.begin(), corners_.end(), isAbsurd) ||
       std::any_of(centres_.begin(), centres_.end(), isAbsurd))

@@ -15,6 +15,7 @@
 #include "proto/section/bounds.h"
 #include "proto/space/frame.h"
 #include "proto/topology/grid.h"
+#include "terrain/store/tables/datum_section.h"
 #include "terrain/store/tables/epoch_table.h"
 #include "terrain/store/tables/tile_table.h"
 
@@ -48,6 +49,11 @@ class Scene {
   HeightRange heightRange() const { return heights_; }  // over the data
   const SceneOrigin& origin() const { return origin_; }
 
+  // What heights count from: as the scene states it, else as its reference system does.
+  const proto::VerticalDatum& vertical() const { return datum_.vertical; }
+  // What the scene was put together from; empty where it does not state its datum.
+  const std::vector<SceneInput>& inputs() const { return datum_.inputs; }
+
   // Indexed by slot; slots that are padding hold zeros.
   std::span<const NodeRecord> nodes() const { return nodes_; }
   const NodeRecord& node(proto::NodeId n) const { return nodes_[grid_.slot(n)]; }
@@ -77,6 +83,7 @@ class Scene {
   uint64_t id_ = 0;
   HeightRange heights_;
   SceneOrigin origin_;
+  SceneDatum datum_;
   std::span<const NodeRecord> nodes_;
   std::span<const int32_t> corners_, centres_;
   ByteSpan objects_;

@@ -14,10 +14,15 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   if (text.size() > kMaxTextBytes)
     return Error{ErrorCode::kLimit, target.string() + ": more than 16 MiB of names and notes"};
 
+  const bool is_stated = about.datum.vertical.zero_surface != proto::ZeroSurface::kUnstated;
+  const Bytes datum = is_stated ? encodeDatum(about.datum) : Bytes{};
+  if (datum.size() > kMaxDatumBytes)
+    return Error{ErrorCode::kLimit, target.string() + ": more than 32 MiB of inputs and undulations"};
   const FileLayout layout = FileLayout::of(*grid, {.text = text.size(),
                                                    .objects = about.objects.size(),
                                                    .epochs = about.epochs.size(),
-                                                   .tiles = about.tiles ? about.tiles->bytes() : 0});
+                                                   .tiles = about.tiles ? about.tiles->bytes() : 0,
+                                                   .datum = datum.size()});
   FileHeader h;
   h.file_bytes = layout.file_bytes;
   const proto::GridShape& s = about.shape;
@@ -30,8 +35,11 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   for (uint32_t kind = 0; kind < kSectionCount; ++kind) h.sections[kind] = layout.sections[kind];
   h.epochs = layout.epochs;
   h.tiles = layout.tiles;
+  h.datum = layout.datum;
   h.epoch_blend = static_cast<uint32_t>(about.epoch_blend);
-  if (about.epoch_blend == proto::EpochBlend::kLinear) h.version = FileHeader::kLinearVersion;
+  if (!is_stated)
+    h.version =
+        about.epoch_blend == proto::EpochBlend::kLinear ? FileHeader::kLinearVersion : FileHeader::kUnstatedVersion;
 
   auto file = NewFile::create(target, layout.file_bytes);
   if (!file.ok()) return file.error();
@@ -39,6 +47,7 @@ Result<SceneWriter> SceneWriter::create(const std::filesystem::path& target, con
   std::memcpy(writer.at(kText), text.data(), text.size());
   if (!about.objects.empty()) std::memcpy(writer.at(kObjects), about.objects.data(), about.objects.size());
   if (!about.epochs.empty()) std::memcpy(writer.at(layout.epochs), about.epochs.data(), about.epochs.size());
+  if (is_stated) std::memcpy(writer.at(layout.datum), datum.data(), datum.size());
   if (about.tiles)
     if (Status status = about.tiles->write({writer.at(layout.tiles), layout.tiles.bytes}); !status.ok())
       return status.error();

@@ -27,6 +27,7 @@ class SceneWriter {
     Bytes objects{};  // terrain/objects encodes this section of the file.
     Bytes epochs{};   // epoch_section.h encodes this section of the file.
     proto::EpochBlend epoch_blend = proto::EpochBlend::kLinear;
+    SceneDatum datum{};                  // Written if it is stated.
     const TileSection* tiles = nullptr;  // A scene without tiles has none; create() alone reads it.
   };
   static Result<SceneWriter> create(const std::filesystem::path& target, const About& about);

@@ -1,10 +1,11 @@
 // Questions for exact heights that wait for the server's answer.
+import type { ExactGround } from './core/messages.js';
 import { ForelandError } from './errors.js';
 
 const kMaxPoints = 65_536; // of a question; proto/message/control.h
 
 interface Question {
-  resolve(heights: Float64Array): void;
+  resolve(ground: ExactGround): void;
   reject(error: ForelandError): void;
 }
 
@@ -14,20 +15,20 @@ export class HeightQuestions {
   private next = 1;
 
   // `ask` hands lattice positions, x and y each, to the worker.
-  constructor(private readonly ask: (id: number, positions: Float64Array) => void) {}
+  constructor(private readonly tell: (id: number, positions: Float64Array) => void) {}
 
   static check(count: number): void {
     if (count > kMaxPoints) throw new ForelandError('argument', `${count} places are too many for one question.`, `Ask for at most ${kMaxPoints}.`);
   }
-  heights(at: readonly (readonly [number, number])[]): Promise<Float64Array> {
+  ask(at: readonly (readonly [number, number])[]): Promise<ExactGround> {
     const id = this.next++;
     return new Promise((resolve, reject) => {
       this.waiting.set(id, { resolve, reject });
-      this.ask(id, Float64Array.from(at.flat()));
+      this.tell(id, Float64Array.from(at.flat()));
     });
   }
-  answer(id: number, heights_m: Float32Array): void {
-    this.waiting.get(id)?.resolve(Float64Array.from(heights_m));
+  answer(id: number, ground: ExactGround): void {
+    this.waiting.get(id)?.resolve(ground);
     this.waiting.delete(id);
   }
   end(error: ForelandError): void {

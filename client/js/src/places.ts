@@ -13,7 +13,7 @@ export class Places {
   // Null if the client core does not know the scene yet.
   at(point: readonly number[]): Place | null {
     const at = this.screen.mapPosition(point);
-    return at && placeOf(at, this.welcome.is_geographic);
+    return at && placeOf(at, this.welcome.is_geographic, this.welcome.zero_surface);
   }
   toScene(place: MapPoint): Vector | null {
     const is_geographic = this.scene.frame === 'geographic';

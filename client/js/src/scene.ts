@@ -1,14 +1,22 @@
 // A scene as its user sees it: plain, frozen values made of the server's welcome.
 import type { Screen } from './core/screen.js';
-import type { Layer, MapPosition, Welcome } from './core/values.js';
+import type { Layer, MapPosition, Welcome, ZeroSurface } from './core/values.js';
 
 export type Vector = [number, number, number];
 
 /** A place on the earth, in degrees; or on the map of a scene whose data are projected, in its metres. */
 export type MapPoint = { lon: number; lat: number; height?: number } | { easting: number; northing: number; height?: number };
 
+/** A height by both surfaces, metres; null where the scene does not say what its heights count from, or knows no geoid. */
+export interface BothHeights {
+  /** Above the sea: H. */
+  aboveSea: number | null;
+  /** Above the ellipsoid, as satellites tell it: h. */
+  aboveEllipsoid: number | null;
+}
+
 /** A place of the scene in the coordinates of the data's owner. */
-export type Place = MapPoint & {
+export type Place = MapPoint & BothHeights & {
   /** Metres above the zero surface of the data. */
   height: number;
   /** Height of the ground there, of what is held; null where it is not known. */
@@ -34,6 +42,11 @@ export interface Scene {
   readonly bounds: { readonly low: Readonly<Vector>; readonly high: Readonly<Vector> };
   /** Lowest and highest ground, metres above the zero surface. */
   readonly heights: { readonly lowest: number; readonly highest: number };
+  /**
+   * What heights count from: the kind of surface, its name, the geoid by which the other height is known (empty: none), and by how much
+   * `Place` may be off where it tells that one, metres; what the server answers is exact.
+   */
+  readonly vertical: { readonly above: ZeroSurface; readonly name: string; readonly geoid: string; readonly maxError: number };
   /** Samples of the data, eastward and northward. */
   readonly samples: readonly [number, number];
   /** Of a scene that changes in time, milliseconds since 1970. */
@@ -59,6 +72,7 @@ export function sceneOf(welcome: Welcome, screen: Screen): Scene {
     toEcef: ecefOf(screen),
     bounds: { low: welcome.low, high: welcome.high },
     heights: { lowest: welcome.lowest_m, highest: welcome.highest_m },
+    vertical: { above: welcome.zero_surface, name: welcome.datum, geoid: welcome.geoid, maxError: welcome.undulation_error_m },
     samples: welcome.samples,
     epochs: welcome.epochs_ms,
     maxMoved: welcome.max_moved_m,
@@ -98,9 +112,17 @@ function deepFrozen<T>(value: T): T {
   return value;
 }
 
+/** @internal A height of a scene by both surfaces, where the geoid lies so far above the ellipsoid. */
+export function bothHeights(above: ZeroSurface, height: number, undulation: number | null): BothHeights {
+  if (above === 'sea') return { aboveSea: height, aboveEllipsoid: undulation === null ? null : height + undulation };
+  if (above === 'ellipsoid') return { aboveSea: undulation === null ? null : height - undulation, aboveEllipsoid: height };
+  return { aboveSea: null, aboveEllipsoid: null };
+}
+
 /** @internal */
-export function placeOf(at: MapPosition, is_geographic: boolean): Place {
-  const rest = { height: at.height_m, ground: at.ground_m, slope: at.slope_rad, up: at.up, lattice: at.lattice };
+export function placeOf(at: MapPosition, is_geographic: boolean, above: ZeroSurface): Place {
+  const both = bothHeights(above, at.height_m, at.undulation_m);
+  const rest = { ...both, height: at.height_m, ground: at.ground_m, slope: at.slope_rad, up: at.up, lattice: at.lattice };
   const [northward, eastward] = at.across;
   return is_geographic ? { lat: northward, lon: eastward, ...rest } : { northing: northward, easting: eastward, ...rest };
 }

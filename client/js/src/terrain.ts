@@ -13,12 +13,13 @@ import { HeightQuestions } from './height_questions.js';
 import { theHost } from './host.js';
 import { MeshFeed } from './mesh_feed.js';
 import type { MeshSink } from './mesh_sink.js';
+import type { ExactGround } from './core/messages.js';
 import type { MeshUpdate } from './core/mesh_update.js';
 import { layersOf, type Lens, type Limits, type OpenOptions, type TerrainOptions } from './options.js';
 import type { Hit } from './object_triangles.js';
 import { awaitSession, loadCore, makeWorker } from './opening.js';
 import { Places } from './places.js';
-import { sceneOf, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
+import { bothHeights, sceneOf, type BothHeights, type MapPoint, type Place, type Scene, type Vector } from './scene.js';
 import { askViewshed, askVisible, reported, type Sight, type SightOptions, type Viewshed, type ViewshedQuestion } from './sight.js';
 import { filesAt, viewersAt } from './server_address.js';
 import { Wishes } from './wishes.js';
@@ -262,9 +263,19 @@ export class Terrain {
   }
   /** Exact heights of the ground, of the server, at full resolution; NaN beyond the data. At most 65,536 places at once. */
   async heights(places: readonly MapPoint[]): Promise<Float64Array> {
+    return Float64Array.from((await this.exactGround(places)).heights_m);
+  }
+  /** The same, by both surfaces: above the sea and above the ellipsoid, as far as the scene knows them (`Scene.vertical`). */
+  async bothHeights(places: readonly MapPoint[]): Promise<(BothHeights & { height: number })[]> {
+    const { heights_m, undulations_m } = await this.exactGround(places);
+    const { above } = this.scene.vertical;
+    return Array.from(heights_m, (height, i) => ({ height, ...bothHeights(above, height, undulations_m?.[i] ?? null) }));
+  }
+  private async exactGround(places: readonly MapPoint[]): Promise<ExactGround> {
     HeightQuestions.check(places.length);
     if (this.end) throw this.end;
-    return places.length === 0 ? new Float64Array() : this.questions.heights(places.map((place) => this.latticeOf(place)));
+    if (places.length === 0) return { heights_m: new Float32Array(), undulations_m: null };
+    return this.questions.ask(places.map((place) => this.latticeOf(place)));
   }
   /**
    * Whether the second place of each pair is seen from the first, and what hides it: of the server, exactly, over the ground at full
@@ -416,7 +427,7 @@ export class Terrain {
       onWelcome: (message) => this.enter(message),
       onMesh: (update) => this.feed.add(update),
       onLines: (version, terrain, objects) => this.feed.addLines(version, terrain, objects),
-      onGround: (id, heights_m) => this.questions.answer(id, heights_m),
+      onGround: (id, ground) => this.questions.answer(id, ground),
       onRecording: (file) => this.onRecording?.(file),
       onDamaged: () => this.warn('A tile of the ground is damaged: a coarser one stays in its place.'),
       onClosed: () => this.onClosedByWorker(),

@@ -1,13 +1,15 @@
 // The package's interface in Node, in sessions with the real server: what is promised of a Terrain, and how it ends. Every wait is for a
 // condition.
 import assert from 'node:assert/strict';
+import { execFile } from 'node:child_process';
 import { createServer } from 'node:http';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { setImmediate } from 'node:timers/promises';
+import { promisify } from 'node:util';
 import { ForelandError, Terrain } from '@foreland/client';
 import { readHeights } from './heights.mjs';
-import { freePort, makeFolder, makeScene, startServer } from './support.mjs';
+import { freePort, makeFolder, makeScene, runForeland, startServer } from './support.mjs';
 
 const kTest = { timeout: 180_000 };
 const kLens = { fovY: 1.05, width: 640, height: 360 };
@@ -101,6 +103,31 @@ test('exact heights are those of the raster, and what is held agrees with them b
   const held = await fly(terrain, () => terrain.heightNow(middle) !== null).then(() => terrain.heightNow(middle));
   assert.ok(Math.abs(held - exact) < 20, `${held} m held, ${exact} m exact`);
   await terrain.close();
+});
+
+test('heights by both surfaces differ by the geoid, in what is held and in what the server says', kTest, async () => {
+  const [raster, above_sea] = ['Placed mountains.tif', 'above_the_sea.fls'].map((name) => join(folder.folder, name));
+  await promisify(execFile)('gdal_translate', ['-q', '-a_srs', 'EPSG:32632', '-a_ullr', '400000', '5150000', '408000', '5142000', join(folder.folder, 'Example mountains.tif'), raster]);
+  await runForeland('build', raster, '--vertical', 'egm96', '-o', above_sea);
+  const its_server = await startServer(above_sea);
+  try {
+    const terrain = await Terrain.open(its_server.url.href.replace('http', 'ws'), { lens: kLens });
+    const { vertical } = terrain.scene;
+    assert.deepEqual([vertical.above, vertical.name, vertical.geoid], ['sea', 'EGM96', 'EGM96']);
+    const place = terrain.toGeodetic(middleOf(terrain.scene));
+    const [both] = await terrain.bothHeights([place]);
+    const undulation = both.aboveEllipsoid - both.aboveSea;
+    assert.equal(both.aboveSea, both.height);
+    assert.ok(Math.abs(undulation) > 1 && Math.abs(undulation) < 110, `${undulation} m`);
+    assert.ok(Math.abs(place.aboveEllipsoid - place.aboveSea - undulation) < vertical.maxError + 1e-3, 'the read-out');
+    await terrain.close();
+  } finally {
+    await its_server.stop();
+  }
+  const unstated = await Terrain.open(address, { lens: kLens });
+  assert.equal(unstated.scene.vertical.above, 'unstated');
+  assert.deepEqual((await unstated.bothHeights([unstated.toGeodetic(middleOf(unstated.scene))])).map(({ aboveSea, aboveEllipsoid }) => [aboveSea, aboveEllipsoid]), [[null, null]]);
+  await unstated.close();
 });
 
 test('places go to the scene and back, and rays meet the ground', kTest, async () => {

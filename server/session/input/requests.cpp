@@ -18,11 +18,14 @@ Bytes replyTo(const proto::TourRequest& request, const terrain::Scene& scene) {
 }
 
 Bytes replyTo(const proto::GroundRequest& request, const terrain::Scene& scene) {
-  proto::GroundReply reply{request.id, {}};
+  proto::GroundReply reply{request.id, {}, {}};
+  const proto::UndulationGrid& undulations = scene.vertical().undulations;
   reply.heights_m.reserve(request.positions.size());
   for (const glm::dvec2& p : request.positions)
     reply.heights_m.push_back(
         static_cast<float>(groundHeight(scene, p.x, p.y).value_or(std::numeric_limits<double>::quiet_NaN())));
+  if (!undulations.isEmpty())
+    for (const glm::dvec2& p : request.positions) reply.undulations_m.push_back(static_cast<float>(undulations.at(p)));
   return proto::encode(reply);
 }
 

@@ -54,6 +54,9 @@ void readGeographic(OGRSpatialReferenceH crs, Georeference& out) {
   out.ellipsoid = ellipsoidOf(crs);
 }
 
+// What a map says of its heights is in the file's own reference system, of which a warped view may have lost it.
+bool saysOfHeights(OGRSpatialReferenceH crs) { return OSRIsCompound(crs) || OSRGetAxesCount(crs) == 3; }
+
 void readVerticalUnit(OGRSpatialReferenceH crs, Georeference& out) {
   if (!OSRIsCompound(crs)) return;
   char* name = nullptr;
@@ -62,7 +65,27 @@ void readVerticalUnit(OGRSpatialReferenceH crs, Georeference& out) {
   if (!(*out.vertical_unit > 0)) out.vertical_unit.reset();
 }
 
+// The reference system without its vertical part; null if that fails.
+GdalReferenceSystem horizontalOf(const std::string& wkt) {
+  GdalReferenceSystem crs(OSRNewSpatialReference(wkt.c_str()));
+  if (!crs || !saysOfHeights(crs.get())) return crs;
+  if (OSRIsCompound(crs.get())) OSRStripVertical(crs.get());
+  if (OSRGetAxesCount(crs.get()) == 3 && OSRDemoteTo2D(crs.get(), nullptr) != OGRERR_NONE) crs.reset();
+  return crs;
+}
+
 }  // namespace
+
+void readHeightStatement(OGRSpatialReferenceH crs, Georeference& out) {
+  if (crs == nullptr) return;
+  readVerticalUnit(crs, out);
+  if (saysOfHeights(crs)) out.heights_wkt = wktOf(crs);
+}
+
+std::string withoutHeights(const std::string& wkt) {
+  const GdalReferenceSystem flat = horizontalOf(wkt);
+  return flat ? wktOf(flat.get()) : wkt;
+}
 
 Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& name, std::vector<std::string>& notes) {
   Georeference out;
@@ -80,7 +103,7 @@ Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& n
                                               ") is neither projected nor plain latitude and longitude; "
                                               "convert it first, e.g. gdalwarp -t_srs EPSG:4326 -dstnodata -9999"};
   out.crs_wkt = wktOf(crs);
-  readVerticalUnit(crs, out);
+  readHeightStatement(crs, out);
   if (OSRIsGeographic(crs)) {
     readGeographic(crs, out);
   } else if (OSRIsProjected(crs) || OSRIsLocal(crs)) {
@@ -100,8 +123,7 @@ bool isSameReferenceSystem(const Georeference& a, const Georeference& b) {
     return a.unit == b.unit && a.prime_meridian_rad == b.prime_meridian_rad &&
            std::fabs(a.ellipsoid.semi_major_m - b.ellipsoid.semi_major_m) < 0.5;
   const GdalMessages silence;
-  const GdalReferenceSystem left(OSRNewSpatialReference(a.crs_wkt.c_str()));
-  const GdalReferenceSystem right(OSRNewSpatialReference(b.crs_wkt.c_str()));
+  const GdalReferenceSystem left = horizontalOf(a.crs_wkt), right = horizontalOf(b.crs_wkt);
   const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", nullptr};
   return left && right && OSRIsSameEx(left.get(), right.get(), options);
 }

@@ -20,7 +20,14 @@ Result<Georeference> readGeoreference(GDALDatasetH dataset, const std::string& n
 std::string wktOf(OGRSpatialReferenceH crs);
 Ellipsoid ellipsoidOf(OGRSpatialReferenceH crs);
 
-// Whether two reference systems are the same, however they are spelled. Two unknown ones count as the same.
+// Adds what a file's own reference system says of heights to the georeference of a view of it. Null says nothing.
+void readHeightStatement(OGRSpatialReferenceH crs, Georeference& out);
+
+// The same reference system, of two dimensions.
+std::string withoutHeights(const std::string& wkt);
+
+// Whether two reference systems are the same but for heights, however they are spelled. Two unknown ones count as the
+// same.
 bool isSameReferenceSystem(const Georeference& a, const Georeference& b);
 
 }  // namespace foreland::terrain

@@ -259,6 +259,7 @@ Status GdalRaster::init(const OpenOptions& options, const GdalMessages& messages
   if (const std::string said = messages.all(); !said.empty())
     info_.notes.push_back("about its header GDAL says: " + said);
   info_.georeference = *place;
+  if (!sources_.empty()) readHeightStatement(GDALGetSpatialRef(sources_.front().get()), info_.georeference);
   decoder_ = makeDecoder(options);
   const ReadRaw read = [this](uint32_t first, uint32_t count, std::span<float> out) {
     return readRaw(first, count, out);

@@ -112,6 +112,7 @@ Result<Mosaic> makeMosaic(std::vector<Tile> tiles) {
     if (off > kWorthSaying)
       out.notes.push_back(fmt::format("{} lies {:.2f} samples off the lattice of {} and was shifted onto it",
                                       tile.raster->info().name, off, first.raster->info().name));
+    tile.off_lattice = off;
     at.emplace_back(column, row);
     left = std::min(left, column);
     top = std::min(top, row);

@@ -15,6 +15,9 @@ struct Tile {
   std::unique_ptr<Raster> raster;
   Georeference map;              // resolved (placement.h)
   uint32_t column = 0, row = 0;  // of its first sample in the mosaic
+  std::string input{};           // the file as it was opened, which may have several rasters
+  std::string vertical{};        // what its heights counted from, if that is stated
+  double off_lattice = 0;        // how far its samples were from the mosaic's, in samples
 };
 
 struct Mosaic {

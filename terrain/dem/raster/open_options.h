@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,11 @@ struct OpenOptions {
   FrameChoice frame = FrameChoice::kAuto;
   HeightEncoding encoding = HeightEncoding::kPlain;  // of pictures whose colours are heights it is found out
   std::optional<double> height_unit{};               // metres a unit of the heights, whatever the file says
+  // What heights count from (terrain/dem/vertical/height_reference.h): of every input; of some inputs, by their names
+  // as they are opened; and of the result. By default as reference systems say, and as the first input that states it.
+  std::optional<std::string> vertical{};
+  std::map<std::string, std::string> vertical_of{};
+  std::optional<std::string> scene_vertical{};
   // Beside its own folder, what a file may name files of (terrain/fence/file_fence.h); without the fence, in tests of
   // what else holds, any.
   std::vector<std::filesystem::path> allowed_folders{};

@@ -28,6 +28,8 @@ struct Georeference {
   // Metres per unit of the reference system's vertical part; nothing if it has none.
   std::optional<double> vertical_unit{};
   std::string vertical_unit_name{};
+  // The reference system as the file has it, if that says what heights count from; `crs_wkt` may be of a view without.
+  std::string heights_wkt;
   std::string crs_name;  // for people
   std::string crs_wkt;
 };

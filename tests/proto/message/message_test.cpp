@@ -107,7 +107,7 @@ TEST(Message, ControlMessagesRoundTrip) {
   EXPECT_EQ(got_tour.name, "canyon");
   const auto got_ground = std::get<GroundRequest>(*decodeClientMessage(encode(GroundRequest{4, {{1, 2}, {3, 4}}})));
   EXPECT_EQ(got_ground.positions, (std::vector<glm::dvec2>{{1, 2}, {3, 4}}));
-  EXPECT_EQ(std::get<GroundReply>(*decodeServerMessage(encode(GroundReply{4, {1.5f}}))).heights_m,
+  EXPECT_EQ(std::get<GroundReply>(*decodeServerMessage(encode(GroundReply{4, {1.5f}, {}}))).heights_m,
             std::vector<float>{1.5f});
   EXPECT_EQ(std::get<Refusal>(*decodeServerMessage(encode(Refusal{"no"}))).message, "no");
 }
@@ -335,7 +335,7 @@ TEST(Message, AnyBytesEndInAValueOrAnError) {
                                 encode(GroundRequest{1, {{1, 2}}}),
                                 encode(PoseUpdate{}),
                                 encode(Refusal{"x"}),
-                                encode(GroundReply{1, {2}}),
+                                encode(GroundReply{1, {2}, {50}}),
                                 encode(SightRequest{1, {{1, 2, 3}, {4, 5, 6}}}),
                                 encode(ViewshedRequest{}),
                                 encode(RequestCancel{1}),

@@ -3,7 +3,7 @@
 // until the next call into it.
 import { CoreError, reasonOf } from './failure.js';
 import { kRecordLayout, readTextRecord, readWelcomeRecord } from './records.js';
-import type { Welcome } from './values.js';
+import { kZeroSurfaces, type Welcome } from './values.js';
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -43,7 +43,7 @@ interface Exports {
   foreland_take_tour(viewer: number): number;
   foreland_start_tour(viewer: number, start_ms: number): void;
   foreland_request_ground(viewer: number): number;
-  foreland_take_ground(viewer: number): number;
+  foreland_take_ground(viewer: number, request: number): number;
   foreland_announce_path(viewer: number, start_ms: number, step_ms: number): number;
   foreland_request_sight(viewer: number, above: number, refraction: number, scene_ms: number): number;
   foreland_request_viewshed(viewer: number, ...question: number[]): number;
@@ -160,6 +160,10 @@ export function welcomeAt(core: Core, at: number): Welcome {
     model_has_image: Array.from({ length: r.model_count }, (_, i) => view.getUint32(r.model_sides + 4 * i, true) > 0),
     epochs_ms: Array.from({ length: r.epoch_count }, (_, i) => view.getFloat64(r.epochs + 8 * i, true)),
     max_moved_m: r.max_moved_m,
+    zero_surface: kZeroSurfaces[r.zero_surface] ?? 'unstated',
+    datum: core.text(r.datum, r.datum_size),
+    geoid: core.text(r.geoid, r.geoid_size),
+    undulation_error_m: r.undulation_error_m,
     scene_id: BigInt(r.scene_id[0]) | (BigInt(r.scene_id[1]) << 32n),
     landmarks: Array.from({ length: r.landmark_count }, (_, i) => vectorAt(r.landmarks + 24 * i)),
   };

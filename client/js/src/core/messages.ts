@@ -5,6 +5,12 @@ import type { Failure } from './failure.js';
 import type { MeshUpdate, PartLines } from './mesh_update.js';
 import type { SightAnswer, SightMessage } from './sight.js';
 
+// The server's heights of the ground; NaN beyond the data. Undulations where the scene knows a geoid, else null.
+export interface ExactGround {
+  heights_m: Float32Array<ArrayBuffer>;
+  undulations_m: Float32Array<ArrayBuffer> | null;
+}
+
 export type ToWorker =
   // First, and once. `clock_origin_ms` is performance.timeOrigin of the drawing thread.
   | { kind: 'start'; module: WebAssembly.Module; server: string; request: Request; blend: Blend; wants_lines: boolean;
@@ -32,7 +38,7 @@ export type ToWorker =
 export type FromWorker =
   | { kind: 'closed' }
   | { kind: 'migrate' } // the server hands its viewers over: the connection is opened anew at once
-  | { kind: 'ground'; id: number; heights_m: Float32Array } // the reply; NaN beyond the data
+  | { kind: 'ground'; id: number; ground: ExactGround } // the reply
   | { kind: 'open' } // a connection is open, and a session begins
   | { kind: 'waiting'; seconds: number; reason: string } // for the next attempt to connect; the reason is a sentence, or empty
   | { kind: 'refused'; reason: string } // the session has ended

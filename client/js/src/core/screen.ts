@@ -62,7 +62,7 @@ export class Screen {
     if (at === 0) return null;
     const r = readMapPositionRecord(this.core.view(), at);
     const known = (v: number) => (Number.isNaN(v) ? null : v);
-    return { ...r, ground_m: known(r.ground_m), slope_rad: known(r.slope_rad) };
+    return { ...r, ground_m: known(r.ground_m), slope_rad: known(r.slope_rad), undulation_m: known(r.undulation_m) };
   }
   // The point of the scene at a place that the data's owner names (MapPosition.across) and a height above the zero surface; null before
   // the welcome.

@@ -3,7 +3,7 @@ import type { Core } from './core.js';
 import type { Failure } from './failure.js';
 import type { Guard } from './guard.js';
 import type { PartLines, MeshUpdate } from './mesh_update.js';
-import type { FromWorker, ToWorker } from './messages.js';
+import type { ExactGround, FromWorker, ToWorker } from './messages.js';
 import { Screen } from './screen.js';
 import { Sights } from './sight.js';
 import type { Pose, Statistics } from './values.js';
@@ -25,7 +25,7 @@ export interface SessionEvents {
   onMesh(update: MeshUpdate): void;
   onMigrate(): void;
   onClosed(): void;
-  onGround(id: number, heights_m: Float32Array): void;
+  onGround(id: number, ground: ExactGround): void;
   onLines(version: number, terrain: PartLines, objects: PartLines): void;
   onRecording(file: Blob): void;
   onDamaged(what: string): void; // the first tile that cannot be decoded
@@ -115,7 +115,7 @@ export class Session {
         this.is_open = false;
         return this.events.onWaiting(message.seconds, message.reason);
       case 'migrate': return this.events.onMigrate();
-      case 'ground': return this.events.onGround(message.id, message.heights_m);
+      case 'ground': return this.events.onGround(message.id, message.ground);
       case 'closed': case 'recording': return; // above
       case 'refused': return this.events.onRefused(message.reason);
       case 'welcome':

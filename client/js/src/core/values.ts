@@ -136,10 +136,21 @@ export interface Welcome {
   max_moved_m: number; // by which its ground moves at most from the first epoch to another
   landmarks: [number, number, number][];
   scene_id: bigint;
+  zero_surface: ZeroSurface;
+  datum: string; // its name; empty: not stated
+  geoid: string; // whose undulations are known; empty: none's
+  undulation_error_m: number;
 }
 
+/** What heights count from: an ellipsoid, the level of the sea, or nobody says. */
+export type ZeroSurface = 'unstated' | 'ellipsoid' | 'sea';
+export const kZeroSurfaces: readonly ZeroSurface[] = ['unstated', 'ellipsoid', 'sea']; // in the order of proto/space/vertical.h
+
 // A point of the scene as client/wasm/records.h has it; null where the ground is not known.
-export type MapPosition = Omit<MapPositionRecord, 'ground_m' | 'slope_rad'> & { ground_m: number | null; slope_rad: number | null };
+export type MapPosition = Omit<MapPositionRecord, 'ground_m' | 'slope_rad' | 'undulation_m'> & {
+  ground_m: number | null; slope_rad: number | null;
+  undulation_m: number | null; // null: not known
+};
 export type Statistics = StatisticsRecord;
 
 export const kTileSide = 256; // texels; proto/imagery/tile.h

@@ -1,5 +1,6 @@
 // A viewer in the client core: the client's side of a session.
 import { type Core, welcomeAt } from '../core/core.js';
+import type { ExactGround } from '../core/messages.js';
 import {
   readChangesRecord, readFrameRecord, readGroundRecord, readImageRecord, readStatisticsRecord, readTextRecord, readTilesRecord, type FrameRecord,
 } from '../core/records.js';
@@ -196,12 +197,13 @@ export class Viewer {
     this.core.put(new Uint8Array(positions.buffer, positions.byteOffset, positions.byteLength));
     return this.core.exports.foreland_request_ground(this.handle);
   }
-  // The reply that has arrived since the last call; a copy.
-  takeGround(): { id: number; heights_m: Float32Array<ArrayBuffer> } | null {
-    const record = this.core.exports.foreland_take_ground(this.handle);
+  // The reply to that request, once; a copy.
+  takeGround(request: number): { id: number; ground: ExactGround } | null {
+    const record = this.core.exports.foreland_take_ground(this.handle, request);
     if (record === 0) return null;
-    const { id, count, heights_m } = readGroundRecord(this.core.view(), record);
-    return { id, heights_m: new Float32Array(this.core.copy(heights_m, 4 * count).buffer) };
+    const { id, count, heights_m, undulations_m } = readGroundRecord(this.core.view(), record);
+    const floats = (at: number) => new Float32Array(this.core.copy(at, 4 * count).buffer);
+    return { id, ground: { heights_m: floats(heights_m), undulations_m: undulations_m === 0 ? null : floats(undulations_m) } };
   }
   // The shortest message that changes nothing: it takes back a request that there is not.
   saySomething(): void {

@@ -42,7 +42,8 @@ class Session {
   private sent: number[] = []; // versions that are not staged
   private last_version = 0; // that was sent
   private readonly ground = new GroundQueue((positions) => (this.is_greeted ? this.viewer.requestGround(positions) : null),
-    (id, heights_m) => this.post({ kind: 'ground', id, heights_m }, [heights_m.buffer]));
+    (id, ground) => this.post({ kind: 'ground', id, ground },
+      ground.undulations_m ? [ground.heights_m.buffer, ground.undulations_m.buffer] : [ground.heights_m.buffer]));
   private tour: string | null = null; // asked for, and has not come; asked for again on a new connection
   private tour_seconds = 0;
   private has_told_damage = false;
@@ -228,7 +229,7 @@ class Session {
     }
     const ground = this.ground.request === null ? null : this.viewer.takeGround(this.ground.request);
     if (ground) {
-      this.ground.take(ground.id, ground.heights_m);
+      this.ground.take(ground.id, ground.ground);
       this.sendOutgoing();
     }
     this.sights.received(message);

@@ -98,7 +98,7 @@ export class Readout {
     const above = position.ground === null ? '' : ` \u00b7 ${metresText(position.height - position.ground)} above ground`;
     const slope = position.slope === null ? '' : ` \u00b7 slope ${((position.slope * 180) / Math.PI).toFixed(0)}\u00b0`;
     const heading = ((((m.heading_rad * 180) / Math.PI) % 360) + 360) % 360;
-    const lines = [`${at}${slope}`, `${metresText(position.height)} high${above}`];
+    const lines = [`${at}${slope}`, `${heightsText(position, m.scene.vertical)}${above}`];
     const speed = speed_mps > 1e-3 * m.set_speed_mps ? `${metresText(speed_mps)}/s` : `keys fly at ${metresText(m.set_speed_mps)}/s`;
     lines.push(`heading ${heading.toFixed(0).padStart(3, '0')}\u00b0 \u00b7 ${speed}`);
     this.where.replaceChildren(...lines.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
@@ -148,6 +148,15 @@ function bytesText(bytes: number): string {
 function metresText(metres: number): string {
   if (Math.abs(metres) >= 10000) return `${(metres / 1000).toFixed(1)} km`;
   return `${metres.toFixed(Math.abs(metres) < 10 ? 1 : 0)} m`;
+}
+
+// By both surfaces, as far as they are known. The one that is not the scene's own may be off, which is said of more than half a metre.
+function heightsText(place: Place, vertical: Scene['vertical']): string {
+  if (vertical.above === 'unstated') return `${metresText(place.height)} high`;
+  const off = vertical.maxError < 0.5 ? '' : ` (\u00b1 ${metresText(vertical.maxError)})`;
+  const sea = place.aboveSea === null ? '' : `${metresText(place.aboveSea)} above the sea${vertical.above === 'sea' ? '' : off}`;
+  const ellipsoid = place.aboveEllipsoid === null ? '' : `${metresText(place.aboveEllipsoid)} above the ellipsoid${vertical.above === 'ellipsoid' ? '' : off}`;
+  return [sea, ellipsoid].filter((text) => text !== '').join(' \u00b7 ');
 }
 
 function latenessText(ms: number): string {
