@@ -150,7 +150,13 @@ typedef struct ForelandScene {
   uint32_t has_relief, has_imagery;
   const char* relief_attribution; /* to be shown where the tiles are; "" if none is due */
   const char* imagery_attribution;
+  uint32_t zero_surface; /* what heights count from: FORELAND_UNSTATED, ... */
+  uint32_t reserved;
+  const char* datum;       /* its name; "" if nobody says */
+  const char* geoid;       /* whose undulations are known, for heights by the other surface; "": none's */
+  double undulation_error; /* by which ForelandPlace may be off where it tells them; answers are exact */
 } ForelandScene;
+enum { FORELAND_UNSTATED = 0, FORELAND_ABOVE_ELLIPSOID = 1, FORELAND_ABOVE_SEA = 2 };
 
 /* What to draw at an instant. */
 typedef struct ForelandFrame {
@@ -217,6 +223,8 @@ typedef struct ForelandPlace {
   double slope;      /* of the ground, radians; NaN where it is not known */
   double up[3];      /* away from the zero surface, in the scene's axes */
   double lattice[2]; /* position on the lattice of the data's samples */
+  double undulation; /* of the geoid above the ellipsoid: what a height above the sea lacks to one above the ellipsoid;
+                        NaN where it is not known */
 } ForelandPlace;
 
 /* How lines of sight are asked for. */
@@ -290,6 +298,7 @@ typedef struct ForelandEvent {
   const ForelandViewshed* viewshed;
   uint32_t count;
   uint32_t reserved;
+  const double* undulations; /* with `heights`, as many, as of ForelandPlace; NULL where no geoid is known */
 } ForelandEvent;
 
 /* Counts of what has come and gone. */

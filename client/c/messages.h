@@ -94,7 +94,7 @@ struct Failed {
 };
 struct Heights {
   uint64_t question;
-  std::vector<float> heights_m;
+  std::vector<float> heights_m, undulations_m;
 };
 struct Sights {
   uint64_t question;

@@ -249,7 +249,7 @@ void SessionLoop::askHeights() {
 void SessionLoop::takeReplies() {
   if (auto ground = asked_heights_ ? held_->viewer.takeGround(*asked_heights_) : std::nullopt) {
     const uint64_t question = heights_.front().question;
-    if (question != 0) post_(from::Heights{question, std::move(ground->heights_m)});
+    if (question != 0) post_(from::Heights{question, std::move(ground->heights_m), std::move(ground->undulations_m)});
     heights_.pop_front();
     asked_heights_.reset();
     askHeights();

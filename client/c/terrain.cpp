@@ -72,6 +72,7 @@ const ForelandEvent* Terrain::nextEvent() {
   ForelandEvent& out = happening_.event;
   out.message = happening_.message.c_str();
   if (out.kind == FORELAND_EVENT_HEIGHTS) out.heights = happening_.heights.data();
+  if (!happening_.undulations.empty()) out.undulations = happening_.undulations.data();
   if (out.kind == FORELAND_EVENT_SIGHTS) out.sights = happening_.sights.data();
   if (out.kind == FORELAND_EVENT_VIEWSHED) {
     static_assert(sizeof(proto::ViewshedCell) == sizeof(uint8_t));
@@ -137,6 +138,7 @@ void Terrain::on(from::Failed message) {
 void Terrain::on(from::Heights message) {
   Happening& told = answer(FORELAND_EVENT_HEIGHTS, message.question);
   told.heights.assign(message.heights_m.begin(), message.heights_m.end());
+  told.undulations.assign(message.undulations_m.begin(), message.undulations_m.end());
   told.event.count = static_cast<uint32_t>(told.heights.size());
 }
 
@@ -196,7 +198,12 @@ void Terrain::tellScene() {
             .has_relief = 0,
             .has_imagery = 0,
             .relief_attribution = "",
-            .imagery_attribution = ""};
+            .imagery_attribution = "",
+            .zero_surface = static_cast<uint32_t>(w.vertical.zero_surface),
+            .reserved = 0,
+            .datum = w.vertical.name.c_str(),
+            .geoid = w.vertical.geoid.c_str(),
+            .undulation_error = w.vertical.undulations.max_error_m};
   const SceneBox box = boxOf(w, transform);
   put(box.low, scene_.low), put(box.high, scene_.high);
   if (is_geographic) std::ranges::copy(ecefOf(transform), scene_.to_ecef);
@@ -341,7 +348,8 @@ ForelandPlace Terrain::placeOf(const glm::dvec3& point) const {
                     .ground = place.ground_m.value_or(kUnknown),
                     .slope = place.slope_rad.value_or(kUnknown),
                     .up = {},
-                    .lattice = {place.at.lattice.x, place.at.lattice.y}};
+                    .lattice = {place.at.lattice.x, place.at.lattice.y},
+                    .undulation = place.undulation_m.value_or(kUnknown)};
   put(place.at.up, out.up);
   return out;
 }

@@ -20,7 +20,7 @@ namespace foreland::client {
 struct Happening {
   ForelandEvent event{};
   std::string message{};
-  std::vector<double> heights{};
+  std::vector<double> heights{}, undulations{};
   std::vector<ForelandSight> sights{};
   proto::ViewshedReply viewshed_reply{};
   ForelandViewshed viewshed{};

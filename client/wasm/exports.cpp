@@ -31,8 +31,8 @@ proto::ViewRequest requestOf(double fov_rad, uint32_t width_px, uint32_t height_
           .tile_bytes = tile_bytes};
 }
 
-double texelOf(const Host& host, proto::TileContent content) {
-  return host.drape ? host.drape->texelPx(content) : std::numeric_limits<double>::infinity();
+double texelOf(Host& host, proto::TileContent content) {
+  return host.newest.drape() ? host.newest.drape()->texelPx(content) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -169,7 +169,7 @@ FORELAND_EXPORT(foreland_statistics) const StatisticsRecord* statistics(Host* ho
                              .keyframes = from.keyframes,
                              .late_keyframes = from.late_keyframes,
                              .tiles = static_cast<uint32_t>(tiles.count()),
-                             .damaged_tiles = host->drape ? host->drape->damaged() : 0};
+                             .damaged_tiles = host->newest.drape() ? host->newest.drape()->damaged() : 0};
   return &host->statistics_record;
 }
 
