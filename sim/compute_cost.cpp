@@ -39,7 +39,8 @@ StepWork StepWork::between(const server::SessionStatistics& before, const server
           .resumed = after.resumed && !before.resumed ? knownNodes(session) : 0,
           .blocks = after.occlusion.tests - before.occlusion.tests,
           .segments = after.occlusion.segments - before.occlusion.segments,
-          .rays = after.occlusion.rays - before.occlusion.rays};
+          .rays = after.occlusion.rays - before.occlusion.rays,
+          .queries = after.occlusion.queries - before.occlusion.queries};
 }
 
 StepWork& StepWork::operator+=(const StepWork& other) {
@@ -52,6 +53,7 @@ StepWork& StepWork::operator+=(const StepWork& other) {
   blocks += other.blocks;
   segments += other.segments;
   rays += other.rays;
+  queries += other.queries;
   return *this;
 }
 

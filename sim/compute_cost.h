@@ -24,8 +24,9 @@ struct StepWork {
   uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
   uint64_t bytes = 0;      // written
   uint64_t resumed = 0;    // nodes that a viewer who resumes presents, in its section or remembered
-  // With occlusion: tests of blocks and segments of horizons that are built for them (server/occlusion), and rays.
-  uint64_t blocks = 0, segments = 0, rays = 0;
+  // With occlusion: tests of blocks and segments of horizons that are built for them (server/occlusion), rays, and
+  // queries of what solids of objects hide.
+  uint64_t blocks = 0, segments = 0, rays = 0, queries = 0;
 
   // Of a step that has just been done; before it the session's statistics were `before`.
   static StepWork between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes);
@@ -41,16 +42,17 @@ struct StepWork {
     visit("blocks", blocks);
     visit("segments", segments);
     visit("rays", rays);
+    visit("queries", queries);
   }
 };
 
-inline constexpr size_t kWorkKinds = 9;
+inline constexpr size_t kWorkKinds = 10;
 
 // Nanoseconds for each, in the order of StepWork.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
   double keyframe = 210'000, tested = 35, changed = 87, measured = 86, byte = 120, resumed = 110;
-  double block = 475, segment = 57'000, ray = 1000;
+  double block = 475, segment = 57'000, ray = 1000, query = 500;
 
   Duration of(const StepWork& work) const;
   // What each kind of the work takes, in nanoseconds.
@@ -77,6 +79,7 @@ struct ComputePrices {
     visit("ns_block", p.block);
     visit("ns_segment", p.segment);
     visit("ns_ray", p.ray);
+    visit("ns_query", p.query);
   }
 };
 

@@ -64,7 +64,7 @@ SEES["terrain/town"] = [*SEES["terrain/pipeline"], *REMESH_ROOMS, "terrain/remes
 # The server sees the terrain, but neither what reads foreign files (GDAL, OpenEXR) nor the builder.
 SERVER_SEES = [*PROTO, "terrain", *STORE, "terrain/bounds", "terrain/geo", "terrain/surface",
                "terrain/surface_store", "terrain/objects"]
-SERVER_ROOMS = ["server/view", "server/section", "server/occlusion/horizon", "server/occlusion/proofs", "server/occlusion/objects", "server/occlusion", "server/sight", "server/imagery",
+SERVER_ROOMS = ["server/view", "server/section", "server/embree", "server/occlusion/horizon", "server/occlusion/proofs", "server/occlusion/objects", "server/occlusion", "server/sight", "server/imagery",
                 "server/sched", "server/session/input", "server/session/plan", "server/session/view", "server/session", "server/net/http", "server/net/metrics", "server/net/access", "server/net", "server"]
 for at, room in enumerate(SERVER_ROOMS):
     SEES[room] = SERVER_SEES + SERVER_ROOMS[:at]
@@ -116,7 +116,7 @@ THIRD_PARTY = [
     (r"pugi(xml|config)\.hpp$", "pugixml", ["client/fly/tracks", *TESTS]),
     (r"GeographicLib/", "GeographicLib", ["terrain/geo", *TESTS]),
     (r"proj(_experimental|_constants)?\.h$", "PROJ", ["terrain/geoid", *TESTS]),
-    (r"embree\d?/", "Embree", ["server/occlusion", "server/occlusion/objects", "server/sight", "terrain/render", *TESTS]),
+    (r"embree\d?/", "Embree", ["server/embree", "server/occlusion", "server/occlusion/objects", "server/sight", "terrain/render", *TESTS]),
     (r"boost/", "Boost", ["transport", "server/net/http", "server/net/access", "server/net", "client/fly/net", "lab/load", "lab/proxy", *EDGES]),
     (r"openssl/", "OpenSSL", ["transport", "server/net/access", *EDGES]),
     (r"(draco/|meshoptimizer\.h$)", "Draco or meshoptimizer", ["terrain/model", "lab/wire/peers", *TESTS]),

@@ -212,6 +212,16 @@ void addTimeOptions(CLI::App& sub, lab::LoadRequest& request) {
       ->type_name(number("S"))
       ->check(within(2.0, 600.0))
       ->capture_default_str();
+  CLI::Option* step =
+      sub.add_option("--before-step", request.base.before_step,
+                     "so many of the viewers come in the run-in, the others when what is measured begins")
+          ->type_name(whole("N"))
+          ->check(within(1, 4096));
+  sub.add_option("--step", request.base.step_s, "seconds in which these others come")
+      ->type_name(number("S"))
+      ->check(within(0.0, 600.0))
+      ->needs(step)
+      ->capture_default_str();
   sub.add_option("--tau", request.base.tau_px, "tolerance in pixels")
       ->type_name(number("PX"))
       ->check(within(0.05, 1000.0))
@@ -325,6 +335,8 @@ Result<nlohmann::ordered_json> load(const LoadArguments& args) {
                 {"occlusion", args.occlusion},
                 {"seconds", request.base.seconds},
                 {"run_in_s", request.base.run_in_s},
+                {"before_step", request.base.before_step},
+                {"step_s", request.base.step_s},
                 {"tau_px", request.base.tau_px},
                 {"keyframe_ms", request.base.keyframe_ms}});
   if (request.base.cluster.servers > 1)

@@ -58,7 +58,8 @@ LightViewer::Received LightViewer::receive(ByteSpan message, Time now) {
   return {.is_keyframe = true,
           .is_resumed = keyframe->header.base_index > 0,
           .time = keyframe->header.time,
-          .lateness = now - (keyframe->header.time - request_.keyframe_interval)};
+          .lateness = now - (keyframe->header.time - request_.keyframe_interval),
+          .tau_px = keyframe->header.tau_px};
 }
 
 }  // namespace foreland::lab

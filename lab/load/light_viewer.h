@@ -40,6 +40,7 @@ class LightViewer {
     bool is_resumed = false;        // a keyframe that starts from another
     Time time{};                    // that a keyframe is for, the viewer's clock
     Duration lateness{};            // of a keyframe, to be shown; negative is early
+    double tau_px = 0;              // that a keyframe states
     std::optional<Bytes> resume{};  // to be sent: what is held
   };
   Received receive(ByteSpan message, Time now);

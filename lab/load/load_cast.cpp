@@ -62,6 +62,14 @@ std::vector<size_t> rolesOf(const LoadOptions& options, Rng& chance) {
   return roles;
 }
 
+Time comesAt(size_t viewer, const LoadOptions& options) {
+  const auto shareOf = [](size_t i, size_t all) { return static_cast<double>(i) / static_cast<double>(all); };
+  const size_t before = options.before_step;
+  if (before == 0 || before >= options.viewers) return Time::seconds(shareOf(viewer, options.viewers));
+  if (viewer < before) return Time::seconds(shareOf(viewer, before));
+  return Time::seconds(options.run_in_s + options.step_s * shareOf(viewer - before, options.viewers - before));
+}
+
 std::vector<LoadViewer> viewersOf(const LoadTours& tours, const LoadOptions& options, std::span<const size_t> roles) {
   Rng chance(options.seed);
   std::vector<LoadViewer> viewers;
@@ -73,7 +81,7 @@ std::vector<LoadViewer> viewersOf(const LoadTours& tours, const LoadOptions& opt
     LoadViewer& v = viewers[i];
     const double share = static_cast<double>(i) / static_cast<double>(viewers.size());
     const auto interval_us = static_cast<double>(v.cast.request.keyframe_interval.us);
-    v.comes = Time::seconds(share);
+    v.comes = comesAt(i, options);
     if (options.phases == Phases::kRandom) v.clock = Duration{static_cast<int64_t>(chance.uniform(0, interval_us))};
     if (options.phases == Phases::kStaggered) v.clock = Duration{static_cast<int64_t>(share * interval_us)};
   }

@@ -25,7 +25,10 @@ struct LoadCast {
 // The role with this number, of those that Mix lists.
 LoadCast castOf(const LoadTours& tours, const LoadOptions& options, size_t role, Rng& chance);
 
-// One of all viewers: they come one after another within a second; when their keyframes are due follows from their
+// When a viewer comes, by its number: one after another within a second, or in a step (LoadOptions::before_step).
+Time comesAt(size_t viewer, const LoadOptions& options);
+
+// One of all viewers: when their keyframes are due follows from their
 // clocks. The same in virtual and in real time.
 struct LoadViewer {
   LoadCast cast;

@@ -16,7 +16,7 @@ constexpr std::array<const char*, 3> kPhases{"synchronised", "random", "staggere
 constexpr std::array<const char*, 2> kQueues{"shared", "stealing"};
 constexpr std::array<const char*, 3> kMixes{"mixed", "survey", "tours"};
 
-// What is hidden is found out by blocks, segments and rays together.
+// What is hidden is found out by blocks, segments, rays and queries together.
 std::array<double, 7> sharesOf(const sim::StepWork& work, const sim::ComputePrices& prices) {
   std::array<double, 7> shares{};
   const auto ns = prices.each(work);

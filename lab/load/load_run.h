@@ -48,6 +48,10 @@ struct LoadOptions {
   size_t viewers = 40, workers = 1;
   double seconds = 10;  // measured, after the run-in
   double run_in_s = 3;  // in which viewers come and get their first sections
+  // Of the viewers so many come in the run-in's first second, the others one after another in step_s from the beginning
+  // of what is measured on; 0: all come in the run-in.
+  size_t before_step = 0;
+  double step_s = 5;
   double tau_px = 2, keyframe_ms = 200;
   proto::Predictor predictor = proto::Predictor::kConstantVelocity;  // of those who do not jump
   sim::LinkPair links = sim::fixedLink(Duration::milliseconds(50));  // of all, but that one of 20 is slow
@@ -63,6 +67,8 @@ inline constexpr Duration kUtilisationBin = Duration::milliseconds(20);
 
 struct LoadFigures {
   uint64_t keyframes = 0, missed = 0, skipped = 0, late_at_viewers = 0;
+  double latest_at_viewers_ms = 0;  // after the time from which it was to be shown
+  double largest_tau_px = 0;        // that a keyframe stated
   uint64_t at_once = 0;  // keyframes after a jump, which have no deadline and are in none of the other figures
   double missed_share = 0;
   double lateness_p50_ms = 0, lateness_p99_ms = 0, lateness_max_ms = 0;  // of the end, after the deadline
@@ -80,6 +86,8 @@ struct LoadFigures {
     visit("at_once", at_once);
     visit("skipped", skipped);
     visit("late_at_viewers", late_at_viewers);
+    visit("latest_at_viewers_ms", latest_at_viewers_ms);
+    visit("largest_tau_px", largest_tau_px);
     visit("lateness_p50_ms", lateness_p50_ms);
     visit("lateness_p99_ms", lateness_p99_ms);
     visit("lateness_max_ms", lateness_max_ms);

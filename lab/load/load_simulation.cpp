@@ -127,7 +127,11 @@ void LoadSimulation::receive(size_t i) {
   v.tally.add(received, message.size(), begin_ + v.clock + interval, end_ + v.clock - interval);
   if (!received.is_keyframe) v.move.down += message.size();
   if (!received.is_keyframe) return;
-  if (received.lateness > Duration{} && isMeasured()) ++figures_.late_at_viewers;
+  if (isMeasured()) {
+    figures_.late_at_viewers += received.lateness > Duration{} ? 1 : 0;
+    figures_.latest_at_viewers_ms = std::max(figures_.latest_at_viewers_ms, received.lateness.toMilliseconds());
+    figures_.largest_tau_px = std::max(figures_.largest_tau_px, received.tau_px);
+  }
   arrived(v, received, message.size());
 }
 

@@ -1,14 +1,12 @@
 #include "server/occlusion/occluder.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
 #include <vector>
 
+#include "server/embree/embree_device.h"
 #include "server/section/height_bounds.h"
 
 namespace foreland::server {
@@ -135,45 +133,27 @@ std::vector<RTCGrid> gridsOf(const Vertices& vertices) {
 }  // namespace
 
 struct Occluder::Embree {
-  explicit Embree(size_t limit_bytes) : max_bytes(static_cast<ssize_t>(limit_bytes)) {
-    rtcSetDeviceMemoryMonitorFunction(device, countBytes, this);
-  }
-  ~Embree() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-    if (device != nullptr) rtcReleaseDevice(device);
-  }
-  Embree(const Embree&) = delete;
-  Embree& operator=(const Embree&) = delete;
-
-  // Embree does not allocate what is refused, nor report it as freed.
-  static bool countBytes(void* self, ssize_t change, bool) {
-    auto& embree = *static_cast<Embree*>(self);
-    if (embree.bytes.fetch_add(change) + change <= embree.max_bytes || change < 0) return true;
-    embree.bytes.fetch_sub(change);
-    return false;
-  }
+  explicit Embree(size_t max_bytes) : device(EmbreeDevice::Threads::kAll, max_bytes) {}
 
   Status build(const Vertices& vertices, const glm::dvec3& origin) {
-    scene = rtcNewScene(device);
-    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+    scene = device.newScene();
+    const RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_GRID);
     const bool is_filled = scene != nullptr && geometry != nullptr && fill(geometry, vertices, origin);
-    const RTCError refusal = is_filled ? RTC_ERROR_NONE : rtcGetDeviceError(device);
+    const RTCError refusal = is_filled ? RTC_ERROR_NONE : device.error();
     if (is_filled) {
       rtcCommitGeometry(geometry);
-      rtcAttachGeometry(scene, geometry);
+      rtcAttachGeometry(scene.get(), geometry);
     }
     if (geometry != nullptr) rtcReleaseGeometry(geometry);
     if (!is_filled) return errorOf(refusal);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    rtcCommitScene(scene);
-    const RTCError failure = rtcGetDeviceError(device);
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(scene.get());
+    const RTCError failure = device.error();
     return failure == RTC_ERROR_NONE ? Status() : errorOf(failure);
   }
 
-  const ssize_t max_bytes;
-  std::atomic<ssize_t> bytes{0};
-  RTCDevice device = rtcNewDevice(nullptr);
-  RTCScene scene = nullptr;
+  EmbreeDevice device;
+  EmbreeScene scene;
 
  private:
   // False if Embree has no memory for it.
@@ -222,25 +202,16 @@ Result<std::shared_ptr<const Occluder>> Occluder::create(const Hierarchy& hierar
   occluder->steepness_ = std::sqrt(2.0) * kEdgeSteepness;
   occluder->embree_ = std::make_unique<Embree>(options.max_bytes);
   if (const Status status = occluder->embree_->build(vertices, occluder->origin_); !status.ok()) return status.error();
-  occluder->bytes_ = static_cast<size_t>(occluder->embree_->bytes.load());
+  occluder->bytes_ = occluder->embree_->device.bytes();
   return std::shared_ptr<const Occluder>(std::move(occluder));
 }
 
 // Embree looks for a hit from a ray's origin on: what hides a place is mostly near to it, so the ray comes from there.
 bool Occluder::blocks(const glm::dvec3& from, const glm::dvec3& way) const {
-  const glm::dvec3 end = from - origin_;
-  RTCRay ray{};
-  ray.org_x = static_cast<float>(end.x);
-  ray.org_y = static_cast<float>(end.y);
-  ray.org_z = static_cast<float>(end.z);
-  ray.dir_x = static_cast<float>(way.x);
-  ray.dir_y = static_cast<float>(way.y);
-  ray.dir_z = static_cast<float>(way.z);
-  ray.tfar = 1;
-  ray.mask = ~0u;
+  RTCRay ray = embreeRay(glm::vec3(from - origin_), glm::vec3(way));
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(embree_->scene, &context, &ray);
+  rtcOccluded1(embree_->scene.get(), &context, &ray);
   return ray.tfar < 0;
 }
 

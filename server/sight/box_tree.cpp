@@ -1,9 +1,6 @@
 #include "server/sight/box_tree.h"
 
-#include <embree3/rtcore.h>
-
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +9,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "server/embree/embree_device.h"
 
 namespace foreland::server {
 
@@ -25,7 +23,7 @@ struct Boxes {
   BoxTree::BoxOf of;
   double margin;
   glm::dvec3 origin;
-  RTCScene scene = nullptr;  // of a part
+  EmbreeScene scene{};  // of a part
 };
 
 struct Cast {
@@ -53,15 +51,6 @@ std::optional<Span> within(const BoxTree::Space& space, const glm::dvec3& from, 
   }
   if (!(span.begin < span.end)) return std::nullopt;
   return span;
-}
-
-RTCRay rayOf(const glm::vec3& from, const glm::vec3& way) {
-  RTCRay ray{};
-  ray.org_x = from.x, ray.org_y = from.y, ray.org_z = from.z;
-  ray.dir_x = way.x, ray.dir_y = way.y, ray.dir_z = way.z;
-  ray.tnear = 0, ray.tfar = 1;
-  ray.mask = ~0u;
-  return ray;
 }
 
 void bound(const RTCBoundsFunctionArguments* args) {
@@ -98,32 +87,13 @@ void visitInOrder(const RTCIntersectFunctionNArguments* args) {
 }  // namespace
 
 struct BoxTree::Embree {
-  Embree(const Space& of, uint64_t limit)
-      : space(of), max_bytes(static_cast<int64_t>(std::min<uint64_t>(limit, std::numeric_limits<int64_t>::max()))) {
-    CHECK_TRUE(device != nullptr);  // a processor without SSE2, which this is not built for
-    rtcSetDeviceMemoryMonitorFunction(
-        device, [](void* self, ssize_t change, bool) { return static_cast<Embree*>(self)->count(change); }, this);
-    scene = rtcNewScene(device);
-  }
-  ~Embree() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-    for (const auto& part : parts)
-      if (part->scene != nullptr) rtcReleaseScene(part->scene);
-    rtcReleaseDevice(device);
-  }
-  Embree(const Embree&) = delete;
-  Embree& operator=(const Embree&) = delete;
-
-  // Whether Embree may have more. It does not allocate what is refused, nor report it as freed.
-  bool count(int64_t change) {
-    if (bytes.fetch_add(change) + change <= max_bytes || change < 0) return true;
-    bytes.fetch_sub(change);
-    return false;
+  Embree(const Space& of, uint64_t max_bytes) : space(of), device(EmbreeDevice::Threads::kOne, max_bytes) {
+    CHECK_TRUE(device.handle() != nullptr);  // a processor without SSE2, which this is not built for
+    scene = device.newScene();
   }
 
-  // Embree forgets its errors when asked for them.
   Status status() const {
-    const RTCError error = rtcGetDeviceError(device);
+    const RTCError error = device.error();
     if (error == RTC_ERROR_NONE) return {};
     if (error == RTC_ERROR_OUT_OF_MEMORY)
       return Error{ErrorCode::kLimit, "the scene at full resolution takes more memory than lines of sight may have"};
@@ -139,7 +109,7 @@ struct BoxTree::Embree {
   }
 
   Status addBoxesTo(RTCScene to, uint32_t count, Boxes& boxes) const {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_USER);
     if (geometry == nullptr) return status();
     rtcSetGeometryUserPrimitiveCount(geometry, count);
     rtcSetGeometryUserData(geometry, &boxes);
@@ -156,12 +126,10 @@ struct BoxTree::Embree {
   }
 
   const Space space;
-  const int64_t max_bytes;
-  std::atomic<int64_t> bytes{0};
-  RTCDevice device = rtcNewDevice("threads=1");  // the other processors are for those who fly
-  RTCScene scene = nullptr;
+  EmbreeDevice device;  // outlives all scenes
   std::unique_ptr<Boxes> standing;
   std::vector<std::unique_ptr<Boxes>> parts;
+  EmbreeScene scene;
   uint32_t instances = 0;
 };
 
@@ -172,36 +140,36 @@ BoxTree& BoxTree::operator=(BoxTree&&) noexcept = default;
 
 Status BoxTree::addBoxes(uint32_t count, BoxOf box_of) {
   const Space& space = embree_->space;
-  embree_->standing = std::make_unique<Boxes>(
-      Boxes{std::move(box_of), space.margin_m + kFloats * space.reach_m, space.origin, nullptr});
-  return embree_->addBoxesTo(embree_->scene, count, *embree_->standing);
+  embree_->standing =
+      std::make_unique<Boxes>(Boxes{std::move(box_of), space.margin_m + kFloats * space.reach_m, space.origin, {}});
+  return embree_->addBoxesTo(embree_->scene.get(), count, *embree_->standing);
 }
 
 Result<uint32_t> BoxTree::addPart(uint32_t count, BoxOf box_of, double scale) {
   const Space& space = embree_->space;
   embree_->parts.push_back(std::make_unique<Boxes>(
-      Boxes{std::move(box_of), (space.margin_m + kFloats * space.reach_m) / scale, glm::dvec3(0), nullptr}));
+      Boxes{std::move(box_of), (space.margin_m + kFloats * space.reach_m) / scale, glm::dvec3(0), {}}));
   Boxes& part = *embree_->parts.back();
-  part.scene = rtcNewScene(embree_->device);
-  if (Status s = embree_->addBoxesTo(part.scene, count, part); !s.ok()) return s.error();
-  if (Status s = embree_->commit(part.scene); !s.ok()) return s.error();
+  part.scene = embree_->device.newScene();
+  if (Status s = embree_->addBoxesTo(part.scene.get(), count, part); !s.ok()) return s.error();
+  if (Status s = embree_->commit(part.scene.get()); !s.ok()) return s.error();
   return static_cast<uint32_t>(embree_->parts.size() - 1);
 }
 
 Status BoxTree::addInstance(uint32_t part, const glm::dmat3& linear, const glm::dvec3& offset) {
-  RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  RTCGeometry geometry = rtcNewGeometry(embree_->device.handle(), RTC_GEOMETRY_TYPE_INSTANCE);
   if (geometry == nullptr) return embree_->status();
-  rtcSetGeometryInstancedScene(geometry, embree_->parts[part]->scene);
+  rtcSetGeometryInstancedScene(geometry, embree_->parts[part]->scene.get());
   rtcSetGeometryTimeStepCount(geometry, 1);
   const std::array<glm::vec3, 4> columns{glm::vec3(linear[0]), glm::vec3(linear[1]), glm::vec3(linear[2]),
                                          glm::vec3(offset - embree_->space.origin)};
   rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-  return embree_->addTo(embree_->scene, geometry, 1 + kBoxesGeometry + embree_->instances++);
+  return embree_->addTo(embree_->scene.get(), geometry, 1 + kBoxesGeometry + embree_->instances++);
 }
 
 Status BoxTree::commit() {
   if (embree_->scene == nullptr) return embree_->status();
-  return embree_->commit(embree_->scene);
+  return embree_->commit(embree_->scene.get());
 }
 
 void BoxTree::castInOrder(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
@@ -211,19 +179,20 @@ void BoxTree::castInOrder(const glm::dvec3& from, const glm::dvec3& to, const Vi
   const Visit of_span = [&](int32_t instance, uint32_t box) { return (visit(instance, box) - span->begin) / length; };
   Cast cast(of_span);
   RTCRayHit hit{};
-  hit.ray = rayOf(from + span->begin * (to - from) - embree_->space.origin, length * (to - from));
+  hit.ray = embreeRay(from + span->begin * (to - from) - embree_->space.origin, length * (to - from));
   hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(embree_->scene, &cast.context, &hit);
+  rtcIntersect1(embree_->scene.get(), &cast.context, &hit);
 }
 
 void BoxTree::cast(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
   const std::optional<Span> span = within(embree_->space, from, to);
   if (!span) return;
   Cast cast(visit);
-  RTCRay ray = rayOf(from + span->begin * (to - from) - embree_->space.origin, (span->end - span->begin) * (to - from));
-  rtcOccluded1(embree_->scene, &cast.context, &ray);
+  RTCRay ray =
+      embreeRay(from + span->begin * (to - from) - embree_->space.origin, (span->end - span->begin) * (to - from));
+  rtcOccluded1(embree_->scene.get(), &cast.context, &ray);
 }
 
-uint64_t BoxTree::bytes() const { return static_cast<uint64_t>(std::max<int64_t>(0, embree_->bytes)); }
+uint64_t BoxTree::bytes() const { return embree_->device.bytes(); }
 
 }  // namespace foreland::server
