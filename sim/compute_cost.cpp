@@ -40,7 +40,8 @@ StepWork StepWork::between(const server::SessionStatistics& before, const server
           .blocks = after.occlusion.tests - before.occlusion.tests,
           .segments = after.occlusion.segments - before.occlusion.segments,
           .rays = after.occlusion.rays - before.occlusion.rays,
-          .queries = after.occlusion.queries - before.occlusion.queries};
+          .queries = after.occlusion.queries - before.occlusion.queries,
+          .swept = after.nodes_swept - before.nodes_swept};
 }
 
 StepWork& StepWork::operator+=(const StepWork& other) {
@@ -54,6 +55,7 @@ StepWork& StepWork::operator+=(const StepWork& other) {
   segments += other.segments;
   rays += other.rays;
   queries += other.queries;
+  swept += other.swept;
   return *this;
 }
 

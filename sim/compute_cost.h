@@ -19,7 +19,7 @@ namespace foreland::sim {
 // Work of one step, counted.
 struct StepWork {
   uint64_t keyframes = 0;  // 0 or 1
-  uint64_t tested = 0;     // nodes tested by the adapter
+  uint64_t tested = 0;     // nodes tested exactly by the adapter
   uint64_t changed = 0;    // nodes added and removed
   uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
   uint64_t bytes = 0;      // written
@@ -27,6 +27,7 @@ struct StepWork {
   // With occlusion: tests of blocks and segments of horizons that are built for them (server/occlusion), rays, and
   // queries of what solids of objects hide.
   uint64_t blocks = 0, segments = 0, rays = 0, queries = 0;
+  uint64_t swept = 0;  // entries of frontiers
 
   // Of a step that has just been done; before it the session's statistics were `before`.
   static StepWork between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes);
@@ -43,16 +44,17 @@ struct StepWork {
     visit("segments", segments);
     visit("rays", rays);
     visit("queries", queries);
+    visit("swept", swept);
   }
 };
 
-inline constexpr size_t kWorkKinds = 10;
+inline constexpr size_t kWorkKinds = 11;
 
 // Nanoseconds for each, in the order of StepWork.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
   double keyframe = 210'000, tested = 35, changed = 87, measured = 86, byte = 120, resumed = 110;
-  double block = 475, segment = 57'000, ray = 1000, query = 500;
+  double block = 475, segment = 57'000, ray = 1000, query = 500, swept = 8;
 
   Duration of(const StepWork& work) const;
   // What each kind of the work takes, in nanoseconds.
@@ -80,6 +82,7 @@ struct ComputePrices {
     visit("ns_segment", p.segment);
     visit("ns_ray", p.ray);
     visit("ns_query", p.query);
+    visit("ns_swept", p.swept);
   }
 };
 

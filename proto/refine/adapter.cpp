@@ -99,6 +99,7 @@ class Adapter<Tester>::Step {
         [&](uint32_t number, const FrontierPage& page, const float* heights, const FrontierEntry* entries) {
           while (page.first() >= begin(level + 1)) ++level;
           const Sweep::Found found = sweep.test(level, page, heights, entries);
+          a_.swept_ += page.entries;
           if (found.changed.any()) {
             found.changed.forEach([&](uint8_t rank) { scratch_.undecided[number].set(entries[rank].low()); });
             scratch_.has_undecided[number] = 1;

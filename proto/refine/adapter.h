@@ -82,7 +82,8 @@ class Adapter {
   typename Tester::Memory& memory() { return memory_; }
   size_t bytes() const { return frontier_.bytes() + memory_.bytes(); }
   size_t frontierSize() const { return frontier_.entryCount(); }
-  uint64_t testCount() const { return tests_; }  // Tests are counted from the start.
+  uint64_t testCount() const { return tests_; }   // Exact tests are counted from the start,
+  uint64_t sweptCount() const { return swept_; }  // and entries that were swept.
   // CHECKs that the section is closed and that exactly its frontier nodes have an entry. Tests call it; it is O(scene).
   void validate() const;
 
@@ -96,7 +97,7 @@ class Adapter {
   std::optional<View> last_;
   bool is_complete_ = false;  // The whole frontier has entries, as it has after any step.
   size_t nodes_in_section_ = 0;
-  uint64_t tests_ = 0;
+  uint64_t tests_ = 0, swept_ = 0;
   uint32_t steps_ = 0;
 };
 

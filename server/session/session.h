@@ -80,7 +80,8 @@ struct SessionStatistics {
   uint64_t keyframes = 0;
   uint64_t skipped_keyframes = 0;  // No keyframe was sent for so many points of the grid.
   uint64_t nodes_added = 0, nodes_removed = 0;
-  uint64_t nodes_tested = 0;  // Keyframes made so many tests of terrain nodes.
+  uint64_t nodes_tested = 0;  // Keyframes made so many exact tests of terrain nodes,
+  uint64_t nodes_swept = 0;   // and swept so many entries of frontiers (proto/refine/sweep.h).
   // So many nodes were found only to be counted: of sections that were refined from scratch, and of samples of some.
   uint64_t nodes_measured = 0;
   size_t section_nodes = 0;  // The last keyframe's section has so many nodes.

@@ -170,6 +170,7 @@ void Session::count(const KeyframePlan& plan, const SessionScratch& scratch) {
   statistics_.tau_px = keyframe().tau_px;
   statistics_.is_coarse = isCoarserThanWanted();
   statistics_.nodes_tested = sender_.adapter().testCount();
+  statistics_.nodes_swept = sender_.adapter().sweptCount();
   if (occlusion_) countOcclusion();
   statistics_.section_nodes = sender_.nodeCount();
   statistics_.remembered_nodes = sender_.adapter().memory().pages.knownCount();

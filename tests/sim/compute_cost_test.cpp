@@ -14,7 +14,7 @@ namespace {
 
 TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
   Rng rng(test::randomSeed());
-  const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8, 50, 900, 5000, 0, 700};
+  const ComputePrices truth{"truth", 40'000, 15, 180, 30, 8, 50, 900, 5000, 0, 700, 6};
   std::vector<TimedWork> steps;
   for (int i = 0; i < 2000; ++i) {
     const StepWork work{1,
@@ -26,7 +26,8 @@ TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
                         rng.below(2) == 0 ? rng.below(2000) : 0,
                         rng.below(60),
                         0,
-                        rng.below(3000)};
+                        rng.below(3000),
+                        rng.below(60'000)};
     const double noise = rng.uniform(0.98, 1.02);
     steps.push_back({work, noise * truth.of(work).toSeconds()});
   }
@@ -39,6 +40,7 @@ TEST(ComputePrices, AreFoundAgainInTheTimesThatTheyMake) {
   EXPECT_NEAR(found.segment, truth.segment, 0.2 * truth.segment);
   EXPECT_EQ(found.ray, 0);
   EXPECT_NEAR(found.query, truth.query, 0.2 * truth.query);
+  EXPECT_NEAR(found.swept, truth.swept, 0.2 * truth.swept);
 }
 
 TEST(ComputePrices, AreNeverNegative) {
@@ -50,7 +52,7 @@ TEST(ComputePrices, AreNeverNegative) {
 
 TEST(ComputePrices, AreReadAsTheyWereWritten) {
   const test::TemporaryFolder folder;
-  const ComputePrices prices{"x", 1.5, 2.25, 3, 0, 1e-3, 7, 11, 13.5, 17, 19};
+  const ComputePrices prices{"x", 1.5, 2.25, 3, 0, 1e-3, 7, 11, 13.5, 17, 19, 23};
   std::ofstream(folder / "c.json") << prices.toJson();
   const auto read = readPrices(folder / "c.json");
   ASSERT_TRUE(read.ok()) << read.error().message;
