@@ -33,6 +33,7 @@ StepWork StepWork::between(const server::SessionStatistics& before, const server
   const server::SessionStatistics& after = session.statistics();
   return {.keyframes = after.keyframes - before.keyframes,
           .tested = after.nodes_tested - before.nodes_tested,
+          .swept = after.nodes_swept - before.nodes_swept,
           .changed = after.nodes_added + after.nodes_removed - before.nodes_added - before.nodes_removed,
           .measured = after.nodes_measured - before.nodes_measured,
           .bytes = bytes,
@@ -40,13 +41,13 @@ StepWork StepWork::between(const server::SessionStatistics& before, const server
           .blocks = after.occlusion.tests - before.occlusion.tests,
           .segments = after.occlusion.segments - before.occlusion.segments,
           .rays = after.occlusion.rays - before.occlusion.rays,
-          .queries = after.occlusion.queries - before.occlusion.queries,
-          .swept = after.nodes_swept - before.nodes_swept};
+          .queries = after.occlusion.queries - before.occlusion.queries};
 }
 
 StepWork& StepWork::operator+=(const StepWork& other) {
   keyframes += other.keyframes;
   tested += other.tested;
+  swept += other.swept;
   changed += other.changed;
   measured += other.measured;
   bytes += other.bytes;
@@ -55,7 +56,6 @@ StepWork& StepWork::operator+=(const StepWork& other) {
   segments += other.segments;
   rays += other.rays;
   queries += other.queries;
-  swept += other.swept;
   return *this;
 }
 

@@ -20,6 +20,7 @@ namespace foreland::sim {
 struct StepWork {
   uint64_t keyframes = 0;  // 0 or 1
   uint64_t tested = 0;     // nodes tested exactly by the adapter
+  uint64_t swept = 0;      // entries of its frontier that were swept
   uint64_t changed = 0;    // nodes added and removed
   uint64_t measured = 0;   // nodes of sections that were refined from scratch to be counted
   uint64_t bytes = 0;      // written
@@ -27,7 +28,6 @@ struct StepWork {
   // With occlusion: tests of blocks and segments of horizons that are built for them (server/occlusion), rays, and
   // queries of what solids of objects hide.
   uint64_t blocks = 0, segments = 0, rays = 0, queries = 0;
-  uint64_t swept = 0;  // entries of frontiers
 
   // Of a step that has just been done; before it the session's statistics were `before`.
   static StepWork between(const server::SessionStatistics& before, const server::Session& session, uint64_t bytes);
@@ -36,6 +36,7 @@ struct StepWork {
   void fields(const Visit& visit) const {
     visit("keyframes", keyframes);
     visit("tested", tested);
+    visit("swept", swept);
     visit("changed", changed);
     visit("measured", measured);
     visit("bytes", bytes);
@@ -44,7 +45,6 @@ struct StepWork {
     visit("segments", segments);
     visit("rays", rays);
     visit("queries", queries);
-    visit("swept", swept);
   }
 };
 
@@ -53,8 +53,8 @@ inline constexpr size_t kWorkKinds = 11;
 // Nanoseconds for each, in the order of StepWork.
 struct ComputePrices {
   std::string name = "default";  // what reports call them: of the file, where they are from one
-  double keyframe = 210'000, tested = 35, changed = 87, measured = 86, byte = 120, resumed = 110;
-  double block = 475, segment = 57'000, ray = 1000, query = 500, swept = 8;
+  double keyframe = 210'000, tested = 35, swept = 8, changed = 87, measured = 86, byte = 120, resumed = 110;
+  double block = 475, segment = 57'000, ray = 1000, query = 500;
 
   Duration of(const StepWork& work) const;
   // What each kind of the work takes, in nanoseconds.
@@ -74,6 +74,7 @@ struct ComputePrices {
   static void visitAll(Prices& p, const Visit& visit) {
     visit("ns_keyframe", p.keyframe);
     visit("ns_tested", p.tested);
+    visit("ns_swept", p.swept);
     visit("ns_changed", p.changed);
     visit("ns_measured", p.measured);
     visit("ns_byte", p.byte);
@@ -82,7 +83,6 @@ struct ComputePrices {
     visit("ns_segment", p.segment);
     visit("ns_ray", p.ray);
     visit("ns_query", p.query);
-    visit("ns_swept", p.swept);
   }
 };
 

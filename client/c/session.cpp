@@ -42,11 +42,12 @@ Session::Session(SessionOptions options) : options_(std::move(options)) {
 void Session::tell(ToSession message) {
   const std::lock_guard lock(mutex_);
   const auto isFrame = [](const ToSession& m) { return std::holds_alternative<told::Frame>(m); };
+  const bool is_first = told_.empty();
   if (!told_.empty() && isFrame(told_.back()) && isFrame(message))
     told_.back() = std::move(message);
   else
     told_.push_back(std::move(message));
-  if (running_ != nullptr) running_->wake();
+  if (is_first && running_ != nullptr) running_->wake();
   told_or_stopped_.notify_one();
 }
 
@@ -105,12 +106,14 @@ void Session::takeTold(const std::stop_token& stop, const SessionLoop& loop, std
   std::swap(told, told_);
 }
 
-// What is told from now on wakes the connection.
+// What is told from now on wakes the connection. What was told before does, too, so that a host that tells something
+// all the time leaves the connection its turns.
 bool Session::isToRun(const SessionLoop& loop) {
   std::shared_ptr<WebSocketClient> last = loop.connection();  // the one before ends after the lock
   const std::lock_guard lock(mutex_);
   std::swap(running_, last);
-  return running_ && told_.empty();
+  if (running_ && !told_.empty()) running_->wake();
+  return running_ != nullptr;
 }
 
 }  // namespace foreland::client

@@ -17,8 +17,8 @@ constexpr std::array<const char*, 2> kQueues{"shared", "stealing"};
 constexpr std::array<const char*, 3> kMixes{"mixed", "survey", "tours"};
 
 // What is hidden is found out by blocks, segments, rays and queries together.
-std::array<double, 7> sharesOf(const sim::StepWork& work, const sim::ComputePrices& prices) {
-  std::array<double, 7> shares{};
+std::array<double, 8> sharesOf(const sim::StepWork& work, const sim::ComputePrices& prices) {
+  std::array<double, 8> shares{};
   const auto ns = prices.each(work);
   for (size_t kind = 0; kind < ns.size(); ++kind) shares[std::min(kind, shares.size() - 1)] += ns[kind];
   const double all = std::accumulate(shares.begin(), shares.end(), 0.0);

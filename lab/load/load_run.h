@@ -76,7 +76,8 @@ struct LoadFigures {
   double jain = 0;                               // fairness of keyframes in time over those asked for
   double work_mean_ms = 0, work_p99_ms = 0;      // of a keyframe
   double ahead_mean_ms = 0;                      // how much before its deadline a keyframe was begun
-  std::array<double, 7> shares{};  // of the priced time: keyframe, tested, changed, measured, bytes, resumed, hidden
+  // Of the priced time: keyframe, tested, swept, changed, measured, bytes, resumed, hidden.
+  std::array<double, 8> shares{};
 
   template <class Visit>
   void fields(const Visit& visit) const {
@@ -97,8 +98,8 @@ struct LoadFigures {
     visit("work_mean_ms", work_mean_ms);
     visit("work_p99_ms", work_p99_ms);
     visit("ahead_mean_ms", ahead_mean_ms);
-    const char* const kShares[] = {"share_keyframe", "share_tested",  "share_changed", "share_measured",
-                                   "share_bytes",    "share_resumed", "share_hidden"};
+    const char* const kShares[] = {"share_keyframe", "share_tested", "share_swept",   "share_changed",
+                                   "share_measured", "share_bytes",  "share_resumed", "share_hidden"};
     for (size_t i = 0; i < shares.size(); ++i) visit(kShares[i], shares[i]);
   }
 };

@@ -69,7 +69,9 @@ void Session::fitBudget(proto::View& view, SessionScratch& scratch) {
   const Budget budget{input_.request().max_triangles, input_.request().max_bytes_per_second, processors_};
   const double before_px = tolerance_.tolerance();
   const double coarser = isRegionGuessed() ? input_.motion().regionShare().coarser() : 1;
-  const double wanted_px = static_cast<float>(tolerance_.next(coarser * sectionTolerance(), budget));
+  // Falls as fast as what did not fit, once predictions are good again.
+  const double wanted_px =
+      static_cast<float>(std::max(tolerance_.next(sectionTolerance(), budget), coarser * sectionTolerance()));
   view.tau_px = wanted_px;
   if (budget.bytes_per_second == 0 && sender_.isLikelyToFit(view, maxNodes())) return tolerance_.force(wanted_px);
   const auto load = [&](double tau_px) {

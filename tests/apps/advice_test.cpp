@@ -104,6 +104,33 @@ std::vector<Advice> elevation() {
        {"synth -o @land.exr --size 65"},
        "build @land.exr --channel Q -o @a.fls",
        {"build @land.exr --channel height -o @a.fls"}},
+      {"; convert it first with gdal_translate -ot Float32 -scale 0 1 0 0.3048",
+       "",
+       {kTranslate + "-ot Float64 -scale 0 1000 0 3280.84 @hills.tif @in_feet.tif"},
+       "build @hills.tif @in_feet.tif -o @a.fls",
+       {kTranslate + "-ot Float32 -scale 0 1 0 0.3048 @in_feet.tif @metres.tif",
+        "build @hills.tif @metres.tif -o @a.fls"}},
+      {": --vertical file: its reference system does not say what its heights are above; say ",
+       "say ellipsoid, egm96, egm2008 or a grid's file",
+       {},
+       "build @hills.tif --vertical file -o @a.fls",
+       {"build @hills.tif --vertical ellipsoid -o @a.fls", "build @hills.tif --vertical egm96 -o @a.fls"}},
+      {": --vertical ",
+       "nowhere.gtx: neither ellipsoid, egm96 nor egm2008",
+       {},
+       "build @hills.tif --vertical @nowhere.gtx -o @a.fls",
+       {"build @hills.tif --vertical egm96 -o @a.fls"}},
+      {"--scene-vertical ",
+       "nowhere.gtx: neither ellipsoid, egm96 nor egm2008",
+       {},
+       "build @hills.tif --vertical ellipsoid --scene-vertical @nowhere.gtx -o @a.fls",
+       {"build @hills.tif --vertical ellipsoid --scene-vertical egm96 -o @a.fls"}},
+      {"so no geoid is known over it; name one with gdal_translate -a_srs",
+       "",
+       {},
+       "build @hills.asc --vertical egm96 --scene-vertical ellipsoid -o @a.fls",
+       {kTranslate + "-a_srs EPSG:32632 @hills.asc @named.tif",
+        "build @named.tif --vertical egm96 --scene-vertical ellipsoid -o @a.fls"}},
       {"--spacing is for files without a reference system",
        "",
        {},
@@ -321,6 +348,7 @@ constexpr std::array kNotRun{
     "try gdalwarp -tps -dstnodata -9999 {} placed.tif",      // GDAL places whatever control points it can read
     "its reference system cannot be related to the elevation's; convert it first with gdalwarp -t_srs",  // PROJ relates
                                                                                                          // all
+    "no grid of undulations: it has",  // tests/terrain/dem/vertical has such a grid
     "its georeference is degenerate; correct it with gdal_translate -a_ullr",  // GDAL drops such a georeference
     "its reference system has no unit; name one with gdal_translate -a_srs",   // GDAL gives it a unit
 };

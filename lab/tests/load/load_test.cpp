@@ -23,7 +23,7 @@ LoadOptions smallLoad(size_t viewers) {
   options.seconds = 2;
   options.tau_px = 20;
   options.mix = Mix::kSurvey;
-  options.prices = {"test", 4e6, 0, 0, 0, 0, 0};
+  options.prices = {"test", 4e6, 0, 0, 0, 0, 0, 0};
   return options;
 }
 
@@ -74,7 +74,7 @@ TEST(Load, MeetsDeadlinesWithSlackThatCostsFreshness) {
   LoadOptions options = smallLoad(1);
   options.start = LoadStart::kEarly;
   options.seconds = 20;
-  options.prices = {"test", 1e6, 0, 0, 0, 20'000, 0};  // a keyframe costs now more, now less
+  options.prices = {"test", 1e6, 0, 0, 0, 0, 20'000, 0};  // a keyframe costs now more, now less
   options.slack_ms = 0;
   const LoadFigures tight = run(options);
   options.slack_ms = 10;
@@ -103,7 +103,7 @@ TEST(Load, PricesWhatOcclusionTests) {
     LoadOptions options = smallLoad(3);
     options.tau_px = 2;
     options.occlusion = occlusion ? server::Occlusion::kOn : server::Occlusion::kOff;
-    options.prices = {"test", 4e6, 0, 0, 0, 0, 0, 1e4, 1e4, 1e4};
+    options.prices = {"test", 4e6, 0, 0, 0, 0, 0, 0, 1e4, 1e4, 1e4};
     return runLoad(world, options).figures.shares.back();
   };
   EXPECT_EQ(hidden(false), 0);

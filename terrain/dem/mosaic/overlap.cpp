@@ -23,8 +23,9 @@ bool isAbout(double value, double wanted) { return std::fabs(value / wanted - 1)
 
 // By how much one number is larger than the other.
 std::optional<std::string> wrongUnit(double ratio) {
-  if (isAbout(ratio, kFeet)) return "the second is likely in feet, which it does not state";
-  if (isAbout(ratio, 1 / kFeet)) return "the first is likely in feet, which it does not state";
+  static constexpr const char* kConvert = "; convert it first with gdal_translate -ot Float32 -scale 0 1 0 0.3048";
+  if (isAbout(ratio, kFeet)) return std::string("the second is likely in feet, which it does not state") + kConvert;
+  if (isAbout(ratio, 1 / kFeet)) return std::string("the first is likely in feet, which it does not state") + kConvert;
   for (const double power : {10.0, 100.0, 1000.0}) {
     if (isAbout(ratio, power))
       return fmt::format("the numbers of the second are {:g} times as large: another unit", power);
@@ -56,7 +57,7 @@ std::optional<std::string> Overlap::doubt() const {
   const std::string found = fmt::format("the second is {:.0f} m {} in the median; ", std::fabs(difference_m),
                                         difference_m > 0 ? "higher" : "lower");
   if (!ratios.empty())
-    if (const auto unit = wrongUnit(median(ratios))) return found + *unit + " (--height-unit)";
+    if (const auto unit = wrongUnit(median(ratios))) return found + *unit;
   for (const double d : differences) spreads.push_back(std::fabs(d - difference_m));
   if (median(spreads) > kAlike_m) return found + "they are not of the same ground: see their places and their units";
   if (std::fabs(difference_m) <= kMostUndulation_m)

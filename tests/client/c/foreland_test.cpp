@@ -51,7 +51,7 @@ TEST(ForelandC, FramesKeepTheTolerance) {
   uint32_t guaranteed = 0;
   host.fly(12, [&](const ForelandFrame& frame) {
     if (!std::isfinite(frame.guaranteed_px)) return;
-    EXPECT_LE(frame.guaranteed_px, 2);
+    EXPECT_LE(frame.guaranteed_px, 8) << "a camera that is hard to predict has four times the tolerance at most";
     EXPECT_GE(frame.weight, 0);
     EXPECT_LE(frame.weight, 1);
     ++guaranteed;
