@@ -30,7 +30,7 @@ SessionLoop::SessionLoop(SessionOptions options, const std::stop_token& stop, Po
 
 void SessionLoop::makeViewer() {
   held_.reset();
-  Held& held = held_.emplace(Viewer(options_.request));
+  Held& held = held_.emplace(options_.request);
   held.viewer.drawAhead();
   if (!options_.has_meshes) held.viewer.leaveMeshesEmpty();
   if (clock_) held.viewer.setSceneClock(*clock_);

@@ -49,6 +49,7 @@ class SessionLoop {
  private:
   // A viewer, and what belongs to it.
   struct Held {
+    explicit Held(const proto::ViewRequest& request) : viewer(request) {}
     Viewer viewer;
     NewestMesh newest{viewer};
     GroundSupply ground{};

@@ -87,13 +87,14 @@ class Adapter<Tester>::Step {
   // Finds the entries that are undecided: those that their tests contradict.
   void findUndecided() {
     if constexpr (std::is_same_v<Tester, TerrainTester>)
-      if (tester_.isSwept()) return sweep();
+      if (tester_.isSwept()) return sweep(tester_);
     testStale();
   }
   // By a test of all of them. The unsure ones are tested exactly, before any is a candidate.
-  void sweep() requires std::is_same_v<Tester, TerrainTester> {
+  template <class SweptTester>
+  void sweep(const SweptTester& tester) {
     int level = 1;
-    const Sweep sweep(*a_.domain_, tester_.metric(),
+    const Sweep sweep(*a_.domain_, tester.metric(),
                       motion_.isUnbounded() ? HiddenEntries::kTest : HiddenEntries::kLeave);
     frontier_.forEachPage(
         [&](uint32_t number, const FrontierPage& page, const float* heights, const FrontierEntry* entries) {
