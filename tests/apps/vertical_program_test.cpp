@@ -174,7 +174,8 @@ TEST_F(VerticalProgram, TheMapHasTheGroundAndTheInputsOutlines) {
   const uint32_t middle = image->height / 2;
   EXPECT_EQ(hexadecimal(image->at(0, middle)), outlines[0]["colour"].get<std::string>());
   EXPECT_EQ(hexadecimal(image->at(image->width - 1, middle)), outlines[1]["colour"].get<std::string>());
-  EXPECT_NE(hexadecimal(image->at(image->width / 4, middle)), outlines[0]["colour"]) << "ground inside";
+  EXPECT_NE(hexadecimal(image->at(image->width / 4, middle)), outlines[0]["colour"].get<std::string>())
+      << "ground inside";
   expectRefusal("info", {folder_ / "scene.fls", "--map", folder_ / "map.jpg"}, {"map.jpg", ".png"});
 }
 
